@@ -98,11 +98,7 @@ def test_plans_are_driven_through_faster_than_in_joint_steps(
 
 
 class Crowd:
-    """Robots on a large map that go straight on for a few cells at random, and turn.
-
-    Args:
-        robots: their number.
-    """
+    """Robots on a large map that go straight on for a few cells at random, and turn."""
 
     def __init__(self, robots: int) -> None:
         self.layout, self._stream = big_warehouse(), np.random.default_rng(robots)

@@ -28,13 +28,7 @@ MIN_GAIN = {"pibt": 1.15, "windowed": 1.15, "windowed-lanes": 0.9}
 
 
 class Found(NamedTuple):
-    """Figures of plans that robots drove through.
-
-    Attributes:
-        goals: reached an hour.
-        corners: of a robot in 100 moves.
-        joules: for each goal.
-    """
+    """Goals an hour, corners of a robot in 100 moves, and joules a goal of plans driven through."""
 
     goals: float
     corners: float

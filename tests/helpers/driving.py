@@ -50,14 +50,7 @@ def crowds(
 
 
 class Drive:
-    """Robots that have driven through a plan.
-
-    Args:
-        layout: of the plan.
-        plan: the cells of the robots before each joint step and after the last.
-        spec: of the robots.
-        loaded: for each robot whether it carries an item; nobody if empty.
-        pause: seconds between the joint steps as they are given.
+    """Robots that have driven through a plan, given with a pause between its joint steps.
 
     Attributes:
         positions: ``[N, R, 2]`` metres at each substep, until all are at rest.

@@ -20,12 +20,9 @@ SLACK = 1e-5
 
 
 def driving_fault(plan: Joint, positions: np.ndarray, spec: RobotSpec) -> str | None:
-    """Return the first fault of robots that have executed a plan, or ``None``.
+    """Return the first fault of ``R`` robots that have executed a plan, or ``None``.
 
-    Args:
-        plan: of ``R`` robots.
-        positions: ``[N, R, 2]`` metres, where the robots were at each substep.
-        spec: of the robots.
+    They were at ``positions``, ``[N, R, 2]`` metres, at each substep.
     """
     return (
         motion_fault(positions, spec)

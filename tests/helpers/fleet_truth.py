@@ -130,18 +130,21 @@ def random_lone_steps_equal(steps: int, seed: int, backend: Backend = "grid") ->
 
 
 def helpful(env: WarehouseEnv, stream: random.Random) -> Any:
-    """Return a random action that often is one that has an effect."""
-    tile = env.layout.rows[env.state.robot_pos[0]][env.state.robot_pos[1]]
+    """Return a random action that often has an effect, or leads to the next station."""
+    row, col = env.state.robot_pos
+    tile = env.layout.rows[row][col]
     if stream.random() < 0.7 and tile in "PDC":
         return {"P": PICK, "D": DROP, "C": WAIT}[tile]
+    if stream.random() < 0.5:
+        to_row, to_col = (env.layout.dropoffs if env.state.has_item else env.layout.pickups)[0]
+        return (WEST if to_col < col else EAST) if to_col != col else "N" if to_row < row else "S"
     return stream.choice([*range(8), "N", "e", "south"])
 
 
 def bodies_move_as_the_grid(robots: int, joint_actions: int, seed: int = 0) -> Counter[str]:
-    """Step a nominal fleet of bodies and one of the grid; return what stopped robots how often.
+    """Compare a nominal fleet of bodies and one of the grid; return what stopped robots how often.
 
-    Raises:
-        AssertionError: observations, rewards, flags, masks or who was blocked differ.
+    They have the same observations, rewards, flags and masks, and the same robots are blocked.
     """
     stream, stops, done = np.random.default_rng(seed), Counter[str](), 0
     while done < joint_actions:

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from pymunk import Vec2d
 
 from helpers.crowds import targets_of
-from helpers.rigid_bodies import STAY, STEPS, rows_differ
+from helpers.rigid_bodies import STAY, STEPS, rows_differ, together
 from warehouse_core import Cell, Layout, Outcome, random_layout
 from warehouse_core.motion.traffic import find_stops
 from warehouse_physics import RigidBodyMotion, RobotSpec
@@ -42,14 +42,9 @@ def random_spec(stream: random.Random, *, is_round: bool, widest: float = 0.499)
 
 
 def random_robots_move_as_the_grid(moves: int, seed: int = 0) -> tuple[int, int]:
-    """Move random robots alone and in a batch, a hundred moves each.
+    """Compare random robots on the grid, alone and in a batch, in a hundred moves each.
 
-    Returns:
-        The number of moves, and of those by a robot that the floor brakes alone.
-
-    Raises:
-        AssertionError: one ended in another cell than on the grid, or off its middle; or a batch
-            differs from single motions.
+    Return how many moves were made, and how many by robots that the floor brakes alone.
     """
     made = braked = 0
     while made < moves:
@@ -107,9 +102,7 @@ def differences_in_jams(moves: int, seed: int = 0) -> tuple[int, int, int]:
 def queue(layout: Layout, cells: list[Cell], loaded: bool = False) -> list[Outcome]:
     """Let each robot drive into the cell of the next; the last one waits."""
     moves = [(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(cells)]
-    motion = RigidBodyMotion(record_path=False)
-    motion.reset(layout, cells, 0)
-    return list(motion.advance([*moves, STAY], [loaded] * len(cells)))
+    return together(layout, cells, [*moves, STAY], None, [loaded] * len(cells), record_path=False)
 
 
 def straight_queue(robots: int) -> tuple[Layout, list[Cell]]:
@@ -193,11 +186,7 @@ class BookErrors(NamedTuple):
 
 
 def errors_of_the_books(moves: int, robots: int, seed: int = 0) -> BookErrors:
-    """Compare outcomes of random robots, alone or several, with a second book.
-
-    Raises:
-        AssertionError: the outcomes have other hits.
-    """
+    """Compare outcomes of random robots, alone or several, with a second book of equal hits."""
     errors = BookErrors([], [])
     while len(errors.joules) < moves:
         stream = random.Random(seed)

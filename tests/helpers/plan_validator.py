@@ -27,15 +27,7 @@ END = "end"
 
 @dataclass
 class Replay:
-    """The result of the actions of a plan on the rows of a layout.
-
-    Attributes:
-        place: where the robot is at the end.
-        has_item: whether it holds the item then.
-        cost: of all actions.
-        places: the start, and the place after each action.
-        errors: each with the number of its action.
-    """
+    """The result of the actions of a plan: places from the start on, errors by action numbers."""
 
     place: Place
     has_item: bool = False

@@ -3,6 +3,7 @@
 import math
 import random
 from collections.abc import Sequence
+from typing import Any
 
 import numpy as np
 import pytest
@@ -31,16 +32,26 @@ def motion_in(
     return motion
 
 
+def together(
+    layout: Layout,
+    cells: Sequence[Cell],
+    moves: Sequence[Cell],
+    spec: RobotSpec | None = None,
+    loaded: Sequence[bool] | None = None,
+    **options: Any,
+) -> list[Outcome]:
+    """Let robots make one move each; nobody is loaded unless it is said."""
+    motion = RigidBodyMotion(spec, **options)
+    motion.reset(layout, cells, 0)
+    return list(motion.advance(moves, loaded or [False] * len(cells)))
+
+
 def move(motion: RigidBodyMotion, displacement: Cell, loaded: bool = False) -> Outcome:
     return motion.advance([displacement], [loaded])[0]
 
 
 def drive_at_walls(time_step: float, moves: int) -> None:
-    """Drive at walls at the highest speed that a robot may have.
-
-    Raises:
-        AssertionError: it passed through one, or went deeper into it than a substep's distance.
-    """
+    """Drive at walls at the highest speed allowed; none may be entered deeper than in a substep."""
     radius = 0.35
     top_speed = radius / 2 / time_step
     spec = RobotSpec(
@@ -81,11 +92,7 @@ class Singles:
         self.motions[row].reset(self.layouts[row], [self._cells[row]], 0)
 
     def advance(self, actions: Sequence[int], loaded: Sequence[bool]) -> BatchOutcome:
-        """Move all.
-
-        Raises:
-            AssertionError: one ended in another cell than on the grid, or off its middle.
-        """
+        """Move all; each ends in the middle of the cell in which it does on the grid."""
         numbers, others = [], []
         for row, (layout, motion) in enumerate(zip(self.layouts, self.motions, strict=True)):
             move, home = DISPLACEMENTS[actions[row]], self._cells[row]
@@ -103,10 +110,8 @@ class Singles:
 def rows_differ(spec: RobotSpec, rows: int, steps: int, seed: int = 0, joules: float = 1e-6) -> int:
     """Drive a batch and single motions side by side and return how many moves were blocked.
 
-    Single rows are placed again between the moves, and loads change at random.
-
-    Raises:
-        AssertionError: something differs, joules by more than this share.
+    Single rows are placed again between the moves, and loads change at random. Nothing may differ,
+    but ``joules`` by such a share.
     """
     stream, blocked = random.Random(seed), 0
     layouts = some_layouts(rows, stream)
@@ -138,11 +143,7 @@ ACTIONS = (*WarehouseEnv.ACTIONS, *"NESW" * 3, 0, 1, 2, 3, 99, "fly")
 
 
 def steps_differ(spec: RobotSpec, moves: int, layouts: int = LAYOUTS) -> int:
-    """Step both backends side by side and return how many steps were blocked.
-
-    Raises:
-        AssertionError: one of the five values differs.
-    """
+    """Step both backends side by side, compare them, and return how many steps were blocked."""
     stream, blocked = random.Random(0), 0
     for seed in range(layouts):
         layout = random_layout(stream.randint(4, 12), stream.randint(4, 12), 0.25, seed=seed)

@@ -6,9 +6,9 @@ from itertools import combinations
 import numpy as np
 import pytest
 from helpers.crowds import CASES, targets_of
-from helpers.rigid_bodies import EAST, NORTH, SOUTH, STAY, STEPS, WEST
+from helpers.rigid_bodies import EAST, NORTH, SOUTH, STAY, STEPS, WEST, together
 
-from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, Outcome, random_layout
+from warehouse_core import DEFAULT_LAYOUT, Layout, Outcome, random_layout
 from warehouse_core.motion.backends import make_fleet_motion
 from warehouse_core.motion.base import WALL_CONTACT, robot_contact
 from warehouse_core.motion.batch import NOTHING, WALL
@@ -23,15 +23,6 @@ over_specs = pytest.mark.parametrize(
 )
 
 
-def together(
-    cells: list[Cell], moves: list[Cell], spec: RobotSpec | None = None, loaded: bool = False
-) -> list[Outcome]:
-    """Let robots in the hall make one move each."""
-    motion = RigidBodyMotion(spec)
-    motion.reset(HALL, cells, 0)
-    return list(motion.advance(moves, [loaded] * len(cells)))
-
-
 def places_at(times: np.ndarray, outcome: Outcome) -> np.ndarray:
     """Return x and y at some times, ``[2, K]``; a path ends when its robot is at rest."""
     clock, x, y, _ = outcome.path.T
@@ -42,7 +33,8 @@ def places_at(times: np.ndarray, outcome: Outcome) -> np.ndarray:
 def test_bodies_end_as_the_table_says(cells, moves, stops) -> None:
     targets = targets_of(cells, moves)
     for spec, loaded in ((RobotSpec(), False), (RobotSpec.fast(), True)):
-        for robot, outcome in enumerate(together(cells, moves, spec, loaded)):
+        outcomes = together(HALL, cells, moves, spec, [loaded] * len(cells))
+        for robot, outcome in enumerate(outcomes):
             is_stopped = stops[robot] is not None
             assert outcome.cell == (cells[robot] if is_stopped else targets[robot])
             assert outcome.blocked == is_stopped
@@ -55,19 +47,17 @@ def test_a_chain_of_blocked_robots_is_resolved(spec: RobotSpec) -> None:
     cells = [(3, 6), (3, 3), (3, 1), (2, 1), (3, 2), (3, 4), (4, 3), (4, 5), (2, 6), (4, 4)]
     moves = [NORTH, SOUTH, STAY, STAY, SOUTH, WEST, WEST, SOUTH, NORTH, SOUTH]
     loaded = [robot in (0, 1, 6, 8, 9) for robot in range(10)]
-    motion = RigidBodyMotion(spec)
-    motion.reset(layout, cells, 0)
-    outcomes = motion.advance(moves, loaded)
+    outcomes = together(layout, cells, moves, spec, loaded)
     assert [outcome.cell for outcome in outcomes] == cells
     assert [outcome.blocked for outcome in outcomes] == [move != STAY for move in moves]
 
 
 def test_both_robots_report_a_hit() -> None:
-    pushed = together([(2, 2), (2, 3)], [EAST, STAY])
+    pushed = together(HALL, [(2, 2), (2, 3)], [EAST, STAY])
     assert pushed[0].contacts[0].counterpart == robot_contact(1)
     assert pushed[1].contacts[0].counterpart == robot_contact(0)
     assert (pushed[0].blocked, pushed[1].blocked) == (True, False)
-    beside_a_wall = together([(0, 0), (3, 3)], [NORTH, STAY])
+    beside_a_wall = together(HALL, [(0, 0), (3, 3)], [NORTH, STAY])
     assert beside_a_wall[0].contacts[0].counterpart == WALL_CONTACT
     assert beside_a_wall[1].contacts == ()
 
@@ -89,8 +79,8 @@ def test_bodies_never_overlap_by_more_than_they_move_in_a_substep(spec) -> None:
 def test_each_robot_has_its_own_seconds_and_idle_joules() -> None:
     spec = RobotSpec()
     cells, moves = [(2, 2), (2, 3), (4, 4), (0, 5)], [EAST, STAY, SOUTH, STAY]
-    blocked, pushed, free, waiting = together(cells, moves)
-    alone = together([(4, 4)], [SOUTH])[0]
+    blocked, pushed, free, waiting = together(HALL, cells, moves)
+    alone = together(HALL, [(4, 4)], [SOUTH])[0]
     assert free.seconds == alone.seconds
     assert free.joules == pytest.approx(alone.joules, rel=1e-9)
     assert free.path[-1, 1:3] == pytest.approx(alone.path[-1, 1:3], abs=1e-9)

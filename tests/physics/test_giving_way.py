@@ -4,7 +4,7 @@ import math
 
 import pytest
 from helpers.physics_truth import differences_in_jams, queue, straight_queue, winding_queue
-from helpers.rigid_bodies import EAST, NORTH, SOUTH, STAY, WEST
+from helpers.rigid_bodies import EAST, NORTH, SOUTH, STAY, WEST, together
 
 from warehouse_core import Layout
 from warehouse_physics import RigidBodyMotion, RobotSpec, rigid_body_motion
@@ -27,10 +27,9 @@ def test_four_robots_in_a_passage_get_back_to_their_cells(kilograms, time_step) 
     spec = RobotSpec(
         payload_mass=kilograms, time_step=time_step, motor_force=max(60, 1.2 * kilograms)
     )
-    motion = RigidBodyMotion(spec)
-    cells = [(2, 2), (1, 3), (1, 5), (1, 2)]
-    motion.reset(Layout(["######", "......", "##.###"]), cells, 0)
-    outcomes = motion.advance([NORTH, EAST, WEST, EAST], [False, True, True, True])
+    cells, layout = [(2, 2), (1, 3), (1, 5), (1, 2)], Layout(["######", "......", "##.###"])
+    loaded = [False, True, True, True]
+    outcomes = together(layout, cells, [NORTH, EAST, WEST, EAST], spec, loaded)
     assert [outcome.cell for outcome in outcomes] == cells
     assert all(outcome.blocked and not outcome.cut_off for outcome in outcomes)
 
@@ -54,19 +53,15 @@ def test_a_robot_may_give_way_before_it_touches_anything() -> None:
 
 def test_a_robot_that_only_a_wall_stopped_does_not_wait_for_others() -> None:
     """Robot 0 is stopped by the wall; robot 1 drives away beside it."""
-    motion = RigidBodyMotion()
-    motion.reset(Layout(["....", "...."]), [(0, 0), (1, 0)], 0)
-    stopped, free = motion.advance([NORTH, EAST], [False, False])
-    calm = RigidBodyMotion()
-    calm.reset(Layout(["....", "...."]), [(0, 0), (1, 0)], 0)
-    assert stopped.seconds == calm.advance([NORTH, STAY], [False] * 2)[0].seconds < free.seconds
+    layout, cells = Layout(["....", "...."]), [(0, 0), (1, 0)]
+    stopped, free = together(layout, cells, [NORTH, EAST])
+    assert stopped.seconds == together(layout, cells, [NORTH, STAY])[0].seconds < free.seconds
 
 
 def test_wide_robots_push_each_other_round_a_ring() -> None:
     ring = [(0, 0), (0, 1), (1, 1), (1, 0)]
-    motion = RigidBodyMotion(RobotSpec(radius=0.4))
-    motion.reset(Layout(["..", ".."]), ring, 0)
-    outcomes = motion.advance([EAST, SOUTH, WEST, NORTH], [False] * 4)
+    moves = [EAST, SOUTH, WEST, NORTH]
+    outcomes = together(Layout(["..", ".."]), ring, moves, RobotSpec(radius=0.4))
     assert [outcome.cell for outcome in outcomes] == [*ring[1:], ring[0]]
     assert not any(outcome.blocked for outcome in outcomes)
     assert all(outcome.contacts for outcome in outcomes)

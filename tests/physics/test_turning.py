@@ -4,7 +4,7 @@ import math
 
 import numpy as np
 import pytest
-from helpers.rigid_bodies import EAST, LEDGE, NORTH, SOUTH, STAY, WEST, motion_in, move
+from helpers.rigid_bodies import EAST, LEDGE, NORTH, SOUTH, STAY, WEST, motion_in, move, together
 
 from warehouse_core import Cell, Layout
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
@@ -67,9 +67,7 @@ def test_all_that_move_set_off_together_after_the_longest_turn() -> None:
     """Robots of a ring, of which one turns round and one need not turn, and one that waits."""
     ring = [(1, 1), (1, 2), (2, 2), (2, 1)]
     moves = [EAST, SOUTH, WEST, NORTH]
-    motion = RigidBodyMotion(TURNING, path_every=1)
-    motion.reset(HALL, [*ring, (4, 4)], 0)
-    *movers, waiting = motion.advance([*moves, STAY], [False] * 5)
+    *movers, waiting = together(HALL, [*ring, (4, 4)], [*moves, STAY], TURNING, path_every=1)
     assert [outcome.cell for outcome in movers] == [*ring[1:], ring[0]]
     assert not any(outcome.contacts for outcome in movers)
     starts = [

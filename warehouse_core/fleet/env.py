@@ -351,11 +351,7 @@ class FleetEnv:
             raise EndedError(f"{method}() needs a reset() before it")
 
     def action_indices(self, actions: Actions) -> NDArray[np.intp]:
-        """Return the indices of actions ``[R]``, ``INVALID`` for those that are not allowed.
-
-        Args:
-            actions: see ``step``, which raises the same errors.
-        """
+        """Return the indices ``[R]`` of actions, ``INVALID`` for unknown ones; see ``step``."""
         robots = self.settings.robots
         if isinstance(actions, Mapping):
             actions = self._listed(actions)

@@ -99,11 +99,9 @@ class ChangesLayouts(Protocol):
     """A batch motion whose floors can get other layouts, for ``BatchEnv(pool=...)``."""
 
     def change(self, floors: Integers, layouts: Sequence[Layout]) -> None:
-        """Replace the layouts of some floors; their robots must be placed before they move.
+        """Replace the layouts of different floors by others of their sizes.
 
-        Args:
-            floors: ``[F]``, all different.
-            layouts: ``F``, each as large as the one it replaces.
+        The robots there must be placed before they move.
         """
 
 

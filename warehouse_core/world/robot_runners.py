@@ -38,7 +38,6 @@ class League(NamedTuple):
     """A problem of the League.
 
     Attributes:
-        layout: the map.
         starts: cells in which the robots start, all different.
         tasks: cells that each task visits, in this order; at least one task.
         revealed: number of unfinished tasks that are known at a time.

@@ -117,13 +117,9 @@ class Dependencies:
         order in which the robots behind it leave them. It cannot go there if a robot that has
         failed reaches into one of these cells.
 
-        Args:
-            robot: robot that has failed.
-            number: node at which it stays, or after which, between this node and the next.
-            reached: ``[R]``, node that each robot is at, or drives to.
-
-        Returns:
-            The other robots whose ways have changed, and whether they go back.
+        The robot stays at the node ``number``, or between it and the next. ``reached`` are the
+        nodes that robots are at, or drive to. Return the other robots whose ways have changed, and
+        whether they go back.
         """
         follower = {
             node.after: Visit(each, at)

@@ -17,13 +17,14 @@ from helpers.batches import (
     ROOM,
     SAME_STEP,
     SHOP,
+    TWO_CELLS,
     WAIT,
     Single,
     Walk,
     some_batch,
 )
 
-from warehouse_core import DEFAULT_LAYOUT, Layout
+from warehouse_core import DEFAULT_LAYOUT, Layout, random_layout
 from warehouse_core.arguments import MAX_STEPS
 from warehouse_core.batch import BatchEnv
 from warehouse_core.motion.grid import GridMotion
@@ -111,12 +112,6 @@ def test_a_delivery_in_the_last_step_terminates_and_truncates() -> None:
     assert arrays["steps"].tolist() == [[0]]
 
 
-@pytest.mark.parametrize("kind", [np.uint8, np.uint64, object])
-def test_starts_may_be_integers_of_any_type(kind: type) -> None:
-    batch = BatchEnv(2, ROOM, start_pos=np.array([(1, 1), (2, 1)], kind), randomize=False)
-    assert batch.reset()[0]["robot_pos"].tolist() == [[1, 1], [2, 1]]
-
-
 def test_row_returns_plain_numbers_and_counts_from_the_end_too() -> None:
     batch = some_batch(randomize=False)
     batch.reset()
@@ -142,3 +137,42 @@ def test_the_cost_depends_on_the_cell_size_of_the_backend_which_is_closed_at_the
 
 def test_the_size_is_the_largest_height_and_width() -> None:
     assert some_batch(layouts=[CORRIDOR, EMPTY, SHOP]).size == (3, 6)
+
+
+def test_start_pos_is_one_cell_for_all_rows_or_one_for_each() -> None:
+    one = BatchEnv(3, ROOM, (2, 3), randomize=False).reset()[0]["robot_pos"]
+    assert one.tolist() == [[2, 3]] * 3
+    for kind in (int, np.uint8, np.uint64, object):
+        starts = np.array([(2, 1), (0, 4)], kind)
+        each = BatchEnv(2, [ROOM, CORRIDOR], starts, randomize=False).reset()[0]["robot_pos"]
+        assert each.tolist() == [[2, 1], [0, 4]]
+    # Random stations leave no cell, so the start is the given one.
+    two = BatchEnv(2, TWO_CELLS, [(0, 1), (2, 1)])
+    for _ in range(3):
+        assert two.reset()[0]["robot_pos"].tolist() == [[0, 1], [2, 1]]
+
+
+def test_a_list_seeds_each_row_and_none_continues_its_stream() -> None:
+    def starts(batch: BatchEnv, *seeds: Any) -> list[list[int]]:
+        for seed in seeds:
+            arrays, _ = batch.reset(seed)
+        places = [arrays[key] for key in ("pickup_pos", "dropoff_pos", "robot_pos")]
+        return np.concatenate(places, axis=1).tolist()
+
+    def batch() -> BatchEnv:
+        return BatchEnv(3)
+
+    assert starts(batch(), [4, 8, 4]) == [starts(batch(), seed)[0] for seed in (4, 8, 4)]
+    seventh, second, _ = starts(batch(), [7, 1, 0], [None, 2, None])
+    assert second == starts(batch(), 2)[0]
+    assert seventh == starts(batch(), 7, None)[0]
+    assert starts(batch(), np.int64(5)) == starts(batch(), np.array([5, 6, 7]))
+    assert starts(batch(), 5, None, None) == starts(batch(), 5, None, [None] * 3)
+    assert len({str(starts(batch(), *[5, None, None][:count])) for count in (1, 2, 3)}) == 3
+
+
+def test_rows_without_a_seed_differ_from_each_other_and_between_batches() -> None:
+    big = random_layout(40, 40, 0.2, seed=0)
+    places = [BatchEnv(20, big).reset()[0]["robot_pos"].tolist() for _ in range(2)]
+    assert places[0] != places[1]
+    assert len({tuple(place) for place in places[0]}) > 10

@@ -45,12 +45,6 @@ def test_a_window_shows_the_cells_around_the_robot(rows: list[str], radius: int)
                 assert sight.window((row, col), loaded) == expected
 
 
-def test_a_window_of_radius_zero_is_the_robot() -> None:
-    sight = sight_of(DEFAULT_LAYOUT, 0)
-    assert sight.window((1, 3), loaded=False) == ["R"]
-    assert sight.window((1, 3), loaded=True) == ["r"]
-
-
 def test_a_window_is_a_new_list() -> None:
     sight = sight_of(DEFAULT_LAYOUT, 1)
     before = sight.window((1, 1), loaded=False)

@@ -21,14 +21,7 @@ MOVES = list(DISPLACEMENTS[:5])
 
 
 class Failures:
-    """Robots that execute a plan, of which some fail.
-
-    Args:
-        layout: of the plan.
-        plan: the cells of the robots before each joint step and after the last.
-        spec: of the robots.
-        loaded: for each robot whether it carries an item.
-    """
+    """Robots that execute a plan, of which some fail."""
 
     def __init__(
         self, layout: Layout, plan: list[list[Cell]], spec: RobotSpec, loaded: list[bool]

@@ -46,19 +46,12 @@ class Engine(Protocol[Observed]):
         """``[N]``, whether the robot has ended: it waits, stays in the way, and has no reward."""
 
     def begin(self, floors: Integers, seeds: Sequence[int | None]) -> None:
-        """Start an episode on some floors.
-
-        Args:
-            floors: ``[F]`` numbers of floors, all different.
-            seeds: ``F`` seeds; a floor without one continues its random stream.
-        """
+        """Start an episode on different floors; one without a seed continues its random stream."""
 
     def step(self, actions: NDArray[np.intp], over: Integers = NO_FLOORS) -> EngineStep:
-        """Carry out one action for each robot.
+        """Carry out one action, 0 to 6, for each robot; the array may be changed.
 
-        Args:
-            actions: ``[N]``, 0 to 6; they may be changed.
-            over: floors on which this step takes no action, but starts an episode.
+        On the floors that are ``over`` the step takes no action, but starts an episode.
         """
 
     def observe(self, rows: Rows = ALL) -> Observed:

@@ -46,12 +46,7 @@ class Floor:
     """
 
     def __init__(
-        self,
-        layouts: LayoutSet,
-        radius: int,
-        *,
-        moving_stations: bool,
-        tiles: tuple[str, ...] = (),
+        self, layouts: LayoutSet, radius: int, *, moving_stations: bool, tiles: tuple[str, ...] = ()
     ) -> None:
         kinds, rows = layouts.kinds, len(layouts.kind)
         self._layouts, self._first_stations = layouts, np.array([*map(_first_stations, kinds)]).T
