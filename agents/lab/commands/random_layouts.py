@@ -59,12 +59,7 @@ def are_wanted(layout: Path | None, **options: object) -> bool:
 def parse(
     size: str | None, density: str | None, count: int | None = None, pool_seed: int = 1
 ) -> RandomLayouts:
-    """Return random layouts as described by options; ``None`` is the default of each.
-
-    Raises:
-        typer.BadParameter: a text is of another form.
-        LayoutError: a size or a density that is not allowed.
-    """
+    """Return random layouts as described by options; ``None`` is the default of each."""
     height, width = DEFAULTS.height, DEFAULTS.width
     lowest, highest = DEFAULTS.lowest, DEFAULTS.highest
     if size is not None:

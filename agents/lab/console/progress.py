@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
-from typing import Protocol, TypeVar
+from typing import TypeVar
 
 from rich.console import Console
 from rich.progress import (
@@ -23,21 +23,14 @@ from warehouse_core.wording import printable
 Item = TypeVar("Item")
 
 
-class Advance(Protocol):
-    """Updates a progress bar."""
-
-    def __call__(self, completed: int, news: str = "") -> None:
-        """Show how much is completed, and ``news`` at the end of the line."""
-
-
 class _RateColumn(ProgressColumn):
     def render(self, task: Task) -> Text:
         return Text("" if task.speed is None else f"{task.speed:,.0f}/s", "progress.data.speed")
 
 
 @contextmanager
-def progress_bar(total: int, label: str = "") -> Iterator[Advance]:
-    """Show a bar while the block runs, and yield the function that updates it."""
+def progress_bar(total: int, label: str = "") -> Iterator[Callable[..., None]]:
+    """Show a bar while the block runs, and yield what shows how much is completed, and news."""
     columns = (
         TextColumn("{task.description}", markup=False),  # it may be the name of an agent
         BarColumn(),

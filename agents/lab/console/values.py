@@ -1,4 +1,7 @@
-"""What the texts of options mean: layouts, places, cells, batteries and times."""
+"""What the texts of options mean: layouts, places, cells, batteries and times.
+
+A text of another form is a ``typer.BadParameter``.
+"""
 
 from __future__ import annotations
 
@@ -25,16 +28,10 @@ def load_layout(path: Path | None) -> Layout:
 
 
 def load_place(path: Path | None, stations: Stations | None, start: str | None) -> Place:
-    """Return where episodes take place.
+    """Return where episodes take place, by default in the chapter's layout.
 
-    Args:
-        path: file of the layout, or its name; ``None`` is the chapter's.
-        stations: ``None`` keeps the stations of a file that has any, and draws them otherwise.
-        start: ``ROW,COL``, or ``None`` to draw it.
-
-    Raises:
-        LayoutError: a bad layout, a start that is not open, or no station of a kind to be kept.
-        typer.BadParameter: ``start`` is no cell.
+    Without a choice the stations of a file that has any are kept, and others are drawn. A start
+    that is not given is drawn. A layout in which no episode can take place is a ``LayoutError``.
     """
     layout, cell = load_layout(path), parse_cell(start, "--start")
     if cell is not None:
@@ -45,11 +42,7 @@ def load_place(path: Path | None, stations: Stations | None, start: str | None) 
 
 
 def greedy_with(agent: str, memory: int | None, escape: bool | None) -> str:
-    """Return the name of an agent with what the options say of its memory and its escape.
-
-    Raises:
-        typer.BadParameter: they are given, and the agent has neither.
-    """
+    """Return the name of an agent with what the options say of its memory and its escape."""
     arguments = [] if memory is None else [f"memory={memory}"]
     arguments += ["escape_steps=0"] if escape is False else []
     name, colon, _ = agent.partition(":")
@@ -59,11 +52,7 @@ def greedy_with(agent: str, memory: int | None, escape: bool | None) -> str:
 
 
 def parse_cell(text: str | None, option: str) -> Cell | None:
-    """Return the cell in a text ``ROW,COL``, or ``None`` without a text.
-
-    Raises:
-        typer.BadParameter: the text is not of that form.
-    """
+    """Return the cell in a text ``ROW,COL``, or ``None`` without a text."""
     if text is None:
         return None
     cell = re.fullmatch(r"\s*(-?[0-9]{1,9})\s*,\s*(-?[0-9]{1,9})\s*", text)
@@ -73,16 +62,7 @@ def parse_cell(text: str | None, option: str) -> Cell | None:
 
 
 def parse_due(text: str | None, usual: tuple[int, int] = DUE, unit: str = STEPS) -> tuple[int, int]:
-    """Return the fewest and most steps, or seconds, in a text ``FEWEST:MOST``.
-
-    Args:
-        text: value of ``--due``.
-        usual: times without a text.
-        unit: unit of both times.
-
-    Raises:
-        typer.BadParameter: the text is not of that form, or they are out of order.
-    """
+    """Return the fewest and most steps, or seconds, in a text ``FEWEST:MOST`` of ``--due``."""
     if text is None:
         return usual
     times = re.fullmatch(r"([0-9]{1,9}):([0-9]{1,9})", text)
@@ -96,11 +76,7 @@ def parse_due(text: str | None, usual: tuple[int, int] = DUE, unit: str = STEPS)
 
 
 def parse_battery(text: str) -> Battery:
-    """Return the battery in a text such as ``400``, ``400steps`` or ``20000joules``.
-
-    Raises:
-        typer.BadParameter: the text is not of that form, or out of range.
-    """
+    """Return the battery in a text such as ``400``, ``400steps`` or ``20000joules``."""
     battery = re.fullmatch(rf"([0-9]{{1,12}}) ?({STEPS}|{JOULES})?", text)
     if battery is None or not 1 <= int(battery[1]) <= MAX_STEPS:
         raise typer.BadParameter(

@@ -73,7 +73,7 @@ def _line_of(thread: int, file: Path | None) -> str:
     """Return the line of a file that a thread is executing, in words."""
     frame = sys._current_frames().get(thread)
     while frame is not None:
-        if file is not None and Path(frame.f_code.co_filename) == file:
+        if file is not None and Path(frame.f_code.co_filename).resolve() == file.resolve():
             return f" ({file.name}, line {frame.f_lineno})"
         frame = frame.f_back
     return ""

@@ -15,6 +15,7 @@ from typing import Annotated
 import typer
 
 from agents.errors import EpisodeError, ParameterError
+from agents.lab.console.options import option
 from agents.lab.console.terminal import print_error, say
 from agents.lab.experiments.choices import PlanFile, parse_flags, read_plan_file
 from agents.lab.experiments.cluster import cluster
@@ -82,71 +83,52 @@ def sweep(
     ] = None,
     settings: Annotated[
         list[str] | None,
-        typer.Option(
-            "--set",
-            metavar="NAME=VALUES",
-            help="A value (agent=astar), a list (battery=20,60) or a range FROM:TO:STEP "
+        option(
+            "--set NAME=VALUES",
+            "A value (agent=astar), a list (battery=20,60) or a range FROM:TO:STEP "
             f"(battery=20:200:20); may be repeated. Names: {'; '.join(VALUES)}.",
         ),
     ] = None,
     preset: Annotated[
         str | None,
-        typer.Option(
-            "--preset",
-            metavar="NAME",
-            help=f"A question of the chapter, or of fleets: {', '.join(PRESETS)}.",
-        ),
+        option("--preset NAME", f"A question of the chapter, or of fleets: {', '.join(PRESETS)}."),
     ] = None,
     episodes: Annotated[
         int | None,
-        typer.Option(
-            "--episodes",
-            "-n",
-            metavar="N",
-            min=1,
-            help=f"Episodes of each combination; up to {MAX_EPISODES:,} in all.",
+        option(
+            "--episodes -n N",
+            f"Episodes of each combination; up to {MAX_EPISODES:,} in all.",
+            (1, None),
             show_default=str(EPISODES),
         ),
     ] = None,
     seed: Annotated[
         int | None,
-        typer.Option(
-            "--seed",
-            metavar="N",
-            help="Seed of the first episode of each combination, 0 or more; others count up.",
+        option(
+            "--seed N",
+            "Seed of the first episode of each combination, 0 or more; others count up.",
             show_default="0",
         ),
     ] = None,
     output: Annotated[
-        Path,
-        typer.Option(
-            "--output", "-o", metavar="FILE", help="The file of results, written or added to."
-        ),
+        Path, option("--output -o FILE", "The file of results, written or added to.")
     ] = Path("results.sqlite"),
     workers: Annotated[
         int | None,
-        typer.Option(
-            "--workers",
-            metavar="N",
-            min=1,
-            max=1024,
-            help="Number of processes.",
-            show_default="one per core",
-        ),
+        option("--workers N", "Number of processes.", (1, 1024), show_default="one per core"),
     ] = None,
     address: Annotated[
         str | None,
-        typer.Option(
-            "--cluster",
-            metavar="tcp://HOST:PORT",
-            help="Run on the Dask cluster of this scheduler; needs the extra 'cluster'.",
+        option(
+            "--cluster tcp://HOST:PORT",
+            "Run on the Dask cluster of this scheduler; needs the extra 'cluster'.",
         ),
     ] = None,
     mix: Annotated[
         bool,
-        typer.Option(
+        option(
             "--mix-programs",
-            help="Add to combinations that another version of this program, of NumPy or of pymunk "
+            "Add to combinations that another version of this program, of NumPy or of pymunk "
             "has begun.",
         ),
     ] = False,

@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 
 from agents.errors import StoreError
+from agents.lab.console.options import option
 from agents.lab.console.terminal import say
 from agents.lab.experiments.store import Store
 from warehouse_core.files.atomic import atomic_path, check_suffix, check_target
@@ -22,23 +23,16 @@ def report(
     ],
     output: Annotated[
         Path | None,
-        typer.Option(
-            "--output",
-            "-o",
-            metavar="FILE",
-            help="Page to write, .html.",
-            show_default="RESULTS.html",
-        ),
+        option("--output -o FILE", "Page to write, .html.", show_default="RESULTS.html"),
     ] = None,
     figures: Annotated[
-        Path | None,
-        typer.Option("--figures", metavar="FOLDER", help="Also write each figure there, as .svg."),
+        Path | None, option("--figures FOLDER", "Also write each figure there, as .svg.")
     ] = None,
     replays: Annotated[
         bool | None,
-        typer.Option(
+        option(
             "--replays/--no-replays",
-            help="Run one episode of each outcome again and show it, or do not. Default: do, but "
+            "Run one episode of each outcome again and show it, or do not. Default: do, but "
             "not with agents from your own files; --replays runs their code too.",
             show_default=False,
         ),

@@ -33,11 +33,7 @@ Line = tuple[Any, ...]
 
 
 def save_table(target: Path, results: Path, suffix: str) -> None:
-    """Write the episodes of a sweep as one table, ``CSV`` or ``PARQUET``, whole or not at all.
-
-    Raises:
-        StoreError: the results cannot be read, or pyarrow is not installed.
-    """
+    """Write the episodes of a sweep as one table, ``CSV`` or ``PARQUET``, whole or not at all."""
     write = {CSV: _write_csv, PARQUET: _write_parquet}[suffix]
     with Store(results, read_only=True) as store, atomic_path(target) as part:
         columns = columns_of(store)
@@ -49,9 +45,6 @@ def columns_of(store: Store) -> dict[str, str]:
 
     Each column belongs to one case or more; it is empty in the lines of the others. Types are
     ``"str"``, ``"bool"``, ``"int"`` or ``"float"``.
-
-    Raises:
-        StoreError: a setting has several types; no sweep writes one.
     """
     types: dict[str, str] = {}
     cases = store.cases().values()

@@ -27,9 +27,6 @@ def draw_orders(
 
     Stations are drawn equally often, and so are times between the fewest and the most seconds from
     release to due time. In a second ``rate`` orders are released on average.
-
-    Raises:
-        LayoutError: the layout has no pickup or no dropoff.
     """
     for kind, places in (("pickup", layout.pickups), ("dropoff", layout.dropoffs)):
         if not places:

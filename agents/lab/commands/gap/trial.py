@@ -87,12 +87,7 @@ class Result(NamedTuple):
 
 
 def run_trial(world: str, seed: int, *, setting: Setting, kept: int | None = None) -> Result:
-    """Run a fleet until all orders are delivered; the record of the seed ``kept`` is kept.
-
-    Raises:
-        EpisodeError: the planner failed.
-        ValueError: the fleet cannot be made.
-    """
+    """Run a fleet until all orders are delivered; the record of the seed ``kept`` is kept."""
     name, orders = setting.planner, setting.orders(seed)
     motion = make_world(world, setting.shocks, setting.robots, orders[-1].released, seed)
     agent = make_fleet_agent(

@@ -48,10 +48,6 @@ def make_world(name: str, shocks: Shocks, robots: int, busy_seconds: float, seed
         robots: number of robots, of which one is drawn to stop.
         busy_seconds: time in which orders come; in the first half of it the robot stops.
         seed: seed of what is drawn.
-
-    Raises:
-        BackendError: pymunk is not installed.
-        ValueError: shocks that are not allowed.
     """
     if name == PLAN:
         return World(load_backend("grid"), NOMINAL_SECONDS)

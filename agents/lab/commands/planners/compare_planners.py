@@ -51,12 +51,7 @@ Case = tuple[str, int]
 
 
 def run_trial(case: Case, seed: int, *, layout: str | None, steps: int, seconds: float) -> Outcome:
-    """Return the outcome of a run in which a step is cut off after some seconds.
-
-    Raises:
-        AgentError: the planner is unknown.
-        PlanError: it failed, or there is no room for so many robots.
-    """
+    """Return the outcome of a run in which a step is cut off after some seconds."""
     (name, robots), floor = case, find_floor(layout)
     graph = Graph(floor.layout)
     planner: Unhindered | Stepper = Unhindered(graph)
@@ -132,11 +127,7 @@ def compare_planners(
 
 
 def parse_sizes(text: str) -> list[int]:
-    """Return the fleet sizes in a text such as ``32,64``, in ascending order.
-
-    Raises:
-        typer.BadParameter: one is not a whole number of at least 1.
-    """
+    """Return the fleet sizes in a text such as ``32,64``, in ascending order."""
     parts = [part.strip() for part in text.split(",")]
     for part in parts:
         if not (part.isascii() and part.isdecimal() and len(part) < 10 and int(part) > 0):

@@ -70,11 +70,7 @@ def parts(graph: Graph) -> Integers:
 
 
 def random_problem(floor: Floor, robots: int, seed: int) -> Problem:
-    """Return a problem with starts and goals drawn at random.
-
-    Raises:
-        PlanError: there are fewer cells to start from, or to go to, than robots.
-    """
+    """Return a problem with starts and goals drawn at random."""
     most = min(len(floor.starts), len(floor.goals))
     if robots > most:
         raise PlanError(f"{counted(robots, 'robot')}; allowed: up to {most} on this layout")
@@ -87,10 +83,6 @@ def scenario_problem(path: Path, layout_file: str | None, robots: int | None) ->
     """Return the problem of the first scenarios of a ``.scen``, one for each robot.
 
     Without a map it is the file that the scenarios name, beside them; by default a robot has each.
-
-    Raises:
-        LayoutError: a file has another format, or they do not fit each other.
-        PlanError: there are fewer scenarios, or no plan can exist.
     """
     scenarios = load_scenarios(path)
     count = len(scenarios) if robots is None else robots

@@ -147,11 +147,7 @@ def mapf(
 
 
 def check_file(file: Path | None, layout: str | None, steps: int | None) -> str:
-    """Return the suffix of the file of the problem, or "" without one.
-
-    Raises:
-        typer.BadParameter: it has another, or an option does not go with it.
-    """
+    """Return the suffix of the file of the problem, or "" without one."""
     if file is None:
         return ""
     kind = file.suffix.lower()
@@ -181,12 +177,7 @@ class Trials:
     ) -> None:
         """Add what a planner has reached, drive its paths and write them, if that is wanted.
 
-        Args:
-            name: name of the planner.
-            measures: cells of its row.
-            graph: graph of the floor.
-            cells: ``[T + 1, R]``, the cells of the robots.
-            result: further arguments of ``write_result``.
+        The further arguments of ``write_result`` come last.
         """
         self.rows.append((name, *measures))
         if self.drive:
@@ -211,12 +202,7 @@ class Trials:
 
 
 def solve_all(problem: Problem, planners: Sequence[str] | None, trials: Trials, title: str) -> None:
-    """Print the plans of planners for a problem.
-
-    Raises:
-        AgentError: a planner is unknown.
-        typer.Exit: none has found a plan.
-    """
+    """Print the plans of planners for a problem."""
     names, graph = planners or list(SOLVERS), problem.graph
     solvers = [make_solver(name, trials.seed, problem, trials.seconds) for name in names]
     ends = zip(problem.starts, problem.goals, strict=True)
@@ -252,12 +238,7 @@ def run_all(
     what: str,
     title: str,
 ) -> None:
-    """Print how many goals or tasks planners reach in lifelong runs.
-
-    Raises:
-        AgentError: a planner is unknown.
-        PlanError: a planner fails, or a step of it has a conflict.
-    """
+    """Print how many goals or tasks planners reach in lifelong runs."""
     run, record = start(Unhindered(graph))
     most, steps, robots = record.finished, len(run.seconds), run.cells.shape[1]
     names = planners or STEPPERS
@@ -292,12 +273,7 @@ def run_league(
     trials: Trials,
     title: str,
 ) -> None:
-    """Print how many tasks of a League problem planners finish.
-
-    Raises:
-        AgentError: a planner is unknown.
-        PlanError: there are fewer robots, a task cannot be reached, or as for ``run_all``.
-    """
+    """Print how many tasks of a League problem planners finish."""
     layout, graph = league.layout, Graph(league.layout)
     count = len(league.starts) if robots is None else robots
     if count > len(league.starts):

@@ -5,6 +5,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.command_line import write_mine
 
 from agents.errors import AgentError, EpisodeError, ParameterError
 from agents.fleet.planned import DEFAULT_ASSIGNMENT
@@ -25,15 +26,6 @@ from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, LayoutError, OrderStream
 from warehouse_core.fleet import Battery, FleetMeasures
 from warehouse_core.world.named_layouts import find_layout
-
-WAITER = """
-class Waiter:
-    def reset(self):
-        pass
-
-    def act(self, observation):
-        return "WAIT"
-"""
 
 
 def test_defaults_that_are_given_make_the_same_case() -> None:
@@ -92,42 +84,34 @@ def test_only_values_with_an_effect_add_cases(choices: dict[str, Any], cases: in
     assert len(make_plan(choices, 1, 0).cases) == cases
 
 
-def test_a_user_agent_has_neither_memory_nor_escape(tmp_path: Path) -> None:
-    file = tmp_path / "waiter.py"
-    file.write_text(WAITER)
-    agents = ["greedy", f"{file}:Waiter"]
-    *_, case = make_plan({"agent": agents, "escape": [True, False], "memory": [1, 2]}, 1, 0).cases
+def test_a_user_agent_has_neither_memory_nor_escape_and_its_code_is_part_of_the_case() -> None:
+    write_mine("act", "pass", "'WAIT'")
+    agents = ["greedy", "mine.py:Mine"]
+    choices = {"agent": agents, "escape": [True, False], "memory": [1, 2]}
+    *_, case = make_plan(choices, 1, 0).cases
     assert case["agent"] == agents[1]
     assert not {"escape", "memory"} & case.keys()
+    assert make_plan(choices, 1, 0).cases[-1] == case
+    write_mine("act", "pass", "'N'")
+    assert key_of(make_plan(choices, 1, 0).cases[-1]) != key_of(case)
 
 
-def test_a_changed_agent_file_makes_another_case(tmp_path: Path) -> None:
-    file = tmp_path / "waiter.py"
-    keys = []
-    for text in (WAITER, WAITER, WAITER + "# changed\n"):
-        file.write_text(text)
-        keys.append(key_of(make_case({"agent": f"{file}:Waiter"})))
-    assert keys[0] == keys[1] != keys[2]
-
-
-def test_a_changed_layout_file_makes_another_case(tmp_path: Path) -> None:
-    file = tmp_path / "layout.txt"
+def test_a_changed_layout_file_makes_another_case() -> None:
     rows = [list(row) for row in DEFAULT_LAYOUT.rows]
     keys = []
     for tile in (".", ".", "#"):
         rows[1][1] = tile
-        file.write_text("\n".join(map("".join, rows)) + "\n")
-        keys.append(key_of(make_case({"layout": str(file)})))
+        Path("layout.txt").write_text("\n".join(map("".join, rows)) + "\n")
+        keys.append(key_of(make_case({"layout": "layout.txt"})))
     assert keys[0] == keys[1] != keys[2]
 
 
-def test_a_case_is_described_by_its_settings_that_are_not_defaults(tmp_path: Path) -> None:
-    file = tmp_path / "waiter.py"
-    file.write_text(WAITER)
+def test_a_case_is_described_by_its_settings_that_are_not_defaults() -> None:
+    write_mine("act", "pass", "'WAIT'")
     assert flags_of(make_case({})) == []
     assert flags_of(make_case({"battery": 200, "memory": 10})) == []
-    case = make_case({"agent": f"{file}:Waiter", "battery": 20})
-    assert flags_of(case) == [f"agent={file}:Waiter", "battery=20"]
+    case = make_case({"agent": "mine.py:Mine", "battery": 20})
+    assert flags_of(case) == ["agent=mine.py:Mine", "battery=20"]
     case = make_case({"escape": False, "backend": "physics", "robot.mass": 70.0})
     assert flags_of(case) == ["escape=off", "backend=physics", "robot.mass=70"]
 
@@ -144,14 +128,11 @@ def test_a_case_is_described_by_its_settings_that_are_not_defaults(tmp_path: Pat
     ],
     ids=["a file that fails", "a file that exits", "a class that fails"],
 )
-def test_an_agent_that_cannot_be_made_is_an_error_before_the_sweep(
-    tmp_path: Path, text: str, reason: str
-) -> None:
-    file = tmp_path / "own.py"
-    file.write_text(text)
+def test_an_agent_that_cannot_be_made_is_an_error_before_the_sweep(text: str, reason: str) -> None:
+    Path("own.py").write_text(text)
     with pytest.raises(ParameterError) as caught:
-        make_plan({"agent": f"{file}:Own"}, 1, 0)
-    what = f"agent '{file}:Own' cannot be made" if "class" in text else "cannot import agent file"
+        make_plan({"agent": "own.py:Own"}, 1, 0)
+    what = "agent 'own.py:Own' cannot be made" if "class" in text else "cannot import agent file"
     assert str(caught.value).startswith(what)
     assert str(caught.value).endswith(f": {reason}")
 
@@ -170,11 +151,10 @@ def test_random_layouts_and_agents_depend_on_the_seed() -> None:
     ("rows", "stations"), [("#P...D#", "kept"), ("#.....#", "drawn"), (None, "drawn")]
 )
 def test_the_stations_of_a_layout_file_are_kept_if_it_has_any(
-    tmp_path: Path, rows: str | None, stations: str
+    rows: str | None, stations: str
 ) -> None:
-    file = tmp_path / "hall.txt"
-    values = {} if rows is None else {"layout": str(file)}
-    file.write_text(rows or "")
+    values = {} if rows is None else {"layout": "hall.txt"}
+    Path("hall.txt").write_text(rows or "")
     case, other = make_case(values), "drawn" if stations == "kept" else "kept"
     assert case["stations"] == stations
     assert "stations=" not in "".join(flags_of(case))
@@ -193,20 +173,16 @@ def test_the_stations_of_a_layout_file_are_kept_if_it_has_any(
     ],
 )
 def test_a_missing_station_is_an_error_before_the_sweep(
-    tmp_path: Path, rows: str, values: dict[str, Any], message: str
+    rows: str, values: dict[str, Any], message: str
 ) -> None:
-    file = tmp_path / "hall.txt"
-    file.write_text(rows)
+    Path("hall.txt").write_text(rows)
     with pytest.raises(ParameterError, match=f"hall.txt: .*{message}"):
-        make_plan({"layout": str(file), **values}, 1, 0)
+        make_plan({"layout": "hall.txt", **values}, 1, 0)
 
 
 @pytest.mark.parametrize("layout", ["hall.txt", "random", "default"])
 @pytest.mark.parametrize("stations", ["kept", "drawn"])
-def test_each_episode_keeps_the_stations_or_draws_them(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, layout: str, stations: str
-) -> None:
-    monkeypatch.chdir(tmp_path)
+def test_each_episode_keeps_the_stations_or_draws_them(layout: str, stations: str) -> None:
     Path("hall.txt").write_text("##########\n#P......D#\n##########\n")
     case = make_case({"layout": layout, "stations": stations, "max_steps": 3})
     for seed in range(3):
@@ -218,9 +194,9 @@ def test_each_episode_keeps_the_stations_or_draws_them(
     assert len(starts) > 1
 
 
-def test_a_case_of_version_0_1_0_has_drawn_stations_and_is_resumed(tmp_path: Path) -> None:
+def test_a_case_of_version_0_1_0_has_drawn_stations_and_is_resumed() -> None:
     case = make_case({})
-    with Store(tmp_path / "r.sqlite") as store:
+    with Store("r.sqlite") as store:
         older = {name: value for name, value in case.items() if name != "stations"}
         number = store.case_id(older)
         assert store.case_id(case) == number
@@ -287,18 +263,14 @@ def test_the_row_of_a_fleet_has_its_measures() -> None:
     assert row.distance == episode.measures.distance
 
 
-def test_a_planner_takes_the_place_of_the_agents(tmp_path: Path) -> None:
-    file = tmp_path / "mine.py"
-    file.write_text(
-        "class Still:\n    def reset(self):\n        pass\n"
-        "    def next_cells(self, situation):\n        return situation.cells\n"
-    )
-    case = make_case({**FLEET_CASE, "planner": f"{file}:Still", "agent": "astar"})
+def test_a_planner_takes_the_place_of_the_agents() -> None:
+    write_mine("next_cells", "pass", "seen.cells")
+    case = make_case({**FLEET_CASE, "planner": "mine.py:Mine", "agent": "astar"})
     assert not {"agent", "escape", "memory"} & case.keys()
     assert case["assignment"] == DEFAULT_ASSIGNMENT
     assert run_one(case, 0).measures.distance == 0
-    file.write_text(file.read_text() + "# changed")
-    with pytest.raises(EpisodeError, match=r"mine\.py:Still', or what it imports, has changed"):
+    write_mine("next_cells", "pass", "[*seen.cells]")
+    with pytest.raises(EpisodeError, match=r"mine\.py:Mine', or what it imports, has changed"):
         check_fingerprint(case)
     pibt = [run_one(make_case({**FLEET_CASE, "planner": "pibt", "assignment": name}), 0)
             for name in ("urgent", "fifo")]  # fmt: skip

@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from helpers.command_line import Refused, Warehouse
+from helpers.command_line import Warehouse
 from helpers.sweeps import Here, nothing
 
 from agents.lab.experiments.choices import read_plan_file
@@ -41,15 +41,3 @@ def test_the_preset_sets_the_number_of_episodes_unless_another_is_given(
     assert printed.startswith("2 combinations, 3 episodes each, 0 done\n")
     printed = warehouse("sweep", *words, "-n", 1, "-o", tmp_path / "r.sqlite").out
     assert printed.startswith("2 combinations, 1 episode each, 2 done\n")
-
-
-def test_an_unknown_preset_and_one_beside_a_plan_file_are_errors(
-    refused: Refused, tmp_path: Path
-) -> None:
-    plan, path = tmp_path / "plan.toml", tmp_path / "r.sqlite"
-    plan.write_text("")
-    line = refused("sweep", "--preset", "batery", "-o", path)
-    assert line == f"no preset is called 'batery'; allowed: {', '.join(PRESETS)}"
-    line = refused("sweep", plan, "--preset", "battery", "-o", path)
-    assert line == f"both {plan} and --preset battery are given; give one of them"
-    assert not path.exists()

@@ -39,6 +39,7 @@ class Own:
         return random.choice("NESW") if self.turn < 0.5 else "NESW"[np.random.randint(4)]
 """
 
+PATH = Path("r.sqlite")
 PLAN = make_plan({"escape": [True, False], "battery": [20, 60], "layout": "random"}, 12, 5)
 
 
@@ -59,34 +60,34 @@ class LastFirst(Here):
         return future
 
 
-def run(path: Path, executor: Executor, plan: Plan = PLAN, workers: int = 2) -> list[Any]:
+def run(executor: Executor, plan: Plan = PLAN, workers: int = 2, path: Path = PATH) -> list[Any]:
     with Store(path) as store:
         run_missing(plan, store, executor, workers, nothing)
     return table(path)
 
 
-def failures_of(path: Path, executor: Executor, plan: Plan, workers: int = 1) -> list[str]:
+def failures_of(executor: Executor, plan: Plan, workers: int = 1) -> list[str]:
     """Run a plan and return the messages of failures."""
     messages: list[str] = []
 
     def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
         messages.extend(failures)
 
-    with Store(path) as store:
+    with Store(PATH) as store:
         failed = run_missing(plan, store, executor, workers, report)
     assert failed.total() == len(messages)
     return messages
 
 
-def seeds_done(path: Path, plan: Plan) -> list[set[int]]:
+def seeds_done(plan: Plan) -> list[set[int]]:
     """Return the seeds that are stored, for each case of a plan."""
-    with Store(path) as store:
+    with Store(PATH) as store:
         return [store.seeds_done(store.case_id(case), plan.seeds) for case in plan.cases]
 
 
 @pytest.fixture(scope="module")
 def expected(tmp_path_factory: pytest.TempPathFactory) -> list[Any]:
-    return run(tmp_path_factory.mktemp("here") / "r.sqlite", Here())
+    return run(Here(), path=tmp_path_factory.mktemp("here") / "r.sqlite")
 
 
 def test_the_table_has_the_rows_of_the_episodes(expected: list[Any]) -> None:
@@ -96,49 +97,44 @@ def test_the_table_has_the_rows_of_the_episodes(expected: list[Any]) -> None:
     assert len({found[1:] for found in expected}) > 20
 
 
-def test_processes_threads_and_any_order_give_the_same_rows(
-    tmp_path: Path, expected: list[Any]
-) -> None:
+def test_processes_threads_and_any_order_give_the_same_rows(expected: list[Any]) -> None:
     with process_pool(2) as (processes, workers), ThreadPoolExecutor(3) as threads:
         assert workers == 2
         for number, executor in enumerate((processes, threads, LastFirst())):
-            assert run(tmp_path / f"{number}.sqlite", executor) == expected
+            assert run(executor, path=Path(f"{number}.sqlite")) == expected
     backwards = Plan(PLAN.cases[::-1], PLAN.episodes, PLAN.seed)
-    assert run(tmp_path / "backwards.sqlite", Here(), backwards) == expected
+    assert run(Here(), backwards, path=Path("backwards.sqlite")) == expected
 
 
-def test_only_new_seeds_and_new_cases_are_run(tmp_path: Path) -> None:
-    path, seeds, cases, again = tmp_path / "r.sqlite", Here(), Here(), Here()
-    before = run(path, Here(), make_plan({"battery": [20]}, 3, 10))
-    after = run(path, seeds, make_plan({"battery": [20]}, 6, 8))
+def test_only_new_seeds_and_new_cases_are_run() -> None:
+    seeds, cases, again = Here(), Here(), Here()
+    before = run(Here(), make_plan({"battery": [20]}, 3, 10))
+    after = run(seeds, make_plan({"battery": [20]}, 6, 8))
     assert seeds.seeds == [8, 9, 13]
     assert [found[1] for found in after] == [8, 9, 10, 11, 12, 13]
     assert set(before) < set(after)
-    more = run(path, cases, make_plan({"battery": [20, 30]}, 6, 8))
+    more = run(cases, make_plan({"battery": [20, 30]}, 6, 8))
     assert cases.seeds == [8, 9, 10, 11, 12, 13]
     assert len(more) == 12
-    assert run(path, again, make_plan({"battery": [20, 30]}, 6, 8)) == more
+    assert run(again, make_plan({"battery": [20, 30]}, 6, 8)) == more
     assert again.seeds == []
 
 
 def test_after_a_worker_fails_finished_rows_are_kept_and_the_rest_can_be_run(
-    tmp_path: Path, expected: list[Any]
+    expected: list[Any],
 ) -> None:
-    path = tmp_path / "r.sqlite"
     with pytest.raises(ArithmeticError, match="a worker failed"):
-        run(path, Here(fails_at=PLAN.seeds[-2]), workers=1)
-    left = table(path)
+        run(Here(fails_at=PLAN.seeds[-2]), workers=1)
+    left = table(PATH)
     assert 0 < len(left) < len(expected)
     assert set(left) < set(expected)
     rest = Here()
-    assert run(path, rest) == expected
+    assert run(rest) == expected
     assert len(rest.seeds) == len(expected) - len(left)
 
 
-def test_rows_of_an_agent_that_draws_from_global_streams_depend_on_the_seed_alone(
-    tmp_path: Path,
-) -> None:
-    file = tmp_path / "agent.py"
+def test_rows_of_an_agent_that_draws_from_global_streams_depend_on_the_seed_alone() -> None:
+    file = Path("agent.py")
     file.write_text(GLOBAL_STREAMS)
     [case] = make_plan({"agent": f"{file}:Own", "max_steps": 30}, 1, 0).cases
     together = run_task(case, range(6)).rows
@@ -148,9 +144,9 @@ def test_rows_of_an_agent_that_draws_from_global_streams_depend_on_the_seed_alon
     assert len({row.reward for row in together}) > 3
 
 
-def plan_of(folder: Path, begin: str = "pass", act: str = "pass") -> Plan:
+def plan_of(begin: str = "pass", act: str = "pass") -> Plan:
     """Return a plan of ten episodes for two agents; with seed 7 the second runs this code."""
-    file = folder / "agent.py"
+    file = Path("agent.py")
     begin, act = f"if seed == 7: {begin}", f"if self.seed == 7: {act}"
     file.write_text(AGENT.format(name="Own", begin=begin, act=act))
     return make_plan({"agent": ["greedy", f"{file}:Own"], "max_steps": 5}, 10, 0)
@@ -169,31 +165,31 @@ def plan_of(folder: Path, begin: str = "pass", act: str = "pass") -> Plan:
     ids=["acting", "being made", "an exit", "an interrupt", "an invalid action", "a reset"],
 )  # fmt: skip
 def test_an_agent_that_fails_is_reported_with_its_case_seed_and_step_and_the_others_go_on(
-    tmp_path: Path, begin: str, act: str, reason: str
+    begin: str, act: str, reason: str
 ) -> None:
-    path, plan = tmp_path / "r.sqlite", plan_of(tmp_path, begin, act)
-    [message] = failures_of(path, Here(), plan)
+    plan = plan_of(begin, act)
+    [message] = failures_of(Here(), plan)
     assert re.fullmatch(f"seed 7{reason}", message)
-    assert f" with agent={tmp_path}/agent.py:Own, max_steps=5: " in message
-    assert seeds_done(path, plan) == [set(range(10)), set(range(10)) - {7}]
+    assert " with agent=agent.py:Own, max_steps=5: " in message
+    assert seeds_done(plan) == [set(range(10)), set(range(10)) - {7}]
 
 
-def test_an_error_that_cannot_be_pickled_is_reported_too(tmp_path: Path) -> None:
-    plan = plan_of(tmp_path, act="raise type('Odd', (Exception,), {})(lambda: 1)")
+def test_an_error_that_cannot_be_pickled_is_reported_too() -> None:
+    plan = plan_of(act="raise type('Odd', (Exception,), {})(lambda: 1)")
     with process_pool(1) as (executor, _):
-        [message] = failures_of(tmp_path / "r.sqlite", executor, plan)
+        [message] = failures_of(executor, plan)
     assert "Odd: <function " in message
 
 
 def test_an_episode_that_takes_long_is_reported_once_with_its_place(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("agents.lab.experiments.episodes.SLOW_SECONDS", 0.2)
     monkeypatch.setattr("agents.lab.console.watch.LOOK_SECONDS", 0.01)
-    plan = plan_of(tmp_path, act="__import__('time').sleep(0.5)")
-    run(tmp_path / "r.sqlite", Here(), plan)
+    plan = plan_of(act="__import__('time').sleep(0.5)")
+    run(Here(), plan)
     assert capsys.readouterr().err == (
-        f"warehouse: seed 7, step 1, with agent={tmp_path}/agent.py:Own, max_steps=5 has run for "
+        "warehouse: seed 7, step 1, with agent=agent.py:Own, max_steps=5 has run for "
         "0.2 s (agent.py, line 11)\n"
     )
 
@@ -218,21 +214,18 @@ class Dying(Here):
         return future
 
 
-def test_a_worker_that_ends_once_loses_nothing_and_is_no_failure(
-    tmp_path: Path, expected: list[Any]
-) -> None:
-    path = tmp_path / "r.sqlite"
-    assert failures_of(path, Dying(calls=(0, 3)), PLAN) == []
-    assert table(path) == expected
+def test_a_worker_that_ends_once_loses_nothing_and_is_no_failure(expected: list[Any]) -> None:
+    assert failures_of(Dying(calls=(0, 3)), PLAN) == []
+    assert table(PATH) == expected
 
 
-def test_a_seed_whose_worker_ends_twice_has_failed_and_the_others_go_on(tmp_path: Path) -> None:
-    path, plan, executor = tmp_path / "r.sqlite", make_plan({}, 60, 0), Dying(seeds=(7, 41))
-    messages = failures_of(path, executor, plan)
+def test_a_seed_whose_worker_ends_twice_has_failed_and_the_others_go_on() -> None:
+    plan, executor = make_plan({}, 60, 0), Dying(seeds=(7, 41))
+    messages = failures_of(executor, plan)
     assert sorted(messages) == [
         f"seed {seed} with the defaults: it ended; it was tried twice" for seed in (41, 7)
     ]
-    assert seeds_done(path, plan) == [set(range(60)) - {7, 41}]
+    assert seeds_done(plan) == [set(range(60)) - {7, 41}]
     assert [len(task) for task in executor.tasks if 7 in task][-1] == 1
 
 
@@ -258,11 +251,11 @@ class Counting(ThreadPoolExecutor):
 
 
 def test_seeds_whose_worker_has_ended_run_again_with_nothing_beside_them(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("agents.lab.experiments.running.TICK", 1e-4)  # shorter than an episode
     with Counting() as executor:
-        assert failures_of(tmp_path / "r.sqlite", executor, make_plan({}, 3000, 0), 3) == []
+        assert failures_of(executor, make_plan({}, 3000, 0), 3) == []
     first, again = set[int](), list[int]()
     for number, (seeds, beside) in enumerate(executor.calls):
         if first.isdisjoint(seeds):
@@ -275,68 +268,65 @@ def test_seeds_whose_worker_has_ended_run_again_with_nothing_beside_them(
     assert len(again) > MAX_SUSPECTS
 
 
-def test_a_case_that_always_fails_ends_after_a_few_and_the_others_go_on(tmp_path: Path) -> None:
-    path, file = tmp_path / "r.sqlite", tmp_path / "agent.py"
+def test_a_case_that_always_fails_ends_after_a_few_and_the_others_go_on() -> None:
+    file = Path("agent.py")
     file.write_text(AGENT.format(name="Own", begin="pass", act="raise KeyError"))
     plan = make_plan({"agent": [f"{file}:Own", "greedy"], "max_steps": 5}, 1000, 0)
-    messages = failures_of(path, Here(), plan)
+    messages = failures_of(Here(), plan)
     assert len(messages) == MAX_FAILURES
     assert messages[-1].endswith(
         f"; its other seeds are left out after MAX_FAILURES = {MAX_FAILURES}"
     )
-    assert [len(done) for done in seeds_done(path, plan)] == [0, 1000]
+    assert [len(done) for done in seeds_done(plan)] == [0, 1000]
 
 
-def test_workers_that_always_end_are_soon_failures(tmp_path: Path) -> None:
+def test_workers_that_always_end_are_soon_failures() -> None:
     executor = Dying(seeds=range(10**6))
-    messages = failures_of(tmp_path / "r.sqlite", executor, make_plan({}, 10**6, 0))
+    messages = failures_of(executor, make_plan({}, 10**6, 0))
     assert len(messages) == MAX_FAILURES
     assert len(executor.tasks) <= 2 * (MAX_FAILURES + MAX_SUSPECTS)
 
 
 @pytest.mark.parametrize("is_changed", [True, False])
 def test_an_agent_whose_file_is_changed_or_removed_during_a_sweep_is_an_error(
-    tmp_path: Path, is_changed: bool
+    is_changed: bool,
 ) -> None:
-    path, plan = tmp_path / "r.sqlite", plan_of(tmp_path)
-    file = tmp_path / "agent.py"
+    plan, file = plan_of(), Path("agent.py")
     if is_changed:
         file.write_text(file.read_text() + "# changed\n")
     else:
         file.unlink()
     why = "or what it imports, has changed since the sweep began" if is_changed else "No such file"
-    messages = failures_of(path, Here(), plan)
+    messages = failures_of(Here(), plan)
     assert all(why in message for message in messages)
-    assert seeds_done(path, plan) == [set(range(10)), set()]
+    assert seeds_done(plan) == [set(range(10)), set()]
 
 
 def test_a_worker_of_another_program_is_an_error_and_its_rows_are_not_stored(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    path = tmp_path / "r.sqlite"
-    before = run(path, Here(), make_plan({}, 3, 0))
+    before = run(Here(), make_plan({}, 3, 0))
     # Only what runs the episodes is another program, not what stores them.
     monkeypatch.setattr(
         "agents.lab.experiments.episodes.program_for", lambda backend: f"new {backend}"
     )
     with pytest.raises(StoreError, match="new ones would be of new grid; "):
-        run(path, Here(), make_plan({}, 5, 0))
-    assert table(path) == before
-    with Store(path, read_only=True) as store:
+        run(Here(), make_plan({}, 5, 0))
+    assert table(PATH) == before
+    with Store(PATH, read_only=True) as store:
         assert store.programs(1) == [program_for("grid")]
 
 
-def test_rows_finished_at_the_same_time_as_a_failure_are_kept(tmp_path: Path) -> None:
-    path = tmp_path / "r.sqlite"
+def test_rows_finished_at_the_same_time_as_a_failure_are_kept() -> None:
     with pytest.raises(ArithmeticError):
-        run(path, Here(fails_at=5), make_plan({}, 20, 5), workers=10)
-    assert [found[1] for found in table(path)] == list(range(6, 25))
+        run(Here(fails_at=5), make_plan({}, 20, 5), workers=10)
+    assert [found[1] for found in table(PATH)] == list(range(6, 25))
 
 
-def test_rows_are_reported_once_after_they_are_stored(tmp_path: Path) -> None:
+def test_rows_are_reported_once_after_they_are_stored() -> None:
     reported: list[int] = []
     plan = make_plan({}, 20, 0)
-    with Store(tmp_path / "r.sqlite") as store, ThreadPoolExecutor(2) as executor:
+    with Store(PATH) as store, ThreadPoolExecutor(2) as executor:
 
         def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
             reported.extend(row.seed for row in rows)
@@ -346,18 +336,16 @@ def test_rows_are_reported_once_after_they_are_stored(tmp_path: Path) -> None:
     assert sorted(reported) == list(range(20))
 
 
-def test_an_error_of_the_store_ends_the_run(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_an_error_of_the_store_ends_the_run(monkeypatch: pytest.MonkeyPatch) -> None:
     def full(store: Store, case_id: int, rows: Sequence[Row], program: str) -> None:
         raise StoreError("full")
 
     monkeypatch.setattr(Store, "add", full)
     with ThreadPoolExecutor(1) as executor, pytest.raises(StoreError, match="full"):
-        run(tmp_path / "r.sqlite", executor, make_plan({}, 10**6, 0))
+        run(executor, make_plan({}, 10**6, 0))
 
 
-def test_processes_end_without_warnings_while_tasks_are_waiting(tmp_path: Path) -> None:
+def test_processes_end_without_warnings_while_tasks_are_waiting() -> None:
     stored = set[int]()
 
     def report(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
@@ -366,14 +354,14 @@ def test_processes_end_without_warnings_while_tasks_are_waiting(tmp_path: Path) 
             raise KeyboardInterrupt
 
     # An error in a thread of the pool would be a warning, and that fails the test.
-    sleeper = plan_of(tmp_path, act="__import__('time').sleep(60)").cases[1]
+    sleeper = plan_of(act="__import__('time').sleep(60)").cases[1]
     plan = Plan((sleeper,), 20, 0)
-    with Store(tmp_path / "r.sqlite") as store, pytest.raises(KeyboardInterrupt):  # noqa: SIM117
+    with Store(PATH) as store, pytest.raises(KeyboardInterrupt):  # noqa: SIM117
         with process_pool(1) as (executor, _):
             run_missing(plan, store, executor, 20, report)
 
 
-def test_the_pace_grows_gradually_to_tasks_of_about_half_a_second(tmp_path: Path) -> None:
+def test_the_pace_grows_gradually_to_tasks_of_about_half_a_second() -> None:
     sizes = [1]
     for _ in range(12):
         sizes.append(paced(sizes[-1], sizes[-1] * 0.001))
@@ -381,6 +369,6 @@ def test_the_pace_grows_gradually_to_tasks_of_about_half_a_second(tmp_path: Path
     assert sizes[-1] == TASK_SECONDS / 0.001
     assert (paced(500, 50), paced(5, 500), paced(9_999, 0)) == (5, 1, MAX_TASK_EPISODES)
     executor = Dying()
-    run(tmp_path / "r.sqlite", executor, make_plan({"max_steps": 1}, 600, 0), workers=1)
+    run(executor, make_plan({"max_steps": 1}, 600, 0), workers=1)
     assert list(map(len, executor.tasks[:2])) == [1, 1], "submitted before any is done"
     assert max(map(len, executor.tasks[2:])) > 4

@@ -26,44 +26,42 @@ EVERY = range(2**63 - 1)
 ALL = f"SELECT case_id, {', '.join(Row._fields)} FROM episodes ORDER BY case_id, seed"
 
 
-@pytest.fixture
-def path(tmp_path: Path) -> Path:
-    return tmp_path / "r.sqlite"
+PATH = Path("r.sqlite")
 
 
-def begun(path: Path) -> int:
+def begun(path: Path = PATH) -> int:
     """Write the first episode of a case, and return the number of the case."""
     fill(path, [({"battery": 20}, [row(1)])])
     return 1
 
 
-def refused(path: Path, *, read_only: bool = False) -> str:
+def refused(path: Path = PATH, *, read_only: bool = False) -> str:
     with pytest.raises(StoreError) as caught:
         Store(path, read_only=read_only)
     return str(caught.value)
 
 
-def test_rows_are_equal_after_reopening(path: Path) -> None:
+def test_rows_are_equal_after_reopening() -> None:
     rows = [row(3, reward=-0.1 - 0.2, joules=1 / 3), row(1, "stalled", needed=None), row(2**62)]
-    with Store(path) as store:
+    with Store(PATH) as store:
         case_id = store.case_id(CASE)
         store.add(case_id, rows)
-    with Store(path) as store:
+    with Store(PATH) as store:
         assert [found[1:] for found in store.query(ALL)] == sorted(rows)
         assert store.cases() == {case_id: CASE}
         assert store.case_id(CASE) == case_id
 
 
-def test_stored_rows_are_not_replaced(path: Path) -> None:
-    with Store(path) as store:
+def test_stored_rows_are_not_replaced() -> None:
+    with Store(PATH) as store:
         case_id = store.case_id(CASE)
         store.add(case_id, [row(1), row(2)])
         store.add(case_id, [row(3), row(2), row(2, "stalled")])
         assert [found[1:] for found in store.query(ALL)] == [row(1), row(2), row(3)]
 
 
-def test_each_case_has_its_own_seeds(path: Path) -> None:
-    with Store(path) as store:
+def test_each_case_has_its_own_seeds() -> None:
+    with Store(PATH) as store:
         first, second = store.case_id(CASE), store.case_id(OTHER)
         assert first != second
         store.add(first, [row(seed) for seed in range(5)])
@@ -77,9 +75,9 @@ def test_each_case_has_its_own_seeds(path: Path) -> None:
         assert store.cases() == {first: CASE, second: OTHER}
 
 
-def test_rows_are_added_all_or_none(path: Path) -> None:
-    case_id = begun(path)
-    with Store(path) as store:
+def test_rows_are_added_all_or_none() -> None:
+    case_id = begun()
+    with Store(PATH) as store:
         broken = row(3)._replace(steps={})  # type: ignore[arg-type]
         with pytest.raises(StoreError, match=r"r\.sqlite"):
             store.add(case_id, [row(2), broken, row(4)])
@@ -88,20 +86,20 @@ def test_rows_are_added_all_or_none(path: Path) -> None:
         assert store.seeds_done(case_id, EVERY) == {1, 2}
 
 
-def test_each_batch_is_committed_and_synchronised_to_disk(path: Path) -> None:
-    with Store(path) as writer:
+def test_each_batch_is_committed_and_synchronised_to_disk() -> None:
+    with Store(PATH) as writer:
         case_id = writer.case_id(CASE)
         writer.add(case_id, [row(1)])
         assert next(writer.query("PRAGMA synchronous")) == (2,)
         assert next(writer.query("PRAGMA journal_mode")) == ("wal",), "a kill ends no half of it"
-        with Store(path, read_only=True) as reader:
+        with Store(PATH, read_only=True) as reader:
             assert reader.seeds_done(case_id, EVERY) == {1}
 
 
-def test_an_empty_file_becomes_a_file_of_results_with_its_id_and_version(path: Path) -> None:
-    path.touch()
-    assert refused(path, read_only=True) == f"{path}: there are no results in it"
-    with Store(path) as store:
+def test_an_empty_file_becomes_a_file_of_results_with_its_id_and_version() -> None:
+    PATH.touch()
+    assert refused(read_only=True) == f"{PATH}: there are no results in it"
+    with Store(PATH) as store:
         assert store.cases() == {}
         assert next(store.query("PRAGMA application_id")) == (APPLICATION,)
         assert next(store.query("PRAGMA user_version")) == (VERSION,)
@@ -127,27 +125,27 @@ def text(path: Path) -> None:
     ],
 )
 def test_another_file_is_an_error_and_is_not_changed(
-    path: Path, make: Callable[[Path], None], message: str, read_only: bool
+    make: Callable[[Path], None], message: str, read_only: bool
 ) -> None:
-    make(path)
-    before = path.read_bytes() if path.is_file() else b""
-    assert refused(path, read_only=read_only) == f"{path}: {message}"
-    assert [each.name for each in path.parent.iterdir()] == [path.name], "it gets no journal"
-    assert (path.read_bytes() if path.is_file() else b"") == before
+    make(PATH)
+    before = PATH.read_bytes() if PATH.is_file() else b""
+    assert refused(read_only=read_only) == f"{PATH}: {message}"
+    assert [each.name for each in PATH.parent.iterdir()] == [PATH.name], "it gets no journal"
+    assert (PATH.read_bytes() if PATH.is_file() else b"") == before
 
 
 @pytest.mark.parametrize("version", [VERSION - 1, VERSION + 1])
-def test_another_version_is_an_error(path: Path, version: int) -> None:
-    Store(path).close()
-    change(path, f"PRAGMA user_version = {version}")
-    assert refused(path) == f"{path}: its version is {version}; only {VERSION} can be read"
+def test_another_version_is_an_error(version: int) -> None:
+    Store(PATH).close()
+    change(PATH, f"PRAGMA user_version = {version}")
+    assert refused() == f"{PATH}: its version is {version}; only {VERSION} can be read"
 
 
-def test_a_path_that_cannot_be_opened_is_an_error_with_its_name(path: Path) -> None:
-    for wrong in (path.parent, path.parent / "nowhere" / "r.sqlite"):
+def test_a_path_that_cannot_be_opened_is_an_error_with_its_name() -> None:
+    for wrong in (PATH.parent, PATH.parent / "nowhere" / "r.sqlite"):
         assert refused(wrong).startswith(f"{wrong}: ")
-    assert refused(path, read_only=True) == f"{path}: there is no such file"
-    assert not path.exists()
+    assert refused(read_only=True) == f"{PATH}: there is no such file"
+    assert not PATH.exists()
 
 
 AS_NOBODY = """
@@ -188,21 +186,21 @@ def test_a_file_without_write_permission_can_be_read_and_writing_is_an_error() -
     ]
 
 
-def test_writing_to_a_file_opened_read_only_is_an_error(path: Path) -> None:
-    case_id = begun(path)
-    with Store(path, read_only=True) as store, pytest.raises(StoreError, match="readonly"):
+def test_writing_to_a_file_opened_read_only_is_an_error() -> None:
+    case_id = begun()
+    with Store(PATH, read_only=True) as store, pytest.raises(StoreError, match="readonly"):
         store.add(case_id, [row(2)])
 
 
-def test_a_full_disk_is_an_error_and_earlier_rows_are_kept(path: Path) -> None:
-    with Store(path) as store:
+def test_a_full_disk_is_an_error_and_earlier_rows_are_kept() -> None:
+    with Store(PATH) as store:
         case_id = store.case_id(CASE)
         store.add(case_id, [row(seed) for seed in range(50)])
         [pages] = next(store.query("PRAGMA page_count"))
         list(store.query(f"PRAGMA max_page_count = {pages + 2}"))
         with pytest.raises(StoreError) as caught:
             store.add(case_id, [row(seed) for seed in range(50, 5000)])
-        assert str(caught.value) == f"{path}: database or disk is full"
+        assert str(caught.value) == f"{PATH}: database or disk is full"
         assert store.seeds_done(case_id, EVERY) == set(range(50))
 
 
@@ -233,39 +231,37 @@ def test_several_sweeps_may_create_and_use_the_same_file_at_once(tmp_path: Path)
 
 
 def test_tables_that_another_sweep_creates_during_the_check_are_accepted(
-    path: Path, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     rivals = []
 
     class Watched(sqlite3.Connection):
         def execute(self, statement: str, *values: object) -> sqlite3.Cursor:
             if "sqlite_master" in statement and not rivals:
-                rivals.append(path)
+                rivals.append(PATH)
                 with suppress(StoreError):  # it may time out
-                    Store(path).close()
+                    Store(PATH).close()
             return super().execute(statement, *values)
 
     monkeypatch.setattr("agents.lab.experiments.store.TIMEOUT", 0.1)
     monkeypatch.setattr(sqlite3, "connect", partial(sqlite3.connect, factory=Watched))
-    with Store(path) as store:
+    with Store(PATH) as store:
         assert store.cases() == {}
     assert rivals
 
 
 @pytest.mark.parametrize("is_open", [False, True], ids=["opening", "adding"])
-def test_the_wait_for_another_writer_ends_with_what_the_check_raises(
-    path: Path, is_open: bool
-) -> None:
+def test_the_wait_for_another_writer_ends_with_what_the_check_raises(is_open: bool) -> None:
     checks = iter([None, None, KeyboardInterrupt])
 
     def check() -> None:
         if error := next(checks):
             raise error
 
-    case_id = begun(path)
-    other = sqlite3.connect(path, isolation_level=None)
+    case_id = begun()
+    other = sqlite3.connect(PATH, isolation_level=None)
     if is_open:
-        with Store(path, check=check) as store:
+        with Store(PATH, check=check) as store:
             other.execute("BEGIN IMMEDIATE")
             with pytest.raises(KeyboardInterrupt):
                 store.add(case_id, [row(2)])
@@ -275,14 +271,12 @@ def test_the_wait_for_another_writer_ends_with_what_the_check_raises(
     else:
         other.execute("BEGIN IMMEDIATE")
         with pytest.raises(KeyboardInterrupt):
-            Store(path, check=check)
+            Store(PATH, check=check)
     other.close()
 
 
 @pytest.mark.parametrize("code", [sqlite3.SQLITE_BUSY, sqlite3.SQLITE_IOERR])
-def test_only_a_busy_database_is_tried_again(
-    path: Path, monkeypatch: pytest.MonkeyPatch, code: int
-) -> None:
+def test_only_a_busy_database_is_tried_again(monkeypatch: pytest.MonkeyPatch, code: int) -> None:
     failed = []
 
     class Busy(sqlite3.Connection):
@@ -296,28 +290,28 @@ def test_only_a_busy_database_is_tried_again(
 
     monkeypatch.setattr(sqlite3, "connect", partial(sqlite3.connect, factory=Busy))
     if code == sqlite3.SQLITE_BUSY:
-        Store(path).close()
+        Store(PATH).close()
         assert len(failed) == 3
         return
     with pytest.raises(StoreError, match="not now"):
-        Store(path)
+        Store(PATH)
     assert len(failed) == 1
 
 
 @pytest.mark.parametrize("is_replaced", [False, True])
-def test_writing_to_a_removed_or_replaced_file_is_an_error(path: Path, is_replaced: bool) -> None:
-    case_id = begun(path)
-    with Store(path) as store:
-        path.rename(path.with_name("away.sqlite"))
+def test_writing_to_a_removed_or_replaced_file_is_an_error(is_replaced: bool) -> None:
+    case_id = begun()
+    with Store(PATH) as store:
+        PATH.rename(PATH.with_name("away.sqlite"))
         if is_replaced:
-            path.write_bytes(b"")
+            PATH.write_bytes(b"")
         with pytest.raises(StoreError) as caught:
             store.add(case_id, [row(2)])
-    assert str(caught.value) == f"{path}: it has been removed or replaced meanwhile"
+    assert str(caught.value) == f"{PATH}: it has been removed or replaced meanwhile"
 
 
-def test_rows_may_be_discarded_before_all_are_read(path: Path) -> None:
-    with Store(path) as store:
+def test_rows_may_be_discarded_before_all_are_read() -> None:
+    with Store(PATH) as store:
         case_id = store.case_id(CASE)
         store.add(case_id, [row(1), row(2), row(3)])
         rows = store.rows(case_id)
@@ -361,50 +355,46 @@ TEXTS = {
 
 
 @pytest.mark.parametrize(("settings", "reason"), TEXTS.values(), ids=TEXTS)
-def test_an_invalid_case_is_an_error_with_the_reason(
-    path: Path, settings: str, reason: str
-) -> None:
-    Store(path).close()
-    change(path, "INSERT INTO cases (settings) VALUES (?)", settings)
-    with Store(path, read_only=True) as store, pytest.raises(StoreError) as caught:
+def test_an_invalid_case_is_an_error_with_the_reason(settings: str, reason: str) -> None:
+    Store(PATH).close()
+    change(PATH, "INSERT INTO cases (settings) VALUES (?)", settings)
+    with Store(PATH, read_only=True) as store, pytest.raises(StoreError) as caught:
         store.cases()
-    assert str(caught.value).startswith(f"{path}: case 1 is invalid: ")
+    assert str(caught.value).startswith(f"{PATH}: case 1 is invalid: ")
     assert reason in str(caught.value)
 
 
-def test_a_case_with_a_backend_that_is_not_installed_here_is_read(path: Path) -> None:
+def test_a_case_with_a_backend_that_is_not_installed_here_is_read() -> None:
     case = {**PLAIN, "backend": "hover"}
-    with Store(path) as store:
+    with Store(PATH) as store:
         number = store.case_id(case)
         assert store.cases() == {number: case}
 
 
-def test_equal_layouts_are_kept_once(path: Path) -> None:
-    with Store(path) as store:
+def test_equal_layouts_are_kept_once() -> None:
+    with Store(PATH) as store:
         store.add_cases([CASE, OTHER])
         first, second = store.cases().values()
     assert first["tiles"] is second["tiles"]
 
 
-def test_too_many_cases_are_an_error_and_none_is_added(
-    path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
+def test_too_many_cases_are_an_error_and_none_is_added(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr("agents.lab.experiments.store.MAX_CASES", 1)
-    with Store(path) as store:
+    with Store(PATH) as store:
         with pytest.raises(StoreError) as caught:
             store.add_cases([CASE, OTHER])
-        assert str(caught.value) == f"{path}: 2 cases; MAX_CASES = 1 are allowed"
+        assert str(caught.value) == f"{PATH}: 2 cases; MAX_CASES = 1 are allowed"
         assert store.cases() == {}
         store.add_cases([CASE])
 
 
 def test_rows_in_a_write_ahead_log_that_cannot_be_read_are_an_error(
-    path: Path, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    with Store(path) as store:
+    with Store(PATH) as store:
         store.add(store.case_id(CASE), [row(1)])
         monkeypatch.setattr("os.access", lambda *_: False)
-        assert "its newest rows are still in r" in refused(path, read_only=True)
+        assert "its newest rows are still in r" in refused(read_only=True)
 
 
 def test_a_name_that_sqlite_keeps_for_itself_is_a_file(
@@ -421,13 +411,11 @@ OLD, NEW = "warehouse-lab 1 (a), numpy 2", "warehouse-lab 1 (b), numpy 2"
 
 
 @pytest.mark.parametrize("mix", [False, True])
-def test_episodes_of_another_program_are_only_added_to_a_case_if_asked(
-    path: Path, mix: bool
-) -> None:
-    with Store(path) as store:
+def test_episodes_of_another_program_are_only_added_to_a_case_if_asked(mix: bool) -> None:
+    with Store(PATH) as store:
         case_id, other = store.case_id(CASE), store.case_id(OTHER)
         store.add(case_id, [row(1)], OLD)
-    with Store(path, mix=mix) as store:
+    with Store(PATH, mix=mix) as store:
         store.add(other, [row(1)], NEW)
         store.add(case_id, [], NEW)
         if mix:
@@ -436,7 +424,7 @@ def test_episodes_of_another_program_are_only_added_to_a_case_if_asked(
             with pytest.raises(StoreError) as caught:
                 store.add(case_id, [row(2)], NEW)
             assert str(caught.value) == (
-                f"{path}: the episodes with battery=20 are of {OLD}, and new ones would be of "
+                f"{PATH}: the episodes with battery=20 are of {OLD}, and new ones would be of "
                 f"{NEW}; write to another file, or mix them with --mix-programs"
             )
         store.add(case_id, [row(3)], NEW if mix else OLD)
@@ -448,9 +436,9 @@ def test_episodes_of_another_program_are_only_added_to_a_case_if_asked(
         assert written == ({1: OLD, 2: NEW, 3: NEW} if mix else {1: OLD, 3: OLD})
 
 
-def test_the_rows_of_fleets_have_a_table_of_their_own(path: Path) -> None:
+def test_the_rows_of_fleets_have_a_table_of_their_own() -> None:
     fleet, shifts = make_case({"robots": 2}), [fleet_row(3, per_hour=None), fleet_row(5)]
-    with Store(path) as store:
+    with Store(PATH) as store:
         number, alone = store.case_id(fleet), store.case_id(CASE)
         store.add(number, shifts, "one")
         store.add(alone, [row(3)], "one")

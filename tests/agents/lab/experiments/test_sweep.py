@@ -11,7 +11,16 @@ from tempfile import TemporaryDirectory
 import pytest
 from helpers.command_line import Refused, Warehouse
 from helpers.results_files import outcomes
-from helpers.sweeps import Here, Sweep, check_is_usable, kill_sweeps, table, uninterrupted, words
+from helpers.sweeps import (
+    AGENT,
+    Here,
+    Sweep,
+    check_is_usable,
+    kill_sweeps,
+    table,
+    uninterrupted,
+    words,
+)
 
 from agents.lab.experiments import sweep as sweep_command
 from agents.lab.experiments.case import make_case
@@ -113,31 +122,20 @@ def test_an_interrupted_sweep_prints_one_line_and_can_be_resumed(path: Path) -> 
 
 
 DEADLY = """
-import os, signal
-class Deadly:
-    def __init__(self, seed):
-        self.seed = seed
-
-    def reset(self):
-        pass
-
-    def act(self, observation):
         if self.seed == 13:
-            os.kill(os.getpid(), signal.SIGKILL)  # as a system that runs out of memory does
+            os.kill(os.getpid(), 9)  # as a system that runs out of memory does
         if self.seed == 14:
             os._exit(3)
         if self.seed == 15:
-            raise KeyError
-        return "N"
-"""
+            raise KeyError"""
 
 
 def test_agents_that_fail_or_end_their_process_are_named_and_the_others_go_on(
-    warehouse: Warehouse, path: Path, tmp_path: Path
+    warehouse: Warehouse, path: Path
 ) -> None:
     with TemporaryDirectory() as folder:
         file = Path(folder) / "deadly.py"
-        file.write_text(DEADLY)
+        file.write_text("import os\n" + AGENT.format(name="Deadly", begin="pass", act=DEADLY))
         choice = ["--set", f"agent={file}:Deadly,greedy", "--set", "max_steps=5", "-o", path]
         result = warehouse("sweep", *choice, "-n", 20, "--workers", 2)
     assert result.code == 1
@@ -147,7 +145,7 @@ def test_agents_that_fail_or_end_their_process_are_named_and_the_others_go_on(
         f"warehouse: seed 13 {flags}: its process was ended by signal 9 (Killed), "
         "perhaps because memory ran out; it was tried twice",
         f"warehouse: seed 14 {flags}: its process ended with exit code 3; it was tried twice",
-        f"warehouse: seed 15, step 1, {flags}: KeyError (deadly.py, line 16)",
+        f"warehouse: seed 15, step 1, {flags}: KeyError (deadly.py, line 18)",
     ]
     assert last == (
         "warehouse: 3 episodes failed, in 1 of 2 combinations; 37 of 40 episodes in "
@@ -156,27 +154,6 @@ def test_agents_that_fail_or_end_their_process_are_named_and_the_others_go_on(
     assert "done; see" not in result.out
     check_is_usable(path)
     assert len(table(path)) == 37
-
-
-THREADED = """
-import threading, time
-class Threaded:
-    def reset(self):
-        threading.Thread(target=time.sleep, args=(3600,)).start()
-
-    def act(self, observation):
-        return "N"
-"""
-
-
-def test_an_agent_that_leaves_threads_running_does_not_hold_up_the_end(path: Path) -> None:
-    with TemporaryDirectory() as folder:
-        file = Path(folder) / "threaded.py"
-        file.write_text(THREADED)
-        sweep = Sweep(path, 8, [f"agent={file}:Threaded"])
-        code, out, err = sweep.end()
-    assert (code, err) == (0, "")
-    assert "8 episodes done; see" in out
 
 
 def test_there_are_no_more_workers_than_episodes(

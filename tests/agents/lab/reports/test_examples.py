@@ -6,6 +6,7 @@ from dataclasses import replace
 from pathlib import Path
 
 import pytest
+from helpers.command_line import write_mine
 from helpers.results_files import row
 
 from agents.errors import StoreError
@@ -18,18 +19,10 @@ from agents.lab.reports.examples import Example, Found, find_examples, replay
 from warehouse_core import Episode
 from warehouse_core.records.failure_modes import MODES
 
-WAITING = """class Waiting:
-    def reset(self):
-        pass
-
-    def act(self, observation):
-        return "WAIT"
-"""
-
 
 @pytest.fixture
-def store(tmp_path: Path) -> Iterator[Store]:
-    with Store(tmp_path / "r.sqlite") as opened:
+def store() -> Iterator[Store]:
+    with Store("r.sqlite") as opened:
         yield opened
 
 
@@ -37,12 +30,6 @@ def found_in(store: Store, episodes: int = 12, **settings: object) -> list[Found
     case = make_case(settings)  # type: ignore[arg-type]
     store.add(store.case_id(case), run_task(case, range(episodes)).rows)
     return find_examples(store)
-
-
-def agent_in(folder: Path, source: str = WAITING) -> Path:
-    path = folder / "mine.py"
-    path.write_text(source)
-    return path
 
 
 def test_the_shortest_is_chosen_then_the_first_case_then_the_smallest_seed(store: Store) -> None:
@@ -90,28 +77,26 @@ def test_a_continuous_motion_is_shown_between_the_steps(store: Store) -> None:
 
 
 @pytest.mark.parametrize(
-    ("source", "said"),
+    ("old", "new", "said"),
     [
-        ("class Other:\n    pass\n", "has no class 'Waiting'"),
-        ("class Waiting(:\n", "line 1"),
-        (WAITING.replace('return "WAIT"', "return 1 / 0"), "ZeroDivisionError: division by zero"),
-        (WAITING.replace('return "WAIT"', "raise SystemExit"), "SystemExit (mine.py, line 6)"),
-        ("raise RuntimeError('two\\nlines')\n", "RuntimeError: two lines"),
+        ("class Mine", "class Other", "has no class 'Mine'"),
+        ("class Mine:", "class Mine(:", "line 2"),
+        ("return 'WAIT'", "return 1 / 0", "ZeroDivisionError: division by zero (mine.py, line 10)"),
+        ("return 'WAIT'", "raise SystemExit", "SystemExit (mine.py, line 10)"),
+        ("class", "raise RuntimeError('two\\nlines')\nclass", "RuntimeError: two lines"),
     ],
     ids=["class missing", "syntax", "raises in act", "exits in act", "raises when imported"],
 )
-def test_an_agent_that_no_longer_works_has_no_replay(
-    tmp_path: Path, store: Store, source: str, said: str
+def test_an_agent_that_is_gone_or_no_longer_works_has_no_replay(
+    store: Store, old: str, new: str, said: str
 ) -> None:
-    agent = agent_in(tmp_path)
-    [found] = found_in(store, episodes=1, agent=f"{agent}:Waiting", max_steps=12)
+    write_mine("act", "pass", "'WAIT'")
+    [found] = found_in(store, episodes=1, agent="mine.py:Mine", max_steps=12)
     assert replay(found, run_own_code=True).track
-    agent.unlink()
-    assert replay(found, run_own_code=True) == Example(
-        found,
-        f"It cannot be run again: the file of agent '{agent}:Waiting': No such file or directory.",
-    )
-    agent_in(tmp_path, source)
+    file = Path("mine.py").rename("away.py")
+    missing = "the file of agent 'mine.py:Mine': No such file or directory."
+    assert replay(found, run_own_code=True) == Example(found, f"It cannot be run again: {missing}")
+    Path("mine.py").write_text(file.read_text().replace(old, new))
     unmarked = {name: value for name, value in found.case.items() if name != FINGERPRINT}
     example = replay(replace(found, case=unmarked), run_own_code=True)
     assert example.track is None
@@ -170,11 +155,11 @@ def test_an_episode_that_goes_on_for_longer_than_the_results_say_is_stopped(
 
 
 @pytest.mark.parametrize("has_fingerprint", [False, True])
-@pytest.mark.parametrize("agent", ["q:{}/pipe", "ppo:{}/pipe", "q:/dev/zero", "{}/pipe.py:Mine"])
-def test_only_files_are_read_as_agents(tmp_path: Path, agent: str, has_fingerprint: bool) -> None:
+@pytest.mark.parametrize("agent", ["q:pipe", "ppo:pipe", "q:/dev/zero", "pipe.py:Mine"])
+def test_only_files_are_read_as_agents(agent: str, has_fingerprint: bool) -> None:
     for name in ("pipe", "pipe.py"):
-        os.mkfifo(tmp_path / name)
-    case = {**make_case({}), "agent": agent.format(tmp_path)}
+        os.mkfifo(name)
+    case = {**make_case({}), "agent": agent}
     if has_fingerprint:
         case[FINGERPRINT] = "0" * 64
     example = replay(Found("stalled", case, 0, 7, 1), run_own_code=True)
@@ -193,12 +178,11 @@ def test_examples_are_found_only_among_rows_that_a_sweep_may_have_written(store:
     ids=["without being asked", "that has changed"],
 )
 def test_a_user_agent_is_not_run(
-    tmp_path: Path, fingerprint: dict[str, str], run_own_code: bool, words: str
+    fingerprint: dict[str, str], run_own_code: bool, words: str
 ) -> None:
-    marker, file = tmp_path / "ran", tmp_path / "agent.py"
-    file.write_text(f"open({str(marker)!r}, 'w')\nclass Mine:\n    pass\n")
-    case = {**make_case({}), "agent": f"{file}:Mine"} | fingerprint
+    Path("mine.py").write_text("open('ran', 'w')\nclass Mine:\n    pass\n")
+    case = {**make_case({}), "agent": "mine.py:Mine"} | fingerprint
     example = replay(Found("wandering", case, 0, 5, 1), run_own_code=run_own_code)
     assert words in example.sentence
     assert example.track is None
-    assert not marker.exists()
+    assert not Path("ran").exists()

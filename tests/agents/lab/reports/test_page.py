@@ -10,13 +10,10 @@ from helpers.pages import HOSTILE, SVG, a_page, a_page_of, found
 from helpers.player import said_by
 from jinja2 import UndefinedError
 
-from agents.lab.experiments.case import make_case
-from agents.lab.experiments.episodes import run_task
-from agents.lab.experiments.store import Store
 from agents.lab.parameters import shown
 from agents.lab.reports import page as page_module
 from agents.lab.reports.analysis.answers import Answer
-from agents.lab.reports.examples import Example, find_examples, replay
+from agents.lab.reports.examples import Example
 from agents.lab.reports.figures.pictures import Picture
 from agents.lab.reports.page import Table, write_page
 from warehouse_core.viz.player.page import digest, script
@@ -204,32 +201,6 @@ def test_the_policy_precedes_all_content_and_unprintable_characters_are_escaped(
     assert [tag for tag, _ in seen.elements][:4] == ["html", "head", "meta", "meta"]
     assert "http-equiv" in seen.all("meta")[1]
     assert seen.said("h1") == [r"a b\x00c\ud800d\x1be\u202ef\ufffeg"]
-
-
-def test_names_of_files_and_agents_in_real_results_are_escaped(
-    tmp_path: Path, path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.chdir(tmp_path)
-    layout = "<img src=x onerror=alert(1)>{{7*7}}.txt"
-    agent = "<script>alert(1)<.py"
-    Path(layout).write_text("#####\n#P.D#\n#...#\n#####\n")
-    Path(agent).write_text(
-        "class A:\n"
-        "    reason = '</title><script>alert(1)</script>'\n"
-        "    def reset(self): pass\n"
-        "    def act(self, observation): return 'WAIT'\n"
-    )
-    case = make_case({"layout": layout, "agent": f"{agent}:A", "max_steps": 12})
-    with Store(tmp_path / "r.sqlite") as store:
-        store.add(store.case_id(case), run_task(case, range(3)).rows)
-        examples = tuple(replay(each, run_own_code=True) for each in find_examples(store))
-    write_page(path, a_page(examples=examples))
-    seen = read(path)
-    assert examples[0].track
-    assert {tag for tag, _ in seen.elements} <= ALLOWED
-    assert f"layout={layout}" in seen.said("code")
-    assert f"agent={agent}:A" in seen.said("code")
-    assert not [text for text in seen.said("code") if "fingerprint" in text or "tiles" in text]
 
 
 def test_a_page_that_cannot_be_written_keeps_the_existing_one_and_two_are_the_same(
