@@ -228,12 +228,10 @@ class FleetRecorder:
         )
 
     def _keep_frame(self) -> None:
-        env, width = self._env, self._env.layout.width
+        env = self._env
+        as_arrays = {"cells": env.layout.numbers, "people": env.layout.numbers}
         for name in OF_FRAMES:
-            values = np.array(getattr(env, name))
-            if name in ("cells", "people"):
-                values = values.reshape(-1, 2) @ [width, 1]
-            self._columns[name].append(values)
+            self._columns[name].append(as_arrays.get(name, np.array)(getattr(env, name)))
 
 
 def start_recording(
