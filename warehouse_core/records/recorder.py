@@ -157,7 +157,6 @@ class FleetRecorder:
         self._settings = FleetSettings.from_json(env.settings.to_json())
         self._columns: dict[str, list[Any]] = {name: [] for name in (*OF_FRAMES, *OF_STEPS)}
         self._reasons: list[tuple[str, ...]] = []
-        self._has_reasons = False
         self._motions: list[tuple[Outcome, ...]] = []
         self._unknown: dict[tuple[int, int], Action] = {}
         self._terminated = self._truncated = np.zeros(env.settings.robots, np.bool_)
@@ -181,9 +180,7 @@ class FleetRecorder:
                 is_word = isinstance(action, str)
                 self._unknown[step, robot] = str(action) if is_word else int(action)
         is_each = isinstance(reason, (list, tuple)) and len(reason) == robots
-        reasons = tuple(map(str, reason)) if is_each else (str(reason),) * robots
-        self._reasons.append(reasons)
-        self._has_reasons = self._has_reasons or (reason != "" and any(reasons))
+        self._reasons.append(tuple(map(str, reason)) if is_each else (str(reason),) * robots)
         values = {"actions": chosen, "rewards": rewards, **info["motion"]}
         for name in OF_STEPS:
             self._columns[name].append(values[name])
@@ -216,7 +213,7 @@ class FleetRecorder:
             **arrays,
             terminated=self._terminated,
             truncated=self._truncated,
-            reasons=self._reasons[:] if self._has_reasons else [],
+            reasons=self._reasons[:] if any(map(any, self._reasons)) else [],
             motions=self._motions[:],
             backend=env.backend,
             cell_size=env.cell_size,
