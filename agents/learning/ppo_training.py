@@ -91,11 +91,8 @@ class PPOLearner:
         hidden = [
             part for part in policy.mlp_extractor.policy_net if isinstance(part, torch.nn.Linear)
         ]
-        return PolicyNetwork(
-            self._view_radius,
-            [_copy(part) for part in (*hidden, policy.action_net)],
-            self._tiles,
-        )
+        layers = [_copy(part) for part in (*hidden, policy.action_net)]
+        return PolicyNetwork(self._view_radius, layers, self._tiles)
 
     def save_network(self, path: Path) -> None:
         """Write the file that ``PPOAgent.load`` reads."""

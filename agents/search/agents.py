@@ -128,21 +128,17 @@ class SearchAgent:
 
     def _problem(self, observation: Observation) -> DeliveryProblem:
         """Return the rest of the delivery."""
+        here, has_item = observation["robot_pos"], observation["has_item"]
         stations = [observation["pickup_pos"], observation["dropoff_pos"]]
         own = [self.layout.pickups, self.layout.dropoffs]
         # The layout has all stations, the observation the first of each kind. If they differ, the
         # episode has random stations.
-        known = [
+        pickups, dropoffs = (
             theirs if self._knows_stations and theirs[:1] == (seen,) else [seen] if seen else []
             for seen, theirs in zip(stations, own, strict=True)
-        ]
+        )
         return DeliveryProblem(
-            self.layout,
-            observation["robot_pos"],
-            observation["has_item"],
-            pickups=known[0],
-            dropoffs=known[1],
-            costs=self._costs,
+            self.layout, here, has_item, pickups=pickups, dropoffs=dropoffs, costs=self._costs
         )
 
 

@@ -77,11 +77,11 @@ class GridProblem(Problem[S, str]):
 
     def result(self, state: S, action: str) -> S:
         """Return the state after one of ``actions``."""
-        return next(to for each, to, _ in self.expand(state) if each == action)
+        return {each: to for each, to, _ in self.expand(state)}[action]
 
     def action_cost(self, state: S, action: str, successor: S) -> float:
         """Return the cost of one of ``actions``."""
-        return next(cost for each, _, cost in self.expand(state) if each == action)
+        return {each: cost for each, _, cost in self.expand(state)}[action]
 
 
 class RouteProblem(GridProblem[Cell]):

@@ -278,9 +278,7 @@ def test_a_seed_of_another_type_raises_and_changes_nothing(seed: Any, randomize:
     assert everything(env) == before
 
 
-def test_an_error_of_the_motion_leaves_the_state_unchanged(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+def test_an_error_of_the_motion_leaves_the_state_unchanged(monkeypatch: pytest.MonkeyPatch) -> None:
     env = WarehouseEnv()
     env.step("E")
     before = everything(env)

@@ -185,24 +185,18 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def test_every_frame_is_a_file_and_the_legend_is_one(tmp_path: Path) -> None:
-    folder = svg_folder(tmp_path / "new" / "folder")
-    assert sorted(contents(folder)) == [*FRAME_FILES, "legend.svg"]
-    for path in folder.iterdir():
-        assert ElementTree.parse(path).getroot().tag == f"{SVG}svg"
-
-
-def test_a_file_shows_its_frame_and_no_legend(tmp_path: Path) -> None:
     # Letters are shapes; matplotlib notes beside them, as a comment, what they spell.
-    files = contents(svg_folder(tmp_path))
+    files = contents(svg_folder(tmp_path / "new" / "folder"))
+    assert sorted(files) == [*FRAME_FILES, "legend.svg"]
+    assert all(ElementTree.fromstring(file).tag == f"{SVG}svg" for file in files.values())
     for frame, name in enumerate(FRAME_FILES):
         assert f"<!-- step {frame} of 6 -->".encode() in files[name]
         assert (b"<!-- DELIVERED -->" in files[name]) == (frame == 6)
-        assert b"robot (loaded)" not in files[name]
-        assert b"battery" not in files[name]
-    for words in (b"#  wall", b".  empty", b"P  pickup", b"D  dropoff"):
-        assert words in files["legend.svg"]
-    for words in (b"R  robot (empty)", b"r  robot (loaded)"):
-        assert words in files["legend.svg"]
+        assert not any(words in files[name] for words in (b"robot (loaded)", b"battery"))
+    for words in ("#  wall", ".  empty", "P  pickup", "D  dropoff"):
+        assert words.encode() in files["legend.svg"]
+    for words in ("R  robot (empty)", "r  robot (loaded)"):
+        assert words.encode() in files["legend.svg"]
     assert b"charger" not in files["legend.svg"]
 
 

@@ -6,14 +6,22 @@ A state of a delivery in a graph is ``(row, col, has_item)``, and ``END`` after 
 import random
 from collections.abc import Collection, Sequence
 from dataclasses import dataclass, field
+from typing import NamedTuple
 
 import networkx as nx
 
 Place = tuple[int, int]
-Prices = dict[str, float]
-"""The costs of a move with empty hands, a move with the item, PICK and DROP, by these names."""
 
-EMPTY_HANDS, LOADED, PICK, DROP = "empty", "loaded", "PICK", "DROP"
+
+class Prices(NamedTuple):
+    """The costs of a move with empty hands, a move with the item, PICK and DROP."""
+
+    empty: float
+    loaded: float
+    pick: float
+    drop: float
+
+
 END = "end"
 
 
@@ -52,20 +60,20 @@ def replay_delivery(
     done, drops = Replay(start, has_item, places=[start]), []
     for number, word in enumerate(plan):
         if word == "PICK":
-            done.cost += prices[PICK]
+            done.cost += prices.pick
             if done.has_item or done.place not in pickups:
                 done.errors.append(f"{number}: nothing to pick on {done.place}")
             done.has_item = True
             done.places.append(done.place)
         elif word == "DROP":
-            done.cost += prices[DROP]
+            done.cost += prices.drop
             if not done.has_item or done.place not in dropoffs:
                 done.errors.append(f"{number}: nothing to drop on {done.place}")
             done.has_item = False
             drops.append(number)
             done.places.append(done.place)
         else:
-            done.cost += prices[LOADED if done.has_item else EMPTY_HANDS]
+            done.cost += prices.loaded if done.has_item else prices.empty
             _drive(done, rows, number, word)
     if drops != [len(plan) - 1]:
         done.errors.append(f"drops at {drops} of {len(plan)} actions")
@@ -106,10 +114,7 @@ def open_places(rows: Sequence[str]) -> list[Place]:
 
 def random_prices(stream: random.Random) -> Prices:
     """Return prices in eighths, including 0: their sums are exact in any order."""
-    return {
-        name: stream.choice((0.0, 1.0, stream.randrange(80) / 8))
-        for name in (EMPTY_HANDS, LOADED, PICK, DROP)
-    }
+    return Prices(*(stream.choice((0.0, 1.0, stream.randrange(80) / 8)) for _ in Prices._fields))
 
 
 def _steps(rows: Sequence[str]) -> list[tuple[Place, Place]]:
@@ -139,11 +144,11 @@ def delivery_graph(
     graph = nx.DiGraph()
     graph.add_node(END)
     graph.add_nodes_from((r, c, load) for r, c in open_places(rows) for load in (False, True))
-    for load, price in ((False, prices[EMPTY_HANDS]), (True, prices[LOADED])):
+    for load, price in ((False, prices.empty), (True, prices.loaded)):
         pairs = [((r, c, load), (y, x, load)) for (r, c), (y, x) in _steps(rows)]
         graph.add_edges_from(pairs, weight=price)
         graph.add_edges_from([(there, here) for here, there in pairs], weight=price)
     lifts = [((r, c, False), (r, c, True)) for r, c in pickups]
-    graph.add_edges_from(lifts, weight=prices[PICK])
-    graph.add_edges_from([((r, c, True), END) for r, c in dropoffs], weight=prices[DROP])
+    graph.add_edges_from(lifts, weight=prices.pick)
+    graph.add_edges_from([((r, c, True), END) for r, c in dropoffs], weight=prices.drop)
     return graph

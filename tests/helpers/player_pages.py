@@ -114,11 +114,6 @@ class Shown:
         wait_until(self.page, "globalThis.player !== undefined")
         return self
 
-    def hold_clock(self) -> None:
-        """Let time pass in the page by ``self.page.clock.run_for`` alone."""
-        self.page.clock.install(time=0)
-        self.page.clock.pause_at(1000)
-
     def read(self, expression: str) -> Any:
         """Return the value of an expression of JavaScript."""
         return self.page.evaluate(expression)
@@ -163,8 +158,9 @@ def shown(browser: Any, *, is_held: bool = False, **options: Any) -> Iterator[Sh
     context = browser.new_context(**{"viewport": {"width": 1200, "height": 800}, **options})
     try:
         page = Shown(context.new_page())
-        if is_held:
-            page.hold_clock()
+        if is_held:  # time passes by ``run_for`` alone
+            page.page.clock.install(time=0)
+            page.page.clock.pause_at(1000)
         yield page
         page.check()
     finally:

@@ -150,10 +150,7 @@ def inspected(page: Path, expression: str, *words: str) -> str:
         "<script>addEventListener('load', () => "
         f"parent.postMessage(String({expression}), '*'))</script>"
     )
-    copy.write_text(
-        POLICY.sub("", text).replace("</body>", f"{script}</body>"),
-        encoding="utf-8",
-    )
+    copy.write_text(POLICY.sub("", text).replace("</body>", f"{script}</body>"), encoding="utf-8")
     frame.write_text(
         "<!DOCTYPE html><title></title>"
         "<script>addEventListener('message', event => document.title = event.data)</script>"

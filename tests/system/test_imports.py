@@ -43,7 +43,7 @@ MAY_IMPORT = {
     "warehouse_core/pettingzoo_env": (
         "arguments errors extras fleet gymnasium_env render task world"
     ),
-    "warehouse_core/viz/axes": "motion records render wording world",
+    "warehouse_core/viz/axes": "motion records render world",
     "warehouse_core/viz/tracks": "arguments errors motion orders records render wording world",
     "warehouse_core/viz/player": "arguments files orders render viz/tracks wording world",
     "warehouse_core/viz": (
@@ -182,6 +182,11 @@ from warehouse_core import BatchEnv
 batch = BatchEnv(3)
 batch.reset(seed=1)
 batch.step([1, 2, 3])
+""",
+    "pictures": """
+import warehouse_core.render.window
+from warehouse_core.render.painter import TilePainter, bar
+TilePainter(16).picture(warehouse_core.DEFAULT_LAYOUT, (1, 1), True), bar(0.5, 10, 4)
 """,
     "planners": "import agents.mapf.lanes, agents.mapf.lacam, agents.mapf.prioritised",
     "agents": """

@@ -1,12 +1,10 @@
 """Pictures in real windows, run with ``pytest -m window``, and tests that need no window."""
 
-import subprocess
-import sys
 from collections.abc import Callable
 
 import numpy as np
 import pytest
-from helpers.windows import TIMEOUT, Shower
+from helpers.windows import Shower
 from numpy.typing import NDArray
 
 from warehouse_core import DEFAULT_LAYOUT
@@ -59,25 +57,14 @@ def test_a_picture_is_shown_pixel_by_pixel(start: Start, pixels: int) -> None:
 
 
 @in_a_window
-def test_the_next_picture_replaces_the_last(start: Start) -> None:
-    program = start("""
-window.show(painted(40, 1, 1), 50)
-show_forever(painted(40, 1, 2))
-""")
+@pytest.mark.parametrize("sizes", [(40, 40), (40, 20, 30)])
+def test_the_window_shows_the_last_picture_in_its_size(start: Start, sizes: list[int]) -> None:
+    *before, last = sizes
+    shown = [f"window.show(painted({pixels}, 1, 1), 50)" for pixels in before]
+    program = start("\n".join([*shown, f"show_forever(painted({last}, 1, 2))"]))
     program.wait_for("open")
-    assert program.shows(program.focus(), painted(40, 1, 2))
+    assert program.shows(program.focus(), painted(last, 1, 2))
     assert len(program.windows()) == 1
-
-
-@in_a_window
-def test_the_window_follows_a_picture_of_another_size(start: Start) -> None:
-    program = start("""
-window.show(painted(40, 1, 1), 50)
-window.show(painted(20, 1, 1), 50)
-show_forever(painted(30, 1, 1))
-""")
-    program.wait_for("open")
-    assert program.shows(program.focus(), painted(30, 1, 1))
 
 
 @in_a_window
@@ -118,21 +105,10 @@ print("continued", flush=True)
 
 
 @in_a_window
-def test_a_program_can_close_it(start: Start) -> None:
-    program = start("""
-window.show(painted(20, 1, 1), 50)
-window.close()
-window.close()
-show_forever(painted(20, 1, 1))
-""")
+@pytest.mark.parametrize("before", ["", "window.show(painted(20, 1, 1), 50); window.close()"])
+def test_a_program_can_close_it_before_or_after_it_opens(start: Start, before: str) -> None:
+    program = start(f"{before}\nwindow.close()\nshow_forever(painted(20, 1, 1))")
     program.wait_for("closed", 5)
-    assert program.windows() == []
-
-
-@in_a_window
-def test_a_window_that_never_opened_can_be_closed(start: Start) -> None:
-    program = start("window.close(); show_forever(painted(20, 1, 1))")
-    program.wait_for("closed", 3)
     assert program.windows() == []
 
 
@@ -196,10 +172,3 @@ def test_a_closed_window_does_not_open_again(monkeypatch: pytest.MonkeyPatch) ->
     window.close()
     window.show(painted(2, 1, 1), 50)
     assert window.is_closed
-
-
-def test_importing_the_module_does_not_import_matplotlib() -> None:
-    program = "import sys, warehouse_core.render.window; print('matplotlib' in sys.modules)"
-    words = [sys.executable, "-c", program]
-    done = subprocess.run(words, capture_output=True, text=True, check=True, timeout=TIMEOUT)
-    assert done.stdout.strip() == "False"

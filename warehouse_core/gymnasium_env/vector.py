@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
-from contextlib import contextmanager
+from collections.abc import Sequence
 from typing import Any, cast
 
 import gymnasium
@@ -148,8 +147,10 @@ class WarehouseVectorEnv(Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
             ResetNeeded: a mask before the first reset.
         """
         mask = check_options(options, {"reset_mask"}).get("reset_mask")
-        with _gymnasium_errors():
+        try:
             arrays, info = self._batch.reset(seed, mask)
+        except EndedError as error:
+            raise ResetNeeded(str(error)) from error
         return self._form(arrays), info
 
     def step(self, actions: ArrayLike) -> tuple[Any, Any, Any, Any, dict[str, Any]]:
@@ -160,8 +161,10 @@ class WarehouseVectorEnv(Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
             TypeError: actions that are not integers.
             ResetNeeded: before a reset, or where rows have ended with autoreset disabled.
         """
-        with _gymnasium_errors():
+        try:
             arrays, rewards, terminated, truncated, info = self._batch.step(actions)
+        except EndedError as error:
+            raise ResetNeeded(str(error)) from error
         if "final_obs" in info:
             info["final_obs"] = self._final(info["final_obs"], info["_final_obs"])
         return self._form(arrays), rewards, terminated, truncated, info
@@ -172,8 +175,10 @@ class WarehouseVectorEnv(Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
         Raises:
             ResetNeeded: before a reset.
         """
-        with _gymnasium_errors():
+        try:
             return self._batch.action_masks()
+        except EndedError as error:
+            raise ResetNeeded(str(error)) from error
 
     def render(self) -> Any:
         """Return a picture of each row, ``[H, W, 3]`` uint8.
@@ -182,8 +187,10 @@ class WarehouseVectorEnv(Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
             ResetNeeded: before a reset.
         """
         if self.render_mode == "rgb_array":
-            with _gymnasium_errors():
+            try:
                 rows = [self._batch.row(row) for row in range(self.num_envs)]
+            except EndedError as error:
+                raise ResetNeeded(str(error)) from error
             return tuple(
                 self._painter.picture(layout, state.robot_pos, state.has_item)
                 for layout, state in rows
@@ -206,15 +213,6 @@ class WarehouseVectorEnv(Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
         for row, observation in zip(rows, observations, strict=True):
             final[row] = observation
         return final
-
-
-@contextmanager
-def _gymnasium_errors() -> Iterator[None]:
-    """Raise the error of Gymnasium where there is no episode."""
-    try:
-        yield
-    except EndedError as error:
-        raise ResetNeeded(str(error)) from error
 
 
 def _layouts(given: GivenLayout | Sequence[GivenLayout] | None) -> Layout | list[Layout]:

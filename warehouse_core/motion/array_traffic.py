@@ -21,7 +21,7 @@ MAX_SMALL_FRONT = 100
 class ArrayTraffic:
     """Finds what stops each of ``N`` robots; equal to ``find_stops`` on each floor.
 
-    There are so many ``cells`` on all ``floors`` together, and so many ``robots`` on each.
+    ``cells`` is their number on all floors together, ``robots`` their number on each floor.
     """
 
     def __init__(self, cells: int, floors: int, robots: int) -> None:

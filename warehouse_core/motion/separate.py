@@ -38,7 +38,7 @@ class SeparateMotions:
         """Put the robots of some floors in their cells; see ``BatchMotion.place``.
 
         Cells that are not open or given twice on a floor, and rows that are not all robots of
-        different floors in order, change nothing but raise ``LayoutError`` or ``ValueError``.
+        different floors in order, are refused before anything has changed.
         """
         floors = self._whole_floors(rows)
         seeds = [None] * len(floors) if seeds is None else seeds

@@ -47,7 +47,9 @@ class ListedOrders:
 
 
 class DrawnOrders:
-    """Orders drawn from streams for each episode of at most ``steps``.
+    """Orders drawn for each episode from one stream or more, in order of their starts.
+
+    Only orders that are released before the last of the ``steps`` of an episode are drawn.
 
     Raises:
         LayoutError: a layout without a pickup or a dropoff.

@@ -68,8 +68,9 @@ def _room(layout: Layout) -> int:
 def draw_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.intp]:
     """Draw three different ``station_cells``, each uniformly from those not drawn yet.
 
-    There are ``counts``, ``[...]``. Return the indices of pickup, dropoff and start, ``[..., 3]``;
-    the start is ``NO_RANK`` if no cell is left for it.
+    Their numbers are ``counts``, ``[...]`` and at least ``MIN_OPEN_CELLS``; of the ``uniforms``,
+    ``[..., DRAWS]`` in [0, 1), the first three are used. Return the indices of pickup, dropoff and
+    start, ``[..., 3]``; the start is ``NO_RANK`` if no cell is left for it.
     """
     left = np.asarray(counts)[..., None] - np.arange(3)
     ranks: NDArray[Any] = (uniforms[..., :3] * left).astype(np.intp)

@@ -61,8 +61,8 @@ class RigidBodyBatch:
     ) -> None:
         """Put some of the robots at rest in a cell; see ``BatchMotion.place``.
 
-        Cells that are not open, and rows that do not exist or are given twice, change nothing but
-        raise ``LayoutError`` or ``ValueError``; so it is for the other calls.
+        Here and in the other calls, cells that are not open, rows that do not exist or are given
+        twice, and another number of anything are refused before anything has changed.
         """
         parts = self._in_use("place")
         rows = self._checked_rows(rows)

@@ -70,7 +70,7 @@ class Leaders:
     def find(self, robot: int, done: Floats) -> None:
         """Find the next cells of a robot where it has leaders, as far as there is space for them.
 
-        Here and elsewhere ``done`` is the length of way that each robot has done, ``[R]`` metres.
+        Here and below ``done`` is the length of way that each robot has done, ``[R]`` metres.
         """
         slot, last = np.count_nonzero(self.nodes[robot] != NOWHERE), self._ways.last(robot)
         number = self._looked[robot]

@@ -3,6 +3,7 @@
 import random
 from itertools import pairwise
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 import pytest
@@ -36,8 +37,8 @@ class Mine:
 """
 
 
-def make_env(robots: int = 3, **settings: object) -> FleetEnv:
-    return FleetEnv(ROOM, robots, orders=OrderStream(0.2), max_steps=60, **settings)  # type: ignore[arg-type]
+def make_env(robots: int = 3, **settings: Any) -> FleetEnv:
+    return FleetEnv(ROOM, robots, orders=OrderStream(0.2), max_steps=60, **settings)
 
 
 class Fixed:
@@ -141,13 +142,13 @@ class Noting:
         return self.action  # type: ignore[return-value]
 
 
-def hall_env(robots: int = 1, layout: Layout = HALL, **settings: object) -> FleetEnv:
-    return FleetEnv(layout, robots, max_steps=500, **settings)  # type: ignore[arg-type]
+def hall(robots: int = 1, layout: Layout = HALL, **settings: Any) -> Site:
+    return Site(FleetEnv(layout, robots, max_steps=500, **settings))
 
 
-def make_pilot(agent: Noting | None = None, **settings: object) -> tuple[Pilot, Noting]:
+def make_pilot(agent: Noting | None = None, **settings: Any) -> tuple[Pilot, Noting]:
     agent = agent or Noting()
-    return Pilot(agent, Site(hall_env(**settings)), random.Random(1)), agent
+    return Pilot(agent, hall(**settings), random.Random(1)), agent
 
 
 def seen(**changed: object) -> FleetObservation:
@@ -189,7 +190,7 @@ def test_a_second_order_between_the_same_stations_is_another_episode() -> None:
 def test_a_robot_drives_to_a_charger_in_time_and_stays_until_nearly_full(has_item: bool) -> None:
     pilot, agent = make_pilot()
     goal = {"has_item": has_item, "pickup_pos": None if has_item else (1, 1)}
-    reserve = Site(hall_env()).reserve((2, 3))
+    reserve = hall().reserve((2, 3))
     assert reserve == 2 * 3 + 10
     pilot.act(seen(battery=16, **goal))
     assert agent.seen[-1]["dropoff_pos"] == (3, 1)
@@ -205,25 +206,21 @@ def test_a_robot_drives_to_a_charger_in_time_and_stays_until_nearly_full(has_ite
 
 
 def test_the_reserve_is_in_the_unit_of_the_battery() -> None:
-    steps, joules = (
-        Site(hall_env(battery=Battery(100_000, unit))).reserve((2, 3))
-        for unit in ("steps", "joules")
-    )
-    cost = Battery(100_000, "joules").step_cost(1.0)
+    batteries = [Battery(100_000, unit) for unit in ("steps", "joules")]
+    steps, joules = (hall(battery=each).reserve((2, 3)) for each in batteries)
+    cost = batteries[1].step_cost(1.0)
     assert joules == pytest.approx(steps * cost)
     assert cost > 10
 
 
 def test_more_robots_than_chargers_go_earlier_but_none_with_enough() -> None:
-    def reserve(robots: int, battery: int) -> float:
-        return Site(hall_env(robots, battery=battery)).reserve((2, 3))
-
-    assert reserve(2, 400) == reserve(1, 400) < reserve(3, 400) < reserve(4, 400)
-    assert reserve(8, 100) == ENOUGH * 100
+    one, two, three, four = (hall(robots, battery=400).reserve((2, 3)) for robots in range(1, 5))
+    assert one == two < three < four
+    assert hall(8, battery=100).reserve((2, 3)) == ENOUGH * 100
 
 
 def test_two_robots_take_two_chargers_and_the_next_goes_on_until_one_is_free() -> None:
-    site = Site(hall_env(3, battery=400))
+    site = hall(3, battery=400)
     pilots = [Pilot(Noting(), site, random.Random(1)) for _ in range(3)]
     low = seen(battery=20)
     for pilot in pilots:
@@ -236,7 +233,7 @@ def test_two_robots_take_two_chargers_and_the_next_goes_on_until_one_is_free() -
 
 
 def test_a_robot_with_an_empty_battery_leaves_its_charger_to_others() -> None:
-    site = Site(hall_env(layout=Layout(["P.....C.....D"])))
+    site = hall(layout=Layout(["P.....C.....D"]))
     pilots = [Pilot(Noting(), site, random.Random(1)) for _ in range(2)]
     where = {"robot_pos": (0, 3), "charger_pos": (0, 6)}
     pilots[0].act(seen(battery=1, **where))

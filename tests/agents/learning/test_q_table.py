@@ -78,10 +78,3 @@ def test_a_file_of_something_else_is_an_error(
         arrays = dict(file)
     np.savez_compressed(saved, **(arrays | changed))
     assert refusal(saved).startswith(says)
-
-
-def test_a_damaged_file_is_an_error(saved: Path) -> None:
-    saved.write_bytes(saved.read_bytes()[:-30])
-    refusal(saved)
-    with pytest.raises(OSError, match="No such file"):
-        load_table(saved.with_name("missing.npz"))

@@ -1,12 +1,23 @@
-"""Graphs of layouts, and the distances in them."""
+"""Graphs of layouts, the distances in them, and planners that count turns."""
+
+from itertools import pairwise, product
 
 import numpy as np
 import pytest
 
+from agents.errors import AgentError, PlanError
 from agents.mapf import graph as module
 from agents.mapf.graph import CLOSED, FAR, Fields, Graph
 from agents.mapf.lanes import lane_costs
+from agents.mapf.lifelong import run_lifelong
+from agents.mapf.pibt import PIBT
+from agents.mapf.planner import NO_CELLS, Planner, Situation, check_step
+from agents.mapf.prioritised import WindowedPlanner
+from agents.mapf.problem import Problem
+from agents.registry import make_planner
 from warehouse_core import Layout, random_layout
+from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_core.world.tiles import moved
 
 ROOM = Layout(["..#.", "....", "##.#"])
 
@@ -53,3 +64,122 @@ def test_distances_that_need_it_are_kept_as_floats(cost: float) -> None:
         reachable = np.isfinite(expected)
         assert fields.matrix[row][reachable].tolist() == expected[reachable].tolist()
     assert fields.matrix[row][6] == FAR
+
+
+# Turns.
+
+
+NORTH, EAST, SOUTH, WEST = range(4)
+HALL = Layout(["......"] * 6)
+PLANNERS = [
+    pytest.param(lambda graph, cost: PIBT(graph, 0, cost), id="pibt"),
+    pytest.param(lambda graph, cost: WindowedPlanner(graph, turn_cost=cost), id="windowed"),
+]
+
+
+def relaxed(layout: Layout, costs: np.ndarray, goal: int, turn_cost: float) -> np.ndarray:
+    """Return the distances ``[4, H * W]`` by relaxing all moves until nothing changes."""
+    found = np.full((4, layout.height * layout.width), np.inf)
+    found[:, goal] = 0
+    while True:
+        before = found.copy()
+        for heading, cell, move in product(range(4), layout.open_cells.tolist(), range(4)):
+            there = moved(layout.cell(cell), DISPLACEMENTS[move])
+            if layout.is_open(there):
+                quarters = min((heading - move) % 4, (move - heading) % 4)
+                cost = costs[cell, move] + quarters * turn_cost + found[move, layout.number(there)]
+                found[heading, cell] = min(found[heading, cell], cost)
+        if (found == before).all():
+            return found
+
+
+@pytest.mark.parametrize("turn_cost", [0, 1, 0.5, 2.5])
+@pytest.mark.parametrize("seed", range(3))
+def test_distances_are_those_of_another_algorithm(turn_cost: float, seed: int) -> None:
+    """Costs are of the moves towards the goal, not away from it."""
+    layout = random_layout(6, 7, 0.25, seed)
+    some = np.random.default_rng(seed).integers(1, 9, (42, 4)).astype(np.float32)
+    goal = int(layout.open_cells[seed])
+    for costs in (some, None):
+        found = Graph(layout, costs, turn_cost).distances(goal).reshape(-1, 42)
+        expected = relaxed(layout, np.ones((42, 4)) if costs is None else costs, goal, turn_cost)
+        assert found.tolist() == expected[: len(found)].tolist()
+
+
+def test_a_cheapest_way_has_the_fewest_turns() -> None:
+    way = Graph(HALL, turn_cost=0.1).way(0, 35)
+    assert len(way) == 11
+    assert corners(way) == 1
+    assert Graph(Layout([".#."]), turn_cost=1).way(0, 2) == [0]
+
+
+def corners(way: list[int]) -> int:
+    moves = [to - cell for cell, to in pairwise(way) if to != cell]
+    return sum(move != after for move, after in pairwise(moves))
+
+
+def lead(planner: Planner, cells: list[int], goal: int, steps: int) -> list[int]:
+    """Return where a planner leads a robot that has been in some cells."""
+    way = cells[:1]
+    for step in range(steps):
+        here, nobody = np.array(way[-1:]), np.zeros(1, np.bool_)
+        is_forced = step + 1 < len(cells)
+        wanted = cells[step + 1] if is_forced else goal
+        found = planner.next_cells(Situation(here, np.array([wanted]), nobody, NO_CELLS))
+        way.append(int(found[0]))
+    return way
+
+
+@pytest.mark.parametrize("make", PLANNERS)
+@pytest.mark.parametrize("seed", range(3))
+def test_a_lone_robot_turns_once(make, seed: int) -> None:
+    planner = make(Graph(HALL), 1.0)
+    planner.seed = seed
+    planner.reset()
+    way = lead(planner, [0], 35, 10)
+    assert way[-1] == 35
+    assert corners(way) == 1
+    assert way[1] == 1, "it faces east at first"
+
+
+@pytest.mark.parametrize("make", PLANNERS)
+@pytest.mark.parametrize(("before", "expected"), [(1, 15), (13, 15), (8, 20), (20, 8)])
+def test_a_robot_goes_on_in_the_direction_of_its_last_move(make, before, expected) -> None:
+    """From the middle, 14, to a corner of its diagonal; the robot came from ``before``."""
+    cells = {1: [13, 14], 13: [13, 14], 8: [8, 14], 20: [20, 14]}[before]
+    goal = {1: 21, 13: 21, 8: 21, 20: 9}[before]
+    way = lead(make(Graph(HALL), 1.0), cells, goal, 3)
+    assert way[1] == 14
+    assert way[2] == expected
+
+
+@pytest.mark.parametrize("make", PLANNERS)
+def test_plans_with_costs_of_turns_have_no_conflicts_and_fewer_corners(make) -> None:
+    layout = random_layout(14, 14, 0.15, seed=1)
+    graph, per_move = Graph(layout), []
+    for cost in (0.0, 2.0):
+        run = run_lifelong(graph, make(graph, cost), 25, 60, 1)
+        stays = np.zeros(25, np.bool_)
+        for cells, goals, chosen in zip(run.cells, run.goals, run.cells[1:], strict=False):
+            check_step(graph, Situation(cells, goals, stays, NO_CELLS), chosen)
+        ways = run.cells.T.tolist()
+        moves = sum(to != cell for way in ways for cell, to in pairwise(way))
+        per_move.append(sum(map(corners, ways)) / moves)
+        assert run.reached > 100
+    assert per_move[1] < 0.8 * per_move[0]
+
+
+def test_names_of_planners_may_give_the_cost_of_turns() -> None:
+    layout = Layout(["P..D", "...."])
+    for name in ("pibt", "pibt-lanes", "windowed", "windowed-lanes", "windowed-learned:trials=1"):
+        separator = "," if ":" in name else ":"
+        planner = make_planner(f"{name}{separator}turn_cost=0.5", 0, layout, 2)
+        assert planner.graph.turn_cost == 0.5
+        assert make_planner(name, 0, layout, 2).graph.turn_cost == 0
+    with pytest.raises(AgentError, match=r"turn_cost is -1; it must be at least 0"):
+        make_planner("pibt:turn_cost=-1", 0, layout)
+
+
+def test_problems_with_costs_of_turns_are_refused() -> None:
+    with pytest.raises(PlanError, match=r"^turn_cost is 2.0; in a problem turns cost nothing"):
+        Problem(Graph(HALL, turn_cost=2), [0], [1])

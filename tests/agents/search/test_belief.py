@@ -62,14 +62,6 @@ def test_a_path_leads_through_unknown_cells_and_around_known_walls() -> None:
     assert (2, 2) not in found.states
 
 
-def test_the_search_ends_if_the_goal_is_enclosed_by_walls() -> None:
-    belief = Belief()
-    for cell in ((4, 5), (6, 5), (5, 4), (5, 6)):
-        see(belief, cell, WALL)
-    assert not breadth_first_search(BeliefProblem(belief, (0, 0), (5, 5))).found
-    assert not breadth_first_search(BeliefProblem(belief, (5, 5), (0, 0))).found
-
-
 def test_a_path_may_lead_one_cell_beyond_the_known_ones() -> None:
     belief = Belief()
     for row in range(10):

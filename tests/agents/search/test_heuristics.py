@@ -6,11 +6,7 @@ from collections.abc import Iterable
 
 import networkx as nx
 from helpers.plan_validator import (
-    DROP,
-    EMPTY_HANDS,
     END,
-    LOADED,
-    PICK,
     delivery_graph,
     open_places,
     random_prices,
@@ -69,7 +65,7 @@ def test_heuristics_of_deliveries_never_overestimate_and_are_consistent() -> Non
         )
         graph = delivery_graph(rows, pickups, dropoffs, prices)
         true = nx.single_source_dijkstra_path_length(graph.reverse(copy=False), END)
-        costs = ActionCosts(*(prices[name] for name in (EMPTY_HANDS, LOADED, PICK, DROP)))
+        costs = ActionCosts(*prices)
         problem = DeliveryProblem(
             Layout(rows), places[0], pickups=pickups, dropoffs=dropoffs, costs=costs
         )
@@ -93,7 +89,7 @@ def test_with_many_stations_the_estimate_is_the_least_over_all_pairs() -> None:
             stream.sample(cells, stream.choice((1, MAX_COMPARED, MAX_COMPARED + 1, 20)))
             for _ in range(2)
         )
-        costs = ActionCosts(*random_prices(stream).values())
+        costs = ActionCosts(*random_prices(stream))
         problem = DeliveryProblem(
             Layout(["." * width] * height), (0, 0), pickups=pickups, dropoffs=dropoffs, costs=costs
         )

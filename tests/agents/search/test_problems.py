@@ -8,11 +8,7 @@ from typing import Any, NamedTuple
 import networkx as nx
 import pytest
 from helpers.plan_validator import (
-    DROP,
-    EMPTY_HANDS,
     END,
-    LOADED,
-    PICK,
     Place,
     Prices,
     Replay,
@@ -35,7 +31,7 @@ from warehouse_core.world.generators import random_layout
 
 DELIVERIES = 1000
 
-ONES: Prices = dict.fromkeys((EMPTY_HANDS, LOADED, PICK, DROP), 1.0)
+ONES = Prices(1.0, 1.0, 1.0, 1.0)
 
 
 # The move table.
@@ -91,7 +87,7 @@ class Case(NamedTuple):
             self.has_item,
             pickups=self.pickups,
             dropoffs=self.dropoffs,
-            costs=ActionCosts(*(self.prices[name] for name in (EMPTY_HANDS, LOADED, PICK, DROP))),
+            costs=ActionCosts(*self.prices),
         )
 
     def replay(self, plan: tuple[str, ...]) -> Replay:
@@ -141,7 +137,7 @@ def test_astar_expands_no_more_than_uniform_cost_search() -> None:
     ours = theirs = 0
     for case in random_cases(22, 200):
         # As the drop has a cost, only the goal has an estimate of 0.
-        problem = case._replace(prices=case.prices | {DROP: 0.5}).problem
+        problem = case._replace(prices=case.prices._replace(drop=0.5)).problem
         astar = astar_search(problem, manhattan_delivery(problem)).expanded
         uniform = uniform_cost_search(problem).expanded
         assert astar <= uniform

@@ -22,12 +22,7 @@ from warehouse_core import (
     record_episode,
 )
 from warehouse_core.files.npz import Arrays
-from warehouse_core.records.arrays import (
-    FLEET_COLUMNS,
-    LONE_COLUMNS,
-    pack,
-    unpack,
-)
+from warehouse_core.records.arrays import FLEET_COLUMNS, LONE_COLUMNS, pack, unpack
 from warehouse_core.world.layout import MAX_CELLS, MAX_ROWS
 from warehouse_physics import Disturbances, RigidBodyMotion
 

@@ -505,5 +505,4 @@ def test_any_reason_of_a_fleet_is_kept_as_text(reason: object) -> None:
 
 
 def test_a_fleet_and_a_lone_robot_have_different_records() -> None:
-    assert fleet_episode(robots=1, people=0) != on_line(*DELIVERY)
-    assert on_line(*DELIVERY) != "a record"
+    assert fleet_episode(robots=1, people=0) != on_line(*DELIVERY) != "a record"

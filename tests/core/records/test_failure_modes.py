@@ -11,13 +11,7 @@ from hypothesis import strategies as st
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Cell, Episode, EpisodeRecorder, Layout, WarehouseEnv, record_episode
 from warehouse_core.motion.grid import GridMotion
-from warehouse_core.records.failure_modes import (
-    MIN_STEPS,
-    MODES,
-    Diagnosis,
-    diagnose,
-    fewest_steps,
-)
+from warehouse_core.records.failure_modes import MIN_STEPS, MODES, Diagnosis, diagnose, fewest_steps
 from warehouse_core.world.actions import ACTIONS
 from warehouse_physics import Disturbances, RigidBodyMotion
 

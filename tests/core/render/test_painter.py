@@ -1,6 +1,4 @@
 import itertools
-import subprocess
-import sys
 
 import numpy as np
 import pytest
@@ -290,7 +288,7 @@ def test_a_letter_has_the_shape_that_it_has_in_the_replay(letter: str) -> None:
 
 def test_each_tile_is_where_its_code_is() -> None:
     codes = np.arange(48).reshape(2, 2, 3, 4) % len(CELLS)
-    for side in (2, 5, 16):
+    for side in (2, 5, 16, 64):  # with the last, offsets of tiles need more than 8 bits
         pictures = TilePainter(side).paint(codes.astype(np.uint8))
         assert pictures.shape == (2, 2, 3 * side, 4 * side, 3)
         assert pictures.dtype == np.uint8
@@ -298,11 +296,6 @@ def test_each_tile_is_where_its_code_is() -> None:
             *batch, row, col = place
             rows, columns = (slice(at * side, (at + 1) * side) for at in (row, col))
             assert np.array_equal(pictures[*batch, rows, columns], atlas(side)[codes[place]])
-
-
-def test_large_tiles_can_be_painted_from_small_integer_types() -> None:
-    codes = np.full((1, 1), len(CELLS) - 1, np.uint8)
-    assert np.array_equal(TilePainter(64).paint(codes), atlas(64)[-1])
 
 
 @pytest.mark.parametrize("side", [2, 16, 40])
@@ -346,17 +339,14 @@ def test_a_picture_is_a_new_array() -> None:
     assert np.array_equal(TilePainter(8).picture(YARD, (1, 1), False), kept)
 
 
-def test_a_robot_on_a_wall_raises() -> None:
-    with pytest.raises(KeyError):
-        TilePainter(8).picture(YARD, (0, 0), False)
-
-
-def test_the_tiles_are_drawn_once_are_read_only_and_have_2_pixels_at_least() -> None:
+def test_tiles_are_drawn_once_and_read_only_have_2_pixels_at_least_and_walls_no_robot() -> None:
     assert atlas(12) is atlas(12)
     with pytest.raises(ValueError, match="read-only"):
         atlas(12)[:] = 0
     with pytest.raises(ValueError, match="at least 2"):
         TilePainter(1)
+    with pytest.raises(KeyError):
+        TilePainter(8).picture(YARD, (0, 0), False)
 
 
 @settings(max_examples=30)
@@ -413,23 +403,6 @@ def test_bars_come_in_any_shape_and_colour_and_shares_are_limited_to_0_and_1() -
         assert np.array_equal(bars[index], bar(float(shares[index]), 12, 5, WARNING))
     assert where(bars[1, 2, 1:-1, 1:-1], WARNING).all()
     assert np.array_equal(bar([-1, 2], 10, 4), bar([0, 1], 10, 4))
-
-
-# Imports.
-
-
-def test_painting_needs_neither_matplotlib_nor_pillow() -> None:
-    program = """
-import sys
-from warehouse_core.world.layout import DEFAULT_LAYOUT
-from warehouse_core.render.painter import TilePainter, bar
-TilePainter(16).picture(DEFAULT_LAYOUT, (1, 1), True)
-bar(0.5, 10, 4)
-print([name for name in ("matplotlib", "PIL", "gymnasium") if name in sys.modules])
-"""
-    words = [sys.executable, "-c", program]
-    done = subprocess.run(words, capture_output=True, text=True, check=True)
-    assert done.stdout.strip() == "[]"
 
 
 @pytest.mark.parametrize("side", [6, 8, 12])

@@ -24,6 +24,7 @@ from matplotlib.colors import to_rgb
 from warehouse_core import EpisodeRecorder, WarehouseEnv
 from warehouse_core.motion.base import Contact
 from warehouse_core.render.palette import (
+    BATTERY,
     COLORS,
     HIT,
     ICE,
@@ -277,20 +278,13 @@ def test_the_label_of_a_hit_is_beside_it() -> None:
         assert axes.bbox.x0 <= box.x0 < box.x1 <= axes.bbox.x1
 
 
-def test_a_frame_without_a_robot_shows_none() -> None:
-    replay = replay_of([["...", ".P."], ["R..", ".P."]])
-    assert is_color(pixels(replay)[point_of(replay, 0.75, 0.5)], COLORS["."])
-    replay.go_to(1)
-    assert is_color(pixels(replay)[point_of(replay, 0.75, 0.5)], COLORS["R"])
-    replay.go_to(0)
-    assert is_color(pixels(replay)[point_of(replay, 0.75, 0.5)], COLORS["."])
-
-
-def test_tiles_may_change_from_frame_to_frame() -> None:
-    replay = replay_of([["P.R"], ["D.R"], ["P.R"]])
-    for frame, tile in enumerate("PDP"):
+def test_tiles_and_the_robot_may_come_and_go() -> None:
+    replay = replay_of([["...", ".P."], ["R..", ".D."]])
+    for frame, robot, tile in ((0, ".", "P"), (1, "R", "D"), (0, ".", "P")):
         replay.go_to(frame)
-        assert is_color(pixels(replay)[point_of(replay, 0.45, 0.5)], COLORS[tile])
+        image = pixels(replay)
+        assert is_color(image[point_of(replay, 0.75, 0.5)], COLORS[robot])
+        assert is_color(image[point_of(replay, 1.45, 1.5)], COLORS[tile])
 
 
 @pytest.mark.parametrize(("height", "width"), [(1, 1), (1, 120), (120, 1), (60, 60)])
@@ -444,21 +438,15 @@ def test_the_battery_text_gives_its_level(level: float | None, full: float, word
     assert battery_of(level, full)[1] == words
 
 
-def test_the_length_of_the_bar_is_the_level_of_the_battery() -> None:
-    replay, _ = battery_of(90.0)
-    assert not is_color(color_in_the_bar(replay, 0.02), (1.0, 1.0, 1.0))
-    assert not is_color(color_in_the_bar(replay, 0.02), WARNING)
-    assert np.array_equal(color_in_the_bar(replay, 0.88), color_in_the_bar(replay, 0.02))
-    assert is_color(color_in_the_bar(replay, 0.92), (1.0, 1.0, 1.0))
-
-
-def test_a_low_battery_turns_red() -> None:
-    replay, _ = battery_of(19.0)
-    assert is_color(color_in_the_bar(replay, 0.1), WARNING)
-    assert is_color(color_in_the_bar(replay, 0.21), PALE_WARNING)
-    assert is_color(color_in_the_bar(replay, 0.95), PALE_WARNING)
+def test_the_length_of_the_bar_is_the_level_of_the_battery_which_is_red_if_it_is_low() -> None:
+    for level, color, paper in ((0.9, BATTERY, PAPER), (0.19, WARNING, PALE_WARNING)):
+        replay, _ = battery_of(100 * level)
+        for share in (0.02, level - 0.02):
+            assert is_color(color_in_the_bar(replay, share), color)
+        for share in (level + 0.02, 0.97):
+            assert is_color(color_in_the_bar(replay, share), paper)
     replay.go_to(0)
-    assert not is_color(color_in_the_bar(replay, 0.1), WARNING)
+    assert is_color(color_in_the_bar(replay, 0.1), BATTERY)
 
 
 # Tracks that grow.
