@@ -87,7 +87,8 @@ def test_a_panel_has_its_mode_its_count_its_share_and_its_own_scale() -> None:
     figure = stuck_heat_map(ROWS, stuck, 4000)
     titles = [axes.get_title(loc="left") for axes in panels(figure)]
     assert titles == ["wandering: 1,000 (25.0%)", "stalled: 1 (0.0%)"]
-    hottest = [color_in(figure, axes, at + 0.1, 1.8) for axes, at in zip(panels(figure), (2, 1), strict=True)]
+    first, second = panels(figure)
+    hottest = [color_in(figure, first, 2.1, 1.8), color_in(figure, second, 1.1, 1.8)]
     np.testing.assert_allclose(hottest, [HEAT(1.0)[:3]] * 2, atol=0.01)
 
 
