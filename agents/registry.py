@@ -65,11 +65,8 @@ FIXED = ("seed", "layout", "graph", "algorithm")
 class Sort(NamedTuple):
     """What is made by name: agents or planners.
 
-    Attributes:
-        word: word for one of them.
-        known: callables that make them, by name.
-        more: other names that are allowed, in words.
-        methods: sets of methods; a class of a user must have all of one set.
+    Other names that are allowed are in ``more``, in words. A class of a user must have all methods
+    of one set in ``methods``.
     """
 
     word: str

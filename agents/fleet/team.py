@@ -174,7 +174,6 @@ class Team:
         seed: seed of the moves of robots that are in the way.
 
     Attributes:
-        agents: the argument.
         reason: reasons of the last actions, one for each robot; "" for a robot that drives on.
         robot: robot whose agent is choosing now, or ``None``.
     """

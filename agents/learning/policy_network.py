@@ -89,10 +89,8 @@ class PolicyNetwork:
 
     def save(self, path: str | Path) -> None:
         """Write the network to one ``.npz`` file, whole or not at all."""
-        header = pack_header(
-            {"format": FORMAT, "view_radius": self.view_radius, "tiles": "".join(self.tiles)}
-        )
-        arrays: dict[str, NDArray[Any]] = {"header": header}
+        header = {"format": FORMAT, "view_radius": self.view_radius, "tiles": "".join(self.tiles)}
+        arrays: dict[str, NDArray[Any]] = {"header": pack_header(header)}
         for number, (weights, biases) in enumerate(self.layers):
             arrays |= {f"weights_{number}": weights, f"biases_{number}": biases}
         write_arrays(path, arrays, SCHEMA)

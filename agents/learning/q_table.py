@@ -52,9 +52,8 @@ def load_table(path: str | Path) -> tuple[QTable, NDArray[np.bool_]]:
     if not np.isfinite(values).all():
         raise RecordError(f"{path}: it has values that are not finite")
     table = QTable()
-    for (row, col, goal_row, goal_col, loaded), known in zip(
-        states.tolist(), values.tolist(), strict=True
-    ):
+    rows = zip(states.tolist(), values.tolist(), strict=True)
+    for (row, col, goal_row, goal_col, loaded), known in rows:
         table[(row, col), (goal_row, goal_col), bool(loaded)] = known
     return table, arrays["walls"]
 

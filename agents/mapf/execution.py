@@ -31,9 +31,6 @@ MAX_SLOWNESS = 10
 MAX_TRIES = 10
 """Attempts at a joint step from which disturbances keep robots."""
 
-SEED = 0
-"""Seed of the disturbances."""
-
 RESTS = 1e-5
 """Metres in which a robot may move from row to row of its path and is still said to rest."""
 
@@ -74,7 +71,7 @@ def drive_through(
         ValueError: a joint step has a conflict, or the robots are too wide to follow each other.
     """
     motion, cells = DrivingMotion(spec, disturbances, path_every=1), [*map(layout.cells, plan)]
-    motion.reset(layout, cells[0], SEED)
+    motion.reset(layout, cells[0], seed=0)
     for targets in cells[1:]:
         motion.extend(targets)
     stops = [stop.seconds for stop in motion.disturbances.stops if stop.seconds < math.inf]
@@ -105,7 +102,7 @@ def drive_steps(
         ValueError: a robot is to move by more than a cell.
     """
     motion, cells = RigidBodyMotion(spec, disturbances), [*map(layout.cells, plan)]
-    motion.reset(layout, cells[0], SEED)
+    motion.reset(layout, cells[0], seed=0)
     record, here = _Record(motion.spec, len(cells[0])), cells[0]
     for step, targets in enumerate(cells[1:]):
         for _ in range(MAX_TRIES):

@@ -56,7 +56,6 @@ class Graph:
         ValueError: ``turn_cost`` is below 0 or no number.
 
     Attributes:
-        layout, costs, turn_cost: the arguments.
         size: ``H * W``.
         turns: ``[4, 5]`` float32, cost of turning from each heading before moving N, E, S or W, or
             waiting.

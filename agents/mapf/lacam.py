@@ -30,14 +30,10 @@ Constraint = tuple[tuple[int, int], ...]
 
 @dataclass(eq=False)
 class Node:
-    """A configuration.
+    """A configuration: ``[R]`` cells, and ``[R]`` steps since each robot was at its goal.
 
-    Attributes:
-        cells: ``[R]`` cells of the robots.
-        ages: ``[R]`` steps since each robot was at its goal.
-        order: robots by falling priority.
-        parent: configuration before, ``None`` at the start.
-        tree: queue of constraints that were not yet tried.
+    The robots are in the order of falling priority, and ``tree`` has the constraints that were not
+    yet tried. The first configuration has no parent.
     """
 
     cells: Integers

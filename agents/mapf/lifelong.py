@@ -22,12 +22,9 @@ It must not change these arrays.
 
 @dataclass(frozen=True, eq=False)
 class LifelongRun:
-    """Record of a lifelong run.
+    """Record of a lifelong run: ``[T + 1, R]`` cells and goals of the robots.
 
-    Attributes:
-        cells: ``[T + 1, R]`` cells of the robots.
-        goals: ``[T + 1, R]`` goals of the robots.
-        seconds: ``[T]`` processor time of the planner.
+    The seconds, ``[T]``, are processor time of the planner.
     """
 
     cells: Integers

@@ -12,10 +12,9 @@ from collections.abc import Collection, Iterable, Iterator, Sequence
 
 
 class Reservations:
-    """The states and moves that are taken.
+    """The states and moves that are taken on a floor of ``H * W`` cells, its size.
 
     Attributes:
-        size: ``H * W``.
         states: robot that has each taken state.
         moves: ``state * H * W + cell`` of the moves that would make a robot change places with
             another, and that robot.

@@ -9,7 +9,6 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
 from agents.mapf.cbs import Conflict, ConflictTree, Constraint, Node
-from agents.mapf.problem import Problem
 from warehouse_core.render.palette import COLORS, FAINT, INK, PAPER
 from warehouse_core.viz.axes import box_in, draw_grid
 from warehouse_core.viz.figure import SceneFigure, make_figure
@@ -160,15 +159,14 @@ def _draw_card(axes: Axes, tree: ConflictTree, node: Node, corner: tuple[float, 
 
 def _draw_floor(axes: Axes, tree: ConflictTree, cell_points: float) -> None:
     """Draw starts as discs, goals as rings, and the ways of the solution."""
-    problem: Problem = tree.problem
-    layout = problem.graph.layout
+    layout = tree.problem.graph.layout
     draw_grid(axes, (layout.height, layout.width), 1, 0.6, label_size=11)
     axes.xaxis.tick_top()
     for row, line in enumerate(layout.rows):
         for col, tile in enumerate(line):
             if tile == WALL:
                 axes.add_patch(Rectangle((col, row), 1, 1, color=COLORS[WALL]))
-    for robot, ends in enumerate(zip(problem.starts, problem.goals, strict=True)):
+    for robot, ends in enumerate(zip(tree.problem.starts, tree.problem.goals, strict=True)):
         for cell, shape, share, at in zip(ends, "os", (0.56, 0.36), (0.64, 0.22), strict=True):
             row, col = layout.cell(cell)
             (x, y), size = (col + at, row + at), share * cell_points

@@ -49,8 +49,6 @@ WAITING, NOW, FIRST_SHADE = range(3)
 MAX_TRACK_FRAMES = 300
 """Most frames of a track; marks are exact between them."""
 
-Mark = tuple[int, Cell, int]
-
 
 class SearchCourse:
     """The marks of a search from one end to the other, after any number of its expansions.
@@ -127,7 +125,7 @@ def track_of_course(course: SearchCourse) -> Track:
     return Track(frames, {}, title=printable(course.name), marks=marks)
 
 
-def _marks(course: SearchCourse) -> Iterator[Mark]:
+def _marks(course: SearchCourse) -> Iterator[tuple[int, Cell, int]]:
     """Yield the marks of cells as ``SearchCourse.marks_after`` has them."""
     numbers = np.arange(1, max(len(course), 1) + 1, dtype=np.int32)
     events: Any = course.solution.events  # a state is a cell here

@@ -51,20 +51,24 @@ def test_a_built_in_agent_is_made_by_its_name_and_its_arguments() -> None:
     assert isinstance(make_agent("exploring"), ExploringAgent)
 
 
-def test_an_agent_that_takes_a_layout_gets_it(agent_file: Path) -> None:
+def test_an_agent_gets_the_layout_the_seed_and_the_arguments_that_it_takes(
+    agent_file: Path,
+) -> None:
     hall = Layout(["######", "#P..D#", "######"])
     searching = make_agent("astar", 7, hall)
     assert isinstance(searching, SearchAgent)
     assert searching.layout is hall
     assert searching.algorithm == "astar"
-    agent_file.write_text(WITH_SEED.replace("seed=None", "layout, seed=None"))
-    assert make_agent(f"{agent_file}:Mine", 7, hall).seed == 7  # type: ignore[attr-defined]
 
+    def mine(text: str, options: str = "") -> Any:
+        agent_file.write_text(text)
+        return make_agent(f"{agent_file}:Mine{options}", 7, hall)
 
-def test_an_agent_may_take_no_seed(agent_file: Path) -> None:
-    agent_file.write_text(WITHOUT_SEED)
-    agent = make_agent(f"{agent_file}:Mine", 7)
-    assert record_episode(WarehouseEnv(max_steps=3), agent, seed=1).actions == ["WAIT"] * 3
+    assert mine(WITH_SEED.replace("seed=None", "layout, seed=None")).seed == 7
+    fast = WITH_SEED.replace("seed=None", "speed, names=''").replace("seed", "speed")
+    assert mine(fast, ":speed=2.5").speed == 2.5
+    episode = record_episode(WarehouseEnv(max_steps=3), mine(WITHOUT_SEED), seed=1)
+    assert episode.actions == ["WAIT"] * 3
 
 
 def test_an_agent_may_come_from_a_module(agent_file: Path, monkeypatch: pytest.MonkeyPatch) -> None:
@@ -180,14 +184,6 @@ def test_a_module_that_raises_or_has_too_many_parts_is_named(
     message = refusal("raises_on_import:Mine")
     assert message.startswith("cannot import agent module 'raises_on_import': ZeroDivisionError: ")
     assert "RecursionError" in refusal(f"{'no.' * 2000}module:Mine")
-
-
-def test_arguments_follow_the_class_in_a_file(agent_file: Path) -> None:
-    agent_file.write_text(
-        WITH_SEED.replace("seed=None", "speed, names=''").replace("seed", "speed")
-    )
-    mine: Any = make_agent(f"{agent_file}:Mine:speed=2.5")
-    assert mine.speed == 2.5
 
 
 def test_an_agent_imports_the_modules_beside_its_file(tmp_path: Path) -> None:

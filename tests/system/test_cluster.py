@@ -9,7 +9,7 @@ from collections.abc import Iterator
 from pathlib import Path
 
 import pytest
-from helpers.command_line import ROOT, Refused, in_a_process
+from helpers.command_line import ROOT, in_a_process
 from helpers.dask_cluster import MAX_WAIT, Cluster, dask_cluster, start_worker
 from helpers.sweeps import AGENT, check_is_usable, table, uninterrupted, words
 
@@ -176,14 +176,10 @@ def test_that_there_are_no_workers_is_said_and_the_sweep_goes_on_with_new_ones(
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", EPISODES)
 
 
-def test_no_scheduler_is_one_line_and_exit_code_1(tmp_path: Path) -> None:
-    here = [*words(tmp_path / "r.sqlite", 3), "--cluster", "tcp://127.0.0.1:9"]
+@pytest.mark.parametrize("address", ["tcp://127.0.0.1:9", "nowhere:x:y"])
+def test_no_scheduler_is_one_line_and_exit_code_1(tmp_path: Path, address: str) -> None:
+    here = [*words(tmp_path / "r.sqlite", 3), "--cluster", address]
     result = in_a_process(*MAIN, *here, folder=ROOT)
     assert result.code == 1
     assert result.err.count("\n") == 1
-    assert result.err.startswith("warehouse: no Dask scheduler answers at tcp://127.0.0.1:9")
-
-
-def test_no_address_is_one_line(refused: Refused, tmp_path: Path) -> None:
-    line = refused(*words(tmp_path / "r.sqlite", 3), "--cluster", "nowhere:x:y")
-    assert "nowhere" in line
+    assert result.err.startswith(f"warehouse: no Dask scheduler answers at {address}")

@@ -100,23 +100,20 @@ def _silence_reported(client: Client, address: str) -> Iterator[None]:
 
     def watch() -> None:
         since = monotonic()
-        while not ended.wait(1):
-            if client.run_on_scheduler(count_workers):
-                since = monotonic()
-            elif monotonic() - since > SILENT_SECONDS:
-                since = math.inf
-                print_error(
-                    f"no workers for {SILENT_SECONDS:g} s on the Dask cluster at {address}; the "
-                    f"sweep goes on when there are some, such as by 'dask worker {address}'; "
-                    "Ctrl-C ends it"
-                )
-
-    def watch_while_connected() -> None:
         with suppress(Exception):  # the sweep has the error too
-            watch()
+            while not ended.wait(1):
+                if client.run_on_scheduler(count_workers):
+                    since = monotonic()
+                elif monotonic() - since > SILENT_SECONDS:
+                    since = math.inf
+                    print_error(
+                        f"no workers for {SILENT_SECONDS:g} s on the Dask cluster at {address}; "
+                        "the sweep goes on when there are some, such as by "
+                        f"'dask worker {address}'; Ctrl-C ends it"
+                    )
 
     # Not waited for: a scheduler may not answer.
-    threading.Thread(target=watch_while_connected, daemon=True).start()
+    threading.Thread(target=watch, daemon=True).start()
     try:
         yield
     finally:

@@ -44,10 +44,8 @@ class Plan:
 def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> Plan:
     """Return the plan of every combination of choices, or raise for what cannot be used.
 
-    Args:
-        choices: Value, list of values, or ``{from, to, step}`` of each parameter.
-        episodes: Number of episodes of each combination.
-        seed: Seed of the first episode of each combination.
+    Each parameter has a value, a list of values, or ``{from, to, step}``; each combination has
+    episodes with seeds from the first one on.
     """
     values = {name: spread(name, choice) for name, choice in choices.items()}
     _check_number(values, episodes)

@@ -164,7 +164,11 @@ def sweep(
             )
             raise typer.Abort from None  # typer would end without a message
         finally:
-            _warn_of_mixed(store)
+            if mixed := store.mixed():
+                print_error(
+                    f"warning: {counted(len(mixed), 'combination')} with episodes of several "
+                    f"programs, such as {listed(store.programs(mixed[0]))}"
+                )
         if failed:
             raise EpisodeError(
                 f"{counted(failed.total(), 'episode')} failed, in {len(failed)} of {cases}; "
@@ -189,12 +193,3 @@ def _given(file: Path | None, preset: str | None) -> PlanFile:
 def _done(plan: Plan, store: Store) -> int:
     """Return how many episodes of a plan are stored."""
     return sum(store.count(case, plan.seeds) for case in plan.cases)
-
-
-def _warn_of_mixed(store: Store) -> None:
-    mixed = store.mixed()
-    if mixed:
-        print_error(
-            f"warning: {counted(len(mixed), 'combination')} with episodes of several programs, "
-            f"such as {listed(store.programs(mixed[0]))}"
-        )

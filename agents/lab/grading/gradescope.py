@@ -15,9 +15,10 @@ def results_of(report: Report) -> dict[str, Any]:
 
     The time of execution is left out, so that the same agent has the same results.
     """
+    points = f"{report.agent}: {report.points:g} of {report.max_points:g} points"
     return {
         "score": report.points,
-        "output": _summary(report),
+        "output": "\n".join(filter(None, [report.title, points, report.failure])),
         "output_format": "text",
         "test_output_format": "text",
         "test_name_format": "text",
@@ -31,11 +32,6 @@ def results_of(report: Report) -> dict[str, Any]:
         },
         "tests": [_test(number, grade) for number, grade in enumerate(report.grades, 1)],
     }
-
-
-def _summary(report: Report) -> str:
-    lines = [report.title, f"{report.agent}: {report.points:g} of {report.max_points:g} points"]
-    return "\n".join([*lines, *([report.failure] if report.failure else [])])
 
 
 def _test(number: int, grade: Grade) -> dict[str, Any]:

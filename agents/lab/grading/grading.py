@@ -39,9 +39,7 @@ class Report(NamedTuple):
 
     Attributes:
         agent: name of the agent and of its class.
-        title: title of the rubric.
-        rubric: the digest of the rubric.
-        code: the digest of the code of the agent.
+        rubric: the digest of the rubric; ``code`` is the digest of the agent's code.
         failure: reason why no episode could begin, or "".
     """
 
@@ -74,13 +72,8 @@ def grade(
 
     The report depends on the agent and the rubric alone, if the agent does, except that an answer
     near a time limit may be within it or not. If no episode counts for a criterion, or agents
-    cannot be run here, that is a ``GradeError``.
-
-    Args:
-        submission: the agent.
-        rubric: criteria, cases and limits.
-        user: runs the agent as this user, see ``Sandbox``.
-        advance: called after each episode.
+    cannot be run here, that is a ``GradeError``. The agent may run as another ``user``, see
+    ``Sandbox``; ``advance`` is called after each episode.
     """
     code = submission.digest
     # Hidden ones last: what an agent keeps of them in files is not told in visible ones.

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import re
 from base64 import b64encode
-from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
@@ -24,8 +23,6 @@ from warehouse_core.files.atomic import atomic_path
 from warehouse_core.viz.player import player_frame
 from warehouse_core.viz.player.page import digest, script
 from warehouse_core.wording import printable
-
-TEMPLATE = "page.html"
 
 NUMBER = re.compile(r"[-+\u2212]?\d[\d,. ]*( ?%| ?[a-zA-Z/]{1,3})?( ?(\[.*\]|\(.*\)|\u00b1.*))?")
 """Cells that are aligned to the right: a number, perhaps with a unit or an interval."""
@@ -64,7 +61,7 @@ class Page:
 def write_page(path: Path, page: Page) -> None:
     """Write the page; the file is complete or not there."""
     has_players = any(example.track for example in page.examples)
-    write_template(path, TEMPLATE, page.title, has_players, page=page)
+    write_template(path, "page.html", page.title, has_players, page=page)
 
 
 def write_template(
@@ -109,10 +106,8 @@ def _data_uri(data: bytes, kind: str) -> str:
 
 def _numeric(table: Table) -> list[bool]:
     """Return for each column whether it has numbers."""
-    columns = [_is_numeric(cells) for cells in zip(*table.rows, strict=True)]
+    columns = []
+    for cells in zip(*table.rows, strict=True):
+        known = [cell.strip() for cell in cells if cell.strip() not in BLANK]
+        columns.append(bool(known) and all(map(NUMBER.fullmatch, known)))
     return columns or [False] * len(table.columns)
-
-
-def _is_numeric(cells: Sequence[str]) -> bool:
-    known = [cell for cell in cells if cell.strip() not in BLANK]
-    return bool(known) and all(NUMBER.fullmatch(cell.strip()) for cell in known)

@@ -47,7 +47,11 @@ def save_learning_curve(
             high = axes.get_ylim()[1]
             axes.set_ylim(-0.1 * high, 1.1 * high)
     else:
-        _draw_success(left, name, points, greedy)
+        success = "delivers, of random starts"
+        _draw(left, success, name, points, greedy, lambda each: each.success, "{:.1%}")
+        left.set_ylim(-0.1, 1.1)
+        left.set_yticks(np.linspace(0, 1, 6))
+        left.yaxis.set_major_formatter(PercentFormatter(1.0))
         _draw_lengths(right, name, points, greedy)
     count = len(points[0].scores.rows)
     caption = (
@@ -62,14 +66,6 @@ def save_learning_curve(
 def mean_length(scores: Scores) -> float:
     """Return the mean number of steps of all episodes, including those without a delivery."""
     return float(scores.lengths.mean())
-
-
-def _draw_success(axes: Axes, name: str, points: Sequence[Point], greedy: Scores) -> None:
-    title = "delivers, of random starts"
-    _draw(axes, title, name, points, greedy, lambda scores: scores.success, "{:.1%}")
-    axes.set_ylim(-0.1, 1.1)
-    axes.set_yticks(np.linspace(0, 1, 6))
-    axes.yaxis.set_major_formatter(PercentFormatter(1.0))
 
 
 def _draw_lengths(axes: Axes, name: str, points: Sequence[Point], greedy: Scores) -> None:

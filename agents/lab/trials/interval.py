@@ -7,10 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-CONFIDENCE = 0.95
-
-RESAMPLES = 999
-"""Resamples of a bootstrap."""
+CONFIDENCE, RESAMPLES = 0.95, 999
 
 BATCH_VALUES = 2_000_000
 """Values that a bootstrap draws at once; it limits the memory."""

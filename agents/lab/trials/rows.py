@@ -16,14 +16,10 @@ class Row(NamedTuple):
     Attributes:
         seed: Seed of layout, start and agent.
         mode: Outcome, see ``warehouse_core/records/failure_modes.py``.
-        steps: Length of the episode.
         needed: Fewest steps of a delivery; ``None`` if no way leads there.
-        reward: Total reward.
         battery_left: Units in the battery at the end.
         seconds: Simulated time.
-        joules: Energy.
-        row: Row of the cell where the robot ended or was stuck.
-        col: Column of that cell.
+        row: Row of the cell where the robot ended or was stuck; ``col`` is its column.
     """
 
     seed: int

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.command_line import command
+from helpers.command_line import Warehouse
 
 from agents.lab.commands import train
 from agents.lab.commands.train import make_learner
@@ -207,16 +207,14 @@ def test_the_rows_have_the_format_of_stable_baselines(
 
 
 def test_the_command_trains_an_agent_that_run_takes(
-    capsys: pytest.CaptureFixture[str], monkeypatch: pytest.MonkeyPatch, tmp_path: Path
+    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
 ) -> None:
     monkeypatch.chdir(tmp_path)
     monkeypatch.setattr(train, "FINAL_SEEDS", train.FINAL_SEEDS[:20])
     ROOM.save("room.txt")
-    result = command(
-        capsys, "train", "ppo", "--layout", "room.txt", "--steps", ROUND, "-o", "m.npz"
-    )
+    result = warehouse("train", "ppo", "--layout", "room.txt", "--steps", ROUND, "-o", "m.npz")
     assert (result.code, result.err) == (0, "")
     assert result.out.startswith("8,192 steps in ")
     assert "saved m.npz\nsaved m.zip\nsaved m.png\n" in result.out
     words = ("--agent", "ppo:m.npz", "--layout", "room.txt", "--seed", 1, "--no-show")
-    assert command(capsys, "run", *words).out.startswith("PPOAgent on the grid backend, seed 1")
+    assert warehouse("run", *words).out.startswith("PPOAgent on the grid backend, seed 1")

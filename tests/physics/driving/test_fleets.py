@@ -3,7 +3,7 @@
 from pathlib import Path
 
 import pytest
-from helpers.command_line import refusal
+from helpers.command_line import Refused
 from helpers.fleets import SHELVES, fleet_episode
 
 from agents.fleet.planned import PlannedFleet
@@ -72,8 +72,6 @@ def test_a_robot_that_drives_over_a_charger_is_not_charged() -> None:
     assert env.battery == [100]
 
 
-def test_a_run_of_the_chapters_robot_cannot_use_the_backend(
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    said = refusal(capsys, "run", "--backend", "driving")
+def test_a_run_of_the_chapters_robot_cannot_use_the_backend(refused: Refused) -> None:
+    said = refused("run", "--backend", "driving")
     assert "'driving' drives through the cells of a plan; allowed here: " in said

@@ -107,10 +107,10 @@ def seed_by_seed(one: Point, other: Point, found: Comparison) -> Iterator[str]:
         yield f"{seeds}, {one.name} and {other.name} deliver the same ones"
     else:
         verdict = "more than" if found.chance < SIGNIFICANCE else "no more than"
+        first, second = (f"{n:,}" if n else "none" for n in (found.only_first, found.only_second))
         yield (
-            f"{seeds}, {one.name} alone delivers {_or_none(found.only_first)} and {other.name} "
-            f"alone {_or_none(found.only_second)}, {verdict} chance explains "
-            f"({chance(found.chance)})"
+            f"{seeds}, {one.name} alone delivers {first} and {other.name} alone {second}, "
+            f"{verdict} chance explains ({chance(found.chance)})"
         )
     yield from _conversion(one, other, found)
     for column, costs in found.costs.items():
@@ -237,7 +237,3 @@ def _numbers(question: Question, line: Sequence[Point]) -> str:
     if fewest < most:
         return f", from {fewest:,} to {most:,} episodes each"
     return f", {counted(most, 'episode')} each"
-
-
-def _or_none(count: int) -> str:
-    return f"{count:,}" if count else "none"

@@ -129,8 +129,10 @@ def _labels(cases: Mapping[int, Case]) -> dict[int, Labels]:
         files = {(case[name], str(case.get(content))) for case in having.values()}
         versions = Counter(file for file, _ in files)
         for case_id, case in having.items():
-            mark = f" ({_mark(case.get(content))})" if versions[case[name]] > 1 else ""
-            found[case_id][name] = f"{short[case[name]]}{mark}"
+            found[case_id][name] = short[case[name]]
+            if versions[case[name]] > 1:
+                digest = hashlib.sha256(repr(case.get(content)).encode()).hexdigest()
+                found[case_id][name] += f" ({digest[:MARK_LENGTH]})"
     _name_stations_with_layouts(found.values())
     return found
 
@@ -152,10 +154,6 @@ def _without_folders(names: Collection[str]) -> dict[str, str]:
     short = {name: FOLDERS.sub("", name) or name for name in names}
     counts = Counter(short.values())
     return {name: each if counts[each] == 1 else name for name, each in short.items()}
-
-
-def _mark(content: object) -> str:
-    return hashlib.sha256(repr(content).encode()).hexdigest()[:MARK_LENGTH]
 
 
 def _rank(value: Value) -> tuple[object, ...]:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Callable
-from dataclasses import dataclass, field
 from functools import cached_property
 from typing import Any, NamedTuple
 
@@ -102,28 +101,27 @@ FLEETS = Kind(
 )  # fmt: skip
 
 
-@dataclass(frozen=True, eq=False)
 class Results:
     """The episodes of some cases, read when they are needed.
 
     Attributes:
+        episodes: Number of episodes.
         modes: Number of episodes with each mode that occurs, in the order of ``MODES_OF``.
         seeds: First seed and last seed.
         is_measured: Seconds and joules are measured; the grid has nominal ones.
     """
 
-    store: Store
-    kind: Kind
-    case_ids: CaseIds
-    modes: dict[str, int]
-    seeds: tuple[int, int]
-    is_measured: bool
-    _intervals: dict[Measure, Interval | None] = field(default_factory=dict)
-
-    @cached_property
-    def episodes(self) -> int:
-        """The number of episodes."""
-        return sum(self.modes.values())
+    def __init__(self, experiment: Experiment, case_ids: CaseIds) -> None:
+        self.store, self.kind, self.case_ids = experiment.store, experiment.kind, case_ids
+        modes, ends = Counter[str](), set[int]()
+        for case_id in case_ids:
+            for mode, episodes, *seeds in experiment.tallies[case_id]:
+                modes[mode] += episodes
+                ends.update(seeds)
+        self.episodes, self.seeds = modes.total(), (min(ends), max(ends))
+        self.modes = {mode: modes[mode] for mode in MODES_OF[self.kind.row] if mode in modes}
+        self.is_measured = all(experiment.cases[each]["backend"] != "grid" for each in case_ids)
+        self._intervals: dict[Measure, Interval | None] = {}
 
     @property
     def count(self) -> int:
@@ -170,6 +168,7 @@ class Experiment:
     """The cases of a file of results with episodes of one kind, and their results, computed once.
 
     Attributes:
+        tallies: Mode, number, first and last seed of episodes of one mode, by the number of a case.
         cases: Cases with episodes, by their numbers.
         unbegun: Number of cases of this kind without an episode.
     """
@@ -177,14 +176,14 @@ class Experiment:
     def __init__(self, store: Store, kind: Kind) -> None:
         self.store, self.kind = store, kind
         store.check_rows()
-        self._tallies: dict[int, list[tuple[Any, ...]]] = {}
+        self.tallies: dict[int, list[tuple[Any, ...]]] = {}
         for case_id, *tally in store.query(
             "SELECT case_id, mode, count(*), min(seed), max(seed) "
             f"FROM {TABLE_OF[kind.row]} GROUP BY case_id, mode"
         ):
-            self._tallies.setdefault(case_id, []).append(tuple(tally))
+            self.tallies.setdefault(case_id, []).append(tuple(tally))
         cases = store.cases()
-        self.cases: dict[int, Case] = {case_id: cases[case_id] for case_id in self._tallies}
+        self.cases: dict[int, Case] = {case_id: cases[case_id] for case_id in self.tallies}
         self.unbegun = sum(row_type(case) is kind.row for case in cases.values()) - len(self.cases)
         self._results: dict[CaseIds, Results] = {}
 
@@ -195,19 +194,6 @@ class Experiment:
 
     def results(self, *case_ids: int) -> Results:
         """Return the results of some cases, pooled."""
-        modes, ends = Counter[str](), set[int]()
-        for case_id in case_ids:
-            for mode, episodes, *seeds in self._tallies[case_id]:
-                modes[mode] += episodes
-                ends.update(seeds)
-        return self._results.setdefault(
-            case_ids,
-            Results(
-                self.store,
-                self.kind,
-                case_ids,
-                {mode: modes[mode] for mode in MODES_OF[self.kind.row] if mode in modes},
-                (min(ends), max(ends)),
-                all(self.cases[case_id]["backend"] != "grid" for case_id in case_ids),
-            ),
-        )
+        if case_ids not in self._results:
+            self._results[case_ids] = Results(self, case_ids)
+        return self._results[case_ids]

@@ -50,14 +50,8 @@ def test_rows_are_equal_after_reopening() -> None:
         assert [found[1:] for found in store.query(ALL)] == sorted(rows)
         assert store.cases() == {case_id: CASE}
         assert store.case_id(CASE) == case_id
-
-
-def test_stored_rows_are_not_replaced() -> None:
-    with Store(PATH) as store:
-        case_id = store.case_id(CASE)
-        store.add(case_id, [row(1), row(2)])
-        store.add(case_id, [row(3), row(2), row(2, "stalled")])
-        assert [found[1:] for found in store.query(ALL)] == [row(1), row(2), row(3)]
+        store.add(case_id, [row(4), row(3), row(3, "stalled")])
+        assert [found[1:] for found in store.query(ALL)] == sorted([*rows, row(4)]), "not replaced"
 
 
 def test_each_case_has_its_own_seeds() -> None:
@@ -94,6 +88,8 @@ def test_each_batch_is_committed_and_synchronised_to_disk() -> None:
         assert next(writer.query("PRAGMA journal_mode")) == ("wal",), "a kill ends no half of it"
         with Store(PATH, read_only=True) as reader:
             assert reader.seeds_done(case_id, EVERY) == {1}
+            with pytest.raises(StoreError, match="readonly"):
+                reader.add(case_id, [row(2)])
 
 
 def test_an_empty_file_becomes_a_file_of_results_with_its_id_and_version() -> None:
@@ -184,12 +180,6 @@ def test_a_file_without_write_permission_can_be_read_and_writing_is_an_error() -
         "{1}",
         f"{path}2: unable to open database file",
     ]
-
-
-def test_writing_to_a_file_opened_read_only_is_an_error() -> None:
-    case_id = begun()
-    with Store(PATH, read_only=True) as store, pytest.raises(StoreError, match="readonly"):
-        store.add(case_id, [row(2)])
 
 
 def test_a_full_disk_is_an_error_and_earlier_rows_are_kept() -> None:
@@ -364,18 +354,13 @@ def test_an_invalid_case_is_an_error_with_the_reason(settings: str, reason: str)
     assert reason in str(caught.value)
 
 
-def test_a_case_with_a_backend_that_is_not_installed_here_is_read() -> None:
+def test_cases_with_a_backend_that_is_not_installed_are_read_and_share_their_layout() -> None:
     case = {**PLAIN, "backend": "hover"}
     with Store(PATH) as store:
-        number = store.case_id(case)
-        assert store.cases() == {number: case}
-
-
-def test_equal_layouts_are_kept_once() -> None:
-    with Store(PATH) as store:
-        store.add_cases([CASE, OTHER])
-        first, second = store.cases().values()
-    assert first["tiles"] is second["tiles"]
+        number, other = store.case_id(case), store.case_id(CASE)
+        cases = store.cases()
+    assert cases == {number: case, other: CASE}
+    assert cases[number]["tiles"] is cases[other]["tiles"]
 
 
 def test_too_many_cases_are_an_error_and_none_is_added(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -56,17 +56,14 @@ def test_the_share_is_of_all_so_far(
     assert re.search(f"{ending} *$", last_line(shown(monkeypatch, Terminal(), *news)))
 
 
-def test_the_share_is_left_out_until_it_is_known(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_share_is_left_out_until_it_is_known_and_all_without_a_terminal(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert shown(monkeypatch, io.StringIO(), rows("delivered")) == ""
     text = shown(monkeypatch, Terminal(), [])
     assert "0/8" in text
     assert "delivered" not in text
     assert "None" not in text
-
-
-def test_nothing_is_written_if_the_output_is_not_a_terminal(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    assert shown(monkeypatch, io.StringIO(), rows("delivered")) == ""
 
 
 def test_a_failure_that_comes_again_is_told_once(

@@ -82,11 +82,14 @@ def test_modes_are_in_the_order_of_definition(store: Store) -> None:
     assert tuple(stuck_cells(store, DEFAULT_LAYOUT.rows, [case_id])) == MODES[1:]
 
 
-def test_the_title_of_a_panel_has_its_mode_its_count_and_its_share() -> None:
+def test_a_panel_has_its_mode_its_count_its_share_and_its_own_scale() -> None:
     stuck = {"wandering": counts((1, 2, 900), (3, 3, 100)), "stalled": counts((1, 1, 1))}
     figure = stuck_heat_map(ROWS, stuck, 4000)
     titles = [axes.get_title(loc="left") for axes in panels(figure)]
     assert titles == ["wandering: 1,000 (25.0%)", "stalled: 1 (0.0%)"]
+    first, second = panels(figure)
+    hottest = [color_in(figure, first, 2.1, 1.8), color_in(figure, second, 1.1, 1.8)]
+    np.testing.assert_allclose(hottest, [HEAT(1.0)[:3]] * 2, atol=0.01)
 
 
 def test_more_episodes_have_a_hotter_colour_and_none_the_colour_of_the_floor() -> None:
@@ -158,10 +161,3 @@ def test_cells_are_square() -> None:
         [axes] = panels(figure)
         box = axes.get_window_extent()
         assert box.width / len(rows[0]) == pytest.approx(box.height / len(rows))
-
-
-def test_each_panel_has_its_own_scale() -> None:
-    stuck = {"wandering": counts((1, 2, 1000)), "stalled": counts((1, 2, 2))}
-    figure = stuck_heat_map(ROWS, stuck, 2000)
-    for axes in panels(figure):
-        np.testing.assert_allclose(color_in(figure, axes, 2.1, 1.8), HEAT(1.0)[:3], atol=0.01)
