@@ -43,7 +43,7 @@ MAY_IMPORT = {
     "warehouse_core/pettingzoo_env": (
         "arguments errors extras fleet gymnasium_env render task world"
     ),
-    "warehouse_core/viz/axes": "motion records render world",
+    "warehouse_core/viz/axes": "motion records render wording world",
     "warehouse_core/viz/tracks": "arguments errors motion orders records render wording world",
     "warehouse_core/viz/player": "arguments files orders render viz/tracks wording world",
     "warehouse_core/viz": (
