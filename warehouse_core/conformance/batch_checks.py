@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import random
 from contextlib import ExitStack, closing, suppress
-from typing import Any
 
 import numpy as np
 
@@ -50,7 +49,7 @@ def check_a_batch_of_fleets_moves_as_single_motions_do(make_motion: MakeMotion) 
     """Each robot of a batch of fleets moves as in a single motion; `stopped_by` names its stop."""
     for robots in FLEET_SIZES:
         with ExitStack() as open_motions:
-            batch = _batch_of(make_motion, open_motions, FLEET_LAYOUTS, robots)
+            batch = _fleet_batch_of(make_motion, open_motions, FLEET_LAYOUTS, robots)
             if batch is not None:
                 motions = [make_motion() for _ in FLEET_LAYOUTS]
                 singles = [open_motions.enter_context(closing(motion)) for motion in motions]
@@ -62,7 +61,7 @@ def check_a_batch_moves_in_changed_layouts(make_motion: MakeMotion) -> None:
     """If a batch can change its layouts, its rows move as single motions do after a change too."""
     before = [POOL[number % len(POOL)] for number in range(len(LAYOUTS))]
     with ExitStack() as open_motions:
-        batch: BatchMotion | None = _batch_of(make_motion, open_motions, before)
+        batch = _batch_of(make_motion, open_motions, before)
         if isinstance(batch, ChangesLayouts):
             singles = [open_motions.enter_context(closing(make_motion())) for _ in before]
             layouts, stream = before.copy(), random.Random(2)
@@ -96,15 +95,24 @@ BATCH_CHECKS = (
 
 
 def _batch_of(
-    make_motion: MakeMotion, open_motions: ExitStack, layouts: list[Layout], robots: int = 0
-) -> Any:
-    """Return a batch of lone robots, or of fleets of ``robots``; ``None`` if there is none."""
+    make_motion: MakeMotion, open_motions: ExitStack, layouts: list[Layout]
+) -> BatchMotion | None:
+    """Return a batch of lone robots in these layouts, or ``None`` if the motion has none."""
     motion = open_motions.enter_context(closing(make_motion()))
-    with suppress(ValueError):
-        if robots and isinstance(motion, FleetBatchable):
-            return open_motions.enter_context(closing(motion.fleet_batch(layouts, robots)))
-        if not robots and isinstance(motion, Batchable):
+    if isinstance(motion, Batchable):
+        with suppress(ValueError):
             return open_motions.enter_context(closing(motion.batch(layouts)))
+    return None
+
+
+def _fleet_batch_of(
+    make_motion: MakeMotion, open_motions: ExitStack, layouts: list[Layout], robots: int
+) -> FleetBatchMotion | None:
+    """Return a batch of so many robots in each layout, or ``None`` if the motion has none."""
+    motion = open_motions.enter_context(closing(make_motion()))
+    if isinstance(motion, FleetBatchable):
+        with suppress(ValueError):
+            return open_motions.enter_context(closing(motion.fleet_batch(layouts, robots)))
     return None
 
 

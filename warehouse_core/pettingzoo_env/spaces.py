@@ -20,6 +20,9 @@ from warehouse_core.world.actions import ACTIONS
 MAX_STATE_ORDERS = 32
 """Number of open orders in a state, the oldest ones; missing ones are filled with -1."""
 
+ORDER_FEATURES = 6
+"""Numbers of an order in a state: its cells, release and due time."""
+
 
 def make_fleet_form(name: str, extent: Extent, fleet: FleetEnv) -> Form:
     """Return the form of a robot's observations with a name.
@@ -84,7 +87,7 @@ def state_of(fleet: FleetEnv, running: NDArray[np.bool_]) -> NDArray[np.float32]
         arrays.get("due", np.full((robots, 1), -1)),
         running[:, None],
     )
-    orders, waiting = fleet.orders, np.full((MAX_STATE_ORDERS, 6), -1)
+    orders, waiting = fleet.orders, np.full((MAX_STATE_ORDERS, ORDER_FEATURES), -1)
     for row, number in enumerate(fleet.open_orders[:MAX_STATE_ORDERS]):
         order = orders[number]
         waiting[row] = (*order.pickup, *order.dropoff, order.released, order.due)

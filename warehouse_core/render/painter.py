@@ -21,14 +21,16 @@ from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED, Cell
 
 MAX_TILE_PIXELS = 256
 
+DEFAULT_TILE_PIXELS, DEFAULT_PICTURE_PIXELS = 40, 1000
+"""Maximum side of a tile and of a picture in ``tile_pixels_for``."""
+
 
 def tile_pixels_for(height: int, width: int) -> int:
     """Return a suitable side of a tile, in pixels, for a map of ``height`` x ``width`` cells.
 
-    It is at most 40 for pictures of at most 1000 pixels, and even, because most video encoders need
-    even sides.
+    It is even, because most video encoders need even sides.
     """
-    pixels = min(40, 1000 // max(height, width))
+    pixels = min(DEFAULT_TILE_PIXELS, DEFAULT_PICTURE_PIXELS // max(height, width))
     return max(2, pixels - pixels % 2)
 
 

@@ -3,18 +3,27 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any
+from typing import Any, Literal, NamedTuple
 
 from warehouse_core.viz.player.columns import Columns
 from warehouse_core.viz.tracks.track import Track
 from warehouse_core.world.tiles import DROPOFF, PICKUP
 
+Kind = Literal["line", "thin", "steps", "bars", "dots"]
+
 INK, WARNING = "ink", "warning"
 """Names of colours that no tile has."""
 
-Series = tuple[str, str, str, str, Sequence[float], Sequence[float]]
-"""Title of a chart, then what is drawn in it: name, ``"line"``, ``"thin"``, ``"steps"``, ``"bars"``
-or ``"dots"``, colour, times and values."""
+
+class Series(NamedTuple):
+    """Numbers in a chart: its title, their name, how they are drawn, their times and themselves."""
+
+    chart: str
+    name: str
+    kind: Kind
+    color: str
+    times: Sequence[float]
+    values: Sequence[float]
 
 
 def packed_charts(
@@ -26,12 +35,19 @@ def packed_charts(
     """
     charts: dict[str, list[dict[str, Any]]] = {}
     for number, (track, moments) in enumerate(zip(tracks, times, strict=True)):
-        for title, name, kind, color, x, y in _series_of(track, moments):
-            if len(tracks) > 1 and (kind == "bars" or not len(x)):
+        for series in _series_of(track, moments):
+            if len(tracks) > 1 and (series.kind == "bars" or not len(series.times)):
                 continue  # bars would hide each other
-            drawn = {"track": number, "name": name, "kind": kind, "color": color}
-            drawn |= {"x": columns.real(x), "y": columns.real(y)}
-            charts.setdefault(title, []).append(drawn)
+            charts.setdefault(series.chart, []).append(
+                {
+                    "track": number,
+                    "name": series.name,
+                    "kind": series.kind,
+                    "color": series.color,
+                    "x": columns.real(series.times),
+                    "y": columns.real(series.values),
+                }
+            )
     return [{"title": title, "series": series} for title, series in charts.items()]
 
 
@@ -41,37 +57,37 @@ def _series_of(track: Track, times: Sequence[float]) -> Iterator[Series]:
     metrics = track.metrics
     if "rewards" in metrics:
         rewards, totals = track.rewards_until(track.steps)
-        yield "Reward", "each step", "bars", "battery", steps, rewards
-        yield "Reward", "so far", "line", INK, steps, totals
+        yield Series("Reward", "each step", "bars", "battery", steps, rewards)
+        yield Series("Reward", "so far", "line", INK, steps, totals)
     for tile, name, words in (
         (PICKUP, "dist_pickup", "to pickup"), (DROPOFF, "dist_dropoff", "to dropoff"),
     ):  # fmt: skip
         if name in metrics:
-            yield "Distance (cells)", words, "line", tile, steps, metrics[name]
+            yield Series("Distance (cells)", words, "line", tile, steps, metrics[name])
     if track.counts_orders:
         yield from _series_of_orders(track, steps)
         return
     if track.is_continuous:
         speeds = [frame.speed for frame in track.frames]
-        yield "Speed (m/s)", "speed", "line", "battery", times, speeds
+        yield Series("Speed (m/s)", "speed", "line", "battery", times, speeds)
     used = [frame.energy for frame in track.frames]
     if any(used):
-        yield "Energy used (J)", "energy", "line", INK, times, used
+        yield Series("Energy used (J)", "energy", "line", INK, times, used)
 
 
 def _series_of_orders(track: Track, steps: Sequence[float]) -> Iterator[Series]:
     metrics = track.metrics
-    yield "Orders", "released", "thin", INK, steps, metrics["released"]
-    yield "Orders", "delivered", "steps", INK, steps, metrics["delivered"]
+    yield Series("Orders", "released", "thin", INK, steps, metrics["released"])
+    yield Series("Orders", "delivered", "steps", INK, steps, metrics["delivered"])
     title = "Lateness of deliveries (steps)"
     for name, color, is_late in (("on time", "battery", False), ("late", WARNING, True)):
         shown = [(step, by) for step, by in track.lateness if (by > 0) == is_late]
         ends = [steps[step] for step, _ in shown]
-        yield title, name, "dots", color, ends, [by for _, by in shown]
+        yield Series(title, name, "dots", color, ends, [by for _, by in shown])
     mean, lowest = (
         [100 * share for share in metrics[name]] for name in ("battery_mean", "battery_lowest")
     )
-    yield "Battery (%)", "mean", "line", "battery", steps, mean
-    yield "Battery (%)", "lowest", "thin", WARNING, steps, lowest
+    yield Series("Battery (%)", "mean", "line", "battery", steps, mean)
+    yield Series("Battery (%)", "lowest", "thin", WARNING, steps, lowest)
     used = [joules / 1000 for joules in metrics["joules"]]
-    yield "Energy used (kJ)", "energy", "line", INK, steps, used
+    yield Series("Energy used (kJ)", "energy", "line", INK, steps, used)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 from pathlib import Path
-from typing import Any
+from typing import NamedTuple
 
 import numpy as np
 from markupsafe import Markup
@@ -39,6 +39,28 @@ NOTE = (
 
 MIN_SHARE = 0.04
 """Least share of the longest bar that a part must have for its number to be written on it."""
+
+
+class Part(NamedTuple):
+    """A part of a bar: the seconds of one of ``KINDS``, and what is written on it."""
+
+    seconds: float
+    label: str
+
+
+class Bar(NamedTuple):
+    """The time of the robots of a world, in parts by what they spend it on, and as text.
+
+    Attributes:
+        width: width in percent of the longest bar.
+        total: seconds a delivery.
+    """
+
+    world: str
+    width: float
+    total: str
+    parts: list[Part]
+    words: str
 
 
 def write_gap_page(
@@ -85,21 +107,21 @@ def spent_of(scores: Scores, world: str) -> Times:
     return found
 
 
-def bars_of(scores: Scores) -> list[dict[str, Any]]:
-    """Return a bar for each world, in percent of the longest; it has a part for each kind."""
+def bars_of(scores: Scores) -> list[Bar]:
+    """Return a bar for each world."""
     spent = {world: spent_of(scores, world) for world in scores}
     longest = max(float(each.sum()) for each in spent.values())
     bars = []
     for world, each in spent.items():
-        total, parts = float(each.sum()), []
-        for seconds in each.tolist():
-            label = f"{seconds:.0f}" if seconds >= MIN_SHARE * longest else ""
-            parts.append({"seconds": round(seconds, 3), "label": label})
+        parts = [
+            Part(round(seconds, 3), f"{seconds:.0f}" if seconds >= MIN_SHARE * longest else "")
+            for seconds in each.tolist()
+        ]
+        total = float(each.sum())
         words = ", ".join(
-            f"{kind} {part['seconds']:.1f} s" for kind, part in zip(KINDS, parts, strict=True)
+            f"{kind} {part.seconds:.1f} s" for kind, part in zip(KINDS, parts, strict=True)
         )
-        bar = {"world": world, "width": round(100 * total / longest, 2), "total": f"{total:.0f}"}
-        bars.append(bar | {"parts": parts, "words": words})
+        bars.append(Bar(world, round(100 * total / longest, 2), f"{total:.0f}", parts, words))
     return bars
 
 
