@@ -108,7 +108,9 @@ def urgent(tasks: Tasks) -> NDArray[np.intp]:
     """
     needed = STRETCH * (tasks.ways + tasks.trips) + HANDLING
     spare = tasks.due - tasks.now - needed
-    worth = np.where(spare < 0, -LATE, URGENT * np.exp(-np.maximum(spare, 0) / SPARE))
+    # Versions of NumPy differ in the last bit of an exponential, which would decide between ties.
+    near = np.round(np.exp(-np.maximum(spare, 0) / SPARE), 6)
+    worth = np.where(spare < 0, -LATE, URGENT * near)
     return _cheapest(tasks, tasks.ways - worth)
 
 

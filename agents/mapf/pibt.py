@@ -186,7 +186,7 @@ class PIBT:
         costs += self._random.random(costs.shape, np.float32) * CHANCE_COST
         is_there = (cells == goals) | (distances[:, WAIT] == FAR)
         costs[is_there, WAIT] = 0
-        best = np.argsort(costs, axis=1)
+        best = np.argsort(costs, axis=1, kind="stable")
         return np.take_along_axis(reached, best, 1).tolist(), is_there
 
 

@@ -20,7 +20,10 @@ def distances(layout: Layout, cells: Collection[Cell]) -> Distances:
 
 
 def nearest(layout: Layout, cells: Collection[Cell]) -> NDArray[np.intp]:
-    """Return the nearest of ``cells`` by moves, ``[H, W]`` numbers of cells; -1 without a path."""
+    """Return the nearest of ``cells`` by moves, ``[H, W]`` numbers of cells; -1 without a path.
+
+    Of cells that are equally near it is the first in row-major order.
+    """
     return _nearest(layout, cells)[1]
 
 
@@ -34,17 +37,20 @@ def _nearest(layout: Layout, cells: Collection[Cell]) -> tuple[Distances, NDArra
     moves = np.full(layout.height * layout.width, np.inf)
     which = np.full(layout.height * layout.width, -1, np.intp)
     if cells:
-        count = len(layout.open_cells)
+        numbers = np.unique(layout.numbers(cells))
+        count, scale = len(layout.open_cells), len(numbers) + 1
         targets, ends = _neighbours(layout)
-        graph = csr_array((np.ones(len(targets), np.int8), targets, ends), shape=(count, count))
-        sources = layout.ranks(cells)
-        lengths, _, source = dijkstra(
-            graph, indices=sources, unweighted=True, min_only=True, return_predecessors=True
-        )
-        moves[layout.open_cells] = lengths
-        which[layout.open_cells] = np.where(
-            lengths < np.inf, layout.open_cells.take(source, mode="clip"), -1
-        )
+        # A root leads to the cells with costs 1, 2, ... and a move costs more than these differ:
+        # so ties are broken by the order of the cells, not by the version of SciPy.
+        costs = np.append(np.full(len(targets), scale), np.arange(1, scale)).astype(np.float64)
+        targets = np.append(targets, np.searchsorted(layout.open_cells, numbers))
+        ends = np.append(ends, len(targets))
+        graph = csr_array((costs, targets, ends), shape=(count + 1, count + 1))
+        lengths = dijkstra(graph, indices=count)[:count]
+        reached = np.isfinite(lengths)
+        steps, source = np.divmod(lengths[reached], scale)
+        moves[layout.open_cells[reached]] = steps
+        which[layout.open_cells[reached]] = numbers[source.astype(np.intp) - 1]
     shape = layout.height, layout.width
     return moves.reshape(shape), which.reshape(shape)
 

@@ -7,7 +7,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError
-from warehouse_core.world.distances import distances
+from warehouse_core.world.distances import distances, nearest
 from warehouse_core.world.tiles import MOVE_DELTAS, moved
 
 
@@ -35,6 +35,11 @@ def test_distances_are_those_of_a_slow_search(rows: list[str], data: st.DataObje
 
 def test_distances_are_to_the_nearest_of_the_cells() -> None:
     assert distances(Layout(["......"]), [(0, 0), (0, 4)]).tolist() == [[0, 1, 2, 1, 0, 1]]
+
+
+@pytest.mark.parametrize("cells", [[(0, 4), (0, 0)], [(0, 0), (0, 4), (0, 0)]])
+def test_the_first_of_the_nearest_cells_wins_a_tie(cells: list[tuple[int, int]]) -> None:
+    assert nearest(Layout(["......#."]), cells).tolist() == [[0, 0, 0, 4, 4, 4, -1, -1]]
 
 
 @pytest.mark.parametrize("cells", [[], [(1, 1)]])
