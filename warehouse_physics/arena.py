@@ -11,7 +11,7 @@ import pymunk
 from warehouse_core.motion.base import WALL_CONTACT, Contact, robot_contact
 from warehouse_physics.spec import RobotSpec
 from warehouse_physics.stepping import Stepper
-from warehouse_physics.walls import Box
+from warehouse_physics.walls import CellBox
 
 Position = tuple[float, float]
 
@@ -70,7 +70,9 @@ class Arena:
         pairs = [(ROBOT, WALL), (ROBOT, ROBOT)]
         self.stepper = Stepper(self.space, spec.time_step, self._note_hits, pairs)
 
-    def add_walls(self, boxes: Iterable[Box], corner: Position = (0.0, 0.0)) -> list[pymunk.Shape]:
+    def add_walls(
+        self, boxes: Iterable[CellBox], corner: Position = (0.0, 0.0)
+    ) -> list[pymunk.Shape]:
         """Add walls, given as boxes in cells from a corner in metres, and return their shapes."""
         walls: list[pymunk.Shape] = []
         size, (left_edge, top_edge) = self._spec.cell_size, corner

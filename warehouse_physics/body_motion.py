@@ -11,7 +11,7 @@ from warehouse_core.motion.base import Conditions
 from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.spec import RobotSpec
 
-Kind = TypeVar("Kind", RobotSpec, Disturbances)
+Configured = TypeVar("Configured", RobotSpec, Disturbances)
 
 PATH_EVERY = 10
 """Substeps between rows of a path."""
@@ -55,7 +55,7 @@ class BodyMotion:
         return seed or 0
 
 
-def _instance(name: str, value: Kind | None, kind: type[Kind]) -> Kind:
+def _instance(name: str, value: Configured | None, kind: type[Configured]) -> Configured:
     """Return an argument that must be of a kind, or a default one."""
     if value is None:
         return kind()

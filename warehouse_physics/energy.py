@@ -13,19 +13,19 @@ from typing import TypeVar
 from warehouse_physics.profile import Floats
 from warehouse_physics.spec import RobotSpec
 
-Number = TypeVar("Number", float, Floats)
+Amount = TypeVar("Amount", float, Floats)
 
 
-def kinetic(mass: Number, right: Number, down: Number) -> Number:
+def kinetic(mass: Amount, right: Amount, down: Amount) -> Amount:
     """Return the kinetic energy in J of a mass in kg at a velocity in m/s."""
     return 0.5 * mass * (right * right + down * down)
 
 
-def spent(work: Number) -> Number:
+def spent(work: Amount) -> Amount:
     """Return what some work in J takes from the drive: nothing, if it is below zero."""
     return work * (work > 0)
 
 
-def joules_of(spec: RobotSpec, work: Number, seconds: Number | float) -> Number:
+def joules_of(spec: RobotSpec, work: Amount, seconds: Amount | float) -> Amount:
     """Return what work at the wheels, and the computer in the meantime, take from the battery."""
     return work / spec.drivetrain_efficiency + spec.idle_power * seconds

@@ -18,7 +18,7 @@ from warehouse_physics.robot import MAX_SUBSTEPS, NEVER, REST, Robot
 from warehouse_physics.robot_arena import RobotArena
 from warehouse_physics.spec import MAX_FLEET_RADIUS, MAX_MOVE_SUBSTEPS, RobotSpec
 
-Row = tuple[float, float, float, float]
+BodyRow = tuple[float, float, float, float]
 """Time in seconds, x, y and heading; see ``Outcome.path``."""
 
 STAY = (0, 0)
@@ -123,7 +123,7 @@ class RigidBodyMotion(BodyMotion):
         """Release the arena; see ``Motion.close``."""
         self._arena = None
 
-    def _drive(self, arena: RobotArena, paths: list[list[Row]]) -> int:
+    def _drive(self, arena: RobotArena, paths: list[list[BodyRow]]) -> int:
         """Run until all robots are at rest, and return the number of substeps."""
         now = 0
         robots = arena.robots
@@ -149,7 +149,7 @@ class RigidBodyMotion(BodyMotion):
                     robot.next_phase(now)
         return now
 
-    def _outcome(self, robot: Robot, path: list[Row], substeps: int) -> Outcome:
+    def _outcome(self, robot: Robot, path: list[BodyRow], substeps: int) -> Outcome:
         robot.look()
         action, cut_off = robot.action, robot.phase != REST
         if cut_off:
@@ -166,6 +166,6 @@ class RigidBodyMotion(BodyMotion):
         return Outcome(cell, blocked, seconds, joules, rows, contacts, cut_off)
 
     @staticmethod
-    def _row(seconds: float, robot: Robot) -> Row:
+    def _row(seconds: float, robot: Robot) -> BodyRow:
         x, y = robot.position
         return seconds, x, y, robot.body.angle

@@ -43,7 +43,7 @@ MAX_SUBSTEPS = 10_000
 
 
 @dataclass(slots=True)
-class Action:
+class ActionState:
     """The state of one action.
 
     Attributes:
@@ -102,7 +102,7 @@ class Robot:
             self._turn_acceleration = math.pi / spec.turn_seconds / spec.time_step
         # The motor comes after the floor, so that its impulse is the last in each solver round.
         arena.add_robot(self.body, self._control, self._floor, self._motor, self._steering)
-        self.action = Action(cell, cell, centre)
+        self.action = ActionState(cell, cell, centre)
         self._heading = self._turn = 0.0
         self.look()
         # The present profile: where work was last counted, the kinetic energy there, and the
@@ -136,7 +136,7 @@ class Robot:
         home = self.cell
         goal = home[0] + displacement[0], home[1] + displacement[1]
         deadline = math.inf if self._uneven is None else self._deadline(self._uneven)
-        self.action = Action(home, goal, centre_of(goal, self._spec.cell_size), deadline)
+        self.action = ActionState(home, goal, centre_of(goal, self._spec.cell_size), deadline)
         return self._turn_towards(displacement) if goal != home else 0
 
     def set_off(self, turning: int) -> None:
@@ -254,7 +254,7 @@ class Robot:
             self._floor.max_force = self._drag
             self._push(self._force)
 
-    def _is_hindered_by(self, hit: Hit, other: Action | None) -> bool:
+    def _is_hindered_by(self, hit: Hit, other: ActionState | None) -> bool:
         """Return whether a hit is in the way, with a wall or a robot in an action of its own.
 
         A wall is, if it reaches into the lane on this side of the goal and pushes against the way

@@ -9,11 +9,11 @@ from __future__ import annotations
 from warehouse_core import Layout
 from warehouse_core.world.tiles import WALL, runs_of
 
-Box = tuple[int, int, int, int]
+CellBox = tuple[int, int, int, int]
 """Left, top, right and bottom edge, in cells."""
 
 
-def wall_boxes(layout: Layout) -> list[Box]:
+def wall_boxes(layout: Layout) -> list[CellBox]:
     """Return boxes that cover the walls exactly, after four around the edge of the grid."""
     height, width = layout.height, layout.width
     boxes = [

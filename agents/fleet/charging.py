@@ -12,9 +12,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.assignment import NONE, OUT_OF_REACH
-from agents.mapf.graph import MOVES, Costs, Graph, Integers
+from agents.mapf.graph import MOVES, Costs, Graph
 from warehouse_core import FleetEnv, Layout
 from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_core.world.tables import Integers
 
 DETOUR, SPARE_STEPS = 2.0, 20.0
 """A robot counts on ``DETOUR`` times the shortest way, and keeps ``SPARE_STEPS`` more."""

@@ -10,25 +10,24 @@ from numpy.typing import NDArray
 
 from agents.fleet.charging import Chargers, Needs
 from agents.mapf.assignment import ASSIGNMENTS, NONE, REASSIGNING, Tasks
-from agents.mapf.graph import FAR, Fields, Graph, Integers
+from agents.mapf.graph import FAR, Fields, Graph
 from agents.mapf.planner import Situation
 from warehouse_core import Cell, FleetEnv
 from warehouse_core.world.actions import DISPLACEMENTS, DROP, PICK, WAIT
 from warehouse_core.world.distances import nearest
 from warehouse_core.world.layout import Layout
+from warehouse_core.world.tables import Flags, Integers
 
 IDLE, BETWEEN = 0.9, 0.5
 """Shares of a full battery below which a robot that has no order, or has just delivered one, goes
 to a charger that nobody uses."""
-
-Flags = NDArray[np.bool_]
 
 MAX_PAIRS, LARGE_EVERY = 40_000, 10
 """Pairs of a robot and an order up to which orders are assigned anew in each step. With more pairs
 that happens every ``LARGE_EVERY`` steps, and in the others only robots without an order get one."""
 
 
-class Robots(NamedTuple):
+class RobotStates(NamedTuple):
     """The robots before a step, ``[R]`` each; cells are numbers.
 
     Robots that drive through have the ``cells`` where they are to stop, see ``Ways``. The ``goals``
@@ -91,15 +90,15 @@ class Dispatcher:
             self._trips = self._homes = np.empty(0)
             self._assigned = (b"", b"")
 
-    def _look(self, env: FleetEnv, cells: Sequence[Cell]) -> Robots:
+    def _look(self, env: FleetEnv, cells: Sequence[Cell]) -> RobotStates:
         found, width = env.arrays(), np.array([env.layout.width, 1])
         loaded = np.asarray(found["has_item"]) != 0
         places = np.where(loaded[:, None], found["dropoff_pos"], found["pickup_pos"])
         goals = np.where(places[:, 0] < 0, NONE, places @ width)
         battery = found["battery"][:, 0].astype(np.float64)
-        return Robots(np.array(cells) @ width, goals, loaded, np.array(env.ended), battery)
+        return RobotStates(np.array(cells) @ width, goals, loaded, np.array(env.ended), battery)
 
-    def _send_to_chargers(self, robots: Robots) -> None:
+    def _send_to_chargers(self, robots: RobotStates) -> None:
         """Give turns at chargers. A robot that can deliver its item before does it first."""
         may_go = ~robots.ended
         carrying = np.flatnonzero(robots.loaded & may_go & (robots.goals != NONE))
@@ -110,7 +109,7 @@ class Dispatcher:
         battery = np.where(robots.ended, 0.0, robots.battery)
         self.chargers.update(Needs(robots.cells, battery, may_go, shares * self._capacity))
 
-    def _give_orders(self, env: FleetEnv, robots: Robots) -> Robots:
+    def _give_orders(self, env: FleetEnv, robots: RobotStates) -> RobotStates:
         """Assign open orders, and return the robots with the goals that this gives them."""
         known = env.order_arrays
         if not len(known.due):
@@ -137,7 +136,7 @@ class Dispatcher:
         return robots._replace(goals=np.where(robots.loaded, robots.goals, goals))
 
     def _change_orders(
-        self, env: FleetEnv, robots: Robots, free: Integers, columns: Integers, order: Integers
+        self, env: FleetEnv, robots: RobotStates, free: Integers, columns: Integers, order: Integers
     ) -> None:
         """Assign these orders to these robots, and bring ``order`` up to date."""
         known, cells = env.order_arrays, robots.cells[free]
@@ -170,7 +169,7 @@ class Dispatcher:
         ways = self._fields.matrix[rows, cells]
         return np.where(ways == FAR, np.inf, ways).astype(np.float32)
 
-    def _goals(self, robots: Robots) -> Integers:
+    def _goals(self, robots: RobotStates) -> Integers:
         """Return where each robot is to go; those without anything to do out of the way."""
         parking = self._parking[robots.cells]
         goals = np.where(robots.goals == NONE, parking, robots.goals)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 
-from agents.mapf.graph import Graph, Integers
+from agents.mapf.graph import Graph
 from agents.mapf.pibt import NOBODY
 from agents.mapf.planner import (
     ForesightedPlanner,
@@ -14,6 +14,7 @@ from agents.mapf.planner import (
     Situation,
 )
 from warehouse_core.records.plans import StepPlans
+from warehouse_core.world.tables import Integers
 
 
 class PlanLog:

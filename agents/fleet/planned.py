@@ -10,13 +10,14 @@ from numpy.typing import NDArray
 from agents.errors import AgentError, file_of, reason_of
 from agents.fleet.dispatcher import Dispatcher, shares_cell
 from agents.fleet.plan_log import PlanLog
-from agents.mapf.graph import CLOSED, Graph, Integers
+from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.planner import GraphPlanner, Planner, PushingPlanner, Situation, check_step
 from agents.mapf.time_limit import time_limit
 from warehouse_core import FleetEnv
 from warehouse_core.records import FleetAgent
 from warehouse_core.records.plans import NO_PLANS
 from warehouse_core.world.actions import WAIT
+from warehouse_core.world.tables import Integers
 
 DEFAULT_ASSIGNMENT = "urgent"
 

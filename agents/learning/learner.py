@@ -12,7 +12,7 @@ RECENT_EPISODES = 1000
 MakeAgent = Callable[[int], Agent]
 """Makes the agent of the episode with a seed."""
 
-Watch = Callable[[int, float, MakeAgent], None]
+WatchTraining = Callable[[int, float, MakeAgent], None]
 """Watches a training: a learner calls it regularly and at its end.
 
 It is given the steps taken so far, the share of the latest episodes that ended with the delivery

@@ -17,7 +17,7 @@ from warehouse_core import RecordError
 from warehouse_core.arguments import whole_number
 from warehouse_core.files.header import pack_header, unpack_header
 from warehouse_core.files.npz import Schema, read_arrays, write_arrays
-from warehouse_core.task.encoding import MARKED_TILES, OTHER_NUMBERS, Arrays, vector
+from warehouse_core.task.encoding import MARKED_TILES, OTHER_NUMBERS, ObservationArrays, vector
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.tiles import CELL_CODES
 
@@ -40,12 +40,12 @@ SCHEMA: Schema = {
 Tiles = tuple[str, ...]
 """Tiles that a network tells apart in a window: ``MARKED_TILES``, or ``FLEET_TILES`` in a fleet."""
 
-Floats = NDArray[np.float32]
-Layer = tuple[Floats, Floats]
+SingleFloats = NDArray[np.float32]
+Layer = tuple[SingleFloats, SingleFloats]
 """Weights ``[outputs, inputs]`` and biases ``[outputs]``."""
 
 
-def network_input(arrays: Arrays, tiles: Tiles = MARKED_TILES) -> Floats:
+def network_input(arrays: ObservationArrays, tiles: Tiles = MARKED_TILES) -> SingleFloats:
     """Return the input of a network for an observation, ``[..., L]``."""
     return vector(arrays, tiles)[..., :-TIMES]
 
@@ -80,7 +80,7 @@ class PolicyNetwork:
                 raise ValueError(f"layer {number} has numbers that are not finite")
             width = outputs
 
-    def logits(self, inputs: Floats) -> Floats:
+    def logits(self, inputs: SingleFloats) -> SingleFloats:
         """Return ``[..., 7]`` for ``[..., L]`` inputs; the higher, the more likely is an action."""
         *hidden, (weights, biases) = self.layers
         for inner_weights, inner_biases in hidden:

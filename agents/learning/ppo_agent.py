@@ -11,7 +11,7 @@ from pathlib import Path
 import numpy as np
 
 from agents.errors import AgentError
-from agents.learning.policy_network import Floats, PolicyNetwork, network_input
+from agents.learning.policy_network import PolicyNetwork, SingleFloats, network_input
 from agents.warehouse_agent_greedy import open_moves
 from warehouse_core.arguments import real_number
 from warehouse_core.task.encoding import FLEET_TILES, encode
@@ -107,7 +107,7 @@ class PPOAgent:
         self.reason = f"{100 * likelihoods[action]:.0f}% sure"
         return ACTIONS[action]
 
-    def _visits_after(self, observation: Observation) -> Floats:
+    def _visits_after(self, observation: Observation) -> SingleFloats:
         """Count a visit; return for each action the visits to where it leads, ``[7]``.
 
         To pick and to drop are never visits: they change what the robot is to do.

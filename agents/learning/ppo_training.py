@@ -18,7 +18,7 @@ import torch
 from sb3_contrib import MaskablePPO
 from stable_baselines3.common.callbacks import BaseCallback
 
-from agents.learning.learner import RECENT_EPISODES, MakeAgent, Watch
+from agents.learning.learner import RECENT_EPISODES, MakeAgent, WatchTraining
 from agents.learning.policy_network import Layer, PolicyNetwork
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.vec_env import BatchVecEnv
@@ -75,7 +75,7 @@ class PPOLearner:
             **SETTINGS | settings,
         )
 
-    def learn(self, watch: Watch) -> MakeAgent:
+    def learn(self, watch: WatchTraining) -> MakeAgent:
         """Train, and return what makes the agent."""
         self.model.learn(self._rounds * self._round, callback=_Watcher(self, watch))
         return self.agents()
@@ -107,7 +107,7 @@ class PPOLearner:
 class _Watcher(BaseCallback):
     """Calls ``watch`` before each round and at the end."""
 
-    def __init__(self, learner: PPOLearner, watch: Watch) -> None:
+    def __init__(self, learner: PPOLearner, watch: WatchTraining) -> None:
         super().__init__()
         self._learner, self._watch = learner, watch
 

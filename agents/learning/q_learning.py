@@ -36,18 +36,18 @@ EPSILON = 0.1
 TRAINING_SEEDS = 1_000_000
 """Episodes of a training have lower seeds; those that evaluate an agent have higher ones."""
 
-State = tuple[Cell, Cell, bool]
+QState = tuple[Cell, Cell, bool]
 
 
-class QTable(dict[State, list[float]]):
+class QTable(dict[QState, list[float]]):
     """The values of all actions by state, which are 0 in a new state."""
 
-    def __missing__(self, state: State) -> list[float]:
+    def __missing__(self, state: QState) -> list[float]:
         values = self[state] = [0.0] * len(ACTIONS)
         return values
 
 
-def state_of(observation: Observation) -> State:
+def state_of(observation: Observation) -> QState:
     """Return the state of an observation."""
     loaded = observation["has_item"]
     goal = observation["dropoff_pos"] if loaded else observation["pickup_pos"]

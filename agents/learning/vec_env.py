@@ -9,7 +9,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
-from agents.learning.policy_network import Floats, network_input
+from agents.learning.policy_network import SingleFloats, network_input
 from agents.learning.vector_steps import Batch, VectorStep, input_limits, tiles_of, vector_step
 from warehouse_core.world.actions import ACTIONS
 
@@ -26,7 +26,7 @@ class BatchVecEnv(VecEnv):
         limits = spaces.Box(*input_limits(batch), dtype=np.float32)
         super().__init__(batch.num_envs, limits, spaces.Discrete(len(ACTIONS)))
 
-    def reset(self) -> Floats:
+    def reset(self) -> SingleFloats:
         """Start an episode in every row, with the seeds given to ``seed`` if there are any."""
         floors = len(self._batch.layouts.kind)
         arrays, _ = self._batch.reset(self._seeds[:floors])

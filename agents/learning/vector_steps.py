@@ -7,12 +7,12 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.learning.policy_network import TIMES, Floats, Tiles, network_input
+from agents.learning.policy_network import TIMES, SingleFloats, Tiles, network_input
 from warehouse_core.batch import BatchEnv
 from warehouse_core.batch.fleet.env import FleetBatch
 from warehouse_core.task.encoding import FLEET_TILES, MARKED_TILES, vector_limits
 
-VectorStep = tuple[Floats, Floats, NDArray[np.bool_], list[dict[str, Any]]]
+VectorStep = tuple[SingleFloats, SingleFloats, NDArray[np.bool_], list[dict[str, Any]]]
 """``[B, L]`` observations, ``[B]`` rewards, ``[B]`` whether an episode ended, ``B`` infos."""
 
 Batch = BatchEnv | FleetBatch
@@ -24,7 +24,7 @@ def tiles_of(batch: Batch) -> Tiles:
     return FLEET_TILES if isinstance(batch, FleetBatch) else MARKED_TILES
 
 
-def input_limits(batch: Batch) -> tuple[Floats, Floats]:
+def input_limits(batch: Batch) -> tuple[SingleFloats, SingleFloats]:
     """Return the lowest and the highest values of an observation, ``[L]``."""
     budgets = batch.max_battery, batch.max_steps
     limits = vector_limits(*batch.size, batch.view_radius, *budgets, tiles_of(batch))

@@ -13,7 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.mapf.graph import Integers
+from warehouse_core.world.tables import Integers
 
 NONE = -1
 """Number in place of an order, robot, charger or cell where there is none."""

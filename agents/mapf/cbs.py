@@ -79,14 +79,14 @@ that follow it.
 
 
 @dataclass(eq=False)
-class Node:
+class ConflictNode:
     """A node of the conflict tree: the cheapest way of each robot, and all conflicts between them.
 
     ``constraint`` is what it adds to its parent's, and ``split`` the conflict that its children
     forbid. The root has no parent and no constraint, and a leaf no split.
     """
 
-    parent: Node | None
+    parent: ConflictNode | None
     constraint: Constraint | None
     ways: Sequence[list[int]]
     conflicts: list[Conflict]
@@ -116,8 +116,8 @@ class ConflictTree:
 
     def __init__(self, problem: Problem) -> None:
         graph = problem.graph if problem.graph.costs is None else Graph(problem.graph.layout)
-        self.problem, self.nodes = problem, list[Node]()
-        self.solution: Node | None = None
+        self.problem, self.nodes = problem, list[ConflictNode]()
+        self.solution: ConflictNode | None = None
         self._size, self._moves = graph.size, moves_of(graph)
         self._fields = [graph.distances(goal).tolist() for goal in problem.goals]
         self._mdds: dict[tuple[int, frozenset[Constraint]], MDD] = {}
@@ -137,7 +137,7 @@ class ConflictTree:
             nodes = counted(len(self.nodes), "node")
             raise PlanError(f"no plan in {seconds:g} s and {nodes} of the conflict tree") from None
 
-    def _grow(self) -> Node:
+    def _grow(self) -> ConflictNode:
         """Return the first leaf without conflicts."""
         root = self._root()
         self.nodes, numbers = [root], count()
@@ -157,15 +157,17 @@ class ConflictTree:
                 heappush(heap, (*key, each))
         raise PlanError("no plan: every way of some robot is forbidden")
 
-    def _root(self) -> Node:
+    def _root(self) -> ConflictNode:
         ways: list[list[int]] = []
         for robot in range(self.problem.robots):
             way = self._find(robot, frozenset(), dict(enumerate(ways)))
             ways.append(way or [])  # never empty: a problem has a way for each robot
         pairs = combinations(range(len(ways)), 2)
-        return Node(None, None, ways, [each for pair in pairs for each in _conflicts(ways, *pair)])
+        return ConflictNode(
+            None, None, ways, [each for pair in pairs for each in _conflicts(ways, *pair)]
+        )
 
-    def _split(self, node: Node, judged: list[Judged]) -> list[Node]:
+    def _split(self, node: ConflictNode, judged: list[Judged]) -> list[ConflictNode]:
         """Return the children of a node, or the node itself with other ways: a bypass."""
         _, split = max(judged, key=lambda each: (each[0], -each[1].one.time))
         found = []
@@ -181,7 +183,7 @@ class ConflictTree:
         self.nodes += found
         return found
 
-    def _child(self, node: Node, constraint: Constraint) -> Node | None:
+    def _child(self, node: ConflictNode, constraint: Constraint) -> ConflictNode | None:
         """Return the node in which one more constraint holds, or ``None`` if it has no way."""
         robot, ways = constraint.robot, list(node.ways)
         others = {other: way for other, way in enumerate(ways) if other != robot}
@@ -191,7 +193,7 @@ class ConflictTree:
         ways[robot] = way
         kept = [each for each in node.conflicts if robot not in (each.one.robot, each.other.robot)]
         new = [each for other in others for each in _conflicts(ways, *sorted((robot, other)))]
-        return Node(node, constraint, ways, kept + new)
+        return ConflictNode(node, constraint, ways, kept + new)
 
     def _find(
         self, robot: int, constraints: frozenset[Constraint], others: dict[int, list[int]]
@@ -219,7 +221,7 @@ class ConflictTree:
         )  # fmt: skip
         return None if found is None else found.cells
 
-    def _judge(self, node: Node, conflict: Conflict) -> Judged:
+    def _judge(self, node: ConflictNode, conflict: Conflict) -> Judged:
         """Return how many of its robots a conflict costs more, and the conflict to split."""
         one, other = (self._mdd(node, each.robot) for each in conflict)
         forced = _is_forced(one, conflict.one) + _is_forced(other, conflict.other)
@@ -233,7 +235,7 @@ class ConflictTree:
         ends = (Constraint(each.robot, len(node.ways[each.robot]) - 1, None) for each in conflict)
         return CARDINAL, Conflict(*ends)
 
-    def _mdd(self, node: Node, robot: int) -> MDD:
+    def _mdd(self, node: ConflictNode, robot: int) -> MDD:
         """Return all ways of a robot that cost as much as its way in a node."""
         constraints, cost = node.constraints(robot), len(node.ways[robot]) - 1
         if (robot, constraints) in self._mdds:

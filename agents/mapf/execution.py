@@ -14,10 +14,10 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.errors import PlanError
-from agents.mapf.graph import Integers
 from warehouse_core import Cell, Layout, Outcome
 from warehouse_core.motion.base import Ways
 from warehouse_core.wording import listed
+from warehouse_core.world.tables import Integers
 from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, RobotSpec
 from warehouse_physics.profile import Floats
 from warehouse_physics.spec import ARRIVED

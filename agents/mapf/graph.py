@@ -17,11 +17,11 @@ from numpy.typing import NDArray
 from warehouse_core.arguments import real_number
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.layout import Layout
+from warehouse_core.world.tables import Integers
 
 if TYPE_CHECKING:  # SciPy is imported where it is used: loading it takes long
     from scipy.sparse import csr_array
 
-Integers = NDArray[np.integer]
 Costs = NDArray[np.float32]
 
 MOVES = range(WAIT)

@@ -19,17 +19,18 @@ from dataclasses import dataclass
 import numpy as np
 
 from agents.errors import PlanError
-from agents.mapf.graph import CLOSED, Graph, Integers
+from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.pibt import NOBODY, PIBT, UNDECIDED, choose_cells
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.world.actions import WAIT
+from warehouse_core.world.tables import Integers
 
-Constraint = tuple[tuple[int, int], ...]
+FixedMoves = tuple[tuple[int, int], ...]
 """Robots and their next cells."""
 
 
 @dataclass(eq=False)
-class Node:
+class Configuration:
     """A configuration: ``[R]`` cells, and ``[R]`` steps since each robot was at its goal.
 
     The robots are in the order of falling priority, and ``tree`` has the constraints that were not
@@ -39,8 +40,8 @@ class Node:
     cells: Integers
     ages: Integers
     order: list[int]
-    parent: Node | None
-    tree: deque[Constraint]
+    parent: Configuration | None
+    tree: deque[FixedMoves]
 
 
 def lacam(problem: Problem, seconds: float, seed: int = 0) -> Plan:
@@ -156,14 +157,14 @@ class _Search:
                     opened.append(explored[key])
         raise PlanError(f"there is no plan: LaCAM tried all {len(explored)} configurations")
 
-    def new_node(self, cells: Integers, parent: Node | None) -> Node:
+    def new_node(self, cells: Integers, parent: Configuration | None) -> Configuration:
         """Return a node with an empty constraint."""
         ages = 0 if parent is None else parent.ages + 1
         ages = np.where(cells == self.goals, 0, ages)
         order = np.argsort(-ages - self.ranks).tolist()
-        return Node(cells, ages, order, parent, deque([()]))
+        return Configuration(cells, ages, order, parent, deque([()]))
 
-    def grow(self, node: Node, constraint: Constraint) -> None:
+    def grow(self, node: Configuration, constraint: FixedMoves) -> None:
         """Add the constraints that also say where the next robot must go."""
         if len(constraint) < len(node.order):
             robot = node.order[len(constraint)]
@@ -171,7 +172,7 @@ class _Search:
             for cell in self.random.permutation(reached[reached != CLOSED]).tolist():
                 node.tree.append((*constraint, (robot, cell)))
 
-    def next_cells(self, node: Node, constraint: Constraint) -> Integers | None:
+    def next_cells(self, node: Configuration, constraint: FixedMoves) -> Integers | None:
         """Return the next configuration, or ``None`` if PIBT finds none."""
         robots = self.pibt.robots_in(node.cells)
         cells, robot_in = node.cells.tolist(), robots.tolist()
@@ -190,7 +191,7 @@ class _Search:
         return np.array(chosen) if is_complete else None
 
 
-def _plan_to(node: Node | None) -> Plan:
+def _plan_to(node: Configuration | None) -> Plan:
     cells = []
     while node is not None:
         cells.append(node.cells)

@@ -13,11 +13,12 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.mapf.graph import CLOSED, Costs, Graph, Integers
+from agents.mapf.graph import CLOSED, Costs, Graph
 from agents.mapf.lifelong import LifelongRun, run_lifelong
 from agents.mapf.pibt import PIBT
 from warehouse_core.world.actions import ACTIONS, WAIT
 from warehouse_core.world.layout import Layout
+from warehouse_core.world.tables import Integers
 
 WRONG_WAY = 5.0
 """Cost of a move against its lane."""

@@ -10,8 +10,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.errors import PlanError
-from agents.mapf.graph import Graph, Integers
+from agents.mapf.graph import Graph
 from agents.mapf.planner import NO_CELLS, Planner, Situation
+from warehouse_core.world.tables import Integers
 
 NewGoals = Callable[[Integers, Integers], Integers]
 """Function that returns new goals, ``[R]``, from the cells after a step and the goals so far.

@@ -15,10 +15,11 @@ from collections.abc import Iterable, Iterator, Sequence
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.mapf.graph import CLOSED, EAST, FAR, Fields, Graph, Integers
+from agents.mapf.graph import CLOSED, EAST, FAR, Fields, Graph
 from agents.mapf.planner import Situation, solve_by_steps
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.world.actions import WAIT
+from warehouse_core.world.tables import Integers
 
 NOBODY = -1
 UNDECIDED = -1

@@ -9,9 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.errors import PlanError
-from agents.mapf.graph import CLOSED, Graph, Integers
+from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.wording import brief, counted
+from warehouse_core.world.tables import Integers
 
 NO_CELLS = np.empty(0, np.intp)
 

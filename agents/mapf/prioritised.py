@@ -16,13 +16,14 @@ from time import perf_counter
 import numpy as np
 
 from agents.errors import PlanError
-from agents.mapf.graph import EAST, Graph, Integers
+from agents.mapf.graph import EAST, Graph
 from agents.mapf.planner import Situation
 from agents.mapf.problem import Plan, Problem
 from agents.mapf.reservations import Reservations
 from agents.mapf.space_time import Moves, Way, find_way, moves_of
 from warehouse_core.arguments import whole_number
 from warehouse_core.wording import counted
+from warehouse_core.world.tables import Integers
 
 WINDOW, REPLAN = 30, 5
 """Default steps that are planned ahead, and steps until all robots are planned again."""

@@ -13,7 +13,8 @@ from dataclasses import dataclass
 import numpy as np
 
 from agents.errors import PlanError
-from agents.mapf.graph import Graph, Integers
+from agents.mapf.graph import Graph
+from warehouse_core.world.tables import Integers
 
 
 @dataclass(frozen=True, eq=False)

@@ -8,7 +8,7 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
-from agents.mapf.cbs import Conflict, ConflictTree, Constraint, Node
+from agents.mapf.cbs import Conflict, ConflictNode, ConflictTree, Constraint
 from warehouse_core.render.palette import COLORS, FAINT, INK, PAPER
 from warehouse_core.viz.axes import box_in, draw_grid
 from warehouse_core.viz.figure import SceneFigure, make_figure
@@ -92,15 +92,15 @@ def tree_picture(tree: ConflictTree, make: MakeFigure = make_figure) -> SceneFig
     return figure
 
 
-def places_of(nodes: list[Node]) -> dict[Node, tuple[float, int]]:
+def places_of(nodes: list[ConflictNode]) -> dict[ConflictNode, tuple[float, int]]:
     """Return the column and the level of each node: leaves side by side, parents above them."""
-    children: dict[Node | None, list[Node]] = {}
+    children: dict[ConflictNode | None, list[ConflictNode]] = {}
     for node in nodes:
         children.setdefault(node.parent, []).append(node)
-    placed: dict[Node, tuple[float, int]] = {}
+    placed: dict[ConflictNode, tuple[float, int]] = {}
     leaves = iter(range(len(nodes)))
 
-    def place(node: Node, level: int) -> float:
+    def place(node: ConflictNode, level: int) -> float:
         below = [place(child, level + 1) for child in children.get(node, [])]
         column = sum(below) / len(below) if below else float(next(leaves))
         placed[node] = column, level
@@ -133,7 +133,9 @@ def words_of(tree: ConflictTree, what: Constraint | Conflict | None) -> str:
     return f"{one.robot}, {other.robot} swap {place(one.before)}, {place(one.cell)} at {one.time}"
 
 
-def _draw_card(axes: Axes, tree: ConflictTree, node: Node, corner: tuple[float, float]) -> None:
+def _draw_card(
+    axes: Axes, tree: ConflictTree, node: ConflictNode, corner: tuple[float, float]
+) -> None:
     (x, y), (wide, high), is_solution = corner, CARD, node is tree.solution
     ground = PAPER if node.split or is_solution else FAINT
     axes.add_patch(Rectangle(corner, wide, high, color=ground))

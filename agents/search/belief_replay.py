@@ -11,7 +11,7 @@ from agents.search.agents import ExploringAgent
 from warehouse_core import Episode, EpisodeRecorder, Layout, WarehouseEnv
 from warehouse_core.render.atlas import ROBOT_RADIUS, UNSEEN
 from warehouse_core.viz.tracks.record_track import step_captions, track_of_record
-from warehouse_core.viz.tracks.track import Point, Rows, Track
+from warehouse_core.viz.tracks.track import Point, TileRows, Track
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, Cell
 
 GAP = ROBOT_RADIUS + 0.05
@@ -50,7 +50,7 @@ def record_beliefs(
     return recorder.episode, history
 
 
-def believed_tiles(layout: Layout, history: Sequence[Insight]) -> list[Rows]:
+def believed_tiles(layout: Layout, history: Sequence[Insight]) -> list[TileRows]:
     """Return ``[T]`` the layout as the agent believed it to be when it chose each action.
 
     Cells not seen are ``UNSEEN``, except the two stations that observations name. If nothing new
@@ -62,7 +62,7 @@ def believed_tiles(layout: Layout, history: Sequence[Insight]) -> list[Rows]:
     for (row, col), tile in sensed.items():
         grid[row][col] = tile
     known = dict.fromkeys(layout.chargers, CHARGER) | sensed
-    rows: Rows = tuple(map("".join, grid))
+    rows: TileRows = tuple(map("".join, grid))
     believed = []
     for insight in history:
         for (row, col), tile in insight.seen.items():

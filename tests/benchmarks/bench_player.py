@@ -19,7 +19,7 @@ from agents.mapf.pibt import PIBT
 from agents.run_episode import run_episode
 from warehouse_core import Episode, FleetEnv, OrderStream, record_fleet_episode
 from warehouse_core.viz.tracks import Track, track_of_record
-from warehouse_core.viz.tracks.track import Hit
+from warehouse_core.viz.tracks.track import DrawnHit
 
 STEPS = 1_000
 FRAMES = 300
@@ -72,7 +72,7 @@ def large_fleet(robots: int) -> Track:
     for frame in track.frames:
         blocked = random.choice(robots, robots // 50, replace=False).tolist()
         poses = [(robot, frame.robots[robot]) for robot in sorted(blocked)]
-        frame.hits = tuple(Hit(pose.at, "", robot) for robot, pose in poses if pose)
+        frame.hits = tuple(DrawnHit(pose.at, "", robot) for robot, pose in poses if pose)
     return track
 
 

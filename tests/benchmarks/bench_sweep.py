@@ -12,7 +12,7 @@ import pytest
 from helpers.sweeps import nothing
 
 from agents.lab.experiments.case import layout_for, make_agent_for, make_case, make_env
-from agents.lab.experiments.plan import Plan
+from agents.lab.experiments.plan import SweepPlan
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
 from agents.lab.trials.workers import process_pool
@@ -65,7 +65,7 @@ class Sweeper:
 
     def run(self, episodes: int = EPISODES) -> None:
         with Store(next(self._paths)) as store:
-            plan = Plan((CASE,), episodes, 0)
+            plan = SweepPlan((CASE,), episodes, 0)
             run_missing(plan, store, self._executor, self._workers, nothing)
 
 

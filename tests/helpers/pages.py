@@ -5,7 +5,7 @@ from typing import Any
 from agents.lab.experiments.case import make_case
 from agents.lab.parameters import shown
 from agents.lab.reports.analysis.answers import Answer
-from agents.lab.reports.examples import Example, Found
+from agents.lab.reports.examples import Example, FoundEpisode
 from agents.lab.reports.figures.pictures import Picture
 from agents.lab.reports.page import Page, Table
 from helpers.pictures import named
@@ -58,9 +58,9 @@ SVG = (
 )
 
 
-def found(mode: str = "oscillation", **changes: Any) -> Found:
+def found(mode: str = "oscillation", **changes: Any) -> FoundEpisode:
     """Return an example of a failure mode."""
-    return Found(
+    return FoundEpisode(
         **{  # type: ignore[arg-type]
             "mode": mode,
             "case": make_case({"escape": False, "battery": 60}),

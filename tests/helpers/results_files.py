@@ -9,7 +9,7 @@ from typing import Any
 
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.store import Store
-from agents.lab.reports.analysis.results import LONE, Experiment, Kind
+from agents.lab.reports.analysis.results import LONE, Experiment, ReportKind
 from agents.lab.trials.rows import AnyRow, FleetRow, Row
 from agents.lab.trials.scores import Scores
 
@@ -35,7 +35,7 @@ def fill(path: Path, cases: Cases) -> Path:
 
 
 @contextmanager
-def experiment_of(cases: Cases, kind: Kind = LONE) -> Iterator[Experiment]:
+def experiment_of(cases: Cases, kind: ReportKind = LONE) -> Iterator[Experiment]:
     """Yield the results of some cases, in a file of their own."""
     with TemporaryDirectory() as folder:
         path = fill(Path(folder, "r.sqlite"), cases)

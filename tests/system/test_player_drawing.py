@@ -10,7 +10,7 @@ from matplotlib.colors import to_hex
 from agents.run_episode import run_episode
 from warehouse_core.render.palette import COLORS, HIT, ORDER_COLORS
 from warehouse_core.viz.tracks import Frame, Pose, Track, track_of_record
-from warehouse_core.viz.tracks.track import FleetFrame, Hit, Marks
+from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Marks
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, WALL
 
 pytestmark = pytest.mark.browser
@@ -119,7 +119,7 @@ def test_a_hit_is_a_star_with_its_label_while_its_frame_is_shown(
     rows = ("......", "......", "......", "......")
     pose = Pose((2.5, 2.5), 0.0, False)
     frames = [Frame(rows, (pose,), float(step)) for step in range(3)]
-    frames[1].hits = (Hit((4.0, 2.5), "12 N·s"),)
+    frames[1].hits = (DrawnHit((4.0, 2.5), "12 N·s"),)
     page = opened(files("hit", lambda: [simple(frames)]))
     star, label = (3.75, 2.25, 0.5, 0.5), (3, 1, 2, 1)
     seen = []
@@ -183,7 +183,7 @@ def test_cells_in_which_robots_were_blocked_are_tinted_when_asked_for(
     opened: Open, files: Files
 ) -> None:
     frames = list(fleet_frames())
-    frames[1].hits = (Hit((2.9, 0.5), "", 0),)
+    frames[1].hits = (DrawnHit((2.9, 0.5), "", 0),)
     page = opened(files("blocked", lambda: [simple(frames)]))
     page.seek(2)
     cells = [cell(row, col) for row in range(4) for col in range(8)]

@@ -12,7 +12,7 @@ from helpers.player_pages import Files, Shown, shown
 
 from warehouse_core.viz.player import player_page
 from warehouse_core.viz.tracks import Frame, Pose, Track
-from warehouse_core.viz.tracks.track import Hit, Marks
+from warehouse_core.viz.tracks.track import DrawnHit, Marks
 
 pytestmark = pytest.mark.browser
 
@@ -33,7 +33,7 @@ def track_saying(text: str) -> Track:
     """Return a track that says a text wherever it can."""
     frames = [Frame(ROWS, (Pose((0.5 + step, 0.5), 0.0, False),), float(step), text)
               for step in range(3)]  # fmt: skip
-    frames[1].hits = (Hit((1.5, 1.0), text),)
+    frames[1].hits = (DrawnHit((1.5, 1.0), text),)
     metrics = {"battery": [3.0, 2.0, 1.0], "rewards": [0.0, -1.0, -1.0]}
     return Track(frames, metrics, title=text, ending=text)
 

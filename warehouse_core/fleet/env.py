@@ -29,8 +29,8 @@ from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
 from warehouse_core.world.tables import Flags
 from warehouse_core.world.tiles import Cell
 
-Action = str | SupportsIndex
-Actions = Sequence[Action] | NDArray[Any] | Mapping[int, Action]
+ActionLike = str | SupportsIndex
+Actions = Sequence[ActionLike] | NDArray[Any] | Mapping[int, ActionLike]
 FleetStepResult = tuple[FleetArrays, NDArray[np.float64], Flags, Flags, dict[str, Any]]
 
 MOTION_KEYS = ("blocked", "stopped_by", "seconds", "joules")
@@ -368,7 +368,7 @@ class FleetEnv:
             raise ValueError(f"actions of the shape {given.shape} for {robots} robots; one each")
         return given
 
-    def _listed(self, actions: Mapping[int, Action]) -> list[Action]:
+    def _listed(self, actions: Mapping[int, ActionLike]) -> list[ActionLike]:
         """Return the actions of all robots in order; those that have ended may be left out."""
         robots, ended = self.settings.robots, self._engine.ended
         unknown = [robot for robot in actions if robot not in range(robots)]

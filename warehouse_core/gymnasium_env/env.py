@@ -26,7 +26,14 @@ from warehouse_core.gymnasium_env.spaces import (
 from warehouse_core.motion.backends import Backend
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.render.window import PictureWindow, may_have_display
-from warehouse_core.task.encoding import Arrays, Window, arrays_of, marks, numbers_of, window_of
+from warehouse_core.task.encoding import (
+    ObservationArrays,
+    Window,
+    arrays_of,
+    marks,
+    numbers_of,
+    window_of,
+)
 from warehouse_core.task.rules import useful_actions
 from warehouse_core.task.starts import (
     DRAWS,
@@ -253,7 +260,7 @@ class WarehouseGymnasiumEnv(Limited, gymnasium.Env[Any, Any]):
             self._walls = walls
             self._sides: dict[Cell, tuple[bool, ...]] = {}
 
-    def _look(self) -> tuple[Arrays, NDArray[np.int8]]:
+    def _look(self) -> tuple[ObservationArrays, NDArray[np.int8]]:
         """Return what ``encode`` gives for the observation now, and the mask, both fresh."""
         state = self._warehouse.state
         key = (state.robot_pos, state.has_item)

@@ -13,7 +13,7 @@ from numpy.typing import ArrayLike
 
 from warehouse_core.arguments import MAX_STEPS, whole_number
 from warehouse_core.render.observation_image import ObservationImage
-from warehouse_core.task.encoding import MARKED_TILES, Arrays, vector, vector_limits
+from warehouse_core.task.encoding import MARKED_TILES, ObservationArrays, vector, vector_limits
 from warehouse_core.world.tiles import CELL_CODES
 
 FORMS = ("dict", "vector", "image")
@@ -34,7 +34,7 @@ class Form(NamedTuple):
     """A form of observations: their space, and the function that makes them from arrays."""
 
     space: spaces.Space[Any]
-    of: Callable[[Arrays], Any]
+    of: Callable[[ObservationArrays], Any]
 
 
 class Extent(NamedTuple):
@@ -51,8 +51,9 @@ def make_form(name: str, extent: Extent) -> Form:
     """Return the form of observations with a name.
 
     ============  =================================================================================
-    ``"dict"``    a flat ``Dict`` with the keys of the chapter's observation, as ``Arrays`` in
-                  ``task/encoding.py`` says; a pickup or dropoff that does not exist is ``(-1, -1)``
+    ``"dict"``    a flat ``Dict`` with the keys of the chapter's observation, as
+                  ``ObservationArrays`` in ``task/encoding.py`` says; a pickup or dropoff that does
+                  not exist is ``(-1, -1)``
     ``"vector"``  a ``Box`` of one dimension, as ``encoding.vector`` says
     ``"image"``   a ``Box`` of uint8 ``[8 (H + 1), 8 W, 3]``, see ``render/observation_image.py``
     ============  =================================================================================
@@ -77,7 +78,7 @@ def make_form(name: str, extent: Extent) -> Form:
     raise ValueError(f"observation is {name!r}; allowed: {', '.join(FORMS)}")
 
 
-def _unchanged(arrays: Arrays) -> Arrays:
+def _unchanged(arrays: ObservationArrays) -> ObservationArrays:
     return arrays  # a lambda could not be pickled
 
 

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from warehouse_core.arguments import MAX_STEPS
 from warehouse_core.fleet.env import FleetEnv
 from warehouse_core.gymnasium_env.spaces import Extent, Form, make_form
-from warehouse_core.task.encoding import FLEET_TILES, Arrays, vector, vector_limits
+from warehouse_core.task.encoding import FLEET_TILES, ObservationArrays, vector, vector_limits
 from warehouse_core.world.actions import ACTIONS
 
 MAX_STATE_ORDERS = 32
@@ -47,7 +47,7 @@ def make_fleet_form(name: str, extent: Extent, fleet: FleetEnv) -> Form:
     raise ValueError(f"observation is {name!r}; allowed: dict, vector")
 
 
-def _fleet_vector(arrays: Arrays) -> NDArray[np.float32]:
+def _fleet_vector(arrays: ObservationArrays) -> NDArray[np.float32]:
     return vector(arrays, FLEET_TILES)  # a lambda could not be pickled
 
 

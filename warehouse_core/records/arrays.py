@@ -35,14 +35,14 @@ MAX_NUMBER = 1e12
 NONE = -1
 """Number that stands for ``None`` in the arrays of orders and assignments."""
 
-Columns = dict[str, tuple[str, str]]
+ColumnSpecs = dict[str, tuple[str, str]]
 """Type of each array, and its axes: a letter each, see ``LENGTHS`` and ``_lengths``."""
 
 LENGTHS = {"2": 2, "3": 3, "4": 4, "O": 10}
 """Lengths of axes that all records share. ``O`` is an order: the fields of ``Order``, with two
 numbers for each of its cells."""
 
-MOTION_COLUMNS: Columns = {
+MOTION_COLUMNS: ColumnSpecs = {
     "motion_cells": ("<i4", "M2"),
     "motion_blocked": ("|b1", "M"),
     "motion_seconds": ("<f8", "M"),
@@ -54,7 +54,7 @@ MOTION_COLUMNS: Columns = {
     "contact_counterparts": ("<i4", "C"),
 }
 
-LONE_COLUMNS: Columns = {
+LONE_COLUMNS: ColumnSpecs = {
     "header": ("|u1", "*"),
     "layout": ("|u1", "**"),
     "cells": ("<i4", "F2"),
@@ -66,7 +66,7 @@ LONE_COLUMNS: Columns = {
     **MOTION_COLUMNS,
 }
 
-FLEET_COLUMNS: Columns = {
+FLEET_COLUMNS: ColumnSpecs = {
     "header": ("|u1", "*"),
     "layout": ("|u1", "**"),
     "orders": ("<i4", "*O"),
@@ -85,7 +85,7 @@ FLEET_COLUMNS: Columns = {
     **MOTION_COLUMNS,
 }
 
-REASONED_COLUMNS: Columns = FLEET_COLUMNS | {"reasons": ("<i4", "TR")}
+REASONED_COLUMNS: ColumnSpecs = FLEET_COLUMNS | {"reasons": ("<i4", "TR")}
 """Columns of a fleet whose agent gave reasons."""
 
 FIELD_OF = {"seconds": "step_seconds", "joules": "step_joules"}
@@ -101,7 +101,7 @@ SCALARS: dict[str, dict[str, tuple[type, ...]]] = {
 }  # fmt: skip
 """Types of fields that are in the header, by format."""
 
-Fields = dict[str, Any]
+EpisodeFields = dict[str, Any]
 """Fields of an ``Episode`` by name."""
 
 Word = TypeVar("Word", bound=Hashable)
@@ -126,7 +126,7 @@ def is_equal(one: object, other: object) -> bool:
     return one == other
 
 
-def pack(fields: Fields) -> Arrays:
+def pack(fields: EpisodeFields) -> Arrays:
     """Return the arrays of an episode, in the types of their schema.
 
     Raises:
@@ -152,7 +152,7 @@ def pack(fields: Fields) -> Arrays:
     return {name: _typed(name, arrays[name], *schema[name]) for name in schema}
 
 
-def unpack(arrays: Arrays) -> Fields:
+def unpack(arrays: Arrays) -> EpisodeFields:
     """Undo ``pack``, checking that the fields fit together.
 
     Raises:
@@ -184,14 +184,16 @@ def _typed(name: str, array: NDArray[Any], dtype: str, dimensions: int) -> NDArr
     raise RecordError(f"{name} cannot be stored as {np.dtype(dtype)} with {dimensions} dimensions")
 
 
-def _pack_lone(fields: Fields, arrays: Arrays, header: Fields, counterparts: list[str]) -> None:
+def _pack_lone(
+    fields: EpisodeFields, arrays: Arrays, header: EpisodeFields, counterparts: list[str]
+) -> None:
     for name in ("actions", "reasons"):
         header[name], arrays[name] = encode_words(fields[name])
     header["counterparts"] = counterparts
     header |= {name: fields[name] for name in SCALARS[LONE_FORMAT]}
 
 
-def _unpack_lone(arrays: Arrays, header: Fields, fields: Fields) -> None:
+def _unpack_lone(arrays: Arrays, header: EpisodeFields, fields: EpisodeFields) -> None:
     layout, settings = fields["layout"], fields["settings"]
     cells = [(row, col) for row, col in arrays["cells"].tolist()]
     _check_open("start_pos", [settings.start_pos], layout)
@@ -204,7 +206,9 @@ def _unpack_lone(arrays: Arrays, header: Fields, fields: Fields) -> None:
     fields |= {name: arrays[name].tolist() for name in ("loaded", "battery", "rewards")}
 
 
-def _pack_fleet(fields: Fields, arrays: Arrays, header: Fields, counterparts: list[str]) -> None:
+def _pack_fleet(
+    fields: EpisodeFields, arrays: Arrays, header: EpisodeFields, counterparts: list[str]
+) -> None:
     measures = vars(fields["measures"])
     header["measures"] = {name: None if math.isnan(x) else x for name, x in measures.items()}
     header["counterparts"] = counterparts
@@ -221,7 +225,7 @@ def _pack_fleet(fields: Fields, arrays: Arrays, header: Fields, counterparts: li
     arrays["assignments"] = np.array([*map(_without_none, fields["assignments"])]).reshape(-1, 3)
 
 
-def _unpack_fleet(arrays: Arrays, header: Fields, fields: Fields) -> None:
+def _unpack_fleet(arrays: Arrays, header: EpisodeFields, fields: EpisodeFields) -> None:
     layout, settings = fields["layout"], fields["settings"]
     if fields["seed"] < 0 or not 0 < fields["cell_size"] < np.inf:
         raise RecordError(
@@ -248,7 +252,7 @@ def _unpack_fleet(arrays: Arrays, header: Fields, fields: Fields) -> None:
         fields["reasons"] = _rows(words, settings.robots)
 
 
-def _check_arrays(arrays: Arrays, columns: Columns, settings: Any) -> None:
+def _check_arrays(arrays: Arrays, columns: ColumnSpecs, settings: Any) -> None:
     """Raise if an array has another shape than the others allow, or an impossible number."""
     lengths = _lengths(arrays, settings)
     for name, array in arrays.items():
@@ -346,7 +350,7 @@ def _read_measures(values: Any) -> FleetMeasures:
     return FleetMeasures(**numbers)
 
 
-def _read_unknown_actions(header: Fields, is_unknown: NDArray[np.bool_]) -> dict[Any, Any]:
+def _read_unknown_actions(header: EpisodeFields, is_unknown: NDArray[np.bool_]) -> dict[Any, Any]:
     """Return the actions that are not allowed, as given, by step and robot."""
     entries, (steps, robots) = header.get("unknown_actions", []), is_unknown.shape
     if not isinstance(entries, list) or not all(
@@ -384,7 +388,7 @@ def encode_words(words: Iterable[Word]) -> tuple[list[Word], NDArray[np.int32]]:
 
 
 def decode_words(
-    header: Fields, name: str, codes: NDArray[Any], kinds: Iterable[type] = (str,)
+    header: EpisodeFields, name: str, codes: NDArray[Any], kinds: Iterable[type] = (str,)
 ) -> list[Any]:
     """Undo ``encode_words``, with the different words in the header."""
     words = header.get(name)
@@ -415,7 +419,7 @@ def pack_motions(motions: Sequence[Outcome]) -> tuple[Arrays, list[str]]:
     return arrays, counterparts
 
 
-def unpack_motions(arrays: Arrays, header: Fields) -> list[Outcome]:
+def unpack_motions(arrays: Arrays, header: EpisodeFields) -> list[Outcome]:
     """Undo ``pack_motions``; the arrays fit together."""
     count, cut_off = len(arrays["motion_cells"]), header.get("cut_off", [])
     if not isinstance(cut_off, list) or not all(

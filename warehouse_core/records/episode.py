@@ -35,7 +35,7 @@ OUT_OF_TIME = "out of time"
 UNFINISHED = "unfinished"
 
 Action = str | int
-Frame = list[list[str]]
+GridFrame = list[list[str]]
 
 Column = Any
 """A list of a lone robot's values, or an array of a fleet's; ``Episode`` says which values."""
@@ -193,7 +193,7 @@ class Episode:
         ]  # fmt: skip
 
     @property
-    def frames(self) -> list[Frame]:
+    def frames(self) -> list[GridFrame]:
         """``[F]`` frames as ``WarehouseEnv.render_grid`` returned them, as new lists.
 
         Every robot of a fleet is shown as the lone robot is, and people are shown too.

@@ -119,7 +119,7 @@ ENDINGS = {
     UNFINISHED: "it was stopped",
 }
 
-State = tuple[Cell, bool]
+CellState = tuple[Cell, bool]
 """The cell of the robot, and whether it holds an item."""
 
 
@@ -319,7 +319,7 @@ def _shortest(alone: Alone) -> str:
     return "" if alone.needed is None else f"; the shortest way takes {alone.needed}"
 
 
-def fewest_steps(layout: Layout, *states: State) -> tuple[int | None, ...]:
+def fewest_steps(layout: Layout, *states: CellState) -> tuple[int | None, ...]:
     """Return the minimum number of steps from each state to the delivery, ``None`` without a path.
 
     The search is breadth first and backwards from the dropoffs, with the item; at a pickup it

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 from warehouse_core.render.atlas import CODES, NO_ROBOT, ROBOT_CODES, UNSEEN, Pixels
 from warehouse_core.render.painter import TilePainter, bar
 from warehouse_core.render.palette import BATTERY, INK
-from warehouse_core.task.encoding import Arrays
+from warehouse_core.task.encoding import ObservationArrays
 from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP
 
 TILE_PIXELS = 8
@@ -41,14 +41,14 @@ class ObservationImage:
         """Height, width and channels of a picture, with one tile of height for the bars."""
         return (self._height + 1) * TILE_PIXELS, self._width * TILE_PIXELS, 3
 
-    def paint(self, arrays: Arrays) -> Pixels:
+    def paint(self, arrays: ObservationArrays) -> Pixels:
         """Return new pictures of observations: ``[..., (H + 1) * T, W * T, 3]`` uint8."""
         width, half = self._width * TILE_PIXELS, TILE_PIXELS // 2
         battery = bar(arrays["battery"][..., 0] / self._battery, width, half, BATTERY)
         steps = bar(arrays["steps"][..., 0] / self._max_steps, width, half, INK)
         return np.concatenate([self._painter.paint(self._known(arrays)), battery, steps], axis=-3)
 
-    def _known(self, arrays: Arrays) -> NDArray[np.uint8]:
+    def _known(self, arrays: ObservationArrays) -> NDArray[np.uint8]:
         """Return the known codes of cells, ``[..., H, W]``."""
         batch = arrays["robot_pos"].shape[:-1]
         robots = arrays["robot_pos"].reshape(-1, 2)

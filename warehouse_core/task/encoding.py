@@ -50,7 +50,7 @@ Window = NDArray[np.uint8] | NDArray[np.bool_]
 """Codes of cells, or ``marks`` of them."""
 
 
-class Arrays(TypedDict):
+class ObservationArrays(TypedDict):
     """An observation as arrays, with the keys of the chapter's.
 
     Attributes:
@@ -73,8 +73,8 @@ class Arrays(TypedDict):
     dropoff_pos: NDArray[np.int32]
 
 
-class FleetArrays(Arrays, total=False):
-    """The observations of ``N`` robots: ``Arrays`` with two more keys.
+class FleetArrays(ObservationArrays, total=False):
+    """The observations of ``N`` robots: ``ObservationArrays`` with two more keys.
 
     Attributes:
         due: ``[N, 1]`` int32, the step by which the robot's order is due, or -1; with orders only.
@@ -85,7 +85,7 @@ class FleetArrays(Arrays, total=False):
     charger_pos: NDArray[np.int32]
 
 
-def encode(observation: Observation) -> Arrays:
+def encode(observation: Observation) -> ObservationArrays:
     """Return an observation as new arrays, which share nothing with it."""
     return arrays_of(window_of(observation), numbers_of(observation), observation["has_item"])
 
@@ -103,7 +103,7 @@ def numbers_of(observation: Observation) -> NDArray[np.int32]:
     return np.array((*observation["robot_pos"], *pickup, *dropoff, *budgets), np.int32)
 
 
-def arrays_of(window: Window, numbers: NDArray[np.int32], has_item: bool) -> Arrays:
+def arrays_of(window: Window, numbers: NDArray[np.int32], has_item: bool) -> ObservationArrays:
     """Return the arrays of an observation, which share memory with ``window`` and ``numbers``."""
     return {
         "local_grid": window,
@@ -116,7 +116,7 @@ def arrays_of(window: Window, numbers: NDArray[np.int32], has_item: bool) -> Arr
     }
 
 
-def vector(arrays: Arrays, tiles: tuple[str, ...] = MARKED_TILES) -> NDArray[np.float32]:
+def vector(arrays: ObservationArrays, tiles: tuple[str, ...] = MARKED_TILES) -> NDArray[np.float32]:
     """Return an observation as one vector of ``T * K * K + 11`` numbers, ``[..., L]`` float32.
 
     ======================  =====================================================================

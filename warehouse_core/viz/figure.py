@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from warehouse_core.viz.axes.look import POINTS
-from warehouse_core.viz.export.gif_writer import Pixels, indexed
+from warehouse_core.viz.export.gif_writer import ColorValues, indexed
 
 DPI = 100
 """Pixels in an inch."""
@@ -30,7 +30,7 @@ AROUND_AXES, AROUND_TEXT = 8.0, 3.0
 """Points around axes that their movers may draw into, and around a text."""
 
 Part = tuple[float, ...] | Artist
-Box = tuple[int, int, int, int]
+PixelBox = tuple[int, int, int, int]
 """Top, bottom, left and right of pixels."""
 
 
@@ -45,12 +45,12 @@ class SceneFigure(Figure):
     def __init__(self, *args: Any, **options: Any) -> None:
         super().__init__(*args, **options)
         self._movers: list[Artist] = []
-        self._background: Pixels = np.empty((0, 0, 4), np.uint8)
+        self._background: ColorValues = np.empty((0, 0, 4), np.uint8)
         self._shown = self._background
         self._background_size: tuple[float, float, float] | None = None
-        self._boxes: dict[Part, Box] = {}
-        self._settled: dict[Part, tuple[int, Pixels]] = {}
-        self.changed: Box = (0, 0, 0, 0)
+        self._boxes: dict[Part, PixelBox] = {}
+        self._settled: dict[Part, tuple[int, ColorValues]] = {}
+        self.changed: PixelBox = (0, 0, 0, 0)
         self.replay: object = None
 
     def add_mover(self, artist: Artist) -> None:
@@ -71,13 +71,13 @@ class SceneFigure(Figure):
             self._draw_still(renderer, with_movers=True)
             return
         self._update(renderer)
-        canvas: Pixels = np.asarray(renderer.buffer_rgba())  # type: ignore[no-untyped-call]
+        canvas: ColorValues = np.asarray(renderer.buffer_rgba())  # type: ignore[no-untyped-call]
         canvas[:] = self._shown
         self.canvas.callbacks.process("draw_event", DrawEvent("draw_event", self.canvas, renderer))
 
     def _update(self, renderer: Any) -> None:
         """Draw what has changed since the last time, and keep it."""
-        canvas: Pixels = np.asarray(renderer.buffer_rgba())
+        canvas: ColorValues = np.asarray(renderer.buffer_rgba())
         size = (renderer.width, renderer.height, renderer.dpi)
         is_new = self.stale or size != self._background_size
         boxes = []
@@ -104,7 +104,9 @@ class SceneFigure(Figure):
             parts.setdefault(axes.bbox.bounds if axes else mover, []).append(mover)
         return parts
 
-    def _draw_part(self, renderer: Any, canvas: Pixels, part: Part, movers: list[Artist]) -> Box:
+    def _draw_part(
+        self, renderer: Any, canvas: ColorValues, part: Part, movers: list[Artist]
+    ) -> PixelBox:
         """Draw movers around where they were and are; what they draw elsewhere is not kept.
 
         The first of them that have not changed are drawn once and kept as one picture.
@@ -128,7 +130,7 @@ class SceneFigure(Figure):
         self._shown[area] = canvas[area]
         return box
 
-    def _box_of(self, mover: Artist, renderer: Any) -> Box:
+    def _box_of(self, mover: Artist, renderer: Any) -> PixelBox:
         """Return top, bottom, left and right of the pixels around a text or axes."""
         extent = mover.axes.bbox if mover.axes else mover.get_window_extent(renderer)
         around = (AROUND_AXES if mover.axes else AROUND_TEXT) * self.dpi / POINTS
@@ -147,7 +149,7 @@ class SceneFigure(Figure):
         else:
             super().savefig(fname, transparent=transparent, **options)
 
-    def rgba(self) -> Pixels:
+    def rgba(self) -> ColorValues:
         """Return the figure as ``[height, width, 4]``, which the next drawing changes."""
         if not isinstance(self.canvas, FigureCanvasAgg):
             raise TypeError(f"a {type(self.canvas).__name__} has no pixels; it must be an Agg one")
@@ -176,7 +178,7 @@ class SceneFigure(Figure):
         self.stale = False
 
 
-def around(boxes: Iterable[Box]) -> Box:
+def around(boxes: Iterable[PixelBox]) -> PixelBox:
     """Return the smallest box around boxes."""
     tops, bottoms, lefts, rights = zip(*boxes, strict=True)
     return min(tops), max(bottoms), min(lefts), max(rights)

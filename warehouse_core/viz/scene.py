@@ -15,7 +15,7 @@ from warehouse_core.viz.axes.look import POINTS, box_in
 from warehouse_core.viz.charts import BatteryBar, Chart, TimeAxis, share_scales
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.legend import draw_legend
-from warehouse_core.viz.sheet import BOLD, WIDTH, Box, Place, Sheet, sheet_of
+from warehouse_core.viz.sheet import BOLD, WIDTH, Box, Sheet, TrackPlace, sheet_of
 from warehouse_core.viz.tracks.track import Track
 from warehouse_core.viz.view import View
 from warehouse_core.viz.words import seconds_of
@@ -93,7 +93,7 @@ class Scene:
         steps = length - 1 if length else tracks[0].steps
         sheet = sheet_of(tracks, steps, legend=legend)
         self.root = make_figure(sheet.size)
-        page = Page(self.root, sheet)
+        page = SheetFigure(self.root, sheet)
         self._panels = [
             Panel(page, place, track, TimeAxis(steps) if length else timeline.axis(track), steps)
             for place, track in zip(sheet.places, tracks, strict=True)
@@ -120,7 +120,7 @@ class Scene:
             self._clock.set_text(self._timeline.words(number))
 
 
-class Page:
+class SheetFigure:
     """A figure into which axes and words are put by their places on a sheet."""
 
     def __init__(self, figure: SceneFigure, sheet: Sheet) -> None:
@@ -145,7 +145,9 @@ class Panel:
     The charts have room for a number of steps.
     """
 
-    def __init__(self, page: Page, place: Place, track: Track, time: TimeAxis, steps: int) -> None:
+    def __init__(
+        self, page: SheetFigure, place: TrackPlace, track: Track, time: TimeAxis, steps: int
+    ) -> None:
         self.track, self._steps = track, steps
         self._parts = page.sheet.motion_parts
         self._view = View(page.figure, page.axes(place.map), place.cell * POINTS, track)

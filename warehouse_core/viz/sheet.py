@@ -65,7 +65,7 @@ BOLD = {"fontweight": "bold"}
 Box = tuple[float, float, float, float]
 """Left, top, width and height."""
 
-Line = tuple[float, float, Callable[[Track, int], Words], Mapping[str, Any]]
+SheetLine = tuple[float, float, Callable[[Track, int], Words], Mapping[str, Any]]
 """Left and top of words, what says them in a frame of a track, and their style."""
 
 
@@ -77,13 +77,13 @@ class Slot(NamedTuple):
     has_label: bool = False
 
 
-class Place(NamedTuple):
+class TrackPlace(NamedTuple):
     """Place of a track: the side of a cell, the box of the map, and everything around the map."""
 
     cell: float
     map: Box
     slots: list[Slot]
-    lines: list[Line]
+    lines: list[SheetLine]
 
 
 class Sheet(NamedTuple):
@@ -96,7 +96,7 @@ class Sheet(NamedTuple):
     """
 
     size: tuple[float, float]
-    places: list[Place]
+    places: list[TrackPlace]
     legend_columns: int
     motion_parts: int | None
 
@@ -146,17 +146,17 @@ def _single(track: Track, steps: int, *, legend: bool) -> Sheet:
     foot = EDGE if has_battery or not legend else CHARTS_FOOT
     beside = EDGE + left_width + (CHARTS_LEFT + CHARTS_WIDTH if kinds else 0.0)
     width = beside + EDGE + (LEGEND_WIDTH if legend else 0.0)
-    lines: list[Line] = [
+    lines: list[SheetLine] = [
         (EDGE, 0.2, partial(title_of, 9), {}),
         (width - EDGE, 0.2, partial(counter_of, steps), {"ha": "right"}),
         (EDGE, 0.56, partial(fitted_caption, width - 2 * EDGE), BOLD),
         (width / 2, 0.2, ending_of, BOLD | {"ha": "center"}),
     ]
     size = (width, HEAD + height + (BAR + BAR_GAP if has_battery else 0.0) + foot)
-    return Sheet(size, [Place(cell, map_box, slots, lines)], 0, MOTION_PARTS)
+    return Sheet(size, [TrackPlace(cell, map_box, slots, lines)], 0, MOTION_PARTS)
 
 
-def _columns(tracks: Sequence[Track]) -> tuple[list[Place], float]:
+def _columns(tracks: Sequence[Track]) -> tuple[list[TrackPlace], float]:
     """Return columns of one width with maps of one scale and charts below, and where maps end."""
     count, kinds = len(tracks), _kinds_in_columns(tracks)
     width = (WIDTH - (count - 1) * GUTTER) / count - 2 * MARGIN / count
@@ -174,7 +174,7 @@ def _columns(tracks: Sequence[Track]) -> tuple[list[Place], float]:
     return places, below + BELOW
 
 
-def _leading(first: Track, other: Track) -> tuple[list[Place], float]:
+def _leading(first: Track, other: Track) -> tuple[list[TrackPlace], float]:
     """Return a wide column and a narrow one that has the charts, and where the wide one ends."""
     edge = MARGIN + LEAD_WIDTH + GUTTER
     width = WIDTH - MARGIN - edge
@@ -194,11 +194,11 @@ def _leading(first: Track, other: Track) -> tuple[list[Place], float]:
 
 def _column(
     track: Track, cell: float, left: float, width: float, charts: list[Slot], below: float | None
-) -> Place:
+) -> TrackPlace:
     """Return the place of a track in a column; battery and verdict are ``below`` its map."""
     columns, rows = track.shown_size
     map_box = (left, COLUMN_HEAD, cell * columns, cell * rows)
-    lines: list[Line] = [
+    lines: list[SheetLine] = [
         (left, 0.62, partial(title_of, 11), {}),
         (left, 0.77, partial(caption_in_lines, width), BOLD | {"va": "top"}),
     ]
@@ -207,7 +207,7 @@ def _column(
         if "battery" in track.metrics:
             bar = Slot(BatteryBar, (left, below + GAP, map_box[2], BAR))
             charts = [bar, *charts]
-    return Place(cell, map_box, charts, lines)
+    return TrackPlace(cell, map_box, charts, lines)
 
 
 def _kinds_in_columns(tracks: Sequence[Track]) -> list[type[Chart]]:

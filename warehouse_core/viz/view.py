@@ -45,12 +45,12 @@ from warehouse_core.viz.axes.tiles import cells_of, draw_tiles
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.tracks.history import History
 from warehouse_core.viz.tracks.track import (
+    DrawnHit,
     FleetFrame,
     Frame,
-    Hit,
     Point,
     Pose,
-    Rows,
+    TileRows,
     Track,
     Waiting,
 )
@@ -121,7 +121,7 @@ class View:
         self._slippery = track.slippery
         self._route: Line2D | None = None
         self._tiles: list[Artist] = []
-        self._rows: Rows = ()
+        self._rows: TileRows = ()
         first = track.frames[0]
         rows, fleet = first.tiles, first.fleet
         height, width = len(rows), len(rows[0])
@@ -162,7 +162,7 @@ class View:
         self._show_route(frame.route)
         self.show_hits(frame.hits)
 
-    def show_hits(self, hits: Sequence[Hit]) -> None:
+    def show_hits(self, hits: Sequence[DrawnHit]) -> None:
         """Mark the places of hits, and label the last of them."""
         self._hits.set_data([hit.at[0] for hit in hits], [hit.at[1] for hit in hits])
         label = hits[-1].label if hits else ""
@@ -173,7 +173,7 @@ class View:
             place = (min(max(x, 0.1), width - 0.1), max(y - 0.25, 0.5))
             self._hit_label.set(text=label, position=place, ha=side)
 
-    def _show_tiles(self, rows: Rows) -> None:
+    def _show_tiles(self, rows: TileRows) -> None:
         """Draw these tiles, unless they are drawn already."""
         if rows is self._rows:
             return
@@ -207,7 +207,7 @@ class RobotView:
         self._history = History(robot)
         self._radius = radius = max(ROBOT_RADIUS, MIN_ROBOT_POINTS / cell_points)
         self._half_item = max(ITEM_SHARE * ROBOT_RADIUS, MIN_ITEM_POINTS / cell_points)
-        self._settled: tuple[Rows, int] | None = None
+        self._settled: tuple[TileRows, int] | None = None
         thin, wide = max(0.6, cell_points / 20), max(1.0, cell_points / 11)
         above: dict[str, Any] = {"zorder": ABOVE_TILES}
         self._floor = PolyCollection([], linewidths=0, zorder=0.6)
@@ -261,7 +261,7 @@ class RobotView:
         if pose.heading is not None:
             self._nose.set_xy(nose_of(pose, self._radius))
 
-    def _show_floor(self, rows: Rows, step: int) -> None:
+    def _show_floor(self, rows: TileRows, step: int) -> None:
         """Tint the floor that the robot sees, and where it came more than once."""
         colors: dict[Cell, Any] = {}
         here = self._history.cells[step]
@@ -308,7 +308,7 @@ class RobotView:
         self._leg.set_data([x for x, _ in points], [y for _, y in points])
         self._leg.set(color=TRAIL_COLORS[loaded], linestyle=TRAIL_STYLES[loaded])
 
-    def _show_items(self, rows: Rows, pose: Pose | None, number: int) -> None:
+    def _show_items(self, rows: TileRows, pose: Pose | None, number: int) -> None:
         """Draw the items that wait at pickups, the one on the robot, and what was delivered."""
         history = self._history
         at_rest = {cell for frame, cell in history.delivered if frame <= number}
@@ -448,7 +448,7 @@ def nose_of(pose: Pose, radius: float, tip: float = TIP) -> NDArray[np.float64]:
     return corners
 
 
-def is_open(rows: Rows, cell: Cell) -> bool:
+def is_open(rows: TileRows, cell: Cell) -> bool:
     """Return whether a cell is among the tiles, and not a wall."""
     row, col = cell
     return 0 <= row < len(rows) and 0 <= col < len(rows[0]) and rows[row][col] != WALL

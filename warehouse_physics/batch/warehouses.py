@@ -17,7 +17,7 @@ from warehouse_physics.arena import LONE_BIAS, Hit, Position
 from warehouse_physics.driven_arena import DrivenArena
 from warehouse_physics.profile import Floats
 from warehouse_physics.spec import RobotSpec
-from warehouse_physics.walls import Box, wall_boxes
+from warehouse_physics.walls import CellBox, wall_boxes
 
 ITERATIONS = 3
 """Solver rounds in a substep. With 2, a robot off its line may stop a substep later after a hit
@@ -49,7 +49,7 @@ class Warehouses(DrivenArena):
 
     def change_walls(self, rows: Sequence[int], layouts: Sequence[Layout]) -> None:
         """Replace the walls of some rows; their robots must be placed before they move."""
-        known: dict[int, list[Box]] = {}
+        known: dict[int, list[CellBox]] = {}
         for row, layout in zip(rows, layouts, strict=True):
             # Layouts with the same walls share this array; see ``Layout.with_stations``.
             key = id(layout.open_cells)

@@ -34,7 +34,7 @@ class Visit(NamedTuple):
     number: int
 
 
-class Node(NamedTuple):
+class WayCell(NamedTuple):
     """A cell of a way, and the visit of another robot that has to end before it is entered."""
 
     cell: Cell
@@ -45,7 +45,7 @@ class Dependencies:
     """The ways of ``R`` robots, at first in different cells, and the order in which they pass."""
 
     def __init__(self, cells: Sequence[Cell]) -> None:
-        self._ways = [deque([Node(cell, None)]) for cell in cells]
+        self._ways = [deque([WayCell(cell, None)]) for cell in cells]
         self._firsts = [0] * len(cells)
         self._latest = {cell: Visit(robot, 0) for robot, cell in enumerate(cells)}
 
@@ -61,7 +61,7 @@ class Dependencies:
         """Return the last cell of a way."""
         return self._ways[robot][-1].cell
 
-    def node(self, robot: int, number: int) -> Node:
+    def node(self, robot: int, number: int) -> WayCell:
         """Return a node; raise ``LookupError`` if it is not there yet, or has been forgotten."""
         place = number - self._firsts[robot]
         if not 0 <= place < len(self._ways[robot]):
@@ -78,7 +78,7 @@ class Dependencies:
         )
         return to_row - row, to_col - col
 
-    def nodes(self, robot: int, first: int) -> Iterator[tuple[int, Node]]:
+    def nodes(self, robot: int, first: int) -> Iterator[tuple[int, WayCell]]:
         """Yield the nodes of a way from ``first`` on, with their numbers.
 
         The first node that has not been forgotten, where the robot has been, is not among them.
@@ -96,7 +96,7 @@ class Dependencies:
         before = [self._latest.get(targets[robot]) for robot in movers]
         for robot, visit in zip(movers, before, strict=True):
             after = None if visit is None or visit.robot == robot else visit
-            self._ways[robot].append(Node(targets[robot], after))
+            self._ways[robot].append(WayCell(targets[robot], after))
             self._latest[targets[robot]] = Visit(robot, self.last(robot))
         return movers
 
@@ -148,7 +148,7 @@ class Dependencies:
 
         ways = [
             deque(
-                Node(self.node(each, at).cell, after(each, at))
+                WayCell(self.node(each, at).cell, after(each, at))
                 for at in range(reached[each], keep[each] - 1, -1)
             )
             for each in backwards
@@ -177,7 +177,7 @@ class Dependencies:
 
     def _find_latest(self, firsts: Sequence[int]) -> None:
         """Find the last visit of each cell, of the nodes from ``firsts`` on."""
-        visits: dict[Visit, Node] = {}
+        visits: dict[Visit, WayCell] = {}
         earlier: set[Visit | None] = set()
         for robot, way in enumerate(self._ways):
             own: dict[Cell, Visit] = {}

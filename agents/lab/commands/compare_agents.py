@@ -15,7 +15,7 @@ from agents.lab.commands import random_layouts
 from agents.lab.console import options
 from agents.lab.console.options import option
 from agents.lab.console.output import save_picture
-from agents.lab.console.table import Table, print_table
+from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place
 from agents.lab.console.watch import slow_steps_told
@@ -57,11 +57,11 @@ def compare_agents(
         int, option("--episodes -n N", "Episodes of each agent.", (1, MAX_EPISODES))
     ] = 100,
     seed: options.FirstSeed = 0,
-    backend: options.Backend = "physics",
+    backend: options.BackendOption = "physics",
     layout: random_layouts.LayoutOrRandom = None,
-    stations: options.Stations = None,
+    stations: options.StationsOption = None,
     start: options.Start = None,
-    battery: options.Battery = 200,
+    battery: options.BatteryOption = 200,
     max_steps: options.MaxSteps = 200,
     size: random_layouts.Sizes = None,
     density: random_layouts.Density = None,
@@ -145,12 +145,12 @@ def evaluate_watched(name: str, shown: str, task: Task, seeds: Sequence[int]) ->
         raise typer.Abort from error
 
 
-def scores_tables(scores: Mapping[str, Scores], title: str) -> Iterator[Table]:
+def scores_tables(scores: Mapping[str, Scores], title: str) -> Iterator[TextTable]:
     """Yield two tables of the agents' scores, with 95% intervals; both fit 80 columns."""
     half = len(MEASURES) // 2
     for measures, above in ((MEASURES[:half], title), (MEASURES[half:], "")):
         rows = [(name, *(_words(each, one) for one in measures)) for name, each in scores.items()]
-        yield Table(("agent", *(measure.column for measure in measures)), rows, above)
+        yield TextTable(("agent", *(measure.column for measure in measures)), rows, above)
 
 
 def _words(scores: Scores, measure: Measure) -> str:

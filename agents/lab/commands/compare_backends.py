@@ -8,7 +8,7 @@ from typing import Annotated
 from agents.lab.commands.run import run_episode
 from agents.lab.console import options
 from agents.lab.console.output import Film, show_or_save
-from agents.lab.console.table import Table, print_table
+from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.values import load_place
 from agents.lab.runs.run import draw_seed
 from warehouse_core import Episode
@@ -39,12 +39,12 @@ def first_difference(left: Episode, right: Episode) -> int | None:
     return None if left.steps == right.steps else min(left.steps, right.steps) + 1
 
 
-def comparison_table(left: Episode, right: Episode) -> Table:
+def comparison_table(left: Episode, right: Episode) -> TextTable:
     """Return a table of the outcomes of two episodes."""
     step = first_difference(left, right)
     differs = "none" if step is None else f"step {step}"
     rows = [(name, value(left), value(right)) for name, value in ROWS.items()]
-    return Table(
+    return TextTable(
         ("", left.settings.backend, right.settings.backend),
         [*rows, ("first step that differs", differs, differs)],
         f"{left.agent}, seed {left.seed}",
@@ -52,14 +52,14 @@ def comparison_table(left: Episode, right: Episode) -> Table:
 
 
 def compare(
-    agent: options.Agent = "greedy",
+    agent: options.AgentOption = "greedy",
     left: Annotated[str, options.option("--left", "Backend on the left.")] = "grid",
     right: Annotated[str, options.option("--right", "Backend on the right.")] = "physics",
-    layout: options.Layout = None,
-    stations: options.Stations = None,
+    layout: options.LayoutOption = None,
+    stations: options.StationsOption = None,
     start: options.Start = None,
-    seed: options.Seed = None,
-    battery: options.Battery = 200,
+    seed: options.SeedOption = None,
+    battery: options.BatteryOption = 200,
     max_steps: options.MaxSteps = 200,
     *,
     save: options.SaveReplay,

@@ -71,7 +71,7 @@ class Demo(NamedTuple):
     tracks: list[Track]
 
 
-class Picture(NamedTuple):
+class DemoPicture(NamedTuple):
     """A sentence computed from the results, and what draws the picture to show."""
 
     said: str
@@ -168,7 +168,7 @@ def pibt() -> Demo:
     return Demo(said, [_titled(track, f"PIBT: {said}; arrows show who pushes whom")])
 
 
-def cbs() -> Picture:
+def cbs() -> DemoPicture:
     """The conflict tree of two robots that want to pass through one gap."""
     width = len(GAP[0])
     tree = ConflictTree(Problem(Graph(Layout(GAP)), [width, 2 * width - 1], [2 * width - 1, width]))
@@ -185,10 +185,10 @@ def cbs() -> Picture:
 
         return tree_picture(tree, make)
 
-    return Picture(said, draw)
+    return DemoPicture(said, draw)
 
 
-def lanes() -> Picture:
+def lanes() -> DemoPicture:
     """Where robots are held up, without lanes and with."""
     layout, episodes = crowded_floor(), {}
     for name, costs in (("Without lanes", None), ("With lanes", lane_costs(layout))):
@@ -206,7 +206,7 @@ def lanes() -> Picture:
         title = f"{ROBOTS} robots led by PIBT, the same orders"
         return congestion_picture(episodes, title, make)
 
-    return Picture(said, draw)
+    return DemoPicture(said, draw)
 
 
 DEMOS: dict[str, Callable[[], Demo]] = {
@@ -219,7 +219,7 @@ DEMOS: dict[str, Callable[[], Demo]] = {
     "pibt": pibt,
 }
 
-STILLS: dict[str, Callable[[], Picture]] = {"cbs": cbs, "lanes": lanes}
+STILLS: dict[str, Callable[[], DemoPicture]] = {"cbs": cbs, "lanes": lanes}
 """Demonstrations that are one picture."""
 
 PHYSICS = DEMOS.keys() - {"pibt"}

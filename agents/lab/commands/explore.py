@@ -20,13 +20,13 @@ if TYPE_CHECKING:
 
 
 def explore(
-    layout: options.Layout = None,
-    stations: options.Stations = None,
+    layout: options.LayoutOption = None,
+    stations: options.StationsOption = None,
     start: options.Start = None,
-    seed: options.Seed = None,
-    backend: options.Backend = "grid",
+    seed: options.SeedOption = None,
+    backend: options.BackendOption = "grid",
     view_radius: options.ViewRadius = 2,
-    battery: options.Battery = 200,
+    battery: options.BatteryOption = 200,
     max_steps: options.MaxSteps = 200,
     *,
     save: options.Save,

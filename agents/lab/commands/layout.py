@@ -26,8 +26,8 @@ app = typer.Typer(
 BENCHMARK = re.compile("-".join([r"(\d{1,9})"] * 5), re.ASCII)
 """Sizes with more digits are always too large."""
 
-Seed = Annotated[int, option("--seed", "Random seed.")]
-Output = Annotated[
+LayoutSeed = Annotated[int, option("--seed", "Random seed.")]
+LayoutOutput = Annotated[
     Path | None,
     option(
         "--output -o FILE",
@@ -41,8 +41,8 @@ def generate(
     height: Annotated[int, option("--height", "Rows, including the border.")] = 10,
     width: Annotated[int, option("--width", "Columns, including the border.")] = 16,
     density: Annotated[float, option("--density", "Share of walls inside the border.")] = 0.2,
-    seed: Seed = 0,
-    output: Output = None,
+    seed: LayoutSeed = 0,
+    output: LayoutOutput = None,
 ) -> None:
     """Generate random walls; every open cell can be reached.
 
@@ -61,8 +61,8 @@ def shelves(
     pickups: Annotated[int, option("--pickups", "Pickups P, above shelves.")] = 1,
     dropoffs: Annotated[int, option("--dropoffs", "Dropoffs D, on the bottom aisle.")] = 1,
     chargers: Annotated[int, option("--chargers", "Chargers C, at the left and right border.")] = 0,
-    seed: Seed = 0,
-    output: Output = None,
+    seed: LayoutSeed = 0,
+    output: LayoutOutput = None,
 ) -> None:
     """Generate a warehouse of shelf blocks and aisles.
 
@@ -77,7 +77,7 @@ def warehouse(
     name: Annotated[
         str, typer.Argument(metavar="C-R-L-W-A", help="Blocks C x R of L x W cells, aisles of A.")
     ],
-    output: Output = None,
+    output: LayoutOutput = None,
 ) -> None:
     """Generate a warehouse of the MAPF benchmarks.
 
@@ -100,7 +100,7 @@ def import_map(
         bool,
         option("--robot-runners", "Read E as pickups and S as dropoffs, not swamp."),
     ] = False,
-    output: Output = None,
+    output: LayoutOutput = None,
 ) -> None:
     """Read a map in MovingAI's format.
 

@@ -33,7 +33,7 @@ AGAIN, QUIT = ("enter", "return"), ("q", "escape")
 HELP = "arrows or NESW move, P picks, D drops, space waits, Enter starts another, Q quits"
 
 
-class Driver:
+class KeyDriver:
     """A window in which keys drive the robot of an environment.
 
     The seed is the first episode's; each further one adds 1. ``games`` has the records of all
@@ -114,12 +114,12 @@ def report_game(games: Sequence[Episode], place: Place) -> None:
 
 
 def play(
-    backend: options.Backend = "grid",
-    layout: options.Layout = None,
-    stations: options.Stations = None,
+    backend: options.BackendOption = "grid",
+    layout: options.LayoutOption = None,
+    stations: options.StationsOption = None,
     start: options.Start = None,
-    seed: options.Seed = None,
-    battery: options.Battery = 200,
+    seed: options.SeedOption = None,
+    battery: options.BatteryOption = 200,
     max_steps: options.MaxSteps = 200,
     *,
     save: options.Save,
@@ -135,7 +135,7 @@ def play(
     env = WarehouseEnv(place.layout, place.start_pos, max_steps, battery, backend=backend)
     if not has_display():
         raise NoDisplayError("play needs a window, and there is no display here")
-    driver = Driver(env, draw_seed() if seed is None else seed, place)
+    driver = KeyDriver(env, draw_seed() if seed is None else seed, place)
     import matplotlib.pyplot as plt
 
     try:

@@ -73,13 +73,13 @@ def report_episode(episode: Episode, stations: str = "") -> None:
 
 
 def run(
-    agent: options.Agent = "greedy",
-    backend: options.Backend = "grid",
-    layout: options.Layout = None,
-    stations: options.Stations = None,
+    agent: options.AgentOption = "greedy",
+    backend: options.BackendOption = "grid",
+    layout: options.LayoutOption = None,
+    stations: options.StationsOption = None,
     start: options.Start = None,
-    seed: options.Seed = None,
-    battery: options.Battery = 200,
+    seed: options.SeedOption = None,
+    battery: options.BatteryOption = 200,
     max_steps: options.MaxSteps = 200,
     view_radius: options.ViewRadius = 2,
     memory: options.Memory = None,

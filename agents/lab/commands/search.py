@@ -13,7 +13,7 @@ import typer
 from agents.lab.console import options
 from agents.lab.console.options import option
 from agents.lab.console.output import Film, show_or_save
-from agents.lab.console.table import Table, print_table
+from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_layout, parse_cell
 from agents.search.algorithms import (
@@ -48,7 +48,7 @@ NAMES = {0.0: "uniform-cost", 1.0: "A*", math.inf: "greedy best-first"}
 ALL_DIFFER: tuple[Cell, Cell] = (2, 10), (1, 3)
 """A start and a goal in the chapter's layout between which the four default searches differ."""
 
-Found = Solution[Cell, str]
+FoundWay = Solution[Cell, str]
 
 
 def algorithm(weight: float) -> str:
@@ -102,7 +102,7 @@ def farthest_from(goal: Cell, layout: Layout) -> Cell:
     return farthest if farthest != goal else next((end for end in ends if end != goal), goal)
 
 
-def search_table(weights: Sequence[float], solutions: Sequence[Found], title: str) -> Table:
+def search_table(weights: Sequence[float], solutions: Sequence[FoundWay], title: str) -> TextTable:
     """Return a table of the results of searches."""
     rows = [
         (
@@ -114,11 +114,11 @@ def search_table(weights: Sequence[float], solutions: Sequence[Found], title: st
         for weight, solution in zip(weights, solutions, strict=True)
     ]
     header = ("algorithm", "weight", "cost", "expanded", "generated", "largest frontier")
-    return Table(header, rows, title)
+    return TextTable(header, rows, title)
 
 
 def search(
-    layout: options.Layout = None,
+    layout: options.LayoutOption = None,
     start: Annotated[
         str | None, option("--start ROW,COL", "Start cell. Default: far from the goal.")
     ] = None,

@@ -19,15 +19,15 @@ from agents.errors import AgentError
 from agents.lab.commands import random_layouts
 from agents.lab.console import options
 from agents.lab.console.options import MAX_COUNT, option
-from agents.lab.console.table import Table, print_table
+from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_layout
-from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner, Point
+from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner, ExamPoint
 from agents.lab.trials.random_layouts import RandomLayouts
 from agents.lab.trials.scores import FleetScores, Scores
 from agents.lab.trials.task import FleetTask, Task
 from agents.lab.trials.wording import mean, share
-from agents.learning.learner import RECENT_EPISODES, MakeAgent, Watch
+from agents.learning.learner import RECENT_EPISODES, MakeAgent, WatchTraining
 from agents.learning.q_learning import QAgent, QTable, learn
 from agents.learning.q_table import save_table
 from agents.registry import make_team
@@ -44,21 +44,21 @@ LIBRARIES = ("torch", "stable_baselines3", "sb3_contrib")
 
 MODEL_SUFFIX, CURVE_SUFFIX = ".npz", ".png"
 
-Learn = Callable[[Watch], MakeAgent]
-"""Trains an agent, calls ``Watch`` during that, and returns what makes the agent."""
+Learn = Callable[[WatchTraining], MakeAgent]
+"""Trains an agent, calls ``WatchTraining`` during that, and returns what makes the agent."""
 
 Writer = Callable[[Path], None]
 
 Steps = Annotated[int, option("--steps N", "Minimum training steps.", (1, MAX_COUNT))]
-Seed = Annotated[int, option("--seed N", "Random seed.", (0, 2**32 - 1))]
-Output = Annotated[Path, option("--output -o FILE", "Write the agent to this .npz file.")]
+TrainingSeed = Annotated[int, option("--seed N", "Random seed.", (0, 2**32 - 1))]
+TrainingOutput = Annotated[Path, option("--output -o FILE", "Write the agent to this .npz file.")]
 
 
 def train_ppo(
     steps: Steps = 2_000_000,
-    seed: Seed = 1,
+    seed: TrainingSeed = 1,
     layout: random_layouts.LayoutOrRandom = None,
-    battery: options.Battery = 200,
+    battery: options.BatteryOption = 200,
     max_steps: options.MaxSteps = 200,
     robots: Annotated[int, option("--robots R", "Robots of a fleet, with orders.", (1, 1000))] = 1,
     orders: Annotated[
@@ -67,7 +67,7 @@ def train_ppo(
     size: random_layouts.Size = None,
     density: random_layouts.Density = None,
     layouts: random_layouts.Pool = None,
-    output: Output = Path("ppo.npz"),
+    output: TrainingOutput = Path("ppo.npz"),
 ) -> None:
     """Train a network by PPO.
 
@@ -122,11 +122,11 @@ def make_learner(task: Task | FleetTask, steps: int, seed: int) -> PPOLearner:
 
 def train_q(
     steps: Steps = 600_000,
-    seed: Seed = 1,
-    layout: options.Layout = None,
-    battery: options.Battery = 200,
+    seed: TrainingSeed = 1,
+    layout: options.LayoutOption = None,
+    battery: options.BatteryOption = 200,
     max_steps: options.MaxSteps = 200,
-    output: Output = Path("q.npz"),
+    output: TrainingOutput = Path("q.npz"),
 ) -> None:
     """Train a table by Q-learning.
 
@@ -143,7 +143,7 @@ def train_q(
     training.run(learn, {MODEL_SUFFIX: partial(save_table, table, floor)})
 
 
-def fill_table(table: QTable, task: Task, steps: int, seed: int, watch: Watch) -> MakeAgent:
+def fill_table(table: QTable, task: Task, steps: int, seed: int, watch: WatchTraining) -> MakeAgent:
     """Train a table, and return what makes its agent."""
     recent = deque[bool](maxlen=RECENT_EPISODES)
     make_agent = partial(QAgent, table)
@@ -216,7 +216,7 @@ class Training:
 
     def _save(
         self,
-        points: Sequence[Point],
+        points: Sequence[ExamPoint],
         seconds: float,
         greedy: Scores | FleetScores,
         writers: Mapping[str, Writer],
@@ -251,11 +251,11 @@ def _percent(share: float) -> str:
     return "-" if math.isnan(share) else f"{share:.0%}"
 
 
-def comparison_table(scores: Mapping[str, Scores | FleetScores]) -> Table:
+def comparison_table(scores: Mapping[str, Scores | FleetScores]) -> TextTable:
     """Return the table of the scores of agents on the same starts."""
     fleets = [one for one in scores.values() if isinstance(one, FleetScores)]
     if fleets:
-        return Table(
+        return TextTable(
             ("", *scores),
             [
                 ("delivered an hour", *(mean(one.per_hour, "") for one in fleets)),
@@ -265,7 +265,7 @@ def comparison_table(scores: Mapping[str, Scores | FleetScores]) -> Table:
         )
     each = [one for one in scores.values() if isinstance(one, Scores)]
     by_all = np.all([one.delivered for one in each], axis=0)
-    return Table(
+    return TextTable(
         ("", *scores),
         [
             ("delivered", *(f"{one.delivered.mean():.1%}" for one in each)),

@@ -87,7 +87,7 @@ def writable(*suffixes: str, replays: bool = False) -> Callable[[Any], Any]:
     return check
 
 
-Agent = Annotated[
+AgentOption = Annotated[
     str,
     option(
         "--agent NAME",
@@ -104,9 +104,9 @@ Escape = Annotated[
 LAYOUTS = f"Layout file (rows of # . P D C, or a MovingAI .map), or a name: {', '.join(NAMES)}."
 LAYOUT = f"{LAYOUTS} Default: that of the chapter."
 FleetLayout = Annotated[Path, option("--layout FILE", LAYOUTS)]
-Layout = Annotated[Path | None, option("--layout FILE", LAYOUT)]
+LayoutOption = Annotated[Path | None, option("--layout FILE", LAYOUT)]
 
-Stations = Annotated[
+StationsOption = Annotated[
     place.Stations | None,
     option(
         "--stations",
@@ -116,12 +116,12 @@ Stations = Annotated[
     ),
 ]
 Start = Annotated[str | None, option("--start ROW,COL", "Start cell. Default: a random one.")]
-Seed = Annotated[int | None, option("--seed N", "Random seed. Default: a random one.")]
+SeedOption = Annotated[int | None, option("--seed N", "Random seed. Default: a random one.")]
 FirstSeed = Annotated[int, option("--seed N", "Seed of the first run or episode.", (0, None))]
-Battery = Annotated[int, number_option("battery")]
+BatteryOption = Annotated[int, number_option("battery")]
 MaxSteps = Annotated[int, number_option("max_steps")]
 ViewRadius = Annotated[int, number_option("view_radius")]
-Backend = Annotated[
+BackendOption = Annotated[
     str,
     option(
         "--backend NAME",
@@ -130,8 +130,8 @@ Backend = Annotated[
     ),
 ]
 
-Robots = Annotated[int, number_option("robots", "-r")]
-Assignment = Annotated[str | None, option("--assignment NAME", PARAMETERS["assignment"].help)]
+RobotsOption = Annotated[int, number_option("robots", "-r")]
+AssignmentOption = Annotated[str | None, option("--assignment NAME", PARAMETERS["assignment"].help)]
 PlanSeconds = Annotated[
     float,
     seconds_option(

@@ -8,7 +8,7 @@ from typing import NamedTuple
 from agents.lab.console.terminal import printable_lines, say
 
 
-class Table(NamedTuple):
+class TextTable(NamedTuple):
     """A table of texts, with lines above and below it; the first cell of a row is its name."""
 
     header: tuple[str, ...]
@@ -17,7 +17,7 @@ class Table(NamedTuple):
     caption: str = ""
 
 
-def print_table(table: Table) -> None:
+def print_table(table: TextTable) -> None:
     """Print a table; one that is wider than the terminal is printed as a list for each row."""
     import rich.table  # here, because it takes long to import
     from rich.console import Console

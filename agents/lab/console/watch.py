@@ -12,7 +12,7 @@ from time import monotonic
 
 from agents.errors import file_of
 from agents.lab.console.terminal import print_error
-from agents.lab.runs.run import Place, Watch, own_code
+from agents.lab.runs.run import Watch, Whereabouts, own_code
 
 SLOW_SECONDS, LOOK_SECONDS = 5.0, 0.5
 """Seconds of a step before it is reported, and seconds between the checks."""
@@ -22,7 +22,7 @@ def slow_steps_told(agent: object, name: str) -> Watch:
     """Return what reports on standard error each step of an agent that takes long, and its line."""
     file = file_of(own_code(agent))
 
-    def watch(place: Place) -> AbstractContextManager[None]:
+    def watch(place: Whereabouts) -> AbstractContextManager[None]:
         def tell(seconds: float, line: str) -> None:
             print_error(
                 f"{place()}, agent {name} takes more than {seconds:g} s{line}; Ctrl-C ends it"

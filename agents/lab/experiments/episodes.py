@@ -23,7 +23,7 @@ from agents.lab.experiments.case import (
     randomize_for,
 )
 from agents.lab.runs.programs import program_for
-from agents.lab.runs.run import Place, Watch, run
+from agents.lab.runs.run import Watch, Whereabouts, run
 from agents.lab.trials.rows import AnyRow, row_of
 from agents.lab.trials.workers import teller
 from agents.registry import agent_file
@@ -57,7 +57,7 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
     except EpisodeError as error:
         return Done(perf_counter() - start, rows, program, str(error))
     file, tell = agent_file(director_of(case)), teller()
-    nowhere: Place = str  # which returns ""
+    nowhere: Whereabouts = str  # which returns ""
     seed, place = seeds[0], nowhere
 
     def present() -> str:
@@ -66,7 +66,7 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
     def tell_slow(seconds: float, line: str) -> None:
         tell(f"{present()} has run for {seconds:g} s{line}")
 
-    def watch(begun: Place) -> AbstractContextManager[None]:
+    def watch(begun: Whereabouts) -> AbstractContextManager[None]:
         nonlocal place
         place = begun
         return nullcontext()

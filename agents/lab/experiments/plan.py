@@ -23,7 +23,7 @@ MAX_SEED = 2**62
 
 
 @dataclass(frozen=True, slots=True)
-class Plan:
+class SweepPlan:
     """The episodes to run: as many of each case, with seeds ``seed``, ``seed + 1``, ..."""
 
     cases: tuple[Case, ...]
@@ -41,7 +41,7 @@ class Plan:
         return len(self.cases) * self.episodes
 
 
-def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> Plan:
+def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> SweepPlan:
     """Return the plan of every combination of choices, or raise for what cannot be used.
 
     Each parameter has a value, a list of values, or ``{from, to, step}``; each combination has
@@ -61,7 +61,7 @@ def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> Plan:
         if not any(name in case for case in combinations):
             raise ParameterError(f"{name} has no effect here; it applies only {find(name).where}")
     cases = {key_of(case): case for case in combinations}
-    return Plan(tuple(cases.values()), episodes, seed)
+    return SweepPlan(tuple(cases.values()), episodes, seed)
 
 
 def spread(name: str, choice: Any) -> list[Value]:

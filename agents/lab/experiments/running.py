@@ -19,7 +19,7 @@ from typing import NamedTuple
 
 from agents.lab.experiments.case import Case
 from agents.lab.experiments.episodes import Done, about, run_task
-from agents.lab.experiments.plan import Plan
+from agents.lab.experiments.plan import SweepPlan
 from agents.lab.experiments.store import Store
 from agents.lab.trials.rows import AnyRow
 from agents.lab.trials.workers import ending_of
@@ -42,11 +42,11 @@ MAX_SUSPECTS = 16
 """Seeds whose worker has ended that may wait until the other episodes have been run."""
 
 
-Report = Callable[[Sequence[AnyRow], Sequence[str]], None]
+TellRows = Callable[[Sequence[AnyRow], Sequence[str]], None]
 """Takes rows after they are stored, and messages of failures, often neither; may end the run."""
 
 
-class Task(NamedTuple):
+class WorkerTask(NamedTuple):
     """Seeds of a case; ``is_retry`` if the worker has ended that ran them before."""
 
     case_id: int
@@ -65,12 +65,12 @@ def paced(episodes: int, seconds: float) -> int:
 class Queue:
     """The tasks of a plan that are to be run, and the number of failures of each case."""
 
-    def __init__(self, plan: Plan, store: Store) -> None:
+    def __init__(self, plan: SweepPlan, store: Store) -> None:
         self.failed, self._task_episodes = Counter[int](), 1
         self._missing = self._missing_tasks(plan, store)
-        self._rests, self._suspects = list[Task](), list[Task]()
+        self._rests, self._suspects = list[WorkerTask](), list[WorkerTask]()
 
-    def take(self, count: int, running: Collection[Task]) -> list[Task]:
+    def take(self, count: int, running: Collection[WorkerTask]) -> list[WorkerTask]:
         """Return tasks to be run beside others, so that at most ``count`` are running."""
         if any(task.is_retry for task in running):
             return []
@@ -82,7 +82,7 @@ class Queue:
             tasks = [task] if self._is_wanted(task) else []
         return tasks
 
-    def done(self, task: Task, outcome: Done) -> list[str]:
+    def done(self, task: WorkerTask, outcome: Done) -> list[str]:
         """Take account of a task that is done, and return the messages of failures."""
         if outcome.failure is None:
             self._task_episodes = paced(len(task.seeds), outcome.seconds)
@@ -93,7 +93,7 @@ class Queue:
             self._rests.append(rest)
         return messages
 
-    def ended(self, task: Task, ending: str) -> list[str]:
+    def ended(self, task: WorkerTask, ending: str) -> list[str]:
         """Take account of a task whose worker has ended, and return the messages of failures."""
         if not task.is_retry:
             self._suspects += [task._replace(seeds=[seed], is_retry=True) for seed in task.seeds]
@@ -102,16 +102,16 @@ class Queue:
             task, f"{about(task.case, task.seeds[0])}: {ending}; it was tried twice"
         )
 
-    def _failed(self, task: Task, message: str) -> list[str]:
+    def _failed(self, task: WorkerTask, message: str) -> list[str]:
         self.failed[task.case_id] += 1
         if not self._is_wanted(task):
             message += f"; its other seeds are left out after MAX_FAILURES = {MAX_FAILURES}"
         return [message]
 
-    def _next(self) -> Task | None:
+    def _next(self) -> WorkerTask | None:
         return self._rests.pop() if self._rests else next(self._missing, None)
 
-    def _missing_tasks(self, plan: Plan, store: Store) -> Iterator[Task]:
+    def _missing_tasks(self, plan: SweepPlan, store: Store) -> Iterator[WorkerTask]:
         """Yield what is missing in tasks of the present size, while few have failed."""
         for case in plan.cases:
             case_id = store.case_id(case)
@@ -119,20 +119,20 @@ class Queue:
             while self.failed[case_id] < MAX_FAILURES:
                 if not (some := list(islice(seeds, self._task_episodes))):
                     break
-                yield Task(case_id, case, some)
+                yield WorkerTask(case_id, case, some)
 
-    def _is_wanted(self, task: Task) -> bool:
+    def _is_wanted(self, task: WorkerTask) -> bool:
         return self.failed[task.case_id] < MAX_FAILURES
 
 
 def run_missing(
-    plan: Plan, store: Store, executor: Executor, workers: int, report: Report
+    plan: SweepPlan, store: Store, executor: Executor, workers: int, report: TellRows
 ) -> Counter[int]:
     """Run what is not in the store, and return how many episodes of each case have failed.
 
     An error of the store, the executor or ``report`` ends the run; the rows written before stay.
     """
-    queue, running = Queue(plan, store), dict[Future[Done], Task]()
+    queue, running = Queue(plan, store), dict[Future[Done], WorkerTask]()
     while True:
         for task in queue.take(TASKS_PER_WORKER * workers, running.values()):
             running[executor.submit(run_task, task.case, task.seeds)] = task

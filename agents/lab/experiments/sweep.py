@@ -19,18 +19,18 @@ from agents.lab.console.options import option
 from agents.lab.console.terminal import print_error, say
 from agents.lab.experiments.choices import PlanFile, parse_flags, read_plan_file
 from agents.lab.experiments.cluster import cluster
-from agents.lab.experiments.plan import MAX_EPISODES, Plan, make_plan
-from agents.lab.experiments.running import Report, run_missing
+from agents.lab.experiments.plan import MAX_EPISODES, SweepPlan, make_plan
+from agents.lab.experiments.running import TellRows, run_missing
 from agents.lab.experiments.store import Store
 from agents.lab.parameters import PARAMETERS
 from agents.lab.trials.rows import AnyRow, FleetRow
-from agents.lab.trials.workers import Check, deferred_interrupts, process_pool
+from agents.lab.trials.workers import CheckInterrupt, deferred_interrupts, process_pool
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 
 
 @contextmanager
-def sweep_bar(episodes: int, check: Check) -> Iterator[Report]:
+def sweep_bar(episodes: int, check: CheckInterrupt) -> Iterator[TellRows]:
     """Show a bar while the block runs, and yield the function that takes rows and then checks."""
     from agents.lab.console.progress import progress_bar
 
@@ -190,6 +190,6 @@ def _given(file: Path | None, preset: str | None) -> PlanFile:
     return PlanFile({}) if file is None else read_plan_file(file)
 
 
-def _done(plan: Plan, store: Store) -> int:
+def _done(plan: SweepPlan, store: Store) -> int:
     """Return how many episodes of a plan are stored."""
     return sum(store.count(case, plan.seeds) for case in plan.cases)

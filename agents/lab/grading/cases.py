@@ -14,7 +14,7 @@ from warehouse_core.world.named_layouts import DEFAULT, find_layout
 
 
 @dataclass(frozen=True, slots=True)
-class Case:
+class GradedCase:
     """Episodes that differ by their seed alone, as a table of the rubric asks for them.
 
     Attributes:

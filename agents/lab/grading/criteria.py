@@ -19,7 +19,7 @@ MAX_USELESS = 10
 Runs = Sequence[Run]
 
 
-class Measure(NamedTuple):
+class GradedMeasure(NamedTuple):
     """A number by which an agent is judged.
 
     Attributes:
@@ -71,7 +71,7 @@ class Criterion(NamedTuple):
     visibility: str = "visible"
 
     @property
-    def measure(self) -> Measure:
+    def measure(self) -> GradedMeasure:
         """The measure by which its episodes are judged."""
         return MEASURES[self.kind]
 
@@ -162,35 +162,35 @@ def _in_time(runs: Runs) -> str:
 WITH_WAY, WITHOUT = "with a way to deliver", "without a way to deliver"
 
 MEASURES = {
-    "delivered": Measure(
+    "delivered": GradedMeasure(
         "{} of the episodes end with the delivery",
         percent, _share(lambda run: run.delivered),
         lambda run: 0 if run.delivered else 1 + bool(run.failure),
         _has_way, WITH_WAY, _modes,
     ),
-    "steps_of_fewest": Measure(
+    "steps_of_fewest": GradedMeasure(
         "at most {} the fewest possible steps, an episode without a delivery counted with all",
         _times, lambda runs: _steps(runs) / sum(run.needed or 0 for run in runs),
         _slowness, _has_way, WITH_WAY, _modes, more_is_better=False,
     ),
-    "greedy_steps": Measure(
+    "greedy_steps": GradedMeasure(
         "the greedy agent takes {} as many steps",
         _times, _greedy_ratio, _slowness, _has_way, WITH_WAY, _modes,
     ),
-    "calm_without_way": Measure(
+    "calm_without_way": GradedMeasure(
         "in {} of the episodes without a way no failure, and at most "
         f"{MAX_USELESS} useless actions (picks, drops, bumps, unknown ones)",
         percent, _share(_is_calm),
         lambda run: 0 if _is_calm(run) else run.useless + 1000 * bool(run.failure),
         lambda run: run.needed is None, WITHOUT, _useless,
     ),
-    "protocol": Measure(
+    "protocol": GradedMeasure(
         "in {} of the episodes no failure and no unknown action",
         percent, _share(_is_valid),
         lambda run: 0 if _is_valid(run) else run.unknown + 1000 * bool(run.failure),
         lambda _: True, "", _invalid,
     ),
-    "answer_seconds": Measure(
+    "answer_seconds": GradedMeasure(
         "each answer takes less than {}",
         lambda seconds: f"{seconds:g} s", lambda runs: max(map(_slowest, runs)),
         _slowest, lambda _: True, "", _in_time, more_is_better=False, is_secret=True,

@@ -7,7 +7,7 @@ from collections.abc import Iterable, Mapping
 from pathlib import Path
 
 from agents.errors import GradeError
-from agents.lab.grading.grading import Report
+from agents.lab.grading.grading import GradeReport
 from agents.lab.grading.rubric import Rubric
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.wording import printable, spreadsheet_text
@@ -16,7 +16,7 @@ NAME, POINTS, MOST, FAILURE, CODE, RUBRIC = (
     "submission", "points", "of", "failure", "code", "rubric",
 )  # fmt: skip
 
-Row = dict[str, str]
+GradeRow = dict[str, str]
 
 
 def columns_of(rubric: Rubric) -> list[str]:
@@ -24,7 +24,7 @@ def columns_of(rubric: Rubric) -> list[str]:
     return [NAME, POINTS, MOST, *(each.name for each in rubric.criteria), FAILURE, CODE, RUBRIC]
 
 
-def row_of(name: str, report: Report) -> Row:
+def row_of(name: str, report: GradeReport) -> GradeRow:
     """Return the line of a submission."""
     numbers = {grade.criterion.name: f"{grade.points:g}" for grade in report.grades}
     most = f"{report.max_points:g}"
@@ -33,7 +33,7 @@ def row_of(name: str, report: Report) -> Row:
     return first | numbers | last
 
 
-def failed_row(name: str, reason: str, rubric: Rubric, code: str = "") -> Row:
+def failed_row(name: str, reason: str, rubric: Rubric, code: str = "") -> GradeRow:
     """Return the line of a submission that was not graded: no points."""
     numbers = {each.name: "0" for each in rubric.criteria}
     first = {NAME: plain(name), POINTS: "0", MOST: f"{rubric.points:g}"}
@@ -45,7 +45,7 @@ def plain(text: str) -> str:
     return spreadsheet_text(printable(text))
 
 
-def load_grades(path: Path) -> dict[str, Row]:
+def load_grades(path: Path) -> dict[str, GradeRow]:
     """Return the lines of a table by the name of the submission; none without the file.
 
     Another file is a ``GradeError``, so that it is not overwritten.
@@ -66,9 +66,9 @@ def load_grades(path: Path) -> dict[str, Row]:
     return {row[NAME]: row for row in rows}
 
 
-def save_grades(path: Path, columns: list[str], rows: Mapping[str, Row]) -> None:
+def save_grades(path: Path, columns: list[str], rows: Mapping[str, GradeRow]) -> None:
     """Write the table, in the order of the names; the file is complete or as it was."""
-    lines: Iterable[Row] = (rows[name] for name in sorted(rows))
+    lines: Iterable[GradeRow] = (rows[name] for name in sorted(rows))
     with atomic_path(path) as part, part.open("w", encoding="utf-8", newline="") as file:
         writer = csv.DictWriter(file, columns, extrasaction="ignore", lineterminator="\n")
         writer.writeheader()

@@ -7,10 +7,10 @@ from __future__ import annotations
 
 from typing import Any
 
-from agents.lab.grading.grading import Grade, Report
+from agents.lab.grading.grading import Grade, GradeReport
 
 
-def results_of(report: Report) -> dict[str, Any]:
+def results_of(report: GradeReport) -> dict[str, Any]:
     """Return the results of a report, to be written as JSON.
 
     The time of execution is left out, so that the same agent has the same results.

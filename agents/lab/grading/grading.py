@@ -34,7 +34,7 @@ class Grade(NamedTuple):
         return self.points >= self.criterion.points
 
 
-class Report(NamedTuple):
+class GradeReport(NamedTuple):
     """The grade of an agent, with one for each criterion.
 
     Attributes:
@@ -67,7 +67,7 @@ def grade(
     rubric: Rubric,
     user: str | None = None,
     advance: Callable[[], None] = lambda: None,
-) -> Report:
+) -> GradeReport:
     """Run the episodes of a rubric with an agent, and judge them.
 
     The report depends on the agent and the rubric alone, if the agent does, except that an answer
@@ -85,7 +85,7 @@ def grade(
         grades[criterion.name] = _judge(criterion, runs, grades, name)
     is_loaded = any(run.agent for run in runs)
     failure = "" if is_loaded else runs[0].told
-    return Report(
+    return GradeReport(
         printable(name), rubric.title, rubric.digest, code, tuple(grades.values()), failure,
         len(runs),
     )  # fmt: skip

@@ -11,9 +11,9 @@ from pathlib import Path
 from typing import Any
 
 from agents.errors import GradeError
-from agents.lab.grading.cases import Case
+from agents.lab.grading.cases import GradedCase
 from agents.lab.grading.criteria import MEASURES, Criterion
-from agents.lab.grading.sandbox import Limits
+from agents.lab.grading.sandbox import AgentLimits
 from agents.lab.parameters import PARAMETERS, Number, Whole, flag, one_of
 from agents.lab.place import RANDOM, Stations, check_stations
 from warehouse_core import LayoutError
@@ -27,7 +27,7 @@ MAX_EPISODES, MAX_COUNT, MAX_SEED = 10_000, 1_000_000, 2**31 - 1
 VISIBILITIES = ("visible", "hidden", "after_due_date", "after_published")
 """Times at which Gradescope shows a test."""
 
-Check = Callable[[Any], Any]
+CheckValue = Callable[[Any], Any]
 """Returns a value as it is used, or raises ``ValueError`` with what is allowed."""
 
 
@@ -39,8 +39,8 @@ class Rubric:
     """
 
     title: str
-    limits: Limits
-    cases: Mapping[str, Case]
+    limits: AgentLimits
+    cases: Mapping[str, GradedCase]
     criteria: tuple[Criterion, ...]
     digest: str
 
@@ -50,7 +50,7 @@ class Rubric:
         return sum(criterion.points for criterion in self.criteria)
 
     @property
-    def used_cases(self) -> list[Case]:
+    def used_cases(self) -> list[GradedCase]:
         """The cases that criteria judge, in the order of the file."""
         used = {name for criterion in self.criteria for name in criterion.cases}
         return [case for name, case in self.cases.items() if name in used]
@@ -70,7 +70,7 @@ def names(value: Any) -> tuple[str, ...]:
     return tuple(value)
 
 
-def pair(minimum: int, example: str) -> Check:
+def pair(minimum: int, example: str) -> CheckValue:
     """Return a check of lists of two whole numbers."""
 
     def check(value: Any) -> tuple[int, int]:
@@ -84,13 +84,13 @@ def pair(minimum: int, example: str) -> Check:
 
 SECONDS = Number(0.01, 3600)
 
-LIMITS: dict[str, Check] = {
+LIMITS: dict[str, CheckValue] = {
     "start_seconds": SECONDS, "answer_seconds": SECONDS, "episode_seconds": SECONDS,
     "memory_mb": Whole(64, MAX_COUNT), "file_mb": Whole(0, MAX_COUNT),
     "give_up_after": Whole(1, MAX_EPISODES),
 }  # fmt: skip
 
-CASE: dict[str, Check] = {
+CASE: dict[str, CheckValue] = {
     "layout": text, "size": pair(4, "[7, 12]"), "density": PARAMETERS["density"].check,
     "first_seed": Whole(0, MAX_SEED), "episodes": Whole(1, MAX_EPISODES),
     "stations": lambda value: Stations(one_of(*Stations)(value)), "start": pair(0, "[1, 1]"),
@@ -98,14 +98,14 @@ CASE: dict[str, Check] = {
     "visible": flag,
 }  # fmt: skip
 
-CRITERION: dict[str, Check] = {
+CRITERION: dict[str, CheckValue] = {
     "name": text, "points": Number(0, MAX_COUNT), "measure": one_of(*MEASURES), "cases": names,
     "full": Number(0, MAX_COUNT), "zero": Number(0, MAX_COUNT), "needs": text,
     "visibility": one_of(*VISIBILITIES),
 }  # fmt: skip
 NEEDED = ("name", "points", "measure", "cases", "full")
 
-TOP: dict[str, Check] = {"title": text}
+TOP: dict[str, CheckValue] = {"title": text}
 PARTS = ("limits", "cases", "criteria")
 
 
@@ -133,7 +133,7 @@ class _Reader:
         return found[count - 1] if len(found) >= count else 0
 
     def table(
-        self, values: Any, checks: Mapping[str, Check], header: str, count: int = 1
+        self, values: Any, checks: Mapping[str, CheckValue], header: str, count: int = 1
     ) -> dict[str, Any]:
         """Return the values of a table, each checked."""
         if not isinstance(values, dict):
@@ -171,7 +171,7 @@ def load_rubric(path: Path) -> Rubric:
 def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric:
     single = {key: value for key, value in values.items() if key not in PARTS}
     top = reader.table(single, TOP | dict.fromkeys(PARTS, text), "")
-    limits = Limits(**reader.table(values.get("limits", {}), LIMITS, "[limits]"))
+    limits = AgentLimits(**reader.table(values.get("limits", {}), LIMITS, "[limits]"))
     tables = values.get("cases")
     if not isinstance(tables, dict) or not tables:
         raise reader.fail("there are no [cases.NAME]; a rubric needs episodes")
@@ -188,7 +188,7 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
     return Rubric(title, limits, cases, tuple(criteria), digest.hexdigest())
 
 
-def _make_case(reader: _Reader, name: str, values: Any) -> Case:
+def _make_case(reader: _Reader, name: str, values: Any) -> GradedCase:
     header = f"[cases.{name}]"
     found = reader.table(values, CASE, header)
     if "layout" in found:
@@ -198,10 +198,10 @@ def _make_case(reader: _Reader, name: str, values: Any) -> Case:
     for key in ("size", "density"):
         if key in found and found.get("layout") != RANDOM:
             raise reader.fail(f'{key} is of layout = "{RANDOM}" only', header, key=key)
-    return Case(name, **found)
+    return GradedCase(name, **found)
 
 
-def _check_case(reader: _Reader, case: Case, digest: Any) -> None:
+def _check_case(reader: _Reader, case: GradedCase, digest: Any) -> None:
     """Raise if an episode cannot begin; add the layout to the digest."""
     try:
         layout = case.layout_of(case.first_seed)
@@ -216,7 +216,7 @@ def _make_criterion(
     reader: _Reader,
     values: Any,
     count: int,
-    cases: Mapping[str, Case],
+    cases: Mapping[str, GradedCase],
     before: list[Criterion],
 ) -> Criterion:
     header = "[[criteria]]"

@@ -8,8 +8,8 @@ from contextlib import closing
 from functools import lru_cache
 from typing import NamedTuple
 
-from agents.lab.grading.cases import Case, needed_steps
-from agents.lab.grading.sandbox import FAILS, AgentFailureError, Limits, Sandbox
+from agents.lab.grading.cases import GradedCase, needed_steps
+from agents.lab.grading.sandbox import FAILS, AgentFailureError, AgentLimits, Sandbox
 from agents.lab.grading.submissions import Submission
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import EpisodeRecorder
@@ -32,7 +32,7 @@ class Run(NamedTuple):
         agent: the name of its class, if it was loaded.
     """
 
-    case: Case
+    case: GradedCase
     seed: int
     needed: int | None
     delivered: bool = False
@@ -74,8 +74,8 @@ class Run(NamedTuple):
 
 def run_cases(
     submission: Submission,
-    cases: Iterable[Case],
-    limits: Limits,
+    cases: Iterable[GradedCase],
+    limits: AgentLimits,
     user: str | None,
     advance: Callable[[], None],
 ) -> list[Run]:
@@ -97,14 +97,14 @@ def run_cases(
     return runs
 
 
-def _unrun(last: Run, case: Case, seed: int) -> Run:
+def _unrun(last: Run, case: GradedCase, seed: int) -> Run:
     """Return the outcome of an episode that is not run, because it would end like the last one."""
     env, _ = case.begin(seed)
     with closing(env):
         return last._replace(case=case, seed=seed, needed=needed_steps(env))
 
 
-def run_case(sandbox: Sandbox, submission: Submission, case: Case, seed: int) -> Run:
+def run_case(sandbox: Sandbox, submission: Submission, case: GradedCase, seed: int) -> Run:
     """Run one episode."""
     env, observation = case.begin(seed)
     with closing(env):
@@ -147,7 +147,7 @@ def _count_useless(episode: Episode) -> Counter[int]:
 
 
 @lru_cache(maxsize=100_000)
-def greedy_steps(case: Case, seed: int) -> int:
+def greedy_steps(case: GradedCase, seed: int) -> int:
     """Return the steps of the greedy agent in an episode, see ``Run.charged_steps``."""
     env, _ = case.begin(seed)
     with closing(env):
@@ -157,6 +157,6 @@ def greedy_steps(case: Case, seed: int) -> int:
     return episode.steps if episode.terminated else max(episode.steps, full_length(case))
 
 
-def full_length(case: Case) -> int:
+def full_length(case: GradedCase) -> int:
     """Return the steps of an episode without a delivery, unless it charges its battery."""
     return min(case.max_steps, case.battery)

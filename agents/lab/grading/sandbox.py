@@ -56,7 +56,7 @@ Ids = tuple[int, int]
 """The numbers of a user and its group."""
 
 
-class Limits(NamedTuple):
+class AgentLimits(NamedTuple):
     """Limits on an agent.
 
     Attributes:
@@ -114,7 +114,7 @@ LOAD, FAILS, SLOW, ENDS = "cannot be loaded", "fails", "takes too long", "ends i
 class AgentProcess:
     """An agent in the process of one episode: its class, once started, and its slowest answer."""
 
-    def __init__(self, questions: int, answers: int, limits: Limits, user: Ids | None) -> None:
+    def __init__(self, questions: int, answers: int, limits: AgentLimits, user: Ids | None) -> None:
         self._questions, self._answers = questions, answers
         self._limits, self._user = limits, user
         self._left = limits.episode_seconds
@@ -209,7 +209,9 @@ class Sandbox:
     The agent runs as another user if there is one, which only root may choose.
     """
 
-    def __init__(self, submission: Submission, limits: Limits, user: str | None = None) -> None:
+    def __init__(
+        self, submission: Submission, limits: AgentLimits, user: str | None = None
+    ) -> None:
         if sys.platform == "win32":
             raise GradeError("agents are graded on Linux and macOS; on Windows, use WSL")
         self._submission, self._limits = submission, limits

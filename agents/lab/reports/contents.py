@@ -11,7 +11,7 @@ from agents.lab.experiments.store import Store
 from agents.lab.parameters import shown
 from agents.lab.reports.analysis.answers import answers
 from agents.lab.reports.analysis.design import Design
-from agents.lab.reports.analysis.results import FLEETS, LONE, Experiment, Measure, Results
+from agents.lab.reports.analysis.results import FLEETS, LONE, Experiment, ReportedMeasure, Results
 from agents.lab.reports.examples import Example
 from agents.lab.reports.figures.pictures import pictures
 from agents.lab.reports.page import Page, Table
@@ -124,7 +124,7 @@ def _table(experiment: Experiment) -> Table:
     return Table((*names, "episodes", "seeds", *columns, *modes), tuple(rows), note)
 
 
-def _cell(results: Results, measure: Measure) -> str:
+def _cell(results: Results, measure: ReportedMeasure) -> str:
     interval = results.interval(measure)
     if interval is None or (measure.is_physical and not results.is_measured):
         return shown(None)

@@ -44,7 +44,7 @@ CLEAR_ERRORS = (AgentError, BackendError, EpisodeError, LayoutError, OSError)
 
 
 @dataclass(frozen=True, slots=True)
-class Found:
+class FoundEpisode:
     """An episode in the results, one of several ``episodes`` of its failure mode."""
 
     mode: str
@@ -58,12 +58,12 @@ class Found:
 class Example:
     """A replay; the sentence is the evidence for its mode, or says why there is no track."""
 
-    found: Found
+    found: FoundEpisode
     sentence: str
     track: Track | None = None
 
 
-def find_examples(store: Store) -> list[Found]:
+def find_examples(store: Store) -> list[FoundEpisode]:
     """Return for each mode that occurs its shortest episode, in the order of ``MODES``.
 
     Ties go to the first case, then to the smallest seed.
@@ -71,13 +71,13 @@ def find_examples(store: Store) -> list[Found]:
     store.check_rows()
     cases = store.cases()
     found = {
-        mode: Found(mode, cases[case_id], seed, steps, episodes)
+        mode: FoundEpisode(mode, cases[case_id], seed, steps, episodes)
         for mode, case_id, steps, episodes, seed in store.query(SHORTEST)
     }
     return [found[mode] for mode in MODES if mode in found]
 
 
-def replay(found: Found, *, run_own_code: bool) -> Example:
+def replay(found: FoundEpisode, *, run_own_code: bool) -> Example:
     """Run an episode again and return its replay, or the reason why there is none.
 
     Agents and libraries may have changed since the results were written. User agents may raise
@@ -113,7 +113,7 @@ def replay(found: Found, *, run_own_code: bool) -> Example:
     return Example(found, diagnosis.sentence, track_of_record(episode))
 
 
-def _too_much(found: Found) -> str | None:
+def _too_much(found: FoundEpisode) -> str | None:
     """Return why an episode is too much work to be run again, ``None`` if it is not.
 
     What limits it are numbers in the results, which may come from a stranger.

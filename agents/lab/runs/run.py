@@ -20,10 +20,10 @@ from warehouse_core.records.recorder import start_recording
 MAX_SEED = 999_999
 """Largest seed that is drawn; it is short enough to type again."""
 
-Place = Callable[[], str]
+Whereabouts = Callable[[], str]
 """Tells where an episode is, in words: ``"reset"``, or a step such as ``"step 3"``."""
 
-Watch = Callable[[Place], AbstractContextManager[object]]
+Watch = Callable[[Whereabouts], AbstractContextManager[object]]
 """Makes the context that an episode runs in; it may report steps that take long."""
 
 

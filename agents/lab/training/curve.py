@@ -11,7 +11,7 @@ from matplotlib.axes import Axes
 from matplotlib.patheffects import withStroke
 from matplotlib.ticker import EngFormatter, MaxNLocator, PercentFormatter
 
-from agents.lab.training.exams import Point
+from agents.lab.training.exams import ExamPoint
 from agents.lab.trials.interval import Interval
 from agents.lab.trials.scores import FleetScores, Scores
 from warehouse_core.files.atomic import atomic_path
@@ -29,7 +29,7 @@ LEARNER, GREEDY = COLORS[PICKUP], WARNING
 
 
 def save_learning_curve(
-    path: Path, name: str, title: str, points: Sequence[Point], greedy: Scores | FleetScores
+    path: Path, name: str, title: str, points: Sequence[ExamPoint], greedy: Scores | FleetScores
 ) -> None:
     """Write the picture of at least one point as PNG, whole or not at all."""
     figure = make_figure(SIZE, DPI)
@@ -68,7 +68,7 @@ def mean_length(scores: Scores) -> float:
     return float(scores.lengths.mean())
 
 
-def _draw_lengths(axes: Axes, name: str, points: Sequence[Point], greedy: Scores) -> None:
+def _draw_lengths(axes: Axes, name: str, points: Sequence[ExamPoint], greedy: Scores) -> None:
     def length(scores: Any) -> Interval:
         return Interval(mean_length(scores))
 
@@ -88,7 +88,7 @@ def _draw(
     axes: Axes,
     title: str,
     name: str,
-    points: Sequence[Point],
+    points: Sequence[ExamPoint],
     greedy: Scores | FleetScores,
     measure: Callable[[Any], Interval],
     form: str,

@@ -17,7 +17,7 @@ FINAL_SEEDS = range(2 * TRAINING_SEEDS, 2 * TRAINING_SEEDS + 1000)
 """Starts of the comparison with the greedy agent; they are used for nothing else."""
 
 
-class Point(NamedTuple):
+class ExamPoint(NamedTuple):
     """The scores of an agent after a number of training steps."""
 
     steps: int
@@ -31,7 +31,7 @@ class Examiner:
     """
 
     def __init__(self, task: Task | FleetTask, steps: int) -> None:
-        self.points: list[Point] = []
+        self.points: list[ExamPoint] = []
         self.summary = "-"
         self._task, self._goal = task, steps
         self._next_exam = steps / EXAMS
@@ -40,6 +40,6 @@ class Examiner:
         """Examine the agent after ``steps`` of its training, if it is time."""
         if steps >= min(self._next_exam, self._goal):
             scores = self._task.evaluate(make_agent, EXAM_SEEDS[:: self._task.seed_stride])
-            self.points.append(Point(steps, scores))
+            self.points.append(ExamPoint(steps, scores))
             self.summary = scores.summary
             self._next_exam = steps + self._goal / EXAMS

@@ -30,7 +30,7 @@ ENDING_SECONDS = 5.0
 TOPIC = "warehouse sweep"
 """Topic of the events that Dask workers send to their client."""
 
-Check = Callable[[], None]
+CheckInterrupt = Callable[[], None]
 """Raises ``KeyboardInterrupt`` if a deferred signal has come."""
 
 T = TypeVar("T")
@@ -41,7 +41,7 @@ _parent: Connection[Any, Any] | None = None
 
 
 @contextmanager
-def deferred_interrupts() -> Iterator[Check]:
+def deferred_interrupts() -> Iterator[CheckInterrupt]:
     """Defer SIGINT and SIGTERM to the calls of the function that is yielded."""
     came = False
 

@@ -45,7 +45,7 @@ from warehouse_core.viz.replay import Replay
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.tracks.grid_track import track_of_frames
 from warehouse_core.viz.tracks.record_track import track_of_record
-from warehouse_core.viz.tracks.track import METRICS, Hit, Pose
+from warehouse_core.viz.tracks.track import METRICS, DrawnHit, Pose
 from warehouse_core.viz.view import TRAIL_STEPS, View
 
 BARE = ["#####", "#P.D#", "#..R#", "#####"]
@@ -270,7 +270,7 @@ def test_the_label_of_a_hit_is_beside_it() -> None:
     axes = figure.add_axes((0, 0, 1, 1))
     view = View(figure, axes, 50.0, track_of_frames([["...", ".PR"]]))
     for x in (0.1, 1.5, 3.0):
-        view.show_hits([Hit((x, 1.5), "2 N·s")])
+        view.show_hits([DrawnHit((x, 1.5), "2 N·s")])
         [label] = (text for text in axes.texts if text.get_text() == "2 N·s")
         assert math.dist(label.get_position(), (x, 1.5)) < 0.5
         figure.pixels()

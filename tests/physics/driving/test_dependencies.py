@@ -7,7 +7,7 @@ import pytest
 from helpers.driving import resolved
 
 from warehouse_core import Cell, Layout, random_layout
-from warehouse_physics.driving.dependencies import HISTORY, Dependencies, Node, Visit
+from warehouse_physics.driving.dependencies import HISTORY, Dependencies, Visit, WayCell
 
 Plan = list[list[Cell]]
 
@@ -28,9 +28,9 @@ def build(plan: Plan) -> Dependencies:
     return found
 
 
-def nodes_of(plan: Plan) -> list[list[Node]]:
+def nodes_of(plan: Plan) -> list[list[WayCell]]:
     """Return the nodes of each robot, from the order in which robots enter each cell."""
-    ways: list[list[Node]] = [[] for _ in plan[0]]
+    ways: list[list[WayCell]] = [[] for _ in plan[0]]
     entries: dict[Cell, list[Visit]] = {}
     for step, cells in enumerate(plan):
         for robot, cell in enumerate(cells):
@@ -38,7 +38,7 @@ def nodes_of(plan: Plan) -> list[list[Node]]:
                 continue
             earlier = entries.setdefault(cell, [])
             others = earlier and earlier[-1].robot != robot
-            ways[robot].append(Node(cell, earlier[-1] if others else None))
+            ways[robot].append(WayCell(cell, earlier[-1] if others else None))
             earlier.append(Visit(robot, len(ways[robot]) - 1))
     return ways
 
@@ -87,6 +87,6 @@ def test_a_cell_whose_last_visit_is_forgotten_has_no_order_any_more() -> None:
     found = build(long_row)
     found.forget(0, HISTORY + 1)
     found.extend([(0, HISTORY + 1), (0, 0)])
-    assert found.node(1, 1) == Node((0, 0), None)
+    assert found.node(1, 1) == WayCell((0, 0), None)
     found.extend([(0, HISTORY + 1), (0, 1)])
-    assert found.node(1, 2) == Node((0, 1), Visit(0, 1))
+    assert found.node(1, 2) == WayCell((0, 1), Visit(0, 1))

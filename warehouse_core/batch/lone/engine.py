@@ -13,7 +13,7 @@ from warehouse_core.batch.shell.floor import Floor
 from warehouse_core.batch.shell.robots import Robots
 from warehouse_core.batch.shell.verdicts import spend_and_charge
 from warehouse_core.motion.batch import BatchMotion, ChangesLayouts
-from warehouse_core.task.encoding import Arrays
+from warehouse_core.task.encoding import ObservationArrays
 from warehouse_core.task.state import WarehouseState
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.layout import Layout
@@ -75,7 +75,7 @@ class LoneEngine:
         self.ended = terminated | truncated
         return EngineStep(outcome, rewards, terminated, truncated)
 
-    def observe(self, rows: Rows = ALL) -> Arrays:
+    def observe(self, rows: Rows = ALL) -> ObservationArrays:
         """Return fresh arrays of what some of the robots observe."""
         steps = self._steps[rows][:, None]
         return self._robots.observe(rows, self._units(rows)[:, None], steps.copy())

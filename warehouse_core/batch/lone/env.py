@@ -15,7 +15,7 @@ from warehouse_core.batch.shell.floor import Floor
 from warehouse_core.errors import BackendError
 from warehouse_core.motion.backends import Backend, make_batch_motion
 from warehouse_core.motion.batch import ChangesLayouts
-from warehouse_core.task.encoding import Arrays
+from warehouse_core.task.encoding import ObservationArrays
 from warehouse_core.task.starts import what_is_drawn
 from warehouse_core.task.state import WarehouseState
 from warehouse_core.world.layout import Layout
@@ -23,7 +23,7 @@ from warehouse_core.world.tables import LayoutSet
 from warehouse_core.world.tiles import Cell
 
 
-class BatchEnv(ArrayEnv[Arrays]):
+class BatchEnv(ArrayEnv[ObservationArrays]):
     """``B`` warehouses with one robot each.
 
     Description:
@@ -34,7 +34,7 @@ class BatchEnv(ArrayEnv[Arrays]):
         ``[B]`` integers, 0 to 6: N, E, S, W, WAIT, PICK, DROP.
 
     Observations:
-        The ``Arrays`` of ``task/encoding.py`` with a leading ``B``.
+        The ``ObservationArrays`` of ``task/encoding.py`` with a leading ``B``.
 
     Rewards:
         The table in ``task/rules.py``, ``[B]`` float64.

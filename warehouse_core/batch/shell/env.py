@@ -15,7 +15,7 @@ from numpy.typing import ArrayLike, NDArray
 from warehouse_core.batch.shell.checks import Seeds, checked_actions, checked_mask, checked_seeds
 from warehouse_core.errors import EndedError
 from warehouse_core.motion.batch import BatchOutcome
-from warehouse_core.task.encoding import Arrays
+from warehouse_core.task.encoding import ObservationArrays
 from warehouse_core.world.tables import Flags, Integers, LayoutSet, Rows
 
 NEXT_STEP, SAME_STEP, DISABLED = "NextStep", "SameStep", "Disabled"
@@ -24,7 +24,7 @@ AUTORESET_MODES = (NEXT_STEP, SAME_STEP, DISABLED)
 ALL = slice(None)
 NO_FLOORS = np.empty(0, np.intp)
 
-Observed = TypeVar("Observed", bound=Arrays, covariant=True)
+Observed = TypeVar("Observed", bound=ObservationArrays, covariant=True)
 
 
 class EngineStep(NamedTuple):

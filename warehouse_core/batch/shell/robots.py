@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from warehouse_core.batch.shell.floor import Floor
 from warehouse_core.batch.shell.verdicts import NO_STATION, charging, judge_all
 from warehouse_core.motion.batch import BatchMotion, BatchOutcome
-from warehouse_core.task.encoding import Arrays
+from warehouse_core.task.encoding import ObservationArrays
 from warehouse_core.world.tables import Flags, Integers, Rows
 
 Counts = NDArray[np.int32]
@@ -59,7 +59,7 @@ class Robots:
         """Return ``[N, 7]`` int8: 1 for each action that does something now."""
         return self.floor.masks(self.cells, self.has_item)
 
-    def observe(self, rows: Rows, battery: Counts, steps: Counts) -> Arrays:
+    def observe(self, rows: Rows, battery: Counts, steps: Counts) -> ObservationArrays:
         """Return fresh arrays of what some of the robots observe.
 
         ``battery`` and ``steps``, ``[N, 1]``, are the units that they have left and steps taken.

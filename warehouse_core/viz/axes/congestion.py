@@ -12,7 +12,7 @@ from matplotlib.ticker import EngFormatter
 from warehouse_core.motion.batch import NOTHING
 from warehouse_core.records.episode import FleetEpisode
 from warehouse_core.render.palette import INK, PAPER
-from warehouse_core.viz.axes.heat_map import Counts, draw_heat
+from warehouse_core.viz.axes.heat_map import CellCounts, draw_heat
 from warehouse_core.viz.axes.look import POINTS, box_in
 from warehouse_core.world.actions import WAIT
 
@@ -26,7 +26,7 @@ TITLE, WORDS, SMALL = 23, 25, 15
 AnyFigure = TypeVar("AnyFigure", bound=Figure)
 
 
-def held_up_cells(episode: FleetEpisode) -> Counts:
+def held_up_cells(episode: FleetEpisode) -> CellCounts:
     """Count in how many steps robots were held up in each cell.
 
     That is each step in which a robot waited, not on a charger, or was blocked, or turned back into

@@ -27,7 +27,7 @@ from warehouse_core.viz.axes.look import POINTS, box_in, draw_grid
 from warehouse_core.wording import counted
 from warehouse_core.world.tiles import DROPOFF, PICKUP, WALL, runs_of
 
-Counts = NDArray[np.int64]
+CellCounts = NDArray[np.int64]
 """``[H, W]`` numbers of what happened in each cell."""
 
 WIDTH = 9.6
@@ -64,7 +64,7 @@ BLOCKED = ("wall", "robot", "person")
 """Names of what can block a move."""
 
 
-def blocked_cells(episode: FleetEpisode) -> dict[str, Counts]:
+def blocked_cells(episode: FleetEpisode) -> dict[str, CellCounts]:
     """Count for each of ``BLOCKED`` how often it blocked a move, by the cell of the robot."""
     layout, robots = episode.layout, episode.robots
     by, cells = episode.stopped_by, episode.cells[:-1]
@@ -87,7 +87,7 @@ def blocked_heat_map(episode: FleetEpisode) -> Figure:
 
 
 def heat_map(
-    rows: Sequence[str], panels: Mapping[str, Counts], *, with_stations: bool = False
+    rows: Sequence[str], panels: Mapping[str, CellCounts], *, with_stations: bool = False
 ) -> Figure:
     """Return the heat maps of a layout, whose ``[H, W]`` counts are given by title."""
     columns = min(len(panels), MAX_COLUMNS)
@@ -114,7 +114,7 @@ def heat_map(
 def draw_heat(
     axes: Axes,
     rows: Sequence[str],
-    counts: Counts,
+    counts: CellCounts,
     cell_points: float,
     highest: int,
     *,

@@ -37,7 +37,7 @@ MIN_BOARDS, MIN_WAVES = 7.0, 9.0
 LETTER, MIN_LETTER_POINTS = 0.24, 6.0
 """Size of the letter of a station, in cells, and its minimum."""
 
-Box = tuple[float, float, float, float]
+TileBounds = tuple[float, float, float, float]
 """Left, top, right and bottom, in cells."""
 
 
@@ -79,12 +79,12 @@ def is_on_border(cell: Cell, size: tuple[int, int]) -> bool:
     return any(place in (0, length - 1) for place, length in zip(cell, size, strict=True))
 
 
-def _whole(cell: Cell, inset: float = 0.0) -> Box:
+def _whole(cell: Cell, inset: float = 0.0) -> TileBounds:
     row, col = cell
     return col + inset, row + inset, col + 1 - inset, row + 1 - inset
 
 
-def _band(cell: Cell, size: tuple[int, int]) -> Box:
+def _band(cell: Cell, size: tuple[int, int]) -> TileBounds:
     """Return the part of a wall on the border that is next to the inside of the layout."""
     (row, col), (height, width) = cell, size
     outer = 1 - BAND
@@ -96,7 +96,7 @@ def _band(cell: Cell, size: tuple[int, int]) -> Box:
     )
 
 
-def _boxes(axes: Axes, boxes: Sequence[Box], color: Any, **style: Any) -> Artist:
+def _boxes(axes: Axes, boxes: Sequence[TileBounds], color: Any, **style: Any) -> Artist:
     # A thin edge without antialiasing leaves no seam between neighbours.
     style = {"facecolor": color, "edgecolor": color, "linewidth": 0.4 * (color != UNKNOWN)} | style
     rectangles = [Rectangle((x, y), right - x, bottom - y) for x, y, right, bottom in boxes]

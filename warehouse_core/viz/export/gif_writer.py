@@ -20,7 +20,7 @@ MIN_FRAME_MS, MAX_FRAME_MS = 20, 655_350
 MAX_COLOR = 0xFFFFFF
 """Red, green and blue in three bytes."""
 
-Pixels = NDArray[np.uint8]
+ColorValues = NDArray[np.uint8]
 
 
 class GifWriter:
@@ -35,7 +35,7 @@ class GifWriter:
         self._last: NDArray[np.uint32] | None = None
         self._pending: tuple[Image.Image, tuple[int, int]] | None = None
 
-    def add(self, frame: Pixels, changed: tuple[int, int, int, int]) -> None:
+    def add(self, frame: ColorValues, changed: tuple[int, int, int, int]) -> None:
         """Add a frame, ``[height, width, 4]``, which differs from the last one in a box at most.
 
         The box is given by its top, bottom, left and right.
@@ -67,10 +67,10 @@ class GifWriter:
         self._write(LAST_FRAME_MS)
         self._file.write(b";")
 
-    def _indices_of(self, colors: NDArray[np.uint32]) -> Pixels:
+    def _indices_of(self, colors: NDArray[np.uint32]) -> ColorValues:
         """Return the indices of colours into the palette, each looked up once."""
         rgb = colors & MAX_COLOR
-        found: Pixels = self._known[rgb]
+        found: ColorValues = self._known[rgb]
         missing = found == self._unchanged
         if missing.any():
             new = np.array(sorted({*rgb[missing].tolist()}), "<u4")

@@ -9,7 +9,7 @@ from warehouse_core.viz.player.columns import Columns
 from warehouse_core.viz.tracks.track import Track
 from warehouse_core.world.tiles import DROPOFF, PICKUP
 
-Kind = Literal["line", "thin", "steps", "bars", "dots"]
+SeriesKind = Literal["line", "thin", "steps", "bars", "dots"]
 
 INK, WARNING = "ink", "warning"
 """Names of colours that no tile has."""
@@ -20,7 +20,7 @@ class Series(NamedTuple):
 
     chart: str
     name: str
-    kind: Kind
+    kind: SeriesKind
     color: str
     times: Sequence[float]
     values: Sequence[float]

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping, Sequence
 
-from warehouse_core.viz.tracks.track import METRICS, Frame, Pose, Rows, Track, middle
+from warehouse_core.viz.tracks.track import METRICS, Frame, Pose, TileRows, Track, middle
 from warehouse_core.world.tiles import ALLOWED_TILES, EMPTY, ROBOT_EMPTY, ROBOT_LOADED, TILES
 
 
@@ -26,7 +26,7 @@ def track_of_frames(
     _check_grids(grids)
     width, texts = len(grids[0][0]), ["".join(grid) for grid in grids]
     robots = [max(text.rfind(ROBOT_EMPTY), text.rfind(ROBOT_LOADED)) for text in texts]
-    known: dict[Rows, Rows] = {}  # equal rows become one object, which is drawn once
+    known: dict[TileRows, TileRows] = {}  # equal rows become one object, which is drawn once
     drawn = []
     for index, (text, robot) in enumerate(zip(texts, robots, strict=True)):
         pose, ground = None, text

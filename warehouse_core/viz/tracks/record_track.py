@@ -17,7 +17,15 @@ from warehouse_core.records.episode import UNFINISHED, Episode
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.records.plans import NO_PLANS, StepPlans, check_plans
 from warehouse_core.render.palette import ORDER_COLORS
-from warehouse_core.viz.tracks.track import FleetFrame, Frame, Hit, Pose, Track, Waiting, middle
+from warehouse_core.viz.tracks.track import (
+    DrawnHit,
+    FleetFrame,
+    Frame,
+    Pose,
+    Track,
+    Waiting,
+    middle,
+)
 from warehouse_core.wording import counted, printable
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 
@@ -147,7 +155,7 @@ def _fleet_frames(
             motions, before = episode.motions[step - 1], last.fleet
             along = frames_along(last, motions, loaded[step], size, frame_seconds, caption)
             for last in along:
-                last.hits = tuple(Hit(hit.at, "", hit.robot) for hit in last.hits)
+                last.hits = tuple(DrawnHit(hit.at, "", hit.robot) for hit in last.hits)
                 last.fleet = fleet if last.progress == step else before
                 yield last
         else:
@@ -173,14 +181,14 @@ def _headings(episode: Episode) -> list[list[float | None]]:
     return headings
 
 
-def _hits(episode: Episode, step: int) -> tuple[Hit, ...]:
+def _hits(episode: Episode, step: int) -> tuple[DrawnHit, ...]:
     """Return where robots were blocked in a step: half way to the cell that they did not reach."""
     hits = []
     for robot in np.flatnonzero(episode.stopped_by[step] != NOTHING).tolist():
         row, col = episode.layout.cell(episode.cells[step, robot])
         action = int(episode.actions[step, robot])
         down, right = DISPLACEMENTS[action] if action < WAIT else (0, 0)
-        hits.append(Hit((col + 0.5 + right / 2, row + 0.5 + down / 2), "", robot))
+        hits.append(DrawnHit((col + 0.5 + right / 2, row + 0.5 + down / 2), "", robot))
     return tuple(hits)
 
 
@@ -327,7 +335,7 @@ def frames_along(
         )
 
 
-def hit_of(contact: Contact, cell_size: float, label: str, robot: int = 0) -> Hit:
+def hit_of(contact: Contact, cell_size: float, label: str, robot: int = 0) -> DrawnHit:
     """Return what is shown of a contact, whose point is in metres."""
     x, y = contact.point
-    return Hit((x / cell_size, y / cell_size), label, robot)
+    return DrawnHit((x / cell_size, y / cell_size), label, robot)

@@ -27,12 +27,12 @@ INTERVAL_MS = 150
 METRICS = ("rewards", "battery", "dist_pickup", "dist_dropoff")
 """Names of what the charts of one robot show."""
 
-Rows = tuple[str, ...]
+TileRows = tuple[str, ...]
 Point = tuple[float, float]
 
 
 @dataclass(frozen=True, slots=True)
-class Hit:
+class DrawnHit:
     """A collision: where, in cells, the label drawn beside it, and the index of the robot."""
 
     at: Point
@@ -108,11 +108,11 @@ class Frame:
         fleet: orders and batteries of a fleet.
     """
 
-    tiles: Rows
+    tiles: TileRows
     robots: tuple[Pose | None, ...]
     progress: float
     caption: str = ""
-    hits: tuple[Hit, ...] = ()
+    hits: tuple[DrawnHit, ...] = ()
     clock: float = 0.0
     speed: float = 0.0
     energy: float = 0.0

@@ -10,18 +10,18 @@ from __future__ import annotations
 
 from typing import Any
 
-Schema = dict[str, Any]
+JsonSchema = dict[str, Any]
 
 
-def _object(**properties: Schema) -> Schema:
+def _object(**properties: JsonSchema) -> JsonSchema:
     return {"type": "object", "properties": properties, "required": list(properties)}
 
 
-def _numbers(*names: str) -> dict[str, Schema]:
+def _numbers(*names: str) -> dict[str, JsonSchema]:
     return dict.fromkeys(names, _NUMBER)
 
 
-def _list(items: Schema) -> Schema:
+def _list(items: JsonSchema) -> JsonSchema:
     return {"type": "array", "items": items}
 
 
@@ -70,7 +70,7 @@ _ENERGY = _object(
     battery={**_list(_NUMBER), "description": "units left of each robot"},
 )
 
-SCHEMAS: dict[str, Schema] = {
+SCHEMAS: dict[str, JsonSchema] = {
     "foxglove.FrameTransforms": _object(transforms=_list(_TRANSFORM)),
     "foxglove.SceneUpdate": _SCENE,
     "warehouse.Contact": _CONTACT,

@@ -29,7 +29,7 @@ LINES_AT_ONCE = 50_000
 
 TYPES = {int: "int", float: "float", str: "str", int | None: "int", float | None: "float"}
 
-Line = tuple[Any, ...]
+TableLine = tuple[Any, ...]
 
 
 def save_table(target: Path, results: Path, suffix: str) -> None:
@@ -59,7 +59,7 @@ def columns_of(store: Store) -> dict[str, str]:
     return types | {"program": "str"}
 
 
-def lines_of(store: Store, columns: dict[str, str]) -> Iterator[Line]:
+def lines_of(store: Store, columns: dict[str, str]) -> Iterator[TableLine]:
     """Yield the lines of the table, case by case and seed by seed."""
     for case_id, case in store.cases().items():
         settings = {name: _plain(case, name) for name in case}
@@ -78,7 +78,7 @@ def _plain(case: Case, name: str) -> Any:
     return value
 
 
-def _write_csv(path: Path, columns: dict[str, str], lines: Iterator[Line]) -> None:
+def _write_csv(path: Path, columns: dict[str, str], lines: Iterator[TableLine]) -> None:
     with path.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file)
         writer.writerow(map(_safe, columns))
@@ -90,7 +90,7 @@ def _safe(value: Any) -> Any:
     return spreadsheet_text(value) if isinstance(value, str) else value
 
 
-def _write_parquet(path: Path, columns: dict[str, str], lines: Iterator[Line]) -> None:
+def _write_parquet(path: Path, columns: dict[str, str], lines: Iterator[TableLine]) -> None:
     try:
         import pyarrow as pa
         from pyarrow import parquet

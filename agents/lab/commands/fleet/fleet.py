@@ -15,7 +15,7 @@ import typer
 from agents.errors import EpisodeError, EpisodeInterrupted
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PLAN_SECONDS, PlannedFleet, wants_dispatch
-from agents.lab.commands.fleet.report import Result, report_shifts, result_of
+from agents.lab.commands.fleet.report import ShiftResult, report_shifts, result_of
 from agents.lab.console import options
 from agents.lab.console.options import MAX_COUNT, number_option, option
 from agents.lab.console.output import replay_or_save
@@ -67,7 +67,7 @@ def parse_robots(text: str | None, robots: int) -> list[int]:
 
 
 def fleet(
-    robots: options.Robots = 8,
+    robots: options.RobotsOption = 8,
     orders: Annotated[
         str,
         option(
@@ -79,7 +79,7 @@ def fleet(
         str | None,
         option("--due FEWEST:MOST", f"Steps from release to due time. Default: {DUE[0]}:{DUE[1]}."),
     ] = None,
-    agent: options.Agent = "greedy",
+    agent: options.AgentOption = "greedy",
     planner: Annotated[
         str | None,
         option(
@@ -88,7 +88,7 @@ def fleet(
             "file.py:Class.",
         ),
     ] = None,
-    assignment: options.Assignment = None,
+    assignment: options.AssignmentOption = None,
     plan_seconds: options.PlanSeconds = PLAN_SECONDS,
     goes_on: Annotated[
         bool,
@@ -116,7 +116,7 @@ def fleet(
             (0, None),
         ),
     ] = 0.0,
-    backend: options.Backend = "grid",
+    backend: options.BackendOption = "grid",
     view_radius: options.ViewRadius = 2,
     shifts: Annotated[
         int,
@@ -127,7 +127,7 @@ def fleet(
             (1, MAX_SHIFTS),
         ),
     ] = 1,
-    seed: options.Seed = None,
+    seed: options.SeedOption = None,
     *,
     save: options.Save,
     show: options.Show = None,
@@ -190,7 +190,7 @@ def fleet(
         f"{counted(robots, 'robot')} ({director}) on layout {layout.stem}, backend {backend}, "
         f"{f'seed {first}' if shifts == 1 else f'seeds {first} to {first + shifts - 1}'}"
     )
-    results, records = list[Result](), list[Episode]()
+    results, records = list[ShiftResult](), list[Episode]()
 
     def keep(episode: Episode) -> None:
         results.append(result_of(episode))

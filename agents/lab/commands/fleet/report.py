@@ -11,7 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.lab.console.table import Table, print_table
+from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES, mean_interval
 from agents.lab.trials.wording import mean, percent
@@ -24,7 +24,7 @@ FEW_WAITING = 2
 """Orders of each robot that may be left at the end of a shift; if more are, it was too slow."""
 
 
-class Line(NamedTuple):
+class MeasureLine(NamedTuple):
     """A line of the table of measures."""
 
     title: str
@@ -33,7 +33,7 @@ class Line(NamedTuple):
     factor: float = 1.0
 
 
-class Result(NamedTuple):
+class ShiftResult(NamedTuple):
     """What is printed of a shift."""
 
     measures: FleetMeasures
@@ -41,32 +41,32 @@ class Result(NamedTuple):
 
 
 LINES = (
-    Line("orders", "orders", "items"),
-    Line("delivered", "delivered", "items"),
-    Line("delivered an hour", "per_hour", "items"),
-    Line("on time", "on_time", "% of those delivered", 100.0),
-    Line("mean lateness", "mean_lateness", "steps"),
-    Line("worst lateness", "worst_lateness", "steps"),
-    Line("energy a delivery", "joules_per_delivery", "kJ", 1e-3),
-    Line("distance", "distance", "cells"),
-    Line("blocked by walls", "blocked_by_wall", "moves"),
-    Line("blocked by robots", "blocked_by_robot", "moves"),
-    Line("blocked by people", "blocked_by_person", "moves"),
-    Line("waits", "waits", "robot steps"),
-    Line("charging", "charging", "robot steps"),
-    Line("stranded", "stranded", "robots with an empty battery, or which failed"),
-    Line("lost", "lost", "items that those robots carry"),
-    Line("simulated time", "seconds", "s"),
+    MeasureLine("orders", "orders", "items"),
+    MeasureLine("delivered", "delivered", "items"),
+    MeasureLine("delivered an hour", "per_hour", "items"),
+    MeasureLine("on time", "on_time", "% of those delivered", 100.0),
+    MeasureLine("mean lateness", "mean_lateness", "steps"),
+    MeasureLine("worst lateness", "worst_lateness", "steps"),
+    MeasureLine("energy a delivery", "joules_per_delivery", "kJ", 1e-3),
+    MeasureLine("distance", "distance", "cells"),
+    MeasureLine("blocked by walls", "blocked_by_wall", "moves"),
+    MeasureLine("blocked by robots", "blocked_by_robot", "moves"),
+    MeasureLine("blocked by people", "blocked_by_person", "moves"),
+    MeasureLine("waits", "waits", "robot steps"),
+    MeasureLine("charging", "charging", "robot steps"),
+    MeasureLine("stranded", "stranded", "robots with an empty battery, or which failed"),
+    MeasureLine("lost", "lost", "items that those robots carry"),
+    MeasureLine("simulated time", "seconds", "s"),
 )
 """The measures of a shift, see ``FleetMeasures``."""
 
 
-def result_of(episode: Episode) -> Result:
+def result_of(episode: Episode) -> ShiftResult:
     """Return what is printed of a record."""
-    return Result(episode.measures, diagnose_fleet(episode))
+    return ShiftResult(episode.measures, diagnose_fleet(episode))
 
 
-def report_shifts(results: Sequence[Result], robots: int, title: str) -> None:
+def report_shifts(results: Sequence[ShiftResult], robots: int, title: str) -> None:
     """Print the measures of shifts; several are printed as means with 95% intervals."""
     measures = [result.measures for result in results]
     print_table(measures_table(measures, title))
@@ -92,7 +92,7 @@ def report_fleet(episode: Episode) -> None:
     report_shifts([result_of(episode)], episode.robots, title)
 
 
-def measures_table(measures: Sequence[FleetMeasures], title: str) -> Table:
+def measures_table(measures: Sequence[FleetMeasures], title: str) -> TextTable:
     """Return a table with a line for each measure."""
     rows: list[tuple[str, ...]] = [
         (line.title, _words(_values(measures, line)), line.unit) for line in LINES
@@ -100,7 +100,7 @@ def measures_table(measures: Sequence[FleetMeasures], title: str) -> Table:
     header = "value" if len(measures) == 1 else f"mean ({CONFIDENCE:.0%} interval)"
     few = 1 < len(measures) < MIN_VALUES
     caption = f"Fewer than {MIN_VALUES} episodes have no intervals." if few else ""
-    return Table(("measure", header, "unit"), rows, title, caption)
+    return TextTable(("measure", header, "unit"), rows, title, caption)
 
 
 def verdict(measures: Sequence[FleetMeasures], robots: int) -> str:
@@ -127,7 +127,7 @@ def verdict(measures: Sequence[FleetMeasures], robots: int) -> str:
     return f"{'; '.join(parts)}.{hint}"
 
 
-def _values(measures: Sequence[FleetMeasures], line: Line) -> NDArray[np.float64]:
+def _values(measures: Sequence[FleetMeasures], line: MeasureLine) -> NDArray[np.float64]:
     """Return a measure of the shifts that have it."""
     values = np.array([getattr(each, line.name) for each in measures], np.float64) * line.factor
     return values[~np.isnan(values)]

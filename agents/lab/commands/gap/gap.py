@@ -11,10 +11,10 @@ from typing import Annotated
 import typer
 
 from agents.fleet.planned import PLAN_SECONDS
-from agents.lab.commands.gap.summary import Scores, gap_table, losses, message
+from agents.lab.commands.gap.summary import SeedScores, gap_table, losses, message
 from agents.lab.commands.gap.trial import Score, Setting, make_env, run_trial
 from agents.lab.commands.gap.worlds import WORLDS, Shocks, make_world
-from agents.lab.commands.planners.compare_planners import Seeds
+from agents.lab.commands.planners.compare_planners import SeedsOption
 from agents.lab.console import options
 from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.table import print_table
@@ -34,7 +34,7 @@ PAGE, VALUES = ".html", ".csv"
 
 
 def gap(
-    robots: options.Robots = 12,
+    robots: options.RobotsOption = 12,
     planner: Annotated[
         str,
         option(
@@ -42,7 +42,7 @@ def gap(
             f"Directs all robots: {', '.join(PLANNERS)}, or your own as file.py:Class.",
         ),
     ] = "pibt-lanes",
-    assignment: options.Assignment = None,
+    assignment: options.AssignmentOption = None,
     plan_seconds: options.PlanSeconds = PLAN_SECONDS,
     orders: Annotated[
         float, option("--orders RATE", "Orders that arrive in a second on average.")
@@ -72,7 +72,7 @@ def gap(
             (0, None),
         ),
     ] = 60.0,
-    seeds: Seeds = MIN_VALUES,
+    seeds: SeedsOption = MIN_VALUES,
     seed: options.FirstSeed = 0,
     jobs: options.Jobs = None,
     *,
@@ -152,7 +152,7 @@ def title_of(setting: Setting, layout: str, seeds: Sequence[int]) -> str:
     )
 
 
-def write_values(path: Path, scores: Scores, seeds: Sequence[int]) -> None:
+def write_values(path: Path, scores: SeedScores, seeds: Sequence[int]) -> None:
     """Write a line for each run, whole or not at all."""
     from agents.lab.commands.gap.spent_time import KINDS
 

@@ -11,7 +11,7 @@ from markupsafe import Markup
 
 from agents.fleet.planned import DEFAULT_ASSIGNMENT
 from agents.lab.commands.gap.spent_time import KINDS, Times
-from agents.lab.commands.gap.summary import Scores, message
+from agents.lab.commands.gap.summary import SeedScores, message
 from agents.lab.commands.gap.trial import Setting
 from agents.lab.commands.gap.worlds import DRIVING, PLAN, STOPPING
 from agents.lab.console import table as console
@@ -41,7 +41,7 @@ MIN_SHARE = 0.04
 """Least share of the longest bar that a part must have for its number to be written on it."""
 
 
-class Part(NamedTuple):
+class BarPart(NamedTuple):
     """A part of a bar: the seconds of one of ``KINDS``, and what is written on it."""
 
     seconds: float
@@ -59,15 +59,15 @@ class Bar(NamedTuple):
     world: str
     width: float
     total: str
-    parts: list[Part]
+    parts: list[BarPart]
     words: str
 
 
 def write_gap_page(
     path: Path,
     setting: Setting,
-    scores: Scores,
-    table: console.Table,
+    scores: SeedScores,
+    table: console.TextTable,
     records: Mapping[str, FleetEpisode],
 ) -> None:
     """Write the page, whole or not at all, with the records of the first seed by world."""
@@ -101,20 +101,20 @@ def track_of(record: FleetEpisode, world: str) -> Track:
     return track
 
 
-def spent_of(scores: Scores, world: str) -> Times:
+def spent_of(scores: SeedScores, world: str) -> Times:
     """Return the seconds a delivery that a world spends on each of ``KINDS``, means."""
     found: Times = np.array([run.spent for run in scores[world]]).mean(axis=0)
     return found
 
 
-def bars_of(scores: Scores) -> list[Bar]:
+def bars_of(scores: SeedScores) -> list[Bar]:
     """Return a bar for each world."""
     spent = {world: spent_of(scores, world) for world in scores}
     longest = max(float(each.sum()) for each in spent.values())
     bars = []
     for world, each in spent.items():
         parts = [
-            Part(round(seconds, 3), f"{seconds:.0f}" if seconds >= MIN_SHARE * longest else "")
+            BarPart(round(seconds, 3), f"{seconds:.0f}" if seconds >= MIN_SHARE * longest else "")
             for seconds in each.tolist()
         ]
         total = float(each.sum())
@@ -125,7 +125,7 @@ def bars_of(scores: Scores) -> list[Bar]:
     return bars
 
 
-def lost(scores: Scores) -> str:
+def lost(scores: SeedScores) -> str:
     """Return what speeding up and braking cost."""
     stopping, driving = (spent_of(scores, world)[1] for world in (STOPPING, DRIVING))
     return (

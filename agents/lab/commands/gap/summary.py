@@ -10,31 +10,31 @@ import numpy as np
 
 from agents.lab.commands.gap.trial import Score
 from agents.lab.commands.gap.worlds import DISTURBED, DRIVING, PLAN, STOPPING, Shocks
-from agents.lab.console.table import Table
+from agents.lab.console.table import TextTable
 from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
 from agents.lab.trials.wording import above_interval, percent
 from warehouse_core.wording import counted
 
-Scores = Mapping[str, Sequence[Score]]
+SeedScores = Mapping[str, Sequence[Score]]
 """The measures of each world, of the same seeds in the same order."""
 
 
-class Measure(NamedTuple):
+class GapColumn(NamedTuple):
     """A column of the table: a value of a run, and of the run on the grid with the same seed."""
 
     title: str
     value: Callable[[Score, Score], float]
 
 
-OF_THE_PLAN = Measure("% of the plan's", lambda score, plan: 100 * ratio(score, plan))
+OF_THE_PLAN = GapColumn("% of the plan's", lambda score, plan: 100 * ratio(score, plan))
 
 MEASURES = (
-    Measure("deliveries an hour", lambda score, _: score.per_hour),
+    GapColumn("deliveries an hour", lambda score, _: score.per_hour),
     OF_THE_PLAN,
-    Measure("% on time", lambda score, _: 100 * score.on_time),
-    Measure("kJ a delivery", lambda score, _: score.joules / 1000),
-    Measure("last delivery (s)", lambda score, _: score.makespan),
-    Measure("hits", lambda score, _: score.hits),
+    GapColumn("% on time", lambda score, _: 100 * score.on_time),
+    GapColumn("kJ a delivery", lambda score, _: score.joules / 1000),
+    GapColumn("last delivery (s)", lambda score, _: score.makespan),
+    GapColumn("hits", lambda score, _: score.hits),
 )
 
 
@@ -43,14 +43,14 @@ def ratio(score: Score, plan: Score) -> float:
     return score.per_hour / plan.per_hour if plan.per_hour else math.nan
 
 
-def measured(scores: Scores, world: str, measure: Measure) -> Interval:
+def measured(scores: SeedScores, world: str, measure: GapColumn) -> Interval:
     """Return the mean of a measure of a world, with the interval from the values of the seeds."""
     pairs = zip(scores[world], scores[PLAN], strict=True)
     values = np.array([measure.value(score, plan) for score, plan in pairs])
     return mean_interval(values[~np.isnan(values)]) or Interval(math.nan)
 
 
-def gap_table(scores: Scores, title: str) -> Table:
+def gap_table(scores: SeedScores, title: str) -> TextTable:
     """Return a table with a row for each world."""
     rows = [
         (world, *(_cell(measured(scores, world, measure)) for measure in MEASURES))
@@ -59,7 +59,7 @@ def gap_table(scores: Scores, title: str) -> Table:
     header = ("world", *(measure.title for measure in MEASURES))
     few = len(scores[PLAN]) < MIN_VALUES
     caption = f"Fewer than {MIN_VALUES} seeds have no intervals." if few else ""
-    return Table(header, rows, title, caption)
+    return TextTable(header, rows, title, caption)
 
 
 def _cell(interval: Interval) -> str:
@@ -71,7 +71,7 @@ def _cell(interval: Interval) -> str:
     return above_interval(interval)
 
 
-def message(scores: Scores, shocks: Shocks) -> str:
+def message(scores: SeedScores, shocks: Shocks) -> str:
     """Return in a sentence what the worlds bring of what the plan promises."""
     shares = {world: measured(scores, world, OF_THE_PLAN).estimate / 100 for world in scores}
     parts = {
@@ -94,7 +94,7 @@ def shocks_in_words(shocks: Shocks) -> str:
     return " and ".join(words)
 
 
-def losses(scores: Scores, orders: int) -> list[str]:
+def losses(scores: SeedScores, orders: int) -> list[str]:
     """Return a warning for each world that lost robots, steps, or some of each run's orders."""
     found = []
     for world, runs in scores.items():

@@ -79,14 +79,14 @@ class Score(NamedTuple):
     late_plans: int
 
 
-class Result(NamedTuple):
+class GapResult(NamedTuple):
     """The measures of a run, and its record if it is kept."""
 
     score: Score
     record: FleetEpisode | None
 
 
-def run_trial(world: str, seed: int, *, setting: Setting, kept: int | None = None) -> Result:
+def run_trial(world: str, seed: int, *, setting: Setting, kept: int | None = None) -> GapResult:
     """Run a fleet until all orders are delivered; the record of the seed ``kept`` is kept."""
     name, orders = setting.planner, setting.orders(seed)
     motion = make_world(world, setting.shocks, setting.robots, orders[-1].released, seed)
@@ -101,7 +101,7 @@ def run_trial(world: str, seed: int, *, setting: Setting, kept: int | None = Non
             # Without its record, which would go from process to process.
             raise EpisodeError(f"world {world}, {error}") from None
     late_plans = len(agent.lost) if isinstance(agent, PlannedFleet) else 0
-    return Result(score_of(record, orders, late_plans), record if seed == kept else None)
+    return GapResult(score_of(record, orders, late_plans), record if seed == kept else None)
 
 
 def make_env(

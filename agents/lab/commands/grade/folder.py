@@ -7,7 +7,7 @@ from concurrent.futures import Future, as_completed
 from pathlib import Path
 
 from agents.errors import GradeError, WorkerError
-from agents.lab.console.table import Table, print_table
+from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import print_error, say
 from agents.lab.grading.grades import (
     CODE,
@@ -15,7 +15,7 @@ from agents.lab.grading.grades import (
     NAME,
     POINTS,
     RUBRIC,
-    Row,
+    GradeRow,
     columns_of,
     failed_row,
     load_grades,
@@ -24,7 +24,7 @@ from agents.lab.grading.grades import (
     save_grades,
 )
 from agents.lab.grading.gradescope import results_of
-from agents.lab.grading.grading import Report, grade
+from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.submissions import Submission, in_folder
 from agents.lab.trials.workers import process_pool
@@ -34,7 +34,7 @@ from warehouse_core.wording import counted
 RESULTS, PAGE, TABLE = ".json", ".html", ".csv"
 
 
-def write_report(path: Path, report: Report) -> None:
+def write_report(path: Path, report: GradeReport) -> None:
     """Write a report by the suffix of the file; the file is complete or not there.
 
     On a page the words of the agent are escaped text.
@@ -75,7 +75,7 @@ def grade_folder(
     found = list(in_folder(folder, kind))
     if not found:
         raise GradeError(f"{folder}: there is no .py file in it, nor a folder with one")
-    before, rows = load_grades(target), dict[str, Row]()
+    before, rows = load_grades(target), dict[str, GradeRow]()
     waiting = list[Submission]()
     for each in found:
         if isinstance(each, str):
@@ -106,7 +106,9 @@ def grade_folder(
     say(f"saved {target}: {len(waiting)} graded, {unchanged} as they were")
 
 
-def _is_done(each: Submission, before: dict[str, Row], rubric: Rubric, pages: Path | None) -> bool:
+def _is_done(
+    each: Submission, before: dict[str, GradeRow], rubric: Rubric, pages: Path | None
+) -> bool:
     row = before.get(plain(each.name))
     if row is None or (row[CODE], row[RUBRIC]) != (each.digest, rubric.digest):
         return False
@@ -117,7 +119,7 @@ def _files(pages: Path, each: Submission) -> list[Path]:
     return [pages / f"{each.name}{suffix}" for suffix in (PAGE, RESULTS)]
 
 
-def _grade(each: Submission, rubric: Rubric, user: str | None, pages: Path | None) -> Report:
+def _grade(each: Submission, rubric: Rubric, user: str | None, pages: Path | None) -> GradeReport:
     """Grade a submission, in a process of its own."""
     report = grade(each, rubric, user)
     for path in _files(pages, each) if pages else ():
@@ -125,17 +127,17 @@ def _grade(each: Submission, rubric: Rubric, user: str | None, pages: Path | Non
     return report
 
 
-def _row(future: Future[Report], each: Submission, rubric: Rubric) -> Row:
+def _row(future: Future[GradeReport], each: Submission, rubric: Rubric) -> GradeRow:
     try:
         return row_of(each.name, future.result())
     except WorkerError as error:  # an agent has ended the grader
         return failed_row(each.name, f"it ended the grader: {error}", rubric, each.digest)
 
 
-def _print_grades(rows: dict[str, Row], rubric: Rubric) -> None:
+def _print_grades(rows: dict[str, GradeRow], rubric: Rubric) -> None:
     names = [criterion.name for criterion in rubric.criteria]
     columns = [NAME, POINTS, *names, FAILURE]
     ordered = sorted(rows.values(), key=lambda row: (-float(row[POINTS]), row[NAME]))
     lines = [tuple(row[column] for column in columns) for row in ordered]
     title = f"{rubric.title}: {counted(len(rows), 'submission')}, points of {rubric.points:g}"
-    print_table(Table(tuple(columns), lines, title))
+    print_table(TextTable(tuple(columns), lines, title))

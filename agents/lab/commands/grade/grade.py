@@ -20,7 +20,7 @@ from agents.lab.console import options
 from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.terminal import say
 from agents.lab.grading.gradescope import lines_of
-from agents.lab.grading.grading import Report
+from agents.lab.grading.grading import GradeReport
 from agents.lab.grading.grading import grade as grade_agent
 from agents.lab.grading.rubric import MINI_LAB, load_rubric
 from agents.lab.grading.submissions import find_submission
@@ -138,7 +138,7 @@ def grade(
         say(f"saved {path}")
 
 
-def print_report(report: Report) -> None:
+def print_report(report: GradeReport) -> None:
     """Print a report."""
     say(f"{report.title}: {report.agent}", bold=True)
     if report.failure:

@@ -13,11 +13,17 @@ import typer
 from agents.errors import PlanError
 from agents.lab.commands.planners.floors import KIVA, FloorOption, find_floor
 from agents.lab.commands.planners.mapf import Planners, TimeLimit
-from agents.lab.commands.planners.runs import BOUND, STEPPERS, Stepper, Unhindered, make_stepper
+from agents.lab.commands.planners.runs import (
+    BOUND,
+    STEPPERS,
+    CheckedPlanner,
+    Unhindered,
+    make_stepper,
+)
 from agents.lab.console import options
 from agents.lab.console.options import MAX_COUNT, option
 from agents.lab.console.output import save_picture
-from agents.lab.console.table import Table, print_table
+from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import print_error, say
 from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
 from agents.lab.trials.wording import above_interval
@@ -28,7 +34,7 @@ from warehouse_core.wording import counted
 
 SIZES = "32,64,96,128,160,192"
 
-Seeds = Annotated[
+SeedsOption = Annotated[
     int,
     option(
         "--seeds -n N",
@@ -38,7 +44,7 @@ Seeds = Annotated[
 ]
 
 
-class Outcome(NamedTuple):
+class PlannerOutcome(NamedTuple):
     """Goals that were reached in a step, milliseconds of a step, and steps that were cut off."""
 
     throughput: float
@@ -46,26 +52,28 @@ class Outcome(NamedTuple):
     lost: int
 
 
-Case = tuple[str, int]
+PlannerCase = tuple[str, int]
 """A planner, or ``BOUND``, and a number of robots."""
 
 
-def run_trial(case: Case, seed: int, *, layout: str | None, steps: int, seconds: float) -> Outcome:
+def run_trial(
+    case: PlannerCase, seed: int, *, layout: str | None, steps: int, seconds: float
+) -> PlannerOutcome:
     """Return the outcome of a run in which a step is cut off after some seconds."""
     (name, robots), floor = case, find_floor(layout)
     graph = Graph(floor.layout)
-    planner: Unhindered | Stepper = Unhindered(graph)
+    planner: Unhindered | CheckedPlanner = Unhindered(graph)
     if name != BOUND:
         planner = make_stepper(name, seed, floor.layout, robots, seconds)
     run = run_lifelong(graph, planner, robots, steps, seed, floor.starts, floor.goals)
-    lost = len(planner.lost) if isinstance(planner, Stepper) else 0
-    return Outcome(run.throughput, 1000 * float(run.seconds.mean()), lost)
+    lost = len(planner.lost) if isinstance(planner, CheckedPlanner) else 0
+    return PlannerOutcome(run.throughput, 1000 * float(run.seconds.mean()), lost)
 
 
 def compare_planners(
     planner: Planners = None,
     robots: Annotated[str, option("--robots -r N,N,...", "Fleet sizes.")] = SIZES,
-    seeds: Seeds = MIN_VALUES,
+    seeds: SeedsOption = MIN_VALUES,
     seed: options.FirstSeed = 0,
     layout: FloorOption = None,
     steps: Annotated[int, option("--steps N", "Steps of a run.", (1, MAX_COUNT))] = 256,
@@ -93,7 +101,11 @@ def compare_planners(
     call = partial(run_trial, layout=layout, steps=steps, seconds=time_limit)
     cases = list(product((*names, BOUND), sizes))
     outcomes = run_trials(call, cases, range(seed, seed + seeds), jobs)
-    rates, times, lost = dict[Case, Interval](), dict[Case, float](), dict[Case, int]()
+    rates, times, lost = (
+        dict[PlannerCase, Interval](),
+        dict[PlannerCase, float](),
+        dict[PlannerCase, int](),
+    )
     for case, each in outcomes.items():
         throughputs, milliseconds, cut_off = np.array(each).T
         rates[case] = mean_interval(throughputs) or Interval(math.nan)
@@ -115,7 +127,7 @@ def compare_planners(
             for name in names
         ]
         rows.append((str(size), *cells, f"{rates[BOUND, size].estimate:.2f}"))
-    print_table(Table(("robots", *names, BOUND), rows, title))
+    print_table(TextTable(("robots", *names, BOUND), rows, title))
     for (name, size), count in lost.items():
         if count:
             print_error(

@@ -9,7 +9,7 @@ import numpy as np
 
 from agents.errors import PlanError
 from agents.lab.console.options import option
-from agents.mapf.graph import CLOSED, Graph, Integers
+from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.problem import Problem
 from warehouse_core import Layout
 from warehouse_core.wording import counted
@@ -17,6 +17,7 @@ from warehouse_core.world.generators import kiva_warehouse
 from warehouse_core.world.map_files import load_layout
 from warehouse_core.world.named_layouts import NAMES, find_layout
 from warehouse_core.world.scenarios import check_scenarios, load_scenarios
+from warehouse_core.world.tables import Integers
 
 KIVA = "kiva"
 
@@ -31,7 +32,7 @@ FloorOption = Annotated[
 ]
 
 
-class Floor(NamedTuple):
+class PlannerFloor(NamedTuple):
     """Where robots drive.
 
     Attributes:
@@ -46,16 +47,16 @@ class Floor(NamedTuple):
     goals: Integers
 
 
-def find_floor(name: str | None) -> Floor:
+def find_floor(name: str | None) -> PlannerFloor:
     """Return the floor of a name or a file, by default ``KIVA``; robots are in its largest part."""
     if name is None or name == KIVA:
         layout, starts, goals = kiva_warehouse()
         places = layout.cells(goals)
-        return Floor(layout.with_tiles(places, [], []), starts, goals)
+        return PlannerFloor(layout.with_tiles(places, [], []), starts, goals)
     layout = find_layout(name).with_tiles([], [], [])
     labels = parts(Graph(layout))[layout.open_cells]
     cells = layout.open_cells[labels == np.bincount(labels).argmax()] if labels.size else labels
-    return Floor(layout, cells, cells)
+    return PlannerFloor(layout, cells, cells)
 
 
 def parts(graph: Graph) -> Integers:
@@ -69,7 +70,7 @@ def parts(graph: Graph) -> Integers:
     return labels
 
 
-def random_problem(floor: Floor, robots: int, seed: int) -> Problem:
+def random_problem(floor: PlannerFloor, robots: int, seed: int) -> Problem:
     """Return a problem with starts and goals drawn at random."""
     most = min(len(floor.starts), len(floor.goals))
     if robots > most:

@@ -31,9 +31,9 @@ from agents.lab.commands.planners.runs import (
     make_stepper,
 )
 from agents.lab.console.options import MAX_COUNT, option, seconds_option, writable
-from agents.lab.console.table import Table, print_table
+from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import print_error
-from agents.mapf.graph import Graph, Integers
+from agents.mapf.graph import Graph
 from agents.mapf.lifelong import LifelongRun, lead, run_lifelong
 from agents.mapf.planner import Planner
 from agents.mapf.problem import Problem
@@ -41,6 +41,7 @@ from agents.registry import PLANNERS
 from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.wording import counted
 from warehouse_core.world.robot_runners import League, load_league
+from warehouse_core.world.tables import Integers
 
 ROBOTS, STEPS, SECONDS = 32, 1000, 10.0
 SCENARIO, LEAGUE = ".scen", ".json"
@@ -192,11 +193,11 @@ class Trials:
 
     def show(self, header: tuple[str, ...], title: str, caption: str) -> None:
         """Print the table, what plans take on bodies if they were driven, and the notes."""
-        print_table(Table(header, self.rows, title, caption))
+        print_table(TextTable(header, self.rows, title, caption))
         if self.executed:
             header = ("planner", "on bodies", "seconds", "joules", "hits")
             caption = "until all robots are at rest; a hit of two robots counts for both"
-            print_table(Table(header, self.executed, caption=caption))
+            print_table(TextTable(header, self.executed, caption=caption))
         for note in self.notes:
             print_error(note)
 

@@ -17,10 +17,11 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from agents.lab.commands.planners.runs import Errand
-from agents.mapf.graph import Graph, Integers
+from agents.mapf.graph import Graph
 from agents.mapf.lifelong import LifelongRun
 from agents.mapf.problem import Plan
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.world.tables import Integers
 
 MOVES = np.array(list("DRULW"))
 """The letters of N, E, S, W and waiting."""

@@ -10,7 +10,7 @@ import numpy as np
 
 from agents.errors import AgentError, PlanError, reason_of
 from agents.mapf.cbs import solve_cbs
-from agents.mapf.graph import CLOSED, FAR, Fields, Graph, Integers
+from agents.mapf.graph import CLOSED, FAR, Fields, Graph
 from agents.mapf.lacam import lacam
 from agents.mapf.pibt import pibt
 from agents.mapf.planner import Planner, Situation, check_step, solve_by_steps
@@ -19,6 +19,7 @@ from agents.mapf.problem import Problem, Solver
 from agents.mapf.time_limit import time_limit
 from agents.registry import PLANNERS, agent_file, make_planner
 from warehouse_core import Layout
+from warehouse_core.world.tables import Integers
 
 SOLVERS: dict[str, Solver] = {
     "pibt": pibt,
@@ -35,7 +36,9 @@ BOUND = "nobody in the way"
 """The name of ``Unhindered``."""
 
 
-def make_stepper(name: str, seed: int, layout: Layout, robots: int, seconds: float) -> Stepper:
+def make_stepper(
+    name: str, seed: int, layout: Layout, robots: int, seconds: float
+) -> CheckedPlanner:
     """Return a planner of step after step by a name of the registry.
 
     Raises:
@@ -44,7 +47,7 @@ def make_stepper(name: str, seed: int, layout: Layout, robots: int, seconds: flo
     made = make_planner(name, seed, layout, robots)
     if not isinstance(made, Planner):
         raise AgentError(f"planner {name!r} has no next_cells; it directs a fleet, not a problem")
-    return Stepper(made, name, Graph(layout), seconds)
+    return CheckedPlanner(made, name, Graph(layout), seconds)
 
 
 def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solver:
@@ -62,7 +65,7 @@ def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solve
     )
 
 
-class Stepper:
+class CheckedPlanner:
     """A planner whose steps are checked, and cut off when they take too long.
 
     All robots wait in a step that was cut off, and the planner is reset.

@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from agents.lab.parameters import PARAMETERS
 from agents.lab.reports.analysis import deliveries, fleets
-from agents.lab.reports.analysis.question import MAX_DESCRIBED, Point, Question
+from agents.lab.reports.analysis.question import MAX_DESCRIBED, FactorValue, Question
 from agents.lab.reports.analysis.results import LONE, Experiment
 from agents.lab.trials.wording import sentence
 from warehouse_core.wording import counted
@@ -47,7 +47,7 @@ def _apart(experiment: Experiment) -> Iterator[str]:
     labels, points = experiment.design.labels, []
     for case_id in list(labels)[:MAX_DESCRIBED]:
         name = experiment.design.name_of(case_id)
-        points.append(Point(name, case_id, experiment.results(case_id)))
+        points.append(FactorValue(name, case_id, experiment.results(case_id)))
     in_short, *_ = alone(points[0])
     yield APART if len(points) > 1 else in_short
     for point in points:

@@ -14,7 +14,7 @@ COLUMNS = ("steps", "seconds", "joules")
 """Costs of a delivery, compared where both cases deliver."""
 
 
-class Costs(NamedTuple):
+class PairedCosts(NamedTuple):
     """Mean costs of two cases over the seeds that both deliver.
 
     The difference is the mean of the second minus the first, seed by seed.
@@ -40,7 +40,7 @@ class Comparison(NamedTuple):
     only_second: int
     chance: float
     both: int
-    costs: dict[str, Costs]
+    costs: dict[str, PairedCosts]
 
     @property
     def seeds(self) -> int:
@@ -77,7 +77,7 @@ def compare(store: Store, first: int, second: int, pairs_to_choose: int = 1) -> 
     costs = {}
     for column, (one, other) in zip(COLUMNS, rows.T.reshape(len(COLUMNS), 2, -1), strict=True):
         if difference := mean_interval(other - one):
-            costs[column] = Costs(float(one.mean()), float(other.mean()), difference)
+            costs[column] = PairedCosts(float(one.mean()), float(other.mean()), difference)
     chance = float(binomtest(only_first, split).pvalue) if split else 1.0
     chance = min(pairs_to_choose * chance, 1.0)
     return Comparison(changes, only_first, only_second, chance, both, costs)

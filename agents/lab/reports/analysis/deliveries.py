@@ -7,13 +7,13 @@ from collections import Counter
 from collections.abc import Iterator, Sequence
 
 from agents.lab.parameters import shown
-from agents.lab.reports.analysis.comparison import Comparison, Costs, compare
+from agents.lab.reports.analysis.comparison import Comparison, PairedCosts, compare
 from agents.lab.reports.analysis.design import described
 from agents.lab.reports.analysis.question import (
     MAX_DESCRIBED,
     MAX_NAMED,
     MIN_CHANGE,
-    Point,
+    FactorValue,
     Question,
     no_common_seed,
     numbers,
@@ -36,7 +36,7 @@ def told(question: Question) -> Iterator[str]:
     """Answer a question: first the verdict, then the sentences that say how it is known."""
     line = question.line(question.main)
     pair, pairs = (line[0], line[-1]), 1
-    described_points: Sequence[Point] = pair
+    described_points: Sequence[FactorValue] = pair
     if not question.is_trend:
         line = question.ranked(question.main)
         # The best is compared with the next; that it beats the worst would say little.
@@ -57,7 +57,7 @@ def told(question: Question) -> Iterator[str]:
         yield elsewhere(question, line[0]) + _numbers(question, line)
 
 
-def alone(point: Point) -> Iterator[str]:
+def alone(point: FactorValue) -> Iterator[str]:
     """Describe one case: in short, and then by all sentences."""
     results = point.results
     episodes = counted(results.episodes, "episode")
@@ -66,7 +66,7 @@ def alone(point: Point) -> Iterator[str]:
     yield from costs_and_failures([point])
 
 
-def trend(line: Sequence[Point]) -> str:
+def trend(line: Sequence[FactorValue]) -> str:
     """Describe how success changes from the first value to the last."""
     first, last = line[0], line[-1]
     best, worst = (pick(line, key=lambda point: point.value) for pick in (max, min))
@@ -85,11 +85,11 @@ def trend(line: Sequence[Point]) -> str:
     return words
 
 
-def _at(point: Point) -> str:
+def _at(point: FactorValue) -> str:
     return f"{share(point.results.main)} at {point.name}"
 
 
-def ranking(ranked: Sequence[Point]) -> str:
+def ranking(ranked: Sequence[FactorValue]) -> str:
     """List the success with each value, the best first."""
     named = ranked if len(ranked) <= MAX_NAMED else [*ranked[: MAX_NAMED - 1], ranked[-1]]
     shares = [f"{share(point.results.main)} with {point.name}" for point in named]
@@ -97,7 +97,7 @@ def ranking(ranked: Sequence[Point]) -> str:
     return f"success is {listed(shares)}{left}"
 
 
-def seed_by_seed(one: Point, other: Point, found: Comparison) -> Iterator[str]:
+def seed_by_seed(one: FactorValue, other: FactorValue, found: Comparison) -> Iterator[str]:
     """Describe how two cases differ on the seeds that both have."""
     if not found.seeds:
         yield no_common_seed(one, other)
@@ -118,7 +118,7 @@ def seed_by_seed(one: Point, other: Point, found: Comparison) -> Iterator[str]:
             yield _costs(one, other, found.both, UNITS[column], costs)
 
 
-def costs_and_failures(line: Sequence[Point]) -> Iterator[str]:
+def costs_and_failures(line: Sequence[FactorValue]) -> Iterator[str]:
     """Give the mean costs of all deliveries with each value, and the shares of failure modes.
 
     Deliveries with one value may be only the easy ones.
@@ -151,7 +151,7 @@ def costs_and_failures(line: Sequence[Point]) -> Iterator[str]:
             yield f"failures{point.which} are {listed(parts)} ({counted(total, 'episode')})"
 
 
-def _conversion(one: Point, other: Point, found: Comparison) -> Iterator[str]:
+def _conversion(one: FactorValue, other: FactorValue, found: Comparison) -> Iterator[str]:
     """Describe what the commonest failures of the worse value become with the better one."""
     if found.only_first == found.only_second:
         return
@@ -172,7 +172,7 @@ def _conversion(one: Point, other: Point, found: Comparison) -> Iterator[str]:
     )
 
 
-def _costs(one: Point, other: Point, both: int, unit: str, costs: Costs) -> str:
+def _costs(one: FactorValue, other: FactorValue, both: int, unit: str, costs: PairedCosts) -> str:
     digits = 0 if max(costs.first, costs.second) >= 1000 else 1
     means = (
         f"where both deliver ({counted(both, 'seed')}), it takes {costs.first:,.{digits}f} {unit} "
@@ -187,7 +187,7 @@ def _costs(one: Point, other: Point, both: int, unit: str, costs: Costs) -> str:
     return f"{means}: {other.name} takes {more}"
 
 
-def _changes(question: Question, _: Point) -> str:
+def _changes(question: Question, _: FactorValue) -> str:
     """Give the range of the change of success in the other series."""
     changes = []
     for each in question.others:
@@ -204,7 +204,7 @@ def _changes(question: Question, _: Point) -> str:
     )
 
 
-def _best_elsewhere(question: Question, best: Point) -> str:
+def _best_elsewhere(question: Question, best: FactorValue) -> str:
     """Give the range of the lead of the best value, or of the hardest, in the other series."""
     leads = []
     for each in question.others:
@@ -226,7 +226,7 @@ def _best_elsewhere(question: Question, best: Point) -> str:
     )
 
 
-def _numbers(question: Question, line: Sequence[Point]) -> str:
+def _numbers(question: Question, line: Sequence[FactorValue]) -> str:
     """Give the numbers of episodes of the other series if a line does not have the same."""
     there = {
         point.results.episodes for series in question.others for point in question.line(series)

@@ -50,7 +50,7 @@ class Factor:
         return self.is_numeric or self.name == "size"
 
 
-class Series(NamedTuple):
+class CaseSeries(NamedTuple):
     """Cases that differ in one factor alone, by its values, and the values of the other factors."""
 
     others: Labels
@@ -68,7 +68,7 @@ class Design:
     factors: tuple[Factor, ...]
     fixed: Labels
 
-    def series(self, factor: Factor) -> list[Series]:
+    def series(self, factor: Factor) -> list[CaseSeries]:
         """Return every series of a factor, the one nearest to the defaults first."""
         others = [each.name for each in self.factors if each != factor]
         exact: dict[Combination, list[int]] = {}
@@ -84,7 +84,9 @@ class Design:
             }
             if len(cases) > 1:
                 labels = dict(zip(others, combination, strict=True))
-                series.append(Series(labels, {v: cases[v] for v in factor.values if v in cases}))
+                series.append(
+                    CaseSeries(labels, {v: cases[v] for v in factor.values if v in cases})
+                )
         return sorted(series, key=lambda each: -_defaults_in(each.others))
 
     def name_of(self, case_id: int) -> str:

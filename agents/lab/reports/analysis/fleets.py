@@ -13,17 +13,17 @@ from agents.lab.reports.analysis.question import (
     MAX_DESCRIBED,
     MAX_NAMED,
     MIN_CHANGE,
-    Point,
+    FactorValue,
     Question,
     no_common_seed,
     numbers,
 )
-from agents.lab.reports.analysis.results import BLOCKED, ENERGY, ON_TIME, Measure
+from agents.lab.reports.analysis.results import BLOCKED, ENERGY, ON_TIME, ReportedMeasure
 from agents.lab.trials.interval import Interval, mean_interval
 from agents.lab.trials.wording import mean, percent, share
 from warehouse_core.wording import counted, listed
 
-Line = Sequence[Point]
+FactorCurve = Sequence[FactorValue]
 
 PAIRS = """
 SELECT a.per_hour - b.per_hour FROM shifts a JOIN shifts b ON b.seed = a.seed
@@ -38,7 +38,7 @@ def told(question: Question) -> Iterator[str]:
     yield question.where + _verdict(question, line)
     if question.is_trend:
         yield question.where + trend(line)
-        described_points: Line = list(dict.fromkeys((line[0], ranked[0], line[-1])))
+        described_points: FactorCurve = list(dict.fromkeys((line[0], ranked[0], line[-1])))
     else:
         listing = [f"{_rate(point)} with {point.name}" for point in ranked[:MAX_NAMED]]
         yield f"{question.where}{most} are delivered with {ranked[0].name}: {listed(listing)}"
@@ -57,7 +57,7 @@ def told(question: Question) -> Iterator[str]:
         yield f"elsewhere {most} are delivered with {'; '.join(parts)}{more}"
 
 
-def alone(point: Point) -> Iterator[str]:
+def alone(point: FactorValue) -> Iterator[str]:
     """Describe one case: in short, and then by all sentences."""
     yield f"{_rate(point)} are delivered"
     episodes = counted(point.results.episodes, "episode")
@@ -65,7 +65,7 @@ def alone(point: Point) -> Iterator[str]:
     yield from _measures([point])
 
 
-def _verdict(question: Question, line: Line) -> str:
+def _verdict(question: Question, line: FactorCurve) -> str:
     """Return the verdict on a factor, whose points are in the order of its values."""
     words = question.verdict(
         lambda value: mean(Interval(value), ""), "the number of items an hour", "items an hour"
@@ -85,7 +85,7 @@ def _verdict(question: Question, line: Line) -> str:
     return f"more than {shown(enough)} are too many: {words}"
 
 
-def _is_better(one: Point, other: Point) -> bool:
+def _is_better(one: FactorValue, other: FactorValue) -> bool:
     """Return whether more is delivered, seed by seed, or by the intervals if that is unknown."""
     difference = _difference(one, other)
     if difference is None or not difference.is_known:
@@ -93,7 +93,7 @@ def _is_better(one: Point, other: Point) -> bool:
     return difference.low > 0
 
 
-def trend(line: Line) -> str:
+def trend(line: FactorCurve) -> str:
     """Describe how deliveries change from the first value to the last."""
     first, last, best = line[0], line[-1], max(line, key=lambda point: point.value)
     if best.value - min(point.value for point in line) < MIN_CHANGE * best.value:
@@ -113,7 +113,7 @@ def trend(line: Line) -> str:
     return words
 
 
-def seed_by_seed(one: Point, other: Point) -> Iterator[str]:
+def seed_by_seed(one: FactorValue, other: FactorValue) -> Iterator[str]:
     """Describe how the deliveries of two cases differ on the seeds that both have."""
     difference = _difference(one, other)
     if difference is None:
@@ -128,13 +128,13 @@ def seed_by_seed(one: Point, other: Point) -> Iterator[str]:
         yield f"seed by seed, {one.name} against {other.name}: {words}"
 
 
-def _difference(one: Point, other: Point) -> Interval | None:
+def _difference(one: FactorValue, other: FactorValue) -> Interval | None:
     """Return how many items an hour more are delivered, ``None`` without a common seed."""
     rows = one.results.store.query(PAIRS, one.case_id, other.case_id)
     return mean_interval(np.fromiter((value for (value,) in rows), dtype=float))
 
 
-def _measures(line: Line) -> Iterator[str]:
+def _measures(line: FactorCurve) -> Iterator[str]:
     """Give punctuality, energy, traffic and modes with each value."""
     yield from _each(line, ON_TIME, share, "the share on time is")
     yield from _each(line, ENERGY, lambda interval: mean(interval, "kJ"), "a delivery costs")
@@ -149,7 +149,7 @@ def _measures(line: Line) -> Iterator[str]:
 
 
 def _each(
-    line: Line, measure: Measure, words: Callable[[Interval], str], about: str
+    line: FactorCurve, measure: ReportedMeasure, words: Callable[[Interval], str], about: str
 ) -> Iterator[str]:
     intervals = [(point, point.results.interval(measure)) for point in line]
     parts = [f"{words(interval)}{point.which}" for point, interval in intervals if interval]
@@ -157,9 +157,9 @@ def _each(
         yield f"{about} {listed(parts)}"
 
 
-def _rate(point: Point) -> str:
+def _rate(point: FactorValue) -> str:
     return mean(point.results.main, "an hour")
 
 
-def _at(point: Point) -> str:
+def _at(point: FactorValue) -> str:
     return f"{_rate(point)} at {point.name}"

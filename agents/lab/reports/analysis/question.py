@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 from agents.lab.parameters import shown
 from agents.lab.reports.analysis import verdicts
-from agents.lab.reports.analysis.design import Factor, Series, described
+from agents.lab.reports.analysis.design import CaseSeries, Factor, described
 from agents.lab.reports.analysis.results import Experiment, Results
 from warehouse_core.wording import counted, listed
 
@@ -29,7 +29,7 @@ MIN_CHANGE = 0.01
 """Smallest change of the main measure that is reported as one."""
 
 
-class Point(NamedTuple):
+class FactorValue(NamedTuple):
     """A value of the factor in question: its name, such as ``battery 20``, and its case.
 
     The name is empty if nothing differs.
@@ -55,8 +55,8 @@ class Question(NamedTuple):
 
     experiment: Experiment
     factor: Factor
-    main: Series
-    others: Sequence[Series]
+    main: CaseSeries
+    others: Sequence[CaseSeries]
 
     @property
     def is_trend(self) -> bool:
@@ -73,14 +73,16 @@ class Question(NamedTuple):
         """The other settings of the main series, as the beginning of a sentence."""
         return f"with {described(self.main.others)}, " if described(self.main.others) else ""
 
-    def line(self, series: Series) -> list[Point]:
+    def line(self, series: CaseSeries) -> list[FactorValue]:
         """Return the points of a series, in the order of the values of the factor."""
         return [
-            Point(f"{self.factor.name} {shown(value)}", case_id, self.experiment.results(case_id))
+            FactorValue(
+                f"{self.factor.name} {shown(value)}", case_id, self.experiment.results(case_id)
+            )
             for value, case_id in series.cases.items()
         ]
 
-    def ranked(self, series: Series) -> list[Point]:
+    def ranked(self, series: CaseSeries) -> list[FactorValue]:
         """Return the points of a series, the first in question first."""
         line = self.line(series)
         return sorted(line, key=lambda point: point.value, reverse=not self.is_hardest)
@@ -100,7 +102,7 @@ class Question(NamedTuple):
         """
         line = self.line(self.main) if self.is_trend else self.ranked(self.main)
         places = [
-            verdicts.Place(point.name, point.results.main, words(point.value)) for point in line
+            verdicts.Standing(point.name, point.results.main, words(point.value)) for point in line
         ]
         if self.is_trend:
             return verdicts.trend(measure, places, is_clear=is_clear)
@@ -108,7 +110,7 @@ class Question(NamedTuple):
         return verdicts.ranking(places, verbs, unit, is_clear=is_clear)
 
 
-def numbers(line: Sequence[Point]) -> Iterator[str]:
+def numbers(line: Sequence[FactorValue]) -> Iterator[str]:
     """Give the number of episodes with each value if that differs: few prove less than many."""
     ranked = sorted(line, key=lambda point: -point.results.episodes)
     most, fewest = (counted(ranked[end].results.episodes, "episode") for end in (0, -1))
@@ -121,6 +123,6 @@ def numbers(line: Sequence[Point]) -> Iterator[str]:
         yield f"there are {listed(parts)}"
 
 
-def no_common_seed(one: Point, other: Point) -> str:
+def no_common_seed(one: FactorValue, other: FactorValue) -> str:
     """Say that two cases cannot be compared seed by seed."""
     return f"{one.name} and {other.name} share no seed, so they are not compared seed by seed"

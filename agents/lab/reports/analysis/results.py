@@ -21,7 +21,7 @@ from warehouse_core.records.episode import DELIVERED
 CaseIds = tuple[int, ...]
 
 
-class Measure(NamedTuple):
+class ReportedMeasure(NamedTuple):
     """A number that reports give: in the table, in a chart, and in sentences.
 
     Attributes:
@@ -46,34 +46,40 @@ class Measure(NamedTuple):
         return share if self.unit == "%" else lambda interval: mean(interval, "")
 
 
-SUCCESS = Measure(
+SUCCESS = ReportedMeasure(
     "success", "success", "Delivered", "%", f"mode = '{DELIVERED}'", "share of all episodes"
 )
-STEPS = Measure("steps", "steps", "Steps of a delivery", "steps", "steps")
-SECONDS = Measure("seconds", "seconds", "Time of a delivery", "s", "seconds", is_physical=True)
-JOULES = Measure("joules", "joules", "Energy of a delivery", "J", "joules", is_physical=True)
+STEPS = ReportedMeasure("steps", "steps", "Steps of a delivery", "steps", "steps")
+SECONDS = ReportedMeasure(
+    "seconds", "seconds", "Time of a delivery", "s", "seconds", is_physical=True
+)
+JOULES = ReportedMeasure(
+    "joules", "joules", "Energy of a delivery", "J", "joules", is_physical=True
+)
 
 MEAN = "mean of all episodes"
 STOPPED = "blocked_by_wall + blocked_by_robot + blocked_by_person"
-PER_HOUR = Measure("per_hour", "items an hour", "Delivered in an hour", "items", "per_hour", MEAN)
-ON_TIME = Measure(
+PER_HOUR = ReportedMeasure(
+    "per_hour", "items an hour", "Delivered in an hour", "items", "per_hour", MEAN
+)
+ON_TIME = ReportedMeasure(
     "on_time", "on time", "Delivered on time", "%", "on_time", f"share of the deliveries, {MEAN}"
 )
-LATENESS = Measure(
+LATENESS = ReportedMeasure(
     "lateness", "lateness", "Lateness of a delivery", "steps", "mean_lateness",
     f"0 if it is on time, {MEAN}",
 )  # fmt: skip
-ENERGY = Measure(
+ENERGY = ReportedMeasure(
     "energy", "kJ each", "Energy of a delivery", "kJ", "joules_per_delivery / 1000",
     f"that of all robots, {MEAN}",
 )  # fmt: skip
-BLOCKED = Measure(
+BLOCKED = ReportedMeasure(
     "blocked", "blocked", "Moves that other robots blocked", "%",
     f"blocked_by_robot * 1.0 / nullif(distance + {STOPPED}, 0)", MEAN,
 )  # fmt: skip
 
 
-class Kind(NamedTuple):
+class ReportKind(NamedTuple):
     """What reports on lone robots, or on fleets, are made of.
 
     Attributes:
@@ -85,17 +91,17 @@ class Kind(NamedTuple):
 
     name: str
     row: type[AnyRow]
-    measures: tuple[Measure, ...]
+    measures: tuple[ReportedMeasure, ...]
     counted: str
     counts: str
     modes: tuple[str, str]
 
 
-LONE = Kind(
+LONE = ReportKind(
     "", Row, (SUCCESS, STEPS, SECONDS, JOULES), f"mode = '{DELIVERED}'", "were delivered",
     ("modes", "What became of the episodes"),
 )  # fmt: skip
-FLEETS = Kind(
+FLEETS = ReportKind(
     " of fleets", FleetRow, (PER_HOUR, ON_TIME, LATENESS, ENERGY, BLOCKED), "TRUE", "were run",
     ("fleet-modes", "What became of the fleets"),
 )  # fmt: skip
@@ -121,14 +127,14 @@ class Results:
         self.episodes, self.seeds = modes.total(), (min(ends), max(ends))
         self.modes = {mode: modes[mode] for mode in MODES_OF[self.kind.row] if mode in modes}
         self.is_measured = all(experiment.cases[each]["backend"] != "grid" for each in case_ids)
-        self._intervals: dict[Measure, Interval | None] = {}
+        self._intervals: dict[ReportedMeasure, Interval | None] = {}
 
     @property
     def count(self) -> int:
         """The number of episodes that a mean is taken over."""
         return self.modes.get(DELIVERED, 0) if self.kind is LONE else self.episodes
 
-    def interval(self, measure: Measure) -> Interval | None:
+    def interval(self, measure: ReportedMeasure) -> Interval | None:
         """Return the mean or the share of a measure; ``None`` if there is nothing to measure."""
         if measure not in self._intervals:
             if measure is SUCCESS:
@@ -173,7 +179,7 @@ class Experiment:
         unbegun: Number of cases of this kind without an episode.
     """
 
-    def __init__(self, store: Store, kind: Kind) -> None:
+    def __init__(self, store: Store, kind: ReportKind) -> None:
         self.store, self.kind = store, kind
         store.check_rows()
         self.tallies: dict[int, list[tuple[Any, ...]]] = {}

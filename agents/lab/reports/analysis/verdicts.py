@@ -19,7 +19,7 @@ MAX_FIRST = 3
 """Most first ones that are named if they cannot be told apart."""
 
 
-class Place(NamedTuple):
+class Standing(NamedTuple):
     """A value of the factor in question, such as ``battery 20``, its result, and that as text."""
 
     name: str
@@ -28,7 +28,7 @@ class Place(NamedTuple):
 
 
 def ranking(
-    ranked: Sequence[Place], verbs: tuple[str, str], unit: str, *, is_clear: bool | None = None
+    ranked: Sequence[Standing], verbs: tuple[str, str], unit: str, *, is_clear: bool | None = None
 ) -> str:
     """Return which of two places or more is the first, or which ones cannot be told apart.
 
@@ -56,7 +56,7 @@ def ranking(
     return f"{listed(names)} {verbs[1]}, too close to tell apart: {words} {unit}, {against}"
 
 
-def trend(measure: str, line: Sequence[Place], *, is_clear: bool | None = None) -> str:
+def trend(measure: str, line: Sequence[Standing], *, is_clear: bool | None = None) -> str:
     """Return whether a measure rises or falls along a factor, or has its best or worst between.
 
     It is clear if the ends differ, and ``None`` if only their intervals tell.
@@ -77,12 +77,12 @@ def trend(measure: str, line: Sequence[Place], *, is_clear: bool | None = None) 
     return f"no clear change: {measure} is {both}"
 
 
-def _differ(one: Place, other: Place) -> bool:
+def _differ(one: Standing, other: Standing) -> bool:
     """Return whether the intervals of two results have nothing in common."""
     return one.result.high < other.result.low or other.result.high < one.result.low
 
 
-def _ends(ranked: Sequence[Place], unit: str) -> str:
+def _ends(ranked: Sequence[Standing], unit: str) -> str:
     """Return the first and the last result."""
     first, last = ranked[0], ranked[-1]
     start, joint = ("", "and") if len(ranked) == 2 else ("from ", "to")

@@ -15,7 +15,7 @@ from agents.errors import StoreError
 from agents.lab.experiments.store import Store
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.records.failure_modes import MODES
-from warehouse_core.viz.axes.heat_map import Counts, heat_map
+from warehouse_core.viz.axes.heat_map import CellCounts, heat_map
 
 STUCK = f"""
 SELECT mode, row, col, count(*) FROM episodes
@@ -24,12 +24,14 @@ GROUP BY mode, row, col
 """
 
 
-def stuck_cells(store: Store, rows: Sequence[str], case_ids: Sequence[int]) -> dict[str, Counts]:
+def stuck_cells(
+    store: Store, rows: Sequence[str], case_ids: Sequence[int]
+) -> dict[str, CellCounts]:
     """Count the cells ``[H, W]`` where episodes ended or were stuck, by mode in their usual order.
 
     An episode that was stuck where the layout of the cases has no cell is a ``StoreError``.
     """
-    stuck: dict[str, Counts] = {}
+    stuck: dict[str, CellCounts] = {}
     for mode, row, col, count in store.query(STUCK, json.dumps(list(case_ids))):
         counts = stuck.setdefault(mode, np.zeros((len(rows), len(rows[0])), dtype=np.int64))
         if not (0 <= row < len(rows) and 0 <= col < len(rows[0])):
@@ -40,7 +42,7 @@ def stuck_cells(store: Store, rows: Sequence[str], case_ids: Sequence[int]) -> d
 
 def stuck_heat_map(
     rows: Sequence[str],
-    stuck: Mapping[str, Counts],
+    stuck: Mapping[str, CellCounts],
     episodes: int,
     *,
     with_stations: bool = False,

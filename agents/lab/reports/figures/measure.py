@@ -16,7 +16,7 @@ from matplotlib.ticker import PercentFormatter
 
 from agents.lab.parameters import Value, shown
 from agents.lab.reports.analysis.design import Design, Factor
-from agents.lab.reports.analysis.results import Experiment, Measure, Results
+from agents.lab.reports.analysis.results import Experiment, ReportedMeasure, Results
 from agents.lab.reports.figures.panels import (
     PANELS_A_ROW,
     SMALL,
@@ -44,7 +44,7 @@ DODGE = 0.012
 
 @mpl.rc_context({"text.parse_math": False})
 def measure_chart(
-    experiment: Experiment, design: Design, title: str, measure: Measure
+    experiment: Experiment, design: Design, title: str, measure: ReportedMeasure
 ) -> SceneFigure | None:
     """Draw a measure with its intervals, unless nothing differs or there is nothing to measure."""
     roles = roles_of(design)
@@ -87,7 +87,7 @@ def measure_chart(
     return figure
 
 
-def measured(measure: Measure, results: Results) -> Interval | None:
+def measured(measure: ReportedMeasure, results: Results) -> Interval | None:
     """Return a measure, without its interval if cases are pooled: they share their seeds."""
     interval = results.interval(measure)
     if interval is None or len(results.case_ids) == 1:

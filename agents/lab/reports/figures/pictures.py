@@ -8,7 +8,7 @@ from dataclasses import dataclass
 from agents.lab.experiments.case import TILES, cells_of
 from agents.lab.parameters import shown
 from agents.lab.reports.analysis.design import Design, make_design
-from agents.lab.reports.analysis.results import LONE, SUCCESS, Experiment, Measure, Results
+from agents.lab.reports.analysis.results import LONE, SUCCESS, Experiment, ReportedMeasure, Results
 from agents.lab.reports.figures.dark import themed_svg
 from agents.lab.reports.figures.heat_map import stuck_cells, stuck_heat_map
 from agents.lab.reports.figures.measure import measure_chart, measured
@@ -60,7 +60,7 @@ def pictures(experiment: Experiment) -> Iterator[Picture]:
 
 
 def _chart(
-    experiment: Experiment, design: Design, measure: Measure, title: str
+    experiment: Experiment, design: Design, measure: ReportedMeasure, title: str
 ) -> Iterator[Picture]:
     """Yield the chart of a measure if it has something to show."""
     chart = measure_chart(experiment, design, title, measure)
@@ -78,7 +78,7 @@ def _points(experiment: Experiment, design: Design) -> list[Results]:
     return [results for line in lines for results in line.values()]
 
 
-def _intervals(points: Sequence[Results], measure: Measure) -> str:
+def _intervals(points: Sequence[Results], measure: ReportedMeasure) -> str:
     """Return which intervals a chart shows, and why some points have none."""
     drawn = [(each, interval) for each in points if (interval := measured(measure, each))]
     known = any(interval.is_known for _, interval in drawn)

@@ -11,16 +11,16 @@ from matplotlib.backend_bases import KeyEvent
 from PIL import Image
 
 from agents.lab.commands import play as module
-from agents.lab.commands.play import Driver
+from agents.lab.commands.play import KeyDriver
 from agents.lab.place import Place
 from warehouse_core import Episode, WarehouseEnv, replay_episode
 from warehouse_core.viz.figure import SceneFigure
 
 
 @pytest.fixture
-def driver() -> Driver:
+def driver() -> KeyDriver:
     # This seed puts the robot at (1, 1), P below it at (2, 1) and D beside that at (2, 2).
-    return Driver(WarehouseEnv(ROOM, max_steps=8), SEED, Place(ROOM, None, True))
+    return KeyDriver(WarehouseEnv(ROOM, max_steps=8), SEED, Place(ROOM, None, True))
 
 
 SEED = 4
@@ -43,7 +43,7 @@ def no_windows_left() -> object:
     plt.close("all")
 
 
-def test_the_first_frame_explains_the_keys(driver: Driver) -> None:
+def test_the_first_frame_explains_the_keys(driver: KeyDriver) -> None:
     words = words_in(driver.figure)
     assert "step 0 of 8" in words
     assert any(text.startswith("arrows or NESW move, P picks, D drops") for text in words)
@@ -58,7 +58,7 @@ def test_the_first_frame_explains_the_keys(driver: Driver) -> None:
         ["N", "E", "S", "W", "P", "D", " "],
     ],
 )
-def test_a_key_is_an_action(driver: Driver, keys: list[str]) -> None:
+def test_a_key_is_an_action(driver: KeyDriver, keys: list[str]) -> None:
     press(driver.figure, *keys, "x", "ctrl+p", "shift", "f", "home", "1", None)
     assert driver.episode.actions == ["N", "E", "S", "W", "PICK", "DROP", "WAIT"]
     assert driver.episode.reasons == ["key"] * 7
@@ -67,7 +67,7 @@ def test_a_key_is_an_action(driver: Driver, keys: list[str]) -> None:
 
 
 @pytest.mark.parametrize(("key", "steps"), [("enter", 12), ("return", 3)])
-def test_enter_starts_again_from_the_next_seed(driver: Driver, key: str, steps: int) -> None:
+def test_enter_starts_again_from_the_next_seed(driver: KeyDriver, key: str, steps: int) -> None:
     press(driver.figure, *[" "] * steps)
     ended = min(steps, 8)
     assert driver.episode.actions == ["WAIT"] * ended
@@ -84,20 +84,20 @@ def test_enter_starts_again_from_the_next_seed(driver: Driver, key: str, steps: 
     assert driver.episode.actions == ["N"]
 
 
-def test_a_delivery_ends_a_game(driver: Driver) -> None:
+def test_a_delivery_ends_a_game(driver: KeyDriver) -> None:
     press(driver.figure, *DELIVERY)
     words = "delivered in 4 steps; the shortest way takes 4, Enter starts seed 5"
     assert {"DELIVERED", words} <= {*words_in(driver.figure)}
 
 
-def test_a_game_is_an_episode_that_can_be_replayed(driver: Driver) -> None:
+def test_a_game_is_an_episode_that_can_be_replayed(driver: KeyDriver) -> None:
     press(driver.figure, "up", "down", "right", "p", "left", " ")
     assert driver.episode.outcome == "unfinished"
     assert replay_episode(driver.episode) == driver.episode
 
 
 @pytest.mark.parametrize("key", ["Q", "escape"])
-def test_the_window_closes(driver: Driver, key: str) -> None:
+def test_the_window_closes(driver: KeyDriver, key: str) -> None:
     assert plt.get_fignums()
     press(driver.figure, key)
     assert plt.get_fignums() == []

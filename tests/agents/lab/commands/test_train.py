@@ -14,11 +14,11 @@ from PIL import Image
 from agents.lab.commands import train
 from agents.lab.commands.train import Training, comparison_table, fill_table
 from agents.lab.training import curve, exams
-from agents.lab.training.exams import Point
+from agents.lab.training.exams import ExamPoint
 from agents.lab.trials.random_layouts import RandomLayouts
 from agents.lab.trials.scores import Scores
 from agents.lab.trials.task import Task
-from agents.learning.learner import MakeAgent, Watch
+from agents.learning.learner import MakeAgent, WatchTraining
 from agents.learning.q_learning import QTable
 from agents.learning.q_table import load_table
 from warehouse_core import Layout, Observation
@@ -37,11 +37,11 @@ def room(monkeypatch: pytest.MonkeyPatch) -> None:
 
 
 @pytest.fixture
-def curves(monkeypatch: pytest.MonkeyPatch) -> list[list[Point]]:
+def curves(monkeypatch: pytest.MonkeyPatch) -> list[list[ExamPoint]]:
     """Return a list that collects the points of each learning curve, which is not drawn."""
-    drawn: list[list[Point]] = []
+    drawn: list[list[ExamPoint]] = []
 
-    def draw(path: Path, name: str, title: str, points: list[Point], greedy: Scores) -> None:
+    def draw(path: Path, name: str, title: str, points: list[ExamPoint], greedy: Scores) -> None:
         assert len(greedy.rows) == 4
         drawn.append(points)
         path.write_text(f"{name}: {title}")
@@ -61,10 +61,12 @@ class Waiter:
         return "WAIT"
 
 
-def learner(*steps: int, ends: type[BaseException] | None = None) -> Callable[[Watch], MakeAgent]:
+def learner(
+    *steps: int, ends: type[BaseException] | None = None
+) -> Callable[[WatchTraining], MakeAgent]:
     """Return a learner that calls ``watch`` after these steps, and that may end with an error."""
 
-    def learn(watch: Watch) -> MakeAgent:
+    def learn(watch: WatchTraining) -> MakeAgent:
         for taken in steps:
             watch(taken, 0.5, Waiter)
         if ends:
@@ -86,7 +88,7 @@ def files() -> list[str]:
 
 
 def test_the_files_are_written_and_reported(
-    capsys: pytest.CaptureFixture[str], curves: list[list[Point]]
+    capsys: pytest.CaptureFixture[str], curves: list[list[ExamPoint]]
 ) -> None:
     training = Training("Waiting", TASK, 1000, 7, Path("x.npz"))
     training.run(learner(500, 1020), {".npz": write, ".zip": write})
@@ -103,7 +105,7 @@ def test_the_files_are_written_and_reported(
 
 
 def test_in_random_layouts_the_comparison_names_them(
-    capsys: pytest.CaptureFixture[str], curves: list[list[Point]]
+    capsys: pytest.CaptureFixture[str], curves: list[list[ExamPoint]]
 ) -> None:
     task = Task(RandomLayouts(5, 6, 0.2, 0.2), max_steps=5)
     Training("X", task, 1000, 1, Path("x.npz")).run(learner(1000), {".npz": write})
@@ -135,7 +137,7 @@ def test_an_interrupt_saves_an_agent_that_was_examined_and_a_fault_does_not(
 
 
 def test_the_agent_is_saved_before_the_comparison(
-    curves: list[list[Point]], monkeypatch: pytest.MonkeyPatch
+    curves: list[list[ExamPoint]], monkeypatch: pytest.MonkeyPatch
 ) -> None:
     def interrupted(*_: Any) -> None:
         raise KeyboardInterrupt
@@ -189,7 +191,7 @@ def test_a_table_is_trained_and_run(warehouse: Warehouse) -> None:
     )
 
 
-def test_the_seed_repeats_a_training(warehouse: Warehouse, curves: list[list[Point]]) -> None:
+def test_the_seed_repeats_a_training(warehouse: Warehouse, curves: list[list[ExamPoint]]) -> None:
     for seed, name in ((3, "a.npz"), (3, "b.npz"), (4, "c.npz")):
         warehouse(*WORDS, "--steps", 300, "--seed", seed, "--output", name)
     assert load_table("a.npz")[0] == load_table("b.npz")[0] != load_table("c.npz")[0]
@@ -197,7 +199,7 @@ def test_the_seed_repeats_a_training(warehouse: Warehouse, curves: list[list[Poi
 
 
 def test_battery_and_steps_limit_the_training(
-    warehouse: Warehouse, curves: list[list[Point]]
+    warehouse: Warehouse, curves: list[list[ExamPoint]]
 ) -> None:
     # With three steps nothing can be delivered, so no value is above that of the pick.
     for option in ("--battery", "--max-steps"):

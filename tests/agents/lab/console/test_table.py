@@ -2,9 +2,9 @@
 
 import pytest
 
-from agents.lab.console.table import Table, print_table
+from agents.lab.console.table import TextTable, print_table
 
-TABLE = Table(
+TABLE = TextTable(
     ("agent", "steps\n(all)", "command"),
     [("greedy [0]", "12.5\n(9 to 16)", "warehouse run"), ("uniform-cost", "9", "none")],
     "2 episodes each",

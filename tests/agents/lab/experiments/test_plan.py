@@ -5,10 +5,17 @@ from typing import Any
 import pytest
 
 from agents.errors import ParameterError
-from agents.lab.experiments.plan import MAX_CASES, MAX_EPISODES, MAX_SEED, Plan, make_plan, spread
+from agents.lab.experiments.plan import (
+    MAX_CASES,
+    MAX_EPISODES,
+    MAX_SEED,
+    SweepPlan,
+    make_plan,
+    spread,
+)
 
 
-def values_of(name: str, plan: Plan) -> list[Any]:
+def values_of(name: str, plan: SweepPlan) -> list[Any]:
     return [case[name] for case in plan.cases]
 
 

@@ -11,7 +11,7 @@ from helpers.sweeps import AGENT, Here, nothing, table
 
 from agents.errors import StoreError, WorkerError
 from agents.lab.experiments.episodes import run_task
-from agents.lab.experiments.plan import Plan, make_plan
+from agents.lab.experiments.plan import SweepPlan, make_plan
 from agents.lab.experiments.running import (
     MAX_FAILURES,
     MAX_SUSPECTS,
@@ -60,13 +60,15 @@ class LastFirst(Here):
         return future
 
 
-def run(executor: Executor, plan: Plan = PLAN, workers: int = 2, path: Path = PATH) -> list[Any]:
+def run(
+    executor: Executor, plan: SweepPlan = PLAN, workers: int = 2, path: Path = PATH
+) -> list[Any]:
     with Store(path) as store:
         run_missing(plan, store, executor, workers, nothing)
     return table(path)
 
 
-def failures_of(executor: Executor, plan: Plan, workers: int = 1) -> list[str]:
+def failures_of(executor: Executor, plan: SweepPlan, workers: int = 1) -> list[str]:
     """Run a plan and return the messages of failures."""
     messages: list[str] = []
 
@@ -79,7 +81,7 @@ def failures_of(executor: Executor, plan: Plan, workers: int = 1) -> list[str]:
     return messages
 
 
-def seeds_done(plan: Plan) -> list[set[int]]:
+def seeds_done(plan: SweepPlan) -> list[set[int]]:
     """Return the seeds that are stored, for each case of a plan."""
     with Store(PATH) as store:
         return [store.seeds_done(store.case_id(case), plan.seeds) for case in plan.cases]
@@ -102,7 +104,7 @@ def test_processes_threads_and_any_order_give_the_same_rows(expected: list[Any])
         assert workers == 2
         for number, executor in enumerate((processes, threads, LastFirst())):
             assert run(executor, path=Path(f"{number}.sqlite")) == expected
-    backwards = Plan(PLAN.cases[::-1], PLAN.episodes, PLAN.seed)
+    backwards = SweepPlan(PLAN.cases[::-1], PLAN.episodes, PLAN.seed)
     assert run(Here(), backwards, path=Path("backwards.sqlite")) == expected
 
 
@@ -144,7 +146,7 @@ def test_rows_of_an_agent_that_draws_from_global_streams_depend_on_the_seed_alon
     assert len({row.reward for row in together}) > 3
 
 
-def plan_of(begin: str = "pass", act: str = "pass") -> Plan:
+def plan_of(begin: str = "pass", act: str = "pass") -> SweepPlan:
     """Return a plan of ten episodes for two agents; with seed 7 the second runs this code."""
     file = Path("agent.py")
     begin, act = f"if seed == 7: {begin}", f"if self.seed == 7: {act}"
@@ -355,7 +357,7 @@ def test_processes_end_without_warnings_while_tasks_are_waiting() -> None:
 
     # An error in a thread of the pool would be a warning, and that fails the test.
     sleeper = plan_of(act="__import__('time').sleep(60)").cases[1]
-    plan = Plan((sleeper,), 20, 0)
+    plan = SweepPlan((sleeper,), 20, 0)
     with Store(PATH) as store, pytest.raises(KeyboardInterrupt):  # noqa: SIM117
         with process_pool(1) as (executor, _):
             run_missing(plan, store, executor, 20, report)

@@ -7,11 +7,11 @@ import pytest
 from helpers.submissions import RUBRIC, write_rubric
 
 from agents.errors import GradeError
-from agents.lab.grading.cases import Case
+from agents.lab.grading.cases import GradedCase
 from agents.lab.grading.criteria import MEASURES, Criterion
 from agents.lab.grading.grading import grade
 from agents.lab.grading.rubric import CASE, LIMITS, MINI_LAB, load_rubric
-from agents.lab.grading.sandbox import Limits
+from agents.lab.grading.sandbox import AgentLimits
 from agents.lab.grading.submissions import find_submission
 
 LINE = 1 + RUBRIC.splitlines().index("[cases.chapter]")
@@ -76,8 +76,8 @@ def test_points_grow_evenly_from_zero_to_full(
 
 
 def test_every_key_of_a_rubric_is_checked() -> None:
-    assert CASE.keys() == {field.name for field in fields(Case)} - {"name"}
-    assert LIMITS.keys() == set(Limits._fields)
+    assert CASE.keys() == {field.name for field in fields(GradedCase)} - {"name"}
+    assert LIMITS.keys() == set(AgentLimits._fields)
 
 
 def test_the_digest_of_a_rubric_has_that_of_its_layouts(tmp_path: Path) -> None:

@@ -22,7 +22,7 @@ from helpers.submissions import (
 from agents.errors import GradeError
 from agents.lab.grading import sandbox
 from agents.lab.grading.gradescope import results_of
-from agents.lab.grading.grading import Report, grade
+from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import load_rubric
 from agents.lab.grading.submissions import find_submission, in_folder
 
@@ -48,7 +48,7 @@ HIDDEN = re.sub(
 
 def grade_source(
     folder: Path, source: str, rubric: str = RUBRIC, user: str | None = None
-) -> Report:
+) -> GradeReport:
     file = folder / "agent.py"
     file.write_text(source, encoding="utf-8")
     return grade(find_submission(str(file)), load_rubric(write_rubric(folder, rubric)), user)

@@ -15,7 +15,7 @@ from agents.lab.experiments.episodes import run_one as run_whole
 from agents.lab.experiments.episodes import run_task
 from agents.lab.experiments.store import Store
 from agents.lab.reports import examples
-from agents.lab.reports.examples import Example, Found, find_examples, replay
+from agents.lab.reports.examples import Example, FoundEpisode, find_examples, replay
 from warehouse_core import Episode
 from warehouse_core.records.failure_modes import MODES
 
@@ -26,7 +26,7 @@ def store() -> Iterator[Store]:
         yield opened
 
 
-def found_in(store: Store, episodes: int = 12, **settings: object) -> list[Found]:
+def found_in(store: Store, episodes: int = 12, **settings: object) -> list[FoundEpisode]:
     case = make_case(settings)  # type: ignore[arg-type]
     store.add(store.case_id(case), run_task(case, range(episodes)).rows)
     return find_examples(store)
@@ -39,7 +39,7 @@ def test_the_shortest_is_chosen_then_the_first_case_then_the_smallest_seed(store
     store.add(second, [row(0, "stalled", 7), row(2, "stalled", 8), row(3, "delivered", 4)])
     store.add(first, [row(2, "delivered", 5)])
     assert find_examples(store) == [
-        Found("delivered", cases[1], 3, 4, 2), Found("stalled", cases[0], 8, 7, 5),
+        FoundEpisode("delivered", cases[1], 3, 4, 2), FoundEpisode("stalled", cases[0], 8, 7, 5),
     ]  # fmt: skip
 
 
@@ -129,7 +129,7 @@ def test_an_episode_that_is_too_much_work_is_not_run(
 ) -> None:
     case = {k: v for k, v in {**make_case({}), **change}.items() if v is not None}
     monkeypatch.delattr(examples, "run_one")
-    example = replay(Found("stalled", case, 0, steps, 1), run_own_code=True)
+    example = replay(FoundEpisode("stalled", case, 0, steps, 1), run_own_code=True)
     assert (example.sentence, example.track) == (f"It is not run again: {why}.", None)
 
 
@@ -149,7 +149,7 @@ def test_an_episode_that_goes_on_for_longer_than_the_results_say_is_stopped(
         "battery": 10**9,
         "tiles": ["####", "#PD#", "####"],
     }
-    example = replay(Found("wandering", case, 0, 7, 1), run_own_code=True)
+    example = replay(FoundEpisode("wandering", case, 0, 7, 1), run_own_code=True)
     assert "it has not ended after 7 steps, not wandering after 7" in example.sentence
     assert episodes[0].steps == 8
 
@@ -162,7 +162,7 @@ def test_only_files_are_read_as_agents(agent: str, has_fingerprint: bool) -> Non
     case = {**make_case({}), "agent": agent}
     if has_fingerprint:
         case[FINGERPRINT] = "0" * 64
-    example = replay(Found("stalled", case, 0, 7, 1), run_own_code=True)
+    example = replay(FoundEpisode("stalled", case, 0, 7, 1), run_own_code=True)
     assert example.sentence.startswith("It cannot be run again: agent file ")
 
 
@@ -182,7 +182,7 @@ def test_a_user_agent_is_not_run(
 ) -> None:
     Path("mine.py").write_text("open('ran', 'w')\nclass Mine:\n    pass\n")
     case = {**make_case({}), "agent": "mine.py:Mine"} | fingerprint
-    example = replay(Found("wandering", case, 0, 5, 1), run_own_code=run_own_code)
+    example = replay(FoundEpisode("wandering", case, 0, 5, 1), run_own_code=run_own_code)
     assert words in example.sentence
     assert example.track is None
     assert not Path("ran").exists()

@@ -14,7 +14,7 @@ from agents.lab.training.curve import (
     SIZE,
     save_learning_curve,
 )
-from agents.lab.training.exams import Point
+from agents.lab.training.exams import ExamPoint
 from agents.lab.trials.scores import Scores
 from warehouse_core.viz.figure import SceneFigure, make_figure
 
@@ -24,7 +24,7 @@ def scores(success: float, count: int = 200) -> Scores:
     return scores_of([row(0, steps=14)] * good + [BAD] * (count - good))
 
 
-POINTS = [Point(60_000 * (n + 1), scores(s)) for n, s in enumerate((0, 0.1, 0.5, 0.98, 1))]
+POINTS = [ExamPoint(60_000 * (n + 1), scores(s)) for n, s in enumerate((0, 0.1, 0.5, 0.98, 1))]
 
 
 @pytest.fixture
@@ -105,7 +105,7 @@ def test_the_picture_has_its_captions_its_lines_and_the_band_of_their_intervals(
 def test_every_line_and_name_is_within_the_axes(
     tmp_path: Path, drawn: list[SceneFigure], success: float, count: int
 ) -> None:
-    points = [Point(1 + n, scores(success)) for n in range(count)]
+    points = [ExamPoint(1 + n, scores(success)) for n in range(count)]
     for greedy in (scores(0), scores(1)):
         save_learning_curve(tmp_path / "c.png", "PPO", "", points, greedy)
         for axes in drawn[-1].axes:
@@ -118,7 +118,9 @@ def test_every_line_and_name_is_within_the_axes(
 
 def test_the_names_of_the_lines_never_overlap(tmp_path: Path, drawn: list[SceneFigure]) -> None:
     for success in (0.0, 0.88, 0.9, 1.0):
-        save_learning_curve(tmp_path / "c.png", "PPO", "", [Point(9, scores(success))], scores(0.9))
+        save_learning_curve(
+            tmp_path / "c.png", "PPO", "", [ExamPoint(9, scores(success))], scores(0.9)
+        )
         for axes in drawn[-1].axes:
             one, other = (text.get_window_extent() for text in axes.texts)
             assert not one.overlaps(other), success

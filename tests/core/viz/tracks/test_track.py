@@ -12,7 +12,7 @@ from warehouse_core import Episode, RecordError
 from warehouse_core.motion.base import Contact
 from warehouse_core.viz.tracks.grid_track import track_of_frames
 from warehouse_core.viz.tracks.record_track import frames_along, track_of_record
-from warehouse_core.viz.tracks.track import METRICS, OUTER, Frame, Pose, Rows, Track
+from warehouse_core.viz.tracks.track import METRICS, OUTER, Frame, Pose, TileRows, Track
 
 
 def frame(*rows: str) -> list[list[str]]:
@@ -25,7 +25,7 @@ def poses(track: Track, step: int | None = None) -> list[Pose]:
     return [pose for pose in (each.robots[0] for each in frames) if pose]
 
 
-def tiles(track: Track) -> list[Rows]:
+def tiles(track: Track) -> list[TileRows]:
     return [each.tiles for each in track.frames]
 
 

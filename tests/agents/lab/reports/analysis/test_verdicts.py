@@ -2,14 +2,14 @@
 
 import pytest
 
-from agents.lab.reports.analysis.verdicts import BEST, HARDEST, Place, ranking
+from agents.lab.reports.analysis.verdicts import BEST, HARDEST, Standing, ranking
 from agents.lab.trials.interval import Interval
 
 
-def places(*ends: tuple[int, int]) -> list[Place]:
+def places(*ends: tuple[int, int]) -> list[Standing]:
     """Return places a, b, ... whose intervals have these ends, in percent."""
     return [
-        Place(name, Interval((low + high) / 200, low / 100, high / 100), f"{(low + high) // 2}%")
+        Standing(name, Interval((low + high) / 200, low / 100, high / 100), f"{(low + high) // 2}%")
         for name, (low, high) in zip("abcdef", ends, strict=False)
     ]
 
@@ -52,7 +52,7 @@ def test_the_first_of_a_ranking_may_be_the_lowest() -> None:
 
 
 def test_without_intervals_nothing_is_claimed() -> None:
-    few = [Place(name, Interval(value), f"{value}") for name, value in (("a", 9.0), ("b", 1.0))]
+    few = [Standing(name, Interval(value), f"{value}") for name, value in (("a", 9.0), ("b", 1.0))]
     assert ranking(few, BEST, "items an hour") == (
         "too few episodes to tell: 9.0 items an hour with a and 1.0 with b"
     )
