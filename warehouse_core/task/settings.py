@@ -5,6 +5,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from warehouse_core.arguments import MAX_BUDGET, MAX_VIEW_RADIUS, whole_number
+from warehouse_core.wording import brief
 from warehouse_core.world.tiles import Cell
 
 
@@ -37,15 +39,21 @@ class Settings:
             values = {"slippery": [], "motor_strength": 1.0} | values  # older records have neither
         if not isinstance(values, dict) or values.keys() != set(cls.__slots__):
             raise ValueError(f"settings must have the keys {', '.join(cls.__slots__)}")
-        minima = {"max_steps": 1, "battery": 1, "view_radius": 0}
-        for name, minimum in minima.items():
-            if type(values[name]) is not int or values[name] < minimum:
-                raise ValueError(f"{name} is {values[name]!r}; it must be an integer >= {minimum}")
+        limits = {
+            "max_steps": (1, MAX_BUDGET),
+            "battery": (1, MAX_BUDGET),
+            "view_radius": (0, MAX_VIEW_RADIUS),
+        }
+        try:
+            for name, (minimum, maximum) in limits.items():
+                whole_number(name, values[name], minimum, maximum)
+        except TypeError as error:
+            raise ValueError(str(error)) from None
         if not isinstance(values["backend"], str):
-            raise ValueError(f"backend is {values['backend']!r}; it must be a name")
+            raise ValueError(f"backend is {brief(values['backend'])}; it must be a name")
         size = values["cell_size"]
         if type(size) is not float or not 0 < size < float("inf"):
-            raise ValueError(f"cell_size is {size!r}; it must be positive and finite")
+            raise ValueError(f"cell_size is {brief(size)}; it must be positive and finite")
         start = _cell("start_pos", values["start_pos"])
         return cls(**values | {"start_pos": start} | conditions_in(values))
 
@@ -58,14 +66,14 @@ def conditions_in(values: dict[str, Any]) -> dict[str, Any]:
     """
     cells, strength = values.get("slippery", []), values.get("motor_strength", 1.0)
     if type(strength) is not float or not 0 <= strength <= 1:
-        raise ValueError(f"motor_strength is {strength!r:.200}; it must be a share from 0 to 1")
+        raise ValueError(f"motor_strength is {brief(strength)}; it must be a share from 0 to 1")
     if not isinstance(cells, list):
-        raise ValueError(f"slippery is {cells!r:.200}; it must be a list of cells")
+        raise ValueError(f"slippery is {brief(cells)}; it must be a list of cells")
     slippery = tuple(_cell("slippery", cell) for cell in cells)
     return {"slippery": slippery, "motor_strength": strength}
 
 
 def _cell(name: str, value: Any) -> Cell:
     if not isinstance(value, list) or [type(part) for part in value] != [int, int]:
-        raise ValueError(f"{name} is {value!r:.200}; it must be a row and a column")
+        raise ValueError(f"{name} is {brief(value)}; it must be a row and a column")
     return value[0], value[1]
