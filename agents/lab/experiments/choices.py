@@ -26,8 +26,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from agents.errors import ParameterError
-from agents.lab.experiments.plan import MAX_SEED
-from agents.lab.parameters import PHYSICAL, Whole, checked, find
+from agents.lab.parameters import MAX_SEED, PHYSICAL, Whole, checked, find
 
 MAX_BYTES = 100_000
 """Limit on a plan file. The time to parse TOML grows with the square of a key's depth, so that is
