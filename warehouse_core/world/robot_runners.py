@@ -57,8 +57,8 @@ class League(NamedTuple):
 def load_league(path: str | Path) -> League:
     """Read a problem, and the files that it names, relative to its folder.
 
-    A warning names the fields that have no effect here, as those of delays and of robots that need
-    several ticks for an action: the problem that is read is another one without them.
+    A warning names fields that have no effect, such as ``delayConfig``: robots here have no delays,
+    and carry out each action in one step.
 
     Raises:
         LayoutError: the file is not such a problem, there are fewer starts than ``teamSize``, two
