@@ -52,7 +52,7 @@ class Rubric:
 
     @property
     def files(self) -> list[Path]:
-        """The file of the rubric and those of its layouts, which agents must not read."""
+        """The files of the rubric and its layouts, which agents must not read."""
         layouts = (Path(case.layout) for case in self.cases.values())
         return [self.file, *(path for path in layouts if path.is_absolute())]
 

@@ -12,7 +12,7 @@ DEEDS = {
     FILES: "read files that are neither theirs nor Python's, or write any",
     PROCESSES: "reach other processes or the network",
 }
-"""What agents can do without each wall."""
+"""The deeds of agents that each wall prevents, in words."""
 
 
 def check_trust(user: str | None, is_trusted: bool, are_many: bool) -> str:
@@ -20,8 +20,8 @@ def check_trust(user: str | None, is_trusted: bool, are_many: bool) -> str:
 
     Args:
         user: user that runs the agents, or ``None`` for the one that grades.
-        is_trusted: whoever grades has said that the agents do no harm.
-        are_many: the agents are those of a class.
+        is_trusted: promise that the agents do no harm.
+        are_many: true for a folder of agents, false for one agent.
 
     Raises:
         GradeError: root would run agents that are not trusted, or nothing keeps the agents of a

@@ -23,7 +23,7 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 
 FILES, PROCESSES = "files", "processes"
-"""What is kept from an agent: files that are not its own, and all that is outside its process."""
+"""Walls of an agent: around files that are not its own, and around its process."""
 
 MIN_LANDLOCK = 3
 """First version of Landlock that also refuses to cut files short (Linux 6.2)."""
@@ -51,7 +51,7 @@ KEEP_CAPABILITIES, CAPABILITIES, READ_ALL = 8, 0x20080522, 1 << 2
 """An option of ``prctl``, the version of ``capset``, and the capability to read all files."""
 
 ALLOW, REFUSE, KILL = 0x7FFF0000, 0x00050001, 0x80000000
-"""What a filter returns: allow, fail with ``EPERM``, end the process."""
+"""Values that a filter returns: allow, fail with ``EPERM``, end the process."""
 
 LOAD, EQUAL, AT_LEAST, RETURN = 0x20, 0x15, 0x35, 0x06
 """Instructions of a filter: load a word, compare it to a constant, return."""
@@ -119,7 +119,7 @@ def confine(walls: Iterable[str], own: str, readable: Iterable[str], listed: Ite
         walls: ``FILES`` and ``PROCESSES``, or one of them, or none.
         own: folder of the packages of this program, which may have other things in it; what is in
             it counts as no part of Python, even if it is on the path.
-        readable: files and folders that may be read, beside those of the system and of Python.
+        readable: files and folders that may be read, beside the system's and Python's.
         listed: folders of which the names may be read, and not what is in their files.
 
     Raises:

@@ -113,7 +113,7 @@ def grade(
 
     The agent runs in a new process for each episode, which gets observations
     and no more, with limits on time and memory. What it prints is discarded.
-    On Linux 6.2 or later it can read its own files and those of Python, write
+    On Linux 6.2 or later an agent can read its own files and Python's, write
     none, and has no threads, other processes or network; what holds here is
     printed first. Where the system does not keep agents from the files of
     others, a folder of them needs --user or --trust. Root always does.
