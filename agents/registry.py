@@ -224,13 +224,15 @@ def agent_file(name: str) -> Path | None:
     if colon and word in TRAINED:
         return Path(_split_trained(rest)[0])
     source, _ = _split_class(_split(name)[0])
-    return Path(source) if source.endswith(".py") else None
+    return Path(source) if source is not None and source.endswith(".py") else None
 
 
 def agent_module(name: str) -> str | None:
     """Return the module that an agent of a user is imported from, ``None`` for all others."""
     source, _ = _split_class(_split(name)[0])
-    return source if is_own_code(name) and not source.endswith(".py") and source else None
+    if not source or source.endswith(".py") or not is_own_code(name):
+        return None
+    return source
 
 
 def _wanted(
@@ -272,13 +274,13 @@ def _load_trained(word: str, rest: str, seed: int | None, layout: Layout) -> Age
 
 def _load_class(sort: Sort, name: str) -> type[Any]:
     source, class_name = _split_class(name)
-    if not source:
+    if source is None:
         raise AgentError(
             f"no {sort.word} is called {name!r}; allowed: {', '.join([*sort.known, *sort.more])}, "
             "or your own as file.py, file.py:Class or module:Class"
         )
     module = _load_module(source)
-    if not class_name:
+    if class_name is None:
         return _only_class(sort, source, module)
     kind: Any = getattr(module, class_name, None)
     if not isinstance(kind, type):
@@ -291,12 +293,12 @@ def _load_class(sort: Sort, name: str) -> type[Any]:
     return kind
 
 
-def _split_class(name: str) -> tuple[str, str]:
-    """Return the file or module of a class and its name, "" if only one of them is given."""
+def _split_class(name: str) -> tuple[str | None, str | None]:
+    """Return the file or module of a class and its name, ``None`` for what is not given."""
     if name.endswith(".py"):
-        return name, ""
-    source, _, class_name = name.rpartition(":")
-    return source, class_name
+        return name, None
+    source, colon, class_name = name.rpartition(":")
+    return (source, class_name) if colon else (None, class_name)
 
 
 def _missing(sort: Sort, kind: type[Any]) -> list[list[str]]:

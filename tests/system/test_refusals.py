@@ -144,8 +144,9 @@ WRONG = {
     "train ppo --layout random --robots 2": "--layout random does not go with --robots",
     "demo --save a.gif": "--save needs a demo; allowed: delivery",
     "demo ballet": "no demo is called 'ballet'; allowed: delivery",
-    "grade . --save a.html": "--save is of one agent",
-    "grade mine.py -o a.csv": "--output is of a folder, and 'mine.py' is none",
+    "grade . --save a.csv --save b.csv": "--save takes one .csv file for a folder",
+    "grade mine.py --pages pages": "--pages needs a folder of submissions; 'mine.py' is none",
+    "grade mine.py --class Mine": "--class needs a folder of submissions; 'mine.py' is none",
 }
 """Command lines that are wrong usage, and what is said of them."""
 
@@ -192,8 +193,9 @@ IMPOSSIBLE = {
     "layout check bad.txt": "bad.txt: row 1, column 2: 'x' is not a tile",
     "grade none.py": "agent file none.py: there is no such file",
     "grade waiter.py --rubric none.toml": "none.toml: No such file or directory",
-    "grade . -o a.txt": "a.txt: cannot save as .txt; allowed: .csv",
-    "grade inner": "inner: there is no .py file in it, nor a folder with one",
+    "grade . -o a.html": "a.html: cannot save as .html; allowed: .csv",
+    "grade mine.py -o a.csv": "a.csv: cannot save as .csv; allowed: .json, .html",
+    "grade inner --trust": "inner: there is no .py file in it, nor a folder with one",
     "grade astar": "'astar' plans on the map, which a graded agent does not get; allowed: random",
     "grade nobody": "'nobody' is no agent; allowed: random, reflex, greedy, exploring, or file.py",
     "report r.sqlite": "r.sqlite: there is no such file",
@@ -228,7 +230,7 @@ SUFFIXES = {
     "fleet": f"{PICTURES}, .npz",
     "gap": ".html, .csv",
     "mapf": ".json",
-    "grade": ".json, .html",
+    "grade": ".json, .html, .csv",
     "demo": PICTURES,
     "search": PICTURES,
     "explore": f"{PICTURES}, .npz",

@@ -34,7 +34,7 @@ from agents.lab.commands.planners.runs import (
 from agents.lab.console import options
 from agents.lab.console.options import option, writable
 from agents.lab.console.table import TextTable, print_table
-from agents.lab.console.terminal import print_error
+from agents.lab.console.terminal import print_error, warnings_printed
 from agents.lab.parameters import Whole
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import LifelongRun, lead, run_lifelong
@@ -118,7 +118,9 @@ def mapf(
         raise typer.BadParameter("--save takes the paths of one planner; name one by --planner")
     trials = Trials(seed, plan_seconds, save, drive)
     if file is not None and kind == LEAGUE:
-        run_league(load_league(file), planner, robots, steps or STEPS, trials, str(file))
+        with warnings_printed():
+            league = load_league(file)
+        run_league(league, planner, robots, steps or STEPS, trials, str(file))
         return
     if file is not None:
         solve_all(scenario_problem(file, layout, robots), planner, trials, str(file))
