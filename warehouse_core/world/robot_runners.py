@@ -11,6 +11,7 @@ Source: ``Input_Output_Format.md`` of the League's Start-Kit; for the comments i
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Iterator
 from io import BufferedReader
 from pathlib import Path
@@ -35,6 +36,10 @@ MAX_PROBLEM = 100_000
 """Limit on the bytes of a problem, which only names other files."""
 
 
+MAX_NAMED = 10
+"""Limit on the fields without effect that a warning names."""
+
+
 class League(NamedTuple):
     """A problem of the League.
 
@@ -53,6 +58,9 @@ class League(NamedTuple):
 def load_league(path: str | Path) -> League:
     """Read a problem, and the files that it names, relative to its folder.
 
+    A warning names fields that have no effect, such as ``delayConfig``: robots here have no delays,
+    and carry out each action in one step.
+
     Raises:
         LayoutError: the file is not such a problem, there are fewer starts than ``teamSize``, two
             robots have one start, there is no task, or one of its files has another format.
@@ -67,6 +75,10 @@ def load_league(path: str | Path) -> League:
         files = [path.parent / _given(given, f"{name}File", str) for name in _FILES]
     except ValueError as error:
         raise LayoutError(f"{path}: {error}") from error
+    if unknown := given.keys() - _FIELDS:
+        names = ", ".join(map(brief, sorted(unknown)[:MAX_NAMED]))
+        more = ", ..." if len(unknown) > MAX_NAMED else ""
+        warnings.warn(f"{path}: fields without effect: {names}{more}", stacklevel=2)
     layout = load_map(files[0], robot_runners=True).with_tiles([], [], [])
     starts, tasks = load_agents(files[1], layout)[:team], load_tasks(files[2], layout)
     if len(starts) < team:
@@ -81,6 +93,7 @@ def load_league(path: str | Path) -> League:
 
 
 _FILES = ("map", "agent", "task")
+_FIELDS = {"teamSize", "numTasksReveal", *(f"{name}File" for name in _FILES)}
 
 
 def _given(given: dict[str, Any], key: str, kind: type, least: int | None = None) -> Any:

@@ -122,6 +122,23 @@ def test_a_problem_is_read_with_the_files_that_it_names(problem: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("fields", "named"),
+    [
+        ({"delayConfig": {"pDelay": 0.1}, "agentCounter": 3}, "'agentCounter', 'delayConfig'"),
+        ({"x" * 90_000: 1}, f"'{'x' * 12}...{'x' * 13}'"),
+        (dict.fromkeys("zyxwvutsrqpo", 0), f"{', '.join(map(repr, 'opqrstuvwx'))}, ..."),
+    ],
+)
+def test_fields_that_have_no_effect_are_named(
+    problem: Path, fields: dict[str, Any], named: str
+) -> None:
+    problem.write_text(json.dumps(PROBLEM | fields))
+    with pytest.warns(UserWarning, match=r"hall\.json: fields without effect: ") as found:
+        assert load_league(problem).revealed == 3
+    assert [str(each.message).split("effect: ")[1] for each in found] == [named]
+
+
+@pytest.mark.parametrize(
     ("change", "message"),
     [
         ({"teamSize": 4}, "teamSize is 4, but "),

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import re
 import warnings
-from collections.abc import Iterable, Iterator, Sequence
-from contextlib import closing, contextmanager
+from collections.abc import Iterable, Sequence
+from contextlib import closing
 from functools import partial
 from pathlib import Path
 from typing import Annotated
@@ -19,7 +19,7 @@ from agents.lab.commands.fleet.report import ShiftResult, report_shifts, result_
 from agents.lab.console import options
 from agents.lab.console.options import MAX_COUNT, number_option, option
 from agents.lab.console.output import replay_or_save
-from agents.lab.console.terminal import print_error
+from agents.lab.console.terminal import warnings_printed
 from agents.lab.console.values import DUE, parse_battery, parse_due
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import draw_seed, run
@@ -238,15 +238,3 @@ def tracked(seeds: Sequence[int]) -> Iterable[int]:
     from agents.lab.console.progress import track
 
     return track(seeds, "shifts")
-
-
-@contextmanager
-def warnings_printed() -> Iterator[None]:
-    """Print each warning of a block once, as a line."""
-    with warnings.catch_warnings(record=True) as found:
-        warnings.simplefilter("always")
-        try:
-            yield
-        finally:
-            for message in dict.fromkeys(str(each.message) for each in found):
-                print_error(f"warning: {message}")

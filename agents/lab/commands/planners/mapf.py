@@ -32,7 +32,7 @@ from agents.lab.commands.planners.runs import (
 )
 from agents.lab.console.options import MAX_COUNT, option, seconds_option, writable
 from agents.lab.console.table import TextTable, print_table
-from agents.lab.console.terminal import print_error
+from agents.lab.console.terminal import print_error, warnings_printed
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import LifelongRun, lead, run_lifelong
 from agents.mapf.planner import Planner
@@ -127,7 +127,9 @@ def mapf(
         raise typer.BadParameter("--output is for the paths of one --planner")
     trials = Trials(seed, time_limit, output, drive)
     if file is not None and kind == LEAGUE:
-        run_league(load_league(file), planner, robots, steps or STEPS, trials, str(file))
+        with warnings_printed():
+            league = load_league(file)
+        run_league(league, planner, robots, steps or STEPS, trials, str(file))
         return
     if file is not None:
         solve_all(scenario_problem(file, layout, robots), planner, trials, str(file))

@@ -96,6 +96,15 @@ def test_the_tasks_of_a_league_problem_are_finished_place_by_place(
     assert cells_in(result, 5)[:6] == [[0], [1], [2], [3], [4], [3]]
 
 
+def test_fields_of_a_problem_that_have_no_effect_are_named(
+    corridor: str, warehouse: Warehouse
+) -> None:
+    problem = json.loads(Path(corridor).read_text()) | {"agentSize": 2.0}
+    Path(corridor).write_text(json.dumps(problem))
+    _, _, err = warehouse("mapf", corridor, "--planner", "pibt", "--steps", 2)
+    assert err == "warehouse: warning: corridor.json: fields without effect: 'agentSize'\n"
+
+
 def test_robots_get_the_tasks_that_begin_nearest(corridor: str, warehouse: Warehouse) -> None:
     Path("corridor.agents").write_text("2\n0\n4\n")
     Path("corridor.tasks").write_text("3\n3,4\n2\n1,0\n")
