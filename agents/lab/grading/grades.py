@@ -29,7 +29,11 @@ def row_of(name: str, report: GradeReport) -> GradeRow:
     numbers = {grade.criterion.name: f"{grade.points:g}" for grade in report.grades}
     most = f"{report.max_points:g}"
     first = {NAME: plain(name), POINTS: f"{report.points:g}", MOST: most}
-    last = {FAILURE: plain(report.failure), CODE: report.code, RUBRIC: report.rubric}
+    last = {
+        FAILURE: plain("; ".join(report.remarks) if report.failure else ""),
+        CODE: report.code,
+        RUBRIC: report.rubric,
+    }
     return first | numbers | last
 
 

@@ -43,11 +43,18 @@ class Rubric:
     cases: Mapping[str, GradedCase]
     criteria: tuple[Criterion, ...]
     digest: str
+    file: Path
 
     @property
     def points(self) -> float:
         """The sum of all points."""
         return sum(criterion.points for criterion in self.criteria)
+
+    @property
+    def files(self) -> list[Path]:
+        """The files of the rubric and its layouts, which agents must not read."""
+        layouts = (Path(case.layout) for case in self.cases.values())
+        return [self.file, *(path for path in layouts if path.is_absolute())]
 
     @property
     def used_cases(self) -> list[GradedCase]:
@@ -86,8 +93,7 @@ SECONDS = Number(0.01, 3600)
 
 LIMITS: dict[str, CheckValue] = {
     "start_seconds": SECONDS, "answer_seconds": SECONDS, "episode_seconds": SECONDS,
-    "memory_mb": Whole(64, MAX_COUNT), "file_mb": Whole(0, MAX_COUNT),
-    "give_up_after": Whole(1, MAX_EPISODES),
+    "memory_mb": Whole(64, MAX_COUNT), "give_up_after": Whole(1, MAX_EPISODES),
 }  # fmt: skip
 
 CASE: dict[str, CheckValue] = {
@@ -185,7 +191,7 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
     for count, row in enumerate(rows, 1):
         criteria.append(_make_criterion(reader, row, count, cases, criteria))
     title = top.get("title", reader.path.stem)
-    return Rubric(title, limits, cases, tuple(criteria), digest.hexdigest())
+    return Rubric(title, limits, cases, tuple(criteria), digest.hexdigest(), reader.path)
 
 
 def _make_case(reader: _Reader, name: str, values: Any) -> GradedCase:

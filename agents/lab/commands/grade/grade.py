@@ -24,6 +24,7 @@ from agents.lab.grading.grading import GradeReport
 from agents.lab.grading.grading import grade as grade_agent
 from agents.lab.grading.rubric import MINI_LAB, load_rubric
 from agents.lab.grading.submissions import find_submission
+from agents.lab.grading.trust import check_trust
 from warehouse_core.files.atomic import check_suffix, check_target
 
 
@@ -71,10 +72,18 @@ def grade(
         str | None,
         option(
             "--user NAME",
-            "Run agents as this user, such as nobody; only root may. They must be able to "
-            "read their files, and can then read no others that are private.",
+            "Run agents as this user, such as nobody; only root may. It must be able to read "
+            "their files.",
         ),
     ] = None,
+    trust: Annotated[
+        bool,
+        option(
+            "--trust",
+            "Grade agents that do no harm as root, or where the system does not keep them from "
+            "the files of others.",
+        ),
+    ] = False,
     jobs: options.Jobs = None,
     print_rubric: Annotated[
         bool,
@@ -103,11 +112,11 @@ def grade(
     command that replays the worst episode.
 
     The agent runs in a new process for each episode, which gets observations
-    and no more, with limits on time, memory and files. What it prints is
-    discarded. It cannot start processes or threads by Python. It can use the
-    network and read files, and compiled code can do more: grade strangers'
-    agents in a container, or as --user. Seeds of cases with visible = false
-    are told to nobody; keep their rubric where agents cannot read it.
+    and no more, with limits on time and memory. What it prints is discarded.
+    On Linux 6.2 or later an agent can read its own files and Python's, write
+    none, and has no threads, other processes or network; what holds here is
+    printed first. Where the system does not keep agents from the files of
+    others, a folder of them needs --user or --trust. Root always does.
 
     Example: warehouse grade my_agent.py:Agent --save results.json
     """
@@ -121,6 +130,7 @@ def grade(
         check_target(target)
         if pages is not None:
             pages.mkdir(parents=True, exist_ok=True)
+        say(check_trust(user, trust, are_many=True))
         grade_folder(folder, kind, wanted, target, pages, user, jobs or os.cpu_count() or 1)
         return
     for name, value in (("--output", output), ("--pages", pages), ("--class", kind)):
@@ -129,6 +139,8 @@ def grade(
     from agents.lab.console.progress import progress_bar  # Rich takes long to import
 
     submission, done = find_submission(agent), count(1)
+    if not submission.is_built_in:
+        say(check_trust(user, trust, are_many=False))
     with progress_bar(sum(case.episodes for case in wanted.used_cases), "episodes") as show:
         report = grade_agent(submission, wanted, user, lambda: show(next(done)))
     for path in save:
@@ -141,8 +153,8 @@ def grade(
 def print_report(report: GradeReport) -> None:
     """Print a report."""
     say(f"{report.title}: {report.agent}", bold=True)
-    if report.failure:
-        say(report.failure)
+    for remark in report.remarks:
+        say(remark)
     for grade in report.grades:
         criterion = grade.criterion
         say(f"\n{grade.points:g} of {criterion.points:g}  {criterion.name}", bold=True)
