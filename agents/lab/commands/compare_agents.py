@@ -64,7 +64,7 @@ def compare_agents(
     """Compare agents over the same seeds.
 
     Prints a table of deliveries, steps, nodes expanded, time and energy. With
-    --backend physics, time and energy are those of bodies.
+    --backend physics, bodies take the time and the energy.
 
     With --layout random each seed has another layout, in which no agent of
     "warehouse train ppo --layout random" has been trained. Several sizes are

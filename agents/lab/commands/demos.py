@@ -287,8 +287,8 @@ def demo(
 ) -> None:
     """Show bodies and planners at work.
 
-    Without a name it lists the demonstrations. Those of cbs and lanes are
-    pictures, .svg or .png.
+    Without a name it lists the demonstrations. The demonstrations cbs and
+    lanes are pictures: save them as .svg or .png.
 
     Example: warehouse demo bump --save bump.gif
     """

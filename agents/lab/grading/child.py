@@ -52,7 +52,7 @@ def load_file(name: str, file: str) -> Any:
 walls = load_file("walls of an agent", os.path.join(os.path.dirname(__file__), "walls.py"))
 
 
-def serve(control: socket.socket) -> None:
+def serve(control: socket.socket, bounds: dict[str, Any], rules: int | None) -> None:
     """Fork a process for each pair of pipes that comes, until the other end closes."""
     while True:
         _, pipes, _, _ = socket.recv_fds(control, 1, 2)
@@ -62,7 +62,7 @@ def serve(control: socket.socket) -> None:
         if pid == 0:
             control.close()
             try:
-                play(*pipes)
+                play(pipes[0], pipes[1], bounds, rules)
             finally:
                 os._exit(1)
         for pipe in pipes:
@@ -125,7 +125,7 @@ def control_process(option: int, value: int) -> None:
         ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
 
 
-def play(questions: int, answers: int) -> None:
+def play(questions: int, answers: int, bounds: dict[str, Any], rules: int | None) -> None:
     """Load the agent that the first line names, and answer each observation by an action."""
     lines = os.fdopen(questions, "rb")
     task = json.loads(lines.readline())
@@ -135,7 +135,7 @@ def play(questions: int, answers: int) -> None:
 
     word = task["word"]
     try:
-        limit(task)
+        limit(bounds, rules)
         agent = make_agent(task)
         agent.reset()
         answer(word, name=type(agent).__name__)
@@ -149,23 +149,25 @@ def play(questions: int, answers: int) -> None:
         answer(word, **described(error, task["file"]))
 
 
-def limit(task: dict[str, Any]) -> None:
+def limit(bounds: dict[str, Any], rules: int | None) -> None:
     """Set the walls, the user and the limits of this process, which all that it starts inherits."""
     import resource  # which Windows does not have
 
     os.setsid()
-    walls.confine(task["walls"], task["own"], task["readable"], task["listed"])
-    walls.change_user(task["walls"], task["user"])
+    if rules is not None:
+        walls.leave_files(rules)
+    walls.change_user(bounds["walls"], bounds["user"])
     control_process(DEATH_SIGNAL, signal.SIGKILL)
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    for name, value in task["limits"].items():
+    for name, value in bounds["limits"].items():
         kind = getattr(resource, name)
         hard = resource.getrlimit(kind)[1]
         value = value if hard == resource.RLIM_INFINITY else min(value, hard)
         # macOS does not allow some of them.
         with suppress(ValueError, OSError):
             resource.setrlimit(kind, (value, value))
-    walls.filter_calls(task["walls"])
+    if walls.PROCESSES in bounds["walls"]:
+        walls.refuse_calls()
     forbid()
 
 
@@ -283,7 +285,8 @@ def described(error: BaseException, file: str | None) -> dict[str, Any]:
 
 def main() -> None:
     """Import what submissions import too, and serve."""
-    _, number, *modules = sys.argv
+    _, number, text, *modules = sys.argv
+    bounds = json.loads(text)
     control_process(SUBREAPER, 1)
     control_process(DEATH_SIGNAL, signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -294,7 +297,9 @@ def main() -> None:
     gc.freeze()
     control = socket.socket(fileno=int(number))
     control.sendall(b"r")
-    serve(control)
+    has_files = walls.FILES in bounds["walls"]
+    places = bounds["own"], bounds["readable"], bounds["listed"]
+    serve(control, bounds, walls.file_rules(*places) if has_files else None)
 
 
 def import_name(name: str) -> None:

@@ -18,7 +18,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator, Mapping
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
@@ -115,19 +115,14 @@ LOAD, FAILS, SLOW, ENDS = "cannot be loaded", "fails", "takes too long", "ends i
 class AgentProcess:
     """An agent in the process of one episode: its class, once started, and its slowest answer."""
 
-    def __init__(
-        self, questions: int, answers: int, limits: AgentLimits, bounds: Mapping[str, Any]
-    ) -> None:
-        self._questions, self._answers = questions, answers
-        self._limits, self._bounds = limits, bounds
+    def __init__(self, questions: int, answers: int, limits: AgentLimits) -> None:
+        self._questions, self._answers, self._limits = questions, answers, limits
         self._left = limits.episode_seconds
         self.name, self.slowest = "", 0.0
 
     def start(self, submission: Submission, seed: int) -> None:
         """Load and reset the agent, or raise its ``AgentFailureError``."""
         task = {
-            **self._bounds,
-            "limits": self._limits.of_process(),
             "file": None if submission.file is None else str(submission.file),
             "module": submission.module,
             "class": submission.kind,
@@ -230,8 +225,10 @@ class Sandbox:
         self._bounds = {
             "user": None if user is None else _ids_of(user),
             "walls": sorted(walls.held()),
+            "own": OWN,
             "readable": readable,
             "listed": listed,
+            "limits": limits.of_process(),
         }
         self._server: subprocess.Popen[bytes] | None = None
         self._children: tuple[int, ...] = ()
@@ -254,7 +251,7 @@ class Sandbox:
         try:
             self._fork(theirs, also_theirs)
             with self._ended_clearly():
-                yield AgentProcess(questions, answers, self._limits, self._bounds)
+                yield AgentProcess(questions, answers, self._limits)
         finally:
             os.close(questions)
             os.close(answers)
@@ -306,7 +303,7 @@ class Sandbox:
         self._control, theirs = socket.socketpair()
         words = [
             sys.executable, "-s", "-P", "-B", child.__file__, str(theirs.fileno()),
-            *self._submission.imports,
+            json.dumps(self._bounds), *self._submission.imports,
         ]  # fmt: skip
         try:
             self._server = subprocess.Popen(

@@ -112,33 +112,48 @@ def held() -> frozenset[str]:
     return frozenset(files | ({PROCESSES} if filters else set()))
 
 
-def confine(walls: Iterable[str], own: str, readable: Iterable[str], listed: Iterable[str]) -> None:
-    """Keep from this process, for ever, what the walls say.
+def file_rules(own: str, readable: Iterable[str], listed: Iterable[str]) -> int:
+    """Return a descriptor of the rules by which files are left to processes.
 
     Args:
-        walls: ``FILES`` and ``PROCESSES``, or one of them, or none.
         own: folder of the packages of this program, which may have other things in it; what is in
             it counts as no part of Python, even if it is on the path.
         readable: files and folders that may be read, beside the system's and Python's.
         listed: folders of which the names may be read, and not what is in their files.
 
     Raises:
-        OSError: the system has refused to set a limit.
+        OSError: the system has refused the rules.
     """
-    walls = set(walls)
-    if walls:
-        _check(_libc().prctl(NO_NEW_PRIVILEGES, 1, 0, 0, 0))
-    if FILES in walls:
-        python = [sys.prefix, sys.base_prefix, *(path for path in sys.path if path != own)]
-        _leave_files([*SYSTEM, *python, *readable], listed)
+    version = landlock_version()
+    refused = sum(rights for since, rights in RIGHTS if since <= version)
+    network, scopes = 3 * (version >= 4), 3 * (version >= 6)
+    attributes = struct.pack("=QQQ", refused, network, scopes)
+    attributes = attributes[: 24 if version >= 6 else 16 if version >= 4 else 8]
+    size = ctypes.c_size_t(len(attributes))
+    rules = _check(_libc().syscall(CREATE_RULESET, attributes, size, 0))
+    python = [sys.prefix, sys.base_prefix, *(path for path in sys.path if path != own)]
+    for path in dict.fromkeys([*SYSTEM, *python, *readable]):
+        _allow(rules, path, READ_FILE | READ_DIR)
+    for path in DEVICES:
+        _allow(rules, path, FILE_RIGHTS)
+    for path in listed:
+        _allow(rules, path, READ_DIR)
+    return rules
+
+
+def leave_files(rules: int) -> None:
+    """Leave this process, and all that it starts, the files of the rules, for ever."""
+    _check(_libc().prctl(NO_NEW_PRIVILEGES, 1, 0, 0, 0))
+    _check(_libc().syscall(RESTRICT_SELF, rules, 0))
+    os.close(rules)
 
 
 def change_user(walls: Iterable[str], user: Sequence[int] | None) -> None:
     """Become another user if there is one, and give up what root may do beyond other users.
 
     Args:
-        walls: walls of this process. If they are both there, the other user may read what the one
-            of files leaves, though it belongs to root: Python may stand in root's own folder.
+        walls: walls of this process. If both stand, the other user may read whatever the wall of
+            files leaves, though it belongs to root: Python may be in root's own folder.
         user: number of the user and of its group, or ``None``.
     """
     walls = set(walls)
@@ -151,17 +166,13 @@ def change_user(walls: Iterable[str], user: Sequence[int] | None) -> None:
         os.setuid(user[0])
     if walls:
         kept = READ_ALL if may_read else 0
-        header, data = (
-            struct.pack("=II", CAPABILITIES, 0),
-            struct.pack("=6I", kept, kept, 0, 0, 0, 0),
-        )
-        _check(_libc().capset(header, data))
+        header = struct.pack("=II", CAPABILITIES, 0)
+        _check(_libc().capset(header, struct.pack("=6I", kept, kept, 0, 0, 0, 0)))
 
 
-def filter_calls(walls: Iterable[str]) -> None:
-    """Refuse this process and all that it starts some system calls, for ever."""
-    if PROCESSES not in set(walls):
-        return
+def refuse_calls() -> None:
+    """Refuse this process, and all that it starts, some system calls, for ever."""
+    _check(_libc().prctl(NO_NEW_PRIVILEGES, 1, 0, 0, 0))
     code = b"".join(struct.pack("=HBBI", *each) for each in program(platform.machine()))
     kept = ctypes.create_string_buffer(code)
     length_and_place = struct.pack("@HP", len(code) // 8, ctypes.addressof(kept))
@@ -173,26 +184,8 @@ def landlock_version() -> int:
     return int(_libc().syscall(CREATE_RULESET, None, ctypes.c_size_t(0), 1))
 
 
-def _leave_files(readable: Iterable[str], listed: Iterable[str]) -> None:
-    version = landlock_version()
-    refused = sum(rights for since, rights in RIGHTS if since <= version)
-    network, scopes = 3 * (version >= 4), 3 * (version >= 6)
-    attributes = struct.pack("=QQQ", refused, network, scopes)
-    attributes = attributes[: 24 if version >= 6 else 16 if version >= 4 else 8]
-    size = ctypes.c_size_t(len(attributes))
-    rules = _check(_libc().syscall(CREATE_RULESET, attributes, size, 0))
-    for path in dict.fromkeys(readable):
-        _allow(rules, path, READ_FILE | READ_DIR)
-    for path in DEVICES:
-        _allow(rules, path, FILE_RIGHTS)
-    for path in listed:
-        _allow(rules, path, READ_DIR)
-    _check(_libc().syscall(RESTRICT_SELF, rules, 0))
-    os.close(rules)
-
-
 def _allow(rules: int, path: str, rights: int) -> None:
-    """Allow what is in a path; nothing if it does not exist. Links are not followed."""
+    """Allow what is in a path; nothing if it does not exist."""
     try:
         place = os.open(os.path.realpath(path), os.O_PATH | os.O_CLOEXEC)
     except OSError:
