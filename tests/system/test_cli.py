@@ -232,3 +232,26 @@ from agents.__main__ import main
 main()
 """
     assert in_a_process("-c", words, folder=tmp_path) == (130, "", "warehouse: interrupted\n")
+
+
+def test_an_interrupt_that_python_ignores_comes_again(tmp_path: Path) -> None:
+    """One in a weakref callback, as those of the locks of modules that are imported."""
+    words = """
+import sys, time, weakref
+class Part:
+    pass
+def interrupted(*_):
+    raise KeyboardInterrupt
+class Interrupting:
+    def find_spec(self, name, *_):
+        if name == "numpy":
+            part = Part()
+            self.callback = weakref.ref(part, interrupted)
+            del part
+            time.sleep(1000)
+            print("the program goes on")
+sys.meta_path.insert(0, Interrupting())
+from agents.__main__ import main
+main()
+"""
+    assert in_a_process("-c", words, folder=tmp_path) == (130, "", "warehouse: interrupted\n")
