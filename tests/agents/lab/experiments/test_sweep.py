@@ -95,7 +95,7 @@ def test_flags_and_options_override_the_plan_file(warehouse: Warehouse, tmp_path
 
 
 def test_a_killed_sweep_loses_and_repeats_no_rows(path: Path, tmp_path: Path) -> None:
-    """``bench_rows.py`` kills one 200 times."""
+    """``bench_rows.py`` kills one 100 times, and one of fleets."""
     episodes = 800
     assert kill_sweeps(path, episodes, 2) >= 1
     before = table(path)
