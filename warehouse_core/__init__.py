@@ -2,6 +2,8 @@
 
 import warehouse_core.viz.notebooks  # noqa: F401 - says what notebooks show
 from warehouse_core.batch import BatchEnv
+from warehouse_core.batch.fleet.battery import Battery
+from warehouse_core.batch.fleet.people import People
 from warehouse_core.errors import BackendError, LayoutError, OrderError, RecordError, WarehouseError
 from warehouse_core.fleet.env import FleetEnv
 from warehouse_core.motion.base import Contact, Motion, Outcome
@@ -29,6 +31,7 @@ __all__ = [
     "Agent",
     "BackendError",
     "BatchEnv",
+    "Battery",
     "Cell",
     "Contact",
     "Episode",
@@ -45,6 +48,7 @@ __all__ = [
     "OrderQueue",
     "OrderStream",
     "Outcome",
+    "People",
     "RecordError",
     "Settings",
     "WarehouseEnv",

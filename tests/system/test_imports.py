@@ -24,7 +24,7 @@ MAY_IMPORT = {
     "warehouse_core/world": "errors files wording",
     "warehouse_core/motion": "arguments errors extras world",
     "warehouse_core/orders": "arguments errors files world",
-    "warehouse_core/task": "errors world",
+    "warehouse_core/task": "errors wording world",
     "warehouse_core/batch/shell": "arguments errors motion task world",
     "warehouse_core/conformance": "errors motion world",
     "warehouse_core/render": "arguments errors task world",
@@ -112,9 +112,9 @@ MAY_IMPORT = {
 
 EXPORTS = {
     "warehouse_core": """
-        DEFAULT_LAYOUT Agent BackendError BatchEnv Cell Contact Episode EpisodeRecorder
+        DEFAULT_LAYOUT Agent BackendError BatchEnv Battery Cell Contact Episode EpisodeRecorder
         FleetEnv FleetEpisode GridMotion Layout LayoutError Motion Observation Order
-        OrderError OrderQueue OrderStream Outcome RecordError Settings WarehouseEnv
+        OrderError OrderQueue OrderStream Outcome People RecordError Settings WarehouseEnv
         WarehouseError WarehouseState random_layout record_episode record_fleet_episode
         replay_animation replay_episode replay_fleet_episode save_frames_to_svg
         shelf_layout

@@ -309,8 +309,8 @@ def test_typing_a_number_does_not_play_or_step(crowd: Shown) -> None:
     assert crowd.read("[player.chosen, player.step, player.isPlaying]") == [2, 0, False]
 
 
-def test_the_heat_of_held_up_robots_is_a_layer(crowd: Shown) -> None:
-    crowd.press("End")
+def test_the_heat_of_held_up_robots_is_a_layer(crowd: Shown, fleet: Track) -> None:
+    crowd.seek(fleet.steps)
     without = crowd.pictures()
     heat = crowd.page.get_by_role("checkbox")
     heat.check()

@@ -67,7 +67,8 @@ class FleetEnv:
 
     Without orders, a robot is terminated by its delivery; with a list of orders, all robots are
     when all are delivered. A robot is truncated when its battery is empty, all when ``max_steps``
-    are taken. A robot that has ended stays where it is, in the way of others.
+    are taken or the items that are left are lost, on robots that cannot drive any more. A robot
+    that has ended stays where it is, in the way of others, and has no more rewards.
 
     Args:
         layout: ``None`` is the chapter's.
@@ -85,7 +86,7 @@ class FleetEnv:
         dispatch: assign each open order, the oldest first, to the nearest robot without one. If
             not, open orders are for whoever picks them first, or for ``assign``.
         late_penalty: reward lost for each step by which a delivery is late, at least 0.
-        team_reward: give each robot the mean of all rewards.
+        team_reward: give each robot that has not ended the mean of all rewards.
         seed: seed of the first reset without one.
 
     Attributes:
@@ -239,15 +240,17 @@ class FleetEnv:
         return self._engine.observe()
 
     def assign(self, robot: int, order: int | None) -> None:
-        """Let an open order wait for one robot only; ``None`` makes the robot's order open again.
+        """Let an order wait for one robot only; ``None`` makes the robot's order open again.
+
+        Orders that only this robot may take stay its own: one that it gives back waits among them.
 
         Args:
             robot: number of the robot.
-            order: index of the order in ``orders``.
+            order: index in ``orders`` of an open order, or of one that only this robot may take.
 
         Raises:
-            OrderError: the robot has ended or carries an item, or the order does not wait for it
-                or for all.
+            OrderError: the robot has ended or carries an item, or the order waits neither for it
+                nor for all.
             ValueError: there is no such robot, or the fleet has no orders.
             EndedError: before the first reset.
         """

@@ -21,7 +21,8 @@ class FleetObservation(Observation, total=False):
 
     Attributes:
         due: the step by which the robot's order is due, or ``None``; with orders only.
-        charger_pos: the nearest charger, or ``None``; with chargers only.
+        charger_pos: the nearest charger, or ``None``; with chargers only, and not for a robot that
+            is alone without orders.
     """
 
     due: int | None

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections import Counter, defaultdict
 from collections.abc import Callable
-from heapq import heappop, heappush
+from heapq import heapify, heappop, heappush
 
 import numpy as np
 
@@ -63,7 +63,7 @@ class OrderBook:
 
     @property
     def is_done(self) -> bool:
-        """Whether all orders have been delivered, but for items that are lost."""
+        """Whether each item is delivered or lost."""
         return self._deliveries + self.lost == len(self.orders.released)
 
     @property
@@ -83,6 +83,7 @@ class OrderBook:
 
     def release(self, step: int) -> None:
         """Let all orders appear that are released up to this step."""
+        first = self._released
         while self.next_release <= step:
             order = self._released
             self._released += 1
@@ -92,6 +93,8 @@ class OrderBook:
                 if self._released == len(self.orders.released):
                     self._grow(self._more())
             self._offer(order)
+        for robot in set(self.orders.robot[first : self._released].tolist()) - {OPEN}:
+            self._take_reserved(robot)
 
     def take(self, robot: int, cell: int, step: int) -> bool:
         """Give a robot at ``cell`` its order, or else the open one there that is due first.
@@ -105,7 +108,7 @@ class OrderBook:
                 return False
             if order != NONE:
                 self._offer(order)
-            self._close(first)
+            self._withdraw(first)
             self._give(robot, first)
             order = first
         self.taken_by[order], self.taken[order] = robot, step
@@ -124,6 +127,9 @@ class OrderBook:
     def assign(self, robot: int, order: int | None) -> None:
         """Let an order wait for one robot only; ``None`` gives back the order that it had.
 
+        A robot that has given back its order gets, without another one, the one due first of those
+        that only it may take.
+
         Raises:
             OrderError: the robot carries an item, or the order does not wait, or for another robot.
         """
@@ -132,12 +138,12 @@ class OrderBook:
             raise OrderError(f"robot {robot} carries order {had}; it must deliver it first")
         if order == (None if had == NONE else had):
             return
-        if order is not None and not (0 <= order < self._released and self._is_open[order]):
-            raise OrderError(
-                f"order {order} cannot be assigned to robot {robot}: {self._state(order)}"
-            )
         if order is not None:
-            self._close(order)
+            if not self._waits_for(robot, order):
+                raise OrderError(
+                    f"order {order} cannot be assigned to robot {robot}: {self._state(order)}"
+                )
+            self._withdraw(order)
         self._give(robot, NONE if order is None else order)
         if had != NONE:
             self._offer(had)
@@ -176,16 +182,15 @@ class OrderBook:
         self._is_open = np.concatenate([self._is_open, unknown != NONE])
 
     def _offer(self, order: int) -> None:
-        """Let an order wait for the robot that it is reserved for, or for all."""
+        """Let an order wait for all, or among those that only one robot may take."""
         robot, due = int(self.orders.robot[order]), int(self.orders.due[order])
         cell = int(self.orders.pickup[order])
         if robot == OPEN:
             self._is_open[order] = True
             heappush(self._due_at[cell], (due, order))
             self._count(cell, 1)
-            return
-        heappush(self._reserved[robot], (due, order))
-        self._take_reserved(robot)
+        else:
+            heappush(self._reserved[robot], (due, order))
 
     def _take_reserved(self, robot: int) -> None:
         """Give a robot without an order the one due first among those that only it may take."""
@@ -200,10 +205,21 @@ class OrderBook:
             heappop(waiting)
         return waiting[0][1] if waiting else NONE
 
-    def _close(self, order: int) -> None:
-        """Take an order from the open ones; ``_due_first`` drops it from the heap later."""
-        self._is_open[order] = False
-        self._count(int(self.orders.pickup[order]), -1)
+    def _waits_for(self, robot: int, order: int) -> bool:
+        """Whether a robot that has another order, or none, may have this one."""
+        if not 0 <= order < self._released or self.taken[order] != NONE:
+            return False
+        return bool(self._is_open[order]) or int(self.orders.robot[order]) == robot
+
+    def _withdraw(self, order: int) -> None:
+        """Take an order from those that wait without a robot, before a robot gets it."""
+        if self._is_open[order]:
+            self._is_open[order] = False  # ``_due_first`` drops it from the heap later
+            self._count(int(self.orders.pickup[order]), -1)
+        else:
+            reserved = self._reserved[int(self.orders.robot[order])]
+            reserved.remove((int(self.orders.due[order]), order))
+            heapify(reserved)
 
     def _count(self, cell: int, more: int) -> None:
         self.waiting_at[cell] += more

@@ -24,7 +24,11 @@ parallel_env = WarehouseParallelEnv
 
 
 def env(**arguments: Any) -> Any:
-    """Return ``parallel_env`` as an ``AECEnv``, in which robots act in turn; see there."""
+    """Return ``parallel_env`` as an ``AECEnv``, in which robots act in turn; see there.
+
+    PettingZoo's ``api_test`` warns of ``observation="dict"``, as of every ``Dict`` outside of its
+    own games; ``observation="vector"`` passes it without a warning.
+    """
     return parallel_to_aec(parallel_env(**arguments))
 
 

@@ -133,14 +133,17 @@ class WarehouseParallelEnv(ParallelEnv[str, Any, int]):
         """Carry out one action, an integer 0 to 6, for each of ``agents``.
 
         Returns:
-            Observations, rewards, terminated, truncated and infos of these agents.
+            Observations, rewards, terminated, truncated and infos of these agents. When all have
+            ended, a step without actions changes nothing and returns five empty dictionaries.
 
         Raises:
             ValueError: an action out of range, for another robot, or none for one of ``agents``;
                 nothing has changed.
             TypeError: an action that is not an integer.
-            EndedError: before the first reset, or when all robots have ended.
+            EndedError: before the first reset, or actions when all robots have ended.
         """
+        if not self.agents and not actions and self.fleet.steps:
+            return {}, {}, {}, {}, {}
         chosen = self._chosen(actions)
         arrays, *results, info = self.fleet.step(chosen)
         ended = np.logical_or(*results[1:])

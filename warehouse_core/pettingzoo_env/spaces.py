@@ -38,7 +38,7 @@ def make_fleet_form(name: str, extent: Extent, fleet: FleetEnv) -> Form:
         }
         if fleet.settings.orders is not None:
             extra["due"] = spaces.Box(-1, MAX_STEPS, (1,), np.int32)
-        if fleet.layout.chargers:
+        if fleet.layout.chargers and not fleet.settings.is_lone:
             extra["charger_pos"] = known["pickup_pos"]
         return Form(spaces.Dict(known | extra), form.of)
     low, high = vector_limits(*extent, FLEET_TILES)

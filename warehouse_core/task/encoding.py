@@ -78,7 +78,8 @@ class FleetArrays(ObservationArrays, total=False):
 
     Attributes:
         due: ``[N, 1]`` int32, the step by which the robot's order is due, or -1; with orders only.
-        charger_pos: ``[N, 2]`` int32, the nearest charger; with chargers only.
+        charger_pos: ``[N, 2]`` int32, the nearest charger; with chargers only, and not for a robot
+            that is alone without orders.
     """
 
     due: NDArray[np.int32]

@@ -6,16 +6,16 @@ from collections.abc import Generator, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
-import matplotlib as mpl
-from matplotlib.animation import FFMpegWriter, FuncAnimation
+from matplotlib.animation import FuncAnimation, adjusted_figsize
 from matplotlib.backend_bases import Event, KeyEvent
 
 from warehouse_core.arguments import real_number
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.files.atomic import atomic_path, check_suffix
 from warehouse_core.render.window import has_display
-from warehouse_core.viz.export import FORMATS, ffmpeg, progress_bar
+from warehouse_core.viz.export import FORMATS, progress_bar
 from warehouse_core.viz.export.gif_writer import GifWriter
+from warehouse_core.viz.export.mp4_frames import mp4_frames
 from warehouse_core.viz.figure import SceneFigure, make_figure, make_window, save_svg
 from warehouse_core.viz.player import player_frame, save_page
 from warehouse_core.viz.scene import Scene
@@ -145,8 +145,7 @@ class Replay(FuncAnimation):
         if suffix == ".gif":
             self._write_gif(path)
         elif suffix == ".mp4":
-            with mpl.rc_context({"animation.ffmpeg_path": ffmpeg()}):
-                self.save(path, FFMpegWriter(self.fps, codec="h264"))
+            self._write_mp4(path)
         elif suffix == ".html":
             save_page(path, self._tracks, speed=self._speed)
         else:
@@ -165,6 +164,20 @@ class Replay(FuncAnimation):
                 writer.add(self.figure.rgba(), self.figure.changed)
                 report(frame, None)
             writer.finish()
+
+    def _write_mp4(self, path: Path) -> None:
+        figure, count = self.figure, len(self._scene)
+        wide, high = figure.get_size_inches()
+        figure.set_size_inches(adjusted_figsize(wide, high, figure.dpi, 2))
+        height, width = figure.rgba().shape[:2]
+        with (
+            progress_bar(count, "Drawing") as report,
+            mp4_frames(path, self.fps, width, height) as add,
+        ):
+            for frame in range(count):
+                self._scene.show(frame)
+                add(figure.rgba().tobytes())
+                report(frame, None)
 
     def _repr_html_(self) -> str:
         return player_frame(self._tracks, speed=self._speed)

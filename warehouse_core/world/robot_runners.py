@@ -11,13 +11,15 @@ Source: ``Input_Output_Format.md`` of the League's Start-Kit; for the comments i
 
 from __future__ import annotations
 
-import json
+import warnings
 from collections.abc import Iterator
 from io import BufferedReader
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from warehouse_core.errors import LayoutError
+from warehouse_core.files.json_text import parse_object
+from warehouse_core.files.reading import read_file
 from warehouse_core.wording import brief
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.map_files import load_map
@@ -32,6 +34,10 @@ MAX_LINES = 2 * MAX_LOCATIONS
 
 MAX_PROBLEM = 100_000
 """Limit on the bytes of a problem, which only names other files."""
+
+
+MAX_NAMED = 10
+"""Limit on the fields without effect that a warning names."""
 
 
 class League(NamedTuple):
@@ -52,17 +58,27 @@ class League(NamedTuple):
 def load_league(path: str | Path) -> League:
     """Read a problem, and the files that it names, relative to its folder.
 
+    A warning names fields that have no effect, such as ``delayConfig``: robots here have no delays,
+    and carry out each action in one step.
+
     Raises:
         LayoutError: the file is not such a problem, there are fewer starts than ``teamSize``, two
             robots have one start, there is no task, or one of its files has another format.
         OSError: a file cannot be read.
     """
     path = Path(path)
-    with opened(path) as file:
-        given = _parse(file.read(MAX_PROBLEM + 1))
+    data = read_file(path, MAX_PROBLEM)
+    try:
+        given = parse_object(data)
         team = _given(given, "teamSize", int, 1)
         reveal = _given(given, "numTasksReveal", float, 0) if "numTasksReveal" in given else 1.0
         files = [path.parent / _given(given, f"{name}File", str) for name in _FILES]
+    except ValueError as error:
+        raise LayoutError(f"{path}: {error}") from error
+    if unknown := given.keys() - _FIELDS:
+        names = ", ".join(map(brief, sorted(unknown)[:MAX_NAMED]))
+        more = ", ..." if len(unknown) > MAX_NAMED else ""
+        warnings.warn(f"{path}: fields without effect: {names}{more}", stacklevel=2)
     layout = load_map(files[0], robot_runners=True).with_tiles([], [], [])
     starts, tasks = load_agents(files[1], layout)[:team], load_tasks(files[2], layout)
     if len(starts) < team:
@@ -77,18 +93,7 @@ def load_league(path: str | Path) -> League:
 
 
 _FILES = ("map", "agent", "task")
-
-
-def _parse(data: bytes) -> dict[str, Any]:
-    if len(data) > MAX_PROBLEM:
-        raise LayoutError(f"more than MAX_PROBLEM = {MAX_PROBLEM} bytes")
-    try:
-        given = json.loads(data)
-    except (ValueError, RecursionError) as error:  # not UTF-8, no JSON, or brackets too deep
-        raise LayoutError(f"not JSON: {error}") from error
-    if not isinstance(given, dict):
-        raise LayoutError(f"a JSON {type(given).__name__} where there must be an object")
-    return given
+_FIELDS = {"teamSize", "numTasksReveal", *(f"{name}File" for name in _FILES)}
 
 
 def _given(given: dict[str, Any], key: str, kind: type, least: int | None = None) -> Any:

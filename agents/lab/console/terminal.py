@@ -2,6 +2,10 @@
 
 from __future__ import annotations
 
+import warnings
+from collections.abc import Iterator
+from contextlib import contextmanager
+
 import typer
 
 from warehouse_core.wording import printable
@@ -26,6 +30,18 @@ def print_error(message: str) -> None:
         line = f"{line[:MAX_LENGTH]}..."
     if line:  # an exception may have no message
         say(f"warehouse: {line}", error=True)
+
+
+@contextmanager
+def warnings_printed() -> Iterator[None]:
+    """Print each warning of a block once, as a line."""
+    with warnings.catch_warnings(record=True) as found:
+        warnings.simplefilter("always")
+        try:
+            yield
+        finally:
+            for message in dict.fromkeys(str(each.message) for each in found):
+                print_error(f"warning: {message}")
 
 
 def printable_lines(text: str) -> str:

@@ -41,7 +41,18 @@ MAP = ("layout", "graph")
 """Arguments that 'warehouse run' gives to agents that plan on the map; a graded one has no map."""
 
 
-def serve(control: socket.socket) -> None:
+def load_file(name: str, file: str) -> Any:
+    """Return the module in a file, under a name that no import statement can have."""
+    spec: Any = importlib.util.spec_from_file_location(name, file)
+    module = sys.modules[name] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(module)
+    return module
+
+
+walls = load_file("walls of an agent", os.path.join(os.path.dirname(__file__), "walls.py"))
+
+
+def serve(control: socket.socket, bounds: dict[str, Any], rules: int | None) -> None:
     """Fork a process for each pair of pipes that comes, until the other end closes."""
     while True:
         _, pipes, _, _ = socket.recv_fds(control, 1, 2)
@@ -51,7 +62,7 @@ def serve(control: socket.socket) -> None:
         if pid == 0:
             control.close()
             try:
-                play(*pipes)
+                play(pipes[0], pipes[1], bounds, rules)
             finally:
                 os._exit(1)
         for pipe in pipes:
@@ -114,7 +125,7 @@ def control_process(option: int, value: int) -> None:
         ctypes.CDLL(None).prctl(option, value, 0, 0, 0)
 
 
-def play(questions: int, answers: int) -> None:
+def play(questions: int, answers: int, bounds: dict[str, Any], rules: int | None) -> None:
     """Load the agent that the first line names, and answer each observation by an action."""
     lines = os.fdopen(questions, "rb")
     task = json.loads(lines.readline())
@@ -124,7 +135,7 @@ def play(questions: int, answers: int) -> None:
 
     word = task["word"]
     try:
-        limit(task["limits"], task["user"])
+        limit(bounds, rules)
         agent = make_agent(task)
         agent.reset()
         answer(word, name=type(agent).__name__)
@@ -138,33 +149,34 @@ def play(questions: int, answers: int) -> None:
         answer(word, **described(error, task["file"]))
 
 
-def limit(limits: dict[str, int], user: list[int] | None) -> None:
-    """Set the user and the limits of this process, which all that it starts inherits."""
+def limit(bounds: dict[str, Any], rules: int | None) -> None:
+    """Set the walls, the user and the limits of this process, which all that it starts inherits."""
     import resource  # which Windows does not have
 
     os.setsid()
-    if user is not None:
-        os.setgroups([])
-        os.setgid(user[1])
-        os.setuid(user[0])
+    if rules is not None:
+        walls.leave_files(rules)
+    walls.change_user(bounds["walls"], bounds["user"])
     control_process(DEATH_SIGNAL, signal.SIGKILL)
     signal.signal(signal.SIGXFSZ, signal.SIG_IGN)
-    for name, value in limits.items():
+    for name, value in bounds["limits"].items():
         kind = getattr(resource, name)
         hard = resource.getrlimit(kind)[1]
         value = value if hard == resource.RLIM_INFINITY else min(value, hard)
         # macOS does not allow some of them.
         with suppress(ValueError, OSError):
             resource.setrlimit(kind, (value, value))
+    if walls.PROCESSES in bounds["walls"]:
+        walls.refuse_calls()
     forbid()
 
 
 def forbid() -> None:
-    """Make Python refuse to start processes and threads, and to signal others.
+    """Make Python say what an agent may not do, where the system would refuse it in fewer words.
 
-    It is a hint for mistakes, and stops simple attempts. It is no wall: compiled code passes by it.
+    It is no wall: compiled code passes by it.
     """
-    own, error, is_from = os.getpid(), PermissionError, str.startswith
+    own, error, decode, is_from = os.getpid(), PermissionError, os.fsdecode, str.startswith
 
     def refuse(event: str, values: tuple[Any, ...]) -> None:
         if event in {"os.kill", "os.killpg"} and values[0] == own:
@@ -180,7 +192,8 @@ def forbid() -> None:
             "execv", "execvp", "posix_spawn", "popen", "ptrace", "process_vm_readv", "prctl",
         }:  # fmt: skip
             raise error(f"a graded agent may not use {values[1]}")
-        if event == "open" and isinstance(values[0], str) and is_from(values[0], "/proc/"):
+        is_path = event == "open" and isinstance(values[0], str | bytes)
+        if is_path and is_from(decode(values[0]), "/proc/"):
             raise error("a graded agent may not read /proc")
         if event == "object.__setattr__" and values[1] == "__code__":
             raise error("a graded agent may not change code")
@@ -190,12 +203,14 @@ def forbid() -> None:
 
 def make_agent(task: dict[str, Any]) -> Any:
     """Return the agent of a task, made as ``agents.registry.make_agent`` makes it."""
-    sys.path[:] = [*task["paths"], *sys.path, *task["own"]]
+    sys.path[:] = [*task["paths"], *sys.path, task["own"]]
     seed = task["seed"]
     random.seed(seed)
-    if "numpy" in sys.modules:  # it is if the agent imports it, see submissions.py
-        sys.modules["numpy"].random.seed(seed % 2**32)
+    seed_numpy(seed)
+    had_numpy = "numpy" in sys.modules
     kind = find_class(load_module(task), task)
+    if not had_numpy:
+        seed_numpy(seed)
     wanted = inspect.signature(kind).parameters
     taken = [name for name in MAP if name in wanted]
     if taken:
@@ -203,15 +218,17 @@ def make_agent(task: dict[str, Any]) -> Any:
     return kind(**({"seed": seed} if "seed" in wanted else {}))
 
 
+def seed_numpy(seed: int) -> None:
+    """Seed the random numbers of NumPy, if it is imported."""
+    if "numpy" in sys.modules:
+        sys.modules["numpy"].random.seed(seed % 2**32)
+
+
 def load_module(task: dict[str, Any]) -> Any:
     """Return the module of the agent, run from its file, or imported if it has none."""
     if task["file"] is None:
         return importlib.import_module(task["module"])
-    name = f"agent file {task['module']}"  # no name of a module that can be imported
-    spec: Any = importlib.util.spec_from_file_location(name, task["file"])
-    module = sys.modules[name] = importlib.util.module_from_spec(spec)
-    spec.loader.exec_module(module)
-    return module
+    return load_file(f"agent file {task['module']}", task["file"])
 
 
 def find_class(module: Any, task: dict[str, Any]) -> Any:
@@ -268,7 +285,8 @@ def described(error: BaseException, file: str | None) -> dict[str, Any]:
 
 def main() -> None:
     """Import what submissions import too, and serve."""
-    _, number, *modules = sys.argv
+    _, number, text, *modules = sys.argv
+    bounds = json.loads(text)
     control_process(SUBREAPER, 1)
     control_process(DEATH_SIGNAL, signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -279,7 +297,9 @@ def main() -> None:
     gc.freeze()
     control = socket.socket(fileno=int(number))
     control.sendall(b"r")
-    serve(control)
+    has_files = walls.FILES in bounds["walls"]
+    places = bounds["own"], bounds["readable"], bounds["listed"]
+    serve(control, bounds, walls.file_rules(*places) if has_files else None)
 
 
 def import_name(name: str) -> None:

@@ -18,7 +18,7 @@ def results_of(report: GradeReport) -> dict[str, Any]:
     points = f"{report.agent}: {report.points:g} of {report.max_points:g} points"
     return {
         "score": report.points,
-        "output": "\n".join(filter(None, [report.title, points, report.failure])),
+        "output": "\n".join([report.title, points, *report.remarks]),
         "output_format": "text",
         "test_output_format": "text",
         "test_name_format": "text",

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Collection
 from typing import NamedTuple
 
 from agents.errors import GradeError
@@ -41,6 +41,7 @@ class GradeReport(NamedTuple):
         agent: name of the agent and of its class.
         rubric: the digest of the rubric; ``code`` is the digest of the agent's code.
         failure: reason why no episode could begin, or "".
+        note: names of its files that hide modules, as a sentence, or "".
     """
 
     agent: str
@@ -49,7 +50,13 @@ class GradeReport(NamedTuple):
     code: str
     grades: tuple[Grade, ...]
     failure: str
+    note: str
     episodes: int
+
+    @property
+    def remarks(self) -> list[str]:
+        """The failure and the note, if there are any."""
+        return list(filter(None, (self.failure, self.note)))
 
     @property
     def points(self) -> float:
@@ -75,10 +82,9 @@ def grade(
     cannot be run here, that is a ``GradeError``. The agent may run as another ``user``, see
     ``Sandbox``; ``advance`` is called after each episode.
     """
-    code = submission.digest
     # Hidden ones last: what an agent keeps of them in files is not told in visible ones.
     cases = sorted(rubric.used_cases, key=lambda case: not case.visible)
-    runs = run_cases(submission, cases, rubric.limits, user, advance)
+    runs = run_cases(submission, cases, rubric.limits, user, rubric.files, advance)
     name = submission.called(next((run.agent for run in runs if run.agent), None))
     grades: dict[str, Grade] = {}
     for criterion in rubric.criteria:
@@ -86,9 +92,16 @@ def grade(
     is_loaded = any(run.agent for run in runs)
     failure = "" if is_loaded else runs[0].told
     return GradeReport(
-        printable(name), rubric.title, rubric.digest, code, tuple(grades.values()), failure,
-        len(runs),
+        printable(name), rubric.title, rubric.digest, submission.digest, tuple(grades.values()),
+        failure, _note(submission.hiding), len(runs),
     )  # fmt: skip
+
+
+def _note(hiding: Collection[str]) -> str:
+    if not hiding:
+        return ""
+    hide, modules = ("hide", "modules") if len(hiding) > 1 else ("hides", "a module")
+    return f"{', '.join(hiding)} {hide} {modules} of that name from all imports"
 
 
 def _judge(criterion: Criterion, runs: Runs, before: dict[str, Grade], name: str) -> Grade:

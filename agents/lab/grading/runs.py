@@ -6,6 +6,7 @@ from collections import Counter
 from collections.abc import Callable, Iterable
 from contextlib import closing
 from functools import lru_cache
+from pathlib import Path
 from typing import NamedTuple
 
 from agents.lab.grading.cases import GradedCase, needed_steps
@@ -77,11 +78,12 @@ def run_cases(
     cases: Iterable[GradedCase],
     limits: AgentLimits,
     user: str | None,
+    secrets: Iterable[Path],
     advance: Callable[[], None],
 ) -> list[Run]:
     """Run all episodes of cases, with each of their seeds; ``advance`` is called after each."""
     runs, hopeless = list[Run](), 0
-    with Sandbox(submission, limits, user) as sandbox:
+    with Sandbox(submission, limits, user, secrets) as sandbox:
         for case in cases:
             if runs and runs[-1].agent:  # it was loaded, so another case may be another matter
                 hopeless = 0

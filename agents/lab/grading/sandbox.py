@@ -1,8 +1,9 @@
 """Run an agent in processes of its own, a fresh one for each episode, and ask it for actions.
 
-The operating system enforces the limits, and what an agent starts is killed with it. An agent can
-still use the network, and all files that its user can. macOS does not limit memory, nor find what
-has left the session of the agent.
+The operating system enforces the limits, and what an agent starts is killed with it. Linux also
+keeps it from files and other processes, see ``walls.py``. Where it does not, an agent can use the
+network, and all files that its user can. macOS does not limit memory, nor find what has left the
+session of the agent.
 """
 
 from __future__ import annotations
@@ -17,15 +18,16 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
 from typing import Any, NamedTuple
 
 from agents.errors import GradeError
-from agents.lab.grading import child
+from agents.lab.grading import child, walls
 from agents.lab.grading.submissions import Submission
+from agents.lab.runs import programs
 from warehouse_core import Observation
 from warehouse_core.wording import printable
 
@@ -64,7 +66,6 @@ class AgentLimits(NamedTuple):
         answer_seconds: time for an action.
         episode_seconds: time for all actions of an episode together.
         memory_mb: address space in MiB.
-        file_mb: the size of a file that it writes, in MiB.
         give_up_after: number of successive episodes of a case in which it takes too long or ends
             its process; further ones of the case count as the last one, unrun. If it cannot be
             loaded, further cases do too.
@@ -74,17 +75,17 @@ class AgentLimits(NamedTuple):
     answer_seconds: float = 1.0
     episode_seconds: float = 20.0
     memory_mb: int = 1024
-    file_mb: int = 1
     give_up_after: int = 3
 
     def of_process(self) -> dict[str, int]:
         """Return the limits that the operating system enforces, by their names in ``resource``.
 
-        No processes and threads: for root, which has no such limit, Python itself refuses them.
+        No processes, and no files that are not empty. Root has no limit of processes.
         """
         return {
             "RLIMIT_AS": self.memory_mb * MEBI,
-            "RLIMIT_FSIZE": self.file_mb * MEBI,
+            "RLIMIT_FSIZE": 0,
+            "RLIMIT_MSGQUEUE": 0,
             "RLIMIT_CPU": math.ceil(self.start_seconds + self.episode_seconds) + 1,
             "RLIMIT_NOFILE": MAX_FILES,
             "RLIMIT_NPROC": 0,
@@ -114,23 +115,20 @@ LOAD, FAILS, SLOW, ENDS = "cannot be loaded", "fails", "takes too long", "ends i
 class AgentProcess:
     """An agent in the process of one episode: its class, once started, and its slowest answer."""
 
-    def __init__(self, questions: int, answers: int, limits: AgentLimits, user: Ids | None) -> None:
-        self._questions, self._answers = questions, answers
-        self._limits, self._user = limits, user
+    def __init__(self, questions: int, answers: int, limits: AgentLimits) -> None:
+        self._questions, self._answers, self._limits = questions, answers, limits
         self._left = limits.episode_seconds
         self.name, self.slowest = "", 0.0
 
     def start(self, submission: Submission, seed: int) -> None:
         """Load and reset the agent, or raise its ``AgentFailureError``."""
         task = {
-            "limits": self._limits.of_process(),
-            "user": self._user,
             "file": None if submission.file is None else str(submission.file),
             "module": submission.module,
             "class": submission.kind,
             "seed": seed,
-            "paths": [str(submission.folder)],
-            "own": [OWN],
+            "paths": [] if submission.folder is None else [str(submission.folder)],
+            "own": OWN,
         }
         try:
             answer = self._ask(task, self._limits.start_seconds)
@@ -206,16 +204,32 @@ def _failure(answer: dict[str, Any]) -> AgentFailureError:
 class Sandbox:
     """Starts the processes of a submission; to be used as a context manager.
 
-    The agent runs as another user if there is one, which only root may choose.
+    Args:
+        submission: agent to run.
+        limits: limits on it.
+        user: another user as which it runs, which only root may choose.
+        secrets: files that it must not read, even in its folder.
     """
 
     def __init__(
-        self, submission: Submission, limits: AgentLimits, user: str | None = None
+        self,
+        submission: Submission,
+        limits: AgentLimits,
+        user: str | None = None,
+        secrets: Iterable[Path] = (),
     ) -> None:
         if sys.platform == "win32":
             raise GradeError("agents are graded on Linux and macOS; on Windows, use WSL")
         self._submission, self._limits = submission, limits
-        self._user = None if user is None else _ids_of(user)
+        readable, listed = _files_of(submission, secrets)
+        self._bounds = {
+            "user": None if user is None else _ids_of(user),
+            "walls": sorted(walls.held()),
+            "own": OWN,
+            "readable": readable,
+            "listed": listed,
+            "limits": limits.of_process(),
+        }
         self._server: subprocess.Popen[bytes] | None = None
         self._children: tuple[int, ...] = ()
 
@@ -237,7 +251,7 @@ class Sandbox:
         try:
             self._fork(theirs, also_theirs)
             with self._ended_clearly():
-                yield AgentProcess(questions, answers, self._limits, self._user)
+                yield AgentProcess(questions, answers, self._limits)
         finally:
             os.close(questions)
             os.close(answers)
@@ -289,7 +303,7 @@ class Sandbox:
         self._control, theirs = socket.socketpair()
         words = [
             sys.executable, "-s", "-P", "-B", child.__file__, str(theirs.fileno()),
-            *self._submission.imports,
+            json.dumps(self._bounds), *self._submission.imports,
         ]  # fmt: skip
         try:
             self._server = subprocess.Popen(
@@ -299,7 +313,7 @@ class Sandbox:
                 stderr=subprocess.DEVNULL,
                 pass_fds=[theirs.fileno()],
                 start_new_session=True,
-                cwd=self._submission.folder,
+                cwd=self._submission.folder or "/",
                 env=VARIABLES,
             )
         finally:
@@ -321,6 +335,22 @@ class Sandbox:
             self._server = None
             if code < 0:
                 child.kill_strays(self._children)
+
+
+def _files_of(submission: Submission, secrets: Iterable[Path]) -> tuple[list[str], list[str]]:
+    """Return the files and folders that an agent may read, and the folders that it may list."""
+    own = [str(Path(OWN, name)) for name in programs.OWN]
+    folder = submission.folder
+    if folder is None:
+        return [*own, str(submission.file)], []
+    hidden = [each for each in map(Path.resolve, secrets) if each.is_relative_to(folder)]
+    if not hidden:
+        return [*own, str(folder)], []
+    readable = [
+        str(path) for path in folder.iterdir()
+        if not path.is_symlink() and not any(each.is_relative_to(path) for each in hidden)
+    ]  # fmt: skip
+    return [*own, *readable], [str(folder)]
 
 
 def _ids_of(user: str) -> Ids:

@@ -2,20 +2,38 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+import hashlib
+import os
+import re
+import stat
+import sys
+from collections.abc import Iterable, Iterator
 from pathlib import Path
 from typing import NamedTuple
 
 from agents.errors import AgentError
-from agents.lab.runs.programs import fingerprint, imports_of
+from agents.lab.runs.programs import ROOT, fingerprint
 from warehouse_core.files.kinds import not_a_file
-from warehouse_core.wording import counted
+from warehouse_core.wording import counted, printable
 
 IMPORTED_ONCE = (
     "abc", "agents", "collections", "copy", "dataclasses", "enum", "functools", "heapq",
-    "itertools", "json", "math", "numpy", "queue", "random", "scipy", "typing", "warehouse_core",
+    "itertools", "json", "math", "matplotlib", "numpy", "queue", "random", "scipy", "typing",
+    "warehouse_core",
 )  # fmt: skip
 """Modules that are imported once a submission and not in each of its processes."""
+
+IMPORT = re.compile(
+    rb"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]*\(?([\w \t,\n]*)|import[ \t]+([\w \t,.]+))",
+    re.MULTILINE,
+)
+"""An import statement, as far as its modules and names can be told without parsing the source."""
+
+MAX_SOURCE = 1024 * 1024
+"""Most bytes of a source in which imports are looked for."""
+
+MAX_FILES, MAX_BYTES = 1_000, 256 * 1024**2
+"""Most files and bytes of a submission."""
 
 USUAL = "agent.py"
 """The file of a submission that is a folder with several files."""
@@ -30,7 +48,10 @@ class Submission(NamedTuple):
         file: file of the agent, or ``None`` if it is imported.
         module: the name of the file without a suffix, or of the module.
         kind: the name of the class; ``None`` for the only one with ``reset`` and ``act``.
-        folder: folder in which its process runs, and looks up imports first.
+        folder: folder in which its process runs, and looks up imports first; ``None`` for a file
+            that has no part in its folder.
+        digest: the digest of its code: of its file, of all files of its folder if it is one of
+            many, or of its module and what that imports from its package; "" for a built-in one.
         imports: modules that are imported once; none has code of the submission.
     """
 
@@ -39,19 +60,37 @@ class Submission(NamedTuple):
     file: Path | None
     module: str
     kind: str | None
-    folder: Path
+    folder: Path | None
+    digest: str
     imports: tuple[str, ...] = ()
 
     def called(self, kind: str | None) -> str:
         """Return the name by which ``warehouse run --agent`` finds it, with the class it loaded."""
-        is_built_in = self.file is None and self.shown != self.module
         chosen = self.kind or kind
-        return self.shown if is_built_in or chosen is None else f"{self.shown}:{chosen}"
+        return self.shown if self.is_built_in or chosen is None else f"{self.shown}:{chosen}"
 
     @property
-    def digest(self) -> str:
-        """The digest of its code, with what it imports from its folder."""
-        return fingerprint(self.file, self.module if self.file is None else None) or ""
+    def is_built_in(self) -> bool:
+        """Whether it is an agent of this program."""
+        return self.file is None and self.shown != self.module
+
+    @property
+    def hiding(self) -> list[str]:
+        """The names of files and folders beside its file that hide modules from all imports."""
+        known = {*sys.stdlib_module_names, *IMPORTED_ONCE}
+        beside = sorted(self.folder.iterdir()) if self.folder and self.file else ()
+        return [
+            printable(path.name) for path in beside
+            if path.stem in known and path != ROOT / path.name
+            and (path.suffix == ".py" or (path / "__init__.py").exists())
+        ]  # fmt: skip
+
+
+class Unusable(NamedTuple):
+    """An entry of a folder that cannot be graded, and why."""
+
+    name: str
+    reason: str
 
 
 def find_submission(name: str) -> Submission:
@@ -66,22 +105,43 @@ def find_submission(name: str) -> Submission:
         return _built_in(name)
     if source.endswith(".py"):
         return of_file(name, Path(source), kind)
-    return Submission(name, source, None, source, kind, Path.cwd())
+    return Submission(name, source, None, source, kind, Path.cwd(), fingerprint(None, source) or "")
 
 
 def of_file(name: str, file: Path, kind: str | None) -> Submission:
     """Return the agent in a file; that there is none is an ``AgentError``."""
     if not file.is_file():
         raise AgentError(f"agent file {file}: {not_a_file(file) or 'there is no such file'}")
-    folder = file.resolve().parent
-    found = {
-        module for level, module in imports_of(file.read_bytes())
-        if not level and module.partition(".")[0] in IMPORTED_ONCE
-        and not (folder / f"{module.partition('.')[0]}.py").exists()
-        and not (folder / module.partition(".")[0]).exists()
+    path = file.resolve().parent / file.name
+    alone = Submission(name, str(file), path, file.stem, kind, None, _digest([path], path.parent))
+    return _in(alone, path.parent)
+
+
+def _in(submission: Submission, folder: Path | None) -> Submission:
+    """Return a submission that has a part in a folder, or in none."""
+
+    def is_own(top: str) -> bool:
+        return folder is not None and any(map(Path.exists, (folder / f"{top}.py", folder / top)))
+
+    imports = {
+        module for module in _imports_in(submission.file)
+        if (top := module.partition(".")[0]) in IMPORTED_ONCE and not is_own(top)
     }  # fmt: skip
-    path = folder / file.name
-    return Submission(name, str(file), path, file.stem, kind, folder, tuple(sorted(found)))
+    return submission._replace(folder=folder, imports=tuple(sorted(imports)))
+
+
+def _imports_in(file: Path | None) -> Iterator[str]:
+    """Yield what the source seems to import; it is not parsed, which may take any memory."""
+    if file is None:
+        return
+    with file.open("rb") as source:
+        text = source.read(MAX_SOURCE)
+    for module, names, modules in IMPORT.findall(text):
+        if module:
+            yield module.decode()
+            yield from (f"{module.decode()}.{each.decode()}" for each in re.findall(rb"\w+", names))
+        else:
+            yield from (each.split()[0].decode() for each in modules.split(b",") if each.split())
 
 
 def _built_in(name: str) -> Submission:
@@ -93,23 +153,65 @@ def _built_in(name: str) -> Submission:
         reason = "plans on the map, which a graded agent does not get" if made else "is no agent"
         raise AgentError(f"{name!r} {reason}; allowed: {', '.join(graded)}, or file.py:Class")
     module = made.__module__
-    return Submission(name, name, None, module, made.__name__, Path.cwd(), (module,))
+    return Submission(name, name, None, module, made.__name__, Path.cwd(), "", (module,))
 
 
-def in_folder(folder: Path, kind: str | None) -> Iterator[Submission | str]:
+def in_folder(folder: Path, kind: str | None) -> Iterator[Submission | Unusable]:
     """Yield the submissions in a folder by name: each ``.py`` file, and each folder with one.
 
-    Of a folder without exactly one agent it is a line ``NAME: REASON``. Each has a class ``kind``.
+    Files and folders that cannot be graded are ``Unusable``; other files are none of both. Links
+    are not followed, so that nobody is graded with the file of another. Each has a class ``kind``.
     """
     for path in sorted(folder.iterdir()):
-        if path.name.startswith((".", "__")):
+        if path.name.startswith((".", "__")) or not (path.suffix == ".py" or path.is_dir()):
             continue
-        if path.suffix == ".py" and path.is_file():
-            yield of_file(path.name, path, kind)
-        elif path.is_dir():
-            files = sorted(path.glob("*.py"))
-            chosen = [each for each in files if len(files) == 1 or each.name == USUAL]
-            if chosen:
-                yield of_file(path.name, chosen[0], kind)
-            else:
-                yield f"{path.name}: it has {counted(len(files), '.py file')}, and none is {USUAL}"
+        try:
+            yield _entry(path, kind)
+        except (AgentError, OSError) as error:
+            yield Unusable(path.name, str(error))
+
+
+def _entry(path: Path, kind: str | None) -> Submission | Unusable:
+    if (reason := _unusable(path)) is not None:
+        return Unusable(path.name, reason)
+    if path.is_file():
+        return _in(of_file(path.name, path, kind), None)
+    files = sorted(path.glob("*.py"))
+    chosen = next((each for each in files if len(files) == 1 or each.name == USUAL), None)
+    if chosen is None:
+        return Unusable(path.name, f"it has {counted(len(files), '.py file')}, and none is {USUAL}")
+    if (reason := _unusable(chosen) or not_a_file(chosen)) is not None:
+        return Unusable(path.name, f"{chosen.name}: {reason}")
+    folder = path.resolve()
+    return of_file(path.name, chosen, kind)._replace(digest=_digest(_files_in(folder), folder))
+
+
+def _unusable(path: Path) -> str | None:
+    """Return why neither a file nor a folder is at a path; ``None`` if one is."""
+    if path.is_symlink():
+        return "it is a link, which is not followed"
+    return None if path.is_dir() else not_a_file(path)
+
+
+def _files_in(folder: Path) -> Iterator[Path]:
+    """Yield the regular files in a folder and its folders; links are not followed."""
+    for place, _, names in os.walk(folder):
+        for name in names:
+            if stat.S_ISREG((file := Path(place, name)).lstat().st_mode):
+                yield file
+
+
+def _digest(files: Iterable[Path], folder: Path) -> str:
+    """Return the digest of the names and contents of files; ``AgentError`` if they are too many."""
+    named, left = dict[str, Path](), MAX_BYTES
+    for file in files:
+        left -= file.stat().st_size
+        named[file.relative_to(folder).as_posix()] = file
+        if left < 0 or len(named) > MAX_FILES:
+            limits = f"{MAX_FILES:,} files or {MAX_BYTES // 1024**2:,} MiB"
+            raise AgentError(f"{folder.name} has more than {limits}")
+    lines = []
+    for name, file in sorted(named.items()):
+        with file.open("rb") as content:
+            lines.append(f"{name} {hashlib.file_digest(content, 'sha256').hexdigest()}")
+    return hashlib.sha256("\n".join(lines).encode(errors="surrogateescape")).hexdigest()

@@ -9,10 +9,12 @@ from helpers.fleet_truth import DROP, EAST, FLY, NORTH, PICK, SOUTH, WAIT, WEST,
 from warehouse_core import FleetEnv, GridMotion, Layout, Order, Outcome
 from warehouse_core.errors import EndedError
 from warehouse_core.fleet import Battery
+from warehouse_core.motion.grid import nominal_joules
 from warehouse_core.task import rules
 
 AISLE = Layout(["......C"])
 SHOP = Layout(["P...D", "....C"])
+IDLE, MOVE = (round(nominal_joules(1.0, moving=moving)) for moving in (False, True))
 
 
 def begun(*args: Any, **settings: Any) -> FleetEnv:
@@ -248,6 +250,15 @@ def test_a_team_shares_its_rewards() -> None:
     assert expected[0] != expected[1]
 
 
+def test_a_robot_that_has_ended_has_no_part_in_the_reward_of_its_team() -> None:
+    settings: Any = {"battery": Battery(25, "joules"), "starts": [(0, 1), (1, 0)]}
+    alone, team = (begun(SHOP, 2, team_reward=each, **settings) for each in (False, True))
+    for fleet in (alone, team):
+        assert fleet.step([EAST, WAIT])[3].tolist() == [True, False]
+    expected = alone.step([WAIT, WEST])[1].mean()
+    assert team.step([WAIT, WEST])[1].tolist() == [0.0, expected] != [0.0, 0.0]
+
+
 @pytest.mark.parametrize("dispatch", [False, True])
 def test_a_stranded_robot_gives_its_order_back_in_the_same_step(dispatch: bool) -> None:
     settings: Any = {"battery": Battery(25, "joules"), "dispatch": False}
@@ -267,6 +278,18 @@ def test_a_stranded_robot_keeps_what_it_carries() -> None:
     fleet.step([WAIT, PICK])
     fleet.step([WAIT, EAST])
     assert (fleet.order_of, fleet.loaded, fleet.open_orders) == ([None, 0], [False, True], [])
+
+
+@pytest.mark.parametrize("is_listed", [True, False])
+def test_when_all_items_that_are_left_are_lost_a_list_is_over_and_not_done(is_listed: bool) -> None:
+    listed = order(pickup=(1, 1)), Order(0, 50, (1, 0), (0, 0))
+    orders: Any = {} if is_listed else {"orders": 0.0}
+    fleet = shop(*listed, battery=Battery(IDLE + 2 * MOVE - 1, "joules"), dispatch=False, **orders)
+    assert not any(np.any(fleet.step(each)[2:4]) for each in ([PICK, PICK], [NORTH, EAST]))
+    _, _, terminated, truncated, _ = fleet.step([DROP, EAST])
+    assert truncated.tolist() == [is_listed, True]
+    assert not terminated.any()
+    assert (fleet.measures.delivered, fleet.measures.lost) == (is_listed, is_listed)
 
 
 def test_actions_come_as_a_list_an_array_or_a_mapping() -> None:

@@ -72,9 +72,9 @@ def test_reserved_orders_wait_for_their_robot_the_first_due_first() -> None:
     orders = [order(due=80, robot=1), order(B, due=30, robot=1), order(C, due=60, robot=1)]
     book = book_of(*orders)
     assert (book.open_orders, book.waiting_at[AT_A]) == ([], 0)
-    assert book.order_of.tolist() == [NONE, 0, NONE]  # the others came when it had one
-    assert not book.take(0, AT_A, step=1)
-    for cell, expected in ((AT_A, 0), (AT_B, 1), (AT_C, 2)):
+    assert book.order_of.tolist() == [NONE, 1, NONE]
+    assert not book.take(0, AT_B, step=1)
+    for cell, expected in ((AT_B, 1), (AT_C, 2), (AT_A, 0)):
         assert book.order_of[1] == expected
         assert book.take(1, cell, step=2)
         book.deliver(1, step=3)
@@ -88,6 +88,31 @@ def test_a_reserved_order_that_is_given_back_stays_reserved() -> None:
     assert book.open_orders == []
     book.assign(1, None)
     assert (book.order_of[1], book.open_orders) == (0, [1])
+
+
+def test_a_reserved_order_that_comes_later_waits_even_if_it_is_due_first() -> None:
+    book = book_of(order(due=80, robot=1), order(B, due=30, robot=1, released=2))
+    book.release(2)
+    assert book.order_of[1] == 0
+    book.assign(1, None)
+    assert book.order_of[1] == 1
+
+
+def test_a_robot_is_assigned_another_of_the_orders_reserved_for_it() -> None:
+    orders = [order(at, due=due, robot=1) for at, due in ((A, 10), (B, 20), (C, 30), (A, 40))]
+    book = book_of(*orders, order(C))
+    book.assign(1, 2)
+    assert book.order_of[1] == 2
+    book.assign(1, 4)  # an open one
+    book.assign(1, 1)
+    assert (book.order_of[1], book.open_orders) == (1, [4])
+    for cell, expected in ((AT_B, 1), (AT_A, 0), (AT_C, 2), (AT_A, 3)):
+        assert book.order_of[1] == expected, "each waits once, the first due first"
+        assert book.take(1, cell, step=2)
+        book.deliver(1, step=3)
+    assert book.order_of[1] == NONE
+    with pytest.raises(OrderError, match="order 2 cannot be assigned to robot 1: robot 1 has"):
+        book.assign(1, 2)
 
 
 def test_assigned_orders_wait_for_their_robot_only() -> None:

@@ -87,6 +87,32 @@ def test_a_robot_that_has_ended_leaves_the_agents_and_stays_in_the_way() -> None
     assert env.agents == env.possible_agents
 
 
+def test_without_agents_a_step_is_empty_as_wrappers_of_pettingzoo_expect() -> None:
+    env = pettingzoo_env.parallel_env(robots=1, max_cycles=1)
+    with pytest.raises(EndedError, match=r"needs a reset\(\)"):
+        env.step({})
+    env.reset(seed=1)
+    with pytest.raises(ValueError, match="no action for robot_0"):
+        env.step({})
+    env.step(waits(env))
+    before = env.state()
+    assert env.step({}) == ({}, {}, {}, {}, {})
+    assert np.array_equal(env.state(), before)
+    with pytest.raises(EndedError, match=r"needs a reset\(\)"):
+        env.step({"robot_0": 4})
+    env.reset()
+    assert env.step(waits(env))[0].keys() == {"robot_0"}
+
+
+@pytest.mark.parametrize("orders", [None, 0.2])
+def test_a_robot_that_is_alone_observes_chargers_only_with_orders(orders: float | None) -> None:
+    env = pettingzoo_env.parallel_env(YARD, 1, orders=orders, battery=300)
+    observations, _ = env.reset(seed=1)
+    seen = observations["robot_0"]
+    assert ("charger_pos" in seen) == ("charger_pos" in env.fleet.observe(0)) == bool(orders)
+    assert env.observation_space("robot_0").contains(seen)
+
+
 def test_a_state_has_all_robots_and_the_oldest_open_orders() -> None:
     orders = [Order(0, 50 + n, (1, 1), (1, 4)) for n in range(MAX_STATE_ORDERS + 5)]
     starts = [(0, 0), (0, 1)]
@@ -142,8 +168,6 @@ def test_bad_actions_change_nothing(
     actions: dict[str, Any], error: type[Exception], message: str
 ) -> None:
     env = pettingzoo_env.parallel_env()
-    with pytest.raises(EndedError):
-        env.step({})
     env.reset(seed=1)
     before = env.state()
     with pytest.raises(error, match=message):

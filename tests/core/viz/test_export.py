@@ -34,6 +34,7 @@ from warehouse_core.render.palette import COLORS
 from warehouse_core.viz.export import FORMATS, progress_bar
 from warehouse_core.viz.export import formats as export
 from warehouse_core.viz.export.gif_writer import GifWriter
+from warehouse_core.viz.export.mp4_frames import mp4_frames
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.warehouse_viz import replay_animation
 from warehouse_core.wording import printable
@@ -170,24 +171,65 @@ def test_an_svg_is_the_same_in_another_process(films: Path, tmp_path: Path) -> N
 # MP4.
 
 
-def ffmpeg(*words: object) -> "subprocess.CompletedProcess[bytes]":
+def run_ffmpeg(*words: object) -> "subprocess.CompletedProcess[bytes]":
     program = imageio_ffmpeg.get_ffmpeg_exe()
     return subprocess.run([program, *map(str, words)], capture_output=True, check=False)
 
 
 def test_an_mp4_has_every_frame(films: Path, drawings: list[Image.Image]) -> None:
     path = films / "film.mp4"
-    about = ffmpeg("-i", path).stderr.decode()
+    about = run_ffmpeg("-i", path).stderr.decode()
     assert re.search(r"Video: h264\b.*\byuv420p\b.* 6\.67 fps", about)
     # Its size is even, which may cost one row and one column.
     rows, columns = (side // 2 * 2 for side in drawings[0].size[::-1])
-    data = ffmpeg("-v", "error", "-i", path, "-f", "rawvideo", "-pix_fmt", "rgb24", "-").stdout
+    data = run_ffmpeg("-v", "error", "-i", path, "-f", "rawvideo", "-pix_fmt", "rgb24", "-").stdout
     images = np.frombuffer(data, dtype=np.uint8).reshape(-1, rows, columns, 3).astype(np.int64)
     assert len(images) == FRAMES
     expected = [np.asarray(drawing).astype(int)[:rows, :columns] for drawing in drawings]
     distances = [[np.abs(image - other).mean() for other in expected] for image in images]
     assert np.argmin(distances, axis=1).tolist() == list(range(FRAMES))
     assert max(map(min, distances)) < 6
+
+
+def test_a_full_disk_is_an_error_of_the_file(tmp_path: Path) -> None:
+    full = tmp_path / "film.mp4"
+    full.symlink_to("/dev/full")
+    with pytest.raises(OSError, match=r"No space.*film\.mp4"), mp4_frames(full, 5, 64, 64) as add:
+        add(bytes(100 * 64 * 64 * 4))
+
+
+def test_ffmpeg_that_ends_early_is_an_error_of_the_file(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("warehouse_core.viz.export.mp4_frames.ffmpeg", lambda: "/bin/false")
+    with pytest.raises(OSError, match="ffmpeg ended with exit code 1: "):
+        saved(tmp_path, ".mp4")
+    assert not list(tmp_path.iterdir())
+
+
+def test_an_interrupt_of_the_terminal_ends_ffmpeg_and_is_no_other_error(tmp_path: Path) -> None:
+    program = """
+import os, signal
+from pathlib import Path
+from warehouse_core.viz.export.mp4_frames import mp4_frames
+
+try:
+    with mp4_frames(Path("film.mp4"), 5, 64, 64) as add:
+        add(bytes(64 * 64 * 4))
+        os.killpg(0, signal.SIGINT)
+        add(bytes(64 * 64 * 4))
+except KeyboardInterrupt as error:
+    print(error.__context__)
+try:
+    os.waitpid(-1, os.WNOHANG)
+except ChildProcessError:
+    print("no child")
+"""
+    done = subprocess.run(
+        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True,
+        start_new_session=True, check=True,
+    )  # fmt: skip
+    assert (done.stdout, done.stderr) == ("None\nno child\n", "")
 
 
 def test_an_mp4_without_its_library_names_the_command_that_installs_it(

@@ -122,6 +122,23 @@ def test_a_problem_is_read_with_the_files_that_it_names(problem: Path) -> None:
 
 
 @pytest.mark.parametrize(
+    ("fields", "named"),
+    [
+        ({"delayConfig": {"pDelay": 0.1}, "agentCounter": 3}, "'agentCounter', 'delayConfig'"),
+        ({"x" * 90_000: 1}, f"'{'x' * 12}...{'x' * 13}'"),
+        (dict.fromkeys("zyxwvutsrqpo", 0), f"{', '.join(map(repr, 'opqrstuvwx'))}, ..."),
+    ],
+)
+def test_fields_that_have_no_effect_are_named(
+    problem: Path, fields: dict[str, Any], named: str
+) -> None:
+    problem.write_text(json.dumps(PROBLEM | fields))
+    with pytest.warns(UserWarning, match=r"hall\.json: fields without effect: ") as found:
+        assert load_league(problem).revealed == 3
+    assert [str(each.message).split("effect: ")[1] for each in found] == [named]
+
+
+@pytest.mark.parametrize(
     ("change", "message"),
     [
         ({"teamSize": 4}, "teamSize is 4, but "),
@@ -144,15 +161,20 @@ def test_a_wrong_value_of_a_problem_is_named(
     ("data", "message"),
     [
         (b"{", "not JSON: "),
-        (b"\xff", "not JSON: "),
-        (b"[" * 90_000, "not JSON: "),
+        (b"\xff", "invalid start byte"),
+        (b"[" * 90_000, "90,000 open brackets are more than MAX_DEPTH = 20"),
         (b"[]", "a JSON list where there must be an object"),
         (b"{}", "teamSize is missing; it must be a whole number"),
-        (b" " * 100_001, "more than MAX_PROBLEM = 100000 bytes"),
     ],
 )
 def test_what_is_no_problem_is_refused(problem: Path, data: bytes, message: str) -> None:
     assert message in refusal(load_league, problem, data)
+
+
+def test_a_problem_that_is_too_long_is_refused(problem: Path) -> None:
+    problem.write_bytes(b" " * 100_001)
+    with pytest.raises(OSError, match="it is longer than 100,000 bytes"):
+        load_league(problem)
 
 
 def test_files_of_a_problem_that_do_not_fit_are_named(problem: Path) -> None:

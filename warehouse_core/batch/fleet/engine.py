@@ -41,7 +41,8 @@ class FleetEngine:
         battery: ``[N]`` float64 units left.
         steps: ``[B]`` steps taken.
         terminated: ``[N]``, whether the task of the robot is done.
-        truncated: ``[N]``, whether its battery or the steps are used up, or it has failed.
+        truncated: ``[N]``, whether its battery or the steps are used up, it has failed, or all
+            items that are left to deliver are lost.
         failed: ``[N]``, whether the motion says that it stays where it is for good.
     """
 
@@ -113,6 +114,7 @@ class FleetEngine:
         if self.settings.team_reward:
             teams = rewards.reshape(-1, self.settings.robots)
             teams[:] = teams.mean(axis=1, keepdims=True)
+            rewards[~active] = 0.0
         flags = self.terminated.copy(), self.truncated.copy()
         if over.size:  # after the motion, as people must not walk before the first action
             self.begin(over, [None] * over.size)
@@ -126,7 +128,7 @@ class FleetEngine:
         arrays = cast(FleetArrays, self.robots.observe(rows, battery[:, None], steps[:, None]))
         if self.orders:
             arrays["due"] = self.orders.due[rows, None].copy()
-        if self._floor.has_chargers:
+        if self._floor.has_chargers and not self.settings.is_lone:
             arrays["charger_pos"] = self._floor.nearest_chargers(rows, self.robots.cells[rows])
         return arrays
 
@@ -182,13 +184,15 @@ class FleetEngine:
     def _end(self, delivered: Flags) -> None:
         """Set which robots have ended."""
         active, robots = ~self.ended, self.settings.robots
-        done = np.repeat(self.orders.all_delivered, robots) if self.orders else delivered
-        is_over = np.repeat(self.steps >= self.settings.max_steps, robots)
+        done, is_over = delivered, self.steps >= self.settings.max_steps
+        if self.orders:
+            done = np.repeat(self.orders.all_delivered, robots)
+            is_over = is_over | self.orders.rest_is_lost
         self.terminated |= active & done
         empty = np.flatnonzero(active & (self.battery <= 0) & ~self.failed)
         if len(empty) and isinstance(self.motion, CanFail):
             self.motion.fail(empty)
-        self.truncated |= active & (self._is_out | is_over)
+        self.truncated |= active & (self._is_out | np.repeat(is_over, robots))
 
     @property
     def _is_out(self) -> Flags:

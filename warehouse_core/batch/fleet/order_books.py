@@ -26,6 +26,8 @@ class OrderBooks:
         due: ``[N]`` int32, the step by which the robot's order is due, or ``NONE``.
         all_delivered: ``[B]`` bool, whether all orders of a list are delivered; a stream has no
             end.
+        rest_is_lost: ``[B]`` bool, whether all orders of a list are delivered but for items that
+            are lost, one or more.
     """
 
     def __init__(self, layouts: LayoutSet, settings: FleetSettings, floor: FleetFloor) -> None:
@@ -37,7 +39,7 @@ class OrderBooks:
         self._next_release = np.full(floors, NEVER)
         self.due = np.full(floors * settings.robots, NONE, np.int32)
         self._is_idle = np.ones((floors, settings.robots), np.bool_)
-        self._has_open, self.all_delivered = np.zeros((2, floors), np.bool_)
+        self._has_open, self.all_delivered, self.rest_is_lost = np.zeros((3, floors), np.bool_)
         self._touched: set[int] = set()
 
     def begin(self, floor: int, stream: np.random.Generator) -> None:
@@ -123,7 +125,9 @@ class OrderBooks:
         robots.clear()
         cells.clear()
         self._has_open[floor] = book.has_open_orders
-        self.all_delivered[floor] = self._sources[self._layouts.kind[floor]].ends and book.is_done
+        is_over = self._sources[self._layouts.kind[floor]].ends and book.is_done
+        self.all_delivered[floor] = is_over and not book.lost
+        self.rest_is_lost[floor] = is_over and book.lost
         self._next_release[floor] = book.next_release
 
     def _set_orders(self, floor: int, book: OrderBook, robots: Integers) -> None:

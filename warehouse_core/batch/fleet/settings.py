@@ -97,6 +97,11 @@ class FleetSettings:
         return self.orders is not None
 
     @property
+    def is_lone(self) -> bool:
+        """Whether one robot has the task of ``WarehouseEnv``, and observes what it does there."""
+        return self.robots == 1 and not self.has_orders
+
+    @property
     def bodies(self) -> int:
         """Sum of robots and people on a floor."""
         return self.robots + self.people.count

@@ -63,8 +63,7 @@ class Floor:
         self._station_cells = np.full((2, rows), NO_CELL, np.intp)
         self.station_places = np.empty((2, rows, 2), np.int32)
         # The place of a station in the window depends on its offset from the robot, which is one
-        # number in rows so wide that a station beyond one edge does not appear at the other, not
-        # even one that does not exist, in the column before the first.
+        # number in rows so wide that a station beyond one edge does not appear at the other.
         self._stride = max(layout.width for layout in kinds) + radius + 1
         self._reach = radius * self._stride + radius + 1
         # The place for each offset is the middle, where the robot is, if it is out of sight.
@@ -134,6 +133,7 @@ class Floor:
         # Offsets on a large grid can exceed 32 bits.
         offset = np.multiply(way[:, 0], self._stride, dtype=np.intp)
         offset += way[:, 1] + self._reach
+        offset[stations[:, 0] < 0] = 0  # of none: out of sight, though NOWHERE is next to a corner
         place = self._place_of.take(offset, mode="clip")
         place += np.arange(first, windows.size, windows.shape[1])
         windows.reshape(-1)[place] = value

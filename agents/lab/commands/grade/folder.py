@@ -26,7 +26,8 @@ from agents.lab.grading.grades import (
 from agents.lab.grading.gradescope import results_of
 from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import Rubric
-from agents.lab.grading.submissions import Submission, in_folder
+from agents.lab.grading.submissions import Submission, Unusable, in_folder
+from agents.lab.grading.trust import most_jobs
 from agents.lab.trials.workers import process_pool
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.wording import counted
@@ -78,9 +79,8 @@ def grade_folder(
     before, rows = load_grades(target), dict[str, GradeRow]()
     waiting = list[Submission]()
     for each in found:
-        if isinstance(each, str):
-            name, _, reason = each.partition(": ")
-            rows[name] = failed_row(name, reason, rubric)
+        if isinstance(each, Unusable):
+            rows[each.name] = failed_row(each.name, each.reason, rubric)
         elif _is_done(each, before, rubric, pages):
             rows[each.name] = before[plain(each.name)]
         else:
@@ -89,7 +89,7 @@ def grade_folder(
     save_grades(target, columns_of(rubric), rows)
     try:
         with (
-            process_pool(max(min(jobs, len(waiting)), 1)) as (pool, _),
+            process_pool(max(min(most_jobs(user, jobs), len(waiting)), 1)) as (pool, _),
             progress_bar(len(waiting), "submissions") as advance,
         ):
             futures = {pool.submit(_grade, each, rubric, user, pages): each for each in waiting}

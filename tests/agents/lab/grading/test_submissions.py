@@ -1,5 +1,6 @@
 """Agents, good, bad and hostile, get what they have earned, and leave nothing behind."""
 
+import ast
 import json
 import os
 import re
@@ -8,6 +9,7 @@ import signal
 from pathlib import Path
 
 import pytest
+from helpers.attacks import BEFORE, DEEDS, attempt
 from helpers.submissions import (
     GOOD,
     RUBRIC,
@@ -20,11 +22,12 @@ from helpers.submissions import (
 )
 
 from agents.errors import GradeError
-from agents.lab.grading import sandbox
+from agents.lab.grading import sandbox, submissions, trust, walls
 from agents.lab.grading.gradescope import results_of
 from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import load_rubric
-from agents.lab.grading.submissions import find_submission, in_folder
+from agents.lab.grading.submissions import Submission, Unusable, find_submission, in_folder
+from agents.lab.grading.trust import check_trust, most_jobs
 
 NOBODY = 65534
 
@@ -44,6 +47,13 @@ HIDDEN = re.sub(
     "max_steps.*", "max_steps = 60\nvisible = false", RUBRIC.replace("visible = false", "")
 )
 """The rubric with no visible episode."""
+
+
+@pytest.fixture
+def no_walls(monkeypatch: pytest.MonkeyPatch) -> None:
+    """A system that keeps nothing from agents."""
+    monkeypatch.setattr(walls, "held", frozenset)
+    monkeypatch.setattr(trust, "held", frozenset)
 
 
 def grade_source(
@@ -131,32 +141,45 @@ def test_the_answers_of_an_episode_have_a_limit_together(tmp_path: Path) -> None
     assert report.grades[0].worst.endswith("its answers took 0.5 s in all")
 
 
+@pytest.mark.parametrize("user", [None, "nobody"])
+def test_the_kernel_refuses_what_is_outside_of_an_agent(tmp_path: Path, user: str | None) -> None:
+    """Each deed alone is tried by ``bench_hostile.py``, also when an agent is loaded and acts."""
+    tmp_path.chmod(0o700)  # the user of agents reads them all the same
+    body = "\n".join(map(attempt, DEEDS.values()))
+    (tmp_path / "rubric.toml").write_text("hidden")
+    (tmp_path / "mine").mkdir()
+    report = grade_source(tmp_path / "mine", good("begin(self)", body, BEFORE), user=user)
+    assert report.points == 100, report.grades
+    assert {path.name for path in (tmp_path / "mine").iterdir()} == {"agent.py", "rubric.toml"}
+
+
 def test_an_agent_that_passes_by_the_rules_of_python_is_ended_with_all_it_has_started(
-    tmp_path: Path,
+    tmp_path: Path, no_walls: None
 ) -> None:
     """``daemon`` of C leaves a process that is no child of the agent, nor in its session."""
     body = (
-        "if os.path.exists('started'):\n"
-        "    if os.path.exists('/proc/' + open('started').read()):\n"
+        "for name in os.listdir():\n"
+        "    if name.isdigit() and os.path.exists('/proc/' + name):\n"
         "        open('alive', 'w').close()\n"
-        "    return 'WAIT'\n"
+        "        return 'WAIT'\n"
         "libc = ctypes.CDLL(None)\n"
         "libc.daemon(1, 1)\n"
-        "open('started', 'w').write(str(os.getpid()))\n"
+        "open(str(os.getpid()), 'w').close()\n"
         "libc.sleep(600)"
     )
     rubric = RUBRIC.replace("give_up_after = 1", "give_up_after = 2")
     report = grade_source(tmp_path, idle(body, "import ctypes, os"), rubric)
     assert not (tmp_path / "alive").exists(), "it was there in the next episode"
-    started = int((tmp_path / "started").read_text(encoding="utf-8"))
-    assert not Path("/proc", str(started)).exists()
+    started = [path.name for path in tmp_path.iterdir() if path.name.isdigit()]
+    assert started
+    assert not any(Path("/proc", each).exists() for each in started)
     assert report.points == 0
     assert not running_in(tmp_path)
 
 
 @pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
 def test_an_agent_that_ends_or_stops_what_has_started_it_ends_no_other_episode(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: int
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, no_walls: None, number: int
 ) -> None:
     """Compiled code can send signals; the next episode has a new server then."""
     monkeypatch.setattr(sandbox, "ENDING_SECONDS", 0.3)
@@ -183,31 +206,103 @@ def test_agents_can_run_as_another_user(tmp_path_factory: pytest.TempPathFactory
         secret = folder / "secret"
         secret.write_text("seeds", encoding="utf-8")
         secret.chmod(0o600)
+        (folder / "mine").mkdir()
         body = (
             f"assert os.getuid() == {NOBODY} and not os.getgroups()\n"
             f"try: open({str(secret)!r})\n"
             "except PermissionError: return\n"
             "raise AssertionError('it can read private files')"
         )
-        report = grade_source(folder, good("begin(self)", body, "import os"), user="nobody")
+        source = good("begin(self)", body, "import os")
+        report = grade_source(folder / "mine", source, user="nobody")
         assert report.points == 100, report.grades
         assert not running_in(folder)
         with pytest.raises(GradeError, match="--user no_such_user: there is no such user"):
-            grade_source(folder, GOOD, user="no_such_user")
+            grade_source(folder / "mine", GOOD, user="no_such_user")
     finally:
         shutil.rmtree(folder)
 
 
-def test_a_folder_has_files_and_folders(tmp_path: Path) -> None:
-    for name in ("searches", "waits", "two"):
+def test_a_folder_has_files_and_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Whatever is no submission has a line with the reason, so that it stops no other."""
+    monkeypatch.setattr(submissions, "MAX_BYTES", 100)
+    for name in ("searches", "waits", "two: a", "zero", "folder", "folder/agent.py", "large"):
         (tmp_path / name).mkdir()
-    for name in ("searches/agent.py", "waits/agent.py", "waits/other.py", "two/a.py", "two/b.py",
-                 "mine.py", "notes.txt", ".hidden.py"):  # fmt: skip
+    for name in ("searches/agent.py", "waits/agent.py", "waits/other.py", "two: a/a.py",
+                 "two: a/b.py", "mine.py", "notes.txt", ".x.py", "large/agent.py"):  # fmt: skip
         (tmp_path / name).touch()
-    found = [each if isinstance(each, str) else each.shown for each in in_folder(tmp_path, None)]
-    assert [each.removeprefix(f"{tmp_path}/") for each in found] == [
-        "mine.py",
-        "searches/agent.py",
-        "two: it has 2 .py files, and none is agent.py",
-        "waits/agent.py",
-    ]
+    (tmp_path / "large" / "weights").write_bytes(bytes(101))
+    os.mkfifo(tmp_path / "pipe.py")
+    (tmp_path / "zero" / "agent.py").symlink_to("/dev/zero")
+    for name, target in {"copied.py": "mine.py", "gone.py": "gone", "other": "searches"}.items():
+        (tmp_path / name).symlink_to(tmp_path / target)
+    found = {each.name: each for each in in_folder(tmp_path, None)}
+    assert {name for name, each in found.items() if isinstance(each, Submission)} == {
+        "mine.py", "searches", "waits",
+    }  # fmt: skip
+    assert {name: each.reason for name, each in found.items() if isinstance(each, Unusable)} == {
+        "copied.py": "it is a link, which is not followed",
+        "folder": "agent.py: it is a folder, not a file",
+        "gone.py": "it is a link, which is not followed",
+        "large": "large has more than 1,000 files or 0 MiB",
+        "other": "it is a link, which is not followed",
+        "pipe.py": "it is a pipe, not a file",
+        "two: a": "it has 2 .py files, and none is agent.py",
+        "zero": "agent.py: it is a link, which is not followed",
+    }
+
+
+@pytest.mark.usefixtures("no_walls")
+def test_files_of_a_folder_hide_nothing_from_each_other(tmp_path: Path) -> None:
+    """Neither modules of this program nor others; what a submission hides from itself is told."""
+    (tmp_path / "all" / "own").mkdir(parents=True)
+    rubric = load_rubric(write_rubric(tmp_path))
+    heirs = "import numpy\nfrom agents import GreedyAgent\nclass Agent(GreedyAgent):\n    pass\n"
+    for name, source in {
+        "agents.py": GOOD, "numpy.py": f"import numpy\nnumpy.int64\n{GOOD}", "heir.py": heirs,
+        "own/agent.py": GOOD, "own/queue.py": "",
+    }.items():  # fmt: skip
+        Path(tmp_path, "all", name).write_text(source, encoding="utf-8")
+    reports = {each.name: grade(each, rubric) for each in in_folder(tmp_path / "all", None)}
+    assert {name: each.points for name, each in reports.items()} == {
+        "agents.py": 100, "heir.py": 73.22, "numpy.py": 100, "own": 100,
+    }  # fmt: skip
+    assert {name: each.remarks for name, each in reports.items() if each.remarks} == {
+        "own": ["queue.py hides a module of that name from all imports"]
+    }
+
+
+def test_a_submission_is_parsed_in_its_own_process_alone(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    """The syntax tree of a list of four megabytes takes two gigabytes."""
+    monkeypatch.setattr(ast, "parse", lambda *_: pytest.fail("the grader parses"))
+    report = grade_source(tmp_path, f"import numpy\nx = [{'0,' * 2_000_000}]\n{GOOD}")
+    assert report.failure.startswith(("cannot be loaded: MemoryError", "takes too long"))
+
+
+def test_a_changed_file_of_a_submission_in_a_folder_changes_its_digest(tmp_path: Path) -> None:
+    (tmp_path / "all" / "mine" / "data").mkdir(parents=True)
+    for name in ("agent.py", "data/weights"):
+        (tmp_path / "all" / "mine" / name).touch()
+    [before] = in_folder(tmp_path / "all", None)
+    (tmp_path / "all" / "mine" / "data" / "weights").write_text("1")
+    [after] = in_folder(tmp_path / "all", None)
+    assert isinstance(before, Submission)
+    assert isinstance(after, Submission)
+    assert before.digest != after.digest
+
+
+def test_who_is_not_kept_from_others_must_be_trusted(
+    monkeypatch: pytest.MonkeyPatch, no_walls: None
+) -> None:
+    monkeypatch.setattr(os, "getuid", lambda: 1000)
+    assert check_trust(None, is_trusted=False, are_many=False).startswith("agents can read files")
+    with pytest.raises(GradeError, match=r"on this system agents can read files .*--trust them"):
+        check_trust(None, is_trusted=False, are_many=True)
+    assert check_trust(None, is_trusted=True, are_many=True)
+    assert most_jobs("nobody", 4) == 1 < most_jobs(None, 4)
+    monkeypatch.setattr(os, "getuid", lambda: 0)
+    with pytest.raises(GradeError, match="root does not run agents with its own rights"):
+        check_trust(None, is_trusted=False, are_many=False)
+    assert check_trust("nobody", is_trusted=False, are_many=True)

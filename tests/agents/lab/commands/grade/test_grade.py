@@ -6,6 +6,7 @@ import re
 import signal
 import subprocess
 import sys
+from concurrent.futures import Future
 from pathlib import Path
 from time import sleep
 
@@ -21,7 +22,11 @@ from helpers.submissions import (
     write_submissions,
 )
 
-from agents.lab.grading.rubric import MINI_LAB
+from agents.errors import WorkerError
+from agents.lab.commands.grade.folder import _row
+from agents.lab.grading.grading import GradeReport
+from agents.lab.grading.rubric import MINI_LAB, load_rubric
+from agents.lab.grading.submissions import find_submission
 
 ALLOWED = {"visible", "hidden", "after_due_date", "after_published"}
 REPLAY = re.compile(r"^ +worst +(.*)\n +replay +(.*)$", flags=re.MULTILINE)
@@ -66,7 +71,7 @@ class Mine:
             one.replace('cases = ["chapter", "loops", "unseen"]', f'cases = ["{name}"]'),
             encoding="utf-8",
         )
-        out = warehouse("grade", "mine.py", "--rubric", "one.toml").out
+        out = warehouse("grade", "--trust", "mine.py", "--rubric", "one.toml").out
         found = REPLAY.findall(out)
         assert len(found) >= 3
         for worst, line in found:
@@ -86,7 +91,9 @@ def test_results_have_the_form_that_gradescope_reads(warehouse: Warehouse, rubri
         rubric.read_text().replace("points = 20\n", 'points = 20\nvisibility = "after_due_date"\n')
     )
     [file] = write_submissions(Path(), "none_without_way")
-    code, out, _ = warehouse("grade", f"{file}:Agent", "--rubric", rubric, "--save", "results.json")
+    code, out, _ = warehouse(
+        "grade", "--trust", f"{file}:Agent", "--rubric", rubric, "--save", "results.json"
+    )
     assert code == 0
     results = json.loads(Path("results.json").read_text(encoding="utf-8"))
     assert results["score"] == 70 == sum(test["score"] for test in results["tests"])
@@ -107,7 +114,7 @@ def test_the_page_loads_nothing_and_escapes_what_agents_say(
 ) -> None:
     [file] = write_submissions(Path(), "raises_markup")
     saved = [*("--save", "report.html"), *("--save", "report.json")]
-    out = warehouse("grade", file, "--rubric", rubric, *saved).out
+    out = warehouse("grade", "--trust", file, "--rubric", rubric, *saved).out
     page = Path("report.html").read_text(encoding="utf-8")
     assert executable_nodes(Path("report.html")) == []
     assert "&lt;script&gt;alert(1)" in page
@@ -121,7 +128,7 @@ def test_a_folder_is_graded_once_and_again_where_something_has_changed(
     write_submissions(Path("all"), "searches", "picks", "syntax")
     Path("all", "=cmd.py").write_text(idle("pass"), encoding="utf-8")
     Path("all", "none").mkdir()
-    words = ("grade", "all", "--rubric", rubric, "-o", "grades.csv", "--jobs", 1)
+    words = ("grade", "--trust", "all", "--rubric", rubric, "-o", "grades.csv", "--jobs", 1)
     result = warehouse(*words, "--jobs", 2, "--pages", "pages")
     assert result.code == 0
     assert "4 graded, 1 as they were" in result.out
@@ -141,36 +148,15 @@ def test_a_folder_is_graded_once_and_again_where_something_has_changed(
     assert rows_of("grades.csv")["searches"]["points"] == "90"
 
 
-KILLER = """
-import ctypes, os
-class Agent:
-    def reset(self):
-        libc, text = ctypes.CDLL(None), ctypes.create_string_buffer(500)
-        libc.read(libc.open(f"/proc/{os.getppid()}/stat".encode(), 0), text, 499)
-        libc.sigqueue(int(text.value.split()[3]), 9, 0)
-        libc.sleep(600)
-    def act(self, observation):
-        return "WAIT"
-"""
-
-
-def test_an_agent_that_ends_the_grader_has_no_points_and_the_others_have_theirs(
-    warehouse: Warehouse, rubric: Path, tmp_path: Path
-) -> None:
-    """Only compiled code can, here the system's, and only in a process of its own submission."""
-    write_submissions(tmp_path / "all", "searches", "picks")
-    Path("all", "a.py").write_text(KILLER, encoding="utf-8")
-    words = ("grade", "all", "--rubric", rubric, "-o", "grades.csv", "--jobs", 1)
-    assert warehouse(*words).code == 0
-    rows = rows_of("grades.csv")
-    assert {name: row["points"] for name, row in rows.items()} == {
-        "a.py": "0", "searches": "100", "picks": "0",
-    }  # fmt: skip
-    assert rows["a.py"]["failure"].startswith(
-        "it ended the grader: its process was ended by signal"
-    )
-    assert not running_in(tmp_path / "all")
-    assert "0 graded, 3 as they were" in warehouse(*words).out
+def test_an_agent_that_ended_the_grader_has_no_points(rubric: Path) -> None:
+    """Compiled code may, where the system does not keep agents from other processes."""
+    future: Future[GradeReport] = Future()
+    future.set_exception(WorkerError("its process was ended by signal 9"))
+    file = Path("agent.py")
+    file.write_text(GOOD, encoding="utf-8")
+    row = _row(future, find_submission(str(file)), load_rubric(rubric))
+    assert row["points"] == "0"
+    assert row["failure"] == "it ended the grader: its process was ended by signal 9"
 
 
 def test_an_interrupted_folder_is_resumed_and_nothing_is_left_running(
@@ -178,7 +164,17 @@ def test_an_interrupted_folder_is_resumed_and_nothing_is_left_running(
 ) -> None:
     rubric.write_text(RUBRIC.replace("give_up_after = 1", "give_up_after = 99"), encoding="utf-8")
     write_submissions(tmp_path / "all", "searches", "sleeps")
-    words = ["grade", "all", "--rubric", "rubric.toml", "-o", "grades.csv", "--jobs", "1"]
+    words = [
+        "grade",
+        "--trust",
+        "all",
+        "--rubric",
+        "rubric.toml",
+        "-o",
+        "grades.csv",
+        "--jobs",
+        "1",
+    ]
     code = "from agents.__main__ import main; main()"
     with subprocess.Popen(
         [sys.executable, "-c", code, *words],
@@ -211,6 +207,6 @@ def test_the_rubric_of_the_mini_lab_is_printed(warehouse: Warehouse) -> None:
 def test_another_table_is_not_written_over(refused: Refused) -> None:
     write_submissions(Path("all"), "searches")
     Path("other.csv").write_text("a,b\n1,2\n", encoding="utf-8")
-    said = refused("grade", "all", "-o", "other.csv")
+    said = refused("grade", "--trust", "all", "-o", "other.csv")
     assert said.startswith("other.csv: it is no table of grades")
     assert Path("other.csv").read_text(encoding="utf-8") == "a,b\n1,2\n"

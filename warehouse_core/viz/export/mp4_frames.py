@@ -1,0 +1,45 @@
+"""MP4 files, which ffmpeg writes from frames in a pipe."""
+
+from __future__ import annotations
+
+import errno
+import os
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, suppress
+from pathlib import Path
+from subprocess import DEVNULL, PIPE, Popen
+
+from warehouse_core.viz.export.formats import ffmpeg
+
+
+@contextmanager
+def mp4_frames(path: Path, fps: float, width: int, height: int) -> Iterator[Callable[[bytes], int]]:
+    """Yield a function that adds a frame, the bytes of ``[height, width, 4]`` colours, to a file.
+
+    Width and height are even, as the format demands. If the block raises, ffmpeg is ended before
+    the error goes on.
+
+    Raises:
+        FormatError: imageio-ffmpeg is not installed.
+        OSError: ffmpeg cannot write the file.
+    """
+    raw = ["-f", "rawvideo", "-vcodec", "rawvideo", "-s", f"{width}x{height}", "-pix_fmt", "rgba"]
+    read = [*raw, "-framerate", str(fps), "-loglevel", "error", "-i", "pipe:"]
+    command = [ffmpeg(), *read, "-vcodec", "h264", "-pix_fmt", "yuv420p", "-y", str(path)]
+    # Ctrl-C goes to all processes of a session; in its own, ffmpeg does not end before this one.
+    with Popen(command, stdin=PIPE, stdout=DEVNULL, stderr=PIPE, start_new_session=True) as process:
+        assert process.stdin is not None, "it is a pipe"
+        try:
+            with suppress(BrokenPipeError):  # ffmpeg has ended, and says why
+                yield process.stdin.write
+            said = process.communicate()[1].decode(errors="replace")
+        except BaseException:
+            process.kill()
+            process.communicate()  # to close the pipe alone would be another error
+            raise
+    if process.returncode:
+        full = os.strerror(errno.ENOSPC)
+        if full in said:
+            raise OSError(errno.ENOSPC, full, str(path))
+        reason = f"ffmpeg ended with exit code {process.returncode}: {said}"
+        raise OSError(errno.EIO, reason, str(path))
