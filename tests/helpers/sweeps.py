@@ -73,7 +73,7 @@ FLAGS = ["escape=on,off", "battery=20,60"]
 
 def words(output: Path, episodes: int, flags: Sequence[str] = FLAGS, workers: int = 2) -> list[str]:
     choices = [word for flag in flags for word in ("--set", flag)]
-    sizes = ["-n", str(episodes), "--workers", str(workers), "--seed", "3"]
+    sizes = ["-n", str(episodes), "--jobs", str(workers), "--seed", "3"]
     return ["sweep", *choices, *sizes, "-o", str(output)]
 
 
