@@ -11,7 +11,6 @@ import typer
 
 from agents.lab.parameters import MAX_SEED, MAX_VALUE, PARAMETERS, Number, Whole
 from agents.lab.place import Stations
-from agents.lab.trials.interval import MIN_VALUES
 from agents.registry import PLANNERS
 from warehouse_core.files.atomic import check_suffix, check_target
 from warehouse_core.wording import brief
@@ -153,7 +152,7 @@ Episodes = Annotated[
     int,
     option(
         "--episodes -n N",
-        f"{EPISODES} Of {MIN_VALUES} or more, means have 95% intervals.",
+        f"{EPISODES} Means of few have no interval.",
         Whole(1, MAX_EPISODES),
     ),
 ]
