@@ -148,14 +148,7 @@ SeedOption = Annotated[
 ]
 MAX_EPISODES = 100_000
 EPISODES = "Episodes of each setting, with one seed after the other."
-Episodes = Annotated[
-    int,
-    option(
-        "--episodes -n N",
-        f"{EPISODES} Means of few have no interval.",
-        Whole(1, MAX_EPISODES),
-    ),
-]
+Episodes = Annotated[int, option("--episodes -n N", EPISODES, Whole(1, MAX_EPISODES))]
 BatteryOption = Annotated[int, parameter_option("battery")]
 MaxSteps = Annotated[int, parameter_option("max_steps")]
 ViewRadius = Annotated[int, parameter_option("view_radius")]
