@@ -125,8 +125,8 @@ BackendOption = Annotated[
     str,
     option(
         "--backend NAME",
-        "Motion backend: grid, physics, for fleets driving (through cells as a plan says), or "
-        "one of your own; numbers of the robot may follow as in physics:top_speed=2,mass=70.",
+        "Motion backend: grid, physics, for fleets driving (through cells as a plan says), or your "
+        "own as file.py:Class; numbers of the robot may follow as in physics:top_speed=2,mass=70.",
     ),
 ]
 

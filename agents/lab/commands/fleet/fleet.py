@@ -23,7 +23,7 @@ from agents.lab.console.terminal import warnings_printed
 from agents.lab.console.values import DUE, parse_battery, parse_due
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import draw_seed, run
-from agents.registry import PLANNERS, make_fleet_agent, make_team
+from agents.registry import PLANNERS, make_backend, make_fleet_agent, make_team
 from warehouse_core import Episode, FleetEnv, OrderStream, WarehouseError
 from warehouse_core.arguments import whole_number
 from warehouse_core.orders import load_orders
@@ -154,7 +154,7 @@ def fleet(
         FleetEnv,
         floor,
         robots,
-        backend=backend,
+        backend=make_backend(backend),
         orders=parse_orders(orders, due),
         max_steps=steps,
         battery=parse_battery(battery),

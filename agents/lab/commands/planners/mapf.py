@@ -39,6 +39,7 @@ from agents.mapf.planner import Planner
 from agents.mapf.problem import Problem
 from agents.registry import PLANNERS
 from warehouse_core.batch.fleet.settings import MAX_BODIES
+from warehouse_core.motion.backends import load_backend
 from warehouse_core.wording import counted
 from warehouse_core.world.robot_runners import League, load_league
 from warehouse_core.world.tables import Integers
@@ -123,6 +124,8 @@ def mapf(
     Example: warehouse mapf --robots 64 --planner lacam --planner pibt --seed 1
     """
     kind = check_file(file, layout, steps)
+    if drive:
+        load_backend("driving")  # what it needs is missed here, and not after the plans
     if output is not None and len(planner or ()) != 1:
         raise typer.BadParameter("--output is for the paths of one --planner")
     trials = Trials(seed, time_limit, output, drive)
