@@ -18,10 +18,12 @@ from warehouse_core.arguments import whole_number
 from warehouse_core.files.header import pack_header, unpack_header
 from warehouse_core.files.npz import Schema, read_arrays, write_arrays
 from warehouse_core.task.encoding import MARKED_TILES, OTHER_NUMBERS, ObservationArrays, vector
+from warehouse_core.wording import brief
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.tiles import CELL_CODES
 
 FORMAT = "warehouse-lab policy 1"
+HEADER_KEYS = ("view_radius", "tiles")
 LAYERS = 3
 
 TIMES = 2
@@ -106,11 +108,11 @@ class PolicyNetwork:
         arrays = read_arrays(path, SCHEMA)
         layers = [(arrays[f"weights_{n}"], arrays[f"biases_{n}"]) for n in range(LAYERS)]
         try:
-            header: Any = unpack_header(arrays["header"], FORMAT)
+            header: Any = unpack_header(arrays["header"], FORMAT, HEADER_KEYS)
             radius = whole_number("view_radius", header.get("view_radius"), 0)
             tiles = header.get("tiles", "".join(MARKED_TILES))
             if not isinstance(tiles, str) or not set(tiles) <= CELL_CODES.keys():
-                raise ValueError(f"tiles are {tiles!r}; allowed: {''.join(CELL_CODES)}")
+                raise ValueError(f"tiles are {brief(tiles)}; allowed: {''.join(CELL_CODES)}")
             return PolicyNetwork(radius, layers, tuple(tiles))
         except (TypeError, ValueError) as error:
             raise RecordError(f"{path}: {error}") from error

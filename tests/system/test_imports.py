@@ -24,7 +24,7 @@ MAY_IMPORT = {
     "warehouse_core/world": "errors files wording",
     "warehouse_core/motion": "arguments errors extras world",
     "warehouse_core/orders": "arguments errors files world",
-    "warehouse_core/task": "errors world",
+    "warehouse_core/task": "errors wording world",
     "warehouse_core/batch/shell": "arguments errors motion task world",
     "warehouse_core/conformance": "errors motion world",
     "warehouse_core/render": "arguments errors task world",

@@ -9,6 +9,9 @@ from tempfile import TemporaryDirectory
 
 from warehouse_core.errors import FormatError
 
+PART = ".part"
+"""Suffix of the folder of a file that is being written."""
+
 
 def check_target(target: Path) -> None:
     """Raise if no file can be written to a path.
@@ -44,11 +47,18 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
     there. On any error it is removed, and an existing file at ``path`` is left unchanged.
 
     Raises:
-        OSError: the folder does not exist or cannot be written.
+        OSError: the folder does not exist or cannot be written; an error of writing, also one in
+            the block, names ``path``.
     """
     target = Path(path)
     check_target(target)
-    with TemporaryDirectory(prefix=".", suffix=".part", dir=target.parent) as folder:
-        part = Path(folder, target.name)
-        yield part
-        part.replace(target)
+    try:
+        with TemporaryDirectory(prefix=".", suffix=PART, dir=target.parent) as folder:
+            part = Path(folder, target.name)
+            yield part
+            part.replace(target)
+    except OSError as error:
+        # A full disk names no file, and the names in the new folder say nothing to a user.
+        if error.strerror and (error.filename is None or PART in str(error.filename)):
+            raise OSError(error.errno, error.strerror, str(target)) from error
+        raise

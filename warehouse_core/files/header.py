@@ -4,12 +4,15 @@ from __future__ import annotations
 
 import json
 import operator
+from collections.abc import Collection
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.errors import RecordError
+from warehouse_core.files.json_text import parse_object
+from warehouse_core.wording import brief
 
 
 def pack_header(header: dict[str, Any]) -> NDArray[np.uint8]:
@@ -27,16 +30,25 @@ def pack_header(header: dict[str, Any]) -> NDArray[np.uint8]:
     return np.frombuffer(f"{{{', '.join(texts)}}}".encode(), dtype=np.uint8)
 
 
-def unpack_header(data: NDArray[np.uint8], name: str) -> dict[str, Any]:
+def unpack_header(data: NDArray[np.uint8], name: str, allowed: Collection[str]) -> dict[str, Any]:
     """Undo ``pack_header``.
 
+    Args:
+        data: bytes of the header.
+        name: value that its ``format`` must have.
+        allowed: the other keys that it may have.
+
     Raises:
-        RecordError: the data are no JSON text, or its ``format`` is not ``name``.
+        RecordError: the data are no JSON object within the limits, the ``format`` is another, or
+            a key is unknown.
     """
     try:
-        header = json.loads(data.tobytes().decode("utf-8"))
-    except (ValueError, RecursionError) as error:
-        raise RecordError(f"its header is no JSON text: {error}") from error
-    if not isinstance(header, dict) or header.get("format") != name:
+        header = parse_object(data.tobytes())
+    except ValueError as error:
+        raise RecordError(f"its header: {error}") from error
+    if header.pop("format", None) != name:
         raise RecordError(f"its format is not {name!r}")
+    unknown = [key for key in header if key not in allowed]
+    if unknown:
+        raise RecordError(f"unknown key {brief(unknown[0])}; allowed: {', '.join(allowed)}")
     return header

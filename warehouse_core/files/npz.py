@@ -19,6 +19,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.errors import RecordError
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.files.reading import open_file
 from warehouse_core.wording import listed
 
 MAX_BYTES = 64 * 1024 * 1024
@@ -60,7 +61,7 @@ def read_arrays(path: str | Path, *schemas: Schema) -> Arrays:
         RecordError: the file is damaged or differs from its schema.
         OSError: the file cannot be opened.
     """
-    with Path(path).open("rb") as file:
+    with open_file(path) as file:
         try:
             count = _check_directory(file, [len(schema) for schema in schemas])
             schema = next(schema for schema in schemas if len(schema) == count)

@@ -25,6 +25,7 @@ from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.motion.batch import WALL
 from warehouse_core.orders.order import Order
 from warehouse_core.task.settings import Settings, conditions_in
+from warehouse_core.wording import brief
 from warehouse_core.world.actions import INVALID
 from warehouse_core.world.layout import MAX_CELLS, Layout, check_size
 from warehouse_core.world.tiles import Cell
@@ -101,6 +102,17 @@ SCALARS: dict[str, dict[str, tuple[type, ...]]] = {
 }  # fmt: skip
 """Types of fields that are in the header, by format."""
 
+HEADER_KEYS = {
+    LONE_FORMAT: (
+        "settings", *SCALARS[LONE_FORMAT], "actions", "reasons", "counterparts", "cut_off",
+    ),
+    FLEET_FORMAT: (
+        "settings", *SCALARS[FLEET_FORMAT], "measures", "slippery", "motor_strength",
+        "unknown_actions", "reasons", "counterparts", "cut_off",
+    ),
+}  # fmt: skip
+"""Keys that a header may have beside its format, by format."""
+
 EpisodeFields = dict[str, Any]
 """Fields of an ``Episode`` by name."""
 
@@ -160,10 +172,11 @@ def unpack(arrays: Arrays) -> EpisodeFields:
     """
     is_fleet = "orders" in arrays
     form = FLEET_FORMAT if is_fleet else LONE_FORMAT
-    header = unpack_header(arrays["header"], form)
+    header = unpack_header(arrays["header"], form, HEADER_KEYS[form])
     for name, types in SCALARS[form].items():
         if type(header.get(name, Any)) not in types:
-            raise RecordError(f"{name} is {header.get(name)!r}; it must be {types[0].__name__}")
+            given = brief(header.get(name))
+            raise RecordError(f"{name} is {given}; it must be {types[0].__name__}")
     fields = {name: header[name] for name in SCALARS[form]}
     fields["layout"] = unpack_layout(arrays["layout"])
     kind = FleetSettings if is_fleet else Settings
@@ -229,8 +242,8 @@ def _unpack_fleet(arrays: Arrays, header: EpisodeFields, fields: EpisodeFields) 
     layout, settings = fields["layout"], fields["settings"]
     if fields["seed"] < 0 or not 0 < fields["cell_size"] < np.inf:
         raise RecordError(
-            f"seed is {fields['seed']} and cell_size {fields['cell_size']}; the first must be at "
-            "least 0, the second positive and finite"
+            f"seed is {brief(fields['seed'])} and cell_size {fields['cell_size']}; the first must "
+            "be at least 0, the second positive and finite"
         )
     fields |= conditions_in(header)
     _check_open("slippery", fields["slippery"], layout)
@@ -345,7 +358,7 @@ def _read_measures(values: Any) -> FleetMeasures:
     for name, value in values.items():
         is_whole = kinds[name] == "int"
         if not (type(value) is int if is_whole else type(value) is float or value is None):
-            raise RecordError(f"{name} is {value!r}; it must be {kinds[name]}")
+            raise RecordError(f"{name} is {brief(value)}; it must be {kinds[name]}")
     numbers: dict[str, Any] = {name: math.nan if x is None else x for name, x in values.items()}
     return FleetMeasures(**numbers)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from warehouse_core.wording import brief
 from warehouse_core.world.tiles import Cell
 
 
@@ -40,12 +41,14 @@ class Settings:
         minima = {"max_steps": 1, "battery": 1, "view_radius": 0}
         for name, minimum in minima.items():
             if type(values[name]) is not int or values[name] < minimum:
-                raise ValueError(f"{name} is {values[name]!r}; it must be an integer >= {minimum}")
+                raise ValueError(
+                    f"{name} is {brief(values[name])}; it must be an integer >= {minimum}"
+                )
         if not isinstance(values["backend"], str):
-            raise ValueError(f"backend is {values['backend']!r}; it must be a name")
+            raise ValueError(f"backend is {brief(values['backend'])}; it must be a name")
         size = values["cell_size"]
         if type(size) is not float or not 0 < size < float("inf"):
-            raise ValueError(f"cell_size is {size!r}; it must be positive and finite")
+            raise ValueError(f"cell_size is {brief(size)}; it must be positive and finite")
         start = _cell("start_pos", values["start_pos"])
         return cls(**values | {"start_pos": start} | conditions_in(values))
 
@@ -58,14 +61,14 @@ def conditions_in(values: dict[str, Any]) -> dict[str, Any]:
     """
     cells, strength = values.get("slippery", []), values.get("motor_strength", 1.0)
     if type(strength) is not float or not 0 <= strength <= 1:
-        raise ValueError(f"motor_strength is {strength!r:.200}; it must be a share from 0 to 1")
+        raise ValueError(f"motor_strength is {brief(strength)}; it must be a share from 0 to 1")
     if not isinstance(cells, list):
-        raise ValueError(f"slippery is {cells!r:.200}; it must be a list of cells")
+        raise ValueError(f"slippery is {brief(cells)}; it must be a list of cells")
     slippery = tuple(_cell("slippery", cell) for cell in cells)
     return {"slippery": slippery, "motor_strength": strength}
 
 
 def _cell(name: str, value: Any) -> Cell:
     if not isinstance(value, list) or [type(part) for part in value] != [int, int]:
-        raise ValueError(f"{name} is {value!r:.200}; it must be a row and a column")
+        raise ValueError(f"{name} is {brief(value)}; it must be a row and a column")
     return value[0], value[1]

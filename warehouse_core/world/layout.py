@@ -17,6 +17,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.errors import LayoutError
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.files.reading import read_file
 from warehouse_core.world.display import display
 from warehouse_core.world.tiles import (
     ALLOWED_TILES,
@@ -37,6 +38,9 @@ CHAPTER_START: Cell = (1, 1)
 
 MAX_CELLS = 16_000_000
 """Limit on the cells of a layout; longer text is rejected before it is parsed."""
+
+MAX_FILE = 2 * MAX_CELLS + 3
+"""Limit on the bytes of a file: a line end for each cell, and a byte-order mark."""
 
 MAX_ROWS = 100_000
 """Limit on the rows of a layout: each is a string of its own, however short."""
@@ -112,8 +116,7 @@ class Layout:
             LayoutError: as for the class, with the file's name in front.
             OSError: the file cannot be read.
         """
-        with Path(path).open("rb") as file:
-            data = file.read(2 * MAX_CELLS + 1)
+        data = read_file(path, MAX_FILE)
         try:
             return cls.from_text(data.decode("utf-8-sig").replace("\r\n", "\n"))
         except UnicodeDecodeError as error:

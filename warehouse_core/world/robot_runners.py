@@ -11,7 +11,6 @@ Source: ``Input_Output_Format.md`` of the League's Start-Kit; for the comments i
 
 from __future__ import annotations
 
-import json
 import warnings
 from collections.abc import Iterator
 from io import BufferedReader
@@ -19,6 +18,8 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from warehouse_core.errors import LayoutError
+from warehouse_core.files.json_text import parse_object
+from warehouse_core.files.reading import read_file
 from warehouse_core.wording import brief
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.map_files import load_map
@@ -66,11 +67,14 @@ def load_league(path: str | Path) -> League:
         OSError: a file cannot be read.
     """
     path = Path(path)
-    with opened(path) as file:
-        given = _parse(file.read(MAX_PROBLEM + 1))
+    data = read_file(path, MAX_PROBLEM)
+    try:
+        given = parse_object(data)
         team = _given(given, "teamSize", int, 1)
         reveal = _given(given, "numTasksReveal", float, 0) if "numTasksReveal" in given else 1.0
         files = [path.parent / _given(given, f"{name}File", str) for name in _FILES]
+    except ValueError as error:
+        raise LayoutError(f"{path}: {error}") from error
     if unknown := given.keys() - _FIELDS:
         names = ", ".join(map(brief, sorted(unknown)[:MAX_NAMED]))
         more = ", ..." if len(unknown) > MAX_NAMED else ""
@@ -90,18 +94,6 @@ def load_league(path: str | Path) -> League:
 
 _FILES = ("map", "agent", "task")
 _FIELDS = {"teamSize", "numTasksReveal", *(f"{name}File" for name in _FILES)}
-
-
-def _parse(data: bytes) -> dict[str, Any]:
-    if len(data) > MAX_PROBLEM:
-        raise LayoutError(f"more than MAX_PROBLEM = {MAX_PROBLEM} bytes")
-    try:
-        given = json.loads(data)
-    except (ValueError, RecursionError) as error:  # not UTF-8, no JSON, or brackets too deep
-        raise LayoutError(f"not JSON: {error}") from error
-    if not isinstance(given, dict):
-        raise LayoutError(f"a JSON {type(given).__name__} where there must be an object")
-    return given
 
 
 def _given(given: dict[str, Any], key: str, kind: type, least: int | None = None) -> Any:

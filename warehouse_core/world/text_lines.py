@@ -10,9 +10,9 @@ import re
 from collections.abc import Iterator
 from contextlib import contextmanager
 from io import BufferedReader
-from pathlib import Path
 
 from warehouse_core.errors import LayoutError
+from warehouse_core.files.reading import open_file
 
 MAX_LINE = 1000
 """Limit on the bytes of a line."""
@@ -23,7 +23,7 @@ _WHOLE = re.compile(r"[0-9]+")
 @contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[BufferedReader]:
     """Open a file; each ``LayoutError`` then starts with its name."""
-    with Path(path).open("rb") as file:
+    with open_file(path) as file:
         try:
             yield file
         except LayoutError as error:

@@ -90,7 +90,7 @@ def run(
     show: options.Show = None,
     speed: options.Speed = 1.0,
 ) -> None:
-    """Run one episode from a random start and replay it.
+    """Run one episode and replay it.
 
     Example: warehouse run --agent astar --seed 12 --save replay.gif
     """

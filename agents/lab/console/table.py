@@ -22,7 +22,12 @@ def print_table(table: TextTable) -> None:
     import rich.table  # here, because it takes long to import
     from rich.console import Console
 
-    table = table._replace(rows=[tuple(map(printable_lines, row)) for row in table.rows])
+    table = TextTable(
+        table.header,
+        [tuple(map(printable_lines, row)) for row in table.rows],
+        printable_lines(table.title),
+        printable_lines(table.caption),
+    )
     # Without markup: names and messages may have square brackets.
     console = Console(markup=False, highlight=False)
     drawn = rich.table.Table(title=table.title or None, caption=table.caption or None)

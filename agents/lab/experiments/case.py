@@ -17,6 +17,7 @@ from functools import lru_cache
 from typing import Any
 
 from agents.fleet.planned import DEFAULT_ASSIGNMENT
+from agents.lab.experiments.tables import MAX_LENGTH
 from agents.lab.parameters import (
     FLEET,
     NO_PLANNER,
@@ -44,6 +45,7 @@ from warehouse_core import (
     WarehouseEnv,
     random_layout,
 )
+from warehouse_core.files.json_text import parse_object
 from warehouse_core.motion.backends import Backend
 from warehouse_core.records.recorder import FleetAgent
 from warehouse_core.world.named_layouts import DEFAULT, DEPOT, find_layout
@@ -59,8 +61,8 @@ FLEET_DEFAULTS: dict[str, Value] = {"layout": DEPOT, "battery": 400, "max_steps"
 IMPLIED = {"stations": str(Stations.DRAWN)}
 """Values that a case as text leaves out; the files that exist do so."""
 
-MAX_BRACKETS, MAX_KEYS = 1000, 100
-"""Limits on the text of a case; a name may have brackets."""
+MAX_KEYS = 100
+"""Limit on the keys of a case as text."""
 
 PHYSICAL_NAME = re.compile(rf"({'|'.join(PHYSICAL)})\.[a-z_]{{1,50}}")
 
@@ -128,11 +130,9 @@ def read_case(written: str) -> Case:
     Its values are checked as those in a plan, but its backend need not be installed here, and its
     agent is not looked for.
     """
-    if sum(map(written.count, "[{")) > MAX_BRACKETS:
-        raise ValueError(f"there are more than MAX_BRACKETS = {MAX_BRACKETS} brackets")
-    case: dict[str, Any] = json.loads(written)
-    if not isinstance(case, dict) or len(case) > MAX_KEYS:
-        raise ValueError(f"it must be a JSON object of at most MAX_KEYS = {MAX_KEYS} keys")
+    case = parse_object(written.encode(), MAX_LENGTH)
+    if len(case) > MAX_KEYS:
+        raise ValueError(f"it has {len(case):,} keys; MAX_KEYS = {MAX_KEYS} are allowed")
     if not is_fleet(case):
         case = IMPLIED | case
     for name, value in case.items():

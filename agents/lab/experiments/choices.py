@@ -19,27 +19,15 @@ A plan file has these keys, all of them optional::
 
 from __future__ import annotations
 
-import re
-import tomllib
 from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any, NamedTuple
 
 from agents.errors import ParameterError
-from agents.lab.experiments.plan import MAX_SEED
-from agents.lab.parameters import PHYSICAL, Whole, checked, find
-
-MAX_BYTES = 100_000
-"""Limit on a plan file. The time to parse TOML grows with the square of a key's depth, so that is
-limited too, and so is a line, in which a key must end."""
-
-MAX_LINE = 2_000
-"""Limit on the bytes of a line of a plan file."""
-
-MAX_DEPTH = 10
-"""Limit on the parts of a key, ``robot.mass`` has two; a name may have as many dots in a row."""
-
-_DEEP = re.compile(rf"""(?<![\w-])((?:[\w-]++|"[^"]*+"|'[^']*+')[ \t]*+\.[ \t]*+){{{MAX_DEPTH}}}""")
+from agents.lab.parameters import MAX_SEED, PHYSICAL, Whole, checked, find
+from agents.lab.toml_text import MAX_BYTES, parse_toml
+from warehouse_core.files.reading import read_file
+from warehouse_core.wording import brief
 
 NUMBERS = {"episodes": Whole(1), "seed": Whole(0, MAX_SEED)}
 
@@ -55,38 +43,29 @@ class PlanFile(NamedTuple):
 
 
 def read_plan_file(path: Path) -> PlanFile:
-    """Read a plan file; a ``ParameterError`` names the file, the key and what is allowed."""
-    with path.open("rb") as file:
-        data = file.read(MAX_BYTES + 1)
-    if len(data) > MAX_BYTES:
-        raise ParameterError(f"{path}: it is longer than MAX_BYTES = {MAX_BYTES}")
+    """Read a plan file.
+
+    Raises:
+        ParameterError: the file is no plan; the message names file, key and what is allowed.
+        OSError: the file is longer than ``toml_text.MAX_BYTES``, or cannot be read.
+    """
+    data = read_file(path, MAX_BYTES)
     try:
-        _check_lines(data)
-        return _parse(tomllib.loads(data.decode("utf-8-sig")))
-    except (ValueError, RecursionError) as error:
+        return _parse(parse_toml(data))
+    except ValueError as error:
         raise ParameterError(f"{path}: {error}") from error
-
-
-def _check_lines(data: bytes) -> None:
-    for number, line in enumerate(data.split(b"\n"), start=1):
-        if len(line) > MAX_LINE:
-            raise ParameterError(f"line {number} is longer than MAX_LINE = {MAX_LINE} bytes")
-        if _DEEP.search(line.decode(errors="replace")):
-            raise ParameterError(
-                f"line {number} has a key of more than MAX_DEPTH = {MAX_DEPTH} parts"
-            )
 
 
 def _parse(content: Mapping[str, Any]) -> PlanFile:
     allowed = [*NUMBERS, "settings", *PHYSICAL]
     unknown = [key for key in content if key not in allowed]
     if unknown:
-        raise ParameterError(f"unknown key {unknown[0]!r}; allowed: {', '.join(allowed)}")
+        raise ParameterError(f"unknown key {brief(unknown[0])}; allowed: {', '.join(allowed)}")
     choices: dict[str, Any] = {}
     for group in ("settings", *PHYSICAL):
         table = content.get(group, {})
         if not isinstance(table, dict):
-            raise ParameterError(f"{group} is {table!r}; it must be a table, [{group}]")
+            raise ParameterError(f"{group} is {brief(table)}; it must be a table, [{group}]")
         for key, choice in table.items():
             name = key if group == "settings" else f"{group}.{key}"
             find(name)

@@ -201,6 +201,14 @@ class Store:
                 raise StoreError(
                     f"{self.path}: the row of case {case_id!r}, seed {seed!r} is damaged"
                 )
+        kinds = {number: row_type(case) for number, case in self.cases().items()}
+        for kind, table in TABLE_OF.items():
+            for (case_id,) in self.query(f"SELECT DISTINCT case_id FROM {table}"):
+                if kinds[case_id] is not kind:
+                    raise StoreError(
+                        f"{self.path}: case {case_id} has rows in {table!r}, which are of another "
+                        "kind of case"
+                    )
         self._is_checked = self._read_only  # whose view does not change
 
     def query(self, statement: str, *values: Any) -> Iterator[tuple[Any, ...]]:

@@ -3,18 +3,25 @@
 from __future__ import annotations
 
 import csv
-from collections.abc import Iterable, Mapping
+import math
+from collections.abc import Iterable, Iterator, Mapping
+from io import StringIO
 from pathlib import Path
+from typing import Any
 
 from agents.errors import GradeError
 from agents.lab.grading.grading import GradeReport
 from agents.lab.grading.rubric import Rubric
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.wording import printable, spreadsheet_text
+from warehouse_core.files.reading import read_file
+from warehouse_core.wording import counted, printable, spreadsheet_text
 
 NAME, POINTS, MOST, FAILURE, CODE, RUBRIC = (
     "submission", "points", "of", "failure", "code", "rubric",
 )  # fmt: skip
+
+MAX_BYTES, MAX_COLUMNS = 5_000_000, 1_000
+"""Limits on the bytes of a table, enough for ten thousand submissions, and on its columns."""
 
 GradeRow = dict[str, str]
 
@@ -52,22 +59,38 @@ def plain(text: str) -> str:
 def load_grades(path: Path) -> dict[str, GradeRow]:
     """Return the lines of a table by the name of the submission; none without the file.
 
-    Another file is a ``GradeError``, so that it is not overwritten.
+    Raises:
+        GradeError: it is another file, which is not to be overwritten.
+        OSError: it is longer than ``MAX_BYTES``, or cannot be read.
     """
     if not path.exists():
         return {}
+    data = read_file(path, MAX_BYTES)
     try:
-        with path.open(encoding="utf-8", newline="") as file:
-            reader = csv.DictReader(file, strict=True)
-            rows = [dict(row) for row in reader]
-            columns = reader.fieldnames or []
-    except (UnicodeDecodeError, csv.Error) as error:
-        raise GradeError(f"{path}: it is no table of grades: {error}") from None
-    if not {NAME, POINTS, CODE, RUBRIC} <= set(columns):
-        raise GradeError(
-            f"{path}: it is no table of grades, as its columns are not those; use another name"
-        )
-    return {row[NAME]: row for row in rows}
+        with StringIO(data.decode("utf-8"), newline="") as file:
+            return {row[NAME]: row for row in _rows(csv.reader(file, strict=True))}
+    except (ValueError, csv.Error) as error:
+        raise GradeError(f"{path}: it is no table of grades: {error}; use another name") from None
+
+
+def _rows(reader: Any) -> Iterator[GradeRow]:
+    """Yield the rows of a table whose first line has the columns.
+
+    Raises:
+        ValueError: a column is missing, or a row has another number of fields, or no points.
+    """
+    columns: list[str] = next(reader, [])
+    if not {NAME, POINTS, MOST, FAILURE, CODE, RUBRIC} <= set(columns):
+        raise ValueError("its columns are not those")
+    if len(columns) > MAX_COLUMNS:
+        raise ValueError(f"{len(columns):,} columns are more than MAX_COLUMNS = {MAX_COLUMNS}")
+    for fields in filter(None, reader):
+        row = dict(zip(columns, fields, strict=False))
+        if len(fields) != len(columns) or not math.isfinite(float(row[POINTS])):
+            raise ValueError(
+                f"line {reader.line_num} has {counted(len(fields), 'field')} or no points"
+            )
+        yield row
 
 
 def save_grades(path: Path, columns: list[str], rows: Mapping[str, GradeRow]) -> None:

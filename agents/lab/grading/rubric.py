@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 import hashlib
+import math
 import re
-import tomllib
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -16,12 +16,17 @@ from agents.lab.grading.criteria import MEASURES, Criterion
 from agents.lab.grading.sandbox import AgentLimits
 from agents.lab.parameters import PARAMETERS, Number, Whole, flag, one_of
 from agents.lab.place import RANDOM, Stations, check_stations
+from agents.lab.toml_text import MAX_BYTES, parse_toml
 from warehouse_core import LayoutError
+from warehouse_core.files.reading import read_file
 from warehouse_core.wording import brief
 
 MINI_LAB = Path(__file__).parent / "mini_lab.toml"
 
-MAX_BYTES = 1_000_000
+MAX_CASES, MAX_CELLS = 1_000, 2_000_000
+"""Limits on the cases of a rubric, and on the cells of all their layouts, each of which is drawn or
+read with the rubric."""
+
 MAX_EPISODES, MAX_COUNT, MAX_SEED = 10_000, 1_000_000, 2**31 - 1
 
 VISIBILITIES = ("visible", "hidden", "after_due_date", "after_published")
@@ -161,17 +166,18 @@ class _Reader:
 
 
 def load_rubric(path: Path) -> Rubric:
-    """Read a rubric; a ``GradeError`` has the line, the key and what is allowed."""
-    with path.open("rb") as file:
-        data = file.read(MAX_BYTES + 1)
-    if len(data) > MAX_BYTES:
-        raise GradeError(f"{path}: it is longer than {MAX_BYTES:,} bytes")
+    """Read a rubric.
+
+    Raises:
+        GradeError: the file is no rubric; the message has the line, the key and what is allowed.
+        OSError: the file is longer than ``toml_text.MAX_BYTES``, or cannot be read.
+    """
+    data = read_file(path, MAX_BYTES)
     try:
-        source = data.decode("utf-8")
-        values = tomllib.loads(source)
-    except (UnicodeDecodeError, tomllib.TOMLDecodeError, RecursionError) as error:
+        values = parse_toml(data)
+    except ValueError as error:
         raise GradeError(f"{path}: it is no TOML: {error}") from None
-    return _make_rubric(_Reader(path, source), values, hashlib.sha256(data))
+    return _make_rubric(_Reader(path, data.decode("utf-8-sig")), values, hashlib.sha256(data))
 
 
 def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric:
@@ -181,9 +187,12 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
     tables = values.get("cases")
     if not isinstance(tables, dict) or not tables:
         raise reader.fail("there are no [cases.NAME]; a rubric needs episodes")
+    if len(tables) > MAX_CASES:
+        raise reader.fail(f"{len(tables):,} cases are more than MAX_CASES = {MAX_CASES}")
     cases = {name: _make_case(reader, name, each) for name, each in tables.items()}
+    cells = 0
     for case in cases.values():
-        _check_case(reader, case, digest)
+        cells += _check_case(reader, case, digest, MAX_CELLS - cells)
     rows = values.get("criteria")
     if not isinstance(rows, list) or not rows:
         raise reader.fail("there are no [[criteria]]; a rubric needs at least one")
@@ -207,15 +216,30 @@ def _make_case(reader: _Reader, name: str, values: Any) -> GradedCase:
     return GradedCase(name, **found)
 
 
-def _check_case(reader: _Reader, case: GradedCase, digest: Any) -> None:
-    """Raise if an episode cannot begin; add the layout to the digest."""
+def _check_case(reader: _Reader, case: GradedCase, digest: Any, most: int) -> int:
+    """Return the cells of a layout, of which there may be so many; add it to the digest.
+
+    Raises if an episode cannot begin.
+    """
     try:
+        _check_cells(math.prod(case.size) if case.layout == RANDOM else 0, most)
         layout = case.layout_of(case.first_seed)
+        cells = layout.height * layout.width
+        _check_cells(cells, most)
         check_stations(layout, case.stations_of(layout), case.layout, 'stations = "drawn"')
         case.begin(case.first_seed)[0].close()
         digest.update("\n".join(layout.rows).encode())
+        return cells
     except (LayoutError, OSError) as error:
         raise reader.fail(f"layout: {error}", f"[cases.{case.name}]", key="layout") from None
+
+
+def _check_cells(cells: int, most: int) -> None:
+    if cells > most:
+        raise LayoutError(
+            f"with its {brief(cells)} cells the layouts of all cases have more than MAX_CELLS = "
+            f"{MAX_CELLS}"
+        )
 
 
 def _make_criterion(

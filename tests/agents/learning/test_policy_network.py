@@ -123,7 +123,8 @@ def test_the_file_holds_plain_arrays(saved: Path) -> None:
 @pytest.mark.parametrize(
     ("header", "says"),
     [
-        ([], "its format is not"),
+        ([], "its header: a JSON list where there must be an object"),
+        (HEADER | {"x": []}, "unknown key 'x'; allowed: view_radius, tiles"),
         (HEADER | {"format": "warehouse-lab episode 1"}, "its format is not"),
         (HEADER | {"tiles": "#?"}, "tiles are"),
         (HEADER | {"tiles": 3}, "tiles are 3"),

@@ -1,3 +1,4 @@
+import errno
 from pathlib import Path
 
 import pytest
@@ -72,3 +73,25 @@ def test_the_folder_must_exist(tmp_path: Path) -> None:
     ):
         pass
     assert not folder.exists()
+
+
+@pytest.mark.parametrize("names_file", [True, False], ids=["in the folder", "no file"])
+def test_an_error_of_writing_names_the_target(tmp_path: Path, names_file: bool) -> None:
+    target = tmp_path / "film.gif"
+    with pytest.raises(OSError, match="No space") as caught, atomic_path(target) as part:
+        raise OSError(errno.ENOSPC, "No space left on device", str(part) if names_file else None)
+    assert str(caught.value) == f"[Errno {errno.ENOSPC}] No space left on device: '{target}'"
+
+
+def test_a_folder_that_takes_the_place_of_the_target_is_named(tmp_path: Path) -> None:
+    target = tmp_path / "film.gif"
+    with pytest.raises(IsADirectoryError) as caught, atomic_path(target) as part:  # noqa: PT012
+        part.touch()
+        target.mkdir()
+    assert str(caught.value).endswith(f": '{target}'")
+
+
+def test_an_error_of_another_file_keeps_its_name(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError) as caught, atomic_path(tmp_path / "film.gif"):
+        (tmp_path / "ffmpeg").open()
+    assert caught.value.filename == str(tmp_path / "ffmpeg")

@@ -109,13 +109,20 @@ def test_motions_that_were_cut_off_load_as_such(kind: str) -> None:
 # The header.
 
 
-@pytest.mark.parametrize("text", [b"{", b"\xff", b"[" * 50_000, b"9" * 5000])
-def test_a_header_that_is_not_json_is_refused(refused: Refused, text: bytes) -> None:
+@pytest.mark.parametrize("text", [b"{", b"\xff", b"[]", b"[" * 50_000, b"9" * 5000])
+def test_a_header_that_is_no_json_object_is_refused(refused: Refused, text: bytes) -> None:
     message = refused(LONE, header=np.frombuffer(text, dtype=np.uint8))
-    assert "its header is no JSON text" in message
+    assert "its header: " in message
 
 
-@pytest.mark.parametrize("header", [[], {}, {"format": "warehouse-lab fleet episode 1"}])
+@pytest.mark.parametrize("kind", [LONE, FLEET])
+def test_an_unknown_key_of_a_header_is_refused(refused: Refused, kind: str) -> None:
+    header = header_of(arrays_of(kind)) | {"x" * 5000: []}
+    message = refused(kind, header=as_text(header))
+    assert "unknown key 'xxxxxxxxxxxx...xxxxxxxxxxxxx'; allowed: settings, " in message
+
+
+@pytest.mark.parametrize("header", [{}, {"format": "warehouse-lab fleet episode 1"}])
 def test_a_header_of_another_format_is_refused(refused: Refused, header: object) -> None:
     message = refused(LONE, header=as_text(header))
     assert "its format is not 'warehouse-lab episode 1'" in message

@@ -90,7 +90,7 @@ def test_a_line_of_tiles_is_text_and_a_path_object_a_path(
             "row 0, column 0: 'h' is not a tile; allowed: ",
         ),
         (Path("hal.txt"), "hal.txt: No such file or directory"),
-        (Path(), ".: Is a directory"),
+        (Path(), ".: it is a folder, not a file"),
         ("#x", "no layout is called '#x'; allowed: default, "),
         ("bad.txt", "bad.txt: row 1, column 2: 'x' is not a tile"),
         (Path("bad.map"), "bad.map: line 1, column 1: "),

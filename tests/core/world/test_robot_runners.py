@@ -161,15 +161,20 @@ def test_a_wrong_value_of_a_problem_is_named(
     ("data", "message"),
     [
         (b"{", "not JSON: "),
-        (b"\xff", "not JSON: "),
-        (b"[" * 90_000, "not JSON: "),
+        (b"\xff", "invalid start byte"),
+        (b"[" * 90_000, "90,000 open brackets are more than MAX_DEPTH = 20"),
         (b"[]", "a JSON list where there must be an object"),
         (b"{}", "teamSize is missing; it must be a whole number"),
-        (b" " * 100_001, "more than MAX_PROBLEM = 100000 bytes"),
     ],
 )
 def test_what_is_no_problem_is_refused(problem: Path, data: bytes, message: str) -> None:
     assert message in refusal(load_league, problem, data)
+
+
+def test_a_problem_that_is_too_long_is_refused(problem: Path) -> None:
+    problem.write_bytes(b" " * 100_001)
+    with pytest.raises(OSError, match="it is longer than 100,000 bytes"):
+        load_league(problem)
 
 
 def test_files_of_a_problem_that_do_not_fit_are_named(problem: Path) -> None:

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
 from functools import cache
 
@@ -38,6 +39,9 @@ FLASH_SECONDS = 0.6
 MAX_FRAMES = 100_000
 """Limit on the frames of continuous motions, whose number follows from their duration."""
 
+MAX_POSES = 2_000_000
+"""Limit on the places of robots and people in all frames of continuous motions."""
+
 LATE = len(ORDER_COLORS) - 1
 """Age of an order that is late."""
 
@@ -63,20 +67,16 @@ def track_of_record(
             record.
         RecordError: continuous motions take more than ``MAX_FRAMES`` frames.
     """
-    seconds, has_paths = record.seconds, bool(record.motions)
+    has_paths = bool(record.motions)
     if record.is_fleet:
         check_plans(plans, record)
-        seconds = float(seconds.max(axis=1).sum())
     else:
         has_paths = any(len(motion.path) > 2 for motion in record.motions)
     is_continuous = has_paths and frame_seconds is not None
     if frame_seconds is not None:
         real_number("frame_seconds", frame_seconds, above=True)
-        if has_paths and seconds > MAX_FRAMES * frame_seconds:
-            raise RecordError(
-                f"the motions take {seconds:g} s; with a frame every {frame_seconds:g} s "
-                f"that is more than MAX_FRAMES = {MAX_FRAMES}"
-            )
+        if has_paths:
+            _check_frames(record, frame_seconds)
     apart = frame_seconds if is_continuous else None
     frames = [*(_fleet_frames(record, apart, plans) if record.is_fleet else _frames(record, apart))]
     settings = record.settings
@@ -95,6 +95,25 @@ def track_of_record(
         track.metrics, track.lateness = _fleet_metrics(record), _lateness(record)
         track.orders, track.assignments = record.orders, record.assignments
     return track
+
+
+def _check_frames(record: Episode, frame_seconds: float) -> None:
+    """Raise if the motions of all bodies are too long to be drawn.
+
+    A step takes as long as the longest of its motions, as in ``frames_along``.
+    """
+    steps = record.motions if record.is_fleet else zip(record.motions, strict=True)
+    bodies = record.settings.bodies if record.is_fleet else 1
+    seconds = math.fsum(max(motion.seconds for motion in motions) for motions in steps)
+    most = min(MAX_FRAMES, MAX_POSES // bodies)
+    if seconds > most * frame_seconds:
+        limit = f"MAX_FRAMES = {MAX_FRAMES}"
+        if most < MAX_FRAMES:
+            limit = f"MAX_POSES = {MAX_POSES} allow for {bodies:,} bodies"
+        raise RecordError(
+            f"the motions take {seconds:g} s; with a frame every {frame_seconds:g} s "
+            f"that is more than {limit}"
+        )
 
 
 def title_of(record: Episode) -> str:
@@ -306,6 +325,13 @@ def frames_along(
         for motion in motions
     ]
     (xs, ys, _), *_ = paths
+    hits: list[list[DrawnHit]] = [[] for _ in times]
+    for robot, motion in enumerate(motions):
+        for contact in motion.contacts:
+            hit = hit_of(contact, cell_size, f"{contact.impulse:.0f} N·s", robot)
+            end = bisect_right(times, contact.seconds + FLASH_SECONDS)
+            for number in range(bisect_left(times, contact.seconds), end):
+                hits[number].append(hit)
     for k in range(1, count + 1):
         is_last = k == count
         poses = [
@@ -316,19 +342,15 @@ def frames_along(
             )
             for (x, y, angle), before, after in zip(paths, start.robots, loaded, strict=True)
         ]
-        hits = [
-            hit_of(contact, cell_size, f"{contact.impulse:.0f} N·s", robot)
-            for robot, motion in enumerate(motions)
-            for contact in motion.contacts
-            if contact.seconds <= times[k] <= contact.seconds + FLASH_SECONDS
-        ]
         moved = math.dist((xs[k - 1], ys[k - 1]), (xs[k], ys[k]))
         yield Frame(
             start.tiles,
             tuple(poses),
             start.progress + k / count,
             caption,
-            tuple({hit.at: hit for hit in hits}.values()),  # both robots of a collision report it
+            tuple(
+                {hit.at: hit for hit in hits[k]}.values()
+            ),  # both robots of a collision report it
             start.clock + (seconds if is_last else times[k]),
             moved / (times[k] - times[k - 1]),
             start.energy + joules * k / count,

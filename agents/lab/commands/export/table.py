@@ -44,8 +44,10 @@ def columns_of(store: Store) -> dict[str, str]:
     """Return the columns of the table and their types: settings, results and program.
 
     Each column belongs to one case or more; it is empty in the lines of the others. Types are
-    ``"str"``, ``"bool"``, ``"int"`` or ``"float"``.
+    ``"str"``, ``"bool"``, ``"int"`` or ``"float"``. Rows that no sweep has written are a
+    ``StoreError``.
     """
+    store.check_rows()
     types: dict[str, str] = {}
     cases = store.cases().values()
     for case in cases:
@@ -101,8 +103,5 @@ def _write_parquet(path: Path, columns: dict[str, str], lines: Iterator[TableLin
     with parquet.ParquetWriter(path, schema) as writer:
         while some := list(islice(lines, LINES_AT_ONCE)):
             values = [list(column) for column in zip(*some, strict=True)]
-            try:
-                arrays = [pa.array(*column) for column in zip(values, schema.types, strict=True)]
-            except pa.ArrowException as error:  # SQLite allows any type in any column
-                raise StoreError(f"a column has several types: {error}") from error
+            arrays = [pa.array(*column) for column in zip(values, schema.types, strict=True)]
             writer.write_table(pa.Table.from_arrays(arrays, schema=schema))

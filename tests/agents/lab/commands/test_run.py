@@ -64,7 +64,9 @@ class Mine:
             raise ValueError("stuck")
         return self.move(displacements, loaded)
 class Still:
-    reset = advance = close = lambda self, *_: None
+    reset = advance = lambda self, *_: None
+class Mute(Still):
+    close = lambda self: None
 """
 
 
@@ -74,10 +76,8 @@ def test_a_backend_of_a_user_is_given_by_its_file(
 ) -> None:
     os.chdir(tmp_path)
     Path("my_motion.py").write_text(MOTION)
-    steps, option = "--steps" if "fleet" in line else "--max-steps", "--backend"
-    if line.startswith("compare"):
-        option = "--right"
-    words = (*line.split(), "--seed", 1, steps, 4, option)
+    option = "--right" if line.startswith("compare") else "--backend"
+    words = (*line.split(), "--seed", 1, "--max-steps", 4, option)
     code, out, err = warehouse(*words, "my_motion.py:Mine:speed=2", "--save", "a.html")
     assert (code, err) == (0, "")
     assert "Mine" in out
@@ -91,7 +91,11 @@ def test_a_backend_of_a_user_is_given_by_its_file(
         said = refused(*words, "my_motion.py:Mine:steps=2", "--no-show")
         assert said == "seed 1, step 2, backend Mine: ValueError: stuck (my_motion.py, line 13)"
     assert "takes no argument 'mass'" in refused(*words, "my_motion.py:Mine:mass=2")
-    assert "has no cell_size" in refused(*words, "my_motion.py:Still")
+    assert "has no close; needed: reset and advance and close" in refused(
+        *words, "my_motion.py:Still"
+    )
+    assert "has no cell_size" in refused(*words, "my_motion.py:Mute")
+    assert "has 2 classes with" in refused(*words, "my_motion.py")
     assert "has no class 'Yours'" in refused(*words, "my_motion.py:Yours")
 
 

@@ -57,7 +57,7 @@ INVALID: dict[str, tuple[str | bytes | None, str]] = {
     "too many episodes": ("episodes = 100000001", "episodes"),
     "a negative seed": ("seed = -1", "seed"),
     "a huge seed": (f"seed = {10**25}", "seed"),
-    "deep nesting": (to("battery = " + 1900 * "[\n" + 1900 * "]\n"), "recursion"),
+    "deep nesting": (to("battery = " + 1900 * "[\n" + 1900 * "]\n"), "open brackets"),
     "not TOML": ("battery: 3", "line 1"),
     "not UTF-8": (b"\xff\xfe", "plan.toml: 'utf-8' codec can't decode"),
     "too long": (b"#" * (MAX_BYTES + 1), "plan.toml: it is longer"),

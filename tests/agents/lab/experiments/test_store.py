@@ -16,10 +16,11 @@ from helpers.command_line import ROOT, in_a_process
 from helpers.results_files import change, fill, fleet_row, row
 
 from agents.errors import StoreError
+from agents.lab.commands.export.table import columns_of
 from agents.lab.experiments.case import key_of, make_case
 from agents.lab.experiments.store import Store
 from agents.lab.experiments.tables import APPLICATION, VERSION
-from agents.lab.trials.rows import FleetRow, Row
+from agents.lab.trials.rows import AnyRow, FleetRow, Row
 
 CASE, OTHER = make_case({"battery": 20}), make_case({"battery": 30})
 EVERY = range(2**63 - 1)
@@ -331,13 +332,13 @@ INVALID = {
     "no battery": ({"battery": None}, "it has no battery"),
     "no layout": ({"layout": None}, "it has no layout"),
     "many keys": ({f"robot.{'x' * n}": 1.0 for n in range(1, 50)} | {
-        f"disturbances.{'x' * n}": 1.0 for n in range(1, 50)}, "at most MAX_KEYS = 100 keys"),
+        f"disturbances.{'x' * n}": 1.0 for n in range(1, 50)}, "keys; MAX_KEYS = 100 are allowed"),
 }  # fmt: skip
 TEXTS = {
     "not JSON": ("{", "Expecting property name"),
-    "null": ("null", "it must be a JSON object"),
-    "deep nesting": (100_000 * "[", "there are more than MAX_BRACKETS = 1000 brackets"),
-    "many lists": ('{"a": [' + "[]," * 100_000, "there are more than MAX_BRACKETS"),
+    "null": ("null", "a JSON NoneType where there must be an object"),
+    "deep nesting": (100_000 * "[", "open brackets are more than MAX_DEPTH = 20"),
+    "many lists": ('{"a": [' + "[]," * 500_000, "1,000,002 values are more than MAX_ITEMS"),
 } | {
     name: (key_of({k: v for k, v in {**PLAIN, **change}.items() if v is not None}), reason)
     for name, (change, reason) in INVALID.items()
@@ -352,6 +353,21 @@ def test_an_invalid_case_is_an_error_with_the_reason(settings: str, reason: str)
         store.cases()
     assert str(caught.value).startswith(f"{PATH}: case 1 is invalid: ")
     assert reason in str(caught.value)
+
+
+@pytest.mark.parametrize(
+    ("of_fleet", "wrong", "table"), [(True, row(1), "episodes"), (False, fleet_row(1), "shifts")]
+)
+def test_rows_of_a_case_of_another_kind_are_an_error(
+    of_fleet: bool, wrong: AnyRow, table: str
+) -> None:
+    with Store(PATH) as store:
+        number = store.case_id(make_case({"robots": 2} if of_fleet else {}))
+        store.add(number, [wrong])
+    with Store(PATH, read_only=True) as store, pytest.raises(StoreError) as caught:
+        columns_of(store)
+    line = f"{PATH}: case 1 has rows in {table!r}, which are of another kind of case"
+    assert str(caught.value) == line
 
 
 def test_cases_with_a_backend_that_is_not_installed_are_read_and_share_their_layout() -> None:

@@ -1,5 +1,7 @@
 """Rubrics: what is refused, and how points grow."""
 
+import os
+import re
 from dataclasses import fields
 from pathlib import Path
 
@@ -7,12 +9,15 @@ import pytest
 from helpers.submissions import RUBRIC, write_rubric
 
 from agents.errors import GradeError
+from agents.lab.grading import cases
 from agents.lab.grading.cases import GradedCase
 from agents.lab.grading.criteria import MEASURES, Criterion
 from agents.lab.grading.grading import grade
 from agents.lab.grading.rubric import CASE, LIMITS, MINI_LAB, load_rubric
 from agents.lab.grading.sandbox import AgentLimits
 from agents.lab.grading.submissions import find_submission
+from agents.lab.toml_text import MAX_BYTES
+from warehouse_core import Layout
 
 LINE = 1 + RUBRIC.splitlines().index("[cases.chapter]")
 
@@ -20,6 +25,9 @@ LINE = 1 + RUBRIC.splitlines().index("[cases.chapter]")
 @pytest.mark.parametrize(
     ("old", "new", "message"),
     [
+        ("memory_mb = 512", f"memory_mb = {'9' * 1900}", "line 8: memory_mb is 99999"),
+        ("memory_mb = 512", f"memory_mb = 0x{'f' * 1900}", "line 8: memory_mb is 67292"),
+        ("[limits]", "a" + ".a" * 10 + " = 1", "line 4 has a key of more than MAX_DEPTH = 10"),
         ("[limits]", "[limits", "it is no TOML: Expected ']' at the end of a table declaration"),
         ("[limits]", "[limit]", "there is no key 'limit'; allowed: title, limits"),
         ('title = "A short rubric"', "title = 1", "line 2: title is 1; allowed: text"),
@@ -51,6 +59,41 @@ def test_a_wrong_rubric_is_refused_with_the_line_the_key_and_what_is_allowed(
     assert str(error.value).startswith(str(file))
     assert message in str(error.value)
     assert "\n" not in str(error.value)
+
+
+def test_a_rubric_that_is_too_long_or_no_file_is_refused(tmp_path: Path) -> None:
+    (tmp_path / "long.toml").write_bytes(b"#" * (MAX_BYTES + 1))
+    os.mkfifo(tmp_path / "pipe.toml")
+    for name, kind in (("long", "it is longer than 100,000 bytes"), ("pipe", "it is a pipe")):
+        with pytest.raises(OSError, match=kind):
+            load_rubric(tmp_path / f"{name}.toml")
+
+
+@pytest.mark.parametrize(
+    ("count", "lines", "message"),
+    [
+        (1_001, "", "1,005 cases are more than MAX_CASES = 1000"),
+        (1_000, 'layout = "random"\nsize = [300, 300]\n', "1,004 cases"),
+        (60, 'layout = "random"\nsize = [300, 300]\n', "MAX_CELLS = 2000000"),
+        (1, f'layout = "random"\nsize = [4, 1{"0" * 1900}]\n', "more than MAX_CELLS = 2000000"),
+        (1, 'layout = "large.txt"\n', "with its 2250000 cells the layouts of all cases have"),
+    ],
+)
+def test_the_layouts_of_a_rubric_are_not_drawn_beyond_a_limit(
+    tmp_path: Path, count: int, lines: str, message: str, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn = []
+
+    def draw(height: int, width: int, *_: object) -> Layout:
+        drawn.append(height * width)
+        return Layout([width * "."] * height)
+
+    monkeypatch.setattr(cases, "random_layout", draw)
+    (tmp_path / "large.txt").write_text("\n".join(["." * 1500] * 1500))
+    more = "".join(f"[cases.more{number}]\n{lines}" for number in range(count))
+    with pytest.raises(GradeError, match=re.escape(message)):
+        load_rubric(write_rubric(tmp_path, f"{RUBRIC}\n{more}"))
+    assert sum(drawn) <= 2 * 2_000_000  # once for the digest, and once to begin an episode
 
 
 def test_a_criterion_without_any_episode_is_refused(tmp_path: Path) -> None:

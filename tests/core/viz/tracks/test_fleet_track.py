@@ -1,5 +1,6 @@
 import dataclasses
 import math
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,7 +9,7 @@ from helpers.fleets import LINE, SHELVES, Couriers, fleet_episode
 
 from warehouse_core import FleetEnv, FleetEpisode, Layout, Order, RecordError
 from warehouse_core.records import FleetRecorder
-from warehouse_core.viz.tracks import track_of_record
+from warehouse_core.viz.tracks import record_track, track_of_record
 from warehouse_core.viz.tracks.track import Waiting
 
 LATE = 3
@@ -139,6 +140,29 @@ def test_within_a_motion_orders_stay_as_they_were_before_it(bodies: FleetEpisode
 def test_motions_that_take_too_many_frames_raise(bodies: FleetEpisode) -> None:
     with pytest.raises(RecordError, match="more than MAX_FRAMES"):
         track_of_record(bodies, 1e-6)
+
+
+@pytest.mark.parametrize("body", [0, -1], ids=["a robot", "a person"])
+def test_a_motion_of_a_fleet_longer_than_its_step_says_raises(
+    bodies: FleetEpisode, tmp_path: Path, body: int
+) -> None:
+    motions = [list(each) for each in bodies.motions]
+    motions[0][body] = motions[0][body]._replace(seconds=1e9)
+    path = tmp_path / "slow.npz"
+    dataclasses.replace(bodies, motions=[*map(tuple, motions)]).save(path)
+    with pytest.raises(RecordError, match=r"take 1e\+09 s; .* more than MAX_FRAMES = 100000"):
+        track_of_record(FleetEpisode.load(path))
+
+
+def test_motions_of_too_many_bodies_for_their_frames_raise(
+    bodies: FleetEpisode, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    drawn = sum(len(frame.robots) for frame in track_of_record(bodies).frames)
+    monkeypatch.setattr(record_track, "MAX_POSES", 2 * drawn)
+    track_of_record(bodies)
+    monkeypatch.setattr(record_track, "MAX_POSES", drawn // 2)
+    with pytest.raises(RecordError, match=f"more than MAX_POSES = {drawn // 2} allow for"):
+        track_of_record(bodies)
 
 
 def test_charts_show_what_the_measures_count(episode: FleetEpisode) -> None:

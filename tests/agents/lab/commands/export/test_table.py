@@ -182,7 +182,8 @@ def test_an_invalid_setting_or_result_in_the_file_is_a_one_line_error(
         database.execute("DELETE FROM cases WHERE id = 2")
         database.execute("UPDATE episodes SET steps = 'many' WHERE case_id = 1")
         database.commit()
-    assert "many" in refused("export", results, tmp_path / "t.parquet")
+    line = refused("export", results, tmp_path / "t.parquet")
+    assert line == f"{results}: the row of case 1, seed 1 is damaged"
     assert names(tmp_path) == {"r.sqlite"}
 
 

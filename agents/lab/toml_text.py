@@ -1,0 +1,38 @@
+"""TOML that a stranger may have written: its limits are checked before it is parsed.
+
+The time and the memory to parse a key grow with the square of its depth.
+"""
+
+from __future__ import annotations
+
+import re
+import tomllib
+from typing import Any
+
+MAX_BYTES = 100_000
+"""Limit on the bytes of a file."""
+
+MAX_LINE = 2_000
+"""Limit on the bytes of a line, in which a key must end."""
+
+MAX_DEPTH = 10
+"""Limit on the parts of a key, ``robot.mass`` has two; a name may have as many dots in a row."""
+
+_DEEP = re.compile(rf"""(?<![\w-])((?:[\w-]++|"[^"]*+"|'[^']*+')[ \t]*+\.[ \t]*+){{{MAX_DEPTH}}}""")
+
+
+def parse_toml(data: bytes) -> dict[str, Any]:
+    """Return the table that is written in UTF-8.
+
+    Raises:
+        ValueError: a limit is exceeded, or the text is no TOML.
+    """
+    for number, line in enumerate(data.split(b"\n"), start=1):
+        if len(line) > MAX_LINE:
+            raise ValueError(f"line {number} is longer than MAX_LINE = {MAX_LINE} bytes")
+        if _DEEP.search(line.decode(errors="replace")):
+            raise ValueError(f"line {number} has a key of more than MAX_DEPTH = {MAX_DEPTH} parts")
+    try:
+        return tomllib.loads(data.decode("utf-8-sig"))
+    except RecursionError as error:
+        raise ValueError("it has too many open brackets") from error

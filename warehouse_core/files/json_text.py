@@ -1,0 +1,48 @@
+"""JSON text that a stranger may have written: its limits are checked before it is parsed."""
+
+from __future__ import annotations
+
+import json
+import re
+from itertools import accumulate
+from typing import Any
+
+MAX_BYTES = 8 * 2**20
+"""Limit on the bytes of a text."""
+
+MAX_ITEMS = 1_000_000
+"""Limit on the commas and opening brackets of a text, inside its strings too.
+
+Each stands for a value at most, and a value takes up to a hundred bytes of memory.
+"""
+
+MAX_DEPTH = 20
+"""Limit on the brackets that are open at a time."""
+
+_NO_BRACKETS = re.compile(r'"(?:[^"\\]++|\\.?)*+"?|[^][{}"]++', re.DOTALL)
+"""Strings, and all else that is no bracket. A string may lack its end: each is looked at once."""
+
+
+def parse_object(data: bytes, max_bytes: int = MAX_BYTES) -> dict[str, Any]:
+    """Return the JSON object that is written in UTF-8.
+
+    Raises:
+        ValueError: a limit is exceeded, or the text is another value or no JSON.
+    """
+    if len(data) > max_bytes:
+        raise ValueError(f"{len(data):,} bytes of JSON are more than MAX_BYTES = {max_bytes}")
+    items = sum(map(data.count, (b",", b"[", b"{")))
+    if items > MAX_ITEMS:
+        raise ValueError(f"{items:,} values are more than MAX_ITEMS = {MAX_ITEMS}")
+    text = data.decode("utf-8-sig")
+    brackets = _NO_BRACKETS.sub("", text)
+    depth = max(accumulate(1 if each in "[{" else -1 for each in brackets), default=0)
+    if depth > MAX_DEPTH:
+        raise ValueError(f"{depth:,} open brackets are more than MAX_DEPTH = {MAX_DEPTH}")
+    try:
+        value = json.loads(text)
+    except ValueError as error:  # also of a number of too many digits
+        raise ValueError(f"not JSON: {error}") from error
+    if not isinstance(value, dict):
+        raise ValueError(f"a JSON {type(value).__name__} where there must be an object")
+    return value
