@@ -82,10 +82,10 @@ MAY_IMPORT = {
     "agents/lab": "errors fleet mapf",
     "agents/lab/runs": "errors fleet",
     "agents/registry": "errors fleet learning mapf search warehouse_agent_greedy",
-    "agents/lab/console": "errors lab lab/runs",
+    "agents/lab/console": "errors lab lab/runs registry",
     "agents/lab/trials": "errors lab/console lab/runs learning",
-    "agents/lab/commands/fleet": "errors fleet lab/console lab/runs lab/trials registry",
-    "agents/lab/commands/planners": "errors lab/console lab/trials mapf registry",
+    "agents/lab/commands/fleet": "errors fleet lab lab/console lab/runs lab/trials registry",
+    "agents/lab/commands/planners": "errors fleet lab lab/console lab/trials mapf registry",
     "agents/lab/experiments": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/grading": "errors lab lab/runs lab/trials registry warehouse_agent_greedy",
     "agents/lab/training": "lab/trials learning",
@@ -97,7 +97,7 @@ MAY_IMPORT = {
         "lab/trials registry"
     ),
     "agents/lab/commands/gap": (
-        "errors fleet lab/commands/planners lab/console lab/reports lab/runs lab/trials registry"
+        "errors fleet lab lab/console lab/reports lab/runs lab/trials registry"
     ),
     "agents/lab/commands/grade": "errors lab/console lab/grading lab/reports lab/trials",
     "agents/lab/commands": (

@@ -11,7 +11,6 @@ import typer
 
 from agents.lab.parameters import MAX_SEED, MAX_VALUE, PARAMETERS, Number, Whole
 from agents.lab.place import Stations
-from agents.lab.trials.interval import MIN_VALUES
 from agents.registry import PLANNERS
 from warehouse_core.files.atomic import check_suffix, check_target
 from warehouse_core.wording import brief
@@ -149,14 +148,7 @@ SeedOption = Annotated[
 ]
 MAX_EPISODES = 100_000
 EPISODES = "Episodes of each setting, with one seed after the other."
-Episodes = Annotated[
-    int,
-    option(
-        "--episodes -n N",
-        f"{EPISODES} Of {MIN_VALUES} or more, means have 95% intervals.",
-        Whole(1, MAX_EPISODES),
-    ),
-]
+Episodes = Annotated[int, option("--episodes -n N", EPISODES, Whole(1, MAX_EPISODES))]
 BatteryOption = Annotated[int, parameter_option("battery")]
 MaxSteps = Annotated[int, parameter_option("max_steps")]
 ViewRadius = Annotated[int, parameter_option("view_radius")]
