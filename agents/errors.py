@@ -79,7 +79,7 @@ def reason_of(error: BaseException, file: Path | None = None) -> str:
 
 
 def frames_in(file: Path | None, error: BaseException) -> list[traceback.FrameSummary]:
-    """Return the calls that an exception went through, those of ``file`` if given."""
+    """Return the frames of the traceback of an exception; with a ``file``, only its frames."""
     return [
         frame
         for frame in traceback.extract_tb(error.__traceback__)
