@@ -33,8 +33,9 @@ from agents.mapf.planner import Planner
 from agents.mapf.prioritised import WindowedPlanner
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, RecordError
+from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, Motion, RecordError
 from warehouse_core.files.kinds import not_a_file
+from warehouse_core.motion.backends import Backend, backend_names
 from warehouse_core.records.recorder import FleetAgent
 
 AGENTS: dict[str, Callable[..., Agent]] = {
@@ -77,6 +78,7 @@ class Sort(NamedTuple):
 
 AGENT = Sort("agent", AGENTS, [f"{word}:FILE" for word in TRAINED], [("reset", "act")])
 PLANNER = Sort("planner", PLANNERS, [], [("reset", "next_cells"), ("reset", "act")])
+BACKEND = Sort("backend", {}, [], [("reset", "advance", "close")])
 
 
 def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT) -> Agent:
@@ -125,6 +127,27 @@ def make_planner(
     """
     [planner] = _make(PLANNER, name, [seed], layout, robots)
     return cast("Planner | FleetAgent", planner)
+
+
+def make_backend(name: str) -> Backend:
+    """Return a backend by name, for an environment.
+
+    Only commands call it, with what their user has typed: the name in a record runs no code.
+
+    Args:
+        name: name of an installed backend, which stays as it is, or a class of a user as
+            ``make_agent`` takes it, which is made. Arguments may follow.
+
+    Raises:
+        AgentError: there is no such class, it cannot be made, or it is no motion.
+    """
+    source, _ = _split(name)
+    if _split_class(source)[0] is None or source.partition(":")[0] in backend_names():
+        return name
+    [motion] = _make(BACKEND, name, [None], DEFAULT_LAYOUT)
+    if not isinstance(motion, Motion):
+        raise AgentError(f"class {source!r} has no cell_size; needed: side of a cell in metres")
+    return motion
 
 
 def make_fleet_agent(

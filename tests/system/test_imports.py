@@ -83,7 +83,7 @@ MAY_IMPORT = {
     "agents/lab/runs": "errors fleet",
     "agents/registry": "errors fleet learning mapf search warehouse_agent_greedy",
     "agents/lab/console": "errors lab lab/runs registry",
-    "agents/lab/trials": "errors lab/console lab/runs learning",
+    "agents/lab/trials": "errors lab/console lab/runs learning registry",
     "agents/lab/commands/fleet": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/commands/planners": "errors fleet lab lab/console lab/trials mapf registry",
     "agents/lab/experiments": "errors fleet lab lab/console lab/runs lab/trials registry",

@@ -162,7 +162,7 @@ IMPOSSIBLE = {
     "gap --assignment none": "no assignment is called 'none'",
     "gap --layout bare.txt": "the layout has no pickup",
     "mapf --planner x": "no planner is called 'x'; allowed: pibt, lacam, prioritised, cbs, pibt-",
-    "mapf --planner cbs --lifelong 9": "no planner is called 'cbs'; allowed: pibt, pibt-lanes, ",
+    "mapf --planner cbs --lifelong 9": "planner 'cbs' plans all ways at once, ",
     "mapf none.scen": "none.scen: No such file",
     "mapf --robots 193": "193 robots; allowed: up to 192 on this layout",
     "mapf --robots 193 --lifelong 9": "193 robots; allowed: 1 to 192",

@@ -93,6 +93,7 @@ class FleetEnv:
         layout: layout of the warehouse.
         settings: all arguments but layout, backend and seed.
         backend: name of the backend, or of its class if it was given as a class or instance.
+        motion: motion of the backend.
         cell_size: side of a cell in metres.
         conditions: conditions of floor and motors, as the backend gives them.
         assignments: calls of ``assign`` in this episode: steps taken, robot and order.
@@ -134,7 +135,7 @@ class FleetEnv:
             late_penalty=late_penalty,
             team_reward=team_reward,
         )
-        motion = make_motion(backend)
+        self.motion = motion = make_motion(backend)
         self.cell_size, self.conditions = motion.cell_size, conditions_of(motion, self.layout)
         self.backend = backend if isinstance(backend, str) else type(motion).__name__
         self._ways = motion.ways if isinstance(motion, DrivesThrough) else None

@@ -157,9 +157,15 @@ def _complaint(error: Exception, entry_point: EntryPoint) -> str:
 
 
 def _requirements(entry_point: EntryPoint) -> list[str]:
-    """Return the requirements of the extra with the backend's name, or else its distribution."""
+    """Return the requirements of the extra with the backend's name, or else its distribution.
+
+    Backends of one module have the same requirements, so the name of any of them will do.
+    """
     distribution = entry_point.dist
     if distribution is None:
         return [entry_point.module.partition(".")[0]]
-    needed = requirements_of(entry_point.name, distribution.requires or [])
-    return needed or [distribution.metadata["Name"]]
+    beside = [name for name, each in _entry_points().items() if each.module == entry_point.module]
+    for name in (entry_point.name, *beside):
+        if needed := requirements_of(name, distribution.requires or []):
+            return needed
+    return [distribution.metadata["Name"]]

@@ -81,4 +81,5 @@ def compare_backends(
     )
     print_table(comparison_table(one, other))
     film = Film(lambda: [track_of_record(one), track_of_record(other)])
-    show_or_save(film, save, show, f"compare-{one.agent}-{left}-{right}-{seed}.gif")
+    names = (episode.settings.backend for episode in (one, other))
+    show_or_save(film, save, show, f"compare-{one.agent}-{'-'.join(names)}-{seed}.gif")

@@ -154,8 +154,8 @@ MaxSteps = Annotated[int, parameter_option("max_steps")]
 ViewRadius = Annotated[int, parameter_option("view_radius")]
 
 BACKEND = (
-    "Name of the motion backend. Allowed: grid, physics, {}or one of your own; numbers of the "
-    "robot may follow, as in physics:top_speed=2,mass=70."
+    "Name of the motion backend. Allowed: grid, physics, {}or your own as file.py:Class; numbers "
+    "of the robot may follow, as in physics:top_speed=2,mass=70."
 )
 BackendOption = Annotated[str, option("--backend NAME", BACKEND.format(""))]
 FleetBackend = Annotated[

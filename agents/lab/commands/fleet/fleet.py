@@ -24,7 +24,7 @@ from agents.lab.console.values import parse_battery, parse_due
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.parameters import Number, usual
 from agents.lab.runs.run import draw_seed, run
-from agents.registry import make_fleet_agent, make_team
+from agents.registry import make_backend, make_fleet_agent, make_team
 from warehouse_core import Episode, FleetEnv, OrderStream, WarehouseError
 from warehouse_core.orders import load_orders
 from warehouse_core.orders.order import Orders
@@ -134,7 +134,7 @@ def fleet(
         FleetEnv,
         floor,
         robots,
-        backend=backend,
+        backend=make_backend(backend),
         orders=find_orders(orders, order_rate, due),
         max_steps=max_steps,
         battery=parse_battery(battery),

@@ -41,6 +41,7 @@ from agents.mapf.lifelong import LifelongRun, lead, run_lifelong
 from agents.mapf.planner import Planner
 from agents.mapf.problem import Problem
 from warehouse_core.batch.fleet.settings import MAX_BODIES
+from warehouse_core.motion.backends import load_backend
 from warehouse_core.wording import counted
 from warehouse_core.world.robot_runners import League, load_league
 from warehouse_core.world.tables import Integers
@@ -114,6 +115,8 @@ def mapf(
     Example: warehouse mapf --robots 64 --planner lacam --planner pibt --seed 1
     """
     kind = check_file(file, layout, steps)
+    if drive:
+        load_backend("driving")  # what it needs is missed here, and not after the plans
     if save is not None and len(planner or ()) != 1:
         raise typer.BadParameter("--save takes the paths of one planner; name one by --planner")
     trials = Trials(seed, plan_seconds, save, drive)

@@ -1,6 +1,7 @@
 """The command ``warehouse mapf``."""
 
 import json
+import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from helpers.command_line import Refused, Warehouse, write_mine
 from helpers.mapf_validator import plan_conflict, step_conflict
 
 from agents.lab.commands.planners.floors import find_floor
+from warehouse_core.motion.backends import load_backend
 
 BAY = ("...", "#.#")
 """Two robots at the ends of the corridor change places by the bay in its middle."""
@@ -170,9 +172,20 @@ def test_a_planner_of_a_user_that_fails_is_named(line: str, words: str, refused:
     assert said.startswith(f"planner 'mine.py:Mine', step 1: {words}")
 
 
+def test_bodies_that_need_pymunk_are_refused_before_the_plans(
+    refused: Refused, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    load_backend.cache_clear()
+    monkeypatch.setitem(sys.modules, "warehouse_physics", None)
+    said = refused("mapf", "--robots", 2, "--drive")
+    assert said.startswith("backend 'driving' needs warehouse_physics, which is not installed: ")
+    assert said.endswith("pip install 'pymunk<8,>=7.1'")
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [
+        ("--planner lacam --lifelong 3", "planner 'lacam' plans all ways at once, for one goal a"),
         ("bay.scen --robots 3", "bay.scen has 2 scenarios, one for each robot; 3 robots cannot"),
         ("bay.scen --layout hall", "scenario 1 is for 2 x 3 cells"),
         ("corridor.json --robots 2", "corridor.json has 1 robot; not 2"),
