@@ -40,7 +40,7 @@ from agents.mapf.graph import Graph
 from agents.mapf.lifelong import LifelongRun, lead, run_lifelong
 from agents.mapf.planner import Planner
 from agents.mapf.problem import Problem
-from warehouse_core.batch.fleet.settings import MAX_BODIES
+from warehouse_core.batch.fleet.people import MAX_BODIES
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.wording import counted
 from warehouse_core.world.robot_runners import League, load_league
