@@ -65,7 +65,7 @@ def test_a_layout_of_the_training_cannot_be_that_of_an_episode() -> None:
         ({"lowest": -0.1}, r"density is -0\.1"),
         ({"lowest": float("nan")}, r"density is nan"),
         ({"lowest": 0.3, "highest": 0.2}, r"density is from 0\.3 to 0\.2; the first must be"),
-        ({"count": 0}, rf"layouts of the pool are 0; allowed: 1\.\.{MAX_POOL}"),
+        ({"count": 0}, rf"the number of layouts is 0; allowed: 1\.\.{MAX_POOL}"),
     ],
 )
 def test_values_that_are_not_allowed_raise(changes: dict[str, float], message: str) -> None:
