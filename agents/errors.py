@@ -69,17 +69,22 @@ class WorkerError(WarehouseError):
 
 def reason_of(error: BaseException, file: Path | None = None) -> str:
     """Return the message of an exception and the last place that it names, in ``file`` if given."""
-    frames = [
-        frame
-        for frame in traceback.extract_tb(error.__traceback__)
-        if file is None or Path(frame.filename).resolve() == file.resolve()
-    ]
+    frames = frames_in(file, error)
     where = "".join(f" ({Path(each.filename).name}, line {each.lineno})" for each in frames[-1:])
     try:
         text = f": {error}" if str(error) else ""
     except Exception:  # the exception of a user may itself be broken
         text = ""
     return f"{type(error).__name__}{text}{where}"
+
+
+def frames_in(file: Path | None, error: BaseException) -> list[traceback.FrameSummary]:
+    """Return the frames of the traceback of an exception; with a ``file``, only its frames."""
+    return [
+        frame
+        for frame in traceback.extract_tb(error.__traceback__)
+        if file is None or Path(frame.filename).resolve() == file.resolve()
+    ]
 
 
 def file_of(thing: object) -> Path | None:

@@ -33,8 +33,9 @@ from agents.mapf.planner import Planner
 from agents.mapf.prioritised import WindowedPlanner
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, RecordError
+from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, Motion, RecordError
 from warehouse_core.files.kinds import not_a_file
+from warehouse_core.motion.backends import Backend, backend_names
 from warehouse_core.records.recorder import FleetAgent
 
 AGENTS: dict[str, Callable[..., Agent]] = {
@@ -77,15 +78,16 @@ class Sort(NamedTuple):
 
 AGENT = Sort("agent", AGENTS, [f"{word}:FILE" for word in TRAINED], [("reset", "act")])
 PLANNER = Sort("planner", PLANNERS, [], [("reset", "next_cells"), ("reset", "act")])
+BACKEND = Sort("backend", {}, [], [("reset", "advance", "close")])
 
 
 def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT) -> Agent:
     """Return an agent by name.
 
     Args:
-        name: one of ``AGENTS``, or ``file.py:Class`` or ``package.module:Class``, or one of
-            ``TRAINED``, a colon and a file. Arguments may follow, as in
-            ``greedy:memory=20,escape_steps=0`` or ``ppo:model.npz:revisit=4``.
+        name: one of ``AGENTS``, or ``file.py:Class`` or ``package.module:Class``, or ``file.py``
+            with one such class, or one of ``TRAINED``, a colon and a file. Arguments may follow, as
+            in ``greedy:memory=20,escape_steps=0`` or ``ppo:model.npz:revisit=4``.
         seed: passed to the agent if it takes a ``seed``. The global streams of Python and NumPy are
             seeded with it too, if the agent is a user's class, which may draw from them.
         layout: passed to the agent if it takes a ``layout``.
@@ -125,6 +127,27 @@ def make_planner(
     """
     [planner] = _make(PLANNER, name, [seed], layout, robots)
     return cast("Planner | FleetAgent", planner)
+
+
+def make_backend(name: str) -> Backend:
+    """Return a backend by name, for an environment.
+
+    Only commands call it, with what their user has typed: the name in a record runs no code.
+
+    Args:
+        name: name of an installed backend, which stays as it is, or a class of a user as
+            ``make_agent`` takes it, which is made. Arguments may follow.
+
+    Raises:
+        AgentError: there is no such class, it cannot be made, or it is no motion.
+    """
+    source, _ = _split(name)
+    if _split_class(source)[0] is None or source.partition(":")[0] in backend_names():
+        return name
+    [motion] = _make(BACKEND, name, [None], DEFAULT_LAYOUT)
+    if not isinstance(motion, Motion):
+        raise AgentError(f"class {source!r} has no cell_size; needed: side of a cell in metres")
+    return motion
 
 
 def make_fleet_agent(
@@ -223,14 +246,16 @@ def agent_file(name: str) -> Path | None:
     word, colon, rest = name.partition(":")
     if colon and word in TRAINED:
         return Path(_split_trained(rest)[0])
-    source = _split(name)[0].rpartition(":")[0]
-    return Path(source) if source.endswith(".py") else None
+    source, _ = _split_class(_split(name)[0])
+    return Path(source) if source is not None and source.endswith(".py") else None
 
 
 def agent_module(name: str) -> str | None:
     """Return the module that an agent of a user is imported from, ``None`` for all others."""
-    source = _split(name)[0].rpartition(":")[0]
-    return source if is_own_code(name) and not source.endswith(".py") and source else None
+    source, _ = _split_class(_split(name)[0])
+    if not source or source.endswith(".py") or not is_own_code(name):
+        return None
+    return source
 
 
 def _wanted(
@@ -271,24 +296,57 @@ def _load_trained(word: str, rest: str, seed: int | None, layout: Layout) -> Age
 
 
 def _load_class(sort: Sort, name: str) -> type[Any]:
-    source, colon, class_name = name.rpartition(":")
-    if not colon:
+    source, class_name = _split_class(name)
+    if source is None:
         raise AgentError(
             f"no {sort.word} is called {name!r}; allowed: {', '.join([*sort.known, *sort.more])}, "
-            "or your own as file.py:Class or module:Class"
+            "or your own as file.py, file.py:Class or module:Class"
         )
-    kind: Any = getattr(_load_module(source), class_name, None)
+    module = _load_module(source)
+    if class_name is None:
+        return _only_class(sort, source, module)
+    kind: Any = getattr(module, class_name, None)
     if not isinstance(kind, type):
         raise AgentError(f"{source} has no class {class_name!r}")
-    missing = [
-        [each for each in names if not callable(getattr(kind, each, None))]
-        for names in sort.methods
-    ]
+    missing = _missing(sort, kind)
     if all(missing):
         needed = ", or ".join(" and ".join(names) for names in sort.methods)
         fewest = min(missing, key=lambda names: len(names))
         raise AgentError(f"class {name!r} has no {' and no '.join(fewest)}; needed: {needed}")
     return kind
+
+
+def _split_class(name: str) -> tuple[str | None, str | None]:
+    """Return the file or module of a class and its name, ``None`` for what is not given."""
+    if name.endswith(".py"):
+        return name, None
+    source, colon, class_name = name.rpartition(":")
+    return (source, class_name) if colon else (None, class_name)
+
+
+def _missing(sort: Sort, kind: type[Any]) -> list[list[str]]:
+    """Return the methods that a class does not have of each set."""
+    return [
+        [each for each in names if not callable(getattr(kind, each, None))]
+        for names in sort.methods
+    ]
+
+
+def _only_class(sort: Sort, source: str, module: ModuleType) -> type[Any]:
+    """Return the only class that a module defines with the methods that are needed."""
+    own = [
+        each
+        for each in vars(module).values()
+        if isinstance(each, type) and each.__module__ == module.__name__
+    ]
+    found = [each for each in own if not all(_missing(sort, each))]
+    if len(found) != 1:
+        needed = ", or ".join(" and ".join(names) for names in sort.methods)
+        names = ", ".join(each.__name__ for each in found) or "none"
+        raise AgentError(
+            f"{source} has {len(found)} classes with {needed} ({names}); name one as file.py:Class"
+        )
+    return found[0]
 
 
 def _load_module(source: str) -> ModuleType:

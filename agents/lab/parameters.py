@@ -18,6 +18,7 @@ from agents.errors import ParameterError
 from agents.fleet.planned import DEFAULT_ASSIGNMENT
 from agents.lab.place import RANDOM, Stations
 from agents.mapf.assignment import ASSIGNMENTS
+from warehouse_core.arguments import MAX_VIEW_RADIUS
 from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.motion import backends
 from warehouse_core.wording import printable
@@ -35,13 +36,13 @@ FLEET = "robots"
 MAX_VALUE = 1_000_000_000
 """Largest battery and number of steps; records keep them as 64-bit numbers."""
 
+MAX_SEED = 2**62
+"""Largest seed of the first episode; files of results store seeds as 64-bit numbers."""
+
 MAX_NUMBER = sys.float_info.max
 
 MAX_TEXT = 10_000
 """Most characters of a name."""
-
-MAX_VIEW_RADIUS = 1000
-"""Largest view radius in cells: a view takes memory even where there is nothing to see."""
 
 
 class Parameter(NamedTuple):
@@ -179,18 +180,18 @@ PARAMETERS = {
         question="How many robots are too many?", of_fleets=True, help="Number of robots.",
     ),
     PLANNER: Parameter(
-        NO_PLANNER, text, "none, or a name as in 'warehouse fleet --planner', of a fleet",
+        NO_PLANNER, text, "none, or as in 'warehouse fleet', of fleets",
         question="Which planner does best?", of_fleets=True,
     ),
     "assignment": Parameter(
         DEFAULT_ASSIGNMENT, one_of(*ASSIGNMENTS, before="one of "),
-        f"{' or '.join(ASSIGNMENTS)}, of a planner",
+        ", ".join(ASSIGNMENTS),
         question="How should orders be assigned?", of_fleets=True, is_planned=True,
         help=f"Which robot of a planner goes for which order: {', '.join(ASSIGNMENTS)}. "
         f"Default: {DEFAULT_ASSIGNMENT}.",
     ),
     "agent": Parameter(
-        "greedy", text, "a name as in 'warehouse run --agent'",
+        "greedy", text, "a name as in 'warehouse run'",
         question="Which agent does best?", is_planned=False,
     ),
     "escape": Parameter(
@@ -198,15 +199,15 @@ PARAMETERS = {
         "Does escaping loops cut delivery time, or does it make the robot wander?",
     ),
     "memory": Parameter(
-        10, Whole(0), "{}, of agent greedy with escape", {"agent": "greedy", "escape": True},
+        10, Whole(0), "{}, of agent greedy", {"agent": "greedy", "escape": True},
         "How much should an agent remember to notice a loop?",
-        help="Positions that the greedy agent remembers: 10.",
+        help="Positions that the greedy agent remembers. Default: 10.",
     ),
     "layout": Parameter(
-        DEFAULT, text, "default, random or a file", question="Which layout is hardest?"
+        DEFAULT, text, "a file, a name, or random", question="Which layout is hardest?"
     ),
     "size": Parameter(
-        "7x12", size, "HEIGHTxWIDTH from 4x4, of layout random", {"layout": RANDOM},
+        "7x12", size, "HEIGHTxWIDTH, of layout random", {"layout": RANDOM},
         "What does a larger grid do?",
     ),
     "density": Parameter(
@@ -215,29 +216,31 @@ PARAMETERS = {
     ),
     "stations": Parameter(  # for a layout file its default is another, see case.py
         str(Stations.DRAWN), one_of(*Stations, joint=" or "),
-        "drawn, or kept as a layout file has them; not of a fleet",
+        "drawn or kept, of lone robots",
         question="What do random pickups and dropoffs change?", of_fleets=False,
     ),
     "order_rate": Parameter(
-        0.06, Number(0, MAX_VALUE), "orders that arrive in a step, of a fleet",
+        0.06, Number(0, MAX_VALUE), "orders that arrive in a step, of fleets",
         question="How many orders can the fleet carry out?", of_fleets=True,
+        help="Orders that arrive in a step on average.",
     ),
     "due": Parameter(
-        "50:150", due_times, "FEWEST:MOST steps until they are due, of a fleet",
+        "50:150", due_times, "FEWEST:MOST steps, of fleets",
         question="What do earlier due times change?", of_fleets=True,
+        help="Steps from release to due time of an order.",
     ),
     "chargers": Parameter(  # by default as many as the layout has, see case.py
-        0, Whole(0), "at most those of the layout, of a fleet",
+        0, Whole(0), "at most those of the layout, of fleets",
         question="How many chargers does the fleet need?", of_fleets=True,
     ),
     "people": Parameter(
-        0, Whole(0, MAX_BODIES), "{}, of a fleet",
+        0, Whole(0, MAX_BODIES), "{}, of fleets",
         question="What do people on the floor change?", of_fleets=True,
         help="People who walk on the floor.",
     ),
     "battery": Parameter(
         200, Whole(1), question="How does battery capacity affect success?",
-        help="Units of a full battery.",
+        help="Steps that a full battery lasts.",
     ),
     "max_steps": Parameter(
         200, Whole(1), question="How long should an episode be?",
@@ -248,7 +251,7 @@ PARAMETERS = {
         help=f"Cells seen in each direction, up to {MAX_VIEW_RADIUS}.",
     ),
     "backend": Parameter(
-        "grid", backend, "grid, physics, driving of a fleet, or one of your own",
+        "grid", backend, "grid, physics, of fleets driving",
         question="What does the real robot do with the same policy?",
     ),
 }  # fmt: skip

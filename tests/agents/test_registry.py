@@ -112,7 +112,7 @@ KINDS = "bfs, ucs, greedy-best-first, astar, weighted-astar"
         (
             "clever",
             f"no agent is called 'clever'; allowed: random, reflex, greedy, exploring, {KINDS}, "
-            "ppo:FILE, q:FILE, or your own as file.py:Class or module:Class",
+            "ppo:FILE, q:FILE, or your own as file.py, file.py:Class or module:Class",
         ),
         ("", "no agent is called ''*"),
         *((word, f"no agent is called '{word}'*") for word in TRAINED),
@@ -174,6 +174,18 @@ def test_a_file_without_such_an_agent_is_named(
 ) -> None:
     agent_file.write_bytes(text.encode("latin-1"))
     assert message.format(file=agent_file) in refusal(f"{agent_file}:{name}")
+
+
+def test_a_file_with_one_agent_needs_no_class(agent_file: Path) -> None:
+    own = WITH_SEED.replace("class Mine", "class Base(dict): pass\n\nclass Mine")
+    agent_file.write_text(f"from agents import GreedyAgent\n{own}")
+    assert type(make_agent(str(agent_file), 3)).__name__ == "Mine"
+    assert find_agent_file(f"{agent_file}:speed=2") == find_agent_file(str(agent_file))
+    assert find_agent_file(str(agent_file)) == agent_file
+    assert agent_module(str(agent_file)) is None
+    agent_file.write_text(f"{own}\nclass Yours(Mine): pass\n")
+    line = f"{agent_file} has 2 classes with reset and act (Mine, Yours); name one as file.py:Class"
+    assert refusal(str(agent_file)) == line
 
 
 def test_a_module_that_raises_or_has_too_many_parts_is_named(

@@ -16,7 +16,13 @@ from helpers.dask_cluster import dask_cluster
 from helpers.sweeps import FLAGS, Sweep, kill_sweeps, table, uninterrupted
 
 PYTHONS = os.environ.get("WAREHOUSE_PYTHONS", sys.executable).split(os.pathsep)
-KILLS, KILLED_EPISODES = 200, 12_000
+KILLED = {"lone robots": (100, 6_000, FLAGS), "fleets": (100, 1_500, [
+    "robots=2,4", "planner=pibt", "order_rate=0.2", "max_steps=100", "battery=60",
+])}  # fmt: skip
+"""Kills, episodes of each case, and cases of sweeps that are killed."""
+
+EARLY_SHARE = 0.5
+"""Share of the episodes that are there before a sweep is killed, so that it is killed late too."""
 ALL_FLAGS, EPISODES = [*FLAGS, "backend=grid,physics"], 100
 SECONDS = 600
 """Of a sweep, at most."""
@@ -41,17 +47,22 @@ def keyed(rows: list) -> list:
     return [(row[:2], row) for row in rows]
 
 
-def test_kill_9(tmp_path, measured) -> None:
+@pytest.mark.parametrize("python", PYTHONS, ids=version_of)
+@pytest.mark.parametrize("kind", KILLED)
+def test_kill_9(tmp_path, measured, kind: str, python: str) -> None:
+    kills, episodes, flags = KILLED[kind]
     path = tmp_path / "r.sqlite"
-    killed = kill_sweeps(path, KILLED_EPISODES, KILLS)
+    assert Sweep(path, int(EARLY_SHARE * episodes), flags, python=python).end(SECONDS)[0] == 0
+    begun = len(table(path))
+    killed = kill_sweeps(path, episodes, kills, flags, python)
     left = len(table(path))
-    assert Sweep(path, KILLED_EPISODES).end(SECONDS)[0] == 0
-    expected = uninterrupted(tmp_path / "expected.sqlite", KILLED_EPISODES)
+    assert Sweep(path, episodes, flags, python=python).end(SECONDS)[0] == 0
+    expected = uninterrupted(tmp_path / "expected.sqlite", episodes, flags)
     lost, doubled, different = compared(path, expected)
     measured(
-        f"a sweep that is killed with -9, {KILLS} times",
-        f"{killed} of them while it ran, the last at {left:,} of {len(expected):,} rows: {lost} "
-        f"lost, {doubled} doubled, {different} different",
+        f"a sweep of {kind} that is killed with -9, {kills} times, Python {version_of(python)}",
+        f"{killed} of them while it ran, from {begun:,} to {left:,} of {len(expected):,} rows: "
+        f"{lost} lost, {doubled} doubled, {different} different",
     )
     assert (lost, doubled, different) == (0, 0, 0)
 

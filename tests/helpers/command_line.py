@@ -23,8 +23,10 @@ program = cache(typer.main.get_command)
 
 
 def leaves(group: Any, *words: str) -> Iterator[tuple[str, Any]]:
-    """Yield each command that runs something, after its words."""
+    """Yield each command that the help lists and that runs something, after its words."""
     for name, each in group.commands.items():
+        if each.hidden:
+            continue
         if hasattr(each, "commands"):
             yield from leaves(each, *words, name)
         else:

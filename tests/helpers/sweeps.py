@@ -16,11 +16,15 @@ from agents.lab.experiments.choices import parse_flags
 from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
-from agents.lab.trials.rows import Row
+from agents.lab.experiments.tables import BOTH, TABLE_OF
 from helpers.command_line import ROOT
 
-COLUMNS = ", ".join(Row._fields)
-TABLE = f"SELECT settings, {COLUMNS} FROM episodes JOIN cases ON id = case_id ORDER BY 1, 2"
+TABLES = [
+    f"SELECT settings, {', '.join(kind._fields)} FROM {table} JOIN cases ON id = case_id "
+    "ORDER BY settings, seed"
+    for kind, table in TABLE_OF.items()
+]
+"""Queries for the rows of lone robots and of fleets."""
 
 
 class Here(Executor):
@@ -40,13 +44,13 @@ class Here(Executor):
         return future
 
 
-def nothing(rows: Sequence[Row], failures: Sequence[str] = ()) -> None:
+def nothing(rows: Sequence[Any], failures: Sequence[str] = ()) -> None:
     pass
 
 
 def table(path: Path) -> list[tuple[Any, ...]]:
     with Store(path, read_only=True) as store:
-        return list(store.query(TABLE))
+        return [row for query in TABLES for row in store.query(query)]
 
 
 AGENT = """
@@ -69,7 +73,7 @@ FLAGS = ["escape=on,off", "battery=20,60"]
 
 def words(output: Path, episodes: int, flags: Sequence[str] = FLAGS, workers: int = 2) -> list[str]:
     choices = [word for flag in flags for word in ("--set", flag)]
-    sizes = ["-n", str(episodes), "--workers", str(workers), "--seed", "3"]
+    sizes = ["-n", str(episodes), "--jobs", str(workers), "--seed", "3"]
     return ["sweep", *choices, *sizes, "-o", str(output)]
 
 
@@ -128,7 +132,7 @@ class Sweep:
 
     def _rows(self) -> int:
         with suppress(StoreError), Store(self.output, read_only=True) as store:
-            count: int = next(store.query("SELECT count(*) FROM episodes"))[0]
+            count: int = next(store.query(f"SELECT count(*) FROM ({BOTH})"))[0]
             return count
         return 0
 
@@ -145,7 +149,13 @@ def in_session(session: int) -> list[str]:
     return [line for line in lines if not line.split()[1].startswith("Z")]
 
 
-def kill_sweeps(path: Path, episodes: int, kills: int) -> int:
+def kill_sweeps(
+    path: Path,
+    episodes: int,
+    kills: int,
+    flags: Sequence[str] = FLAGS,
+    python: str = sys.executable,
+) -> int:
     """Start sweeps and kill each; return how many were running.
 
     Raises:
@@ -153,7 +163,7 @@ def kill_sweeps(path: Path, episodes: int, kills: int) -> int:
     """
     moments, killed, before = random.Random(1), 0, set[Any]()
     for _ in range(kills):
-        sweep = Sweep(path, episodes)
+        sweep = Sweep(path, episodes, flags, python=python)
         if moments.random() < 0.75:
             sweep.wait_for_rows()
             time.sleep(moments.uniform(0, 0.3))

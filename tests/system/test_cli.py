@@ -1,6 +1,7 @@
 """The command ``warehouse``: its output, its files and its exit codes."""
 
 import re
+from collections import defaultdict
 from importlib.metadata import entry_points, version
 from pathlib import Path
 
@@ -18,6 +19,7 @@ from helpers.pictures import short_episode
 from PIL import Image
 
 import agents.__main__ as program
+from agents.registry import make_agent
 from agents.run_episode import run_episode
 from warehouse_core import Episode
 from warehouse_core.viz.export.gif_writer import GifWriter
@@ -63,12 +65,60 @@ def test_every_command_explains_its_options_and_has_an_example_that_is_valid(
     LEAVES[name].make_context(name, words)  # raises if an option is wrong
 
 
-def test_the_help_cuts_no_summary_off(
-    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
+def test_an_option_has_one_meaning_in_all_commands_and_a_meaning_one_name() -> None:
+    meanings, names = defaultdict[str, set[str]](set), defaultdict[str, set[str]](set)
+    for leaf in LEAVES.values():
+        for parameter in leaf.params:
+            if parameter.param_type_name == "option":
+                assert parameter.is_flag or parameter.metavar, "no type of Python is shown"
+                meaning = parameter.help.partition(". ")[0].removesuffix(".")
+                names[meaning].add("/".join(sorted((*parameter.opts, *parameter.secondary_opts))))
+                for name in (*parameter.opts, *parameter.secondary_opts):
+                    meanings[name].add(meaning)
+    assert [each for each in (*meanings.items(), *names.items()) if len(each[1]) > 1] == []
+
+
+@pytest.mark.parametrize("group", ["", "layout", "train", "compare", *LEAVES])
+def test_the_help_fits_60_columns_and_cuts_no_summary_off(
+    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch, group: str
 ) -> None:
-    monkeypatch.setenv("COLUMNS", "80")
-    for group in ((), ("layout",), ("train",)):
-        assert "..." not in warehouse(*group, "--help").out.partition("Commands:")[2]
+    monkeypatch.setenv("COLUMNS", "60")
+    out = warehouse(*group.split(), "--help").out
+    assert max(map(len, out.splitlines())) <= 60
+    assert "..." not in out.partition("Options:")[2]
+
+
+def test_the_help_lists_commands_in_groups(warehouse: Warehouse) -> None:
+    lines = warehouse("--help").out.partition("Start:")[2].splitlines()
+    titles = ["Start:", *(line for line in lines if line.endswith(":"))]
+    assert titles == ["Start:", "Several robots:", "Study:", "Files:"]
+
+
+@pytest.mark.parametrize("name", [name for name in LEAVES if name in ("run", "play", "fleet")])
+def test_backends_that_the_help_lists_exist_for_the_command(name: str) -> None:
+    [text] = (each.help for each in LEAVES[name].params if each.opts[0] == "--backend")
+    listed = [each for each in ("grid", "physics", "driving") if each in text]
+    assert listed == ["grid", "physics"] + ["driving"] * (name == "fleet")
+
+
+def test_agents_that_the_help_lists_exist() -> None:
+    for name in LEAVES["run"].params[0].help.partition(": ")[2].split(", ppo:FILE")[0].split(", "):
+        make_agent(name, 1)
+
+
+@pytest.mark.parametrize(
+    ("line", "file"),
+    [
+        ("compare --seed 3 --max-steps 1 --save a.svg", "a.svg"),
+        ("compare-agents -n 1 --max-steps 2 --backend grid --save a.svg", "a.svg"),
+        ("layout generate --output a.txt", "a.txt"),
+        ("train q --steps 10 --output=a.npz", "a.npz"),
+        ("sweep --set battery=1 -n 1 --output a.sqlite --workers 1", "a.sqlite"),
+    ],
+)
+def test_commands_of_version_0_1_still_work(warehouse: Warehouse, line: str, file: str) -> None:
+    assert warehouse(*line.split()).code == 0
+    assert Path(file).stat().st_size > 0
 
 
 @pytest.mark.parametrize(
@@ -115,11 +165,11 @@ def test_run_saves_several_files(warehouse: Warehouse, tmp_path: Path) -> None:
     [
         ("run --seed 12 --battery 5", "replay-GreedyAgent-grid-12.gif", 6),
         ("explore --seed 5 --max-steps 2", "explore-grid-5.gif", 3),
-        ("compare --seed 3 --max-steps 1", "compare-GreedyAgent-grid-physics-3.gif", 0),
+        ("compare backends --seed 3 --max-steps 1", "compare-GreedyAgent-grid-physics-3.gif", 0),
         ("search --layout corridor --weights 1", "search.gif", 0),
         ("demo bump", "demo-bump.gif", 0),
         ("demo cbs", "demo-cbs.png", 1),
-        ("fleet --robots 2 --steps 5 --seed 5", "replay-greedy-grid-5.html", 0),
+        ("fleet --robots 2 --max-steps 5 --seed 5", "replay-greedy-grid-5.html", 0),
     ],
 )
 def test_without_a_display_a_command_names_the_file_of_what_it_would_show(
@@ -155,7 +205,7 @@ def test_a_full_disk_is_one_line(
     monkeypatch.setattr(GifWriter, "add", full)
     words = ["run", "--seed", 1, "--battery", 2, "--save"]
     for file in ("e.npz", "e.gif"):
-        assert refused(*words, file) == "No space left on device"
+        assert refused(*words, file) == f"{file}: No space left on device"
     assert names(tmp_path) == []
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated
 
@@ -9,7 +10,7 @@ import typer
 
 from agents.lab.commands import layout as layout_commands
 from agents.lab.commands.compare_agents import compare_agents
-from agents.lab.commands.compare_backends import compare
+from agents.lab.commands.compare_backends import compare_backends
 from agents.lab.commands.demos import demo
 from agents.lab.commands.explore import explore
 from agents.lab.commands.export.export import export
@@ -25,9 +26,11 @@ from agents.lab.commands.search import search
 from agents.lab.commands.train import train_ppo, train_q
 from agents.lab.console import main as console
 from agents.lab.console import options
+from agents.lab.console.group import CommandGroup
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
-from agents.lab.experiments.sweep import sweep
+from agents.lab.experiments.sweep import NAMES, sweep
+from agents.lab.parameters import Number
 from agents.lab.reports.report import report
 from warehouse_core import Episode
 from warehouse_core.viz.tracks.track import INTERVAL_MS
@@ -37,37 +40,16 @@ app = console.application(
     help="A grid warehouse for rational agents, with a motion backend you can swap.",
     no_args_is_help=True,
 )
-app.command()(run)
-app.command()(play)
-app.command()(fleet)
-app.command()(gap)
-app.command()(mapf)
-app.command()(compare_planners)
-app.command()(compare)
-app.command()(compare_agents)
-app.command()(grade)
-app.command()(demo)
-app.command()(search)
-app.command()(explore)
-app.command()(sweep)
-app.command()(report)
-app.command()(export)
-app.add_typer(layout_commands.app, name="layout")
-
-training = typer.Typer(no_args_is_help=True, help="Train an agent by reinforcement learning.")
-training.command("ppo")(train_ppo)
-training.command("q")(train_q)
-app.add_typer(training, name="train")
 
 
-@app.command()
 def replay(
-    file: Annotated[Path, typer.Argument(help="An episode saved as .npz.")],
+    file: Annotated[Path, typer.Argument(metavar="FILE", help="An episode saved as .npz.")],
     *,
     save: options.Save,
     show: options.Show = None,
     interval_ms: Annotated[
-        float, options.option("--interval-ms", "Milliseconds between frames.", (1, 60_000))
+        float,
+        options.option("--interval-ms N", "Milliseconds between frames.", Number(1, 60_000)),
     ] = INTERVAL_MS,
     speed: options.Speed = 1.0,
 ) -> None:
@@ -81,6 +63,56 @@ def replay(
     else:
         report_episode(episode)
     replay_or_save(episode, save, show, interval_ms, speed)
+
+
+class CompareGroup(CommandGroup):
+    """The group ``warehouse compare``, which was a command of its own in version 0.1."""
+
+    usual = "backends"
+
+
+comparing = typer.Typer(
+    cls=CompareGroup,
+    help="Compare backends, agents or planners. Without one of these words: backends.",
+)
+comparing.command("backends")(compare_backends)
+comparing.command("agents")(compare_agents)
+comparing.command("planners")(compare_planners)
+
+training = typer.Typer(cls=CommandGroup, no_args_is_help=True, help="Train an agent by reward.")
+training.command("ppo")(train_ppo)
+training.command("q")(train_q)
+
+GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
+    "Start": {
+        "run": run,
+        "play": play,
+        "demo": demo,
+        "replay": replay,
+        "search": search,
+        "explore": explore,
+    },
+    "Several robots": {"fleet": fleet, "mapf": mapf, "gap": gap},
+    "Study": {
+        "compare": comparing,
+        "train": training,
+        "sweep": sweep,
+        "report": report,
+        "grade": grade,
+    },
+    "Files": {"layout": layout_commands.app, "export": export},
+}
+"""The commands by the title under which the help lists them."""
+
+for title, commands in GROUPS.items():
+    for name, command in commands.items():
+        if isinstance(command, typer.Typer):
+            app.add_typer(command, name=name, rich_help_panel=title)
+        else:
+            app.command(name, rich_help_panel=title, epilog=NAMES if command is sweep else None)(
+                command
+            )
+app.command("compare-agents", hidden=True)(compare_agents)  # its name in version 0.1
 
 
 def _print_version(wanted: bool) -> None:

@@ -1,4 +1,4 @@
-"""The command ``warehouse compare-agents``: agents over the same seeds, a table and a figure."""
+"""The command ``warehouse compare agents``: agents over the same seeds, a table and a figure."""
 
 from __future__ import annotations
 
@@ -39,25 +39,19 @@ AGENTS = {
 }
 """The agents that are always compared, and their names in the table."""
 
-MAX_EPISODES = 100_000
-
 
 def compare_agents(
     agent: Annotated[
         list[str] | None,
         option(
             "--agent NAME",
-            "Also compare this agent: a name as in 'warehouse run --agent', such as "
-            "my_agent.py:Mine or greedy:memory=20; may be repeated. "
-            f"Always compared: {', '.join(AGENTS)}.",
+            f"{options.AGENT} May be repeated; always compared: {', '.join(AGENTS)}.",
             show_default=False,
         ),
     ] = None,
-    episodes: Annotated[
-        int, option("--episodes -n N", "Episodes of each agent.", (1, MAX_EPISODES))
-    ] = 100,
-    seed: options.FirstSeed = 0,
-    backend: options.BackendOption = "physics",
+    episodes: options.Episodes = 100,
+    seed: options.Seed = 0,
+    backend: options.BackendOption = "grid",
     layout: random_layouts.LayoutOrRandom = None,
     stations: options.StationsOption = None,
     start: options.Start = None,
@@ -69,13 +63,14 @@ def compare_agents(
 ) -> None:
     """Compare agents over the same seeds.
 
-    Prints a table of deliveries, steps, nodes expanded, time and energy.
+    Prints a table of deliveries, steps, nodes expanded, time and energy. With
+    --backend physics, bodies take the time and the energy.
 
     With --layout random each seed has another layout, in which no agent of
     "warehouse train ppo --layout random" has been trained. Several sizes are
     compared in one figure.
 
-    Example: warehouse compare-agents --agent my_agent.py:Mine -n 50
+    Example: warehouse compare agents --agent my_agent.py:Mine -n 50
     """
     tasks = make_tasks(layout, size, density, stations, start)
     tasks = [task._replace(battery=battery, max_steps=max_steps, backend=backend) for task in tasks]

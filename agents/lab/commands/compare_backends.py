@@ -1,4 +1,4 @@
-"""Compare one episode on two backends, and replay both side by side."""
+"""The command ``warehouse compare backends``: an episode on each, replayed side by side."""
 
 from __future__ import annotations
 
@@ -51,10 +51,10 @@ def comparison_table(left: Episode, right: Episode) -> TextTable:
     )
 
 
-def compare(
+def compare_backends(
     agent: options.AgentOption = "greedy",
-    left: Annotated[str, options.option("--left", "Backend on the left.")] = "grid",
-    right: Annotated[str, options.option("--right", "Backend on the right.")] = "physics",
+    left: Annotated[str, options.option("--left NAME", "Backend on the left.")] = "grid",
+    right: Annotated[str, options.option("--right NAME", "Backend on the right.")] = "physics",
     layout: options.LayoutOption = None,
     stations: options.StationsOption = None,
     start: options.Start = None,
@@ -65,9 +65,11 @@ def compare(
     save: options.SaveReplay,
     show: options.Show = None,
 ) -> None:
-    """Run an episode on two backends, side by side.
+    """Run an episode on two backends.
 
-    Example: warehouse compare --seed 12 --save both.gif
+    The replay shows both, side by side.
+
+    Example: warehouse compare backends --seed 12 --save both.gif
     """
     seed = draw_seed() if seed is None else seed
     place = load_place(layout, stations, start)
@@ -79,4 +81,5 @@ def compare(
     )
     print_table(comparison_table(one, other))
     film = Film(lambda: [track_of_record(one), track_of_record(other)])
-    show_or_save(film, save, show, f"compare-{one.agent}-{left}-{right}-{seed}.gif")
+    names = (episode.settings.backend for episode in (one, other))
+    show_or_save(film, save, show, f"compare-{one.agent}-{'-'.join(names)}-{seed}.gif")

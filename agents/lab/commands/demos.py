@@ -279,13 +279,16 @@ def lead(
 
 def demo(
     name: Annotated[
-        str | None, typer.Argument(help=f"One of {', '.join([*DEMOS, *STILLS])}.")
+        str | None, typer.Argument(metavar="NAME", help=f"One of {', '.join([*DEMOS, *STILLS])}.")
     ] = None,
     *,
     save: options.SaveReplay,
     show: options.Show = None,
 ) -> None:
-    """Show a demonstration of bodies or of planners.
+    """Show bodies and planners at work.
+
+    Without a name it lists the demonstrations. The demonstrations cbs and
+    lanes are pictures: save them as .svg or .png.
 
     Example: warehouse demo bump --save bump.gif
     """
@@ -295,7 +298,7 @@ def demo(
             say(f"{each:<10}{(make.__doc__ or '').strip()}")
         return
     if name is None or name not in known:
-        given = "--save is of a demo" if name is None else f"no demo is called {name!r}"
+        given = "--save needs a demo" if name is None else f"no demo is called {name!r}"
         raise typer.BadParameter(f"{given}; allowed: {', '.join(known)}")
     if name in STILLS:
         for path in save:

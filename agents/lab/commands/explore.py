@@ -10,6 +10,7 @@ from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place
 from agents.lab.runs.run import draw_seed
+from agents.registry import make_backend
 from agents.search.agents import ExploringAgent
 from warehouse_core import Episode, WarehouseEnv
 from warehouse_core.records.episode import DELIVERED
@@ -43,7 +44,12 @@ def explore(
     seed = draw_seed() if seed is None else seed
     place = load_place(layout, stations, start)
     env = WarehouseEnv(
-        place.layout, place.start_pos, max_steps, battery, view_radius, backend=backend
+        place.layout,
+        place.start_pos,
+        max_steps,
+        battery,
+        view_radius,
+        backend=make_backend(backend),
     )
     agent = ExploringAgent()
     try:
@@ -53,7 +59,7 @@ def explore(
     report_episode(episode, place.stations)
     report_exploring(episode, history, agent.plans)
     film = Film(lambda: belief_tracks(episode, history), record=episode)
-    show_or_save(film, save, show, f"explore-{backend}-{seed}.gif")
+    show_or_save(film, save, show, f"explore-{env.backend}-{seed}.gif")
 
 
 def report_exploring(episode: Episode, history: list[Insight], plans: int) -> None:

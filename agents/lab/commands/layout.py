@@ -4,72 +4,86 @@ from __future__ import annotations
 
 import re
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 
+from agents.lab.commands.random_layouts import DENSITY
+from agents.lab.console import options
+from agents.lab.console.group import CommandGroup
 from agents.lab.console.options import option
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_layout
+from agents.lab.parameters import Number, Whole
 from warehouse_core import Layout, LayoutError, random_layout, shelf_layout
-from warehouse_core.world.generators import benchmark_warehouse
+from warehouse_core.world.generators import MAX_DENSITY, benchmark_warehouse
 from warehouse_core.world.map_files import load_map, save_layout
 from warehouse_core.world.named_layouts import NAMES, named_layout
 from warehouse_core.world.tiles import TILES
 
 app = typer.Typer(
+    cls=CommandGroup,
     no_args_is_help=True,
-    help="Generate, import, check and print layouts. "
+    help="Make, import, check and print layouts. "
     f"They are rows of {', '.join(f'{tile} {name}' for tile, name in TILES.items())}.",
 )
+
+PLACE = "A layout file, or the name of a layout."
 
 BENCHMARK = re.compile("-".join([r"(\d{1,9})"] * 5), re.ASCII)
 """Sizes with more digits are always too large."""
 
-LayoutSeed = Annotated[int, option("--seed", "Random seed.")]
-LayoutOutput = Annotated[
+
+def count(name: str, help_text: str) -> Any:
+    """Return the option of a whole number from 0."""
+    return option(f"{name} N", help_text, Whole(0))
+
+
+LayoutFile = Annotated[
     Path | None,
     option(
-        "--output -o FILE",
-        "Write the layout to this file; a .map has MovingAI's format, no P, D or C.",
+        "--save -o FILE",
+        f"{options.SAVE} A .map has MovingAI's format, without P, D and C.",
     ),
 ]
 
 
 @app.command()
 def generate(
-    height: Annotated[int, option("--height", "Rows, including the border.")] = 10,
-    width: Annotated[int, option("--width", "Columns, including the border.")] = 16,
-    density: Annotated[float, option("--density", "Share of walls inside the border.")] = 0.2,
-    seed: LayoutSeed = 0,
-    output: LayoutOutput = None,
+    height: Annotated[int, count("--height", "Rows, including the border.")] = 10,
+    width: Annotated[int, count("--width", "Columns, including the border.")] = 16,
+    density: Annotated[float, option("--density X", DENSITY, Number(0, MAX_DENSITY))] = 0.2,
+    seed: options.Seed = 0,
+    save: LayoutFile = None,
 ) -> None:
-    """Generate random walls; every open cell can be reached.
+    """Make a layout of random walls.
+
+    Every open cell can be reached.
 
     Example: warehouse layout generate --density 0.3 --seed 7 -o hall.txt
     """
-    _print_or_save(random_layout(height, width, density, seed), output)
+    _print_or_save(random_layout(height, width, density, seed), save)
 
 
 @app.command()
 def shelves(
-    rows: Annotated[int, option("--rows", "Shelf blocks from top to bottom.")] = 2,
-    columns: Annotated[int, option("--columns", "Shelf blocks from left to right.")] = 3,
-    length: Annotated[int, option("--length", "Cells of a block from left to right.")] = 4,
-    depth: Annotated[int, option("--depth", "Cells of a block from top to bottom.")] = 1,
-    aisle: Annotated[int, option("--aisle", "Cells between blocks.")] = 1,
-    pickups: Annotated[int, option("--pickups", "Pickups P, above shelves.")] = 1,
-    dropoffs: Annotated[int, option("--dropoffs", "Dropoffs D, on the bottom aisle.")] = 1,
-    chargers: Annotated[int, option("--chargers", "Chargers C, at the left and right border.")] = 0,
-    seed: LayoutSeed = 0,
-    output: LayoutOutput = None,
+    rows: Annotated[int, count("--rows", "Shelf blocks from top to bottom.")] = 2,
+    columns: Annotated[int, count("--columns", "Shelf blocks from left to right.")] = 3,
+    length: Annotated[int, count("--length", "Cells of a block from left to right.")] = 4,
+    depth: Annotated[int, count("--depth", "Cells of a block from top to bottom.")] = 1,
+    aisle: Annotated[int, count("--aisle", "Cells between blocks.")] = 1,
+    pickups: Annotated[int, count("--pickups", "Pickups P, above shelves.")] = 1,
+    dropoffs: Annotated[int, count("--dropoffs", "Dropoffs D, on the bottom aisle.")] = 1,
+    chargers: Annotated[int, count("--chargers", "Chargers C, at the left and right border.")] = 0,
+    seed: options.Seed = 0,
+    save: LayoutFile = None,
 ) -> None:
-    """Generate a warehouse of shelf blocks and aisles.
+    """Make a layout of shelves and aisles.
 
     Example: warehouse layout shelves --rows 3 --aisle 2 --chargers 4 -o shelves.txt
     """
     stations = {"pickups": pickups, "dropoffs": dropoffs, "chargers": chargers}
-    _print_or_save(shelf_layout(rows, columns, length, depth, aisle, seed, **stations), output)
+    _print_or_save(shelf_layout(rows, columns, length, depth, aisle, seed, **stations), save)
 
 
 @app.command()
@@ -77,9 +91,11 @@ def warehouse(
     name: Annotated[
         str, typer.Argument(metavar="C-R-L-W-A", help="Blocks C x R of L x W cells, aisles of A.")
     ],
-    output: LayoutOutput = None,
+    save: LayoutFile = None,
 ) -> None:
-    """Generate a warehouse of the MAPF benchmarks.
+    """Make a warehouse of the benchmarks.
+
+    The benchmarks are MovingAI's, of multi-agent path finding.
 
     Example: warehouse layout warehouse 10-20-10-2-1 -o large.map
     """
@@ -90,7 +106,7 @@ def warehouse(
             "allowed: five whole numbers C-R-L-W-A, such as 10-20-10-2-1"
         )
     columns, rows, length, depth, aisle = map(int, sizes.groups())
-    _print_or_save(benchmark_warehouse(columns, rows, length, depth, aisle), output)
+    _print_or_save(benchmark_warehouse(columns, rows, length, depth, aisle), save)
 
 
 @app.command("import")
@@ -100,18 +116,22 @@ def import_map(
         bool,
         option("--robot-runners", "Read E as pickups and S as dropoffs, not swamp."),
     ] = False,
-    output: LayoutOutput = None,
+    save: LayoutFile = None,
 ) -> None:
     """Read a map in MovingAI's format.
 
     Example: warehouse layout import den312d.map -o den.txt
     """
-    _print_or_save(load_map(file, robot_runners=robot_runners), output)
+    _print_or_save(load_map(file, robot_runners=robot_runners), save)
 
 
 @app.command()
-def check(file: Annotated[Path, typer.Argument(help="A layout file.")]) -> None:
-    """Check that items can be delivered and chargers be reached.
+def check(
+    file: Annotated[Path, typer.Argument(metavar="FILE", help=PLACE)],
+) -> None:
+    """Check that items can be delivered.
+
+    Chargers must be within reach too.
 
     Example: warehouse layout check hall.txt
     """
@@ -149,18 +169,20 @@ def list_layouts() -> None:
 
 @app.command("print")
 def print_layout(
-    file: Annotated[Path | None, typer.Argument(help="A layout file.")] = None,
+    file: Annotated[Path | None, typer.Argument(metavar="FILE", help=PLACE)] = None,
 ) -> None:
-    """Print a layout; without a file, the built-in one.
+    """Print a layout.
+
+    Without a file it is the built-in one.
 
     Example: warehouse layout print trap
     """
     say(load_layout(file))
 
 
-def _print_or_save(layout: Layout, output: Path | None) -> None:
-    if output is None:
+def _print_or_save(layout: Layout, path: Path | None) -> None:
+    if path is None:
         say(layout)
     else:
-        save_layout(layout, output)
-        say(f"saved {output}")
+        save_layout(layout, path)
+        say(f"saved {path}")

@@ -12,6 +12,7 @@ from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place
 from agents.lab.place import Place
 from agents.lab.runs.run import draw_seed
+from agents.registry import make_backend
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.render.window import has_display
@@ -132,7 +133,9 @@ def play(
     Example: warehouse play --backend physics --save games.npz
     """
     place = load_place(layout, stations, start)
-    env = WarehouseEnv(place.layout, place.start_pos, max_steps, battery, backend=backend)
+    env = WarehouseEnv(
+        place.layout, place.start_pos, max_steps, battery, backend=make_backend(backend)
+    )
     if not has_display():
         raise NoDisplayError("play needs a window, and there is no display here")
     driver = KeyDriver(env, draw_seed() if seed is None else seed, place)

@@ -2,35 +2,42 @@
 
 from __future__ import annotations
 
-import re
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
 from agents.lab.console.options import LAYOUT, option
+from agents.lab.parameters import Whole
+from agents.lab.parameters import size as check_size
 from agents.lab.place import RANDOM
 from agents.lab.trials.random_layouts import MAX_POOL, RandomLayouts
+from warehouse_core.world.generators import MAX_DENSITY
 
 DEFAULTS = RandomLayouts()
 
+DENSITY = f"Share of walls inside the border, up to {MAX_DENSITY}."
+
 LayoutOrRandom = Annotated[
     Path | None,
-    option("--layout FILE", f"{LAYOUT} With {RANDOM} each episode has a layout of its own."),
+    option(
+        "--layout FILE",
+        f"{LAYOUT} Default: default. With {RANDOM}, another layout for each episode.",
+    ),
 ]
 
-SIZE = f"Of random layouts, border included. Default: {DEFAULTS.height}x{DEFAULTS.width}."
-Size = Annotated[str | None, option("--size HxW", SIZE)]
+SIZE = f"Rows and columns of random layouts. Default: {DEFAULTS.height}x{DEFAULTS.width}."
+Size = Annotated[str | None, option("--size HxW", SIZE, check_size)]
 Sizes = Annotated[
-    list[str] | None, option("--size HxW", f"{SIZE} May be repeated.", show_default=False)
+    list[str] | None,
+    option("--size HxW", f"{SIZE} May be repeated.", check_size, show_default=False),
 ]
 
 Density = Annotated[
     str | None,
     option(
         "--density LOW:HIGH",
-        "Share of walls in random layouts, up to 0.4. "
-        f"Default: {DEFAULTS.lowest}:{DEFAULTS.highest}.",
+        f"{DENSITY} Default: {DEFAULTS.lowest}:{DEFAULTS.highest}, drawn for each.",
     ),
 ]
 
@@ -40,7 +47,7 @@ Pool = Annotated[
         "--layouts N",
         "Random layouts of the training; each episode is in one of them. "
         f"Default: {DEFAULTS.count}.",
-        (1, MAX_POOL),
+        Whole(1, MAX_POOL),
         show_default=False,
     ),
 ]
@@ -52,7 +59,7 @@ def are_wanted(layout: Path | None, **options: object) -> bool:
         return True
     for name, value in options.items():
         if value:
-            raise typer.BadParameter(f"--{name} is of random layouts; add --layout {RANDOM}")
+            raise typer.BadParameter(f"--{name} describes random layouts; add --layout {RANDOM}")
     return False
 
 
@@ -63,10 +70,7 @@ def parse(
     height, width = DEFAULTS.height, DEFAULTS.width
     lowest, highest = DEFAULTS.lowest, DEFAULTS.highest
     if size is not None:
-        sides = re.fullmatch(r"([0-9]{1,9})x([0-9]{1,9})", size)
-        if sides is None:
-            raise typer.BadParameter(f"--size is {size!r}; it must be HxW as in 7x12")
-        height, width = map(int, sides.groups())
+        height, width = map(int, size.split("x"))
     if density is not None:
         try:
             ends = [float(end) for end in density.split(":")]

@@ -12,7 +12,7 @@ from agents.lab.console.values import greedy_with, load_place
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import draw_seed
 from agents.lab.runs.run import run as run_agent
-from agents.registry import make_agent
+from agents.registry import make_agent, make_backend
 from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, Layout, WarehouseEnv
 from warehouse_core.records.failure_modes import diagnose
 
@@ -32,7 +32,7 @@ def run_episode(
 
     Args:
         agent: name of an agent, see ``agents/registry.py``.
-        backend: name of a motion backend.
+        backend: name of a motion backend, see ``make_backend`` there.
         layout: ``None`` for the built-in one.
         seed: seed of the start, the backend and the agent; ``None`` is a random one, which the
             record keeps.
@@ -48,7 +48,8 @@ def run_episode(
         EpisodeInterrupted: Ctrl-C was pressed during the episode.
     """
     layout = layout or DEFAULT_LAYOUT
-    env = WarehouseEnv(layout, start_pos, max_steps, battery, view_radius, backend=backend)
+    motion = make_backend(backend)
+    env = WarehouseEnv(layout, start_pos, max_steps, battery, view_radius, backend=motion)
     seed = draw_seed() if seed is None else seed
     try:
         acting = make_agent(agent, seed, layout)
@@ -89,7 +90,7 @@ def run(
     show: options.Show = None,
     speed: options.Speed = 1.0,
 ) -> None:
-    """Run one episode from a random start and replay it.
+    """Run one episode and replay it.
 
     Example: warehouse run --agent astar --seed 12 --save replay.gif
     """

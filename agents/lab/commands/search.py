@@ -16,6 +16,7 @@ from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_layout, parse_cell
+from agents.lab.parameters import MAX_SEED, Whole
 from agents.search.algorithms import (
     MAX_WEIGHT,
     Heuristic,
@@ -120,19 +121,24 @@ def search_table(weights: Sequence[float], solutions: Sequence[FoundWay], title:
 def search(
     layout: options.LayoutOption = None,
     start: Annotated[
-        str | None, option("--start ROW,COL", "Start cell. Default: far from the goal.")
+        str | None, option("--start ROW,COL", f"{options.START} Default: far from the goal.")
     ] = None,
     goal: Annotated[
         str | None, option("--goal ROW,COL", "Goal cell. Default: the first pickup.")
     ] = None,
     seed: Annotated[
-        int | None, option("--seed N", "Random seed, for a random start and goal if not given.")
+        int | None,
+        option(
+            "--seed N",
+            f"{options.SEED} With one, a start and a goal that are not given are random.",
+            Whole(0, MAX_SEED),
+        ),
     ] = None,
     weights: Annotated[
-        str, option("--weights W,W,...", "Weights of the heuristic, 0 to inf, up to six.")
+        str, option("--weights W,W", "Weights of the heuristic, 0 to inf, up to six.")
     ] = "0,1,5,inf",
     heuristic: Annotated[
-        str, option("--heuristic", f"Heuristic: {', '.join(HEURISTICS)}.")
+        str, option("--heuristic NAME", f"Heuristic: {', '.join(HEURISTICS)}.")
     ] = "manhattan",
     *,
     save: options.SaveReplay,

@@ -18,10 +18,11 @@ from numpy.typing import NDArray
 from agents.errors import AgentError
 from agents.lab.commands import random_layouts
 from agents.lab.console import options
-from agents.lab.console.options import MAX_COUNT, option
+from agents.lab.console.options import option
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_layout
+from agents.lab.parameters import Whole
 from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner, ExamPoint
 from agents.lab.trials.random_layouts import RandomLayouts
 from agents.lab.trials.scores import FleetScores, Scores
@@ -49,9 +50,9 @@ Learn = Callable[[WatchTraining], MakeAgent]
 
 Writer = Callable[[Path], None]
 
-Steps = Annotated[int, option("--steps N", "Minimum training steps.", (1, MAX_COUNT))]
-TrainingSeed = Annotated[int, option("--seed N", "Random seed.", (0, 2**32 - 1))]
-TrainingOutput = Annotated[Path, option("--output -o FILE", "Write the agent to this .npz file.")]
+Steps = Annotated[int, option("--steps N", "Minimum training steps.", Whole(1))]
+TrainingSeed = Annotated[int, option("--seed N", options.SEED, Whole(0, 2**32 - 1))]
+AgentFile = Annotated[Path, option("--save -o FILE", f"{options.SAVE} The agent, as .npz.")]
 
 
 def train_ppo(
@@ -60,14 +61,14 @@ def train_ppo(
     layout: random_layouts.LayoutOrRandom = None,
     battery: options.BatteryOption = 200,
     max_steps: options.MaxSteps = 200,
-    robots: Annotated[int, option("--robots R", "Robots of a fleet, with orders.", (1, 1000))] = 1,
-    orders: Annotated[
-        float, option("--orders RATE", "Mean number of orders of a fleet in a step.")
-    ] = 0.2,
+    robots: Annotated[
+        int, option("--robots -r N", f"{options.ROBOTS} Several have orders.", Whole(1, 1000))
+    ] = 1,
+    order_rate: options.OrderRate = 0.2,
     size: random_layouts.Size = None,
     density: random_layouts.Density = None,
     layouts: random_layouts.Pool = None,
-    output: TrainingOutput = Path("ppo.npz"),
+    save: AgentFile = Path("ppo.npz"),
 ) -> None:
     """Train a network by PPO.
 
@@ -88,21 +89,23 @@ def train_ppo(
     task: Task | FleetTask
     if random_layouts.are_wanted(layout, size=size, density=density, layouts=layouts):
         if robots > 1:
-            raise typer.BadParameter("--layout random is for one robot, not for --robots")
+            raise typer.BadParameter(
+                "--layout random does not go with --robots: it is for one robot"
+            )
         task = Task(random_layouts.parse(size, density, layouts, seed), battery, max_steps)
     elif robots > 1:
-        task = FleetTask(load_layout(layout), robots, orders, battery, max_steps)
+        task = FleetTask(load_layout(layout), robots, order_rate, battery, max_steps)
     else:
         task = Task(load_layout(layout), battery, max_steps)
-    training = Training("PPO", task, steps, seed, output)
+    training = Training("PPO", task, steps, seed, save)
     if isinstance(task.layout, RandomLayouts):
         task.layout.check_unseen([*EXAM_SEEDS, *FINAL_SEEDS])
     learner = make_learner(task, steps, seed)
     training.run(learner.learn, {MODEL_SUFFIX: learner.save_network, ".zip": learner.save_model})
     if isinstance(task.layout, RandomLayouts):
         say(
-            f"ppo:{output}:revisit=4 avoids cells where it has been, which ends circles; compare "
-            f"with 'warehouse compare-agents --layout random --agent ppo:{output}:revisit=4'"
+            f"ppo:{save}:revisit=4 avoids cells where it has been, which ends circles; compare "
+            f"with 'warehouse compare agents --layout random --agent ppo:{save}:revisit=4'"
         )
 
 
@@ -126,7 +129,7 @@ def train_q(
     layout: options.LayoutOption = None,
     battery: options.BatteryOption = 200,
     max_steps: options.MaxSteps = 200,
-    output: TrainingOutput = Path("q.npz"),
+    save: AgentFile = Path("q.npz"),
 ) -> None:
     """Train a table by Q-learning.
 
@@ -138,7 +141,7 @@ def train_q(
     """
     floor = load_layout(layout)
     task = Task(floor, battery, max_steps)
-    training, table = Training("Q-learning", task, steps, seed, output), QTable()
+    training, table = Training("Q-learning", task, steps, seed, save), QTable()
     learn = partial(fill_table, table, task, steps, seed)
     training.run(learn, {MODEL_SUFFIX: partial(save_table, table, floor)})
 

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import re
 import sys
 from collections.abc import Sequence
 from typing import Any
@@ -10,6 +11,7 @@ from typing import Any
 import typer
 from typer.exceptions import TyperException
 
+from agents.lab.console.group import HELP, CommandGroup
 from agents.lab.console.terminal import print_error, say
 from warehouse_core.errors import WarehouseError
 
@@ -18,13 +20,29 @@ USER_ERROR, INTERRUPTED = 1, 130
 EXPECTED = (WarehouseError, OSError)
 """Errors that a user may cause. Any other error is a bug and keeps its traceback."""
 
+RENAMED = {"output": "save", "workers": "jobs"}
+"""Names of options in version 0.1, which still work, and their names now."""
+
+SENTENCES = (
+    (r"No such option: (\S+).*", r"no option is called '\1'"),
+    (r"Option '(\S+)' requires an argument\.", r"\1 needs a value after it"),
+    (r"Option '(\S+)' does not take a value\.", r"\1 takes no value"),
+    (r"Missing argument '(.+)'\.", r"\1 is missing"),
+    (r"Got unexpected extra argument\S* \((.+)\)", r"'\1' is one argument too many"),
+)
+"""Patterns of Typer's sentences on wrong usage, and the sentences printed for them."""
+
 
 def application(**settings: Any) -> typer.Typer:
     """Return an application whose help is plain text, since Rich takes long to import."""
     return typer.Typer(
+        cls=settings.pop("cls", CommandGroup),
         add_completion=False,
         rich_markup_mode=None,
-        context_settings={"help_option_names": ["-h", "--help"]},
+        context_settings={
+            "help_option_names": [*HELP],
+            "token_normalize_func": lambda name: RENAMED.get(name, name),
+        },
         **settings,
     )
 
@@ -37,11 +55,11 @@ def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:
         if code == INTERRUPTED:  # an interrupt, which Typer has caught
             _fail("interrupted", INTERRUPTED)
     except TyperException as error:
-        message, code = error.format_message(), error.exit_code
-        if message.startswith("Usage:"):  # the whole help, where a command is missing
-            say(message, error=True)
+        code = error.exit_code
+        if error.message.startswith("Usage:"):  # the whole help, where a command is missing
+            say(error.message, error=True)
         else:
-            _fail(message, code)
+            _fail(_misused(error), code)
     except EXPECTED as error:
         code = _fail(_describe(error), USER_ERROR)
     except (typer.Abort, KeyboardInterrupt) as error:
@@ -52,6 +70,18 @@ def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:
 def _fail(message: str, code: int) -> int:
     print_error(message)
     return code
+
+
+def _misused(error: TyperException) -> str:
+    """Return what is wrong with the words of a command line, and where they are explained."""
+    if isinstance(error, typer.BadParameter) and error.message:  # of this program's own checks
+        return error.message
+    message = error.format_message()
+    for pattern, sentence in SENTENCES:
+        if found := re.fullmatch(pattern, message, flags=re.DOTALL):
+            message = found.expand(sentence)
+    context = getattr(error, "ctx", None)
+    return f"{message}; see: {context.command_path} -h" if context else message
 
 
 def _describe(error: Exception) -> str:

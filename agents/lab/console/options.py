@@ -2,19 +2,19 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
+from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
 
 import typer
 
-from agents.lab import place
-from agents.lab.parameters import MAX_VALUE, PARAMETERS, Whole
+from agents.lab.parameters import MAX_SEED, MAX_VALUE, PARAMETERS, Number, Whole
+from agents.lab.place import Stations
+from agents.registry import PLANNERS
 from warehouse_core.files.atomic import check_suffix, check_target
+from warehouse_core.wording import brief
 from warehouse_core.world.named_layouts import NAMES
-
-MAX_COUNT = MAX_VALUE
 
 RECORD_SUFFIX = ".npz"
 
@@ -24,44 +24,70 @@ PICTURES = (".svg", ".png")
 MANY: dict[str, Any] = {"default_factory": list, "show_default": False}
 """Settings of an option that may be given more than once, or not at all."""
 
+Check = Callable[[Any], Any]
+"""Returns a value as it is used, or raises ``ValueError`` with what is allowed."""
 
-def option(
-    words: str,
-    help_text: str,
-    limits: tuple[float | None, float | None] = (None, None),
-    **settings: Any,
-) -> Any:
+
+class Reader:
+    """Reads the text of an option as a number or a choice, by a check as of plan files.
+
+    Attributes:
+        check: Check of the value.
+    """
+
+    def __init__(self, name: str, check: Check) -> None:
+        self.name, self.check = name, check
+
+    def __call__(self, text: Any) -> Any:
+        """Return the value in a text, or a default."""
+        value = text
+        for kind in (int, float) if isinstance(text, str) else ():
+            try:
+                value = kind(text)
+                break
+            except ValueError:
+                continue
+        try:
+            return self.check(value)
+        except ValueError as error:
+            raise typer.BadParameter(f"{self.name} is {brief(value)}; allowed: {error}") from None
+
+
+def option(words: str, help_text: str, check: Check | None = None, **settings: Any) -> Any:
     """Return an option.
+
+    The first sentence of the description is the same in all commands that have the option; further
+    ones say what is particular to a command.
 
     Args:
         words: names of the option and its metavar, as in ``"--count -c N"``.
         help_text: description.
-        limits: least and greatest value of a number.
+        check: check of a value that is not just text.
         settings: further arguments of ``typer.Option``.
     """
     names = [word for word in words.split() if word.startswith("-")]
     metavar = words.split()[-1] if len(names) < len(words.split()) else None
-    least, most = limits
-    return typer.Option(*names, metavar=metavar, min=least, max=most, help=help_text, **settings)
+    parser = Reader(names[0], check) if check else None
+    return typer.Option(*names, metavar=metavar, parser=parser, help=help_text, **settings)
 
 
-def number_option(name: str, short: str = "") -> Any:
-    """Return the option of a parameter that is a whole number, with its range and its help."""
+def parameter_option(name: str, metavar: str = "N", more: str = "") -> Any:
+    """Return the option of a parameter of plan files, with its check and its description."""
     parameter = PARAMETERS[name]
-    assert isinstance(parameter.check, Whole), "the option of a whole number"
-    words = f"--{name.replace('_', '-')} {short} N"
-    return option(words, parameter.help, (parameter.check.minimum, parameter.check.maximum))
+    words = f"--{name.replace('_', '-')} {metavar}"
+    return option(words, f"{parameter.help} {more}".strip(), parameter.check)
 
 
-def seconds_option(name: str, help_text: str, most: float = math.inf) -> Any:
-    """Return an option for a time above 0."""
+def one_of(kind: type[StrEnum]) -> Check:
+    """Return a check for the words of an enumeration."""
 
-    def check(seconds: float) -> float:
-        if not 0 < seconds <= most:
-            raise typer.BadParameter(f"{name} is {seconds:g}; it must be above 0 s")
-        return seconds
+    def check(value: Any) -> StrEnum:
+        try:
+            return kind(value)
+        except ValueError:
+            raise ValueError(", ".join(kind)) from None
 
-    return option(f"{name} S", help_text, callback=check)
+    return check
 
 
 def writable(*suffixes: str, replays: bool = False) -> Callable[[Any], Any]:
@@ -87,68 +113,82 @@ def writable(*suffixes: str, replays: bool = False) -> Callable[[Any], Any]:
     return check
 
 
-AgentOption = Annotated[
-    str,
-    option(
-        "--agent NAME",
-        "The agent: random, reflex, greedy, exploring, bfs, ucs, astar, weighted-astar, "
-        "greedy-best-first, ppo:FILE, q:FILE, or your own as file.py:Class; arguments may follow "
-        "as in greedy:memory=20,escape_steps=0 or ppo:FILE:revisit=4.",
-    ),
-]
-Memory = Annotated[int | None, number_option("memory")]
+AGENT = (
+    "Agent by name: random, reflex, greedy, exploring, bfs, ucs, astar, weighted-astar, "
+    "greedy-best-first, ppo:FILE, q:FILE, or your own as file.py or file.py:Class; arguments may "
+    "follow, as in greedy:memory=20."
+)
+AgentOption = Annotated[str, option("--agent NAME", AGENT)]
+Memory = Annotated[int | None, parameter_option("memory")]
 Escape = Annotated[
     bool | None, option("--escape/--no-escape", "Whether the greedy agent escapes from loops: yes.")
 ]
 
-LAYOUTS = f"Layout file (rows of # . P D C, or a MovingAI .map), or a name: {', '.join(NAMES)}."
-LAYOUT = f"{LAYOUTS} Default: that of the chapter."
-FleetLayout = Annotated[Path, option("--layout FILE", LAYOUTS)]
-LayoutOption = Annotated[Path | None, option("--layout FILE", LAYOUT)]
+LAYOUT = f"Layout: a file, or one of {', '.join(NAMES)}."
+FleetLayout = Annotated[Path, option("--layout FILE", LAYOUT)]
+LayoutOption = Annotated[Path | None, option("--layout FILE", f"{LAYOUT} Default: default.")]
 
 StationsOption = Annotated[
-    place.Stations | None,
+    Stations | None,
     option(
-        "--stations",
+        f"--stations {'|'.join(Stations)}",
         "Draw pickup and dropoff, or keep those of the layout. "
         "Default: kept in a file that has any, drawn otherwise.",
+        one_of(Stations),
         show_default=False,
     ),
 ]
-Start = Annotated[str | None, option("--start ROW,COL", "Start cell. Default: a random one.")]
-SeedOption = Annotated[int | None, option("--seed N", "Random seed. Default: a random one.")]
-FirstSeed = Annotated[int, option("--seed N", "Seed of the first run or episode.", (0, None))]
-BatteryOption = Annotated[int, number_option("battery")]
-MaxSteps = Annotated[int, number_option("max_steps")]
-ViewRadius = Annotated[int, number_option("view_radius")]
-BackendOption = Annotated[
+START = "Start cell."
+Start = Annotated[str | None, option("--start ROW,COL", f"{START} Default: a random one.")]
+
+SEED = "Random seed."
+Seed = Annotated[int, option("--seed N", SEED, Whole(0, MAX_SEED))]
+SeedOption = Annotated[
+    int | None, option("--seed N", f"{SEED} Default: a random one.", Whole(0, MAX_SEED))
+]
+MAX_EPISODES = 100_000
+EPISODES = "Episodes of each setting, with one seed after the other."
+Episodes = Annotated[int, option("--episodes -n N", EPISODES, Whole(1, MAX_EPISODES))]
+BatteryOption = Annotated[int, parameter_option("battery")]
+MaxSteps = Annotated[int, parameter_option("max_steps")]
+ViewRadius = Annotated[int, parameter_option("view_radius")]
+
+BACKEND = (
+    "Name of the motion backend. Allowed: grid, physics, {}or your own as file.py:Class; numbers "
+    "of the robot may follow, as in physics:top_speed=2,mass=70."
+)
+BackendOption = Annotated[str, option("--backend NAME", BACKEND.format(""))]
+FleetBackend = Annotated[
     str,
-    option(
-        "--backend NAME",
-        "Motion backend: grid, physics, for fleets driving (through cells as a plan says), or "
-        "one of your own; numbers of the robot may follow as in physics:top_speed=2,mass=70.",
-    ),
+    option("--backend NAME", BACKEND.format("driving (through cells as a plan says), ")),
 ]
 
-RobotsOption = Annotated[int, number_option("robots", "-r")]
+ROBOTS = PARAMETERS["robots"].help
+RobotsOption = Annotated[int, parameter_option("robots", "-r N")]
+PLANNER = f"Planner by name: {', '.join(PLANNERS)}, or your own as file.py:Class."
 AssignmentOption = Annotated[str | None, option("--assignment NAME", PARAMETERS["assignment"].help)]
 PlanSeconds = Annotated[
     float,
-    seconds_option(
-        "--plan-seconds", "A plan of a step that takes longer is cut off, and all robots wait."
+    option(
+        "--plan-seconds S",
+        "Time for a plan, or for a step of one; if it takes longer, it is cut off, and all robots "
+        "wait.",
+        Number(0.001, MAX_VALUE),
     ),
 ]
+OrderRate = Annotated[float, parameter_option("order_rate", "X")]
+Due = Annotated[str, parameter_option("due", "FEWEST:MOST")]
 FleetBattery = Annotated[
-    str,
-    option("--battery N[UNIT]", "A full battery, in steps or joules: 400steps or 30000joules."),
+    str, option("--battery N", f"{PARAMETERS['battery'].help} Or joules, as in 30000joules.")
 ]
 
-REPLAY = "Write the replay as .gif, .mp4, .html, .svg or .png"
+SAVE = "Save to this file."
+REPLAY = f"{SAVE} A replay as .gif, .mp4, .html, .svg or .png"
 Save = Annotated[
     list[Path],
     option(
-        "--save FILE",
-        f"{REPLAY}, or the record as .npz; may be given more than once.",
+        "--save -o FILE",
+        f"{REPLAY}, the record as .npz; may be repeated.",
         callback=writable(RECORD_SUFFIX, replays=True),
         **MANY,
     ),
@@ -156,21 +196,24 @@ Save = Annotated[
 SaveReplay = Annotated[
     list[Path],
     option(
-        "--save FILE",
-        f"{REPLAY}; may be given more than once.",
+        "--save -o FILE",
+        f"{REPLAY}; may be repeated.",
         callback=writable(replays=True),
         **MANY,
     ),
 ]
 SaveFigure = Annotated[
     Path | None,
-    option("--save FILE", "Write the figure, .svg or .png.", callback=writable(*PICTURES)),
+    option("--save -o FILE", f"{SAVE} The figure as .svg or .png.", callback=writable(*PICTURES)),
 ]
 Show = Annotated[
     bool | None,
     option("--show/--no-show", "Open a window, or do not. Default: open one if nothing is saved."),
 ]
-Speed = Annotated[float, option("--speed", "Factor on the playing speed.", (0.01, 100))]
+Speed = Annotated[
+    float, option("--speed X", "Factor on the playing speed, 0.01 to 100.", Number(0.01, 100))
+]
 Jobs = Annotated[
-    int | None, option("--jobs -j N", "Processes. Default: one for each processor.", (1, 64))
+    int | None,
+    option("--jobs -j N", "Number of processes. Default: one for each processor.", Whole(1, 1024)),
 ]

@@ -24,8 +24,7 @@ from pathlib import Path
 from typing import Any, NamedTuple
 
 from agents.errors import ParameterError
-from agents.lab.experiments.plan import MAX_SEED
-from agents.lab.parameters import PHYSICAL, Whole, checked, find
+from agents.lab.parameters import MAX_SEED, PHYSICAL, Whole, checked, find
 from agents.lab.toml_text import MAX_BYTES, parse_toml
 from warehouse_core.files.reading import read_file
 from warehouse_core.wording import brief

@@ -10,16 +10,13 @@ from typing import Any
 
 from agents.errors import ParameterError
 from agents.lab.experiments.case import Case, key_of, make_case
-from agents.lab.parameters import MAX_VALUE, Value, Whole, checked, find
+from agents.lab.parameters import MAX_SEED, MAX_VALUE, Value, Whole, checked, find
 
 MAX_CASES = 10_000
 MAX_EPISODES = 100_000_000
 
 DIGITS = 12
 """Significant digits of the numbers of a range."""
-
-MAX_SEED = 2**62
-"""A file of results stores seeds as 64-bit numbers."""
 
 
 @dataclass(frozen=True, slots=True)

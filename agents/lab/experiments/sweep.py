@@ -15,6 +15,7 @@ from typing import Annotated
 import typer
 
 from agents.errors import EpisodeError, ParameterError
+from agents.lab.console import options
 from agents.lab.console.options import option
 from agents.lab.console.terminal import print_error, say
 from agents.lab.experiments.choices import PlanFile, parse_flags, read_plan_file
@@ -22,7 +23,7 @@ from agents.lab.experiments.cluster import cluster
 from agents.lab.experiments.plan import MAX_EPISODES, SweepPlan, make_plan
 from agents.lab.experiments.running import TellRows, run_missing
 from agents.lab.experiments.store import Store
-from agents.lab.parameters import PARAMETERS
+from agents.lab.parameters import MAX_SEED, PARAMETERS, PHYSICAL, Whole
 from agents.lab.trials.rows import AnyRow, FleetRow
 from agents.lab.trials.workers import CheckInterrupt, deferred_interrupts, process_pool
 from warehouse_core.records.episode import DELIVERED
@@ -65,11 +66,14 @@ PRESETS = {
 EPISODES = 100
 """Default number of episodes of each combination."""
 
-VALUES = [
-    *(f"{name} ({each.values.format(each.check)})" for name, each in PARAMETERS.items()),
-    "robot.NUMBER, disturbances.NUMBER (a number of the backend physics, such as robot.mass)",
-]
-"""Values that each parameter takes, in words."""
+NAMES = "\n".join(
+    [
+        "\b\nNames of --set:",
+        *(f"  {name:<12}{each.values.format(each.check)}" for name, each in PARAMETERS.items()),
+        f"  {' and '.join(f'{group}.NAME' for group in PHYSICAL)}, of physics",
+    ]
+)
+"""Names of parameters, and the values that each takes in words, as lines of the help."""
 
 
 def sweep(
@@ -85,8 +89,8 @@ def sweep(
         list[str] | None,
         option(
             "--set NAME=VALUES",
-            "A value (agent=astar), a list (battery=20,60) or a range FROM:TO:STEP "
-            f"(battery=20:200:20); may be repeated. Names: {'; '.join(VALUES)}.",
+            "A value (agent=astar), a list (battery=20,60) or a range (battery=20:200:20) of a "
+            "setting. May be repeated; the names are below.",
         ),
     ] = None,
     preset: Annotated[
@@ -97,26 +101,22 @@ def sweep(
         int | None,
         option(
             "--episodes -n N",
-            f"Episodes of each combination; up to {MAX_EPISODES:,} in all.",
-            (1, None),
-            show_default=str(EPISODES),
+            f"{options.EPISODES} Default: {EPISODES}.",
+            Whole(1, MAX_EPISODES),
         ),
     ] = None,
     seed: Annotated[
         int | None,
         option(
             "--seed N",
-            "Seed of the first episode of each combination, 0 or more; others count up.",
-            show_default="0",
+            f"{options.SEED} Default: 0.",
+            Whole(0, MAX_SEED),
         ),
     ] = None,
     output: Annotated[
-        Path, option("--output -o FILE", "The file of results, written or added to.")
+        Path, option("--save -o FILE", f"{options.SAVE} Results that it has are kept.")
     ] = Path("results.sqlite"),
-    workers: Annotated[
-        int | None,
-        option("--workers N", "Number of processes.", (1, 1024), show_default="one per core"),
-    ] = None,
+    jobs: options.Jobs = None,
     address: Annotated[
         str | None,
         option(
@@ -150,7 +150,7 @@ def sweep(
         cases, each = counted(len(plan.cases), "combination"), counted(plan.episodes, "episode")
         say(f"{cases}, {each} each, {done:,} done")
         missing, failed = plan.total - done, Counter[int]()
-        count = min(workers or os.cpu_count() or 1, missing)
+        count = min(jobs or os.cpu_count() or 1, missing)
         try:
             if missing:
                 pool = process_pool(count) if address is None else cluster(address)

@@ -18,8 +18,8 @@ from warehouse_core.wording import counted, printable
 
 IMPORTED_ONCE = (
     "abc", "agents", "collections", "copy", "dataclasses", "enum", "functools", "heapq",
-    "itertools", "json", "math", "matplotlib", "numpy", "queue", "random", "scipy", "typing",
-    "warehouse_core",
+    "itertools", "json", "math", "matplotlib", "numpy", "queue", "random", "scipy", "torch",
+    "typing", "warehouse_core",
 )  # fmt: skip
 """Modules that are imported once a submission and not in each of its processes."""
 

@@ -8,7 +8,7 @@ from typing import Annotated
 import typer
 
 from agents.errors import StoreError
-from agents.lab.console.options import option
+from agents.lab.console.options import SAVE, option
 from agents.lab.console.terminal import say
 from agents.lab.experiments.store import Store
 from warehouse_core.files.atomic import atomic_path, check_suffix, check_target
@@ -23,7 +23,7 @@ def report(
     ],
     output: Annotated[
         Path | None,
-        option("--output -o FILE", "Page to write, .html.", show_default="RESULTS.html"),
+        option("--save -o FILE", f"{SAVE} The page, as .html. Default: RESULTS.html."),
     ] = None,
     figures: Annotated[
         Path | None, option("--figures FOLDER", "Also write each figure there, as .svg.")
@@ -38,10 +38,10 @@ def report(
         ),
     ] = None,
 ) -> None:
-    """Report on a sweep, as text and as an HTML page.
+    """Report on a sweep.
 
-    The page has answers to the questions of the sweep, figures, replays, and a table of all
-    combinations. It is one file that loads nothing.
+    Answers are printed, and a page is written. It has the answers to the questions of the sweep,
+    figures, replays, and a table of all combinations. It is one file that loads nothing.
 
     Example: warehouse report results.sqlite --figures figures
     """

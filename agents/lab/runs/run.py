@@ -10,7 +10,7 @@ from collections.abc import Callable
 from contextlib import AbstractContextManager, nullcontext
 from typing import Any, cast
 
-from agents.errors import EpisodeError, EpisodeInterrupted, file_of, reason_of
+from agents.errors import EpisodeError, EpisodeInterrupted, file_of, frames_in, reason_of
 from agents.fleet.planned import PlannedFleet
 from agents.fleet.team import Team
 from warehouse_core import Agent, Episode, FleetEnv, WarehouseEnv
@@ -43,8 +43,8 @@ def run(
         randomize: choice of what a lone robot's reset draws, see ``WarehouseEnv.reset``.
 
     Raises:
-        EpisodeError: the agent raised an exception, or returned something that is no action; the
-            message has the seed, the step and, of a ``Team``, the robot.
+        EpisodeError: the agent or the backend raised an exception, or the agent returned something
+            that is no action; the message has the seed, the step and, of a ``Team``, the robot.
         EpisodeInterrupted: Ctrl-C was pressed.
     """
     kind = type(agent).__name__
@@ -65,8 +65,11 @@ def run(
         message = f"in {place()}, agent {name}{reason}"
         raise EpisodeInterrupted(message, recorder.episode) from error
     except (Exception, SystemExit) as error:  # an agent may raise anything
-        episode, reason = recorder.episode, reason_of(error, file)
-        message = f"seed {episode.seed}, {place()}, agent {name}: {reason}"
+        episode, moving = recorder.episode, file_of(env.motion)
+        culprit = f"agent {name}"
+        if moving is not None and frames_in(moving, error):
+            culprit, file = f"backend {env.backend}", moving
+        message = f"seed {episode.seed}, {place()}, {culprit}: {reason_of(error, file)}"
         raise EpisodeError(message, episode) from error
     return cast(Episode, recorder.episode)
 

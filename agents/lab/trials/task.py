@@ -14,6 +14,7 @@ from agents.lab.trials.random_layouts import RandomLayouts
 from agents.lab.trials.rows import fleet_row, lone_row
 from agents.lab.trials.scores import FleetScores, Scores
 from agents.learning.learner import MakeAgent
+from agents.registry import make_backend
 from warehouse_core import DEFAULT_LAYOUT, Agent, BatchEnv, Cell, FleetEnv, Layout, WarehouseEnv
 from warehouse_core.batch.shell.env import SAME_STEP
 from warehouse_core.fleet import FleetBatch
@@ -57,7 +58,11 @@ class Task(NamedTuple):
         """Return an environment for the episode with a seed."""
         layout = self.layout_for(seed)
         return WarehouseEnv(
-            layout, self.start_pos, self.max_steps, self.battery, backend=self.backend
+            layout,
+            self.start_pos,
+            self.max_steps,
+            self.battery,
+            backend=make_backend(self.backend),
         )
 
     def make_batch(self, rows: int) -> BatchEnv:

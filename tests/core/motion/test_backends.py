@@ -84,6 +84,19 @@ def test_the_error_of_a_missing_requirement_gives_the_command(
     assert isinstance(caught.value.__cause__, ImportError)
 
 
+def test_backends_of_one_module_have_the_same_requirements(install: Any) -> None:
+    ours = FakeDistribution("a", ["b>=1", "c>=7; extra == 'rails'"])
+    install(
+        entry_point("trams", "missing_engine:Trams", ours),
+        entry_point("rails", "missing_engine:Rails", ours),
+        entry_point("boats", "missing_boats:Boats", ours),
+    )
+    with pytest.raises(BackendError, match=r"'trams' needs .*: pip install 'c>=7'$"):
+        load_backend("trams")
+    with pytest.raises(BackendError, match=r"'boats' needs .*: pip install 'a'$"):
+        load_backend("boats")
+
+
 def test_a_failed_import_is_tried_again(install: Any) -> None:
     install(entry_point("late", "missing_engine:Motion"))
     with pytest.raises(BackendError):

@@ -31,7 +31,7 @@ def export(
         ),
     ],
 ) -> None:
-    """Write results or an episode for other programs.
+    """Write results for other programs.
 
     In a table each line is an episode: its settings, its outcome and the program that ran it, a
     column each. A recording has the layout, the poses of all robots and people, contacts and

@@ -17,43 +17,34 @@ from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PLAN_SECONDS, PlannedFleet, wants_dispatch
 from agents.lab.commands.fleet.report import ShiftResult, report_shifts, result_of
 from agents.lab.console import options
-from agents.lab.console.options import MAX_COUNT, number_option, option
+from agents.lab.console.options import option, parameter_option
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import warnings_printed
-from agents.lab.console.values import DUE, parse_battery, parse_due
+from agents.lab.console.values import parse_battery, parse_due
 from agents.lab.console.watch import slow_steps_told
+from agents.lab.parameters import Number, usual
 from agents.lab.runs.run import draw_seed, run
-from agents.registry import PLANNERS, make_fleet_agent, make_team
+from agents.registry import make_backend, make_fleet_agent, make_team
 from warehouse_core import Episode, FleetEnv, OrderStream, WarehouseError
-from warehouse_core.arguments import whole_number
 from warehouse_core.orders import load_orders
 from warehouse_core.orders.order import Orders
 from warehouse_core.records.recorder import FleetAgent
 from warehouse_core.wording import counted
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
-MAX_SHIFTS = 1000
-
-RATE = "0.06"
-"""Mean number of orders that arrive in a step."""
+RATE, DUE = usual("order_rate"), usual("due")
 
 
-def parse_orders(text: str, due: str | None) -> Orders:
-    """Return the orders in a text: a rate, with the due times of ``--due``, or a file's name."""
-    try:
-        rate = float(text)
-    except ValueError:
-        if Path(text).suffix.lower() != ".csv":
-            raise typer.BadParameter(
-                f"--orders is {text!r}; it must be a rate of orders a step, or a .csv file"
-            ) from None
-        if due is not None:
-            raise typer.BadParameter("--due is for a rate of orders; a file has them") from None
-        return load_orders(text)
-    try:
-        return OrderStream(rate, parse_due(due))
-    except ValueError as error:
-        raise typer.BadParameter(f"--orders {text}: {error}") from error
+def find_orders(file: Path | None, rate: float | None, due: str | None) -> Orders:
+    """Return the orders in a file, or orders that arrive at a rate with some due times."""
+    if file is None:
+        return OrderStream(RATE if rate is None else rate, parse_due(due or DUE))
+    for option_name, value in (("--order-rate", rate), ("--due", due)):
+        if value is not None:
+            raise typer.BadParameter(f"{option_name} does not go with --orders, which has them")
+    if file.suffix.lower() != ".csv":
+        raise typer.BadParameter(f"{file}: unknown format of orders; allowed: .csv")
+    return load_orders(file)
 
 
 def parse_robots(text: str | None, robots: int) -> list[int]:
@@ -68,31 +59,26 @@ def parse_robots(text: str | None, robots: int) -> list[int]:
 
 def fleet(
     robots: options.RobotsOption = 8,
-    orders: Annotated[
-        str,
-        option(
-            "--orders RATE|FILE",
-            "Orders that arrive in a step on average, or a .csv file of orders.",
-        ),
-    ] = RATE,
-    due: Annotated[
-        str | None,
-        option("--due FEWEST:MOST", f"Steps from release to due time. Default: {DUE[0]}:{DUE[1]}."),
+    order_rate: Annotated[
+        float | None, parameter_option("order_rate", "X", f"Default: {RATE}.")
     ] = None,
+    orders: Annotated[
+        Path | None, option("--orders FILE", "Read the orders from a .csv file.")
+    ] = None,
+    due: Annotated[str | None, parameter_option("due", "FEWEST:MOST", f"Default: {DUE}.")] = None,
     agent: options.AgentOption = "greedy",
     planner: Annotated[
         str | None,
         option(
             "--planner NAME",
-            f"Directs all robots, instead of --agent: {', '.join(PLANNERS)}, or your own as "
-            "file.py:Class.",
+            f"{options.PLANNER} It directs all robots, instead of --agent.",
         ),
     ] = None,
     assignment: options.AssignmentOption = None,
     plan_seconds: options.PlanSeconds = PLAN_SECONDS,
     goes_on: Annotated[
         bool,
-        option("--go-on/--stop", "When a planner fails, let all robots wait for a step, or stop."),
+        option("--go-on", "Let all robots wait for a step when a planner fails. Default: stop."),
     ] = False,
     show_plans: Annotated[
         str | None,
@@ -105,28 +91,20 @@ def fleet(
         bool, option("--show-pushes", "Draw which robot pushes which, of a planner by PIBT.")
     ] = False,
     layout: options.FleetLayout = Path(DEPOT),
-    steps: Annotated[int, option("--steps N", "Steps of a shift.", (1, MAX_COUNT))] = 1000,
+    max_steps: options.MaxSteps = 1000,
     battery: options.FleetBattery = "400steps",
-    people: Annotated[int, number_option("people")] = 0,
+    people: Annotated[int, parameter_option("people")] = 0,
     late_penalty: Annotated[
         float,
         option(
             "--late-penalty X",
-            "Reward that the record has less for each step by which a delivery is late.",
-            (0, None),
+            "Reward taken away for each step by which a delivery is late.",
+            Number(0),
         ),
     ] = 0.0,
-    backend: options.BackendOption = "grid",
+    backend: options.FleetBackend = "grid",
     view_radius: options.ViewRadius = 2,
-    shifts: Annotated[
-        int,
-        option(
-            "--episodes -n N",
-            "Shifts, of one seed after the other. Of several the means are printed, with "
-            "95% intervals, and the first is shown.",
-            (1, MAX_SHIFTS),
-        ),
-    ] = 1,
+    episodes: options.Episodes = 1,
     seed: options.SeedOption = None,
     *,
     save: options.Save,
@@ -139,7 +117,9 @@ def fleet(
     whose battery is low drives to a charger. With --planner, a planner leads
     all robots, and orders and chargers are assigned to them.
 
-    Example: warehouse fleet --robots 12 --orders 0.1 --people 3 --seed 12
+    Of several episodes the means are printed, and the first is replayed.
+
+    Example: warehouse fleet --robots 12 --order-rate 0.1 --people 3 --seed 12
     """
     if planner is not None and agent != "greedy":
         raise typer.BadParameter("--planner directs all robots; leave out --agent")
@@ -154,9 +134,9 @@ def fleet(
         FleetEnv,
         floor,
         robots,
-        backend=backend,
-        orders=parse_orders(orders, due),
-        max_steps=steps,
+        backend=make_backend(backend),
+        orders=find_orders(orders, order_rate, due),
+        max_steps=max_steps,
         battery=parse_battery(battery),
         view_radius=view_radius,
         people=people,
@@ -166,7 +146,6 @@ def fleet(
     first = draw_seed() if seed is None else seed
 
     def run_seed(seed: int) -> Episode:
-        whole_number("seed", seed, 0)
         directing = (
             make_team(agent, robots, seed, floor)
             if planner is None
@@ -188,7 +167,7 @@ def fleet(
 
     title = (
         f"{counted(robots, 'robot')} ({director}) on layout {layout.stem}, backend {backend}, "
-        f"{f'seed {first}' if shifts == 1 else f'seeds {first} to {first + shifts - 1}'}"
+        f"{f'seed {first}' if episodes == 1 else f'seeds {first} to {first + episodes - 1}'}"
     )
     results, records = list[ShiftResult](), list[Episode]()
 
@@ -203,7 +182,7 @@ def fleet(
 
     try:
         with warnings_printed():
-            for each in tracked(range(first, first + shifts)):
+            for each in tracked(range(first, first + episodes)):
                 keep(run_seed(each))
     except (EpisodeError, EpisodeInterrupted) as error:
         is_interrupted = isinstance(error, EpisodeInterrupted)

@@ -46,28 +46,19 @@ def grade(
     rubric: Annotated[
         Path,
         option(
-            "--rubric FILE", "What is asked, a .toml file.", show_default="that of the mini-lab"
+            "--rubric FILE",
+            "What is asked, a .toml file. Default: that of the mini-lab.",
+            show_default=False,
         ),
     ] = MINI_LAB,
-    output: Annotated[
-        Path | None,
-        option(
-            "--output -o FILE",
-            "Of a folder: the table of all grades, .csv. Run the same command again to "
-            "resume: what has not changed is not graded again.",
-            show_default="grades.csv",
-        ),
-    ] = None,
     pages: Annotated[
         Path | None,
         option(
             "--pages FOLDER",
-            "Of a folder: write the page and results of each submission there.",
+            "Folder to write the page and the results of each submission to.",
         ),
     ] = None,
-    kind: Annotated[
-        str | None, option("--class NAME", "Of a folder: the class of the agents.")
-    ] = None,
+    kind: Annotated[str | None, option("--class NAME", "Class of the agents in a folder.")] = None,
     user: Annotated[
         str | None,
         option(
@@ -98,18 +89,20 @@ def grade(
     save: Annotated[
         list[Path],
         option(
-            "--save FILE",
-            "Write the report as .html, or as .json in the form that Gradescope reads "
-            "(results.json); may be given more than once.",
-            callback=writable(RESULTS, PAGE),
+            "--save -o FILE",
+            f"{options.SAVE} The report as .html, or for Gradescope as .json; may be repeated. "
+            "The grades of a folder as .csv. Default: none, and grades.csv of a folder.",
+            callback=writable(RESULTS, PAGE, TABLE),
             **MANY,
         ),
     ],
 ) -> None:
-    """Grade an agent, or a folder of them, on a rubric.
+    """Grade agents on a rubric.
 
     Prints the points of each criterion, what was asked and seen, and the
-    command that replays the worst episode.
+    command that replays the worst episode. Of a folder each submission is
+    graded; run the same command again to resume, and what has not changed is
+    not graded again.
 
     The agent runs in a new process for each episode, which gets observations
     and no more, with limits on time and memory. What it prints is discarded.
@@ -123,9 +116,9 @@ def grade(
     wanted = load_rubric(rubric)
     folder = Path(agent)
     if folder.is_dir():
-        if save:
-            raise typer.BadParameter("--save is of one agent; a folder has --output and --pages")
-        target = output or Path("grades.csv")
+        target, *more = save or [Path("grades.csv")]
+        if more:
+            raise typer.BadParameter(f"--save takes one {TABLE} file for a folder")
         check_suffix(target, [TABLE])
         check_target(target)
         if pages is not None:
@@ -133,9 +126,11 @@ def grade(
         say(check_trust(user, trust, are_many=True))
         grade_folder(folder, kind, wanted, target, pages, user, jobs or os.cpu_count() or 1)
         return
-    for name, value in (("--output", output), ("--pages", pages), ("--class", kind)):
+    for name, value in (("--pages", pages), ("--class", kind)):
         if value is not None:
-            raise typer.BadParameter(f"{name} is of a folder, and {agent!r} is none")
+            raise typer.BadParameter(f"{name} needs a folder of submissions; {agent!r} is none")
+    for path in save:
+        check_suffix(path, [RESULTS, PAGE])
     from agents.lab.console.progress import progress_bar  # Rich takes long to import
 
     submission, done = find_submission(agent), count(1)

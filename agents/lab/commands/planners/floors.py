@@ -8,14 +8,14 @@ from typing import Annotated, NamedTuple
 import numpy as np
 
 from agents.errors import PlanError
-from agents.lab.console.options import option
+from agents.lab.console.options import LAYOUT, option
 from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.problem import Problem
 from warehouse_core import Layout
 from warehouse_core.wording import counted
 from warehouse_core.world.generators import kiva_warehouse
 from warehouse_core.world.map_files import load_layout
-from warehouse_core.world.named_layouts import NAMES, find_layout
+from warehouse_core.world.named_layouts import find_layout
 from warehouse_core.world.scenarios import check_scenarios, load_scenarios
 from warehouse_core.world.tables import Integers
 
@@ -25,8 +25,7 @@ FloorOption = Annotated[
     str | None,
     option(
         "--layout FILE",
-        "Layout file (rows of # . P D C, or a MovingAI .map), or a name: kiva (33 x 46 cells, "
-        f"with 192 starts and 480 goals, as in papers), {', '.join(NAMES)}. Default: kiva.",
+        f"{LAYOUT} Default: kiva, of 33 x 46 cells with 192 starts and 480 goals, as in papers.",
         show_default=False,
     ),
 ]

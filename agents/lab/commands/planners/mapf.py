@@ -12,6 +12,7 @@ import numpy as np
 import typer
 
 from agents.errors import PlanError
+from agents.fleet.planned import PLAN_SECONDS
 from agents.lab.commands.planners.floors import (
     KIVA,
     FloorOption,
@@ -30,20 +31,22 @@ from agents.lab.commands.planners.runs import (
     make_solver,
     make_stepper,
 )
-from agents.lab.console.options import MAX_COUNT, option, seconds_option, writable
+from agents.lab.console import options
+from agents.lab.console.options import option, writable
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import print_error, warnings_printed
+from agents.lab.parameters import Whole
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import LifelongRun, lead, run_lifelong
 from agents.mapf.planner import Planner
 from agents.mapf.problem import Problem
-from agents.registry import PLANNERS
 from warehouse_core.batch.fleet.settings import MAX_BODIES
+from warehouse_core.motion.backends import load_backend
 from warehouse_core.wording import counted
 from warehouse_core.world.robot_runners import League, load_league
 from warehouse_core.world.tables import Integers
 
-ROBOTS, STEPS, SECONDS = 32, 1000, 10.0
+ROBOTS, STEPS = 32, 1000
 SCENARIO, LEAGUE = ".scen", ".json"
 
 
@@ -51,22 +54,12 @@ Planners = Annotated[
     list[str] | None,
     option(
         "--planner NAME",
-        f"May be repeated: {', '.join(PLANNERS)}, with arguments as in "
-        f"pibt-lanes:wrong_way=3, or your own as file.py:Class. Robots that go to their goals once "
-        f"also have {', '.join(name for name in SOLVERS if name not in PLANNERS)}.",
+        f"{options.PLANNER} Arguments may follow, as in pibt-lanes:wrong_way=3; may be repeated.",
         show_default=False,
     ),
 ]
 
-TimeLimit = Annotated[
-    float,
-    seconds_option(
-        "--time-limit",
-        "Seconds for a plan, and for each step of a run; a step that takes longer is cut "
-        "off, and all robots wait.",
-        MAX_COUNT,
-    ),
-]
+LIFELONG = "Steps in which a robot that reaches its goal gets another."
 
 
 def mapf(
@@ -84,33 +77,32 @@ def mapf(
         int | None,
         option(
             "--robots -r N",
-            f"Number of robots. Default: all of the file, or {ROBOTS}.",
-            (1, MAX_BODIES),
+            f"{options.ROBOTS} Default: all of the file, or {ROBOTS}.",
+            Whole(1, MAX_BODIES),
         ),
     ] = None,
     steps: Annotated[
         int | None,
         option(
-            "--steps N",
-            "A lifelong run of so many steps: who reaches a goal gets another. "
-            f"Default: one goal for each robot; of a League problem {STEPS} steps.",
-            (1, MAX_COUNT),
+            "--lifelong N",
+            f"{LIFELONG} Default: each robot has one goal; {STEPS} for a League problem.",
+            Whole(1),
         ),
     ] = None,
-    seed: Annotated[int, option("--seed N", "Of starts, goals and planners.", (0, None))] = 0,
-    time_limit: TimeLimit = SECONDS,
+    seed: options.Seed = 0,
+    plan_seconds: options.PlanSeconds = PLAN_SECONDS,
     drive: Annotated[
         bool,
         option(
             "--drive", "Also let rigid bodies execute the plans, in joint steps and driven through."
         ),
     ] = False,
-    output: Annotated[
+    save: Annotated[
         Path | None,
         option(
-            "--output -o FILE",
-            "Write the paths as .json in the output format of the League of Robot Runners; "
-            "with one planner.",
+            "--save -o FILE",
+            f"{options.SAVE} The paths of one planner, as .json in the output format of the "
+            "League of Robot Runners.",
             callback=writable(LEAGUE),
         ),
     ] = None,
@@ -123,9 +115,11 @@ def mapf(
     Example: warehouse mapf --robots 64 --planner lacam --planner pibt --seed 1
     """
     kind = check_file(file, layout, steps)
-    if output is not None and len(planner or ()) != 1:
-        raise typer.BadParameter("--output is for the paths of one --planner")
-    trials = Trials(seed, time_limit, output, drive)
+    if drive:
+        load_backend("driving")  # what it needs is missed here, and not after the plans
+    if save is not None and len(planner or ()) != 1:
+        raise typer.BadParameter("--save takes the paths of one planner; name one by --planner")
+    trials = Trials(seed, plan_seconds, save, drive)
     if file is not None and kind == LEAGUE:
         with warnings_printed():
             league = load_league(file)
@@ -155,11 +149,15 @@ def check_file(file: Path | None, layout: str | None, steps: int | None) -> str:
         return ""
     kind = file.suffix.lower()
     if kind not in (SCENARIO, LEAGUE):
-        raise typer.BadParameter(f"{file} is no problem; allowed: {SCENARIO} or {LEAGUE}")
+        raise typer.BadParameter(
+            f"{file}: unknown format of a problem; allowed: {SCENARIO}, {LEAGUE}"
+        )
     if kind == SCENARIO and steps is not None:
-        raise typer.BadParameter("--steps is for lifelong runs; a .scen has one goal a robot")
+        raise typer.BadParameter(
+            "--lifelong does not go with a .scen: it has one goal for each robot"
+        )
     if kind == LEAGUE and layout:
-        raise typer.BadParameter("--layout: a League problem names its own map")
+        raise typer.BadParameter("--layout does not go with a League problem: it names its own map")
     return kind
 
 

@@ -44,6 +44,11 @@ def make_stepper(
     Raises:
         AgentError: as for ``make_planner``, or it is no ``Planner``.
     """
+    if name in SOLVERS and name not in PLANNERS:
+        raise AgentError(
+            f"planner {name!r} plans all ways at once, for one goal a robot; lifelong runs have "
+            f"{', '.join(PLANNERS)}, or your own as file.py:Class or module:Class"
+        )
     made = make_planner(name, seed, layout, robots)
     if not isinstance(made, Planner):
         raise AgentError(f"planner {name!r} has no next_cells; it directs a fleet, not a problem")

@@ -1,4 +1,4 @@
-"""The command ``warehouse compare-agents``."""
+"""The command ``warehouse compare agents``."""
 
 from pathlib import Path
 
@@ -10,7 +10,7 @@ from agents.lab.commands import compare_agents
 from agents.lab.commands.compare_agents import AGENTS
 from agents.lab.trials.scores import EXPLANATION
 
-SMALL = ("compare-agents", "-n", 2, "--backend", "grid", "--max-steps", 40)
+SMALL = ("compare", "agents", "-n", 2, "--max-steps", 40)
 
 
 def test_the_command_prints_a_row_for_each_agent_and_saves_a_figure(

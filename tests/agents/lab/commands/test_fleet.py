@@ -9,7 +9,7 @@ import pytest
 from helpers.command_line import Warehouse, write_mine
 from PIL import Image
 
-from agents.lab.commands.fleet.fleet import parse_orders
+from agents.lab.commands.fleet.fleet import find_orders
 from agents.lab.commands.fleet.report import LINES, diagnosis, verdict
 from agents.lab.commands.fleet.report import measures_table as table
 from agents.lab.console.values import parse_battery, parse_due
@@ -19,7 +19,7 @@ from warehouse_core.fleet import Battery, FleetMeasures
 from warehouse_core.orders import save_orders
 from warehouse_core.records.failure_modes import FleetDiagnosis, diagnose_fleet
 
-SMALL = ("fleet", "--robots", 3, "--steps", 60, "--seed", 5)
+SMALL = ("fleet", "--robots", 3, "--max-steps", 60, "--seed", 5)
 
 
 def measured(**changed: float) -> FleetMeasures:
@@ -36,7 +36,7 @@ def test_a_shift_is_run_measured_and_recorded(
     warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "80")
-    code, out, err = warehouse(*SMALL, "--orders", 0.2, "--save", "shift.npz")
+    code, out, err = warehouse(*SMALL, "--order-rate", 0.2, "--save", "shift.npz")
     assert (code, err) == (0, "")
     assert max(map(len, out.splitlines())) <= 80
     assert "3 robots (greedy) on layout depot, backend grid, seed 5" in out
@@ -60,7 +60,7 @@ def test_a_shift_is_run_measured_and_recorded(
 
 def test_the_options_are_the_settings_of_the_fleet(warehouse: Warehouse) -> None:
     options = (
-        "--orders", 0.3, "--due", "5:9", "--people", 2, "--battery", "9000joules",
+        "--order-rate", 0.3, "--due", "5:9", "--people", 2, "--battery", "9000joules",
         "--late-penalty", 0.5, "--view-radius", 1, "--layout", "hall", "--backend", "physics",
         "--agent", "bfs",
     )  # fmt: skip
@@ -121,7 +121,7 @@ def test_the_verdict_and_the_diagnosis_say_what_went_wrong() -> None:
 
 def test_an_agent_that_fails_is_named_after_what_has_been_measured(warehouse: Warehouse) -> None:
     write_mine("act", "raise ValueError('too far')", "'N'")
-    done = warehouse(*SMALL, "--orders", 1, "--agent", "mine.py:Mine", "--save", "a.npz")
+    done = warehouse(*SMALL, "--order-rate", 1, "--agent", "mine.py:Mine", "--save", "a.npz")
     assert done.code == 1
     assert "not finished" in done.out
     failure = r"agent mine.py:Mine: ValueError: too far \(mine.py, line 9\)"
@@ -134,7 +134,7 @@ def test_an_agent_that_fails_is_named_after_what_has_been_measured(warehouse: Wa
 def test_a_planner_and_an_assignment_by_name_lead_all_robots(
     planner: str, warehouse: Warehouse
 ) -> None:
-    done = warehouse(*SMALL, "--orders", 0.2, "--planner", planner, "--assignment", "nearest",
+    done = warehouse(*SMALL, "--order-rate", 0.2, "--planner", planner, "--assignment", "nearest",
         "--save", "a.npz",
     )  # fmt: skip
     assert (done.code, done.err) == (0, "")
@@ -146,7 +146,7 @@ def test_a_planner_and_an_assignment_by_name_lead_all_robots(
 
 
 def test_the_replay_draws_the_plans_of_chosen_robots(warehouse: Warehouse) -> None:
-    options = (*SMALL, "--orders", 0.2, "--planner", "pibt", "-n", 2)
+    options = (*SMALL, "--order-rate", 0.2, "--planner", "pibt", "-n", 2)
     pictures = []
     for more in ([], ["--show-plans", "0,2"], ["--show-pushes"]):
         assert warehouse(*options, *more, "--save", "a.svg").code == 0
@@ -156,7 +156,7 @@ def test_the_replay_draws_the_plans_of_chosen_robots(warehouse: Warehouse) -> No
 
 def test_a_planner_that_fails_stops_the_shift_or_all_robots_wait(warehouse: Warehouse) -> None:
     write_mine("next_cells", "raise ValueError('too far')", "seen.cells")
-    own = (*SMALL, "--orders", 1, "--save", "a.npz", "--planner")
+    own = (*SMALL, "--order-rate", 1, "--save", "a.npz", "--planner")
     done = warehouse(*own, "mine.py:Mine")
     reason = "mine.py:Mine: ValueError: too far (mine.py, line 9)"
     assert (done.code, done.err) == (1, f"warehouse: seed 5, step 4, agent {reason}\n")
@@ -168,7 +168,7 @@ def test_a_planner_that_fails_stops_the_shift_or_all_robots_wait(warehouse: Ware
 
 def test_a_plan_that_takes_too_long_is_cut_off_and_reported(warehouse: Warehouse) -> None:
     write_mine("next_cells", "while True: pass", "seen.cells", step=1)
-    done = warehouse(*SMALL, "--steps", 2, "--planner", "mine.py:Mine", "--plan-seconds", 0.02,
+    done = warehouse(*SMALL, "--max-steps", 2, "--planner", "mine.py:Mine", "--plan-seconds", 0.02,
         "--save", "a.npz",
     )  # fmt: skip
     assert done.code == 0
@@ -198,5 +198,5 @@ def test_a_fleet_that_will_run_empty_is_warned_of_once(warehouse: Warehouse) -> 
 def test_texts_are_read_as_settings() -> None:
     assert parse_battery("7") == parse_battery("7steps") == Battery(7)
     assert parse_battery("7 joules") == Battery(7, "joules")
-    assert (parse_due(None), parse_due("0:0")) == ((50, 150), (0, 0))
-    assert parse_orders("1e-2", None) == OrderStream(0.01)
+    assert parse_due("5:90") == (5, 90)
+    assert find_orders(None, None, None) == OrderStream(0.06, (50, 150))

@@ -1,4 +1,4 @@
-"""``--layout random`` of ``warehouse train ppo`` and ``warehouse compare-agents``."""
+"""``--layout random`` of ``warehouse train ppo`` and ``warehouse compare agents``."""
 
 from typing import Any
 
@@ -12,7 +12,7 @@ from agents.lab.trials.random_layouts import RandomLayouts
 from agents.lab.trials.task import Task
 
 RANDOM = ("--layout", "random")
-COMPARE = ("compare-agents", "-n", 2, "--backend", "grid", "--max-steps", 40, *RANDOM)
+COMPARE = ("compare", "agents", "-n", 2, "--backend", "grid", "--max-steps", 40, *RANDOM)
 PPO = ("train", "ppo", *RANDOM)
 
 

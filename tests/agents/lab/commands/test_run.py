@@ -1,14 +1,22 @@
+import os
 import re
 from pathlib import Path
 
 import pytest
 import typer
-from helpers.command_line import ROOT, Warehouse, in_a_process, write_mine
+from helpers.command_line import ROOT, Refused, Warehouse, in_a_process, write_mine
 
 from agents.errors import AgentError
 from agents.lab.commands.run import report_episode, run, run_episode
 from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import Episode, Layout, WarehouseEnv, record_episode, replay_episode
+from warehouse_core import (
+    BackendError,
+    Episode,
+    Layout,
+    WarehouseEnv,
+    record_episode,
+    replay_episode,
+)
 
 ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
 app = typer.Typer(add_completion=False)
@@ -39,6 +47,56 @@ def test_the_usual_start_may_be_a_wall() -> None:
         episode = run_episode("greedy", "grid", each, 1, 10, 10)
         assert episode.settings.start_pos == start
     assert run_episode(layout=layout, seed=1).settings.start_pos == (1, 2)
+
+
+MOTION = """
+from warehouse_core import GridMotion
+class Mine:
+    cell_size = 0.5
+    def __init__(self, speed=1.0, steps=9**9):
+        self.steps, grid = steps, GridMotion(0.5)
+        self.reset, self.close, self.move = grid.reset, grid.close, grid.advance
+    def reset(self): ...
+    close = reset
+    def advance(self, displacements, loaded):
+        self.steps -= 1
+        if not self.steps:
+            raise ValueError("stuck")
+        return self.move(displacements, loaded)
+class Still:
+    reset = advance = lambda self, *_: None
+class Mute(Still):
+    close = lambda self: None
+"""
+
+
+@pytest.mark.parametrize("line", ["run", "explore", "fleet --robots 2", "compare --left grid"])
+def test_a_backend_of_a_user_is_given_by_its_file(
+    warehouse: Warehouse, refused: Refused, tmp_path: Path, line: str
+) -> None:
+    os.chdir(tmp_path)
+    Path("my_motion.py").write_text(MOTION)
+    option = "--right" if line.startswith("compare") else "--backend"
+    words = (*line.split(), "--seed", 1, "--max-steps", 4, option)
+    code, out, err = warehouse(*words, "my_motion.py:Mine:speed=2", "--save", "a.html")
+    assert (code, err) == (0, "")
+    assert "Mine" in out
+    if not line.startswith("compare"):
+        warehouse(*words, "my_motion.py:Mine", "--save", "a.npz")
+        record = Episode.load("a.npz")
+        assert record.backend == "Mine"
+        with pytest.raises(BackendError, match="no backend is called 'Mine'"):
+            replay_episode(record)
+    if not line.startswith("explore"):
+        said = refused(*words, "my_motion.py:Mine:steps=2", "--no-show")
+        assert said == "seed 1, step 2, backend Mine: ValueError: stuck (my_motion.py, line 13)"
+    assert "takes no argument 'mass'" in refused(*words, "my_motion.py:Mine:mass=2")
+    assert "has no close; needed: reset and advance and close" in refused(
+        *words, "my_motion.py:Still"
+    )
+    assert "has no cell_size" in refused(*words, "my_motion.py:Mute")
+    assert "has 2 classes with" in refused(*words, "my_motion.py")
+    assert "has no class 'Yours'" in refused(*words, "my_motion.py:Yours")
 
 
 @pytest.mark.parametrize("agent", ["greedy", "clever"])

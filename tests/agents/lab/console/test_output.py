@@ -140,7 +140,10 @@ def test_a_page_is_written_at_the_given_speed(folder: Path) -> None:
             "compare --seed 12",
             [f"GreedyAgent on the {backend} backend, seed 12" for backend in ("grid", "physics")],
         ),
-        ("fleet --robots 2 --steps 5 --seed 1", ["greedy, 2 robots on the grid backend, seed 1"]),
+        (
+            "fleet --robots 2 --max-steps 5 --seed 1",
+            ["greedy, 2 robots on the grid backend, seed 1"],
+        ),
         ("demo ring", ["A ring of four robots"]),
         ("search --weights 0,1", ["uniform-cost, W = 0", "A*, W = 1"]),
     ],

@@ -36,7 +36,7 @@ def test_the_preset_sets_the_number_of_episodes_unless_another_is_given(
     plan = tmp_path / "plan.toml"
     plan.write_text(text)
     monkeypatch.setitem(PRESETS, "escape", plan)
-    words = ["--preset", "escape", "--set", "memory=5", "--workers", 1]
+    words = ["--preset", "escape", "--set", "memory=5", "--jobs", 1]
     printed = warehouse("sweep", *words, "-o", tmp_path / "r.sqlite").out
     assert printed.startswith("2 combinations, 3 episodes each, 0 done\n")
     printed = warehouse("sweep", *words, "-n", 1, "-o", tmp_path / "r.sqlite").out

@@ -14,7 +14,7 @@ from agents.lab.commands.gap.trial import Score
 from agents.lab.commands.gap.worlds import DISTURBED, DRIVING, PLAN, STOPPING, WORLDS, Shocks
 
 SMALL = (
-    "gap", "--robots", 2, "--count", 3, "--orders", 0.1, "--seed", 5, "--jobs", 1, "--stop", 5,
+    "gap", "--robots", 2, "--count", 3, "--order-rate", 0.1, "--seed", 5, "--jobs", 1, "--stop", 5,
     "--layout", "shelves",
 )  # fmt: skip
 PLAIN = Score(100.0, 1.0, 2000.0, 0, 144.0, 4, 0, (1.0, 0.0, 0.0, 0.0, 0.0), 0)
@@ -31,7 +31,7 @@ def scores(stopping: float, driving: float, disturbed: float) -> dict[str, list[
 
 
 def test_worlds_are_compared_in_a_table_a_page_and_a_file_of_values(warehouse: Warehouse) -> None:
-    code, out, _ = warehouse(*SMALL, "--seeds", 2, "--save", "gap.html", "--save", "gap.csv")
+    code, out, _ = warehouse(*SMALL, "-n", 2, "--save", "gap.html", "--save", "gap.csv")
     assert code == 0
     lines = Path("gap.csv").read_text(encoding="utf-8").splitlines()
     rows = {row["world"] + row["seed"]: row for row in csv.DictReader(lines)}

@@ -1,4 +1,4 @@
-"""The command ``warehouse compare-planners``."""
+"""The command ``warehouse compare planners``."""
 
 from functools import partial
 
@@ -15,14 +15,16 @@ from agents.lab.commands.planners.picture import throughput_figure
 from agents.lab.trials.interval import Interval
 from agents.lab.trials.workers import run_trials
 
-SMALL = ("compare-planners", "--layout", "hall", "--robots", "4, 2,4", "--steps", 30, "--jobs", 1)
+SMALL = (
+    "compare", "planners", "--layout", "hall", "--robots", "4, 2,4", "--lifelong", 30, "--jobs", 1,
+)  # fmt: skip
 
 
 run_in_hall = partial(run_trial, layout="hall", steps=30, seconds=10.0)
 
 
 def test_planners_are_compared_by_size_beside_the_bound(warehouse: Warehouse) -> None:
-    code, out, err = warehouse(*SMALL, "--seeds", 20, "--save", "curve.png")
+    code, out, err = warehouse(*SMALL, "-n", 20, "--save", "curve.png")
     assert (code, err) == (0, "")
     assert "30 steps, 20 seeds from 0" in " ".join(out.split())
     assert out.index("2 \u2502") < out.index("4 \u2502")
@@ -52,7 +54,7 @@ def test_processes_give_the_same_as_one() -> None:
 
 def test_steps_that_took_too_long_are_told(warehouse: Warehouse) -> None:
     write_mine("next_cells", "while True: pass", "seen.cells", step=1)
-    words = ("--planner", "mine.py:Mine", "--steps", 2, "--time-limit", 0.02, "--seeds", 2)
+    words = ("--planner", "mine.py:Mine", "--lifelong", 2, "--plan-seconds", 0.02, "-n", 2)
     code, _, err = warehouse(*SMALL, *words)
     assert code == 0
     assert err.splitlines() == [

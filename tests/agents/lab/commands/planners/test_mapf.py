@@ -1,6 +1,7 @@
 """The command ``warehouse mapf``."""
 
 import json
+import sys
 from itertools import pairwise
 from pathlib import Path
 
@@ -9,6 +10,7 @@ from helpers.command_line import Refused, Warehouse, write_mine
 from helpers.mapf_validator import plan_conflict, step_conflict
 
 from agents.lab.commands.planners.floors import find_floor
+from warehouse_core.motion.backends import load_backend
 
 BAY = ("...", "#.#")
 """Two robots at the ends of the corridor change places by the bay in its middle."""
@@ -82,7 +84,7 @@ def test_some_robots_of_a_scenario_can_be_had(bay: str, warehouse: Warehouse) ->
 def test_the_tasks_of_a_league_problem_are_finished_place_by_place(
     corridor: str, warehouse: Warehouse
 ) -> None:
-    words = ("--planner", "pibt", "--steps", 20, "-o", "run.json")
+    words = ("--planner", "pibt", "--lifelong", 20, "-o", "run.json")
     code, out, err = warehouse("mapf", corridor, *words)
     assert (code, err) == (0, "")
     assert rows_of(out)["pibt"][:3] == ["2", "0.100", "100.0%"]
@@ -101,7 +103,7 @@ def test_fields_of_a_problem_that_have_no_effect_are_named(
 ) -> None:
     problem = json.loads(Path(corridor).read_text()) | {"agentSize": 2.0}
     Path(corridor).write_text(json.dumps(problem))
-    _, _, err = warehouse("mapf", corridor, "--planner", "pibt", "--steps", 2)
+    _, _, err = warehouse("mapf", corridor, "--planner", "pibt", "--lifelong", 2)
     assert err == "warehouse: warning: corridor.json: fields without effect: 'agentSize'\n"
 
 
@@ -110,14 +112,14 @@ def test_robots_get_the_tasks_that_begin_nearest(corridor: str, warehouse: Wareh
     Path("corridor.tasks").write_text("3\n3,4\n2\n1,0\n")
     problem = json.loads(Path(corridor).read_text()) | {"teamSize": 2, "numTasksReveal": 1.5}
     Path(corridor).write_text(json.dumps(problem))
-    warehouse("mapf", corridor, "--planner", "pibt", "--steps", 2, "-o", "run.json")
+    warehouse("mapf", corridor, "--planner", "pibt", "--lifelong", 2, "-o", "run.json")
     result = json.loads(Path("run.json").read_text())
     assert result["actualSchedule"] == ["0:2,2:1", "0:0,2:3"]
     assert result["events"] == [[1, 0, 2, 1], [1, 1, 0, 1], [2, 0, 2, 2], [2, 1, 0, 2]]
 
 
 def test_a_lifelong_run_on_a_generated_problem_is_written_as_it_was(warehouse: Warehouse) -> None:
-    words = ("--layout", "depot", "--robots", 12, "--steps", 60, "--seed", 3, "-o", "run.json")
+    words = ("--layout", "depot", "--robots", 12, "--lifelong", 60, "--seed", 3, "-o", "run.json")
     code, out, err = warehouse("mapf", *words, "--planner", "pibt-lanes:wrong_way=3")
     assert (code, err) == (0, "")
     result, found = json.loads(Path("run.json").read_text()), rows_of(out)
@@ -137,7 +139,7 @@ def test_a_planner_without_a_plan_is_told_beside_those_with_one(
     bay: str, warehouse: Warehouse
 ) -> None:
     write_mine("next_cells", "pass", "seen.cells")
-    words = ("--planner", "mine.py:Mine", "--time-limit", 0.05)
+    words = ("--planner", "mine.py:Mine", "--plan-seconds", 0.05)
     code, out, err = warehouse("mapf", bay, *words, "--planner", "lacam")
     assert code == 0
     assert rows_of(out)["mine.py:Mine"][:3] == ["none"] * 3
@@ -147,7 +149,7 @@ def test_a_planner_without_a_plan_is_told_beside_those_with_one(
 
 def test_a_step_that_takes_too_long_is_lost(warehouse: Warehouse) -> None:
     write_mine("next_cells", "while True: pass", "seen.cells", step=2)
-    words = ("--planner", "mine.py:Mine", "--robots", 2, "--steps", 3, "--time-limit", 0.05)
+    words = ("--planner", "mine.py:Mine", "--robots", 2, "--lifelong", 3, "--plan-seconds", 0.05)
     code, out, err = warehouse("mapf", "--layout", "hall", *words, "-o", "run.json")
     assert (code, rows_of(out)["mine.py:Mine"][0]) == (0, "0")
     assert "mine.py:Mine: 1 step took more than 0.05 s, first step 1; all robots waited" in err
@@ -165,14 +167,25 @@ def test_a_step_that_takes_too_long_is_lost(warehouse: Warehouse) -> None:
 )
 def test_a_planner_of_a_user_that_fails_is_named(line: str, words: str, refused: Refused) -> None:
     write_mine("next_cells", line, "seen.cells", step=2)
-    options = ("--planner", "mine.py:Mine", "--robots", 2, "--steps", 3)
+    options = ("--planner", "mine.py:Mine", "--robots", 2, "--lifelong", 3)
     said = refused("mapf", "--layout", "hall", *options)
     assert said.startswith(f"planner 'mine.py:Mine', step 1: {words}")
+
+
+def test_bodies_that_need_pymunk_are_refused_before_the_plans(
+    refused: Refused, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    load_backend.cache_clear()
+    monkeypatch.setitem(sys.modules, "warehouse_physics", None)
+    said = refused("mapf", "--robots", 2, "--drive")
+    assert said.startswith("backend 'driving' needs warehouse_physics, which is not installed: ")
+    assert said.endswith("pip install 'pymunk<8,>=7.1'")
 
 
 @pytest.mark.parametrize(
     ("options", "words"),
     [
+        ("--planner lacam --lifelong 3", "planner 'lacam' plans all ways at once, for one goal a"),
         ("bay.scen --robots 3", "bay.scen has 2 scenarios, one for each robot; 3 robots cannot"),
         ("bay.scen --layout hall", "scenario 1 is for 2 x 3 cells"),
         ("corridor.json --robots 2", "corridor.json has 1 robot; not 2"),
@@ -224,7 +237,7 @@ def test_plans_are_executed_by_bodies_in_both_ways(warehouse: Warehouse) -> None
     options = ["--layout", "hall.map", "--robots", 2, "--planner", "pibt"]
     plain = warehouse("mapf", *options).out
     assert "joint steps" not in plain
-    for more in ([], ["--steps", 6]):
+    for more in ([], ["--lifelong", 6]):
         lines = warehouse("mapf", *options, *more, "--drive").out.splitlines()
         found = [[cell.strip() for cell in line.split("\u2502")[1:-1]] for line in lines]
         (stepped,), (driven,) = (
