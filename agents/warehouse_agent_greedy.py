@@ -9,7 +9,7 @@ from __future__ import annotations
 import random
 from collections import deque
 
-from warehouse_core.arguments import whole_number
+from warehouse_core.arguments import MAX_STEPS, seed_number, whole_number
 from warehouse_core.task.state import Observation
 from warehouse_core.world.tiles import MOVE_DELTAS, WALL, Cell
 
@@ -29,14 +29,14 @@ class GreedyAgent:
         escape_steps: random moves of one escape; 0 disables the escape.
 
     Raises:
-        ValueError: ``memory`` or ``escape_steps`` is negative.
+        ValueError: an argument is negative, or more than ``MAX_STEPS``.
         TypeError: one of them is not an integer.
     """
 
     def __init__(self, seed: int | None = None, memory: int = 10, escape_steps: int = 3) -> None:
-        self.seed = seed
-        self.memory = whole_number("memory", memory, minimum=0)
-        self.escape_steps = whole_number("escape_steps", escape_steps, minimum=0)
+        self.seed = seed_number(seed)
+        self.memory = whole_number("memory", memory, 0, MAX_STEPS)
+        self.escape_steps = whole_number("escape_steps", escape_steps, 0, MAX_STEPS)
         self.reset()
 
     def reset(self) -> None:

@@ -6,7 +6,14 @@ import random
 from collections.abc import Sequence
 from typing import Any, ClassVar, SupportsIndex
 
-from warehouse_core.arguments import as_cell, whole_number
+from warehouse_core.arguments import (
+    MAX_BUDGET,
+    MAX_VIEW_RADIUS,
+    as_cell,
+    instance_of,
+    seed_number,
+    whole_number,
+)
 from warehouse_core.errors import BackendError
 from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.motion.base import DrivesThrough, Motion, Outcome, conditions_of
@@ -15,6 +22,7 @@ from warehouse_core.task.settings import Settings
 from warehouse_core.task.sight import Sight
 from warehouse_core.task.starts import check_room, what_is_drawn
 from warehouse_core.task.state import Observation, WarehouseState
+from warehouse_core.wording import brief
 from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS, INVALID, action_index
 from warehouse_core.world.display import display
 from warehouse_core.world.layout import CHAPTER_START, DEFAULT_LAYOUT, Layout, check_open
@@ -63,9 +71,9 @@ class WarehouseEnv:
         grid: equally long strings of ``#.PDC``, or a ``Layout``; ``None`` is the chapter's 7 x 12.
         start_pos: cell of the robot after ``reset()`` without ``randomize``; ``None`` is the
             layout's ``usual_start()``.
-        max_steps: steps until the episode is truncated, at least 1.
-        battery: battery units of a full charge, at least 1.
-        view_radius: cells seen in each direction, at least 0.
+        max_steps: steps until the episode is truncated, 1 to ``MAX_BUDGET``.
+        battery: battery units of a full charge, 1 to ``MAX_BUDGET``.
+        view_radius: cells seen in each direction, 0 to ``MAX_VIEW_RADIUS``.
         backend: name, class or instance of the motion that carries out the moves.
 
     Raises:
@@ -89,9 +97,9 @@ class WarehouseEnv:
         *,
         backend: Backend = "grid",
     ) -> None:
-        self.max_steps = whole_number("max_steps", max_steps, minimum=1)
-        self.max_battery = whole_number("battery", battery, minimum=1)
-        self._view_radius = whole_number("view_radius", view_radius, minimum=0)
+        self.max_steps = whole_number("max_steps", max_steps, 1, MAX_BUDGET)
+        self.max_battery = whole_number("battery", battery, 1, MAX_BUDGET)
+        self._view_radius = whole_number("view_radius", view_radius, 0, MAX_VIEW_RADIUS)
         if grid is None:
             grid = DEFAULT_LAYOUT
         layout = grid if isinstance(grid, Layout) else Layout(grid)
@@ -101,8 +109,8 @@ class WarehouseEnv:
         self._motion = make_motion(backend)
         if isinstance(self._motion, DrivesThrough):
             raise BackendError(
-                f"backend {backend!r} drives through the cells of a plan; allowed here: one whose "
-                "robots rest in each cell. FleetEnv takes both"
+                f"backend {brief(backend)} drives through the cells of a plan; allowed here: one "
+                "whose robots rest in each cell. FleetEnv takes both"
             )
         self.last_motion: Outcome | None = None
         self._placed: Cell = self._start_pos
@@ -170,11 +178,11 @@ class WarehouseEnv:
 
         Raises:
             LayoutError: fewer than two open cells without a charger, and stations are to be drawn.
-            ValueError: ``randomize`` is another word.
+            ValueError: ``randomize`` is another word, or ``seed`` is negative.
             TypeError: ``seed`` is not an integer. Nothing has changed after any of these.
         """
         drawn = what_is_drawn(randomize)
-        seed = None if seed is None else whole_number("seed", seed)
+        seed = seed_number(seed)
         layout, start = self.layout, self._start_pos
         if randomize:
             stream = random if seed is None else random.Random(seed)
@@ -198,9 +206,14 @@ class WarehouseEnv:
 
         Raises:
             LayoutError: the start is not open; nothing has changed.
-            TypeError: ``start_pos`` is not a cell.
+            TypeError: an argument of another type.
         """
-        return self._begin(layout, self._start_in(layout, start_pos), seed)
+        instance_of("layout", layout, Layout)
+        return self._begin(
+            layout,
+            self._start_in(layout, start_pos),
+            None if seed is None else whole_number("seed", seed),
+        )
 
     def step(
         self, action: str | SupportsIndex

@@ -20,10 +20,16 @@ def listed(parts: Iterable[object], word: str = "and") -> str:
     return f"{', '.join(others)} {word} {last}" if others else last
 
 
-def brief(value: object) -> str:
-    """Return a short ``repr`` of any value, even of one that has none, as a very large number."""
+def brief(value: object, most: int = 30) -> str:
+    """Return a short ``repr`` of any value, even of one that has none, as a very large number.
+
+    Texts have at most ``most`` characters, lists and the like a few times as many.
+    """
+    short = reprlib.Repr()
+    short.maxstring = short.maxother = most
+    short.maxlong = max(most, short.maxlong)
     try:
-        return reprlib.repr(value)
+        return short.repr(value)[: 10 * most]
     except Exception:  # that of a user's class may raise anything
         return f"<{type(value).__name__}>"
 

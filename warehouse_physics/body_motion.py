@@ -4,14 +4,12 @@ from __future__ import annotations
 
 import random
 from collections.abc import Mapping
-from typing import Self, TypeVar
+from typing import Self
 
-from warehouse_core.arguments import whole_number
+from warehouse_core.arguments import MAX_STEPS, flag, instance_of, whole_number
 from warehouse_core.motion.base import Conditions
 from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.spec import RobotSpec
-
-Configured = TypeVar("Configured", RobotSpec, Disturbances)
 
 PATH_EVERY = 10
 """Substeps between rows of a path."""
@@ -31,11 +29,15 @@ class BodyMotion:
         record_path: bool = True,
         path_every: int = PATH_EVERY,
     ) -> None:
-        self.spec = _instance("spec", spec, RobotSpec)
-        self.disturbances = _instance("disturbances", disturbances, Disturbances)
+        self.spec = RobotSpec() if spec is None else instance_of("spec", spec, RobotSpec)
+        self.disturbances = (
+            Disturbances()
+            if disturbances is None
+            else instance_of("disturbances", disturbances, Disturbances)
+        )
         self.cell_size = self.spec.cell_size
-        self._record_path = record_path
-        self._path_every = whole_number("path_every", path_every, minimum=1)
+        self._record_path = flag("record_path", record_path)
+        self._path_every = whole_number("path_every", path_every, 1, MAX_STEPS)
 
     @classmethod
     def from_numbers(cls, numbers: Mapping[str, float]) -> Self:
@@ -53,12 +55,3 @@ class BodyMotion:
             # Python's global random numbers, as the chapter does.
             return random.getrandbits(32)
         return seed or 0
-
-
-def _instance(name: str, value: Configured | None, kind: type[Configured]) -> Configured:
-    """Return an argument that must be of a kind, or a default one."""
-    if value is None:
-        return kind()
-    if not isinstance(value, kind):
-        raise TypeError(f"{name} is {value!r}; it must be a {kind.__name__}")
-    return value

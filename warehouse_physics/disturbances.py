@@ -4,14 +4,20 @@ from __future__ import annotations
 
 import math
 import random
-from collections.abc import Sequence
 from dataclasses import dataclass, fields
-from operator import index
 
 from warehouse_core import Cell
-from warehouse_core.arguments import real_number, whole_number
+from warehouse_core.arguments import (
+    MAX_STEPS,
+    as_cell,
+    real_number,
+    sequence_of,
+    settle,
+    whole_number,
+)
 from warehouse_core.motion.base import Conditions
 from warehouse_core.motion.grid import GRAVITY
+from warehouse_core.wording import brief
 
 
 @dataclass(frozen=True, slots=True)
@@ -33,10 +39,10 @@ class Stop:
     seconds: float
 
     def __post_init__(self) -> None:
-        whole_number("robot", self.robot, minimum=0)
-        real_number("at", self.at)
-        if self.seconds != math.inf:
-            real_number("seconds", self.seconds, above=True)
+        robot = whole_number("robot", self.robot, 0, MAX_STEPS)
+        settle(self, robot=robot, at=real_number("at", self.at))
+        if not (isinstance(self.seconds, float) and self.seconds == math.inf):
+            settle(self, seconds=real_number("seconds", self.seconds, above=True))
 
 
 @dataclass(frozen=True, slots=True)
@@ -77,17 +83,16 @@ class Disturbances:
             "patience": (1.0, 100.0),
         }
         for name, (minimum, maximum) in allowed.items():
-            real_number(name, getattr(self, name), minimum, maximum)
+            settle(self, **{name: real_number(name, getattr(self, name), minimum, maximum)})
         try:
-            slippery = frozenset((index(row), index(col)) for row, col in self.slippery)
-        except (TypeError, ValueError):
-            message = f"slippery is {self.slippery!r}; it must be cells (row, column)"
+            slippery = frozenset(as_cell("slippery", cell) for cell in self.slippery)
+        except Exception:  # a user's ``__iter__`` may raise anything
+            message = f"slippery is {brief(self.slippery)}; it must be cells (row, column)"
             raise ValueError(message) from None
-        object.__setattr__(self, "slippery", slippery)
-        is_sequence = isinstance(self.stops, Sequence)
-        if not is_sequence or not all(isinstance(each, Stop) for each in self.stops):
-            raise ValueError(f"stops is {self.stops!r}; it must be a sequence of Stop")
-        object.__setattr__(self, "stops", tuple(self.stops))
+        try:
+            settle(self, slippery=slippery, stops=sequence_of("stops", self.stops, Stop))
+        except TypeError as error:
+            raise ValueError(str(error)) from None
 
     @property
     def conditions(self) -> Conditions:

@@ -7,14 +7,15 @@ from collections.abc import Mapping
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
-from warehouse_core.arguments import real_number
+from warehouse_core.arguments import real_number, settle
 from warehouse_core.motion.grid import GRAVITY
+from warehouse_core.wording import brief
 
 ACCURATE_STEP, FAST_STEP = 1 / 60, 1 / 30
 """Substeps in seconds; with the fast one a robot sinks deeper into a wall that it hits."""
 
-MAX_VALUE = 1e9
-"""Limit of every value in its unit; products of such values are still finite."""
+MIN_VALUE, MAX_VALUE = 1e-9, 1e9
+"""Limits of every value in its unit, but that some may be 0; products of such values are finite."""
 
 ARRIVED = 1e-3
 """Share of a cell within which a robot has arrived at its target."""
@@ -82,8 +83,9 @@ class RobotSpec:
         may_be_zero = {"payload_mass", "floor_drag", "idle_power", "turn_seconds"}
         for each in fields(self):
             maximum = 1.0 if each.name == "drivetrain_efficiency" else MAX_VALUE
-            above = each.name not in may_be_zero
-            real_number(each.name, getattr(self, each.name), 0.0, maximum, above=above)
+            minimum = 0.0 if each.name in may_be_zero else MIN_VALUE
+            value = real_number(each.name, getattr(self, each.name), minimum, maximum)
+            settle(self, **{each.name: value})
         self._check_together()
 
     def _check_together(self) -> None:
@@ -131,7 +133,8 @@ class RobotSpec:
         allowed = [each.name for each in fields(cls)]
         for name in numbers:
             if name not in allowed:
-                raise ValueError(f"no number is called {name!r}; allowed: {', '.join(allowed)}")
+                known = ", ".join(allowed)
+                raise ValueError(f"no number is called {brief(name)}; allowed: {known}")
         return cls(**numbers)
 
     @property

@@ -10,10 +10,12 @@ from numpy.typing import NDArray
 from agents.errors import AgentError, file_of, reason_of
 from agents.fleet.dispatcher import Dispatcher, shares_cell
 from agents.fleet.plan_log import PlanLog
+from agents.mapf.assignment import ASSIGNMENTS
 from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.planner import GraphPlanner, Planner, PushingPlanner, Situation, check_step
 from agents.mapf.time_limit import time_limit
 from warehouse_core import FleetEnv
+from warehouse_core.arguments import flag, instance_of, one_of, real_number, with_methods
 from warehouse_core.records import FleetAgent
 from warehouse_core.records.plans import NO_PLANS
 from warehouse_core.world.actions import WAIT
@@ -73,10 +75,13 @@ class PlannedFleet:
         goes_on: bool = False,
         log: PlanLog | None = None,
     ) -> None:
+        with_methods("planner", planner, "reset", "next_cells")
         if log and log.pushes and not isinstance(planner, PushingPlanner):
             raise AgentError(f"planner {type(planner).__name__} does not say which robots push")
-        self.planner, self._assignment = planner, assignment
-        self._seconds, self._goes_on, self._log = seconds, goes_on, log
+        self.planner, self._log = planner, None if log is None else instance_of("log", log, PlanLog)
+        self._assignment = one_of("assignment", assignment, ASSIGNMENTS)
+        self._seconds = real_number("seconds", seconds, above=True)
+        self._goes_on = flag("goes_on", goes_on)
         self.reset()
 
     def reset(self) -> None:

@@ -7,6 +7,7 @@ from collections.abc import Sequence
 
 from agents.fleet.pilot import Pilot, Site
 from warehouse_core import Agent, FleetEnv
+from warehouse_core.arguments import seed_number, sequence_of, with_methods
 from warehouse_core.world.actions import WAIT
 
 
@@ -26,7 +27,10 @@ class Team:
     """
 
     def __init__(self, agents: Sequence[Agent], seed: int | None = None) -> None:
-        self.agents, self._seed = agents, seed
+        self._seed = seed_number(seed)
+        for agent in sequence_of("agents", agents, object):
+            with_methods("agents", agent, "reset", "act")
+        self.agents = agents
         self.reset()
 
     def reset(self) -> None:

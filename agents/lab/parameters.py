@@ -18,6 +18,7 @@ from agents.errors import ParameterError
 from agents.fleet.planned import DEFAULT_ASSIGNMENT
 from agents.lab.place import RANDOM, Stations
 from agents.mapf.assignment import ASSIGNMENTS
+from warehouse_core.arguments import MAX_VIEW_RADIUS
 from warehouse_core.batch.fleet.settings import MAX_BODIES
 from warehouse_core.motion import backends
 from warehouse_core.wording import printable
@@ -42,9 +43,6 @@ MAX_NUMBER = sys.float_info.max
 
 MAX_TEXT = 10_000
 """Most characters of a name."""
-
-MAX_VIEW_RADIUS = 1000
-"""Largest view radius in cells: a view takes memory even where there is nothing to see."""
 
 
 class Parameter(NamedTuple):

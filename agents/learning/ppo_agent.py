@@ -13,7 +13,7 @@ import numpy as np
 from agents.errors import AgentError
 from agents.learning.policy_network import PolicyNetwork, SingleFloats, network_input
 from agents.warehouse_agent_greedy import open_moves
-from warehouse_core.arguments import real_number
+from warehouse_core.arguments import flag, instance_of, real_number, seed_number
 from warehouse_core.task.encoding import FLEET_TILES, encode
 from warehouse_core.task.rules import useful_actions
 from warehouse_core.task.state import Observation
@@ -54,13 +54,13 @@ class PPOAgent:
         sample: bool | None = None,
         revisit: float = 0.0,
     ) -> None:
-        if sample is not None and not isinstance(sample, bool):
-            raise AgentError(f"{name}: sample is {sample!r}; it must be True or False")
+        self._network = instance_of("network", network, PolicyNetwork)
+        self._name = instance_of("name", name, str)
         try:
-            self.revisit = real_number("revisit", revisit)
-        except ValueError as error:
+            sample = None if sample is None else flag("sample", sample)
+            self.revisit, self._seed = real_number("revisit", revisit), seed_number(seed)
+        except (TypeError, ValueError) as error:
             raise AgentError(f"{name}: {error}") from None
-        self._network, self._name, self._seed = network, name, seed
         self.samples = network.tiles == FLEET_TILES if sample is None else sample
         self.reset()
 

@@ -17,6 +17,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator
 
+from warehouse_core.arguments import instance_of, seed_number
 from warehouse_core.task.encoding import NOWHERE
 from warehouse_core.task.state import Observation
 from warehouse_core.warehouse_env import WarehouseEnv
@@ -91,7 +92,7 @@ class QAgent:
     """
 
     def __init__(self, table: QTable, seed: int | None = None) -> None:
-        self.table, self.seed = table, seed
+        self.table, self.seed = instance_of("table", table, dict), seed_number(seed)
         self.reset()
 
     def reset(self) -> None:

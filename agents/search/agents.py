@@ -20,6 +20,7 @@ from agents.search.belief import Belief, BeliefProblem
 from agents.search.costs import STEPS, action_costs
 from agents.search.heuristics import manhattan, manhattan_delivery
 from agents.search.problems import DeliveryProblem, DeliveryState
+from warehouse_core.arguments import instance_of, one_of
 from warehouse_core.motion.backends import Backend
 from warehouse_core.task.state import Observation
 from warehouse_core.world.layout import Layout
@@ -74,11 +75,9 @@ class SearchAgent:
         weight: float = WEIGHT,
         backend: Backend = "physics",
     ) -> None:
-        if algorithm not in ALGORITHMS:
-            raise ValueError(f"algorithm is {algorithm!r}; allowed: {', '.join(ALGORITHMS)}")
+        self.layout = instance_of("layout", layout, Layout)
+        self.algorithm = one_of("algorithm", algorithm, ALGORITHMS)
         check_weight(weight)
-        self.layout = layout
-        self.algorithm = algorithm
         self.weight = weight
         self._costs = action_costs(cost, backend)
         self.reset()

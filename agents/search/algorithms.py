@@ -33,6 +33,8 @@ from dataclasses import dataclass, replace
 from heapq import heappop, heappush
 from typing import Any, Generic, NamedTuple, TypeVar, cast
 
+from warehouse_core.wording import brief
+
 S = TypeVar("S", bound=Hashable)
 A = TypeVar("A")
 
@@ -298,8 +300,9 @@ def check_weight(weight: float) -> None:
     Raises:
         ValueError: it is neither in 0 to ``MAX_WEIGHT`` nor infinity.
     """
-    if not (0 <= weight <= MAX_WEIGHT or weight == math.inf):
-        raise ValueError(f"weight is {weight!r}; it must be 0..{MAX_WEIGHT} or infinity")
+    is_number = isinstance(weight, (int, float)) and not isinstance(weight, bool)
+    if not is_number or not (0 <= weight <= MAX_WEIGHT or weight == math.inf):
+        raise ValueError(f"weight is {brief(weight)}; it must be 0..{MAX_WEIGHT} or infinity")
 
 
 def _path(node: Node[S, A]) -> tuple[tuple[S, ...], tuple[A, ...]]:

@@ -8,6 +8,7 @@ from __future__ import annotations
 from contextlib import closing
 from typing import NamedTuple
 
+from warehouse_core.arguments import one_of
 from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.world.layout import Layout
 
@@ -41,10 +42,8 @@ def action_costs(measure: str = STEPS, backend: Backend = "physics") -> ActionCo
         ValueError: ``measure`` is unknown.
         BackendError: there is no such backend.
     """
-    if measure == STEPS:
+    if one_of("cost", measure, COSTS) == STEPS:
         return ONE_EACH
-    if measure not in COSTS:
-        raise ValueError(f"cost is {measure!r}; allowed: {', '.join(COSTS)}")
     move, stand = (0, 1), (0, 0)
     return ActionCosts(
         move_empty=_measured(backend, measure, move, False),

@@ -16,6 +16,7 @@ from functools import lru_cache
 
 from agents.search.algorithms import Problem, S
 from agents.search.costs import ONE_EACH, ActionCosts
+from warehouse_core.arguments import as_cell, flag, instance_of, sequence_of
 from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.tiles import MOVE_DELTAS, NO_STATIONS, Cell, moved
 
@@ -92,10 +93,10 @@ class RouteProblem(GridProblem[Cell]):
     """
 
     def __init__(self, layout: Layout, start: Cell, goal: Cell) -> None:
-        check_open(layout, start, "start")
-        check_open(layout, goal, "goal")
-        self.initial = start
-        self.goal = goal
+        instance_of("layout", layout, Layout)
+        self.initial, self.goal = as_cell("start", start), as_cell("goal", goal)
+        check_open(layout, self.initial, "start")
+        check_open(layout, self.goal, "goal")
         self._moves = move_table(layout)
 
     def is_goal(self, state: Cell) -> bool:
@@ -105,6 +106,11 @@ class RouteProblem(GridProblem[Cell]):
     def expand(self, state: Cell) -> Edges:
         """Return each open move with its result and its cost."""
         return self._moves[state]
+
+
+def _stations(name: str, cells: Sequence[Cell]) -> frozenset[Cell]:
+    sequence_of(name, cells, object)
+    return frozenset(as_cell(name, cell) for cell in cells)
 
 
 class DeliveryProblem(GridProblem[DeliveryState]):
@@ -132,10 +138,13 @@ class DeliveryProblem(GridProblem[DeliveryState]):
         dropoffs: Sequence[Cell] | None = None,
         costs: ActionCosts = ONE_EACH,
     ) -> None:
-        self.initial = (*start, has_item)
+        instance_of("layout", layout, Layout)
+        start = as_cell("start", start)
+        self.initial = (*start, flag("has_item", has_item))
         self.size = layout.height, layout.width
-        self.pickups = frozenset(layout.pickups if pickups is None else pickups)
-        self.dropoffs = frozenset(layout.dropoffs if dropoffs is None else dropoffs)
+        self.pickups = _stations("pickups", layout.pickups if pickups is None else pickups)
+        self.dropoffs = _stations("dropoffs", layout.dropoffs if dropoffs is None else dropoffs)
+        instance_of("costs", costs, ActionCosts)
         check_open(layout, start, "start")
         for name, cells in (("pickup", self.pickups), ("dropoff", self.dropoffs)):
             for cell in cells:

@@ -9,7 +9,7 @@ from typing import Any, SupportsIndex
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.arguments import whole_number
+from warehouse_core.arguments import seed_number, whole_number
 from warehouse_core.batch.fleet.battery import Battery
 from warehouse_core.batch.fleet.engine import FleetEngine
 from warehouse_core.batch.fleet.people import People
@@ -81,7 +81,7 @@ class FleetEnv:
             of several from the empty cells.
         max_steps: limit of an episode, at least 1.
         battery: units of a full charge, of which a step costs one; or a ``Battery``.
-        view_radius: cells seen in each direction, at least 0.
+        view_radius: cells seen in each direction, 0 to ``MAX_VIEW_RADIUS``.
         people: number of people who walk on the floor; or ``People``.
         dispatch: assign each open order, the oldest first, to the nearest robot without one. If
             not, open orders are for whoever picks them first, or for ``assign``.
@@ -141,7 +141,7 @@ class FleetEnv:
         self._ways = motion.ways if isinstance(motion, DrivesThrough) else None
         self._engine = FleetEngine([self.layout], self.settings, motion)
         self._warn_of_supply()
-        self.seed = None if seed is None else whole_number("seed", seed, 0)
+        self.seed = seed_number(seed)
         self.assignments: list[tuple[int, int, int | None]] = []
         self._started = False
 
@@ -167,7 +167,7 @@ class FleetEnv:
         if seed is None:
             seed, self.seed = self.seed, None
         else:
-            seed, self.seed = whole_number("seed", seed, 0), None
+            seed, self.seed = seed_number(seed), None
         self._engine.begin(np.array([0]), [seed])
         self.assignments = []
         self._started = True
@@ -377,7 +377,7 @@ class FleetEnv:
         robots, ended = self.settings.robots, self._engine.ended
         unknown = [robot for robot in actions if robot not in range(robots)]
         if unknown:
-            raise ValueError(f"an action for robot {unknown[0]!r}; allowed: 0..{robots - 1}")
+            raise ValueError(f"an action for robot {brief(unknown[0])}; allowed: 0..{robots - 1}")
         missing = [robot for robot in range(robots) if robot not in actions and not ended[robot]]
         if missing:
             raise ValueError(f"no action for robot {missing[0]}; each that has not ended needs one")

@@ -23,7 +23,7 @@ from warehouse_core.gymnasium_env.spaces import (
     check_render_mode,
     make_form,
 )
-from warehouse_core.motion.backends import Backend
+from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.render.window import PictureWindow, may_have_display
 from warehouse_core.task.encoding import (
@@ -121,7 +121,7 @@ class WarehouseGymnasiumEnv(Limited, gymnasium.Env[Any, Any]):
         self._layout = as_layout(layout)
         self._start = None if start_pos is None else as_cell("start_pos", start_pos)
         # Environments that share a motion would move each other's robots.
-        own = backend if isinstance(backend, (str, type)) else deepcopy(backend)
+        own = backend if isinstance(backend, (str, type)) else deepcopy(make_motion(backend))
         self._warehouse = env = WarehouseEnv(
             self._layout, self._start, max_steps, battery, view_radius, backend=own
         )

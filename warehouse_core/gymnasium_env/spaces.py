@@ -11,9 +11,10 @@ from gymnasium import spaces
 from gymnasium.envs.registration import EnvSpec
 from numpy.typing import ArrayLike
 
-from warehouse_core.arguments import MAX_STEPS, whole_number
+from warehouse_core.arguments import MAX_STEPS, one_of, whole_number
 from warehouse_core.render.observation_image import ObservationImage
 from warehouse_core.task.encoding import MARKED_TILES, ObservationArrays, vector, vector_limits
+from warehouse_core.wording import brief
 from warehouse_core.world.tiles import CELL_CODES
 
 FORMS = ("dict", "vector", "image")
@@ -62,6 +63,7 @@ def make_form(name: str, extent: Extent) -> Form:
         ValueError: an unknown name, a battery or steps above ``MAX_STEPS``, or a view radius
             above ``MAX_VIEW_RADIUS``.
     """
+    one_of("observation", name, FORMS)
     height, width, view_radius, battery, max_steps = extent
     whole_number("battery", battery, 1, MAX_STEPS)
     whole_number("max_steps", max_steps, 1, MAX_STEPS)
@@ -72,10 +74,8 @@ def make_form(name: str, extent: Extent) -> Form:
         rows, columns = max(height, MIN_SIDE), max(width, MIN_SIDE)
         low, high = vector_limits(rows, columns, view_radius, battery, max_steps)
         return Form(spaces.Box(low, high, dtype=np.float32), vector)
-    if name == "image":
-        image = ObservationImage(height, width, battery, max_steps)
-        return Form(spaces.Box(0, 255, image.shape, np.uint8), image.paint)
-    raise ValueError(f"observation is {name!r}; allowed: {', '.join(FORMS)}")
+    image = ObservationImage(height, width, battery, max_steps)
+    return Form(spaces.Box(0, 255, image.shape, np.uint8), image.paint)
 
 
 def _unchanged(arrays: ObservationArrays) -> ObservationArrays:
@@ -126,8 +126,8 @@ def check_options(options: object, allowed: set[str]) -> dict[str, Any]:
     if options is None:
         return {}
     if not isinstance(options, dict):
-        raise TypeError(f"options is {options!r}; it must be a dict")
-    unknown = sorted(map(repr, options.keys() - allowed))
+        raise TypeError(f"options is {brief(options)}; it must be a dict")
+    unknown = sorted(map(brief, options.keys() - allowed))
     if unknown:
         raise ValueError(
             f"unknown options: {', '.join(unknown)}; allowed: {', '.join(sorted(allowed))}"
@@ -137,5 +137,4 @@ def check_options(options: object, allowed: set[str]) -> dict[str, Any]:
 
 def check_render_mode(mode: str | None, allowed: list[str]) -> None:
     """Raise ``ValueError`` if a render mode is unknown."""
-    if mode is not None and mode not in allowed:
-        raise ValueError(f"render_mode is {mode!r}; allowed: None, {', '.join(allowed)}")
+    one_of("render_mode", mode, [None, *allowed])

@@ -12,12 +12,13 @@ from gymnasium.error import ResetNeeded
 from gymnasium.vector.utils import batch_space, iterate
 from numpy.typing import ArrayLike, NDArray
 
-from warehouse_core.arguments import MAX_STEPS, whole_number
+from warehouse_core.arguments import MAX_STEPS, one_of, whole_number
 from warehouse_core.batch import BatchEnv
 from warehouse_core.batch.shell.checks import Seeds
 from warehouse_core.batch.shell.env import NEXT_STEP
 from warehouse_core.errors import EndedError
 from warehouse_core.gymnasium_env.spaces import (
+    FORMS,
     MARKED,
     RENDER_FPS,
     Extent,
@@ -92,8 +93,12 @@ class WarehouseVectorEnv(Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
         check_render_mode(render_mode, modes)
         mode = getattr(autoreset_mode, "value", autoreset_mode)
         limit = max_steps = whole_number("max_steps", max_steps, 1, MAX_STEPS)
-        if max_episode_steps not in (None, -1):
-            limit = min(limit, whole_number("max_episode_steps", max_episode_steps, minimum=1))
+        if max_episode_steps is not None:
+            other = whole_number("max_episode_steps", max_episode_steps)
+            limit = (
+                limit if other == -1 else min(limit, whole_number("max_episode_steps", other, 1))
+            )
+        one_of("observation", observation, FORMS)
         self._batch = batch = BatchEnv(
             num_envs,
             _layouts(layout),
@@ -217,7 +222,7 @@ class WarehouseVectorEnv(Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
 
 def _layouts(given: GivenLayout | Sequence[GivenLayout] | None) -> Layout | list[Layout]:
     """Return one layout or several; a list of strings is one if any of them is a row of tiles."""
-    if isinstance(given, Sequence) and not isinstance(given, str) and given:
+    if isinstance(given, Sequence) and not isinstance(given, (str, bytes, range)) and given:
         strings = [each for each in given if isinstance(each, str)]
         if len(strings) < len(given) or not any(set(text) <= TILES.keys() for text in strings):
             return [as_layout(each) for each in given]

@@ -20,6 +20,7 @@ from warehouse_core.extras import pip_install, requirements_of
 from warehouse_core.motion.base import Motion
 from warehouse_core.motion.batch import Batchable, BatchMotion, FleetBatchable, FleetBatchMotion
 from warehouse_core.motion.separate import SeparateMotions
+from warehouse_core.wording import brief
 from warehouse_core.world.layout import Layout
 
 if TYPE_CHECKING:
@@ -45,7 +46,7 @@ def make_motion(backend: Backend) -> Motion:
     if isinstance(backend, Motion):
         return backend
     raise TypeError(
-        f"backend {backend!r} is {type(backend).__name__}; allowed: a name "
+        f"backend {brief(backend, 100)} is {type(backend).__name__}; allowed: a name "
         f"({', '.join(backend_names())}), or a class or instance with reset, advance and close"
     )
 
@@ -60,7 +61,8 @@ def make_batch_motion(backend: Backend, layouts: Sequence[Layout]) -> BatchMotio
     motion = make_motion(backend)
     if not isinstance(motion, Batchable):
         raise BackendError(
-            f"backend {backend!r} cannot move a batch; it would need a method batch(layouts)"
+            f"backend {brief(backend, 100)} cannot move a batch; it would need a method "
+            "batch(layouts)"
         )
     return motion.batch(layouts)
 
@@ -79,8 +81,8 @@ def make_fleet_motion(backend: Backend, layouts: Sequence[Layout], robots: int) 
             return motion.fleet_batch(layouts, robots)
     if len(layouts) > 1 and not isinstance(backend, (str, type)):
         raise BackendError(
-            f"backend {backend!r} is a single motion, for one layout; {len(layouts)} layouts need "
-            "the name or the class of a backend"
+            f"backend {brief(backend, 100)} is a single motion, for one layout; "
+            f"{len(layouts)} layouts need the name or the class of a backend"
         )
     return SeparateMotions([make_motion(backend) for _ in layouts], layouts, robots)
 
@@ -93,11 +95,13 @@ def _make_named(backend: str) -> Motion:
         return kind()
     from_numbers = getattr(kind, "from_numbers", None)
     if from_numbers is None:
-        raise BackendError(f"backend {name!r} takes no numbers; {numbers!r} was given")
+        raise BackendError(
+            f"backend {brief(name, 100)} takes no numbers; {brief(numbers)} was given"
+        )
     try:
         motion: Motion = from_numbers(_read_numbers(numbers))
     except ValueError as error:
-        raise BackendError(f"backend {backend!r}: {error}") from error
+        raise BackendError(f"backend {brief(backend, 100)}: {error}") from error
     return motion
 
 
@@ -108,7 +112,7 @@ def _read_numbers(text: str) -> dict[str, float]:
         try:
             numbers[name] = float(value)
         except ValueError:
-            raise ValueError(f"{part!r} is not of the form name=1.5") from None
+            raise ValueError(f"{brief(part)} is not of the form name=1.5") from None
     return numbers
 
 
@@ -128,7 +132,7 @@ def load_backend(name: str) -> type[Motion]:
     entry_point = _entry_points().get(name)
     if entry_point is None:
         installed = ", ".join(backend_names()) or "none"
-        raise BackendError(f"no backend is called {name!r}; installed: {installed}")
+        raise BackendError(f"no backend is called {brief(name, 100)}; installed: {installed}")
     try:
         backend: type[Motion] = entry_point.load()
     except Exception as error:

@@ -38,6 +38,9 @@ ROLLING_RESISTANCE = 0.015
 """Rolling force over weight; 0.01 to 0.02 is typical for a hard tyre on concrete."""
 GRAVITY = 9.81
 
+MAX_CELL_SIZE = 1e9
+"""Limit on the side of a cell in metres."""
+
 STAY, EAST = (0, 0), (0, 1)
 NOT_MOVED = -1
 """Stands for the cell before the last action if a robot has not moved since it was placed."""
@@ -64,11 +67,11 @@ class GridMotion:
         cell_size: side of a cell in metres.
 
     Raises:
-        ValueError: ``cell_size`` is not a positive finite number.
+        ValueError: ``cell_size`` is not above 0, or more than ``MAX_CELL_SIZE``.
     """
 
     def __init__(self, cell_size: float = 1.0) -> None:
-        self.cell_size = real_number("cell_size", cell_size, above=True)
+        self.cell_size = real_number("cell_size", cell_size, 0, MAX_CELL_SIZE, above=True)
         self._moving_joules = nominal_joules(self.cell_size, moving=True)
         self._waiting_joules = nominal_joules(self.cell_size, moving=False)
         self._layout = Layout([EMPTY])

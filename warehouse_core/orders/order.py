@@ -11,7 +11,8 @@ from collections.abc import Sequence
 from dataclasses import dataclass
 from typing import NamedTuple
 
-from warehouse_core.arguments import MAX_STEPS, as_cell, real_number, whole_number
+from warehouse_core.arguments import MAX_STEPS, as_cell, real_number, settle, whole_number
+from warehouse_core.wording import brief
 from warehouse_core.world.tables import Integers
 from warehouse_core.world.tiles import Cell
 
@@ -72,9 +73,9 @@ class OrderStream:
     start: int = 0
 
     def __post_init__(self) -> None:
-        real_number("rate", self.rate)
-        whole_number("start", self.start, 0, MAX_STEPS)
-        _check_draws(self)
+        start = whole_number("start", self.start, 0, MAX_STEPS)
+        settle(self, rate=real_number("rate", self.rate), start=start)
+        _settle_draws(self)
 
 
 @dataclass(frozen=True)
@@ -98,8 +99,8 @@ class OrderQueue:
     dropoff_weights: tuple[float, ...] | None = None
 
     def __post_init__(self) -> None:
-        whole_number("size", self.size, 1, MAX_ORDERS)
-        _check_draws(self)
+        settle(self, size=whole_number("size", self.size, 1, MAX_ORDERS))
+        _settle_draws(self)
 
 
 Orders = float | OrderStream | OrderQueue | Sequence[OrderStream] | Sequence[Order]
@@ -116,23 +117,28 @@ class OrderArrays(NamedTuple):
     robot: Integers
 
 
-def _check_draws(orders: OrderStream | OrderQueue) -> None:
-    """Raise if due times or weights are not allowed."""
+def _settle_draws(orders: OrderStream | OrderQueue) -> None:
+    """Check due times and weights, and put them in their plain form."""
     fewest, most = as_cell("due", orders.due, "(fewest, most)")
     if not 0 <= fewest <= most <= MAX_STEPS:
         raise ValueError(
-            f"due is {orders.due}; it must be fewest and most steps after the release, "
+            f"due is {brief(orders.due)}; it must be fewest and most steps after the release, "
             f"0 <= fewest <= most <= {MAX_STEPS}"
         )
-    _check_weights("pickup_weights", orders.pickup_weights)
-    _check_weights("dropoff_weights", orders.dropoff_weights)
+    settle(
+        orders,
+        due=(fewest, most),
+        pickup_weights=_weights("pickup_weights", orders.pickup_weights),
+        dropoff_weights=_weights("dropoff_weights", orders.dropoff_weights),
+    )
 
 
-def _check_weights(name: str, weights: Sequence[float] | None) -> None:
+def _weights(name: str, weights: Sequence[float] | None) -> tuple[float, ...] | None:
     if weights is None:
-        return
+        return None
     if not isinstance(weights, (tuple, list)):
-        raise TypeError(f"{name} is {weights!r}; it must be a tuple of numbers")
-    total = sum(real_number(f"{name}[{place}]", weight) for place, weight in enumerate(weights))
-    if not 0 < total < math.inf:
-        raise ValueError(f"{name} is {weights}; their sum must be above 0 and finite")
+        raise TypeError(f"{name} is {brief(weights)}; it must be a tuple of numbers")
+    shares = tuple(real_number(f"{name}[{place}]", each) for place, each in enumerate(weights))
+    if not 0 < sum(shares) < math.inf:
+        raise ValueError(f"{name} is {brief(weights)}; their sum must be above 0 and finite")
+    return shares

@@ -70,7 +70,7 @@ class DrawnOrders:
             [each * float(stream.rate) for each, stream in zip(lengths, streams, strict=True)]
         )
         if self._means.sum() > MAX_ORDERS:
-            rates = ", ".join(str(stream.rate) for stream in streams)
+            rates = ", ".join(f"{stream.rate:.10g}" for stream in streams)
             raise OrderError(
                 f"the rate {rates} leads to about {self._means.sum():.0f} orders in {steps} steps; "
                 f"MAX_ORDERS = {MAX_ORDERS} are allowed"

@@ -11,7 +11,7 @@ import numpy as np
 from gymnasium import spaces
 from numpy.typing import NDArray
 
-from warehouse_core.arguments import MAX_STEPS
+from warehouse_core.arguments import MAX_STEPS, one_of
 from warehouse_core.fleet.env import FleetEnv
 from warehouse_core.gymnasium_env.spaces import Extent, Form, make_form
 from warehouse_core.task.encoding import FLEET_TILES, ObservationArrays, vector, vector_limits
@@ -30,7 +30,7 @@ def make_fleet_form(name: str, extent: Extent, fleet: FleetEnv) -> Form:
     Raises:
         ValueError: an unknown name, or as for ``make_form``.
     """
-    if name == "dict":
+    if one_of("observation", name, ("dict", "vector")) == "dict":
         form = make_form("dict", extent)
         known = dict(cast(spaces.Dict, form.space))
         extra: dict[str, spaces.Space[Any]] = {
@@ -41,10 +41,8 @@ def make_fleet_form(name: str, extent: Extent, fleet: FleetEnv) -> Form:
         if fleet.layout.chargers and not fleet.settings.is_lone:
             extra["charger_pos"] = known["pickup_pos"]
         return Form(spaces.Dict(known | extra), form.of)
-    if name == "vector":
-        low, high = vector_limits(*extent, FLEET_TILES)
-        return Form(spaces.Box(low, high, dtype=np.float32), _fleet_vector)
-    raise ValueError(f"observation is {name!r}; allowed: dict, vector")
+    low, high = vector_limits(*extent, FLEET_TILES)
+    return Form(spaces.Box(low, high, dtype=np.float32), _fleet_vector)
 
 
 def _fleet_vector(arrays: ObservationArrays) -> NDArray[np.float32]:

@@ -9,6 +9,7 @@ from typing import Any, Protocol, SupportsIndex
 
 import numpy as np
 
+from warehouse_core.arguments import MAX_SEED, instance_of, whole_number, with_methods
 from warehouse_core.batch.fleet.settings import FleetSettings
 from warehouse_core.fleet.env import Actions, FleetEnv
 from warehouse_core.motion.backends import Backend
@@ -92,7 +93,10 @@ class EpisodeRecorder:
     """
 
     def __init__(self, env: WarehouseEnv, *, seed: int | None = None, agent: str = "") -> None:
-        self._env = env
+        self._env = instance_of("env", env, WarehouseEnv)
+        # Records of earlier versions may have negative seeds.
+        seed = None if seed is None else whole_number("seed", seed)
+        instance_of("agent", agent, str)
         self.episode = Episode(env.layout, env.settings, seed, agent)
         self._is_acting = False
         self._keep_frame(0.0)
@@ -152,8 +156,10 @@ class FleetRecorder:
     """
 
     def __init__(self, env: FleetEnv, *, seed: int | None = None, agent: str = "") -> None:
-        self._env, self._agent = env, agent
-        self._seed = int(np.random.default_rng().integers(2**32)) if seed is None else int(seed)
+        self._env = instance_of("env", env, FleetEnv)
+        self._agent = instance_of("agent", agent, str)
+        drawn = int(np.random.default_rng().integers(2**32))
+        self._seed = drawn if seed is None else whole_number("seed", seed, 0, MAX_SEED)
         self._settings = FleetSettings.from_json(env.settings.to_json())
         self._columns: dict[str, list[Any]] = {name: [] for name in (*OF_FRAMES, *OF_STEPS)}
         self._reasons: list[tuple[str, ...]] = []
@@ -244,6 +250,7 @@ def start_recording(
     """
     if isinstance(env, FleetEnv):
         return FleetRecorder(env, seed=seed, agent=agent)
+    instance_of("env", env, WarehouseEnv)
     env.reset(randomize=randomize, seed=seed)
     return EpisodeRecorder(env, seed=seed, agent=agent)
 
@@ -267,7 +274,7 @@ def record_episode(
         The record, which ends with the delivery or when the steps or the battery run out; a
         fleet's ends when all robots have.
     """
-    name = type(agent).__name__
+    name = type(with_methods("agent", agent, "reset", "act")).__name__
     recorder: Any = start_recording(env, seed=seed, agent=name, randomize=randomize)
     recorder.run(agent)
     episode: Episode = recorder.episode

@@ -11,6 +11,7 @@ import math
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.arguments import whole_number
 from warehouse_core.render.atlas import CODES, NO_ROBOT, ROBOT_CODES, UNSEEN, Pixels
 from warehouse_core.render.painter import TilePainter, bar
 from warehouse_core.render.palette import BATTERY, INK
@@ -32,8 +33,12 @@ class ObservationImage:
     """
 
     def __init__(self, height: int, width: int, battery: int, max_steps: int) -> None:
-        self._height, self._width = height, width
-        self._battery, self._max_steps = battery, max_steps
+        self._height, self._width = (
+            whole_number("height", height, 1),
+            whole_number("width", width, 1),
+        )
+        self._battery = whole_number("battery", battery, 1)
+        self._max_steps = whole_number("max_steps", max_steps, 1)
         self._painter = TilePainter(TILE_PIXELS)
 
     @property

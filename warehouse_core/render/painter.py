@@ -30,6 +30,7 @@ def tile_pixels_for(height: int, width: int) -> int:
 
     It is even, because most video encoders need even sides.
     """
+    height, width = whole_number("height", height, 1), whole_number("width", width, 1)
     pixels = min(DEFAULT_TILE_PIXELS, DEFAULT_PICTURE_PIXELS // max(height, width))
     return max(2, pixels - pixels % 2)
 

@@ -5,6 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import Any
 
+from warehouse_core.arguments import MAX_BUDGET, MAX_VIEW_RADIUS, whole_number
 from warehouse_core.wording import brief
 from warehouse_core.world.tiles import Cell
 
@@ -38,12 +39,16 @@ class Settings:
             values = {"slippery": [], "motor_strength": 1.0} | values  # older records have neither
         if not isinstance(values, dict) or values.keys() != set(cls.__slots__):
             raise ValueError(f"settings must have the keys {', '.join(cls.__slots__)}")
-        minima = {"max_steps": 1, "battery": 1, "view_radius": 0}
-        for name, minimum in minima.items():
-            if type(values[name]) is not int or values[name] < minimum:
-                raise ValueError(
-                    f"{name} is {brief(values[name])}; it must be an integer >= {minimum}"
-                )
+        limits = {
+            "max_steps": (1, MAX_BUDGET),
+            "battery": (1, MAX_BUDGET),
+            "view_radius": (0, MAX_VIEW_RADIUS),
+        }
+        try:
+            for name, (minimum, maximum) in limits.items():
+                whole_number(name, values[name], minimum, maximum)
+        except TypeError as error:
+            raise ValueError(str(error)) from None
         if not isinstance(values["backend"], str):
             raise ValueError(f"backend is {brief(values['backend'])}; it must be a name")
         size = values["cell_size"]

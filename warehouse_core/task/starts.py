@@ -13,6 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.errors import LayoutError
+from warehouse_core.wording import brief
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
@@ -39,9 +40,9 @@ class Drawn(NamedTuple):
 
 def what_is_drawn(randomize: bool | str) -> Drawn:
     """Return what ``randomize`` stands for; raise ``ValueError`` if it is not allowed."""
-    if randomize not in RANDOMIZE:
+    if not isinstance(randomize, (int, str, np.bool_)) or randomize not in RANDOMIZE:
         allowed = ", ".join(map(repr, RANDOMIZE))
-        raise ValueError(f"randomize is {randomize!r}; allowed: {allowed}")
+        raise ValueError(f"randomize is {brief(randomize)}; allowed: {allowed}")
     return Drawn(randomize in (True, STATIONS), randomize in (True, START))
 
 

@@ -11,8 +11,10 @@ import random
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.arguments import real_number, seed_number, whole_number
 from warehouse_core.errors import LayoutError
-from warehouse_core.world.layout import CHAPTER_START, Layout, check_size
+from warehouse_core.wording import brief
+from warehouse_core.world.layout import CHAPTER_START, MAX_CELLS, Layout, check_size
 from warehouse_core.world.tiles import EMPTY, WALL, Cell
 
 MAX_DENSITY = 0.4
@@ -38,13 +40,20 @@ def random_layout(height: int, width: int, density: float, seed: int) -> Layout:
 
     Raises:
         LayoutError: a size or density that is not allowed.
+        ValueError: a negative seed.
+        TypeError: a size or a seed that is not an integer.
     """
+    height, width = whole_number("height", height), whole_number("width", width)
     if min(height, width) < 4:
-        raise LayoutError(f"the size is {height} x {width}; it must be at least 4 x 4")
+        raise LayoutError(
+            f"the size is {brief(height)} x {brief(width)}; it must be at least 4 x 4"
+        )
     check_size(height, width)
-    if not 0 <= density <= MAX_DENSITY:
-        raise LayoutError(f"density is {density}; it must be 0..{MAX_DENSITY}")
-    stream = random.Random(seed)
+    try:
+        density = real_number("density", density, 0, MAX_DENSITY)
+    except ValueError as error:
+        raise LayoutError(str(error)) from None
+    stream = random.Random(seed_number(seed))
     border, row = [WALL] * width, [WALL, *[EMPTY] * (width - 2), WALL]
     tiles = [border, *(row.copy() for _ in range(height - 2)), border]
     _scatter_walls(tiles, density, stream)
@@ -83,6 +92,8 @@ def shelf_layout(
 
     Raises:
         LayoutError: a size or a number that is not allowed, or more than ``MAX_CELLS`` cells.
+        ValueError: a negative seed.
+        TypeError: an argument that is not an integer.
     """
     sizes = {
         "shelf_rows": shelf_rows,
@@ -91,8 +102,8 @@ def shelf_layout(
         "shelf_depth": shelf_depth,
         "aisle": aisle,
     }
-    layout = _blocks(sizes, left=aisle, right=aisle)
-    stream = random.Random(seed)
+    stream = random.Random(seed_number(seed))
+    layout = _blocks(sizes)
     beside_shelf = [
         (row, col)
         for row, col in map(layout.open_cell, range(len(layout.open_cells)))
@@ -112,9 +123,11 @@ def _spread(
     name: str, count: int, least: int, cells: list[Cell], stream: random.Random
 ) -> list[Cell]:
     """Return ``count`` of the cells at even distances, the first of them drawn at random."""
-    most = max(1, len(cells) // 2)
+    most, count = max(1, len(cells) // 2), whole_number(name, count)
     if not least <= count <= most:
-        raise LayoutError(f"{name} is {count}; it must be {least}..{most} in a layout of this size")
+        raise LayoutError(
+            f"{name} is {brief(count)}; it must be {least}..{most} in a layout of this size"
+        )
     first = stream.choice(range(len(cells))) if count else 0
     return [cells[(first + i * len(cells) // count) % len(cells)] for i in range(count)]
 
@@ -138,8 +151,9 @@ def benchmark_warehouse(columns: int, rows: int, length: int, depth: int, aisle:
     Source: Stern et al. (2019), Multi-Agent Pathfinding: Definitions, Variants, and Benchmarks.
     """
     sizes = {"rows": rows, "columns": columns, "length": length, "depth": depth, "aisle": aisle}
+    _, columns, *_ = _checked_sizes(sizes)
     left = 5 * columns // 2
-    return _blocks(sizes, left, right=5 * columns - left)
+    return _blocks(sizes, (left, 5 * columns - left))
 
 
 def kiva_warehouse(
@@ -164,7 +178,8 @@ def kiva_warehouse(
 
     Source: Li et al. (2021), Lifelong multi-agent path finding in large-scale warehouses, AAAI.
     """
-    _check_sizes({"rows": rows, "columns": columns, "length": length})
+    sizes = {"rows": rows, "columns": columns, "length": length}
+    rows, columns, length = _checked_sizes(sizes)
     width = columns * (length + 1) - 1 + 2 * len(KIVA_PARKING)
     check_size(4 * rows + 1, width)
     beside, shelves = (".".join([tile * length] * columns) for tile in "G#")
@@ -176,20 +191,22 @@ def kiva_warehouse(
     return layout, np.flatnonzero(marks == "S"), np.flatnonzero(marks == "G")
 
 
-def _check_sizes(sizes: dict[str, int]) -> None:
-    for name, size in sizes.items():
-        if size < 1:
-            raise LayoutError(f"{name} is {size}; it must be at least 1")
+def _checked_sizes(sizes: dict[str, int]) -> list[int]:
+    """Return sizes, given by their names, each 1 to ``MAX_CELLS``."""
+    try:
+        return [whole_number(name, size, 1, MAX_CELLS) for name, size in sizes.items()]
+    except ValueError as error:
+        raise LayoutError(str(error)) from None
 
 
-def _blocks(sizes: dict[str, int], left: int, right: int) -> Layout:
+def _blocks(sizes: dict[str, int], sides: tuple[int, int] | None = None) -> Layout:
     """Return blocks of walls with aisles between them, and so many open columns at both sides.
 
-    The sizes are rows and columns of blocks, length and depth of a block, and width of an aisle, by
-    the names to use in errors.
+    Without ``sides`` an aisle is there too. The sizes are rows and columns of blocks, length and
+    depth of a block, and width of an aisle, by the names to use in errors.
     """
-    _check_sizes(sizes)
-    rows, columns, length, depth, aisle = sizes.values()
+    rows, columns, length, depth, aisle = _checked_sizes(sizes)
+    left, right = sides or (aisle, aisle)
     width = left + columns * (length + aisle) - aisle + right + 2
     height = rows * (depth + aisle) + aisle + 2
     check_size(height, width)

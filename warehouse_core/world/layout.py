@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from warehouse_core.errors import LayoutError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.files.reading import read_file
+from warehouse_core.wording import brief
 from warehouse_core.world.display import display
 from warehouse_core.world.tiles import (
     ALLOWED_TILES,
@@ -291,12 +292,13 @@ def check_size(height: int, width: int) -> None:
     """Raise ``LayoutError`` for more than ``MAX_ROWS`` rows or ``MAX_CELLS`` cells."""
     _check_rows(height)
     if height * width > MAX_CELLS:
-        raise LayoutError(f"{height} x {width} cells are more than MAX_CELLS = {MAX_CELLS}")
+        size = f"{brief(height)} x {brief(width)}"
+        raise LayoutError(f"{size} cells are more than MAX_CELLS = {MAX_CELLS}")
 
 
 def _check_rows(height: int) -> None:
     if height > MAX_ROWS:
-        raise LayoutError(f"{height} rows are more than MAX_ROWS = {MAX_ROWS}")
+        raise LayoutError(f"{brief(height, 100)} rows are more than MAX_ROWS = {MAX_ROWS}")
 
 
 def _checked_rows(rows: Sequence[str]) -> tuple[str, ...]:

@@ -8,6 +8,7 @@ from functools import lru_cache
 from pathlib import Path
 
 from warehouse_core.errors import LayoutError
+from warehouse_core.wording import brief
 from warehouse_core.world.generators import shelf_layout
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
 from warehouse_core.world.map_files import load_layout
@@ -102,7 +103,8 @@ def named_layout(name: str) -> Layout:
     if name == DEPOT:
         return shelf_layout(3, 3, 4, 1, 2, seed=1, pickups=6, dropoffs=3, chargers=4)
     if name not in TEXTS:
-        raise LayoutError(f"no layout is called {name!r}; allowed: {', '.join(NAMES)}, or a file")
+        allowed = ", ".join(NAMES)
+        raise LayoutError(f"no layout is called {brief(name, 100)}; allowed: {allowed}, or a file")
     return Layout(TEXTS[name].split())
 
 
@@ -115,7 +117,7 @@ def find_layout(name: str | os.PathLike[str]) -> Layout:
     """
     path = Path(name)
     if "\0" in str(name):
-        raise LayoutError(f"no layout is called {str(name)!r}: a name has no null character")
+        raise LayoutError(f"no layout is called {brief(str(name))}: a name has no null character")
     if path.is_file() or path.suffix or len(path.parts) != 1:
         return load_layout(path)
     return named_layout(str(name))
@@ -148,7 +150,7 @@ def as_layout(layout: GivenLayout | None) -> Layout:
     try:
         return find_layout(layout)
     except OSError as error:
-        raise LayoutError(f"{os.fspath(layout)}: {error.strerror}{not_text}") from error
+        raise LayoutError(f"{os.fspath(layout):.200}: {error.strerror}{not_text}") from error
     except LayoutError as error:
         if Path(layout).exists():
             raise

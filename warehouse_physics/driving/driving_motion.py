@@ -22,6 +22,9 @@ from warehouse_physics.exclusive import exclusive
 from warehouse_physics.spec import RobotSpec
 from warehouse_physics.walls import wall_boxes
 
+MAX_CALL_SUBSTEPS = 100_000
+"""Limit on the substeps of a call, nearly half an hour of 1/60 s; its paths take memory."""
+
 
 class DrivingMotion(BodyMotion):
     """Moves ``R`` robots as bodies that drive through the cells of their ways.
@@ -48,7 +51,8 @@ class DrivingMotion(BodyMotion):
         path_every: substeps between rows of a path, at least 1.
 
     Raises:
-        ValueError: ``period`` is not above 0, or the robots are too wide to follow each other.
+        ValueError: ``period`` is not above 0 or too long, or the robots are too wide to follow each
+            other.
         TypeError: ``spec`` is no ``RobotSpec``, or ``disturbances`` no ``Disturbances``.
     """
 
@@ -159,7 +163,7 @@ class DrivingMotion(BodyMotion):
         """Drive for some time, rounded to substeps, and return what each robot did.
 
         Raises:
-            ValueError: ``seconds`` is not above 0.
+            ValueError: ``seconds`` is not above 0 or too long.
             RuntimeError: as for ``advance``.
         """
         return self._drive(self._substeps_in("seconds", seconds))
@@ -189,7 +193,8 @@ class DrivingMotion(BodyMotion):
         ]
 
     def _substeps_in(self, name: str, seconds: float) -> int:
-        return max(1, round(real_number(name, seconds, above=True) / self.spec.time_step))
+        dt = self.spec.time_step
+        return max(1, round(real_number(name, seconds, 0, MAX_CALL_SUBSTEPS * dt, above=True) / dt))
 
     def _driven(self) -> Driver:
         if self._driver is None:

@@ -44,7 +44,7 @@ class Corridor:
         return observation
 
 
-def state_at(place: int) -> q_learning.State:
+def state_at(place: int) -> q_learning.QState:
     return (0, place), (1, 3), False
 
 

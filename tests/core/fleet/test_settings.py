@@ -41,8 +41,8 @@ HUGE = 10**12
         ({"view_radius": -1}, ValueError, "^view_radius is -1; it must be at least 0$"),
         (
             {"view_radius": HUGE},
-            LayoutError,
-            f"^windows of {2 * HUGE + 1} x {2 * HUGE + 1} around 2",
+            ValueError,
+            f"^view_radius is {HUGE}; it must be at most 1000$",
         ),
         (
             {"late_penalty": -1},
@@ -58,7 +58,7 @@ HUGE = 10**12
             "^the start of robot 1 is 'ab'; it must be two int",
         ),
         ({"orders": -0.5}, ValueError, "^rate is -0.5; it must be at least 0 and finite$"),
-        ({"orders": 1e9}, OrderError, "^the rate 1000000000.0 leads to about"),
+        ({"orders": 1e9}, OrderError, "^the rate 1000000000 leads to about"),
         (
             {"orders": True},
             TypeError,
@@ -103,7 +103,7 @@ def test_a_battery_names_what_is_wrong(settings: Any, error: Any, message: str) 
 def test_memory_is_bounded_before_it_is_used(little_memory: Any) -> None:
     """By the layouts or by the robots, whichever need more."""
     with little_memory():
-        for robots, radius in ((1, 3000), (3000, 120)):
+        for robots, radius in ((1, 1000), (3000, 120)):
             with pytest.raises(
                 LayoutError, match="bytes; MAX_TABLE_BYTES = 1073741824 are allowed"
             ):

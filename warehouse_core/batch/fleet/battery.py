@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-from warehouse_core.arguments import MAX_STEPS, whole_number
+from warehouse_core.arguments import MAX_STEPS, one_of, settle, whole_number
 from warehouse_core.motion.grid import nominal_joules
 from warehouse_core.task.rules import CHARGE
 
@@ -32,11 +32,10 @@ class Battery:
     charge: int | None = None
 
     def __post_init__(self) -> None:
-        whole_number("battery", self.capacity, 1, MAX_STEPS)
-        if self.unit not in UNITS:
-            raise ValueError(f"unit is {self.unit!r}; allowed: {', '.join(UNITS)}")
+        settle(self, capacity=whole_number("battery", self.capacity, 1, MAX_STEPS))
+        one_of("unit", self.unit, UNITS)
         if self.charge is not None:
-            whole_number("charge", self.charge, 1, MAX_STEPS)
+            settle(self, charge=whole_number("charge", self.charge, 1, MAX_STEPS))
 
     def step_cost(self, cell_size: float) -> float:
         """Return what a move costs nominally."""

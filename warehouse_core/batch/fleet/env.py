@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from typing import Any
 
-from warehouse_core.arguments import whole_number
+from warehouse_core.arguments import MAX_ENVS, whole_number
 from warehouse_core.batch.fleet.engine import FleetEngine
 from warehouse_core.batch.fleet.settings import FleetSettings
 from warehouse_core.batch.fleet.tally import FleetMeasures
@@ -38,7 +38,7 @@ class FleetBatch(ArrayEnv[FleetArrays]):
         ``autoreset_mode``.
 
     Args:
-        fleets: number of fleets, ``B``, at least 1.
+        fleets: number of fleets, ``B``, 1 to ``MAX_ENVS``.
         layout: one layout for all fleets, or a list of ``B``; ``None`` is the chapter's.
         robots: number of robots of each fleet, ``R``, at least 1.
         backend: name, class or instance of the motion that carries out the moves.
@@ -61,13 +61,13 @@ class FleetBatch(ArrayEnv[FleetArrays]):
         autoreset_mode: str = NEXT_STEP,
         **settings: Any,
     ) -> None:
-        self.fleets = whole_number("fleets", fleets, 1)
-        layouts = one_layout_each(layout, fleets)
+        self.fleets = whole_number("fleets", fleets, 1, MAX_ENVS)
+        layouts = one_layout_each(layout, self.fleets)
         self.settings = FleetSettings.of(robots, **settings)
         self.max_steps, self.max_battery = self.settings.max_steps, self.settings.battery.capacity
         self.view_radius = self.settings.view_radius
         self._fleets = FleetEngine(layouts, self.settings, backend)
-        super().__init__(self._fleets, fleets, self.settings.robots, autoreset_mode)
+        super().__init__(self._fleets, self.fleets, self.settings.robots, autoreset_mode)
 
     def measures(self, fleet: int) -> FleetMeasures:
         """Return how well a fleet has done in its present episode."""

@@ -13,7 +13,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.arguments import real_number, whole_number
+from warehouse_core.arguments import one_of, real_number, settle, whole_number
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.distances import distances
 from warehouse_core.world.layout import Layout
@@ -56,10 +56,9 @@ class People:
     pause: float = 0.2
 
     def __post_init__(self) -> None:
-        whole_number("people", self.count, minimum=0)
-        real_number("pause", self.pause, 0, 1)
-        if self.habit not in HABITS:
-            raise ValueError(f"habit is {self.habit!r}; allowed: {', '.join(HABITS)}")
+        count = whole_number("people", self.count, minimum=0)
+        settle(self, count=count, pause=real_number("pause", self.pause, 0, 1))
+        one_of("habit", self.habit, HABITS)
 
 
 class Crowd:

@@ -4,12 +4,22 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from dataclasses import asdict, dataclass, field, fields
+from itertools import islice
 from typing import Any
 
-from warehouse_core.arguments import MAX_STEPS, as_cell, real_number, whole_number
+from warehouse_core.arguments import (
+    MAX_STEPS,
+    MAX_VIEW_RADIUS,
+    as_cell,
+    flag,
+    real_number,
+    settle,
+    whole_number,
+)
 from warehouse_core.batch.fleet.battery import Battery
 from warehouse_core.batch.fleet.people import People
 from warehouse_core.orders.order import Order, OrderQueue, OrderStream
+from warehouse_core.wording import brief
 from warehouse_core.world.tiles import Cell
 
 MAX_BODIES = 100_000
@@ -37,11 +47,16 @@ class FleetSettings:
     team_reward: bool = False
 
     def __post_init__(self) -> None:
-        whole_number("robots", self.robots, 1, MAX_BODIES)
+        settle(
+            self,
+            robots=whole_number("robots", self.robots, 1, MAX_BODIES),
+            max_steps=whole_number("max_steps", self.max_steps, 1, MAX_STEPS),
+            view_radius=whole_number("view_radius", self.view_radius, 0, MAX_VIEW_RADIUS),
+            dispatch=flag("dispatch", self.dispatch),
+            late_penalty=real_number("late_penalty", self.late_penalty),
+            team_reward=flag("team_reward", self.team_reward),
+        )
         whole_number("robots and people", self.bodies, 1, MAX_BODIES)
-        whole_number("max_steps", self.max_steps, 1, MAX_STEPS)
-        whole_number("view_radius", self.view_radius, 0)
-        real_number("late_penalty", self.late_penalty)
         if self.starts is not None and len(self.starts) != self.robots:
             raise ValueError(f"{len(self.starts)} starts for {self.robots} robots; each needs one")
 
@@ -65,8 +80,6 @@ class FleetSettings:
         try:
             if set(values) != set(names := [each.name for each in fields(cls)]):
                 raise TypeError(f"their keys must be {', '.join(names)}")
-            if not all(type(values[name]) is bool for name in ("dispatch", "team_reward")):
-                raise TypeError("dispatch and team_reward must be true or false")
             starts, orders = values["starts"], values["orders"]
             read = {
                 "battery": Battery(**values["battery"]),
@@ -109,18 +122,26 @@ def as_orders(orders: object) -> tuple[OrderStream, ...] | tuple[Order, ...] | O
         if given and all(isinstance(each, kind) for each in given):
             return given
     raise TypeError(
-        f"orders are {orders!r:.200}; allowed: a rate, an OrderStream, an OrderQueue, or a list of "
+        f"orders are {brief(orders)}; allowed: a rate, an OrderStream, an OrderQueue, or a list of "
         "OrderStream or of Order, with at least one"
     )
 
 
 _FORMS: dict[str, Callable[[Any], Any]] = {
     "orders": as_orders,
-    "starts": lambda starts: None if starts is None else tuple(starts),
+    "starts": lambda starts: None if starts is None else _cells(starts),
     "battery": lambda units: units if isinstance(units, Battery) else Battery(units),
     "people": lambda count: count if isinstance(count, People) else People(count),
 }
 """Settings that ``FleetEnv`` takes in several forms, and what makes one form of them."""
+
+
+def _cells(starts: Any) -> tuple[Any, ...]:
+    """Return the cells of some starts, which are checked where they are taken."""
+    try:
+        return tuple(islice(starts, MAX_BODIES + 1))
+    except Exception:  # a user's ``__iter__`` may raise anything
+        raise TypeError(f"starts is {brief(starts)}; it must be a cell for each robot") from None
 
 
 def _orders(values: Any) -> Any:

@@ -18,6 +18,7 @@ from warehouse_core.task.starts import (
     empty_cells,
     station_cells,
 )
+from warehouse_core.wording import brief
 from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.tables import Integers, LayoutSet
 from warehouse_core.world.tiles import Cell
@@ -107,6 +108,8 @@ def _given_starts(rows: int, start_pos: Any) -> tuple[Any, Sequence[Any]]:
     """Return the start that all rows have in common, or ``None``, and those given for each row."""
     if start_pos is None:
         return None, ()
+    if not isinstance(start_pos, (list, tuple, np.ndarray)):
+        raise TypeError(f"start_pos is {brief(start_pos)}; it must be a cell, or one for each row")
     try:
         given = np.asarray(start_pos)
     except ValueError:  # rows of different lengths

@@ -6,7 +6,14 @@ from collections.abc import Sequence
 
 import numpy as np
 
-from warehouse_core.arguments import MAX_STEPS, whole_number
+from warehouse_core.arguments import (
+    MAX_ENVS,
+    MAX_STEPS,
+    MAX_VIEW_RADIUS,
+    one_of,
+    sequence_of,
+    whole_number,
+)
 from warehouse_core.batch.lone.draws import EpisodeDraws
 from warehouse_core.batch.lone.engine import LoneEngine
 from warehouse_core.batch.shell.checks import check_pool, one_layout_each
@@ -18,9 +25,10 @@ from warehouse_core.motion.batch import ChangesLayouts
 from warehouse_core.task.encoding import ObservationArrays
 from warehouse_core.task.starts import what_is_drawn
 from warehouse_core.task.state import WarehouseState
+from warehouse_core.wording import brief
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import LayoutSet
-from warehouse_core.world.tiles import Cell
+from warehouse_core.world.tiles import TILES, Cell
 
 
 class BatchEnv(ArrayEnv[ObservationArrays]):
@@ -44,14 +52,15 @@ class BatchEnv(ArrayEnv[ObservationArrays]):
         have ended restart by ``autoreset_mode``.
 
     Args:
-        num_envs: number of warehouses, ``B``, at least 1.
+        num_envs: number of warehouses, ``B``, 1 to ``MAX_ENVS``.
         layout: one layout for all rows, or a list of ``B``; ``None`` is the chapter's.
         start_pos: start of robots that is not drawn, one for all rows or, without a pool, ``B`` of
             them; ``None`` is the usual start of each layout.
         max_steps: limit of an episode, 1 to ``MAX_STEPS``.
         battery: units of a full charge, 1 to ``MAX_STEPS``; every step costs one, and waiting on
             a charger charges.
-        view_radius: cells seen in each direction; with 0 a robot sees only itself.
+        view_radius: cells seen in each direction, 0 to ``MAX_VIEW_RADIUS``; with 0 a robot sees
+            only itself.
         randomize: ``True`` to draw pickup, dropoff and start for each episode, or ``"stations"`` or
             ``"start"`` for one of the two.
         autoreset_mode: time at which a row that has ended restarts: in the next step, which takes
@@ -84,22 +93,25 @@ class BatchEnv(ArrayEnv[ObservationArrays]):
         pool: Sequence[Layout] | None = None,
         marked: tuple[str, ...] = (),
     ) -> None:
-        num_envs = whole_number("num_envs", num_envs, minimum=1)
+        num_envs = whole_number("num_envs", num_envs, 1, MAX_ENVS)
         self.max_steps = whole_number("max_steps", max_steps, 1, MAX_STEPS)
         self.max_battery = whole_number("battery", battery, 1, MAX_STEPS)
-        self.view_radius = whole_number("view_radius", view_radius, minimum=0)
+        self.view_radius = whole_number("view_radius", view_radius, 0, MAX_VIEW_RADIUS)
         self.randomize, drawn = randomize, what_is_drawn(randomize)
         if pool is not None:
             check_pool(pool, layout, start_pos)
         rows = one_layout_each(pool[0] if pool else layout, num_envs)
         layouts = LayoutSet(rows, pool or (), bare=drawn.stations)
         draws = EpisodeDraws(layouts, start_pos, drawn)
+        marked = sequence_of("marked", marked, str)
+        for tile in marked:
+            one_of("marked", tile, TILES)
         floor = Floor(layouts, self.view_radius, moving_stations=drawn.stations, tiles=marked)
         motion = make_batch_motion(backend, layouts.rows)
         if pool is not None and not isinstance(motion, ChangesLayouts):
             raise BackendError(
-                f"backend {backend!r} cannot change layouts, which a pool needs; its batch would "
-                "need a method change(floors, layouts)"
+                f"backend {brief(backend)} cannot change layouts, which a pool needs; its batch "
+                "would need a method change(floors, layouts)"
             )
         self._lone = LoneEngine(layouts, draws, floor, motion, self.max_steps, self.max_battery)
         super().__init__(self._lone, num_envs, 1, autoreset_mode)

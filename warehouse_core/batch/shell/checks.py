@@ -8,8 +8,9 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
-from warehouse_core.arguments import whole_number
+from warehouse_core.arguments import MAX_SEED, seed_number, sequence_of, whole_number
 from warehouse_core.errors import EndedError, LayoutError
+from warehouse_core.wording import brief
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
 from warehouse_core.world.tables import Flags
@@ -37,7 +38,7 @@ def checked_mask(mask: Flags | None, rows: int, is_first: bool) -> Flags:
     if mask is None:
         return np.ones(rows, np.bool_)
     if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
-        raise TypeError(f"the mask is {mask!r}; it must be an array of bool")
+        raise TypeError(f"the mask is {brief(mask)}; it must be an array of bool")
     if mask.shape != (rows,) or not mask.any():
         raise ValueError(
             f"the mask has the shape {mask.shape} and {mask.sum()} rows set; "
@@ -53,7 +54,7 @@ def one_layout_each(layout: Layout | Sequence[Layout] | None, rows: int) -> Sequ
     if layout is None or isinstance(layout, Layout):
         return [layout or DEFAULT_LAYOUT] * rows
     if not isinstance(layout, Sequence):
-        raise TypeError(f"layout is {layout!r}; it must be a Layout, or one for each row")
+        raise TypeError(f"layout is {brief(layout)}; it must be a Layout, or one for each row")
     if len(layout) != rows:
         raise ValueError(f"{len(layout)} layouts for {rows} rows; give one, or one for each row")
     for row, each in enumerate(layout):
@@ -66,12 +67,10 @@ def check_pool(pool: Sequence[Layout], layout: object, start_pos: Any) -> None:
     """Raise if layouts cannot be a pool, or other arguments cannot be given with one."""
     if layout is not None:
         raise ValueError("layout and pool are both given; allowed: one of them")
-    if not isinstance(pool, Sequence) or not all(isinstance(each, Layout) for each in pool):
-        raise TypeError(f"pool is {pool!r:.200}; it must be a sequence of Layout")
-    if not pool:
+    if not sequence_of("pool", pool, Layout):
         raise ValueError("pool is empty; it needs at least one layout")
     if start_pos is not None and np.shape(start_pos) != (2,):
-        raise ValueError(f"start_pos is {start_pos!r:.200}; with a pool it must be one cell")
+        raise ValueError(f"start_pos is {brief(start_pos)}; with a pool it must be one cell")
     height, width = pool[0].height, pool[0].width
     for number, each in enumerate(pool):
         if (each.height, each.width) != (height, width):
@@ -86,13 +85,10 @@ def checked_seeds(seed: Seeds, rows: int) -> Sequence[int | None]:
     if seed is None:
         return [None] * rows
     if isinstance(seed, (int, np.integer)):
-        first = whole_number("seed", seed, minimum=0)
+        first = whole_number("seed", seed, 0, MAX_SEED)
         return range(first, first + rows)
     if not isinstance(seed, (Sequence, np.ndarray)) or np.ndim(np.asarray(seed, object)) != 1:
-        raise TypeError(f"seed is {seed!r}; it must be an integer or one for each row")
+        raise TypeError(f"seed is {brief(seed)}; it must be an integer or one for each row")
     if len(seed) != rows:
         raise ValueError(f"{len(seed)} seeds for {rows} rows; give one, or one for each row")
-    return [
-        None if each is None else whole_number(f"the seed of row {row}", each, minimum=0)
-        for row, each in enumerate(seed)
-    ]
+    return [seed_number(each, f"the seed of row {row}") for row, each in enumerate(seed)]

@@ -12,6 +12,7 @@ from typing import Any, Generic, NamedTuple, Protocol, TypeVar
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
 
+from warehouse_core.arguments import one_of
 from warehouse_core.batch.shell.checks import Seeds, checked_actions, checked_mask, checked_seeds
 from warehouse_core.errors import EndedError
 from warehouse_core.motion.batch import BatchOutcome
@@ -75,11 +76,8 @@ class ArrayEnv(Generic[Observed]):
     def __init__(
         self, engine: Engine[Observed], episodes: int, robots: int, autoreset_mode: str
     ) -> None:
-        if autoreset_mode not in AUTORESET_MODES:
-            raise ValueError(
-                f"autoreset_mode is {autoreset_mode!r}; allowed: {', '.join(AUTORESET_MODES)}"
-            )
-        self.autoreset_mode, self.num_envs = autoreset_mode, episodes * robots
+        self.autoreset_mode = one_of("autoreset_mode", autoreset_mode, AUTORESET_MODES)
+        self.num_envs = episodes * robots
         self.layouts = engine.layouts
         self._engine, self._episodes, self._robots = engine, episodes, robots
         self._started = False
