@@ -142,7 +142,8 @@ class OrderBook:
         if order is not None:
             if not self._waits_for(robot, order):
                 raise OrderError(
-                    f"order {brief(order)} cannot be assigned to robot {robot}: {self._state(order)}"
+                    f"order {brief(order)} cannot be assigned to robot {robot}: "
+                    f"{self._state(order)}"
                 )
             self._withdraw(order)
         self._give(robot, NONE if order is None else order)
