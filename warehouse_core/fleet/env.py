@@ -22,7 +22,7 @@ from warehouse_core.motion.base import DrivesThrough, Outcome, Ways, conditions_
 from warehouse_core.orders.book import NONE, OrderBook
 from warehouse_core.orders.order import Order, OrderArrays, Orders
 from warehouse_core.task.encoding import FleetArrays
-from warehouse_core.wording import brief
+from warehouse_core.wording import brief, counted
 from warehouse_core.world.actions import DROP, INVALID, PICK, WAIT, action_index
 from warehouse_core.world.display import display
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
@@ -392,8 +392,9 @@ class FleetEnv:
         supply = chargers * battery.step_charge(self.cell_size)
         if self.settings.max_steps * cost > battery.capacity and supply < robots * cost:
             warnings.warn(
-                f"{chargers} chargers supply {supply:g} {battery.unit} a step and {robots} robots "
-                f"use {robots * cost:g}; batteries of {battery.capacity} do not last for "
-                f"{self.settings.max_steps} steps, so that robots will stop in the way of others",
+                f"{counted(chargers, 'charger')} can keep {int(supply / cost)} of "
+                f"{counted(robots, 'robot')} going, and their batteries last "
+                f"{battery.capacity / cost:.0f} of {self.settings.max_steps} steps: robots will "
+                "stop in the way of others",
                 stacklevel=3,
             )

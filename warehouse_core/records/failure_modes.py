@@ -32,8 +32,9 @@ a lone robot or for the record of a fleet only.
 |                  |       | not leave their cells, each stopped by the next one   |               |
 |                  |       | in ``STOPPED_SHARE`` of these steps: in a ring, or in |               |
 |                  |       | a queue behind one that stays                         |               |
-| starvation       | fleet | an order waited while ``MIN_OVERTAKING`` orders that  | of the wait   |
-|                  |       | were released after it were taken                     |               |
+| starvation       | fleet | an order that was not delivered when it was due       | of the wait   |
+|                  |       | waited while ``MIN_OVERTAKING`` orders that were      |               |
+|                  |       | released after it were taken                          |               |
 | congested        | fleet | ``BLOCKED_SHARE`` of the moves were stopped by robots | stopped moves |
 |                  |       | or people                                             |               |
 | idle             | fleet | in ``IDLE_SHARE`` of its steps a robot waited, not on | waits         |
@@ -486,14 +487,16 @@ def _queue(robot: int, ahead: dict[int, int]) -> list[int]:
 
 
 def _starvation(episode: Episode) -> Evidence | None:
-    """Look whether the order that waited longest was overtaken."""
-    waits = [
-        (episode.steps if order.taken is None else order.taken) - order.released
-        for order in episode.orders
-    ]
+    """Look whether the late order that waited longest was overtaken."""
+    steps = episode.steps
+    waits = {
+        number: (steps if order.taken is None else order.taken) - order.released
+        for number, order in enumerate(episode.orders)
+        if (steps if order.delivered is None else order.delivered) > order.due
+    }
     if not waits:
         return None
-    worst = int(np.argmax(waits))
+    worst = max(waits, key=waits.__getitem__)
     order, end = episode.orders[worst], episode.orders[worst].released + waits[worst]
     overtaking = sum(
         other.released > order.released and other.taken is not None and other.taken < end
@@ -502,8 +505,8 @@ def _starvation(episode: Episode) -> Evidence | None:
     if overtaking < MIN_OVERTAKING:
         return None
     sentence = (
-        f"order {worst} at {order.pickup} waited for {_count(waits[worst])}, while "
-        f"{overtaking} that were released after it were taken"
+        f"order {worst} at {order.pickup}, due at step {order.due}, waited for "
+        f"{_count(waits[worst])}, while {overtaking} that were released after it were taken"
     )
     robots = () if order.taken_by is None else (order.taken_by,)
     return Evidence(sentence, (order.pickup,), waits[worst], robots)

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
+from datetime import timedelta
 from typing import TypeVar
 
 from rich.console import Console
@@ -25,7 +26,24 @@ Item = TypeVar("Item")
 
 class _RateColumn(ProgressColumn):
     def render(self, task: Task) -> Text:
-        return Text("" if task.speed is None else f"{task.speed:,.0f}/s", "progress.data.speed")
+        return Text(rate_of(task.speed), "progress.data.speed")
+
+
+class _TimeColumn(TimeRemainingColumn):
+    """Time that is left; until that is known, time that has passed, which shows that all runs."""
+
+    def render(self, task: Task) -> Text:
+        if task.finished or task.time_remaining is not None:
+            return super().render(task)
+        passed = timedelta(seconds=int(task.elapsed or 0))
+        return Text(f"{passed} so far", "progress.remaining")
+
+
+def rate_of(speed: float | None) -> str:
+    """Return how many are completed in a second, or the seconds for one; "" if it is not known."""
+    if not speed:
+        return ""
+    return f"{speed:,.0f}/s" if speed >= 1 else f"1 in {1 / speed:,.1f} s"
 
 
 @contextmanager
@@ -36,7 +54,7 @@ def progress_bar(total: int, label: str = "") -> Iterator[Callable[..., None]]:
         BarColumn(),
         MofNCompleteColumn(),
         _RateColumn(),
-        TimeRemainingColumn(),
+        _TimeColumn(),
         TextColumn("{task.fields[news]}"),
     )
     console = Console(stderr=True)

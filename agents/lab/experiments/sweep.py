@@ -166,7 +166,7 @@ def sweep(
         finally:
             if mixed := store.mixed():
                 print_error(
-                    f"warning: {counted(len(mixed), 'combination')} with episodes of several "
+                    f"warning: {counted(len(mixed), 'combination')} with episodes run by several "
                     f"programs, such as {listed(store.programs(mixed[0]))}"
                 )
         if failed:

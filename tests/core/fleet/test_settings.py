@@ -194,9 +194,12 @@ def test_assignments_are_seen_at_once(fleet: FleetEnv) -> None:
 
 
 def test_too_few_chargers_are_warned_of() -> None:
-    with pytest.warns(UserWarning, match="1 chargers supply 10 steps a step and 11 robots use 11"):
+    with pytest.warns(UserWarning, match="1 charger can keep 10 of 11 robots going, and"):
         FleetEnv(["....C.", "......"], 11, max_steps=300)
-    with pytest.warns(UserWarning, match="^0 chargers supply 0 joules a step and 2 robots use 1"):
+    with pytest.warns(
+        UserWarning,
+        match="^0 chargers can keep 0 of 2 robots going, and their batteries last [0-9]+ of ",
+    ):
         FleetEnv(["P..D"], 2, orders=0.1, battery=Battery(500, "joules"))
     with warnings.catch_warnings():
         warnings.simplefilter("error")

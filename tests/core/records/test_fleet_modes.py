@@ -120,10 +120,12 @@ def test_a_robot_behind_a_person_is_in_no_queue() -> None:
     )
 
 
-def starved(later: int, released: int = 1, pick_at: int | None = None) -> tuple[str, Any]:
+def starved(
+    later: int, released: int = 1, pick_at: int | None = None, due: int = 40
+) -> tuple[str, Any]:
     """Return mode and robots where an order waits, later ones do not, and ``pick_at`` ends it."""
     rows = ["P..", "PD."]
-    early = Order(0, 99, (0, 0), (1, 1))
+    early = Order(0, due, (0, 0), (1, 1))
     others = [Order(released, 99, (1, 0), (1, 1), robot=0) for _ in range(later)]
     steps = [["WAIT", "WAIT"]] + [[action, "WAIT"] for action in ROUND * 10]
     if pick_at is not None:
@@ -140,12 +142,25 @@ def test_an_order_that_ten_later_ones_overtake_starves() -> None:
     assert starved(10, pick_at=tenth + 1) == ("starvation", (1,))
 
 
+def test_an_order_that_is_not_late_does_not_starve_however_many_overtake_it() -> None:
+    assert starved(10, due=41)[0] == "idle", "the episode has 41 steps"
+    rows, early = ["P..", "PD."], Order(0, 45, (0, 0), (1, 1))
+    later = [Order(1, 99, (1, 0), (1, 1), robot=0) for _ in range(11)]  # the last is not delivered
+    steps = [["WAIT", "WAIT"]] + [[action, "WAIT"] for action in ROUND * 10]
+    ending = [["N", action] for action in ("PICK", "E", "S", "DROP", "WAIT")]
+    starts = [(1, 0), (0, 0)]
+    for due in (44, 45):
+        episode = driven(rows, starts, steps + ending, orders=[early._replace(due=due), *later])
+        assert (mode_of(episode)[0] == "starvation") == (due == 44)
+
+
 def test_the_order_that_starves_is_named() -> None:
-    rows, early = ["P..", "PD."], Order(0, 99, (0, 0), (1, 1))
+    rows, early = ["P..", "PD."], Order(0, 40, (0, 0), (1, 1))
     later = [Order(1, 99, (1, 0), (1, 1), robot=0) for _ in range(10)]
     steps = [["WAIT", "WAIT"]] + [[action, "WAIT"] for action in ROUND * 10]
     found = diagnose(driven(rows, [(1, 0), (0, 2)], steps, orders=[early, *later]))
-    assert "order 0 at (0, 0) waited for 41 steps, while 10" in found.sentence
+    said = "order 0 at (0, 0), due at step 40, waited for 41 steps, while 10 that were"
+    assert said in found.sentence
     assert (found.cells, found.steps) == (((0, 0),), 41)
 
 

@@ -64,7 +64,7 @@ def gap(
             Number(0, math.inf),
         ),
     ] = 60.0,
-    episodes: options.Episodes = 5,
+    episodes: options.Episodes = 4,
     seed: options.Seed = 0,
     jobs: options.Jobs = None,
     *,

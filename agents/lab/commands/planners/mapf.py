@@ -278,7 +278,7 @@ def run_league(
     layout, graph = league.layout, Graph(league.layout)
     count = len(league.starts) if robots is None else robots
     if count > len(league.starts):
-        raise PlanError(f"{title} has {counted(len(league.starts), 'robot')}; not {count}")
+        raise PlanError(f"--robots is {count}; allowed: 1..{len(league.starts)} in {title}")
     cells = layout.numbers(league.starts[:count])
     tasks = [layout.numbers(task).tolist() for task in league.tasks]
     part = parts(graph)

@@ -6,7 +6,7 @@ import time
 import pytest
 from helpers.terminal import Terminal
 
-from agents.lab.console.progress import progress_bar, track
+from agents.lab.console.progress import progress_bar, rate_of, track
 
 
 def shown(monkeypatch: pytest.MonkeyPatch, screen: io.StringIO, *steps: int) -> str:
@@ -32,6 +32,15 @@ def test_an_unknown_rate_is_not_shown(monkeypatch: pytest.MonkeyPatch) -> None:
     text = shown(monkeypatch, Terminal())
     assert "0/200" in text
     assert "/s" not in text
+    assert "0:00:00 so far" in text, "the time passes while nothing is completed"
+
+
+@pytest.mark.parametrize(
+    ("speed", "text"),
+    [(None, ""), (0.0, ""), (0.3, "1 in 3.3 s"), (1.0, "1/s"), (12_345.6, "12,346/s")],
+)
+def test_a_rate_below_one_is_the_time_for_one(speed: float | None, text: str) -> None:
+    assert rate_of(speed) == text
 
 
 def test_without_a_terminal_there_is_no_bar(monkeypatch: pytest.MonkeyPatch) -> None:
