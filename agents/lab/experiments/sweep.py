@@ -80,7 +80,7 @@ def sweep(
     file: Annotated[
         Path | None,
         typer.Argument(
-            metavar="[PLAN]",
+            metavar="PLAN",
             help="A .toml file with episodes, seed and the tables settings, robot, disturbances.",
             show_default=False,
         ),

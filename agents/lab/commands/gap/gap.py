@@ -60,7 +60,7 @@ def gap(
         float,
         option(
             "--stop SECONDS",
-            "Time for which one disturbed robot stands still. With 0 none does, with inf it dies.",
+            "Seconds that one disturbed robot stands still. With 0 none does, with inf it dies.",
             Number(0, math.inf),
         ),
     ] = 60.0,
@@ -88,8 +88,8 @@ def gap(
     in all worlds. A joint step of bodies that stop lasts as long as the move of
     a loaded robot.
 
-    An episode takes about 5 s. For 95% intervals give -n 20, which takes a
-    minute on two processors.
+    By default this takes about 15 s. Give -n 20 for 95% intervals, in five times
+    as long.
 
     Example: warehouse gap --robots 8 --count 20 -n 3 --save gap.html
     """
