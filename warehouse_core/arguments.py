@@ -43,9 +43,12 @@ def whole_number(
         ValueError: it is less than ``minimum`` or more than ``maximum``.
     """
     try:
-        if isinstance(value, (bool, np.bool_)):
+        if type(value) is int:  # as usual, and faster than the rest
+            number = value
+        elif isinstance(value, (bool, np.bool_)):
             raise TypeError
-        number = int(operator.index(value))
+        else:
+            number = int(operator.index(value))
     except Exception:  # a user's ``__index__`` may raise anything
         raise TypeError(f"{name} is {brief(value)}; it must be an integer") from None
     if minimum is not None and number < minimum:
@@ -162,8 +165,8 @@ def as_cell(name: str, value: tuple[int, int], parts: str = "(row, column)") -> 
         TypeError: it is not one; the message names its ``parts``.
     """
     try:
-        if not isinstance(value, (tuple, list, np.ndarray, Sequence)):  # a set has no order
-            raise TypeError
+        if type(value) is not tuple and not isinstance(value, (np.ndarray, Sequence)):
+            raise TypeError  # a set has no order
         first, second = value
         return whole_number(name, first), whole_number(name, second)
     except Exception:  # a user's ``__iter__`` may raise anything

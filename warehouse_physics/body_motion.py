@@ -3,11 +3,15 @@
 from __future__ import annotations
 
 import random
-from collections.abc import Mapping
-from typing import Self
+from collections.abc import Mapping, Sequence
+from itertools import product
+from typing import Any, ClassVar, Self
 
 from warehouse_core.arguments import MAX_STEPS, flag, instance_of, whole_number
 from warehouse_core.motion.base import Conditions
+from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_core.world.layout import Layout
+from warehouse_core.world.tiles import Cell
 from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.spec import RobotSpec
 
@@ -15,8 +19,21 @@ PATH_EVERY = 10
 """Substeps between rows of a path."""
 
 
+MOVES = tuple(product(dict.fromkeys(DISPLACEMENTS), (False, True)))
+"""Displacement of a robot, and whether it is loaded; a byte of a course is the number of one."""
+
+_NUMBERS = {move: number for number, move in enumerate(MOVES)}
+
+
 class BodyMotion:
-    """Base of the motions that move bodies; see ``RigidBodyMotion`` for the arguments."""
+    """Base of the motions that move bodies; see ``RigidBodyMotion`` for the arguments.
+
+    A copy, or what a pickle gives, repeats all moves since the reset: a copied space of Chipmunk
+    goes on otherwise than its original.
+    """
+
+    BODIES: ClassVar[str]
+    """Attribute with the bodies, ``None`` before a reset."""
 
     is_busy = False
     """True while a call is running that no other may overlap; see ``exclusive``."""
@@ -38,6 +55,8 @@ class BodyMotion:
         self.cell_size = self.spec.cell_size
         self._record_path = flag("record_path", record_path)
         self._path_every = whole_number("path_every", path_every, 1, MAX_STEPS)
+        self._begun: tuple[Layout, tuple[Cell, ...], int] | None = None
+        self._course, self._failures = bytearray(), list[tuple[int, int]]()
 
     @classmethod
     def from_numbers(cls, numbers: Mapping[str, float]) -> Self:
@@ -48,6 +67,38 @@ class BodyMotion:
     def conditions(self) -> Conditions:
         """Floor and motors, for records."""
         return self.disturbances.conditions
+
+    def __getstate__(self) -> dict[str, Any]:
+        state = vars(self).copy()
+        if state.pop(self.BODIES) is not None and self._begun is None:
+            raise TypeError(
+                "robots that extend() and drive() have led cannot be copied; make another motion "
+                "and lead its robots the same way"
+            )
+        return state
+
+    def __setstate__(self, state: dict[str, Any]) -> None:
+        vars(self).update(state, **{self.BODIES: None})
+        if self._begun is None:
+            return
+        motion: Any = self
+        robots, course, failures = len(self._begun[1]), self._course, self._failures
+        motion.reset(*self._begun)
+        for step in range(len(course) // robots + 1):
+            for _, robot in (each for each in failures if each[0] == step):
+                motion.fail(robot)
+            moves = [MOVES[number] for number in course[step * robots : (step + 1) * robots]]
+            if moves:
+                motion.advance(*zip(*moves, strict=True))
+
+    def _begin(self, layout: Layout, cells: Sequence[Cell], seed: int) -> None:
+        """Note a reset, after which the course is empty."""
+        self._begun = layout, tuple(cells), seed
+        self._course, self._failures = bytearray(), []
+
+    def _note(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> None:
+        """Note an action of each robot."""
+        self._course += bytes(map(_NUMBERS.__getitem__, zip(displacements, loaded, strict=True)))
 
     def _drawn(self, seed: int | None) -> int:
         """Return the seed for disturbances, which is drawn if none is given and it matters."""

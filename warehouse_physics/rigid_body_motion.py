@@ -49,6 +49,8 @@ class RigidBodyMotion(BodyMotion):
             no ``Disturbances``.
     """
 
+    BODIES = "_arena"
+
     def __init__(
         self,
         spec: RobotSpec | None = None,
@@ -79,10 +81,10 @@ class RigidBodyMotion(BodyMotion):
                 f"radius is {self.spec.radius!r}; with cell_size {self.cell_size!r} it must be at "
                 f"most {widest!r} for {len(cells)} robots, which pass each other at corners"
             )
-        floor = None
-        if self.disturbances.any:
-            floor = FloorConditions(self.disturbances, self._drawn(seed))
+        drawn = self._drawn(seed)
+        floor = FloorConditions(self.disturbances, drawn) if self.disturbances.any else None
         self._arena = RobotArena(layout, cells, self.spec, floor)
+        self._begin(layout, cells, drawn)
 
     @exclusive
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -95,6 +97,7 @@ class RigidBodyMotion(BodyMotion):
             raise RuntimeError("advance() needs a reset() before it")
         robots = self._arena.robots
         check_moves(len(robots), displacements, loaded)
+        self._note(displacements, loaded)
         moves = zip(displacements, loaded, strict=True)
         pace = self._paces[any(load and displacement != STAY for displacement, load in moves)]
         turning = max(
@@ -121,7 +124,7 @@ class RigidBodyMotion(BodyMotion):
 
     def close(self) -> None:
         """Release the arena; see ``Motion.close``."""
-        self._arena = None
+        self._arena = self._begun = None
 
     def _drive(self, arena: RobotArena, paths: list[list[BodyRow]]) -> int:
         """Run until all robots are at rest, and return the number of substeps."""

@@ -40,7 +40,8 @@ class Drawn(NamedTuple):
 
 def what_is_drawn(randomize: bool | str) -> Drawn:
     """Return what ``randomize`` stands for; raise ``ValueError`` if it is not allowed."""
-    if not isinstance(randomize, (int, str, np.bool_)) or randomize not in RANDOMIZE:
+    is_flag = randomize is False or randomize is True
+    if not is_flag and not (isinstance(randomize, (int, str, np.bool_)) and randomize in RANDOMIZE):
         allowed = ", ".join(map(repr, RANDOMIZE))
         raise ValueError(f"randomize is {brief(randomize)}; allowed: {allowed}")
     return Drawn(randomize in (True, STATIONS), randomize in (True, START))

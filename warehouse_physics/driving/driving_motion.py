@@ -56,6 +56,8 @@ class DrivingMotion(BodyMotion):
         TypeError: ``spec`` is no ``RobotSpec``, or ``disturbances`` no ``Disturbances``.
     """
 
+    BODIES = "_driver"
+
     def __init__(
         self,
         spec: RobotSpec | None = None,
@@ -89,7 +91,9 @@ class DrivingMotion(BodyMotion):
         arena = DrivenArena(self.spec, ITERATIONS)
         arena.add_walls(wall_boxes(layout))
         arena.add_robots(centre_of(cell, self.cell_size) for cell in cells)
-        self._driver = Driver(arena, self.spec, cells, self.disturbances, self._drawn(seed))
+        drawn = self._drawn(seed)
+        self._driver = Driver(arena, self.spec, cells, self.disturbances, drawn)
+        self._begin(layout, cells, drawn)
 
     def ways(self) -> Ways:
         """Return what each robot has ahead of it; see ``DrivesThrough``."""
@@ -106,7 +110,9 @@ class DrivingMotion(BodyMotion):
     def fail(self, robot: int) -> None:
         """Let a robot stay where it is for good; see ``DrivesThrough``."""
         driver = self._driven()
-        driver.fail(whole_number("robot", robot, 0, len(driver.work) - 1))
+        robot = whole_number("robot", robot, 0, len(driver.work) - 1)
+        driver.fail(robot)
+        self._failures.append((len(self._course) // len(driver.work), robot))
 
     @exclusive
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -120,6 +126,7 @@ class DrivingMotion(BodyMotion):
         driver = self._driven()
         assert self._layout is not None
         check_moves(len(driver.work), displacements, loaded)
+        self._note(displacements, loaded)
         ends, room, _, _, closed = self.ways()
         wanted = [
             moved(end, displacement) if has_room else end
@@ -158,6 +165,7 @@ class DrivingMotion(BodyMotion):
         assert self._layout is not None
         check_joint_step(self._layout, ends, cells)
         self._driven().extend(cells)
+        self._begun = None
 
     @exclusive
     def drive(self, seconds: float) -> list[Outcome]:
@@ -167,11 +175,12 @@ class DrivingMotion(BodyMotion):
             ValueError: ``seconds`` is not above 0 or too long.
             RuntimeError: as for ``advance``.
         """
-        return self._drive(self._substeps_in("seconds", seconds))
+        substeps, self._begun = self._substeps_in("seconds", seconds), None
+        return self._drive(substeps)
 
     def close(self) -> None:
         """Release the arena; see ``Motion.close``."""
-        self._driver = None
+        self._driver = self._begun = None
 
     def _drive(self, substeps: int) -> list[Outcome]:
         driver, dt = self._driven(), self.spec.time_step
