@@ -301,7 +301,9 @@ enum.EnumType.__call__ = interrupted
 sys.argv[1:] = ["run", "--seed", "1", "--battery", "2", "--save", "a.png"]
 main()
 """
-    assert in_a_process("-c", words, folder=tmp_path) == (130, "", "warehouse: interrupted\n")
+    code, _, said = in_a_process("-c", words, folder=tmp_path)
+    assert (code, said) == (130, "warehouse: interrupted\n")
+    assert not list(tmp_path.iterdir())
 
 
 def test_an_interrupt_that_python_ignores_comes_again(tmp_path: Path) -> None:
