@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
+from itertools import islice
 from typing import Any, SupportsIndex
 
 import numpy as np
@@ -257,11 +258,11 @@ class FleetEnv:
         """
         self._check_started("assign")
         robot = whole_number("robot", robot, 0, self.settings.robots - 1)
-        if self._engine.orders is None:
-            raise ValueError(f"order {order} for robot {robot}: this fleet has no orders")
-        if self._engine.ended[robot]:
-            raise OrderError(f"order {order} for robot {robot}: this robot has ended")
         order = None if order is None else whole_number("order", order)
+        if self._engine.orders is None:
+            raise ValueError(f"order {brief(order)} for robot {robot}: this fleet has no orders")
+        if self._engine.ended[robot]:
+            raise OrderError(f"order {brief(order)} for robot {robot}: this robot has ended")
         self._engine.orders.assign(0, robot, order)
         self.assignments.append((self.steps, robot, order))
 
@@ -367,7 +368,8 @@ class FleetEnv:
             given = actions.astype(np.intp)
             given[(given < 0) | (given >= INVALID)] = INVALID
         else:
-            given = np.array([action_index(action) for action in actions], np.intp)
+            # One more than there may be, as a range can be very long.
+            given = np.array([action_index(each) for each in islice(actions, robots + 1)], np.intp)
         if given.shape != (robots,):
             raise ValueError(f"actions of the shape {given.shape} for {robots} robots; one each")
         return given

@@ -10,7 +10,7 @@ from functools import cache
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.arguments import real_number
+from warehouse_core.arguments import instance_of, real_number, sequence_of
 from warehouse_core.errors import RecordError
 from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.motion.batch import NOTHING
@@ -65,16 +65,18 @@ def track_of_record(
     Raises:
         ValueError: ``frame_seconds`` is not a positive finite number, or a plan does not fit the
             record.
+        TypeError: an argument of another type.
         RecordError: continuous motions take more than ``MAX_FRAMES`` frames.
     """
-    has_paths = bool(record.motions)
+    instance_of("record", record, Episode)
+    plans, has_paths = sequence_of("plans", plans, StepPlans), bool(record.motions)
     if record.is_fleet:
         check_plans(plans, record)
     else:
         has_paths = any(len(motion.path) > 2 for motion in record.motions)
     is_continuous = has_paths and frame_seconds is not None
     if frame_seconds is not None:
-        real_number("frame_seconds", frame_seconds, above=True)
+        frame_seconds = real_number("frame_seconds", frame_seconds, above=True)
         if has_paths:
             _check_frames(record, frame_seconds)
     apart = frame_seconds if is_continuous else None

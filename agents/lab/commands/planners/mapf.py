@@ -41,7 +41,7 @@ from agents.mapf.lifelong import LifelongRun, lead, run_lifelong
 from agents.mapf.planner import Planner
 from agents.mapf.problem import Problem
 from agents.registry import PLANNERS
-from warehouse_core.batch.fleet.settings import MAX_BODIES
+from warehouse_core.batch.fleet.people import MAX_BODIES
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.wording import counted, listed
 from warehouse_core.world.robot_runners import League, load_league
