@@ -68,9 +68,17 @@ def seed_number(seed: SupportsIndex | None, name: str = "seed") -> int | None:
 
 
 def real_number(
-    name: str, value: float, minimum: float = 0, maximum: float = math.inf, *, above: bool = False
+    name: str,
+    value: float,
+    minimum: float = 0,
+    maximum: float = math.inf,
+    *,
+    above: bool = False,
+    finite: bool = True,
 ) -> float:
-    """Return a finite argument as a ``float``; with ``above`` it must exceed ``minimum``.
+    """Return an argument as a ``float``; with ``above`` it must exceed ``minimum``.
+
+    Infinity is allowed only without ``finite``.
 
     Raises:
         ValueError: it is not a number, not finite or out of range.
@@ -81,10 +89,10 @@ def real_number(
         number = float(value)
     except OverflowError:  # an int that no float can hold
         number = math.inf
-    is_allowed = math.isfinite(number) and minimum <= number <= maximum
+    is_allowed = (math.isfinite(number) or not finite) and minimum <= number <= maximum
     if not is_allowed or (above and number == minimum):
         lower = f"{'above' if above else 'at least'} {minimum:g}"
-        upper = "finite" if maximum == math.inf else f"at most {maximum:g}"
+        upper = f"at most {maximum:g}" if maximum < math.inf or not finite else "finite"
         raise ValueError(f"{name} is {brief(value)}; it must be {lower} and {upper}")
     return number
 

@@ -10,7 +10,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
-from warehouse_core.arguments import real_number
+from warehouse_core.arguments import real_number, sequence_of
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.records.episode import Episode
 from warehouse_core.records.plans import StepPlans
@@ -118,7 +118,8 @@ def _track_of(
     frame_seconds: float,
     plans: Sequence[StepPlans] = (),
 ) -> Track | None:
-    if plans and not (isinstance(frames, Episode) and frames.is_fleet):
+    is_of_fleet = isinstance(frames, Episode) and frames.is_fleet
+    if sequence_of("plans", plans, StepPlans) and not is_of_fleet:
         raise TypeError("plans are for the record of a fleet")
     if isinstance(frames, Episode):
         if metrics is not None:

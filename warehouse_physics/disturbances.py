@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 import random
 from dataclasses import dataclass, fields
 
@@ -40,9 +39,8 @@ class Stop:
 
     def __post_init__(self) -> None:
         robot = whole_number("robot", self.robot, 0, MAX_STEPS)
-        settle(self, robot=robot, at=real_number("at", self.at))
-        if not (isinstance(self.seconds, float) and self.seconds == math.inf):
-            settle(self, seconds=real_number("seconds", self.seconds, above=True))
+        seconds = real_number("seconds", self.seconds, above=True, finite=False)
+        settle(self, robot=robot, at=real_number("at", self.at), seconds=seconds)
 
 
 @dataclass(frozen=True, slots=True)

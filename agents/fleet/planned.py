@@ -76,9 +76,10 @@ class PlannedFleet:
         log: PlanLog | None = None,
     ) -> None:
         with_methods("planner", planner, "reset", "next_cells")
+        self._log = None if log is None else instance_of("log", log, PlanLog)
         if log and log.pushes and not isinstance(planner, PushingPlanner):
             raise AgentError(f"planner {type(planner).__name__} does not say which robots push")
-        self.planner, self._log = planner, None if log is None else instance_of("log", log, PlanLog)
+        self.planner = planner
         self._assignment = one_of("assignment", assignment, ASSIGNMENTS)
         self._seconds = real_number("seconds", seconds, above=True)
         self._goes_on = flag("goes_on", goes_on)

@@ -40,9 +40,16 @@ class Team:
         self._pilots: list[Pilot] = []
 
     def act(self, env: FleetEnv) -> list[int]:
-        """Return the next action of each robot, as an index."""
+        """Return the next action of each robot, as an index.
+
+        Raises:
+            ValueError: the fleet has another number of robots.
+        """
         if not self._pilots:
             site, stream = Site(env), random.Random(self._seed)
+            if len(self.agents) != env.settings.robots:
+                given = f"{len(self.agents)} agents for {env.settings.robots} robots"
+                raise ValueError(f"{given}; each needs one")
             self._pilots = [Pilot(agent, site, stream) for agent in self.agents]
         actions = [WAIT] * len(self.agents)
         self.reason = [""] * len(self.agents)

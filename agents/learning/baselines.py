@@ -5,6 +5,7 @@ from __future__ import annotations
 import random
 
 from agents.warehouse_agent_greedy import distance, distance_after, open_moves
+from warehouse_core.arguments import seed_number
 from warehouse_core.task.state import Observation
 from warehouse_core.world.actions import ACTIONS
 
@@ -17,7 +18,7 @@ class RandomAgent:
     """
 
     def __init__(self, seed: int | None = None) -> None:
-        self.seed = seed
+        self.seed = seed_number(seed)
         self.reset()
 
     def reset(self) -> None:

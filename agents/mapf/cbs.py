@@ -155,7 +155,7 @@ class ConflictTree:
             for each in grown:
                 key = max(bound, lowest, each.cost), len(each.conflicts), next(numbers)
                 heappush(heap, (*key, each))
-        raise PlanError("no plan: every way of some robot is forbidden")
+        raise PlanError("there is no plan: some robot has no way that keeps clear of the others")
 
     def _root(self) -> ConflictNode:
         ways: list[list[int]] = []

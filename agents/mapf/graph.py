@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.arguments import real_number
+from warehouse_core.arguments import instance_of, real_number
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Integers
@@ -65,7 +65,7 @@ class Graph:
     """
 
     def __init__(self, layout: Layout, costs: Costs | None = None, turn_cost: float = 0.0) -> None:
-        self.layout, self.costs = layout, costs
+        self.layout, self.costs = instance_of("layout", layout, Layout), costs
         self.turn_cost = real_number("turn_cost", turn_cost, 0.0)
         quarters = [[0, 1, 2, 1, 0], [1, 0, 1, 2, 0], [2, 1, 0, 1, 0], [1, 2, 1, 0, 0]]
         self.turns = np.array(quarters, np.float32) * np.float32(self.turn_cost)
@@ -89,6 +89,7 @@ class Graph:
         Raises:
             ValueError: as for a ``Graph``.
         """
+        turn_cost = real_number("turn_cost", turn_cost)
         return Graph(self.layout, self.costs, turn_cost) if turn_cost else self
 
     @property

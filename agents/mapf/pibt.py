@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from agents.mapf.graph import CLOSED, EAST, FAR, Fields, Graph
 from agents.mapf.planner import Situation, solve_by_steps
 from agents.mapf.problem import Plan, Problem
+from warehouse_core.arguments import instance_of, seed_number
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
 
@@ -125,8 +126,8 @@ class PIBT:
     """
 
     def __init__(self, graph: Graph, seed: int = 0, turn_cost: float = 0.0) -> None:
-        self.graph = graph = graph.with_turns(turn_cost)
-        self.seed = seed
+        self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
+        self.seed = seed_number(seed)
         costs = np.ones((graph.size, WAIT)) if graph.costs is None else graph.costs
         self._costs = np.pad(costs, ((0, 0), (0, 1)), constant_values=WAIT_COST).astype(np.float32)
         self._costs[graph.neighbours == CLOSED] = np.inf

@@ -21,7 +21,7 @@ from agents.mapf.planner import Situation
 from agents.mapf.problem import Plan, Problem
 from agents.mapf.reservations import Reservations
 from agents.mapf.space_time import Moves, Way, find_way, moves_of
-from warehouse_core.arguments import whole_number
+from warehouse_core.arguments import instance_of, real_number, seed_number, whole_number
 from warehouse_core.wording import counted
 from warehouse_core.world.tables import Integers
 
@@ -35,6 +35,9 @@ PAUSE = 1
 
 TOLL = 10.0
 """Cost of a conflict on the way of a robot that finds no way without conflicts."""
+
+MAX_WINDOW = 10_000
+"""Limit on the steps of a window, each of which takes memory for all robots."""
 
 MAX_PUSHES = 3
 """Robots planned again for such robots in a step, per robot of the fleet."""
@@ -115,12 +118,11 @@ class WindowedPlanner:
         seed: int = 0,
         turn_cost: float = 0.0,
     ) -> None:
-        whole_number("window", window, 2)
-        whole_number("replan", replan, 1, window - 1)
-        whole_number("groups", groups, 0)
-        self.graph = graph = graph.with_turns(turn_cost)
-        self.window, self.replan = window, replan
-        self.groups, self.seconds, self.seed = groups, seconds, seed
+        self.window = whole_number("window", window, 2, MAX_WINDOW)
+        self.replan = whole_number("replan", replan, 1, self.window - 1)
+        self.groups, self.seed = whole_number("groups", groups, 0), seed_number(seed)
+        self.seconds = real_number("seconds", seconds, finite=False)
+        self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
         self._moves: Moves = moves_of(graph)
         self.reset()
 

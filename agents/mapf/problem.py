@@ -37,7 +37,9 @@ class Problem:
                 f"turn_cost is {self.graph.turn_cost!r}; in a problem turns cost nothing"
             )
         if len(self.starts) != len(self.goals):
-            raise PlanError(f"{len(self.starts)} starts and {len(self.goals)} goals; one each")
+            raise PlanError(
+                f"{len(self.starts)} starts and {len(self.goals)} goals; each robot needs both"
+            )
         self._check("start", self.starts)
         self._check("goal", self.goals)
         for robot, (start, goal) in enumerate(zip(self.starts, self.goals, strict=True)):

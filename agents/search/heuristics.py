@@ -15,6 +15,7 @@ from numpy.typing import NDArray
 from agents.search.algorithms import Heuristic
 from agents.search.belief import BeliefProblem
 from agents.search.problems import DELIVERED, DeliveryProblem, DeliveryState, RouteProblem
+from warehouse_core.arguments import instance_of
 from warehouse_core.world.distances import distances
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
@@ -44,6 +45,7 @@ def manhattan(problem: RouteProblem | BeliefProblem) -> Heuristic[Cell]:
 
 def true_distance(problem: RouteProblem, layout: Layout) -> Heuristic[Cell]:
     """Return the exact steps to the goal as a heuristic; A* then expands only the path."""
+    instance_of("layout", layout, Layout)
     table = distances(layout, [problem.goal]).tolist()
     return lambda cell: float(table[cell[0]][cell[1]])
 

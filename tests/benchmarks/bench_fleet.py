@@ -22,7 +22,7 @@ from helpers.timing import resident
 from warehouse_core import FleetEnv, Layout
 from warehouse_core.fleet import FleetBatch
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*chargers supply")
+pytestmark = pytest.mark.filterwarnings("ignore:.*can keep")
 
 LAYOUT = big_warehouse()
 ROUNDS, CYCLE = 5, 20

@@ -13,7 +13,7 @@ SHARE = float(os.environ.get("TRUTH_SHARE", "1"))
 STEPS = round(250_000 * SHARE)
 JOINT_ACTIONS = {2: 8000, 5: 5000, 12: 4000, 30: 2000, 100: 1000}
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*chargers supply")
+pytestmark = pytest.mark.filterwarnings("ignore:.*can keep")
 
 
 @pytest.mark.parametrize("backend", ["grid", "physics"])

@@ -6,7 +6,18 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warehouse_core.arguments import as_cell, real_number, whole_number
+from warehouse_core.arguments import (
+    MAX_SEED,
+    as_cell,
+    flag,
+    instance_of,
+    one_of,
+    real_number,
+    seed_number,
+    sequence_of,
+    whole_number,
+    with_methods,
+)
 
 
 def test_a_whole_number_is_an_integer_of_any_kind_within_its_limits() -> None:
@@ -52,9 +63,55 @@ def test_a_real_number_comes_back_as_a_float() -> None:
         assert (number, type(number)) == (value, float)
 
 
+def test_a_real_number_may_be_infinite_if_it_is_said() -> None:
+    assert real_number("size", math.inf, finite=False) == math.inf
+    for value in (math.nan, -math.inf):
+        with pytest.raises(ValueError, match=r"^size is .*; it must be at least 0 and at most"):
+            real_number("size", value, finite=False)
+
+
+def test_a_seed_is_not_negative() -> None:
+    assert [seed_number(seed) for seed in (None, 0, MAX_SEED)] == [None, 0, MAX_SEED]
+    for seed in (-7, MAX_SEED + 1):
+        with pytest.raises(ValueError, match=r"^seed is .*; it must be at "):
+            seed_number(seed)
+
+
+def test_a_flag_is_true_or_false() -> None:
+    assert flag("open", np.bool_(True)) is True
+    for value in (0, None, "yes"):
+        with pytest.raises(TypeError, match=r"^open is .*; it must be True or False$"):
+            flag("open", value)
+
+
+def test_a_word_is_one_of_those_that_are_listed() -> None:
+    assert one_of("mode", "a", "ab") == "a"
+    assert one_of("mode", None, [None, "a"]) is None
+    for value in ("c", 1, None, ["a"], np.array(["a", "b"])):
+        with pytest.raises(ValueError, match=r"^mode is .*; allowed: a, b$"):
+            one_of("mode", value, "ab")
+
+
+def test_an_object_is_of_a_class_or_has_methods() -> None:
+    assert instance_of("count", 1, int) == 1
+    with pytest.raises(TypeError, match=r"^count is 'x'; it must be a int$"):
+        instance_of("count", "x", int)
+    assert with_methods("file", "x", "upper", "lower") == "x"
+    for value in (1, str):
+        with pytest.raises(TypeError, match=r"^file is .*; it must be an object with upper and lo"):
+            with_methods("file", value, "upper", "lower")
+
+
+def test_a_sequence_has_items_of_one_class() -> None:
+    assert sequence_of("parts", [1, 2], int) == (1, 2)
+    for value in ([1, "x"], {1}, "ab", range(2)):
+        with pytest.raises(TypeError, match=r"^parts is .*; it must be a sequence of int$"):
+            sequence_of("parts", value, int)
+
+
 def test_a_cell_is_two_integers() -> None:
     assert as_cell("start", [np.int64(1), 2]) == (1, 2)
     message = r"^start is .*; it must be two integers \(row, column\)$"
-    for value in (5, (1,), (1, 2, 3), (1.5, 2), "ab", (True, 2)):
+    for value in (5, (1,), (1, 2, 3), (1.5, 2), "ab", (True, 2), {1, 2}):
         with pytest.raises(TypeError, match=message):
             as_cell("start", value)

@@ -58,6 +58,11 @@ from warehouse_core.world.scenarios import check_scenarios, load_scenarios
 
 MAX_BYTES, MAX_SECONDS = 256 * 2**20, 2.0
 
+MAX_INPUT = 2 * 2**20
+"""Limit on the bytes of a changed input; those of a ``.npz`` file are compressed."""
+
+NUMBER = re.compile(rb"\d+")
+
 DOCUMENTED = (WarehouseError, OSError)
 
 TOKENS = (
@@ -190,9 +195,9 @@ def change_bytes(data: bytes, others: tuple[bytes, ...], stream: random.Random) 
         elif kind == 4:
             other = stream.choice(others)
             data = data[:place] + other[stream.randrange(len(other) + 1) :]
-        elif numbers := list(re.finditer(rb"\d+", data)):
-            found = stream.choice(numbers)
+        elif found := NUMBER.search(data, place) or NUMBER.search(data):
             data = data[: found.start()] + stream.choice(NUMBERS) + data[found.end() :]
+        data = data[:MAX_INPUT]
     return data
 
 

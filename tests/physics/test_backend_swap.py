@@ -49,7 +49,7 @@ def test_random_episodes_are_equal_on_both_backends(spec: RobotSpec) -> None:
     assert steps_differ(spec, MOVES, layouts=10) > MOVES / 8, "too few hits to compare"
 
 
-@pytest.mark.filterwarnings("ignore:.*chargers supply")
+@pytest.mark.filterwarnings("ignore:.*can keep")
 @pytest.mark.parametrize(("robots", "joint_actions"), [(2, 60), (7, 60), (25, 40), (100, 8)])
 def test_a_nominal_fleet_of_bodies_equals_that_of_the_grid(robots: int, joint_actions: int) -> None:
     stops = bodies_move_as_the_grid(robots, joint_actions, seed=robots)

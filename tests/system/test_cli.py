@@ -122,7 +122,12 @@ def test_commands_of_version_0_1_still_work(warehouse: Warehouse, line: str, fil
 
 
 @pytest.mark.parametrize(
-    ("line", "heavy"), [("--help", HEAVY), ("run --seed 1 --no-show", FOR_OTHER_COMMANDS)]
+    ("line", "heavy"),
+    [
+        ("--help", HEAVY),
+        ("run --seed 1 --no-show", FOR_OTHER_COMMANDS),
+        ("compare agents -n 1 --max-steps 9", FOR_OTHER_COMMANDS),
+    ],
 )
 def test_a_command_loads_no_library_that_it_does_not_need(
     tmp_path: Path, line: str, heavy: tuple[str, ...]

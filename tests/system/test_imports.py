@@ -41,7 +41,7 @@ MAY_IMPORT = {
         "arguments batch/fleet errors files fleet motion orders task warehouse_env wording world"
     ),
     "warehouse_core/pettingzoo_env": (
-        "arguments errors extras fleet gymnasium_env render task world"
+        "arguments errors extras fleet gymnasium_env render task wording world"
     ),
     "warehouse_core/viz/axes": "motion records render wording world",
     "warehouse_core/viz/tracks": "arguments errors motion orders records render wording world",

@@ -91,7 +91,7 @@ MALFORMED = {
     "--start": {"1": "--start is '1'; it must be ROW,COL as in 1,2"},
 }
 DUE = 'allowed: "FEWEST:MOST" steps, such as "50:150"'
-PLANS = "--show-plans and --show-pushes are for a --planner"
+PLANS = "--show-plans and --show-pushes need a planner; add --planner NAME"
 ROBOTS = "it must be numbers of robots, 0..7, as in 0,3"
 BATTERY = "it must be 1..2147483647 steps or joules, as in 400steps"
 TIME = "allowed: a number 0.001..1e+09"
@@ -119,8 +119,8 @@ WRONG = {
     "fleet --planner pibt --show-plans 8": f"--show-plans is '8'; {ROBOTS}",
     "fleet --planner pibt --show-plans 0,": f"--show-plans is '0,'; {ROBOTS}",
     "fleet --people 100000": "robots and people is 100008; it must be at most",
-    "fleet --agent bfs --planner a.py:A": "--planner directs all robots; leave out --agent",
-    "fleet --assignment urgent": "--assignment is for a --planner",
+    "fleet --agent bfs --planner a.py:A": "--planner does not go with --agent",
+    "fleet --assignment urgent": "--assignment needs a planner",
     "fleet --planner pibt --plan-seconds 0": f"--plan-seconds is 0; {TIME}",
     "gap --order-rate 0": "--order-rate is 0; allowed: a number above 0",
     "mapf x.txt": "x.txt: unknown format of a problem; allowed: .scen, .json",
@@ -132,7 +132,7 @@ WRONG = {
     "compare planners --robots 0": f"--robots has '0'; {SIZES}",
     "search --weights 1,-2": f"--weights has '-2'; {WEIGHT}",
     "search --weights much": f"--weights has 'much'; {WEIGHT}",
-    "search --weights 1,2,3,4,5,6,7": "--weights '1,2,3,4,5,6,7' are 7; at most 6",
+    "search --weights 1,2,3,4,5,6,7": "--weights has 7 weights; at most 6",
     "search --heuristic luck": "no heuristic is called 'luck'; allowed: manhattan, true, zero",
     "compare agents --size 7x12": f"--size {UNUSED}",
     "compare agents --density 0.2": f"--density {UNUSED}",
@@ -140,7 +140,7 @@ WRONG = {
     "compare agents --layout random --size 7": '--size is 7; allowed: a size "HEIGHTxWIDTH"',
     "compare agents --layout random --density 0.1:x": f"--density is '0.1:x'; {DENSITY}",
     "train ppo --layout random --density 0.1:0.2:0.3": DENSITY,
-    "compare agents --layout random --start 1,1": "in random layouts it is always drawn",
+    "compare agents --layout random --start 1,1": "--start does not go with --layout random",
     "train ppo --layout random --robots 2": "--layout random does not go with --robots",
     "demo --save a.gif": "--save needs a demo; allowed: delivery",
     "demo ballet": "no demo is called 'ballet'; allowed: delivery",
@@ -164,7 +164,7 @@ IMPOSSIBLE = {
     "mapf --planner x": "no planner is called 'x'; allowed: pibt, lacam, prioritised, cbs, pibt-",
     "mapf --planner cbs --lifelong 9": "planner 'cbs' plans all ways at once, ",
     "mapf none.scen": "none.scen: No such file",
-    "mapf --robots 193": "193 robots; allowed: up to 192 on this layout",
+    "mapf --robots 193": "--robots is 193; allowed: 1..192 on this layout",
     "mapf --robots 193 --lifelong 9": "193 robots; allowed: 1 to 192",
     "mapf -o x.txt": "x.txt: cannot save as .txt; allowed: .json",
     "compare planners --layout hall --robots 999": "--robots has 999; allowed: 1 to 98",
@@ -340,9 +340,15 @@ def test_the_limits_of_numbers_are_those_of_the_table() -> None:
 @each_command
 def test_what_a_command_does_not_have_is_wrong_usage(refused: Refused, name: str) -> None:
     words = (*name.split(), *ARGUMENTS.get(name, ()))
-    line = refused(*words, "--frobnicate", code=2)
-    assert line.startswith("no option is called '--frobnicate'; see: ")
+    line = refused(*words, "--qqqqqq", code=2)
+    assert line.startswith("no option is called '--qqqqqq'; see: ")
     assert line.endswith(f" {name} -h")
+    options = [option for option in options_of(name) if option.startswith("--")]
+    for option in options[:1]:
+        near = f"no option is called '{option}x'; similar: "
+        line = refused(*words, f"{option}x", "1", code=2)
+        assert line.startswith(near)
+        assert f" {option}" in line.removeprefix(near[:-1]).partition(";")[0]
     arguments = [option for option in options_of(name) if not option.startswith("-")]
     extra = ["much"] * (1 + len(arguments) - len(ARGUMENTS.get(name, ())))
     assert refused(*words, *extra, code=2).startswith("'much' is one argument too many; see: ")

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import warnings
 from collections.abc import Mapping, Sequence
+from itertools import islice
 from typing import Any, SupportsIndex
 
 import numpy as np
@@ -22,7 +23,7 @@ from warehouse_core.motion.base import DrivesThrough, Outcome, Ways, conditions_
 from warehouse_core.orders.book import NONE, OrderBook
 from warehouse_core.orders.order import Order, OrderArrays, Orders
 from warehouse_core.task.encoding import FleetArrays
-from warehouse_core.wording import brief
+from warehouse_core.wording import brief, counted
 from warehouse_core.world.actions import DROP, INVALID, PICK, WAIT, action_index
 from warehouse_core.world.display import display
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
@@ -257,11 +258,11 @@ class FleetEnv:
         """
         self._check_started("assign")
         robot = whole_number("robot", robot, 0, self.settings.robots - 1)
-        if self._engine.orders is None:
-            raise ValueError(f"order {order} for robot {robot}: this fleet has no orders")
-        if self._engine.ended[robot]:
-            raise OrderError(f"order {order} for robot {robot}: this robot has ended")
         order = None if order is None else whole_number("order", order)
+        if self._engine.orders is None:
+            raise ValueError(f"order {brief(order)} for robot {robot}: this fleet has no orders")
+        if self._engine.ended[robot]:
+            raise OrderError(f"order {brief(order)} for robot {robot}: this robot has ended")
         self._engine.orders.assign(0, robot, order)
         self.assignments.append((self.steps, robot, order))
 
@@ -367,7 +368,8 @@ class FleetEnv:
             given = actions.astype(np.intp)
             given[(given < 0) | (given >= INVALID)] = INVALID
         else:
-            given = np.array([action_index(action) for action in actions], np.intp)
+            # One more than there may be, as a range can be very long.
+            given = np.array([action_index(each) for each in islice(actions, robots + 1)], np.intp)
         if given.shape != (robots,):
             raise ValueError(f"actions of the shape {given.shape} for {robots} robots; one each")
         return given
@@ -392,8 +394,9 @@ class FleetEnv:
         supply = chargers * battery.step_charge(self.cell_size)
         if self.settings.max_steps * cost > battery.capacity and supply < robots * cost:
             warnings.warn(
-                f"{chargers} chargers supply {supply:g} {battery.unit} a step and {robots} robots "
-                f"use {robots * cost:g}; batteries of {battery.capacity} do not last for "
-                f"{self.settings.max_steps} steps, so that robots will stop in the way of others",
+                f"{counted(chargers, 'charger')} can keep {int(supply / cost)} of "
+                f"{counted(robots, 'robot')} going, and their batteries last "
+                f"{battery.capacity / cost:.0f} of {self.settings.max_steps} steps: robots will "
+                "stop in the way of others",
                 stacklevel=3,
             )

@@ -12,7 +12,7 @@ from gymnasium import spaces
 from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
-from warehouse_core.arguments import as_cell
+from warehouse_core.arguments import as_cell, seed_number
 from warehouse_core.errors import LayoutError
 from warehouse_core.gymnasium_env.spaces import (
     MARKED,
@@ -166,7 +166,10 @@ class WarehouseGymnasiumEnv(Limited, gymnasium.Env[Any, Any]):
         layout, start, drawn = self._options(
             check_options(options, {"layout", "randomize", "start_pos"})
         )
-        super().reset(seed=seed)
+        try:
+            super().reset(seed=seed_number(seed))
+        except (TypeError, ValueError) as error:
+            raise gymnasium.error.Error(str(error)) from None
         # As many numbers whatever is drawn, so that later episodes do not depend on the options.
         uniforms = self.np_random.random(DRAWS)
         layout, random_start = draw_episode(layout, uniforms, drawn)

@@ -11,7 +11,7 @@ from gymnasium import spaces
 from gymnasium.envs.registration import EnvSpec
 from numpy.typing import ArrayLike
 
-from warehouse_core.arguments import MAX_STEPS, one_of, whole_number
+from warehouse_core.arguments import MAX_STEPS, instance_of, one_of, whole_number
 from warehouse_core.render.observation_image import ObservationImage
 from warehouse_core.task.encoding import MARKED_TILES, ObservationArrays, vector, vector_limits
 from warehouse_core.wording import brief
@@ -64,7 +64,7 @@ def make_form(name: str, extent: Extent) -> Form:
             above ``MAX_VIEW_RADIUS``.
     """
     one_of("observation", name, FORMS)
-    height, width, view_radius, battery, max_steps = extent
+    height, width, view_radius, battery, max_steps = instance_of("extent", extent, Extent)
     whole_number("battery", battery, 1, MAX_STEPS)
     whole_number("max_steps", max_steps, 1, MAX_STEPS)
     whole_number("view_radius", view_radius, 0, MAX_VIEW_RADIUS)

@@ -10,6 +10,7 @@ import numpy as np
 
 from warehouse_core.errors import OrderError
 from warehouse_core.orders.order import OPEN, Order, OrderArrays
+from warehouse_core.wording import brief
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Integers
 
@@ -141,7 +142,8 @@ class OrderBook:
         if order is not None:
             if not self._waits_for(robot, order):
                 raise OrderError(
-                    f"order {order} cannot be assigned to robot {robot}: {self._state(order)}"
+                    f"order {brief(order)} cannot be assigned to robot {robot}: "
+                    f"{self._state(order)}"
                 )
             self._withdraw(order)
         self._give(robot, NONE if order is None else order)

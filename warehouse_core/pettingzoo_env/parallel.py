@@ -18,6 +18,7 @@ from warehouse_core.pettingzoo_env.spaces import make_fleet_form, state_of, stat
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.render.window import PictureWindow
 from warehouse_core.task.encoding import FleetArrays
+from warehouse_core.wording import brief
 from warehouse_core.world.actions import ACTIONS, WAIT, valid_action
 from warehouse_core.world.named_layouts import GivenLayout, as_layout
 from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED
@@ -87,14 +88,14 @@ class WarehouseParallelEnv(ParallelEnv[str, Any, int]):
         self.fleet = fleet = FleetEnv(as_layout(layout), robots, max_steps=max_cycles, **settings)
         height, width = fleet.layout.height, fleet.layout.width
         capacity, radius = fleet.settings.battery.capacity, fleet.settings.view_radius
-        extent = Extent(height, width, radius, capacity, max_cycles)
+        extent = Extent(height, width, radius, capacity, fleet.settings.max_steps)
         self._space, self._form = make_fleet_form(observation, extent, fleet)
         self._has_masks = observation == "dict"
-        self.possible_agents = [f"robot_{robot}" for robot in range(robots)]
+        self.possible_agents = [f"robot_{robot}" for robot in range(fleet.settings.robots)]
         self._actions = {agent: spaces.Discrete(len(ACTIONS)) for agent in self.possible_agents}
-        self.state_space = state_space(extent, robots)
+        self.state_space = state_space(extent, len(self.possible_agents))
         self.agents: list[str] = []
-        self._running = np.zeros(robots, np.bool_)
+        self._running = np.zeros(len(self.possible_agents), np.bool_)
         self.render_mode = render_mode
         pixels = tile_pixels_for(height, width) if tile_pixels is None else tile_pixels
         self._painter = TilePainter(pixels)
@@ -106,6 +107,8 @@ class WarehouseParallelEnv(ParallelEnv[str, Any, int]):
 
     def action_space(self, agent: str) -> gymnasium.Space[Any]:
         """Return the space of the actions of a robot, which has its own random numbers."""
+        if not isinstance(agent, str) or agent not in self._actions:
+            raise ValueError(f"agent is {brief(agent)}; allowed: {', '.join(self._actions)}")
         return self._actions[agent]
 
     def reset(self, seed: int | None = None, options: dict[str, Any] | None = None) -> Dicts:
@@ -139,9 +142,11 @@ class WarehouseParallelEnv(ParallelEnv[str, Any, int]):
         Raises:
             ValueError: an action out of range, for another robot, or none for one of ``agents``;
                 nothing has changed.
-            TypeError: an action that is not an integer.
+            TypeError: an action that is not an integer, or no mapping.
             EndedError: before the first reset, or actions when all robots have ended.
         """
+        if not isinstance(actions, Mapping):
+            raise TypeError(f"actions is {brief(actions)}; it must be a mapping from agents")
         if not self.agents and not actions and self.fleet.steps:
             return {}, {}, {}, {}, {}
         chosen = self._chosen(actions)

@@ -25,13 +25,19 @@ from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.motion.batch import WALL
 from warehouse_core.orders.order import Order
 from warehouse_core.task.settings import Settings, conditions_in
-from warehouse_core.wording import brief
+from warehouse_core.wording import brief, listed
 from warehouse_core.world.actions import INVALID
 from warehouse_core.world.layout import MAX_CELLS, Layout, check_size
 from warehouse_core.world.tiles import Cell
 
 MAX_NUMBER = 1e12
 """Limit on the size of a reward, time, energy, impulse or coordinate, so that sums are finite."""
+
+MAX_OBJECTS = 300_000
+"""Limit on the steps of a lone robot, the motions, contacts, orders and assignments of a record.
+
+The limit is on their sum: each is an object of several hundred bytes, and a byte of a file or less.
+"""
 
 NONE = -1
 """Number that stands for ``None`` in the arrays of orders and assignments."""
@@ -250,7 +256,7 @@ def _unpack_fleet(arrays: Arrays, header: EpisodeFields, fields: EpisodeFields) 
     for name in ("cells", "people"):
         _check_open(name, layout.cells(np.unique(arrays[name])), layout)
     bodies = np.hstack([arrays["cells"], arrays["people"]])[1:].ravel()
-    _check_ends(arrays, layout.places(bodies))
+    _check_ends(arrays, layout.places(bodies[: len(arrays["motion_cells"])]))
     _check_numbers(arrays, settings)
     _check_orders(arrays["orders"], layout, settings.robots, len(arrays["actions"]))
     for name in FLEET_COLUMNS.keys() - MOTION_COLUMNS.keys() - {"header", "layout"}:
@@ -267,6 +273,11 @@ def _unpack_fleet(arrays: Arrays, header: EpisodeFields, fields: EpisodeFields) 
 
 def _check_arrays(arrays: Arrays, columns: ColumnSpecs, settings: Any) -> None:
     """Raise if an array has another shape than the others allow, or an impossible number."""
+    lists = ["motion_cells", "contacts"]
+    lists += ["orders", "assignments"] if "orders" in arrays else ["cells"]
+    objects = sum(len(arrays[name]) for name in lists)
+    if objects > MAX_OBJECTS:
+        raise RecordError(f"{listed(lists)} have {objects} rows; MAX_OBJECTS = {MAX_OBJECTS}")
     lengths = _lengths(arrays, settings)
     for name, array in arrays.items():
         shape, (dtype, axes) = array.shape, columns[name]

@@ -229,7 +229,8 @@ class Episode:
 
         Raises:
             RecordError: it is larger than ``npz.MAX_BYTES``, which paths of many robots soon are
-                (``motions`` may be emptied), or ``load`` would not return it.
+                (``motions`` may be emptied), has more than ``arrays.MAX_OBJECTS`` motions and
+                other objects, or ``load`` would not return it.
             OSError: the file cannot be written.
         """
         try:

@@ -63,6 +63,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from warehouse_core.arguments import instance_of
 from warehouse_core.motion.batch import NOTHING
 from warehouse_core.records.episode import (
     BATTERY_DEPLETED,
@@ -212,6 +213,7 @@ class Alone:
 
 def diagnose(episode: Episode) -> Diagnosis:
     """Return the failure mode of an episode; it depends on the record only, not on the agent."""
+    instance_of("episode", episode, Episode)
     alone = None if episode.is_fleet else Alone(episode)
     needed = None if alone is None else alone.needed
     is_done = episode.is_fleet and episode.terminated.all()

@@ -292,8 +292,10 @@ def replay_episode(episode: Episode, backend: Backend | None = None) -> Episode:
 
     Raises:
         ValueError: the settings of a fleet do not fit the layout, or an assignment the orders.
+        TypeError: an argument of another type.
     """
-    backend = backend or episode.backend
+    instance_of("episode", episode, Episode)
+    backend = episode.backend if backend is None else backend
     return (_replay_fleet if episode.is_fleet else _replay_alone)(episode, backend)
 
 

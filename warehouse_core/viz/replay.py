@@ -9,7 +9,7 @@ from typing import Any, Protocol
 from matplotlib.animation import FuncAnimation, adjusted_figsize
 from matplotlib.backend_bases import Event, KeyEvent
 
-from warehouse_core.arguments import real_number
+from warehouse_core.arguments import flag, real_number
 from warehouse_core.errors import NoDisplayError
 from warehouse_core.files.atomic import atomic_path, check_suffix
 from warehouse_core.render.window import has_display
@@ -19,7 +19,7 @@ from warehouse_core.viz.export.mp4_frames import mp4_frames
 from warehouse_core.viz.figure import SceneFigure, make_figure, make_window, save_svg
 from warehouse_core.viz.player import player_frame, save_page
 from warehouse_core.viz.scene import Scene
-from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
+from warehouse_core.viz.tracks.track import INTERVAL_MS, MAX_PACE, MIN_PACE, Track
 
 CONTINUOUS_FRAMES = 3
 """Frames of continuous motions that are shown in the time of one step of a grid."""
@@ -225,11 +225,11 @@ def replay_of_tracks(
     one; ``None`` makes one if there is a display.
 
     Raises:
-        ValueError: ``interval_ms`` or ``speed`` is not a positive finite number.
+        ValueError: ``interval_ms`` or ``speed`` is not within ``MIN_PACE`` and ``MAX_PACE``.
     """
-    real_number("interval_ms", interval_ms, above=True)
-    real_number("speed", speed, above=True)
-    window = has_display() if window is None else window
+    interval_ms = real_number("interval_ms", interval_ms, MIN_PACE, MAX_PACE)
+    speed = real_number("speed", speed, MIN_PACE, MAX_PACE)
+    window = has_display() if window is None else flag("window", window)
     scene = Scene(tracks, make_window if window else make_figure)
     is_continuous = any(track.is_continuous for track in tracks)
     frame_ms = interval_ms / speed / (CONTINUOUS_FRAMES if is_continuous else 1)

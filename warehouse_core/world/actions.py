@@ -38,7 +38,7 @@ def action_index(action: str | SupportsIndex) -> int:
         return index
     try:
         number = operator.index(action)
-    except TypeError:
+    except Exception:  # a user's ``__index__`` may raise anything
         raise TypeError(
             f"action {brief(action)} is {type(action).__name__}; "
             f"allowed: one of {', '.join(ACTIONS)} or its index 0..{INVALID - 1}"
@@ -55,7 +55,7 @@ def valid_action(action: Any) -> int:
     """
     try:
         index = operator.index(action)
-    except TypeError:
+    except Exception:
         raise TypeError(
             f"action {brief(action)} is {type(action).__name__}; "
             f"allowed: an integer 0..{INVALID - 1}"

@@ -16,6 +16,7 @@ from collections.abc import Iterator
 from io import BufferedReader
 from pathlib import Path
 
+from warehouse_core.arguments import instance_of
 from warehouse_core.errors import LayoutError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.world.layout import Layout, check_size
@@ -69,7 +70,9 @@ def save_layout(layout: Layout, path: str | Path) -> None:
 
     Raises:
         OSError: the file cannot be written.
+        TypeError: ``layout`` is not a ``Layout``.
     """
+    instance_of("layout", layout, Layout)
     if Path(path).suffix.lower() == SUFFIX:
         save_map(layout, path)
     else:
@@ -105,7 +108,9 @@ def save_map(layout: Layout, path: str | Path) -> None:
 
     Raises:
         OSError: the file cannot be written.
+        TypeError: ``layout`` is not a ``Layout``.
     """
+    instance_of("layout", layout, Layout)
     header = f"type octile\nheight {layout.height}\nwidth {layout.width}\nmap\n"
     with atomic_path(path) as part:
         text = f"{header}{str(layout).translate(_TO_MAP)}\n"

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from warehouse_core import Cell, Layout, Outcome
-from warehouse_core.arguments import real_number
+from warehouse_core.arguments import real_number, whole_number
 from warehouse_core.motion.base import Contact, Ways, centre_of, check_moves, check_starts
 from warehouse_core.motion.traffic import check_joint_step, find_stops
 from warehouse_core.world.tiles import moved
@@ -105,7 +105,8 @@ class DrivingMotion(BodyMotion):
 
     def fail(self, robot: int) -> None:
         """Let a robot stay where it is for good; see ``DrivesThrough``."""
-        self._driven().fail(robot)
+        driver = self._driven()
+        driver.fail(whole_number("robot", robot, 0, len(driver.work) - 1))
 
     @exclusive
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:

@@ -111,7 +111,7 @@ def make_tasks(
         place = load_place(layout, stations, start)
         return [Task(place.layout, start_pos=place.start_pos, randomize=place.randomize)]
     if start is not None:
-        raise typer.BadParameter(f"--start is {start!r}; in random layouts it is always drawn")
+        raise typer.BadParameter("--start does not go with --layout random, which draws it")
     drawn = what_to_draw(stations or Stations.DRAWN)
     wanted: Sequence[str | None] = sizes or [None]
     return [Task(random_layouts.parse(size, density), randomize=drawn) for size in wanted]

@@ -22,7 +22,7 @@ LayoutOrRandom = Annotated[
     Path | None,
     option(
         "--layout FILE",
-        f"{LAYOUT} Default: default. With {RANDOM}, another layout for each episode.",
+        f"{LAYOUT} Default: default, of the chapter. With {RANDOM}, another for each episode.",
     ),
 ]
 

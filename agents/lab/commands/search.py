@@ -62,7 +62,7 @@ def parse_weights(text: str) -> list[float]:
     weights = [_parse_weight(part) for part in text.split(",")]
     if len(weights) > MAX_PANELS:
         raise typer.BadParameter(
-            f"--weights {text!r} are {len(weights)}; at most {MAX_PANELS} fit into a picture"
+            f"--weights has {len(weights)} weights; at most {MAX_PANELS} fit into a picture"
         )
     return weights
 

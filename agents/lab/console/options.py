@@ -121,12 +121,17 @@ AGENT = (
 AgentOption = Annotated[str, option("--agent NAME", AGENT)]
 Memory = Annotated[int | None, parameter_option("memory")]
 Escape = Annotated[
-    bool | None, option("--escape/--no-escape", "Whether the greedy agent escapes from loops: yes.")
+    bool | None,
+    option(
+        "--escape/--no-escape", "Let the greedy agent escape from loops, or do not. Default: do."
+    ),
 ]
 
 LAYOUT = f"Layout: a file, or one of {', '.join(NAMES)}."
 FleetLayout = Annotated[Path, option("--layout FILE", LAYOUT)]
-LayoutOption = Annotated[Path | None, option("--layout FILE", f"{LAYOUT} Default: default.")]
+LayoutOption = Annotated[
+    Path | None, option("--layout FILE", f"{LAYOUT} Default: default, of the chapter.")
+]
 
 StationsOption = Annotated[
     Stations | None,
@@ -171,8 +176,8 @@ PlanSeconds = Annotated[
     float,
     option(
         "--plan-seconds S",
-        "Time for a plan, or for a step of one; if it takes longer, it is cut off, and all robots "
-        "wait.",
+        "Seconds for a plan, or for a step of one; if it takes longer, it is cut off, and all "
+        "robots wait.",
         Number(0.001, MAX_VALUE),
     ),
 ]

@@ -141,8 +141,8 @@ class Store:
             [(text,)] = self.query("SELECT settings FROM cases WHERE id = ?", case_id)
             settings = in_words(self._case(case_id, text))
             raise StoreError(
-                f"{self.path}: the episodes with {settings} are of {' and '.join(others)}, and new "
-                f"ones would be of {program}; write to another file, or mix them with "
+                f"{self.path}: the episodes with {settings} were run by {' and '.join(others)}, "
+                f"and new ones would be run by {program}; write to another file, or mix them with "
                 "--mix-programs"
             )
         self._connection.execute("INSERT OR IGNORE INTO programs (name) VALUES (?)", (program,))
@@ -206,8 +206,8 @@ class Store:
             for (case_id,) in self.query(f"SELECT DISTINCT case_id FROM {table}"):
                 if kinds[case_id] is not kind:
                     raise StoreError(
-                        f"{self.path}: case {case_id} has rows in {table!r}, which are of another "
-                        "kind of case"
+                        f"{self.path}: case {case_id} has rows in {table!r}, where another kind of "
+                        "case has them"
                     )
         self._is_checked = self._read_only  # whose view does not change
 

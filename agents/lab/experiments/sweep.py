@@ -80,7 +80,7 @@ def sweep(
     file: Annotated[
         Path | None,
         typer.Argument(
-            metavar="[PLAN]",
+            metavar="PLAN",
             help="A .toml file with episodes, seed and the tables settings, robot, disturbances.",
             show_default=False,
         ),
@@ -166,7 +166,7 @@ def sweep(
         finally:
             if mixed := store.mixed():
                 print_error(
-                    f"warning: {counted(len(mixed), 'combination')} with episodes of several "
+                    f"warning: {counted(len(mixed), 'combination')} with episodes run by several "
                     f"programs, such as {listed(store.programs(mixed[0]))}"
                 )
         if failed:

@@ -123,11 +123,11 @@ def has_tables(connection: sqlite3.Connection, path: Path) -> bool:
     if not schema:
         return False
     if owner != APPLICATION:
-        raise StoreError(f"{path}: it is a database, but not of results")
+        raise StoreError(f"{path}: it is a database without results of a sweep")
     if version != VERSION:
         raise StoreError(f"{path}: its version is {version}; only {VERSION} can be read")
     if schema != _schema():
-        raise StoreError(f"{path}: its tables are not those of a sweep")
+        raise StoreError(f"{path}: it was not written by a sweep")
     # A damaged file might be read for ever, and writing to it would do more damage.
     [(state,)] = connection.execute("PRAGMA quick_check(1)")
     if state != "ok":

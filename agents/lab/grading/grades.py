@@ -80,8 +80,9 @@ def _rows(reader: Any) -> Iterator[GradeRow]:
         ValueError: a column is missing, or a row has another number of fields, or no points.
     """
     columns: list[str] = next(reader, [])
-    if not {NAME, POINTS, MOST, FAILURE, CODE, RUBRIC} <= set(columns):
-        raise ValueError("its columns are not those")
+    missing = [name for name in (NAME, POINTS, MOST, FAILURE, CODE, RUBRIC) if name not in columns]
+    if missing:
+        raise ValueError(f"the column {missing[0]!r} is missing")
     if len(columns) > MAX_COLUMNS:
         raise ValueError(f"{len(columns):,} columns are more than MAX_COLUMNS = {MAX_COLUMNS}")
     for fields in filter(None, reader):

@@ -212,7 +212,7 @@ def _make_case(reader: _Reader, name: str, values: Any) -> GradedCase:
             found["layout"] = str(beside)
     for key in ("size", "density"):
         if key in found and found.get("layout") != RANDOM:
-            raise reader.fail(f'{key} is of layout = "{RANDOM}" only', header, key=key)
+            raise reader.fail(f'{key} needs layout = "{RANDOM}"', header, key=key)
     return GradedCase(name, **found)
 
 

@@ -42,7 +42,7 @@ class RandomLayouts:
                 f"density is from {self.lowest} to {self.highest}; the first must be the lower one"
             )
         if not 1 <= self.count <= MAX_POOL:
-            raise LayoutError(f"layouts of the pool are {self.count}; allowed: 1..{MAX_POOL}")
+            raise LayoutError(f"the number of layouts is {self.count}; allowed: 1..{MAX_POOL}")
 
     @property
     def name(self) -> str:
@@ -57,8 +57,8 @@ class RandomLayouts:
         """Return the layout for the episode with a seed below ``TRAINING_LAYOUTS``."""
         if seed >= TRAINING_LAYOUTS:
             raise LayoutError(
-                f"the seed of a random layout is {seed}; allowed: 0..{TRAINING_LAYOUTS - 1}, as "
-                "those above are for training"
+                f"the seed of a random layout is {seed}; allowed: 0..{TRAINING_LAYOUTS - 1}; "
+                "larger ones are for training"
             )
         return self._made(seed)
 
@@ -73,8 +73,8 @@ class RandomLayouts:
         for seed in seeds:
             if _walls(self.layout(seed)) in known:
                 raise LayoutError(
-                    f"{self.name}: that of seed {seed} is one of the {self.count} of the training; "
-                    "use a larger size, a wider range of densities or fewer layouts"
+                    f"{self.name}: the layout of seed {seed} is one of the {self.count} of the "
+                    "training; use a larger size, a wider range of densities or fewer layouts"
                 )
 
     def _made(self, seed: int) -> Layout:

@@ -14,7 +14,7 @@ from agents.fleet.charging import (
 from agents.mapf.graph import Graph
 from warehouse_core import FleetEnv, Layout
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*chargers supply")
+pytestmark = pytest.mark.filterwarnings("ignore:.*can keep")
 
 HALL = Layout(["C" + "." * 28 + "C"])
 """Cell numbers are the columns; the chargers are at 0 and 29."""

@@ -32,7 +32,7 @@ HUGE = 10**12
         ({"robots": HUGE}, ValueError, f"^robots is {HUGE}; it must be at most 100000$"),
         ({"robots": 8}, LayoutError, "^8 robots and 0 people have no room on the 7 open cells"),
         ({"people": 6}, LayoutError, "^2 robots and 6 people have no room on the 7 open cells"),
-        ({"people": HUGE}, ValueError, f"^robots and people is {HUGE + 2}; it must be at most"),
+        ({"people": HUGE}, ValueError, f"^people is {HUGE}; it must be at most 100000$"),
         ({"max_steps": 0}, ValueError, "^max_steps is 0; it must be at least 1$"),
         ({"max_steps": 2**31}, ValueError, "^max_steps is 2147483648; it must be at most"),
         ({"battery": 0}, ValueError, "^battery is 0; it must be at least 1$"),
@@ -194,9 +194,12 @@ def test_assignments_are_seen_at_once(fleet: FleetEnv) -> None:
 
 
 def test_too_few_chargers_are_warned_of() -> None:
-    with pytest.warns(UserWarning, match="1 chargers supply 10 steps a step and 11 robots use 11"):
+    with pytest.warns(UserWarning, match="1 charger can keep 10 of 11 robots going, and"):
         FleetEnv(["....C.", "......"], 11, max_steps=300)
-    with pytest.warns(UserWarning, match="^0 chargers supply 0 joules a step and 2 robots use 1"):
+    with pytest.warns(
+        UserWarning,
+        match="^0 chargers can keep 0 of 2 robots going, and their batteries last [0-9]+ of ",
+    ):
         FleetEnv(["P..D"], 2, orders=0.1, battery=Battery(500, "joules"))
     with warnings.catch_warnings():
         warnings.simplefilter("error")

@@ -41,7 +41,7 @@ def settings(request: pytest.FixtureRequest) -> dict[str, Any]:
 @pytest.fixture(autouse=True)
 def no_supply_warning() -> Any:
     with warnings.catch_warnings():
-        warnings.filterwarnings("ignore", "1 chargers supply")
+        warnings.filterwarnings("ignore", "1 charger can keep")
         yield
 
 

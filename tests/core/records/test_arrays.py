@@ -22,6 +22,7 @@ from warehouse_core import (
     record_episode,
 )
 from warehouse_core.files.npz import Arrays
+from warehouse_core.records import arrays as arrays_module
 from warehouse_core.records.arrays import FLEET_COLUMNS, LONE_COLUMNS, pack, unpack
 from warehouse_core.world.layout import MAX_CELLS, MAX_ROWS
 from warehouse_physics import Disturbances, RigidBodyMotion
@@ -301,6 +302,22 @@ def test_a_motion_has_a_path_and_no_negative_number_of_contacts(
 def test_the_sum_of_very_long_paths_does_not_overflow(refused: Refused) -> None:
     lengths = np.full(20, 2**31 - 1, "<i4")
     assert f"it must be ({20 * (2**31 - 1)}, 4)" in refused(LONE, path_lengths=lengths)
+
+
+@pytest.mark.parametrize("kind", [LONE, FLEET])
+def test_a_record_that_becomes_too_many_objects_is_refused(
+    refused: Refused, monkeypatch: pytest.MonkeyPatch, kind: str
+) -> None:
+    changed = {} if kind == LONE else {"assignments": np.zeros((3, 3), "<i4")}
+    arrays = arrays_of(kind) | changed
+    others = ["cells"] if kind == LONE else ["orders", "assignments"]
+    parts = [len(arrays[name]) for name in ("motion_cells", "contacts", *others)]
+    assert min(parts) > 0
+    objects = sum(parts)
+    monkeypatch.setattr(arrays_module, "MAX_OBJECTS", objects)
+    unpack(arrays)
+    monkeypatch.setattr(arrays_module, "MAX_OBJECTS", objects - 1)
+    assert f"have {objects} rows; MAX_OBJECTS = {objects - 1}" in refused(kind, **changed)
 
 
 RELEASED, DUE, PICKUP, DROPOFF, ROBOT, TAKEN_BY, TAKEN, DELIVERED = 0, 1, 2, 4, 6, 7, 8, 9

@@ -35,7 +35,7 @@ from warehouse_core.motion.grid import GridMotion
 from warehouse_core.records import FleetRecorder
 from warehouse_core.world.actions import INVALID
 
-pytestmark = pytest.mark.filterwarnings("ignore:.*chargers supply")
+pytestmark = pytest.mark.filterwarnings("ignore:.*can keep")
 
 LINE = Layout(["P..D"])
 

@@ -23,6 +23,9 @@ from warehouse_core.world.tiles import Cell
 STATIONS, AISLES = "stations", "aisles"
 HABITS = (STATIONS, AISLES)
 
+MAX_BODIES = 100_000
+"""Limit on the sum of robots and people on a floor."""
+
 MAX_GOALS = 32
 """Limit on the stations of a layout between which people walk; more are left out evenly."""
 
@@ -41,7 +44,7 @@ class People:
     """How many people walk on a floor, and how.
 
     Args:
-        count: number of people on each floor, at least 0.
+        count: number of people on each floor, 0 to ``MAX_BODIES``.
         habit: ``"stations"``: each walks by shortest ways from one station to another;
             ``"aisles"``: each mostly walks straight on and turns at random.
         pause: probability that a person stands still in a step, 0 to 1.
@@ -56,7 +59,7 @@ class People:
     pause: float = 0.2
 
     def __post_init__(self) -> None:
-        count = whole_number("people", self.count, minimum=0)
+        count = whole_number("people", self.count, 0, MAX_BODIES)
         settle(self, count=count, pause=real_number("pause", self.pause, 0, 1))
         one_of("habit", self.habit, HABITS)
 

@@ -17,13 +17,10 @@ from warehouse_core.arguments import (
     whole_number,
 )
 from warehouse_core.batch.fleet.battery import Battery
-from warehouse_core.batch.fleet.people import People
+from warehouse_core.batch.fleet.people import MAX_BODIES, People
 from warehouse_core.orders.order import Order, OrderQueue, OrderStream
 from warehouse_core.wording import brief
 from warehouse_core.world.tiles import Cell
-
-MAX_BODIES = 100_000
-"""Limit on the sum of robots and people on a floor."""
 
 
 @dataclass(frozen=True)

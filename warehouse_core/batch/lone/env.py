@@ -127,10 +127,11 @@ class BatchEnv(ArrayEnv[ObservationArrays]):
         return tuple(map(self._lone.draws.stream, range(self.num_envs)))
 
     def row(self, row: int) -> tuple[Layout, WarehouseState]:
-        """Return the layout and the state of one row.
+        """Return the layout and the state of one row; negative ones count from the end.
 
         Raises:
             EndedError: before a reset.
+            ValueError: there is no such row.
         """
         self._check_started("row")
-        return self._lone.state(row)
+        return self._lone.state(whole_number("row", row, -self.num_envs, self.num_envs - 1))

@@ -20,7 +20,12 @@ Seeds = int | Sequence[int | None] | None
 
 def checked_actions(actions: ArrayLike, rows: int) -> NDArray[np.intp]:
     """Return a checked copy of the actions."""
-    given = np.asarray(actions)
+    if isinstance(actions, range):  # which may be too long for an array
+        actions = actions[: rows + 1]
+    try:
+        given = np.asarray(actions)
+    except Exception:  # rows of different lengths, or a user's ``__array__``
+        raise TypeError(f"the actions are {brief(actions)}; they must be integers") from None
     if given.dtype.kind not in "iu":
         raise TypeError(f"the actions are {given.dtype}; they must be integers")
     if given.shape != (rows,):
@@ -87,7 +92,8 @@ def checked_seeds(seed: Seeds, rows: int) -> Sequence[int | None]:
     if isinstance(seed, (int, np.integer)):
         first = whole_number("seed", seed, 0, MAX_SEED)
         return range(first, first + rows)
-    if not isinstance(seed, (Sequence, np.ndarray)) or np.ndim(np.asarray(seed, object)) != 1:
+    is_array = isinstance(seed, np.ndarray) and seed.ndim == 1
+    if not is_array and (not isinstance(seed, Sequence) or isinstance(seed, (str, bytes))):
         raise TypeError(f"seed is {brief(seed)}; it must be an integer or one for each row")
     if len(seed) != rows:
         raise ValueError(f"{len(seed)} seeds for {rows} rows; give one, or one for each row")

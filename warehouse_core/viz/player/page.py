@@ -14,10 +14,10 @@ from functools import cache
 from hashlib import sha256
 from pathlib import Path
 
-from warehouse_core.arguments import real_number
+from warehouse_core.arguments import instance_of, real_number, whole_number
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.viz.player.tracks import packed
-from warehouse_core.viz.tracks.track import Track
+from warehouse_core.viz.tracks.track import MAX_PACE, MIN_PACE, Track
 from warehouse_core.wording import printable
 
 FOLDER = Path(__file__).parent
@@ -37,6 +37,8 @@ MAX_TITLE = 200
 FRAME_HEIGHT = 640
 """Height of a page inside another page, in pixels."""
 
+MAX_FRAME_HEIGHT = 100_000
+
 
 def player_page(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0) -> str:
     """Return a page that plays tracks side by side on one clock, as HTML.
@@ -47,11 +49,11 @@ def player_page(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0)
         speed: factor on the playing speed.
 
     Raises:
-        ValueError: ``speed`` is not a positive finite number, or a place is not finite.
+        ValueError: ``speed`` is not within ``MIN_PACE`` and ``MAX_PACE``, or a place is not finite.
     """
-    real_number("speed", speed, above=True)
+    speed = real_number("speed", speed, MIN_PACE, MAX_PACE)
     titles = dict.fromkeys(track.title for track in tracks if track.title)
-    title = printable(title or " / ".join(titles) or "Warehouse replay")
+    title = printable(instance_of("title", title, str) or " / ".join(titles) or "Warehouse replay")
     parts = {
         "policy": policy(),
         "title": html.escape(title[:MAX_TITLE]),
@@ -82,7 +84,13 @@ def player_frame(
 
     Its script cannot reach the page around it. If that has a Content-Security-Policy, it must allow
     ``digest(script())``.
+
+    Raises:
+        ValueError: as for ``player_page``, or ``height`` is not within 1 and
+            ``MAX_FRAME_HEIGHT``.
+        TypeError: ``height`` is not an integer.
     """
+    height = whole_number("height", height, 1, MAX_FRAME_HEIGHT)
     page = html.escape(player_page(tracks, title=title, speed=speed))
     name = html.escape(printable(title or "Replay"))
     return (

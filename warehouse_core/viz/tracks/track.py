@@ -24,6 +24,9 @@ OUTER = 0.7
 INTERVAL_MS = 150
 """Milliseconds between frames of a replay."""
 
+MIN_PACE, MAX_PACE = 1e-6, 1e9
+"""Limits on the playing speed, and on the milliseconds between frames."""
+
 METRICS = ("rewards", "battery", "dist_pickup", "dist_dropoff")
 """Names of what the charts of one robot show."""
 

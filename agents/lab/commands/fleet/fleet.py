@@ -122,12 +122,14 @@ def fleet(
     Example: warehouse fleet --robots 12 --order-rate 0.1 --people 3 --seed 12
     """
     if planner is not None and agent != "greedy":
-        raise typer.BadParameter("--planner directs all robots; leave out --agent")
+        raise typer.BadParameter("--planner does not go with --agent: it directs all robots")
     if planner is None and assignment is not None:
-        raise typer.BadParameter("--assignment is for a --planner")
+        raise typer.BadParameter("--assignment needs a planner; add --planner NAME")
     watched = parse_robots(show_plans, robots)
     if planner is None and (watched or show_pushes):
-        raise typer.BadParameter("--show-plans and --show-pushes are for a --planner")
+        raise typer.BadParameter(
+            "--show-plans and --show-pushes need a planner; add --planner NAME"
+        )
     log = PlanLog(watched, show_pushes) if watched or show_pushes else None
     floor, director = find_layout(layout), planner or agent
     make_env = partial(

@@ -44,7 +44,7 @@ LINES = (
     MeasureLine("orders", "orders", "items"),
     MeasureLine("delivered", "delivered", "items"),
     MeasureLine("delivered an hour", "per_hour", "items"),
-    MeasureLine("on time", "on_time", "% of those delivered", 100.0),
+    MeasureLine("on time", "on_time", "% of deliveries", 100.0),
     MeasureLine("mean lateness", "mean_lateness", "steps"),
     MeasureLine("worst lateness", "worst_lateness", "steps"),
     MeasureLine("energy a delivery", "joules_per_delivery", "kJ", 1e-3),
@@ -54,8 +54,8 @@ LINES = (
     MeasureLine("blocked by people", "blocked_by_person", "moves"),
     MeasureLine("waits", "waits", "robot steps"),
     MeasureLine("charging", "charging", "robot steps"),
-    MeasureLine("stranded", "stranded", "robots with an empty battery, or which failed"),
-    MeasureLine("lost", "lost", "items that those robots carry"),
+    MeasureLine("stranded", "stranded", "robots that ran empty or failed"),
+    MeasureLine("lost", "lost", "items that stranded robots carry"),
     MeasureLine("simulated time", "seconds", "s"),
 )
 """The measures of a shift, see ``FleetMeasures``."""

@@ -60,11 +60,11 @@ def gap(
         float,
         option(
             "--stop SECONDS",
-            "Time for which one disturbed robot stands still. With 0 none does, with inf it dies.",
+            "Seconds that one disturbed robot stands still. With 0 none does, with inf it dies.",
             Number(0, math.inf),
         ),
     ] = 60.0,
-    episodes: options.Episodes = 5,
+    episodes: options.Episodes = 4,
     seed: options.Seed = 0,
     jobs: options.Jobs = None,
     *,
@@ -88,8 +88,8 @@ def gap(
     in all worlds. A joint step of bodies that stop lasts as long as the move of
     a loaded robot.
 
-    An episode takes about 5 s. For 95% intervals give -n 20, which takes a
-    minute on two processors.
+    By default this takes about 15 s. Give -n 20 for 95% intervals, in five times
+    as long.
 
     Example: warehouse gap --robots 8 --count 20 -n 3 --save gap.html
     """

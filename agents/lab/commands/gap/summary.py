@@ -13,7 +13,7 @@ from agents.lab.commands.gap.worlds import DISTURBED, DRIVING, PLAN, STOPPING, S
 from agents.lab.console.table import TextTable
 from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
 from agents.lab.trials.wording import above_interval, percent
-from warehouse_core.wording import counted
+from warehouse_core.wording import counted, listed
 
 SeedScores = Mapping[str, Sequence[Score]]
 """The measures of each world, of the same seeds in the same order."""
@@ -58,7 +58,7 @@ def gap_table(scores: SeedScores, title: str) -> TextTable:
     ]
     header = ("world", *(measure.title for measure in MEASURES))
     few = len(scores[PLAN]) < MIN_VALUES
-    caption = f"Fewer than {MIN_VALUES} seeds have no intervals." if few else ""
+    caption = f"Fewer than {MIN_VALUES} episodes have no intervals." if few else ""
     return TextTable(header, rows, title, caption)
 
 
@@ -99,11 +99,13 @@ def losses(scores: SeedScores, orders: int) -> list[str]:
     found = []
     for world, runs in scores.items():
         counts = {
-            "order not delivered": sum(orders - run.delivered for run in runs),
-            "robot lost": sum(run.lost for run in runs),
-            "step without a plan": sum(run.late_plans for run in runs),
+            "order": ("not delivered", sum(orders - run.delivered for run in runs)),
+            "robot": ("lost", sum(run.lost for run in runs)),
+            "step": ("without a plan", sum(run.late_plans for run in runs)),
         }
-        words = [f"{number:,} x {what}" for what, number in counts.items() if number]
+        words = [
+            f"{counted(number, noun)} {fate}" for noun, (fate, number) in counts.items() if number
+        ]
         if words:
-            found.append(f"{world}, {counted(len(runs), 'seed')}: {', '.join(words)}")
+            found.append(f"{world}, in {counted(len(runs), 'episode')}: {listed(words)}")
     return found

@@ -85,7 +85,9 @@ def grade_folder(
             rows[each.name] = before[plain(each.name)]
         else:
             waiting.append(each)
-    unchanged = len(found) - len(waiting)
+    unusable = sum(isinstance(each, Unusable) for each in found)
+    unchanged = len(found) - len(waiting) - unusable
+    counts = f"{len(waiting)} graded, {unchanged} unchanged, {unusable} that cannot be graded"
     save_grades(target, columns_of(rubric), rows)
     try:
         with (
@@ -103,7 +105,7 @@ def grade_folder(
         say(f"{done}; run the same command again to resume")
         raise
     _print_grades(rows, rubric)
-    say(f"saved {target}: {len(waiting)} graded, {unchanged} as they were")
+    say(f"saved {target}: {counts}")
 
 
 def _is_done(

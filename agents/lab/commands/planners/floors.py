@@ -12,7 +12,6 @@ from agents.lab.console.options import LAYOUT, option
 from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.problem import Problem
 from warehouse_core import Layout
-from warehouse_core.wording import counted
 from warehouse_core.world.generators import kiva_warehouse
 from warehouse_core.world.map_files import load_layout
 from warehouse_core.world.named_layouts import find_layout
@@ -73,7 +72,7 @@ def random_problem(floor: PlannerFloor, robots: int, seed: int) -> Problem:
     """Return a problem with starts and goals drawn at random."""
     most = min(len(floor.starts), len(floor.goals))
     if robots > most:
-        raise PlanError(f"{counted(robots, 'robot')}; allowed: up to {most} on this layout")
+        raise PlanError(f"--robots is {robots}; allowed: 1..{most} on this layout")
     stream = np.random.default_rng(seed)
     starts, goals = (stream.permutation(cells)[:robots].tolist() for cells in floor[1:])
     return Problem(Graph(floor.layout), starts, goals)
@@ -88,8 +87,7 @@ def scenario_problem(path: Path, layout_file: str | None, robots: int | None) ->
     count = len(scenarios) if robots is None else robots
     if not 0 < count <= len(scenarios):
         raise PlanError(
-            f"{path} has {counted(len(scenarios), 'scenario')}, one for each robot; "
-            f"{counted(count, 'robot')} cannot be had from it"
+            f"--robots is {count}; allowed: 1..{len(scenarios)}, the scenarios of {path}"
         )
     chosen = scenarios[:count]
     if layout_file is None:

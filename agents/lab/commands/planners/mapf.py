@@ -40,9 +40,10 @@ from agents.mapf.graph import Graph
 from agents.mapf.lifelong import LifelongRun, lead, run_lifelong
 from agents.mapf.planner import Planner
 from agents.mapf.problem import Problem
-from warehouse_core.batch.fleet.settings import MAX_BODIES
+from agents.registry import PLANNERS
+from warehouse_core.batch.fleet.people import MAX_BODIES
 from warehouse_core.motion.backends import load_backend
-from warehouse_core.wording import counted
+from warehouse_core.wording import counted, listed
 from warehouse_core.world.robot_runners import League, load_league
 from warehouse_core.world.tables import Integers
 
@@ -50,14 +51,8 @@ ROBOTS, STEPS = 32, 1000
 SCENARIO, LEAGUE = ".scen", ".json"
 
 
-Planners = Annotated[
-    list[str] | None,
-    option(
-        "--planner NAME",
-        f"{options.PLANNER} Arguments may follow, as in pibt-lanes:wrong_way=3; may be repeated.",
-        show_default=False,
-    ),
-]
+PLANNER = f"{options.PLANNER} Arguments may follow, as in pibt:turn_cost=1; may be repeated."
+ONCE = listed([name for name in SOLVERS if name not in PLANNERS])
 
 LIFELONG = "Steps in which a robot that reaches its goal gets another."
 
@@ -66,12 +61,19 @@ def mapf(
     file: Annotated[
         Path | None,
         typer.Argument(
-            metavar="[FILE]",
+            metavar="FILE",
             help="A MovingAI scenario .scen, or a problem .json of the League of Robot Runners. "
             "Without it starts and goals are drawn on --layout.",
         ),
     ] = None,
-    planner: Planners = None,
+    planner: Annotated[
+        list[str] | None,
+        option(
+            "--planner NAME",
+            f"{PLANNER} Where each robot has one goal, also {ONCE}.",
+            show_default=False,
+        ),
+    ] = None,
     layout: FloorOption = None,
     robots: Annotated[
         int | None,
@@ -278,7 +280,7 @@ def run_league(
     layout, graph = league.layout, Graph(league.layout)
     count = len(league.starts) if robots is None else robots
     if count > len(league.starts):
-        raise PlanError(f"{title} has {counted(len(league.starts), 'robot')}; not {count}")
+        raise PlanError(f"--robots is {count}; allowed: 1..{len(league.starts)} in {title}")
     cells = layout.numbers(league.starts[:count])
     tasks = [layout.numbers(task).tolist() for task in league.tasks]
     part = parts(graph)

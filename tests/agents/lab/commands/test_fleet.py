@@ -189,7 +189,10 @@ def test_an_interrupt_ends_the_shift_and_prints_the_measures(warehouse: Warehous
 
 def test_a_fleet_that_will_run_empty_is_warned_of_once(warehouse: Warehouse) -> None:
     done = warehouse(*SMALL, "-n", 2, "--battery", 20, "--layout", "hall", "--no-show")
-    assert done.err.startswith("warehouse: warning: 0 chargers supply 0 steps a step and 3 robots")
+    assert done.err.startswith(
+        "warehouse: warning: 0 chargers can keep 0 of 3 robots going, and their batteries last "
+        "20 of 60 steps: robots will stop in the way of others"
+    )
     assert done.err.count("\n") == 1
     hint = "6 ran empty. More chargers or a larger --battery would help."
     assert hint in " ".join(done.out.split())

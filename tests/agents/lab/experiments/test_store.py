@@ -115,7 +115,7 @@ def text(path: Path) -> None:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (database, "it is a database, but not of results"),
+        (database, "it is a database without results of a sweep"),
         (text, "file is not a database"),
         (os.mkdir, "it is a folder, not a file"),
         (os.mkfifo, "it is a pipe, not a file"),
@@ -366,7 +366,7 @@ def test_rows_of_a_case_of_another_kind_are_an_error(
         store.add(number, [wrong])
     with Store(PATH, read_only=True) as store, pytest.raises(StoreError) as caught:
         columns_of(store)
-    line = f"{PATH}: case 1 has rows in {table!r}, which are of another kind of case"
+    line = f"{PATH}: case 1 has rows in {table!r}, where another kind of case has them"
     assert str(caught.value) == line
 
 
@@ -425,8 +425,8 @@ def test_episodes_of_another_program_are_only_added_to_a_case_if_asked(mix: bool
             with pytest.raises(StoreError) as caught:
                 store.add(case_id, [row(2)], NEW)
             assert str(caught.value) == (
-                f"{PATH}: the episodes with battery=20 are of {OLD}, and new ones would be of "
-                f"{NEW}; write to another file, or mix them with --mix-programs"
+                f"{PATH}: the episodes with battery=20 were run by {OLD}, and new ones would be "
+                f"run by {NEW}; write to another file, or mix them with --mix-programs"
             )
         store.add(case_id, [row(3)], NEW if mix else OLD)
         assert store.programs(case_id) == ([OLD, NEW] if mix else [OLD])
@@ -449,5 +449,5 @@ def test_the_rows_of_fleets_have_a_table_of_their_own() -> None:
         assert store.seeds_done(number, range(4)) == {3}
         assert (store.count(fleet, range(9)), store.count(CASE, range(9))) == (2, 1)
         assert store.episodes() == [("one", 3)]
-        with pytest.raises(StoreError, match="are of one, and new ones would be of other"):
+        with pytest.raises(StoreError, match="were run by one, and new ones would be run by other"):
             store.add(number, [fleet_row(9)], "other")

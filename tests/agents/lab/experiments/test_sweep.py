@@ -28,7 +28,7 @@ from agents.lab.experiments.store import Store
 from agents.lab.parameters import PARAMETERS
 from agents.lab.runs.programs import program_for
 from agents.lab.trials.rows import FleetRow
-from warehouse_core.batch.fleet.settings import MAX_BODIES
+from warehouse_core.batch.fleet.people import MAX_BODIES
 from warehouse_core.world.generators import MAX_DENSITY
 
 
@@ -73,13 +73,15 @@ def test_programs_are_mixed_only_with_the_option_and_a_warning(
         store.add(store.case_id(make_case({})), [outcomes("d")[0]], "an older one")
     more = ("sweep", "-n", 3, "-o", path, "--jobs", 1)
     line = refused(*more)
-    assert line.startswith(f"{path}: the episodes with the defaults are of an older one, and new ")
+    assert line.startswith(
+        f"{path}: the episodes with the defaults were run by an older one, and new "
+    )
     assert line.endswith("or mix them with --mix-programs")
     result = warehouse(*more, "--mix-programs")
     assert (result.code, result.err) == (
         0,
-        "warehouse: warning: 1 combination with episodes of several programs, such as an older one "
-        f"and {program_for('grid')}\n",
+        "warehouse: warning: 1 combination with episodes run by several programs, such as an older "
+        f"one and {program_for('grid')}\n",
     )
     assert len(table(path)) == 3
 

@@ -42,7 +42,7 @@ CREATE TABLE shifts (
 PRAGMA application_id = 1466004069;
 PRAGMA user_version = 3;
 """
-ELSE = "its tables are not those of a sweep"
+ELSE = "it was not written by a sweep"
 
 
 @pytest.fixture

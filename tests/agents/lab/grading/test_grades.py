@@ -28,9 +28,9 @@ def test_a_table_is_read_as_it_was_written(tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("text", "reason"),
     [
-        ("", "its columns are not those"),
-        ("a,b\n1,2\n", "its columns are not those"),
-        (HEAD.replace("failure,", ""), "its columns are not those"),
+        ("", "the column 'submission' is missing"),
+        ("a,b\n1,2\n", "the column 'submission' is missing"),
+        (HEAD.replace("failure,", ""), "the column 'failure' is missing"),
         (f"{HEAD}{',x' * 1000}", "1,007 columns are more than MAX_COLUMNS = 1000"),
         (f"{HEAD}\n\nann,1,30,10,,c,r\nbob,2,30,10,,c\n", "line 4 has 6 fields or no points"),
         (f"{HEAD}\nann,1,30,10,,c,r,more\n", "line 2 has 8 fields or no points"),

@@ -34,7 +34,7 @@ LINE = 1 + RUBRIC.splitlines().index("[cases.chapter]")
         ("memory_mb = 512", "memory = 512", "line 8: there is no key 'memory' in [limits]"),
         ("memory_mb = 512", "memory_mb = 1", "line 8: memory_mb is 1; allowed: a whole"),
         ("episodes = 4", "episodes = 0", f"line {LINE + 1}: episodes is 0; allowed: a"),
-        ("episodes = 4", "size = [7, 9]", f'line {LINE + 1}: size is of layout = "random" only'),
+        ("episodes = 4", "size = [7, 9]", f'line {LINE + 1}: size needs layout = "random"'),
         ("episodes = 4", "start = [0, 0]", f"line {LINE}: layout: start_pos row 0, column 0"),
         ("episodes = 4", "stations = 1", "stations is 1; allowed: drawn, kept"),
         ('layout = "trap"', 'layout = "tra"', "layout: no layout is called 'tra'"),

@@ -61,11 +61,11 @@ def test_a_layout_of_the_training_cannot_be_that_of_an_episode() -> None:
     [
         ({"height": 3}, r"the size is 3 x 6; it must be at least 4 x 4"),
         ({"width": 10**9}, r"cells are more than"),
-        ({"highest": 0.5}, r"density is 0\.5; it must be 0\.\.0\.4"),
+        ({"highest": 0.5}, r"density is 0\.5; it must be at least 0 and at most 0\.4"),
         ({"lowest": -0.1}, r"density is -0\.1"),
         ({"lowest": float("nan")}, r"density is nan"),
         ({"lowest": 0.3, "highest": 0.2}, r"density is from 0\.3 to 0\.2; the first must be"),
-        ({"count": 0}, rf"layouts of the pool are 0; allowed: 1\.\.{MAX_POOL}"),
+        ({"count": 0}, rf"the number of layouts is 0; allowed: 1\.\.{MAX_POOL}"),
     ],
 )
 def test_values_that_are_not_allowed_raise(changes: dict[str, float], message: str) -> None:

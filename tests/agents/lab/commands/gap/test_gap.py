@@ -84,4 +84,4 @@ def test_what_is_lost_is_said() -> None:
     found = scores(1.0, 1.0, 1.0)
     assert losses(found, 4) == []
     found[DISTURBED][1] = PLAIN._replace(delivered=3, lost=1, on_time=nan)
-    assert losses(found, 4) == ["disturbed, 2 seeds: 1 x order not delivered, 1 x robot lost"]
+    assert losses(found, 4) == ["disturbed, in 2 episodes: 1 order not delivered and 1 robot lost"]

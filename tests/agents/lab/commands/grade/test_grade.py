@@ -131,20 +131,20 @@ def test_a_folder_is_graded_once_and_again_where_something_has_changed(
     words = ("grade", "--trust", "all", "--rubric", rubric, "-o", "grades.csv", "--jobs", 1)
     result = warehouse(*words, "--jobs", 2, "--pages", "pages")
     assert result.code == 0
-    assert "4 graded, 1 as they were" in result.out
+    assert "4 graded, 0 unchanged, 1 that cannot" in result.out
     rows, first = rows_of("grades.csv"), Path("grades.csv").read_bytes()
     points = {name: row["points"] for name, row in rows.items()}
     assert points == {"searches": "100", "picks": "0", "syntax": "0", "none": "0", "'=cmd.py": "0"}
     assert rows["syntax"]["failure"].startswith("cannot be loaded: SyntaxError")
     assert rows["none"]["failure"] == "it has 0 .py files, and none is agent.py"
     assert len(list(Path("pages").iterdir())) == 8
-    assert "0 graded, 5 as they were" in warehouse(*words).out
+    assert "0 graded, 4 unchanged, 1 that cannot" in warehouse(*words).out
     assert Path("grades.csv").read_bytes() == first
     Path("all", "picks", "agent.py").write_text(GOOD, encoding="utf-8")
-    assert "1 graded, 4 as they were" in warehouse(*words).out
+    assert "1 graded, 3 unchanged, 1 that cannot" in warehouse(*words).out
     assert rows_of("grades.csv")["picks"]["points"] == "100"
     rubric.write_text(RUBRIC.replace("points = 20", "points = 10"), encoding="utf-8")
-    assert "4 graded, 1 as they were" in warehouse(*words).out
+    assert "4 graded, 0 unchanged, 1 that cannot" in warehouse(*words).out
     assert rows_of("grades.csv")["searches"]["points"] == "90"
 
 
@@ -195,7 +195,7 @@ def test_an_interrupted_folder_is_resumed_and_nothing_is_left_running(
     assert list(rows_of("grades.csv")) == ["searches"]
     assert not running_in(tmp_path / "all")
     Path("all", "sleeps", "agent.py").write_text(WORSE, encoding="utf-8")
-    assert "1 graded, 1 as they were" in warehouse(*words).out
+    assert "1 graded, 1 unchanged, 0 that cannot" in warehouse(*words).out
     assert list(rows_of("grades.csv")) == ["searches", "sleeps"]
 
 

@@ -186,9 +186,9 @@ def test_bodies_that_need_pymunk_are_refused_before_the_plans(
     ("options", "words"),
     [
         ("--planner lacam --lifelong 3", "planner 'lacam' plans all ways at once, for one goal a"),
-        ("bay.scen --robots 3", "bay.scen has 2 scenarios, one for each robot; 3 robots cannot"),
+        ("bay.scen --robots 3", "--robots is 3; allowed: 1..2, the scenarios of bay.scen"),
         ("bay.scen --layout hall", "scenario 1 is for 2 x 3 cells"),
-        ("corridor.json --robots 2", "corridor.json has 1 robot; not 2"),
+        ("corridor.json --robots 2", "--robots is 2; allowed: 1..1 in corridor.json"),
     ],
 )
 def test_what_cannot_be_found_or_done_is_named(
@@ -229,7 +229,7 @@ def test_robots_of_generated_problems_are_in_the_largest_part(
     code, out, _ = warehouse("mapf", "--layout", "two.map", "--robots", 4, "--seed", 1)
     assert code == 0
     assert "none" not in out
-    assert "up to 8" in refused("mapf", "--layout", "two.map", "--robots", 9)
+    assert "allowed: 1..8 on this layout" in refused("mapf", "--layout", "two.map", "--robots", 9)
 
 
 def test_plans_are_executed_by_bodies_in_both_ways(warehouse: Warehouse) -> None:

@@ -1,0 +1,447 @@
+"""Values that no argument expects, and the public callables that must answer them in words.
+
+What is called is read from ``__all__`` of the packages, so that a new constructor is called too. A
+required argument needs a value in ``VALID``; what is called for nothing is in ``EXEMPT``.
+"""
+
+from __future__ import annotations
+
+import importlib
+import inspect
+import pkgutil
+import random
+import sys
+from collections.abc import Callable, Iterable, Iterator
+from contextlib import contextmanager
+from dataclasses import is_dataclass
+from functools import partial
+from typing import Any, NamedTuple
+
+import gymnasium
+import numpy as np
+
+from agents import GreedyAgent
+from agents.fleet import PlannedFleet, Team
+from agents.mapf.graph import Graph
+from agents.mapf.pibt import PIBT
+from agents.registry import AGENTS, PLANNERS
+from agents.search import RouteProblem
+from helpers.networks import random_network
+from warehouse_core import (
+    DEFAULT_LAYOUT,
+    FleetEnv,
+    GridMotion,
+    Layout,
+    Motion,
+    Order,
+    OrderQueue,
+    OrderStream,
+    WarehouseEnv,
+    WarehouseError,
+    record_episode,
+)
+from warehouse_core.batch.shell.env import ArrayEnv
+from warehouse_core.fleet import Battery, People
+from warehouse_core.pettingzoo_env import parallel_env
+from warehouse_core.viz.tracks import track_of_record
+from warehouse_core.wording import brief
+from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, RobotSpec, Stop
+
+PACKAGES = ("warehouse_core", "warehouse_physics", "agents")
+
+MAX_MESSAGE = 1000
+"""Most characters of a message."""
+
+MAX_MEMORY = 500_000_000
+"""Bytes that a call may add to the process."""
+
+
+class Raises:
+    """Something whose every conversion fails with an error that nobody documents."""
+
+    def fail(self, *_: object) -> Any:
+        raise RuntimeError("conversion of a hostile object")
+
+    __index__ = __int__ = __float__ = __len__ = __iter__ = __eq__ = __bool__ = fail
+    __array__ = __getitem__ = __repr__ = __str__ = __hash__ = fail  # type: ignore[assignment]
+
+
+class Lies:
+    """An integer, and another one each time that it is read."""
+
+    number = 0
+
+    def __index__(self) -> int:
+        self.number += 1
+        return self.number
+
+    def __float__(self) -> float:
+        return float(self.__index__())
+
+
+class Bulky:
+    """Something whose repr is long."""
+
+    def __repr__(self) -> str:
+        return "x" * 600_000
+
+
+HOSTILE: dict[str, Callable[[], Any]] = {
+    "0": lambda: 0,
+    "-7": lambda: -7,
+    "2000": lambda: 2000,
+    "10**9": lambda: 10**9,
+    "2**31": lambda: 2**31,
+    "2**63": lambda: 2**63,
+    "2**64": lambda: 2**64,
+    "5,000 digits": lambda: 10**5000,
+    "-5,000 digits": lambda: -(10**5000),
+    "nan": lambda: float("nan"),
+    "inf": lambda: float("inf"),
+    "-0.0": lambda: -0.0,
+    "0.5": lambda: 0.5,
+    "1e-320": lambda: 1e-320,
+    "1e308": lambda: 1e308,
+    "1j": lambda: 1j,
+    "True": lambda: True,
+    "None": lambda: None,
+    "uint8": lambda: np.uint8(3),
+    "int64": lambda: np.int64(-(2**62)),
+    "float32": lambda: np.float32("nan"),
+    "bool_": lambda: np.bool_(True),
+    "0-d array": lambda: np.array(3),
+    "array": lambda: np.arange(6.0).reshape(2, 3),
+    "array of objects": lambda: np.array([None, "x"], object),
+    "bytes": lambda: b"\xff\x00",
+    "empty text": lambda: "",
+    "text": lambda: "x",
+    "lone surrogate": lambda: "\ud800\x00\x1b[2J",
+    "600 kB of text": lambda: "x" * 600_000,
+    "empty list": list,
+    "nested list": lambda: [[[[1]]], "x"],
+    "long list": lambda: [0] * 100_000,
+    "dict": lambda: {"x": 1, 2: None},
+    "set": lambda: {1, 2},
+    "generator": lambda: (number for number in range(3)),
+    "range": lambda: range(2**40),
+    "function": lambda: len,
+    "class": lambda: int,
+    "object": object,
+    "raises": Raises,
+    "lies": Lies,
+    "bulky": Bulky,
+    "list of bulky": lambda: [Bulky()],
+}
+"""Values by name, made anew for each call."""
+
+RECORD = record_episode(WarehouseEnv(max_steps=2), GreedyAgent(0), seed=0)
+
+VALID: dict[str, Any] = {
+    "action": 4,
+    "actions": [4, 4],
+    "agent": GreedyAgent(0),
+    "agents": [GreedyAgent(0)] * 2,
+    "aisle": 1,
+    "at": 1.0,
+    "battery": 200,
+    "columns": 2,
+    "count": 2,
+    "FleetRecorder.env": FleetEnv(),
+    "density": 0.2,
+    "depth": 1,
+    "backend": "grid",
+    "env": WarehouseEnv(),
+    "episode": RECORD,
+    "extent": (7, 12, 2, 200, 200),
+    "cells": [(1, 1)],
+    "fleet": 0,
+    "graph": Graph(DEFAULT_LAYOUT),
+    "fleets": 2,
+    "frames": RECORD,
+    "goal": (1, 2),
+    "height": 7,
+    "layout": DEFAULT_LAYOUT,
+    "length": 2,
+    "max_steps": 200,
+    "name": "dict",
+    "network": random_network(0),
+    "num_envs": 2,
+    "order": None,
+    "planner": PIBT(Graph(DEFAULT_LAYOUT)),
+    "robot": 0,
+    "output_dir": "svg",
+    "path": "x.map",
+    "problem": RouteProblem(DEFAULT_LAYOUT, (1, 1), (1, 2)),
+    "save_page.path": "x.html",
+    "tracks": [track_of_record(RECORD)],
+    "heuristic": lambda state: 0.0,
+    "evaluate": lambda state, cost: cost,
+    "weight": 1.0,
+    "record": RECORD,
+    "row": 0,
+    "seed": 0,
+    "rows": 2,
+    "seconds": 1.0,
+    "size": 3,
+    "start": (1, 1),
+    "table": {},
+    "tile_pixels": 8,
+    "width": 12,
+}
+
+EXEMPT = (
+    "warehouse_core.task",  # pure functions of the rules, called in every step
+    "warehouse_core.files",  # arrays that this project's own files consist of
+    "warehouse_core.viz.axes",  # parts of this project's own drawings
+    "warehouse_core.viz.export",
+    "warehouse_core.render.PictureWindow",  # it needs a display
+    "warehouse_core.Episode",  # made by recorders, and read from files
+    "warehouse_core.world.load_",  # of files
+    "agents.learning.load_",
+    "agents.learning.save_table",  # what it saves has just been learned
+    "warehouse_core.orders.save_orders",
+    "warehouse_core.conformance",  # its checks call what they are given
+    "warehouse_physics.batch",  # made by RigidBodyMotion.batch
+)
+"""What is not called, by the start of its name."""
+
+EXTRA: dict[str, dict[str, Any]] = {"FleetEnv": {"orders": [Order(0, 9, (1, 3), (5, 6))]}}
+"""Arguments of the objects whose methods are called."""
+
+DRAWN = ("replay_animation", "save_frames_to_svg")
+"""Functions that take long if they accept something; only some values are tried."""
+
+FEW = ("-7", "5,000 digits", "1e-320", "raises", "bulky", "array")
+
+SEAMS = {
+    "act",
+    "advance",
+    "batch",
+    "extend",
+    "fleet_batch",
+    *(f"{motion.__name__}.reset" for motion in (GridMotion, RigidBodyMotion, DrivingMotion)),
+}
+"""Methods that are called by this project's own code, in every step, with what it has checked."""
+
+OPEN_TO_ALL = {
+    "evaluate",
+    "expand",
+    "frames",
+    "heuristic",
+    "metrics",
+    "output_dir",
+    "path",
+    "problem",
+    "tracks",
+    "with_events",
+    "reopen",
+}
+"""Parameters for paths and for objects of the user's own classes, which Python itself answers."""
+
+OTHER_NAMES = {
+    "orders": ("rate",),
+    "starts": ("start of robot",),
+    "capacity": ("battery",),
+    "count": ("people",),
+    "actions": ("action",),
+    "grid": ("layout", "rows"),
+    "layout": ("rows",),
+    "rows": ("layout",),
+    "aisle": ("cells",),
+    "height": ("size", "rows"),
+    "width": ("size", "cells"),
+    "window": ("replan",),
+    "beside": ("record",),
+    "agents": ("needs one",),
+    **dict.fromkeys(("floor_drag", "mass", "payload_mass"), ("motor_force",)),
+    **dict.fromkeys(("cell_size", "turn_seconds"), ("time_step",)),
+    "name": ("observation", "backend"),
+    "max_cycles": ("max_steps",),
+}
+"""Names that messages have for some arguments: those of what they become."""
+
+PARTS = (OrderStream, People, Stop, Team)
+"""Parts of a fleet that are right by themselves and may not fit it, as more people than cells."""
+
+
+class Target(NamedTuple):
+    """A public callable, and what is done with what it returns, or with the object it is of."""
+
+    name: str
+    call: Callable[..., Any]
+    use: Callable[[Any], object]
+
+    @property
+    def parameters(self) -> dict[str, inspect.Parameter]:
+        """The parameters that can be given by name."""
+        kinds = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
+        given = inspect.signature(self.call).parameters
+        return {name: each for name, each in given.items() if each.kind in kinds}
+
+    @property
+    def valid(self) -> dict[str, Any]:
+        """Values of the parameters that have no default."""
+        needed = (each.name for each in self.parameters.values() if each.default is each.empty)
+        return {name: VALID.get(f"{self.name}.{name}", VALID.get(name)) for name in needed}
+
+
+def targets() -> Iterator[Target]:
+    """Yield all that the packages offer by ``__all__`` and that takes arguments of its own."""
+    seen: set[int] = set()
+    for root in PACKAGES:
+        package = importlib.import_module(root)
+        modules = pkgutil.walk_packages(package.__path__, f"{root}.")
+        for name in (root, *(module.name for module in modules if module.ispkg)):
+            module = importlib.import_module(name)
+            for word in getattr(module, "__all__", ()):
+                each = getattr(module, word)
+                if id(each) not in seen and not f"{name}.{word}".startswith(EXEMPT):
+                    seen.add(id(each))
+                    yield from _targets_of(word, each)
+
+
+def named_targets() -> Iterator[Target]:
+    """Yield the agents and planners that have a name, and are not in any ``__all__``."""
+    for each in (*AGENTS.values(), *PLANNERS.values()):
+        if inspect.isclass(each):
+            yield Target(each.__name__, each, use)
+
+
+def _targets_of(name: str, each: Any) -> Iterator[Target]:
+    """Yield a function, or a class that checks its arguments and the methods of the class."""
+    if inspect.isfunction(each):
+        yield Target(name, each, use)
+    if not inspect.isclass(each) or not _checks(each):
+        return
+    made = Target(name, each, use)
+    yield made
+    methods = inspect.getmembers(each, inspect.isfunction) if hasattr(each, "reset") else ()
+    for word, method in methods:
+        is_ours = method.__module__.startswith(PACKAGES)
+        if is_ours and not word.startswith("_") and not {word, f"{name}.{word}"} & SEAMS:
+            it = each(**made.valid | EXTRA.get(name, {}))
+            use(it)
+            yield Target(f"{name}.{word}", getattr(it, word), partial(_again, it))
+
+
+def _checks(each: type) -> bool:
+    """Return whether a class checks arguments: errors, protocols and plain records do not."""
+    if issubclass(each, (BaseException, tuple, dict)) or getattr(each, "_is_protocol", False):
+        return False
+    if is_dataclass(each) and not hasattr(each, "__post_init__"):
+        return not each.__dataclass_params__.init
+    return each.__init__ is not object.__init__
+
+
+def _again(it: Any, _: object) -> None:
+    use(it)
+
+
+def use(it: Any) -> None:
+    """Start what a call has returned, and take a step: what is accepted must not fail later."""
+    if isinstance(it, WarehouseEnv):
+        it.reset(seed=1)
+        it.step("N")
+    elif isinstance(it, FleetEnv):
+        it.reset(seed=1)
+        it.step([4] * it.settings.robots)
+    elif isinstance(it, ArrayEnv):
+        it.reset(seed=1)
+        it.step([4] * it.num_envs)
+    elif isinstance(it, gymnasium.vector.VectorEnv):
+        it.reset(seed=1)
+        it.step(np.full(it.num_envs, 4))
+    elif isinstance(it, gymnasium.Env):
+        it.reset(seed=1)
+        it.step(4)
+        if it.render_mode:
+            it.render()
+    elif isinstance(it, parallel_env):
+        it.reset(seed=1)
+        it.step(dict.fromkeys(it.agents, 4))
+        it.state()
+    elif isinstance(it, Motion):
+        it.reset(DEFAULT_LAYOUT, [(1, 1)], 1)
+        it.advance([(0, 1)], [False])
+    elif isinstance(it, RobotSpec):
+        use(RigidBodyMotion(it))
+    elif isinstance(it, Stop):
+        use(Disturbances(stops=(it,)))
+    elif isinstance(it, Disturbances):
+        use(DrivingMotion(None, it) if it.stops else RigidBodyMotion(None, it))
+    elif isinstance(it, Battery):
+        use(FleetEnv(battery=it))
+    elif isinstance(it, People):
+        use(FleetEnv(people=it))
+    elif isinstance(it, (OrderStream, OrderQueue)):
+        use(FleetEnv(orders=it))
+    elif isinstance(it, Layout):
+        use(WarehouseEnv(it, None))
+    elif isinstance(it, (Team, PlannedFleet)):
+        fleet = FleetEnv()
+        fleet.reset(seed=0)
+        it.reset()
+        it.act(fleet)
+    elif hasattr(it, "act"):
+        it.reset()
+        it.act(WarehouseEnv().reset())
+
+
+def faults(target: Target) -> list[str]:
+    """Return what is wrong with the answers of a callable to hostile values, each in a line."""
+    found = []
+    for name in target.parameters.keys() - OPEN_TO_ALL:
+        names = (name, *OTHER_NAMES.get(name, ()))
+        for word in FEW if target.name in DRAWN else HOSTILE:
+            wrong = _fault(target, {name: HOSTILE[word]()}, names)
+            if wrong:
+                found.append(f"{target.name}({name}={word}): {wrong}")
+    return found
+
+
+def _fault(target: Target, hostile: dict[str, Any], names: Iterable[str]) -> str:
+    random.seed(0)
+    try:
+        with bounded_memory():
+            result = target.call(**target.valid | hostile)
+            del hostile
+    except (TypeError, ValueError, WarehouseError, gymnasium.error.Error) as error:
+        return _complaint(error, names)
+    except Exception as error:
+        return f"it raised {brief(error)}"
+    try:
+        with bounded_memory():
+            target.use(result)
+    except Exception as error:
+        if isinstance(result, PARTS) and isinstance(error, ValueError):
+            return _complaint(error, names)
+        return f"it was accepted, and then raised {brief(error)}"
+    return ""
+
+
+def _complaint(error: Exception, names: Iterable[str]) -> str:
+    """Return what is wrong with an error that is of a documented class."""
+    message = str(error)
+    if len(message) > MAX_MESSAGE:
+        return f"{len(message)} characters: {message:.100}"
+    if not any(name in message for name in names):
+        return f"the message does not name it: {message:.200}"
+    return ""
+
+
+@contextmanager
+def bounded_memory() -> Iterator[None]:
+    """Let a block fail by ``MemoryError`` that takes more than ``MAX_MEMORY``, on Linux."""
+    if sys.platform != "linux":
+        yield
+        return
+    import resource
+
+    with open("/proc/self/statm") as file:
+        used = int(file.read().split()[0]) * resource.getpagesize()
+    soft, hard = resource.getrlimit(resource.RLIMIT_AS)
+    resource.setrlimit(resource.RLIMIT_AS, (used + MAX_MEMORY, hard))
+    try:
+        yield
+    finally:
+        resource.setrlimit(resource.RLIMIT_AS, (soft, hard))
