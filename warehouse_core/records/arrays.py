@@ -256,7 +256,7 @@ def _unpack_fleet(arrays: Arrays, header: EpisodeFields, fields: EpisodeFields) 
     for name in ("cells", "people"):
         _check_open(name, layout.cells(np.unique(arrays[name])), layout)
     bodies = np.hstack([arrays["cells"], arrays["people"]])[1:].ravel()
-    _check_ends(arrays, layout.places(bodies))
+    _check_ends(arrays, layout.places(bodies[: len(arrays["motion_cells"])]))
     _check_numbers(arrays, settings)
     _check_orders(arrays["orders"], layout, settings.robots, len(arrays["actions"]))
     for name in FLEET_COLUMNS.keys() - MOTION_COLUMNS.keys() - {"header", "layout"}:

@@ -74,7 +74,7 @@ class GradedCase:
             height, width = self.size
             before = (
                 f"warehouse layout generate --height {height} --width {width} "
-                f"--density {self.density:g} --seed {seed} --output {shlex.quote(file)} && "
+                f"--density {self.density:g} --seed {seed} --save {shlex.quote(file)} && "
             )
             words += ["--layout", file]
         elif self.layout != DEFAULT:

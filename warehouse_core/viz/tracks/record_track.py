@@ -160,27 +160,27 @@ def _fleet_frames(
 ) -> Iterator[Frame]:
     """Yield the frames of a fleet, one a step or one every ``frame_seconds``."""
     orders, bodies = _Orders(episode), np.hstack([episode.cells, episode.people])
-    loaded = np.hstack([episode.loaded, np.zeros_like(episode.people, np.bool_)]).tolist()
+    no_items = [False] * episode.people.shape[1]
     layout, rows, size = episode.layout, episode.layout.rows, episode.cell_size
-    headings = _headings(episode)
 
     @cache
     def pose_of(cell: int, heading: float | None, is_loaded: bool) -> Pose:
         return Pose(middle(layout.cell(cell)), heading, is_loaded)
 
     last = Frame(rows, (), 0.0)
-    for step in range(episode.steps + 1):
+    for step, headings in enumerate(_headings(episode)):
+        loaded = [*episode.loaded[step].tolist(), *no_items]
         now = plans[step] if step < len(plans) else NO_PLANS
         fleet, caption = orders.at(step)._replace(plans=now), orders.caption(step)
         if step and frame_seconds is not None:
             motions, before = episode.motions[step - 1], last.fleet
-            along = frames_along(last, motions, loaded[step], size, frame_seconds, caption)
+            along = frames_along(last, motions, loaded, size, frame_seconds, caption)
             for last in along:
                 last.hits = tuple(DrawnHit(hit.at, "", hit.robot) for hit in last.hits)
                 last.fleet = fleet if last.progress == step else before
                 yield last
         else:
-            keys = zip(bodies[step].tolist(), headings[step], loaded[step], strict=True)
+            keys = zip(bodies[step].tolist(), headings, loaded, strict=True)
             poses = tuple([pose_of(*key) for key in keys])
             hits = _hits(episode, step - 1) if step else ()
             clock = last.clock + float(episode.seconds[step - 1].max()) if step else 0.0
@@ -188,18 +188,17 @@ def _fleet_frames(
             yield last
 
 
-def _headings(episode: Episode) -> list[list[float | None]]:
-    """Return for each frame the direction in which each body moved last, as an angle."""
-    bodies = episode.settings.bodies
-    headings: list[list[float | None]] = [[None] * bodies]
+def _headings(episode: Episode) -> Iterator[list[float | None]]:
+    """Yield for each frame the direction in which each body moved last, as an angle."""
+    headings: list[float | None] = [None] * episode.settings.bodies
+    yield headings
     width = episode.layout.width
     angle_of = {1: 0.0, width: math.pi / 2, -1: math.pi, -width: -math.pi / 2}
     moved = np.diff(np.hstack([episode.cells, episode.people]), axis=0)
-    for row in moved.tolist():
-        headings.append(
-            [angle_of.get(by, before) for by, before in zip(row, headings[-1], strict=True)]
-        )
-    return headings
+    for row in moved:
+        pairs = zip(row.tolist(), headings, strict=True)
+        headings = [angle_of.get(by, before) for by, before in pairs]
+        yield headings
 
 
 def _hits(episode: Episode, step: int) -> tuple[DrawnHit, ...]:

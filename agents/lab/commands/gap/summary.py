@@ -58,7 +58,7 @@ def gap_table(scores: SeedScores, title: str) -> TextTable:
     ]
     header = ("world", *(measure.title for measure in MEASURES))
     few = len(scores[PLAN]) < MIN_VALUES
-    caption = f"Fewer than {MIN_VALUES} seeds have no intervals." if few else ""
+    caption = f"Fewer than {MIN_VALUES} episodes have no intervals." if few else ""
     return TextTable(header, rows, title, caption)
 
 

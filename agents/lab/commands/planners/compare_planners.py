@@ -27,7 +27,7 @@ from agents.lab.console.output import save_picture
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import print_error, say
 from agents.lab.parameters import Whole
-from agents.lab.trials.interval import Interval, mean_interval
+from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
 from agents.lab.trials.wording import above_interval
 from agents.lab.trials.workers import run_trials
 from agents.mapf.graph import Graph
@@ -128,7 +128,9 @@ def compare_planners(
             for name in names
         ]
         rows.append((str(size), *cells, f"{rates[BOUND, size].estimate:.2f}"))
-    print_table(TextTable(("robots", *names, BOUND), rows, title))
+    few = episodes < MIN_VALUES
+    caption = f"Fewer than {MIN_VALUES} episodes have no intervals." if few else ""
+    print_table(TextTable(("robots", *names, BOUND), rows, title, caption))
     for (name, size), count in lost.items():
         if count:
             print_error(

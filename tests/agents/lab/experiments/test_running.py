@@ -312,7 +312,7 @@ def test_a_worker_of_another_program_is_an_error_and_its_rows_are_not_stored(
     monkeypatch.setattr(
         "agents.lab.experiments.episodes.program_for", lambda backend: f"new {backend}"
     )
-    with pytest.raises(StoreError, match="new ones would be of new grid; "):
+    with pytest.raises(StoreError, match="new ones would be run by new grid; "):
         run(Here(), make_plan({}, 5, 0))
     assert table(PATH) == before
     with Store(PATH, read_only=True) as store:

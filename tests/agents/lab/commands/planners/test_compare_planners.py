@@ -31,6 +31,8 @@ def test_planners_are_compared_by_size_beside_the_bound(warehouse: Warehouse) ->
     expected = np.mean([run_in_hall(("pibt", 4), seed).throughput for seed in range(20)])
     assert f" {expected:.2f} " in out
     assert out.count(" to ") == 4
+    assert "Fewer" not in out
+    assert "Fewer than 20 episodes have no intervals." in warehouse(*SMALL).out
     assert "saved curve.png" in out
     with Image.open("curve.png") as image:
         assert image.format == "PNG"
