@@ -72,7 +72,7 @@ def test_a_copy_stays_in_its_own_space() -> None:
 def test_a_robot_that_has_failed_has_failed_in_the_copy_at_the_same_time() -> None:
     motion = DrivingMotion()
     motion.reset(DEFAULT_LAYOUT, [(1, 1), (3, 1)], 0)
-    motion.advance([(0, 1), (0, 1)], [False, False])
+    motion.advance([(0, 1), (0, 1)], [True, False])
     motion.fail(1)
     motion.advance([(0, 1), (0, 1)], [True, False])
     twin = copy.deepcopy(motion)

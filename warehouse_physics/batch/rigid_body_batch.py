@@ -55,13 +55,13 @@ class RigidBodyBatch:
             for rows in self._slices
         ]
 
-    @exclusive
     def __getstate__(self) -> None:
         raise TypeError(
             "a batch of bodies can be neither copied nor pickled; make another one, reset it with "
             "the same seeds and take the same actions"
         )
 
+    @exclusive
     def place(
         self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
     ) -> None:
