@@ -6,16 +6,26 @@ import os
 import signal
 import sys
 from functools import partial
+from importlib.machinery import ExtensionFileLoader
 from threading import Timer
+from types import FrameType
 from typing import Any
 
 AGAIN_SECONDS = 0.05
-"""Time after which an interrupt comes again that Python has ignored."""
+"""Time after which an interrupt comes again that came at a wrong moment."""
+
+INITIALISING = {
+    ExtensionFileLoader.create_module.__code__,
+    ExtensionFileLoader.exec_module.__code__,
+}
+"""Code of the functions that initialise compiled modules."""
 
 
 def main() -> None:
     """Run the command line; an interrupt at any time is one line."""
-    sys.unraisablehook = interrupt_again
+    sys.unraisablehook = interrupt_again_if_ignored
+    if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
+        signal.signal(signal.SIGINT, interrupt)
     try:
         from agents.lab.commands import cli
 
@@ -24,21 +34,40 @@ def main() -> None:
         print("warehouse: interrupted", file=sys.stderr)
         sys.exit(130)
     finally:
-        # All is done and said; an interrupt while Python ends would be a traceback.
-        signal.signal(signal.SIGINT, signal.SIG_DFL)
+        if signal.getsignal(signal.SIGINT) is interrupt:
+            # All is done and said; an interrupt while Python ends would be a traceback.
+            signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
-def interrupt_again(ignored: Any) -> None:
+def interrupt(number: int, frame: FrameType | None) -> None:
+    """Raise ``KeyboardInterrupt``, as Python does, but not while a compiled module is initialised.
+
+    Such a module turns it into another error, and may be left in a state in which Python crashes.
+    """
+    while frame is not None:
+        if frame.f_code in INITIALISING:
+            interrupt_again()
+            return
+        frame = frame.f_back
+    raise KeyboardInterrupt
+
+
+def interrupt_again_if_ignored(ignored: Any) -> None:
     """Send an interrupt again that came in a destructor or a weakref callback.
 
     Python prints errors that are raised there, and ignores them: the program would go on.
     """
     if ignored.exc_type is KeyboardInterrupt:
-        # To the process, as this thread may wait; Windows knows only signals to the caller.
-        send = signal.raise_signal if os.name == "nt" else partial(os.kill, os.getpid())
-        Timer(AGAIN_SECONDS, send, [signal.SIGINT]).start()
+        interrupt_again()
     else:
         sys.__unraisablehook__(ignored)
+
+
+def interrupt_again() -> None:
+    """Interrupt this process a little later."""
+    # To the process, as this thread may wait; Windows knows only signals to the caller.
+    send = signal.raise_signal if os.name == "nt" else partial(os.kill, os.getpid())
+    Timer(AGAIN_SECONDS, send, [signal.SIGINT]).start()
 
 
 if __name__ == "__main__":

@@ -17,6 +17,7 @@ import numpy as np
 import torch
 from sb3_contrib import MaskablePPO
 from stable_baselines3.common.callbacks import BaseCallback
+from stable_baselines3.common.logger import Logger
 
 from agents.learning.learner import RECENT_EPISODES, MakeAgent, WatchTraining
 from agents.learning.policy_network import Layer, PolicyNetwork
@@ -74,6 +75,7 @@ class PPOLearner:
             seed=seed,
             **SETTINGS | settings,
         )
+        self.model.set_logger(Logger(None, []))  # its own makes a temporary folder, and keeps it
 
     def learn(self, watch: WatchTraining) -> MakeAgent:
         """Train, and return what makes the agent."""

@@ -289,6 +289,28 @@ main()
     assert in_a_process("-c", words, folder=tmp_path) == (130, "", "warehouse: interrupted\n")
 
 
+def test_an_interrupt_while_a_compiled_module_is_initialised_comes_later(tmp_path: Path) -> None:
+    """The module ``matplotlib.ft2font`` makes enumerations; it would raise an ``ImportError``."""
+    words = """
+import enum, os, signal, sys
+from agents.__main__ import INITIALISING, main
+make, sent = enum.EnumType.__call__, []
+def interrupted(*arguments, **named):
+    frame = sys._getframe()
+    while frame is not None and not sent:
+        if frame.f_code in INITIALISING:
+            sent.append(os.kill(os.getpid(), signal.SIGINT))
+        frame = frame.f_back
+    return make(*arguments, **named)
+enum.EnumType.__call__ = interrupted
+sys.argv[1:] = ["run", "--seed", "1", "--battery", "2", "--save", "a.png"]
+main()
+"""
+    code, _, said = in_a_process("-c", words, folder=tmp_path)
+    assert (code, said) == (130, "warehouse: interrupted\n")
+    assert not list(tmp_path.iterdir())
+
+
 def test_an_interrupt_that_python_ignores_comes_again(tmp_path: Path) -> None:
     """One in a weakref callback, as those of the locks of modules that are imported."""
     words = """

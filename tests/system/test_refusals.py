@@ -340,9 +340,15 @@ def test_the_limits_of_numbers_are_those_of_the_table() -> None:
 @each_command
 def test_what_a_command_does_not_have_is_wrong_usage(refused: Refused, name: str) -> None:
     words = (*name.split(), *ARGUMENTS.get(name, ()))
-    line = refused(*words, "--frobnicate", code=2)
-    assert line.startswith("no option is called '--frobnicate'; see: ")
+    line = refused(*words, "--qqqqqq", code=2)
+    assert line.startswith("no option is called '--qqqqqq'; see: ")
     assert line.endswith(f" {name} -h")
+    options = [option for option in options_of(name) if option.startswith("--")]
+    for option in options[:1]:
+        near = f"no option is called '{option}x'; similar: "
+        line = refused(*words, f"{option}x", "1", code=2)
+        assert line.startswith(near)
+        assert f" {option}" in line.removeprefix(near[:-1]).partition(";")[0]
     arguments = [option for option in options_of(name) if not option.startswith("-")]
     extra = ["much"] * (1 + len(arguments) - len(ARGUMENTS.get(name, ())))
     assert refused(*words, *extra, code=2).startswith("'much' is one argument too many; see: ")

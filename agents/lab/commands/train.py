@@ -75,7 +75,8 @@ def train_ppo(
     Writes the agent (.npz), which "warehouse run --agent ppo:FILE" takes, a
     picture of its learning curve (.png), and the model of Stable-Baselines3
     (.zip) for further training. The .zip holds pickled Python: load only
-    files of that kind that you trust.
+    files of that kind that you trust. By default the training takes
+    about a minute.
 
     Several robots deliver orders of the layout's own stations; they share the
     network, and each is rewarded for its own deliveries.

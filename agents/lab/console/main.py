@@ -24,7 +24,8 @@ RENAMED = {"output": "save", "workers": "jobs"}
 """Names of options in version 0.1, which still work, and their names now."""
 
 SENTENCES = (
-    (r"No such option: (\S+).*", r"no option is called '\1'"),
+    (r"No such option: (\S+)", r"no option is called '\1'"),
+    (r"No such option: (\S+) \(.*: (.+)\)", r"no option is called '\1'; similar: \2"),
     (r"Option '(\S+)' requires an argument\.", r"\1 needs a value after it"),
     (r"Option '(\S+)' does not take a value\.", r"\1 takes no value"),
     (r"Missing argument '(.+)'\.", r"\1 is missing"),
@@ -80,6 +81,7 @@ def _misused(error: TyperException) -> str:
     for pattern, sentence in SENTENCES:
         if found := re.fullmatch(pattern, message, flags=re.DOTALL):
             message = found.expand(sentence)
+            break
     context = getattr(error, "ctx", None)
     return f"{message}; see: {context.command_path} -h" if context else message
 

@@ -8,7 +8,7 @@ from pathlib import Path
 
 from agents.errors import GradeError, WorkerError
 from agents.lab.console.table import TextTable, print_table
-from agents.lab.console.terminal import print_error, say
+from agents.lab.console.terminal import say
 from agents.lab.grading.grades import (
     CODE,
     FAILURE,
@@ -102,7 +102,7 @@ def grade_folder(
                 advance(number, each.name)
     except KeyboardInterrupt:
         done = f"{len(rows)} of {counted(len(found), 'submission')} are in {target}"
-        print_error(f"{done}; run the same command again to resume")
+        say(f"{done}; run the same command again to resume")
         raise
     _print_grades(rows, rubric)
     say(f"saved {target}: {counts}")

@@ -181,7 +181,7 @@ def test_an_interrupted_folder_is_resumed_and_nothing_is_left_running(
         cwd=tmp_path,
         env={"PYTHONPATH": str(ROOT), "PATH": ""},
         stderr=subprocess.PIPE,
-        stdout=subprocess.DEVNULL,
+        stdout=subprocess.PIPE,
         text=True,
         preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
     ) as process:
@@ -189,9 +189,9 @@ def test_an_interrupted_folder_is_resumed_and_nothing_is_left_running(
             assert process.poll() is None
             sleep(0.05)
         process.send_signal(signal.SIGINT)
-        _, said = process.communicate(timeout=30)
-    assert process.returncode == 130
-    assert "1 of 2 submissions are in grades.csv; run the same command again to resume" in said
+        told, said = process.communicate(timeout=30)
+    assert (process.returncode, said) == (130, "warehouse: interrupted\n")
+    assert "1 of 2 submissions are in grades.csv; run the same command again to resume" in told
     assert list(rows_of("grades.csv")) == ["searches"]
     assert not running_in(tmp_path / "all")
     Path("all", "sleeps", "agent.py").write_text(WORSE, encoding="utf-8")
