@@ -33,7 +33,7 @@ from warehouse_core.world.tiles import Cell
 MAX_NUMBER = 1e12
 """Limit on the size of a reward, time, energy, impulse or coordinate, so that sums are finite."""
 
-MAX_OBJECTS = 300_000
+MAX_OBJECTS = 500_000
 """Limit on the steps of a lone robot, the motions, contacts, orders and assignments of a record.
 
 The limit is on their sum: each is an object of several hundred bytes, and a byte of a file or less.
