@@ -110,6 +110,10 @@ class Whole:
         return f"{self.minimum}..{self.maximum}"
 
 
+CheckValue = Callable[[Any], Any]
+"""Returns a value as it is used, or raises ``ValueError`` with what is allowed."""
+
+
 @dataclass(frozen=True)
 class Number:
     """A check for finite numbers from ``minimum`` to ``maximum``."""

@@ -9,7 +9,7 @@ from typing import Annotated, Any
 
 import typer
 
-from agents.lab.parameters import MAX_SEED, MAX_VALUE, PARAMETERS, Number, Whole
+from agents.lab.parameters import MAX_SEED, MAX_VALUE, PARAMETERS, CheckValue, Number, Whole
 from agents.lab.place import Stations
 from agents.registry import PLANNERS
 from warehouse_core.files.atomic import check_suffix, check_target
@@ -24,9 +24,6 @@ PICTURES = (".svg", ".png")
 MANY: dict[str, Any] = {"default_factory": list, "show_default": False}
 """Settings of an option that may be given more than once, or not at all."""
 
-Check = Callable[[Any], Any]
-"""Returns a value as it is used, or raises ``ValueError`` with what is allowed."""
-
 
 class Reader:
     """Reads the text of an option as a number or a choice, by a check as of plan files.
@@ -35,7 +32,7 @@ class Reader:
         check: Check of the value.
     """
 
-    def __init__(self, name: str, check: Check) -> None:
+    def __init__(self, name: str, check: CheckValue) -> None:
         self.name, self.check = name, check
 
     def __call__(self, text: Any) -> Any:
@@ -53,7 +50,7 @@ class Reader:
             raise typer.BadParameter(f"{self.name} is {brief(value)}; allowed: {error}") from None
 
 
-def option(words: str, help_text: str, check: Check | None = None, **settings: Any) -> Any:
+def option(words: str, help_text: str, check: CheckValue | None = None, **settings: Any) -> Any:
     """Return an option.
 
     The first sentence of the description is the same in all commands that have the option; further
@@ -78,7 +75,7 @@ def parameter_option(name: str, metavar: str = "N", more: str = "") -> Any:
     return option(words, f"{parameter.help} {more}".strip(), parameter.check)
 
 
-def one_of(kind: type[StrEnum]) -> Check:
+def one_of(kind: type[StrEnum]) -> CheckValue:
     """Return a check for the words of an enumeration."""
 
     def check(value: Any) -> StrEnum:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import math
 import re
-from collections.abc import Callable, Mapping
+from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -14,7 +14,7 @@ from agents.errors import GradeError
 from agents.lab.grading.cases import GradedCase
 from agents.lab.grading.criteria import MEASURES, Criterion
 from agents.lab.grading.sandbox import AgentLimits
-from agents.lab.parameters import PARAMETERS, Number, Whole, flag, one_of
+from agents.lab.parameters import PARAMETERS, CheckValue, Number, Whole, flag, one_of
 from agents.lab.place import RANDOM, Stations, check_stations
 from agents.lab.toml_text import MAX_BYTES, parse_toml
 from warehouse_core import LayoutError
@@ -31,9 +31,6 @@ MAX_EPISODES, MAX_COUNT, MAX_SEED = 10_000, 1_000_000, 2**31 - 1
 
 VISIBILITIES = ("visible", "hidden", "after_due_date", "after_published")
 """Times at which Gradescope shows a test."""
-
-CheckValue = Callable[[Any], Any]
-"""Returns a value as it is used, or raises ``ValueError`` with what is allowed."""
 
 
 @dataclass(frozen=True, slots=True)
