@@ -51,6 +51,7 @@ INVALID: dict[str, tuple[str | bytes | None, str]] = {
         ),
         "max_steps",
     ),
+    "a range from a text": (to("battery = {from = 'a', to = 3, step = 1}"), "battery.from is 'a'"),
     "a setting twice": ("[settings]\n'robot.mass' = 3\n[robot]\nmass = 4", "robot.mass"),
     "episodes as text": ("episodes = '3'", "episodes"),
     "no episodes": ("episodes = 0", "episodes"),
