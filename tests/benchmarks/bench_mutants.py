@@ -168,7 +168,10 @@ class Copy:
             for line in done.stdout.splitlines()
             if line.startswith(("FAILED ", "ERROR "))
         ]
-        return done.returncode, [each.partition(" - ")[0].partition("[")[0] for each in failed]
+        code = done.returncode
+        if code == pytest.ExitCode.USAGE_ERROR and "ERROR collecting" in done.stdout:
+            code = pytest.ExitCode.INTERRUPTED  # tests that were named are not found then
+        return code, [each.partition(" - ")[0].partition("[")[0] for each in failed]
 
     def run_with(self, mutant: Mutant, tests: list[str]) -> tuple[int, list[str]]:
         target = self.folder / mutant.path
