@@ -112,7 +112,9 @@ def _is_done(
     each: Submission, before: dict[str, GradeRow], rubric: Rubric, pages: Path | None
 ) -> bool:
     row = before.get(plain(each.name))
-    if row is None or (row[CODE], row[RUBRIC]) != (each.digest, rubric.digest):
+    if row is None or not row.keys() >= set(columns_of(rubric)):
+        return False
+    if (row[CODE], row[RUBRIC]) != (each.digest, rubric.digest):
         return False
     return pages is None or all(path.exists() for path in _files(pages, each))
 

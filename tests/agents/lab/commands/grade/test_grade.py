@@ -23,7 +23,7 @@ from helpers.submissions import (
 )
 
 from agents.errors import WorkerError
-from agents.lab.commands.grade.folder import _row
+from agents.lab.commands.grade.folder import _is_done, _row
 from agents.lab.grading.grading import GradeReport
 from agents.lab.grading.rubric import MINI_LAB, load_rubric
 from agents.lab.grading.submissions import find_submission
@@ -154,9 +154,13 @@ def test_an_agent_that_ended_the_grader_has_no_points(rubric: Path) -> None:
     future.set_exception(WorkerError("its process was ended by signal 9"))
     file = Path("agent.py")
     file.write_text(GOOD, encoding="utf-8")
-    row = _row(future, find_submission(str(file)), load_rubric(rubric))
+    submission, asked = find_submission(str(file)), load_rubric(rubric)
+    row = _row(future, submission, asked)
     assert row["points"] == "0"
     assert row["failure"] == "it ended the grader: its process was ended by signal 9"
+    assert _is_done(submission, {submission.name: row}, asked, None)
+    del row["no way"]  # a criterion
+    assert not _is_done(submission, {submission.name: row}, asked, None)
 
 
 def test_an_interrupted_folder_is_resumed_and_nothing_is_left_running(
