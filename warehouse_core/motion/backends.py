@@ -18,7 +18,13 @@ from typing import TYPE_CHECKING
 from warehouse_core.errors import BackendError
 from warehouse_core.extras import pip_install, requirements_of
 from warehouse_core.motion.base import Motion
-from warehouse_core.motion.batch import Batchable, BatchMotion, FleetBatchable, FleetBatchMotion
+from warehouse_core.motion.batch import (
+    Batchable,
+    BatchMotion,
+    FleetBatchable,
+    FleetBatchMotion,
+    is_outdated,
+)
 from warehouse_core.motion.separate import SeparateMotions
 from warehouse_core.wording import brief
 from warehouse_core.world.layout import Layout
@@ -59,10 +65,10 @@ def make_batch_motion(backend: Backend, layouts: Sequence[Layout]) -> BatchMotio
         ValueError: the settings of the motion do not allow a batch.
     """
     motion = make_motion(backend)
-    if not isinstance(motion, Batchable):
+    if not isinstance(motion, Batchable) or is_outdated(motion, "batch"):
         raise BackendError(
             f"backend {brief(backend, 100)} cannot move a batch; it would need a method "
-            "batch(layouts)"
+            "batch(layouts) for its own advance()"
         )
     return motion.batch(layouts)
 
@@ -76,7 +82,7 @@ def make_fleet_motion(backend: Backend, layouts: Sequence[Layout], robots: int) 
         BackendError: as for ``make_motion``; or an instance that would have to be several motions.
     """
     motion = make_motion(backend)
-    if isinstance(motion, FleetBatchable):
+    if isinstance(motion, FleetBatchable) and not is_outdated(motion, "fleet_batch"):
         with suppress(ValueError):
             return motion.fleet_batch(layouts, robots)
     if len(layouts) > 1 and not isinstance(backend, (str, type)):

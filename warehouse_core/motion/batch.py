@@ -17,7 +17,7 @@ from typing import NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.motion.base import Outcome
+from warehouse_core.motion.base import Motion, Outcome
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Flags, Integers
 
@@ -135,3 +135,13 @@ class FleetBatchable(Protocol):
         Raises:
             ValueError: the settings of this motion do not allow a batch of so many robots.
         """
+
+
+def is_outdated(motion: Motion, method: str) -> bool:
+    """Return whether a method that makes batches comes from a class whose ``advance`` is not used.
+
+    A subclass that overrides ``advance`` alone inherits batches that move as its parent does.
+    """
+    kinds = type(motion).__mro__
+    nearest = {name: kind for kind in reversed(kinds) for name in vars(kind)}
+    return kinds.index(nearest["advance"]) < kinds.index(nearest.get(method, kinds[0]))

@@ -5,7 +5,7 @@ from typing import Any
 
 import pytest
 
-from warehouse_core import BackendError, Layout, WarehouseEnv
+from warehouse_core import BackendError, FleetEnv, Layout, WarehouseEnv
 from warehouse_core.motion import backends as backends_module
 from warehouse_core.motion.backends import (
     GROUP,
@@ -150,6 +150,22 @@ def test_a_batch_of_lone_robots_needs_a_backend_that_has_one() -> None:
     assert type(make_batch_motion(LoneBatch, [Layout(["..."])])) is GridBatch
     with pytest.raises(BackendError, match=r"cannot move a batch; .* a method batch\(layouts\)"):
         make_batch_motion(WithoutBatch, [Layout(["..."])])
+
+
+class Slower(GridMotion):
+    """A grid whose robots do not move, with the batches of one whose robots do."""
+
+    def advance(self, displacements: Any, loaded: Any) -> Any:
+        return super().advance([(0, 0)] * len(displacements), loaded)
+
+
+def test_batches_that_are_inherited_without_their_advance_are_not_used() -> None:
+    with pytest.raises(BackendError, match=r"batch\(layouts\) for its own advance\(\)"):
+        make_batch_motion(Slower, [Layout(["..."])])
+    env = FleetEnv(["...."], 2, starts=[(0, 0), (0, 2)], backend=Slower)
+    env.reset(seed=0)
+    env.step(["WAIT", "E"])
+    assert env.cells == [(0, 0), (0, 2)]
 
 
 class Numbered(GridMotion):
