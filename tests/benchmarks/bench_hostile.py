@@ -27,8 +27,7 @@ def left_behind() -> set[str]:
     return lines | {str(path) for place in ("/tmp", "/dev/shm") for path in Path(place).iterdir()}
 
 
-@pytest.mark.skipif(os.getuid() != 0, reason="only root may run agents as another user")
-@pytest.mark.parametrize("user", [None, "nobody"])
+@pytest.mark.parametrize("user", [None, "nobody"] if os.getuid() == 0 else [None])
 @pytest.mark.parametrize("jobs", [1, 2])
 def test_all_have_what_they_have_earned(tmp_path, measured, user: str | None, jobs: int) -> None:
     folder, table = tmp_path / "all", tmp_path / "grades.csv"

@@ -202,7 +202,7 @@ def forbid() -> None:
 
 def make_agent(task: dict[str, Any]) -> Any:
     """Return the agent of a task, made as ``agents.registry.make_agent`` makes it."""
-    sys.path[:] = [*task["paths"], *sys.path, task["own"]]
+    sys.path[:] = [*task["paths"], *sys.path]
     seed = task["seed"]
     random.seed(seed)
     seed_numpy(seed)
@@ -286,6 +286,7 @@ def main() -> None:
     """Import what submissions import too, and serve."""
     _, number, text, *modules = sys.argv
     bounds = json.loads(text)
+    sys.path.append(bounds["own"])
     control_process(SUBREAPER, 1)
     control_process(DEATH_SIGNAL, signal.SIGKILL)
     signal.signal(signal.SIGINT, signal.SIG_IGN)

@@ -128,7 +128,6 @@ class AgentProcess:
             "class": submission.kind,
             "seed": seed,
             "paths": [] if submission.folder is None else [str(submission.folder)],
-            "own": OWN,
         }
         try:
             answer = self._ask(task, self._limits.start_seconds)

@@ -12,7 +12,7 @@ from pathlib import Path
 from typing import NamedTuple
 
 from agents.errors import AgentError
-from agents.lab.runs.programs import ROOT, fingerprint
+from agents.lab.runs.programs import ROOT, digest_of, fingerprint
 from warehouse_core.files.kinds import not_a_file
 from warehouse_core.wording import counted, printable
 
@@ -113,27 +113,29 @@ def of_file(name: str, file: Path, kind: str | None) -> Submission:
     if not file.is_file():
         raise AgentError(f"agent file {file}: {not_a_file(file) or 'there is no such file'}")
     path = file.resolve().parent / file.name
-    alone = Submission(name, str(file), path, file.stem, kind, None, _digest([path], path.parent))
-    return _in(alone, path.parent)
+    return _of_files(name, file, kind, path.parent, [path])
 
 
-def _in(submission: Submission, folder: Path | None) -> Submission:
-    """Return a submission that has a part in a folder, or in none."""
+def _of_files(
+    name: str, file: Path, kind: str | None, folder: Path | None, files: Iterable[Path]
+) -> Submission:
+    """Return the agent in a file, which may import from a folder, and consists of some files."""
+    path = file.resolve().parent / file.name
 
     def is_own(top: str) -> bool:
         return folder is not None and any(map(Path.exists, (folder / f"{top}.py", folder / top)))
 
     imports = {
-        module for module in _imports_in(submission.file)
+        module for module in _imports_in(path)
         if (top := module.partition(".")[0]) in IMPORTED_ONCE and not is_own(top)
     }  # fmt: skip
-    return submission._replace(folder=folder, imports=tuple(sorted(imports)))
+    digest = digest_of(_few(files, path.parent), path.parent, _content_digest)
+    once = tuple(sorted(imports))
+    return Submission(name, str(file), path, file.stem, kind, folder, digest, once)
 
 
-def _imports_in(file: Path | None) -> Iterator[str]:
+def _imports_in(file: Path) -> Iterator[str]:
     """Yield what the source seems to import; it is not parsed, which may take any memory."""
-    if file is None:
-        return
     with file.open("rb") as source:
         text = source.read(MAX_SOURCE)
     for module, names, modules in IMPORT.findall(text):
@@ -175,7 +177,7 @@ def _entry(path: Path, kind: str | None) -> Submission | Unusable:
     if (reason := _unusable(path)) is not None:
         return Unusable(path.name, reason)
     if path.is_file():
-        return _in(of_file(path.name, path, kind), None)
+        return _of_files(path.name, path, kind, None, [path.resolve()])
     files = sorted(path.glob("*.py"))
     chosen = next((each for each in files if len(files) == 1 or each.name == USUAL), None)
     if chosen is None:
@@ -183,7 +185,7 @@ def _entry(path: Path, kind: str | None) -> Submission | Unusable:
     if (reason := _unusable(chosen) or not_a_file(chosen)) is not None:
         return Unusable(path.name, f"{chosen.name}: {reason}")
     folder = path.resolve()
-    return of_file(path.name, chosen, kind)._replace(digest=_digest(_files_in(folder), folder))
+    return _of_files(path.name, chosen, kind, folder, _files_in(folder))
 
 
 def _unusable(path: Path) -> str | None:
@@ -201,17 +203,19 @@ def _files_in(folder: Path) -> Iterator[Path]:
                 yield file
 
 
-def _digest(files: Iterable[Path], folder: Path) -> str:
-    """Return the digest of the names and contents of files; ``AgentError`` if they are too many."""
-    named, left = dict[str, Path](), MAX_BYTES
+def _few(files: Iterable[Path], folder: Path) -> list[Path]:
+    """Return files of a folder; ``AgentError`` if they are too many or too large."""
+    found, left = list[Path](), MAX_BYTES
     for file in files:
+        found.append(file)
         left -= file.stat().st_size
-        named[file.relative_to(folder).as_posix()] = file
-        if left < 0 or len(named) > MAX_FILES:
+        if left < 0 or len(found) > MAX_FILES:
             limits = f"{MAX_FILES:,} files or {MAX_BYTES // 1024**2:,} MiB"
             raise AgentError(f"{folder.name} has more than {limits}")
-    lines = []
-    for name, file in sorted(named.items()):
-        with file.open("rb") as content:
-            lines.append(f"{name} {hashlib.file_digest(content, 'sha256').hexdigest()}")
-    return hashlib.sha256("\n".join(lines).encode(errors="surrogateescape")).hexdigest()
+    return found
+
+
+def _content_digest(file: Path) -> str:
+    """Return the digest of a file of any size."""
+    with file.open("rb") as content:
+        return hashlib.file_digest(content, "sha256").hexdigest()

@@ -6,7 +6,8 @@ import os
 import sys
 
 from agents.errors import GradeError
-from agents.lab.grading.walls import FILES, PROCESSES, held
+from agents.lab.grading import walls
+from agents.lab.grading.walls import FILES, PROCESSES
 
 DEEDS = {
     FILES: "read files that are neither theirs nor Python's, or write any",
@@ -27,7 +28,7 @@ def check_trust(user: str | None, is_trusted: bool, are_many: bool) -> str:
         GradeError: root would run agents that are not trusted, or nothing keeps the agents of a
             class from the files of others.
     """
-    kept = held()
+    kept = walls.held()
     prevented = [deed for wall, deed in DEEDS.items() if wall in kept]
     possible = [deed for wall, deed in DEEDS.items() if wall not in kept]
     if not is_trusted and user is None:
@@ -48,4 +49,4 @@ def check_trust(user: str | None, is_trusted: bool, are_many: bool) -> str:
 
 def most_jobs(user: str | None, jobs: int) -> int:
     """Return how many agents may run at once: of one user only one, if it could reach others."""
-    return 1 if user is not None and PROCESSES not in held() else jobs
+    return 1 if user is not None and PROCESSES not in walls.held() else jobs

@@ -75,12 +75,12 @@ def own_sources() -> list[Path]:
 
 @cache
 def _own_digest() -> str:
-    return _digest(own_sources(), ROOT, _code_of)[:DIGITS]
+    return digest_of(own_sources(), ROOT, _code_digest)[:DIGITS]
 
 
-def _code_of(path: Path) -> bytes:
-    """Return the syntax tree of a source without its docstrings, as text."""
-    return repr(_plain(ast.parse(path.read_bytes()))).encode()
+def _code_digest(path: Path) -> str:
+    """Return the digest of the syntax tree of a source without its docstrings."""
+    return hashlib.sha256(repr(_plain(ast.parse(path.read_bytes()))).encode()).hexdigest()
 
 
 def _plain(node: object) -> object:
@@ -121,7 +121,7 @@ def fingerprint(file: Path | None, module: str | None) -> str | None:
     if file.suffix == ".py":
         files = _with_imports([file], file.parent, own=None)
         if len(files) > 1:
-            return _digest(files, file.parent)
+            return digest_of(files, file.parent, _content_digest)
     return hashlib.sha256(data).hexdigest()
 
 
@@ -133,7 +133,8 @@ def _module_fingerprint(name: str) -> str | None:
         return None
     [place, *_] = spec.submodule_search_locations or [spec.origin or ""]
     folder = Path(place).parent
-    return _digest(_with_imports(_files_of(name.split("."), folder), folder, top), folder)
+    files = _with_imports(_files_of(name.split("."), folder), folder, top)
+    return digest_of(files, folder, _content_digest)
 
 
 def _with_imports(files: Iterable[Path], folder: Path, own: str | None) -> set[Path]:
@@ -191,17 +192,14 @@ def _installed() -> set[Path]:
     return {Path(each).resolve() for each in folders}
 
 
-def _digest(
-    files: Iterable[Path], folder: Path, content: Callable[[Path], bytes] | None = None
-) -> str:
-    """Return the digest of files, or of what ``content`` makes of them, and of their names."""
+def digest_of(files: Iterable[Path], folder: Path, digest: Callable[[Path], str]) -> str:
+    """Return the digest of the names of files in a folder, and of the digest of each."""
+    lines = (f"{file.relative_to(folder).as_posix()} {digest(file)}" for file in sorted(files))
+    return hashlib.sha256("\n".join(lines).encode(errors="surrogateescape")).hexdigest()
 
-    def lines() -> Iterator[str]:
-        for file in sorted(files):
-            digest = hashlib.sha256((content or _read)(file)).hexdigest()
-            yield f"{file.relative_to(folder).as_posix()} {digest}"
 
-    return hashlib.sha256("\n".join(lines()).encode(errors="surrogateescape")).hexdigest()
+def _content_digest(path: Path) -> str:
+    return hashlib.sha256(_read(path)).hexdigest()
 
 
 def _read(path: Path) -> bytes:

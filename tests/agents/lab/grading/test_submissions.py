@@ -22,7 +22,7 @@ from helpers.submissions import (
 )
 
 from agents.errors import GradeError
-from agents.lab.grading import sandbox, submissions, trust, walls
+from agents.lab.grading import sandbox, submissions, walls
 from agents.lab.grading.gradescope import results_of
 from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import load_rubric
@@ -49,11 +49,13 @@ HIDDEN = re.sub(
 """The rubric with no visible episode."""
 
 
+as_root = pytest.mark.skipif(os.getuid() != 0, reason="only root may run agents as another user")
+
+
 @pytest.fixture
 def no_walls(monkeypatch: pytest.MonkeyPatch) -> None:
     """A system that keeps nothing from agents."""
     monkeypatch.setattr(walls, "held", frozenset)
-    monkeypatch.setattr(trust, "held", frozenset)
 
 
 def grade_source(
@@ -141,7 +143,7 @@ def test_the_answers_of_an_episode_have_a_limit_together(tmp_path: Path) -> None
     assert report.grades[0].worst.endswith("its answers took 0.5 s in all")
 
 
-@pytest.mark.parametrize("user", [None, "nobody"])
+@pytest.mark.parametrize("user", [None, pytest.param("nobody", marks=as_root)])
 def test_the_kernel_refuses_what_is_outside_of_an_agent(tmp_path: Path, user: str | None) -> None:
     """Each deed alone is tried by ``bench_hostile.py``, also when an agent is loaded and acts."""
     tmp_path.chmod(0o700)  # the user of agents reads them all the same
@@ -198,7 +200,7 @@ def test_an_agent_that_ends_or_stops_what_has_started_it_ends_no_other_episode(
     assert not running_in(tmp_path)
 
 
-@pytest.mark.skipif(os.getuid() != 0, reason="only root may run agents as another user")
+@as_root
 def test_agents_can_run_as_another_user(tmp_path_factory: pytest.TempPathFactory) -> None:
     folder = Path(os.path.realpath("/tmp"), f"graded-{os.getpid()}")
     folder.mkdir(mode=0o755)
