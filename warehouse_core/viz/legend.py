@@ -12,6 +12,7 @@ from matplotlib.patches import Rectangle
 
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.palette import (
+    BOARD,
     COLORS,
     HIT,
     ICE,
@@ -20,7 +21,7 @@ from warehouse_core.render.palette import (
     ITEM,
     ORDER_COLORS,
     PAPER,
-    SEEN,
+    SHADOW,
     SHELF,
     STRANDED,
     TRAIL_COLORS,
@@ -91,13 +92,13 @@ def _tile_signs(track: Track) -> Signs:
             for cell in cells_of(tile, rows)
         }
         if tile == WALL and False in on_border:
-            signs[f"{tile}  shelf"] = _patch(SHELF, edgecolor=COLORS[WALL], hatch="---")
+            signs[f"{tile}  shelf"] = _patch(SHELF, edgecolor=BOARD, hatch="--", lw=0)
         if on_border and (tile != WALL or True in on_border):
             signs[f"{tile}  {TILES[tile]}"] = _marker("s", COLORS[tile])
     if any(is_open(rows, cell) for rows in all_rows for cell in track.slippery):
         signs["slippery floor"] = _patch(ICE, edgecolor=ICE_WAVE, hatch="\\\\\\", lw=0)
     if any(frame.route for frame in track.frames):
-        signs["not seen yet"] = _patch(UNKNOWN, edgecolor=UNKNOWN_STRIPE, hatch="//////")
+        signs["not seen yet"] = _patch(UNKNOWN, edgecolor=UNKNOWN_STRIPE, hatch="///", lw=0)
         signs["plan"] = Line2D([], [], color=INK, linestyle=ROUTE_STYLE, lw=2.2)
     return signs
 
@@ -113,7 +114,7 @@ def _lone_signs(track: Track) -> Signs:
     if is_loaded or any(PICKUP in line for line in frames[0].tiles):
         signs["item"] = _marker("s", ITEM, 8)
     if track.view_radius is not None and len(histories) == 1:
-        signs["what the robot sees"] = _patch(SEEN, edgecolor=INK, lw=0.4)
+        signs["what the robot does not see"] = _patch(INK, alpha=SHADOW, lw=0)
     if any(max(history.visits(track.steps).values(), default=0) > 1 for history in histories):
         signs["visited often"] = _patch(VISITED[-1], lw=0)
     moves = {

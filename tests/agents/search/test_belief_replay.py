@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from agents.search.agents import ExploringAgent
 from agents.search.belief_replay import Insight, belief_tracks, believed_tiles, record_beliefs
 from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, Layout, WarehouseEnv, record_episode
-from warehouse_core.render.palette import INK, UNKNOWN
+from warehouse_core.render.palette import INK, SHADOW, UNKNOWN, blend
 from warehouse_core.viz.replay import Replay, replay_of_tracks
 from warehouse_core.viz.tracks.record_track import track_of_record
 
@@ -33,8 +33,8 @@ def replay(**options: Any) -> Replay:
 
 
 def unknown_share(image: NDArray[np.int64]) -> tuple[float, float]:
-    """Return the share of pixels near ``UNKNOWN`` in the left half and in the right third."""
-    near = np.all(np.abs(image - 255 * np.array(UNKNOWN)) < 10, axis=-1)
+    """Return the share of unknown pixels, shaded as not seen, in the left half and right third."""
+    near = np.all(np.abs(image - 255 * np.array(blend(UNKNOWN, INK, SHADOW))) < 10, axis=-1)
     width = image.shape[1]
     return float(near[:, : width // 2].mean()), float(near[:, 2 * width // 3 :].mean())
 

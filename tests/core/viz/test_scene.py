@@ -25,6 +25,7 @@ from warehouse_core import EpisodeRecorder, WarehouseEnv
 from warehouse_core.motion.base import Contact
 from warehouse_core.render.palette import (
     BATTERY,
+    BOARD,
     COLORS,
     HIT,
     ICE,
@@ -33,11 +34,12 @@ from warehouse_core.render.palette import (
     ITEM,
     PALE_WARNING,
     PAPER,
-    SEEN,
+    SHADOW,
     SHELF,
     TRAIL_COLORS,
     VISITED,
     WARNING,
+    blend,
 )  # fmt: skip
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.legend import signs_of
@@ -99,11 +101,10 @@ def test_walls_along_the_border_are_a_band_without_a_seam_around_the_floor() -> 
 def test_walls_inside_are_shelves_with_boards() -> None:
     replay = replay_of([["R....", ".##..", ".....", "....."]])
     image = pixels(replay)
-    for x in (1.5, 2.0, 2.5):
-        for y, color in ((1.2, SHELF), (1.33, COLORS["#"]), (1.5, SHELF), (1.67, COLORS["#"])):
-            assert count_color(patch(replay, image, x, y - 0.03, x, y + 0.03), color), (x, y)
-    for x, y in ((1.0, 1.2), (3.0, 1.5), (1.8, 1.0), (2.2, 2.0)):
-        assert is_color(image[point_of(replay, x, y)], COLORS["#"]), "an outline"
+    for x in (1.5, 2.5):
+        for y, color in ((1.15, SHELF), (1.34, BOARD), (1.5, SHELF), (1.66, BOARD), (1.9, SHELF)):
+            assert is_color(image[point_of(replay, x, y)], color), (x, y)
+    assert is_color(image[point_of(replay, 2.0, 1.34)], SHELF), "boards end within their cells"
 
 
 @pytest.mark.parametrize(("robot", "ink"), [("R", PAPER), ("r", INK)])
@@ -133,7 +134,7 @@ def test_the_item_waits_at_its_pickup_until_it_is_taken_and_stays_at_the_dropoff
     assert seen == ["P", "P", "", "", "D", "P"]
 
 
-def test_the_floor_in_the_view_is_tinted_unless_it_is_slippery() -> None:
+def test_everything_around_the_view_is_shaded() -> None:
     env = WarehouseEnv(["...........", "P.........D"], start_pos=(0, 5), view_radius=1)
     recorder = EpisodeRecorder(env)
     recorder.step("E")
@@ -143,11 +144,16 @@ def test_the_floor_in_the_view_is_tinted_unless_it_is_slippery() -> None:
     for frame, seen in ((0, [4, 5, 6]), (1, [5, 6, 7])):
         replay.go_to(frame)
         image = pixels(replay)
-        tinted = [x for x in range(1, 10) if is_color(image[point_of(replay, x + 0.2, 1.2)], SEEN)]
-        assert tinted == seen
-        assert is_color(image[point_of(replay, 7.2, 0.1)], ICE)
-        assert count_color(patch(replay, image, 7.1, 0.1, 7.9, 0.9), ICE_WAVE) > 5
-    assert {"slippery floor", "what the robot sees"} <= {*signs_of(track_of_record(episode))}
+        for x in range(11):
+            tile = ICE if x == 7 else COLORS["P.D"[(x > 0) + (x == 10)]]
+            y = 0.1 if x == 7 else 1.2
+            color = tile if x in seen else blend(tile, INK, SHADOW)
+            pixel = image[point_of(replay, x + 0.5, y)]
+            np.testing.assert_allclose(pixel, 255 * np.array(color), atol=1.5, err_msg=str(x))
+        waves = count_color(patch(replay, image, 7.1, 0.1, 7.9, 0.9), ICE_WAVE)
+        assert (waves > 5) == (7 in seen)
+    signs = signs_of(track_of_record(episode))
+    assert {"slippery floor", "what the robot does not see"} <= {*signs}
 
 
 def test_weak_motors_are_a_dashed_outline_with_a_sign_in_the_legend() -> None:
@@ -327,7 +333,7 @@ def test_the_legend_has_what_is_in_the_picture_and_nothing_else() -> None:
     assert legend_of([["R.D"], ["RCD"]])[2] == "C  charger"
     bump = short_episode().motions[0]._replace(contacts=(Contact(0.1, 2.0, (2.5, 1.0), "wall"),))
     words = legend_of(short_episode(motions=[bump, *short_episode().motions[1:]]))
-    assert {"hit", "what the robot sees", "trail empty", "R  robot (empty)"} <= {*words}
+    assert {"hit", "what the robot does not see", "trail empty", "R  robot (empty)"} <= {*words}
 
 
 def test_rows_and_columns_are_numbered_from_0() -> None:

@@ -52,7 +52,7 @@ function heatOf(track, frame, theme) {
   const counts = blockedUntil(track, frame);
   let most = 1;
   for (const count of counts.values()) most = Math.max(most, count);
-  context.fillStyle = theme.colors.warning;
+  context.fillStyle = theme.warning;
   for (const [cell, count] of counts) {
     const [row, column] = track.rowAndColumn(cell);
     context.globalAlpha = 0.1 + (MAX_HEAT - 0.1) * (count / most);
