@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 from matplotlib.animation import FuncAnimation, adjusted_figsize
 from matplotlib.backend_bases import Event, KeyEvent
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from warehouse_core.arguments import flag, real_number
 from warehouse_core.errors import NoDisplayError
@@ -48,6 +49,9 @@ class Replay(FuncAnimation):
 
     A page plays the tracks, at ``speed`` times its own speed. ``gif_every`` counts the frames from
     one frame of a GIF to the next.
+
+    Attributes:
+        window: true if the replay has a window, which ``show`` opens, or had one that was closed.
     """
 
     def __init__(
@@ -61,6 +65,7 @@ class Replay(FuncAnimation):
     ) -> None:
         self._scene, self._tracks, self._speed, self._gif_every = scene, tracks, speed, gif_every
         self.figure = scene.root
+        self.window = self.figure.canvas.manager is not None
         self.frame, self.playing, self.frame_ms = 0, True, frame_ms
         # Matplotlib asks for an integer but takes any number; slow replays need a fraction.
         self.fps: Any = 1000 / frame_ms
@@ -75,16 +80,11 @@ class Replay(FuncAnimation):
         # The figure keeps its replay alive, so callers need not keep a reference.
         self.figure.replay = self
 
-    @property
-    def window(self) -> bool:
-        """Whether the replay has a window, which ``show`` opens."""
-        return self.figure.canvas.manager is not None
-
     def __del__(self) -> None:
         """Do nothing: matplotlib would warn about a replay that was never drawn."""
 
     def show(self) -> None:
-        """Open the window and wait until it is closed.
+        """Open the window and wait until it is closed; a window that was closed stays closed.
 
         Raises:
             NoDisplayError: the replay has no window.
@@ -128,6 +128,7 @@ class Replay(FuncAnimation):
             ValueError: another suffix, or an MP4 without imageio-ffmpeg installed.
             OSError: the file cannot be written.
         """
+        self._leave_closed_window()
         if writer is not None:
             with progress_bar(len(self._scene), "Drawing") as report:
                 options.setdefault("progress_callback", report)
@@ -140,6 +141,14 @@ class Replay(FuncAnimation):
                 self._write(part, suffix)
         finally:
             self.refresh()
+
+    def _leave_closed_window(self) -> None:
+        """Give the figure of a closed window a canvas; its own draws no more."""
+        if self.window:
+            import matplotlib.pyplot as plt
+
+            if self.figure.number not in plt.get_fignums():
+                FigureCanvasAgg(self.figure)
 
     def _write(self, path: Path, suffix: str) -> None:
         if suffix == ".gif":

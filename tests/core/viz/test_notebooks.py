@@ -23,8 +23,11 @@ CELLS = (
     "env = WarehouseEnv()\n"
     "env",
     "episode = record_episode(env, GreedyAgent(seed=12), seed=12)\nepisode",
-    "replay_animation(episode, window=False)",
+    "replay_animation(episode)",
+    "replay_animation(episode.frames, episode.metrics)",
 )
+
+TITLE = "GreedyAgent on the grid backend, seed 12"
 
 
 def picture(shown: Any) -> NDArray[np.int64]:
@@ -44,11 +47,11 @@ def test_a_notebook_shows_pictures_and_players(
     notebook = nbformat.v4.new_notebook(cells=cells)
     NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
     outputs = [[output["data"] for output in cell["outputs"]] for cell in notebook.cells]
-    [[env], [episode], [replay]] = outputs
+    [[env], [episode], [replay], [frames]] = outputs
     assert env["image/png"].startswith("iVBORw0KGgo")
-    for shown in (episode, replay):
+    for shown, title in ((episode, TITLE), (replay, TITLE), (frames, "")):
         [track] = said_by(page_in(shown["text/html"]))["tracks"]
-        assert track["title"] == "GreedyAgent on the grid backend, seed 12"
+        assert track["title"] == title
     assert len(nbformat.writes(notebook)) < 500_000
 
 
