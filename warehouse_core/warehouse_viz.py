@@ -136,7 +136,7 @@ def _track_of(
 
 
 def _show(replay: Replay) -> None:
-    """Show a replay in its window, if it has one; say how to save it, unless a notebook shows it."""
+    """Show a replay in its window; without one say how to save it, unless a notebook shows it."""
     if replay.window:
         replay.show()
     elif not is_in_notebook():
