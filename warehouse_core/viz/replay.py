@@ -37,6 +37,10 @@ class Playable(Protocol):
     def __len__(self) -> int:
         """Return the number of frames."""
 
+    @property
+    def still(self) -> int:
+        """The frame of a picture that does not move."""
+
     def show(self, frame: int) -> None:
         """Move everything that moves to its place in a frame."""
 
@@ -113,14 +117,14 @@ class Replay(FuncAnimation):
         self._scene.show(self.frame)
         self.figure.canvas.draw_idle()
 
-    def show_end(self) -> None:
-        """Draw the last frame; the current frame stays the same."""
-        self._scene.show(len(self._scene) - 1)
+    def show_still(self) -> None:
+        """Draw the frame of a picture that does not move; the current frame stays the same."""
+        self._scene.show(self._scene.still)
 
     def save(  # type: ignore[override]
         self, filename: str | Path, writer: Any = None, **options: Any
     ) -> None:
-        """Save to ``.gif``, ``.mp4`` or ``.html``, or the last frame to ``.png`` or ``.svg``.
+        """Save to ``.gif``, ``.mp4`` or ``.html``, or one frame to ``.png`` or ``.svg``.
 
         With a ``writer`` it is matplotlib's own ``Animation.save``.
 
@@ -158,7 +162,7 @@ class Replay(FuncAnimation):
         elif suffix == ".html":
             save_page(path, self._tracks, speed=self._speed)
         else:
-            self.show_end()
+            self.show_still()
             if suffix == ".svg":
                 save_svg(self.figure, path)
             else:
