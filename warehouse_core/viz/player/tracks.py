@@ -35,8 +35,8 @@ MAX_TEXT = 1_000
 """Characters of a title, a caption or a label; a longer one is cut."""
 
 
-def packed(tracks: Sequence[Track], title: str, speed: float) -> str:
-    """Return everything that a page says of tracks, as text.
+def packed(tracks: Sequence[Track], title: str, speed: float, opens_at: float | None = None) -> str:
+    """Return everything that a page says of tracks, as text; without ``opens_at`` it opens playing.
 
     Raises:
         ValueError: a place is not finite.
@@ -50,6 +50,7 @@ def packed(tracks: Sequence[Track], title: str, speed: float) -> str:
         "title": title,
         "speed": min(DEFAULT_SPEED, end / MIN_SECONDS or 1.0) * speed,
         "rate": rate,
+        "opensAt": opens_at,
         "unit": "expansion" if is_search else "step",
         "colors": _colors(),
         "tracks": [
