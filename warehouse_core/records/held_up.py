@@ -2,16 +2,12 @@
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.motion.batch import NOTHING
+from warehouse_core.records.episode import FleetEpisode
 from warehouse_core.world.actions import WAIT
-
-if TYPE_CHECKING:
-    from warehouse_core.records.episode import FleetEpisode
 
 
 def held_up(episode: FleetEpisode) -> NDArray[np.bool_]:
@@ -23,8 +19,8 @@ def held_up(episode: FleetEpisode) -> NDArray[np.bool_]:
     """
     layout, cells = episode.layout, episode.cells
     chargers = layout.numbers(layout.chargers)
-    found = (episode.actions == WAIT) & ~np.isin(cells[:-1], chargers) & _has_order(episode)
-    found |= episode.stopped_by != NOTHING
+    waits = (episode.actions == WAIT) & ~np.isin(cells[:-1], chargers)
+    found: NDArray[np.bool_] = waits & _has_order(episode) | (episode.stopped_by != NOTHING)
     found[1:] |= (cells[2:] == cells[:-2]) & (cells[1:-1] != cells[2:])
     return found
 
@@ -36,7 +32,7 @@ def _has_order(episode: FleetEpisode) -> NDArray[np.bool_]:
     """
     if episode.settings.orders is None:
         return np.ones(episode.actions.shape, np.bool_)
-    found = episode.loaded[:-1].copy()
+    found: NDArray[np.bool_] = episode.loaded[:-1].copy()
     if not episode.assignments:
         for order in episode.orders:
             if order.taken is not None:
