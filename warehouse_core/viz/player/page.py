@@ -24,7 +24,7 @@ FOLDER = Path(__file__).parent
 
 SCRIPTS = (
     "scale.js", "decode.js", "track.js", "orders.js", "view.js", "theme.js", "elements.js",
-    "canvas.js", "floor.js", "items.js", "bodies.js", "ways.js", "layers.js", "scene.js",
+    "canvas.js", "floor.js", "items.js", "bodies.js", "ways.js", "heat.js", "layers.js", "scene.js",
     "charts.js", "legend.js", "panel.js", "fleet.js", "player.js", "main.js",
 )  # fmt: skip
 """Each imports only those before it, so that they can be one script."""

@@ -186,6 +186,10 @@ def _fleet(track: Track, robots: int, columns: Columns) -> dict[str, Any]:
         "plans": columns.whole(np.array(lines, np.int64).reshape(-1, 4).T, is_delta=True),
         "ways": columns.whole(_numbers(ways, track), is_delta=True),
         "pushes": columns.whole(np.array(pushes, np.int64).reshape(-1, 3).T, is_delta=True),
+        "heldUp": {
+            "step": columns.whole([step for step, _ in track.held_up], is_delta=True),
+            "cell": columns.whole(_numbers([cell for _, cell in track.held_up], track)),
+        },
         **({} if track.orders is None else _orders(track, track.orders, columns)),
     }
 
