@@ -138,6 +138,7 @@ class Track:
         lateness: step of each delivery of a fleet, and by how many steps it was late.
         orders: orders of a fleet, for a page; ``None`` if it does not show them.
         assignments: step, robot and order of each assignment of these orders.
+        held_up: step and cell of each time that a robot of a fleet was held up, for a page.
         view_radius: cells that a robot sees in each direction, ``None`` if unknown.
         slippery: cells with slippery floor.
         motor_strength: actual share of the motor force.
@@ -154,6 +155,7 @@ class Track:
     lateness: Sequence[tuple[int, int]] = ()
     orders: Sequence[Order] | None = None
     assignments: Sequence[tuple[int, int, int | None]] = ()
+    held_up: Sequence[tuple[int, Cell]] = ()
     view_radius: int | None = None
     slippery: tuple[Cell, ...] = ()
     motor_strength: float = 1.0
