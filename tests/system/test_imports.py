@@ -50,7 +50,7 @@ MAY_IMPORT = {
         "arguments errors files fleet records render viz/axes viz/export viz/player viz/tracks "
         "warehouse_env wording world"
     ),
-    "warehouse_core/warehouse_viz": "arguments files records viz viz/export viz/tracks",
+    "warehouse_core/warehouse_viz": "arguments files records render viz viz/export viz/tracks",
     "warehouse_physics/disturbances": "",
     "warehouse_physics/exclusive": "",
     "warehouse_physics/profile": "",
