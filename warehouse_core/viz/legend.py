@@ -7,6 +7,7 @@ from itertools import pairwise
 from typing import Any
 
 from matplotlib.artist import Artist
+from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
@@ -48,15 +49,18 @@ Signs = dict[str, Artist]
 EDGE: dict[str, Any] = {"linestyle": "none", "markeredgecolor": INK, "markeredgewidth": 0.6}
 
 
-def draw_legend(figure: SceneFigure, tracks: Sequence[Track], columns: int = 0) -> None:
-    """Draw the legend of what tracks show, in columns along the bottom or one on the right side."""
+def draw_legend(figure: SceneFigure, tracks: Sequence[Track], columns: int = 0) -> Legend:
+    """Draw the legend of what tracks show, in columns along the bottom or one on the right side.
+
+    Return the legend.
+    """
     signs: Signs = {}
     for track in tracks:
         signs |= signs_of(track)
     place: dict[str, Any] = {"loc": "center right", "ncols": 1, "labelspacing": 0.7}
     if columns:
         place = {"loc": "lower center", "ncols": columns}
-    figure.legend(
+    return figure.legend(
         [*signs.values()], [*signs], fontsize=8, frameon=False, handlelength=2.0,
         columnspacing=1.4, handletextpad=0.5, **place,
     )  # fmt: skip

@@ -164,7 +164,7 @@ def test_unknown_cells_are_grey_in_the_belief_only_and_become_fewer() -> None:
     shown = replay()
     shown.go_to(0)
     before = unknown_share(np.asarray(shown.figure.pixels()).astype(np.int64))
-    shown.show_end()
+    shown.show_still()
     after = unknown_share(np.asarray(shown.figure.pixels()).astype(np.int64))
     assert before[1] < 0.01
     assert before[0] > 0.15
@@ -199,7 +199,7 @@ def test_the_plan_its_sentence_and_the_legend_are_drawn() -> None:
         if line.axes is not None and line.is_dashed() and line.get_color() == INK
     ]
     assert dots.get_xydata()[-1].tolist() == [1.5, 3.5]
-    shown.show_end()
+    shown.show_still()
     assert len(dots.get_xydata()) == 0
     said = [text.get_text() for text in shown.figure.findobj(Text)]
     assert said.count("not seen yet") == said.count("plan") == 1

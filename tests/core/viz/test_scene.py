@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.fleets import fleet_episode
 from helpers.pictures import (
     ROOM,
     count_color,
@@ -21,8 +22,9 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 
-from warehouse_core import EpisodeRecorder, WarehouseEnv
+from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.motion.base import Contact
+from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.palette import (
     BATTERY,
     BOARD,
@@ -47,7 +49,7 @@ from warehouse_core.viz.replay import Replay
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.tracks.grid_track import track_of_frames
 from warehouse_core.viz.tracks.record_track import track_of_record
-from warehouse_core.viz.tracks.track import METRICS, DrawnHit, Pose
+from warehouse_core.viz.tracks.track import METRICS, DrawnHit, Pose, Track
 from warehouse_core.viz.view import TRAIL_STEPS, View
 
 BARE = ["#####", "#P.D#", "#..R#", "#####"]
@@ -456,6 +458,54 @@ def test_the_length_of_the_bar_is_the_level_of_the_battery_which_is_red_if_it_is
 
 
 # Tracks that grow.
+
+
+def test_the_legend_explains_what_a_track_has_grown_by_and_no_more() -> None:
+    env = WarehouseEnv(ROOM, (1, 2))
+    recorder = EpisodeRecorder(env, seed=4)
+    start = track_of_record(recorder.episode)
+    scene = Scene([start], make_figure, length=31)
+
+    def legend() -> set[str]:
+        [shown] = scene.root.legends
+        return {text.get_text() for text in shown.get_texts()}
+
+    loaded = {"r  robot (loaded)", "trail empty"}
+    assert not legend() & loaded
+    for action in ("W", "PICK"):
+        recorder.step(action)
+    whole = track_of_record(recorder.episode)
+    scene.show(2, whole)
+    assert legend() >= loaded
+    [shown] = scene.root.legends
+    scene.show(2, whole)
+    assert scene.root.legends == [shown], "a legend that is right is not drawn again"
+    scene.show(0, start)
+    assert not legend() & loaded
+
+
+def test_a_still_shows_a_hit_of_one_step_the_most_pushes_or_else_the_end() -> None:
+    whole = track_of_record(short_episode())
+    assert (whole.still, whole.frames[1].hits != ()) == (len(whole) - 1, True)
+    bump = record_of_a_bump()
+    track = track_of_record(bump, frame_seconds=0.05)
+    assert track.frames[track.still].hits
+    assert not track.frames[track.still - 1].hits
+    assert track.still < len(track) - 1
+    frames = track_of_record(fleet_episode(max_steps=5)).frames
+    fleets = [frame.fleet for frame in frames]
+    pushed: list[dict[int, int]] = [{}, {0: 1}, {0: 1, 2: 3}, {1: 0}]
+    for frame, fleet, pushers in zip(frames, fleets, pushed, strict=False):
+        assert fleet is not None
+        frame.fleet = fleet._replace(plans=StepPlans(pushers=pushers))
+    assert Track(frames, {}).still == 2
+
+
+def record_of_a_bump() -> Episode:
+    """Return one step against a wall, of a body."""
+    recorder = EpisodeRecorder(WarehouseEnv(ROOM, (1, 2), backend="physics"), seed=4)
+    recorder.step("N")
+    return recorder.episode
 
 
 def test_a_scene_shows_a_track_that_has_grown() -> None:

@@ -26,7 +26,7 @@ FOLDER = Path(__file__).parent
 
 SCRIPTS = (
     "scale.js", "decode.js", "track.js", "orders.js", "view.js", "theme.js", "elements.js",
-    "canvas.js", "floor.js", "items.js", "bodies.js", "ways.js", "layers.js", "scene.js",
+    "canvas.js", "floor.js", "items.js", "bodies.js", "ways.js", "heat.js", "layers.js", "scene.js",
     "charts.js", "legend.js", "panel.js", "fleet.js", "player.js", "main.js",
 )  # fmt: skip
 """Each imports only those before it, so that they can be one script."""
@@ -42,25 +42,39 @@ FRAME_HEIGHT = 640
 MAX_FRAME_HEIGHT = 100_000
 
 
-def player_page(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0) -> str:
+def player_page(
+    tracks: Sequence[Track],
+    *,
+    title: str = "",
+    speed: float = 1.0,
+    opens_at: float | None = None,
+) -> str:
     """Return a page that plays tracks side by side on one clock, as HTML.
+
+    The page opens playing: it plays once and rests on the end, and any key or click stops it. Where
+    motion is to be reduced (``prefers-reduced-motion``) it rests on the start.
 
     Args:
         tracks: tracks, at least one, each with at least one frame.
         title: title of the page; by default the titles of the tracks.
         speed: factor on the playing speed.
+        opens_at: simulated second (on the grid: step) that the page opens at, without playing; by
+            default the page plays.
 
     Raises:
-        ValueError: ``speed`` is not within ``MIN_PACE`` and ``MAX_PACE``, or a place is not finite.
+        ValueError: ``speed`` is not within ``MIN_PACE`` and ``MAX_PACE``, ``opens_at`` is negative
+            or not finite, or a place is not finite.
     """
     speed = real_number("speed", speed, MIN_PACE, MAX_PACE)
+    if opens_at is not None:
+        opens_at = real_number("opens_at", opens_at, 0.0)
     titles = dict.fromkeys(track.title for track in tracks if track.title)
     title = printable(instance_of("title", title, str) or " / ".join(titles) or "Warehouse replay")
     parts = {
         "policy": policy(),
         "title": html.escape(title[:MAX_TITLE]),
         "style": style(),
-        "data": packed(tracks, title, speed),
+        "data": packed(tracks, title, speed, opens_at),
         "script": script(),
     }
     page = (FOLDER / "player.html").read_text(encoding="utf-8")
@@ -68,24 +82,35 @@ def player_page(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0)
 
 
 def save_page(
-    path: str | Path, tracks: Sequence[Track], *, title: str = "", speed: float = 1.0
+    path: str | Path,
+    tracks: Sequence[Track],
+    *,
+    title: str = "",
+    speed: float = 1.0,
+    opens_at: float | None = None,
 ) -> None:
     """Write what ``player_page`` returns; the file is complete or not there.
 
     Raises:
         OSError: the file cannot be written.
     """
+    page = player_page(tracks, title=title, speed=speed, opens_at=opens_at)
     with atomic_path(path) as part:
-        part.write_text(player_page(tracks, title=title, speed=speed), encoding="utf-8")
+        part.write_text(page, encoding="utf-8")
 
 
 def player_frame(
-    tracks: Sequence[Track], *, title: str = "", speed: float = 1.0, height: int = FRAME_HEIGHT
+    tracks: Sequence[Track],
+    *,
+    title: str = "",
+    speed: float = 1.0,
+    opens_at: float | None = None,
+    height: int = FRAME_HEIGHT,
 ) -> str:
     """Return ``player_page`` as a frame of another page, ``height`` pixels high.
 
-    Its script cannot reach the page around it. If that has a Content-Security-Policy, it must allow
-    ``digest(script())``.
+    A frame plays by itself only while its first floor is in sight. Its script cannot reach the page
+    around it. If that has a Content-Security-Policy, it must allow ``digest(script())``.
 
     Raises:
         ValueError: as for ``player_page``, or ``height`` is not within 1 and
@@ -93,7 +118,7 @@ def player_frame(
         TypeError: ``height`` is not an integer.
     """
     height = whole_number("height", height, 1, MAX_FRAME_HEIGHT)
-    page = html.escape(player_page(tracks, title=title, speed=speed))
+    page = html.escape(player_page(tracks, title=title, speed=speed, opens_at=opens_at))
     name = html.escape(printable(title or "Replay"))
     return (
         f'<iframe srcdoc="{page}" sandbox="allow-scripts" allow="fullscreen" '

@@ -35,8 +35,8 @@ MAX_TEXT = 1_000
 """Characters of a title, a caption or a label; a longer one is cut."""
 
 
-def packed(tracks: Sequence[Track], title: str, speed: float) -> str:
-    """Return everything that a page says of tracks, as text.
+def packed(tracks: Sequence[Track], title: str, speed: float, opens_at: float | None = None) -> str:
+    """Return everything that a page says of tracks, as text; without ``opens_at`` it opens playing.
 
     Raises:
         ValueError: a place is not finite.
@@ -50,6 +50,7 @@ def packed(tracks: Sequence[Track], title: str, speed: float) -> str:
         "title": title,
         "speed": min(DEFAULT_SPEED, end / MIN_SECONDS or 1.0) * speed,
         "rate": rate,
+        "opensAt": opens_at,
         "unit": "expansion" if is_search else "step",
         "tracks": [
             _packed_track(track, moments, columns)
@@ -184,6 +185,10 @@ def _fleet(track: Track, robots: int, columns: Columns) -> dict[str, Any]:
         "plans": columns.whole(np.array(lines, np.int64).reshape(-1, 4).T, is_delta=True),
         "ways": columns.whole(_numbers(ways, track), is_delta=True),
         "pushes": columns.whole(np.array(pushes, np.int64).reshape(-1, 3).T, is_delta=True),
+        "heldUp": {
+            "step": columns.whole([step for step, _ in track.held_up], is_delta=True),
+            "cell": columns.whole(_numbers([cell for _, cell in track.held_up], track)),
+        },
         **({} if track.orders is None else _orders(track, track.orders, columns)),
     }
 
