@@ -1,8 +1,8 @@
 """The colours of every picture and page. No information is in a colour alone.
 
-All of them are in ``palette.json``, which the player of pages reads too: those of a light and of a
-dark page, those that are the same on both, and those of lines in charts. Pictures have the colours
-of a light page.
+The file ``palette.json`` has all of them, and the player of pages reads it too. It lists the
+colours of a light page, of a dark page and of both, and the colours of lines in charts. Pictures
+have the colours of a light page.
 
 Source of the colours of walls, floor, pickups, dropoffs and robots: the chapter's exercise.
 """

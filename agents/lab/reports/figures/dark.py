@@ -28,7 +28,7 @@ DARK = {
 }
 """Colours of a dark page by the colours of a light one; others are the same on both.
 
-No figure has rims, whose colour is that of letters that stay dark.
+Rims are left out: no figure has them, and letters that stay dark have their colour.
 """
 
 SVG_START = re.compile(rb"<svg [^>]*>")
