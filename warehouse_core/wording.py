@@ -52,3 +52,8 @@ def _visible(character: str) -> str:
     if character.isprintable():
         return character
     return " " if character.isspace() else ascii(character)[1:-1]
+
+
+def seconds_of(clock: float) -> str:
+    """Return a sum of seconds to one decimal, rounded as if it was exact."""
+    return f"{round(clock, 6):.1f} s"

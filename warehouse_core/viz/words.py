@@ -7,7 +7,7 @@ import textwrap
 
 from warehouse_core.viz.axes.look import POINTS
 from warehouse_core.viz.tracks.track import Track
-from warehouse_core.wording import counted
+from warehouse_core.wording import counted, seconds_of
 
 MAX_CAPTION, MIN_CAPTION, LINES_SHARE = 18.0, 10.0, 0.7
 """Largest size of an action with its reason; smallest in one line; largest in two lines, as a share
@@ -74,8 +74,3 @@ def tally_of(track: Track, frame: int) -> Words:
     words = ", ".join(numbers)
     is_over = frame == len(track) - 1
     return f"{track.ending.capitalize()}: {words}" if is_over and track.ending else words, 15
-
-
-def seconds_of(clock: float) -> str:
-    """Return a sum of seconds to one decimal, rounded as if it was exact."""
-    return f"{round(clock, 6):.1f} s"
