@@ -93,7 +93,7 @@ TEXTS = {
 DEFAULT, BAY, SHELVES, DEPOT = "default", "bay", "shelves", "depot"
 
 NAMES = (DEFAULT, *TEXTS, SHELVES, DEPOT)
-"""Names of all layouts: the chapter's, seven that each show one thing, and two warehouses of shelves.
+"""Names of all layouts: the chapter's, seven that each show one thing, and two of shelves.
 
 The depot has room for a fleet of about eight robots.
 """
