@@ -168,7 +168,7 @@ def shown(browser: Any, *, is_held: bool = False, **options: Any) -> Iterator[Sh
 
 
 class Files:
-    """Writes pages into a folder, each once."""
+    """Writes pages into a folder, each once; they open at the start and do not play."""
 
     def __init__(self, folder: Path) -> None:
         self._folder = folder
@@ -176,5 +176,6 @@ class Files:
     def __call__(self, name: str, tracks: Callable[[], list[Track]], **options: Any) -> Path:
         path = self._folder / f"{name}.html"
         if not path.exists():
-            path.write_text(player_page(tracks(), **options), encoding="utf-8")
+            page = player_page(tracks(), **{"opens_at": 0.0, **options})
+            path.write_text(page, encoding="utf-8")
         return path

@@ -11,6 +11,7 @@ from helpers.fleets import fleet_episode
 from helpers.player_pages import Files, Shown, wait_until
 
 from agents.run_episode import run_episode
+from warehouse_core.viz.player import player_frame
 from warehouse_core.viz.tracks import Track, track_of_record
 
 pytestmark = pytest.mark.browser
@@ -44,7 +45,7 @@ def steps(page: Shown) -> int:
     step: int = page.read("player.step")
     assert page.part("place").inner_text().startswith(f"step {step} of ")
     assert page.part("slider").input_value() == str(step)
-    assert page.page.url.partition("#")[2].split("&")[0] == (f"step={step}" if step else "")
+    assert page.page.url.partition("#")[2].split("&")[0] == f"step={step}"
     return step
 
 
@@ -96,6 +97,86 @@ def test_playing_ends_at_the_end_and_then_starts_again(
     page.page.clock.run_for(100)
     play.click()
     assert 0 < page.read("player.time") < 4
+
+
+def test_a_page_plays_once_by_itself_and_rests_on_the_end(
+    opened: Open, files: Files, track: Track
+) -> None:
+    page = opened(files("playing", lambda: [track], opens_at=None), is_held=True)
+    page.read("player.speed = 16")
+    wait_until(page.page, "player.isPlaying")
+    page.page.clock.run_for(2000 * track.steps / 16)
+    assert page.read("[player.step, player.isPlaying]") == [track.steps, False]
+    assert "#" not in page.page.url, "loaded again, it plays again"
+    page.press("Space")
+    assert page.read("[player.step, player.isPlaying]") == [0, True]
+    page.page.clock.run_for(500)
+    page.press("Space")
+    assert 0 < page.read("player.time") < track.steps
+    assert "#step=" in page.page.url
+
+
+def test_a_page_that_was_hidden_goes_on_where_it_was(
+    opened: Open, files: Files, track: Track
+) -> None:
+    page = opened(files("playing", lambda: [track], opens_at=None), is_held=True)
+    wait_until(page.page, "player.isPlaying")
+    page.page.clock.run_for(100)
+    page.page.clock.fast_forward(60_000)
+    assert page.read("player.time / player.speed") < 1.2
+
+
+@pytest.mark.parametrize(
+    "stop", ["q", "Tab", "Space", "ArrowRight", "body", "canvas.floor", ".play"]
+)
+def test_any_key_or_click_stops_a_page_that_plays_by_itself(
+    opened: Open, files: Files, track: Track, stop: str
+) -> None:
+    page = opened(files("playing", lambda: [track], opens_at=None), is_held=True)
+    wait_until(page.page, "player.isPlaying")
+    page.page.clock.run_for(600)
+    if stop[0] in ".bc":
+        page.page.locator(stop).first.click(position={"x": 3, "y": 3})
+    else:
+        page.press(stop)
+    at = page.read("player.time")
+    assert at > 1
+    page.page.clock.run_for(600)
+    assert page.read("[player.time, player.isPlaying]") == [at, False]
+
+
+@pytest.mark.parametrize(
+    ("fragment", "opens_at", "motion", "time"),
+    [
+        ("", None, "reduce", 0), ("", 7.5, "no-preference", 7.5), ("", 1e9, "reduce", "player.end"),
+        ("#step=3", None, "no-preference", 3), ("#step=0", 7.5, "no-preference", 0),
+    ],
+)  # fmt: skip
+def test_a_page_that_is_to_open_at_a_moment_rests_there(
+    opened: Open, files: Files, track: Track, fragment: str, opens_at: float | None, motion: str,
+    time: object,
+) -> None:  # fmt: skip
+    path = files(f"{opens_at}", lambda: [track], opens_at=opens_at)
+    page = opened(path, fragment, reduced_motion=motion)
+    page.page.wait_for_timeout(150)
+    assert page.read(f"player.time === {time} && !player.isPlaying")
+    assert page.page.url.endswith(fragment or ".html")
+
+
+def test_players_in_frames_play_by_themselves_while_they_are_in_sight(
+    opened: Open, track: Track, tmp_path: Path
+) -> None:
+    frames = "<p style='height: 500px'></p>".join([player_frame([track])] * 3)
+    outer = tmp_path / "frames.html"
+    outer.write_text(f"<!DOCTYPE html><script>globalThis.player = 0</script>{frames}")
+    page = opened(outer)
+    _, *players = page.page.frames
+    for seen in (0, 2, 1):
+        page.page.locator("iframe").nth(seen).scroll_into_view_if_needed()
+        for number, player in enumerate(players):
+            is_seen = str(number == seen).lower()
+            wait_until(player, f"globalThis.player?.isPlaying === {is_seen}")
+    assert all(player.evaluate("player.isOpening && player.time > 0") for player in players)
 
 
 def test_speeds_change_by_keys_within_their_range(page: Shown) -> None:

@@ -8,7 +8,7 @@ from helpers.player_pages import CURSOR, Files, Shown
 from matplotlib.colors import to_hex
 
 from agents.run_episode import run_episode
-from warehouse_core.render.palette import COLORS, HIT, ORDER_COLORS
+from warehouse_core.render.palette import COLORS, HIT, ORDER_COLORS, STRANDED
 from warehouse_core.viz.tracks import Frame, Pose, Track, track_of_record
 from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Marks
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, WALL
@@ -20,6 +20,20 @@ Open = Callable[..., Shown]
 EMPTY_COLOR, LOADED_COLOR = to_hex(COLORS[ROBOT_EMPTY]), to_hex(COLORS[ROBOT_LOADED])
 STAR = to_hex(HIT)
 LOOKS = [(1, "light"), (1, "dark"), (2, "light"), (2, "dark")]
+
+
+REDNESS = """
+() => {
+  const map = document.querySelector('[data-part="map"]');
+  const [width, height] = [map.width, map.height];
+  const copy = Object.assign(document.createElement("canvas"), {width, height});
+  const context = copy.getContext("2d", {willReadFrequently: true});
+  context.drawImage(map, 0, 0);
+  const { data } = context.getImageData(0, 0, width, height);
+  return Array.from({length: data.length / 4}, (_, i) => data[4 * i] - data[4 * i + 1]);
+}
+"""
+"""Returns for each cell of the map of a fleet how much redder than green it is."""
 
 
 def cell(row: float, col: float) -> tuple[float, float, float, float]:
@@ -43,7 +57,7 @@ def test_tiles_and_the_robot_are_where_the_track_has_them(
     rows = track.frames[0].tiles
     inner = [(row, col) for row in range(1, len(rows) - 1) for col in range(1, len(rows[0]) - 1)]
     for tile, color in (
-        (WALL, "wall"), *((tile, to_hex(COLORS[tile])) for tile in (PICKUP, DROPOFF, CHARGER)),
+        (WALL, "shelf"), *((tile, to_hex(COLORS[tile])) for tile in (PICKUP, DROPOFF, CHARGER)),
     ):  # fmt: skip
         shares = page.shares(color, [cell(*place) for place in inner])
         found = [place for place, share in zip(inner, shares, strict=True) if share > 0.3]
@@ -162,7 +176,7 @@ def test_robots_of_a_fleet_show_their_items_age_and_an_empty_battery(
     for step, is_late in ((0, True), (2, False)):
         page.seek(step)
         assert (page.share(late, cell(2, 4)) > 0.03) == is_late
-    assert page.share("#616166", cell(2, 4)) > 0.1, "it is stranded"
+    assert page.share(to_hex(STRANDED), cell(2, 4)) > 0.1, "it is stranded"
     assert page.share(EMPTY_COLOR, cell(0, 3)) > 0.1
     assert page.share(EMPTY_COLOR, cell(0, 1)) == 0
     assert page.share(to_hex(COLORS["H"]), cell(3, 7)) > 0.1
@@ -179,21 +193,43 @@ def test_a_robot_of_a_fleet_without_orders_is_loaded_when_the_shown_frame_says_s
     assert seen == ["loaded", "loaded", "", "loaded"]
 
 
-def test_cells_in_which_robots_were_blocked_are_tinted_when_asked_for(
+def test_cells_in_which_robots_were_held_up_are_tinted_when_asked_for(
     opened: Open, files: Files
 ) -> None:
     frames = list(fleet_frames())
-    frames[1].hits = (DrawnHit((2.9, 0.5), "", 0),)
-    page = opened(files("blocked", lambda: [simple(frames)]))
+    page = opened(files("held-up", lambda: [simple(frames, held_up=[(1, (0, 2)), (2, (0, 2))])]))
     page.seek(2)
     cells = [cell(row, col) for row in range(4) for col in range(8)]
     without = page.shares("floor", cells)
     assert without[2] > 0.8
     page.page.get_by_role("checkbox").check()
     found = page.shares("floor", cells)
-    assert found[2] < 0.05, "the robot was in column 2 then"
+    assert found[2] < 0.05
     # A cell beside it may lose a line of pixels.
     assert found[:2] + found[3:] == pytest.approx(without[:2] + without[3:], abs=0.03)
+
+
+def test_the_map_beside_a_fleet_has_the_cells_in_which_robots_were_held_up(
+    opened: Open, files: Files
+) -> None:
+    held_up = [(1, (0, 2)), (2, (0, 2)), (2, (3, 7))]
+    page = opened(files("map", lambda: [simple(list(fleet_frames()), held_up=held_up)]))
+    seen = []
+    for step in (2, 0, 1):
+        page.seek(step)
+        red = page.read(REDNESS)
+        hot = [(n // 8, n % 8) for n, each in enumerate(red) if each > 30]
+        seen.append((hot, page.part("most").inner_text(), page.part("peak").inner_text()))
+        if step == 2:
+            assert red[2] > red[3 * 8 + 7] + 30
+    assert seen == [
+        ([(0, 2), (3, 7)], "2", "most at row 0, column 2"),
+        ([], "0", "nowhere yet"),
+        ([(0, 2)], "1", "most at row 0, column 2"),
+    ]
+    assert page.part("map").get_attribute("aria-label") == (
+        "Robots were held up most at row 0, column 2: 1 times"
+    )
 
 
 def test_marks_have_the_colour_of_their_time(opened: Open, files: Files) -> None:

@@ -9,7 +9,7 @@ from urllib.parse import unquote, urlsplit
 
 import pytest
 from helpers.handbook import HANDBOOK, PAGES
-from helpers.player_pages import shown
+from helpers.player_pages import shown, wait_until
 
 pytestmark = pytest.mark.browser
 
@@ -96,6 +96,14 @@ def test_the_first_episode_of_the_mini_lab_plays(browser: Any, site: Path) -> No
         reading.page.goto((site / "mini_lab.html").as_uri())
         player = reading.page.frame_locator("iframe").first
         player.locator("main canvas").first.wait_for()
+        player.get_by_label("To the start").click()
         player.get_by_text("step 0 of").first.wait_for()
         player.get_by_label("One step on").click()
         player.get_by_text("step 1 of").first.wait_for()
+
+
+def test_the_first_page_plays_by_itself(browser: Any, site: Path) -> None:
+    with shown(browser, viewport={"width": 1366, "height": 768}) as reading:
+        reading.page.goto((site / "index.html").as_uri())
+        [_, player] = reading.page.frames
+        wait_until(player, "globalThis.player?.isPlaying && player.time > 0")

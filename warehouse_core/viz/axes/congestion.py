@@ -9,12 +9,11 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import EngFormatter
 
-from warehouse_core.motion.batch import NOTHING
 from warehouse_core.records.episode import FleetEpisode
+from warehouse_core.records.held_up import held_up
 from warehouse_core.render.palette import INK, PAPER
 from warehouse_core.viz.axes.heat_map import CellCounts, draw_heat
 from warehouse_core.viz.axes.look import POINTS, box_in
-from warehouse_core.world.actions import WAIT
 
 PANEL, MAX_CELL, SPACE = 6.2, 0.4, 0.55
 """Width of a panel, most width of a cell, and room between panels, in inches."""
@@ -27,18 +26,12 @@ AnyFigure = TypeVar("AnyFigure", bound=Figure)
 
 
 def held_up_cells(episode: FleetEpisode) -> CellCounts:
-    """Count in how many steps robots were held up in each cell.
-
-    That is each step in which a robot waited, not on a charger, or was blocked, or turned back into
-    the cell that it had left in the step before.
-    """
-    layout, cells = episode.layout, episode.cells
-    chargers = layout.numbers(layout.chargers)
-    held_up = (episode.actions == WAIT) & ~np.isin(cells[:-1], chargers)
-    held_up |= episode.stopped_by != NOTHING
-    held_up[1:] |= (cells[2:] == cells[:-2]) & (cells[1:-1] != cells[2:])
+    """Count for each cell the steps in which robots were held up there, see ``held_up``."""
+    layout, held = episode.layout, held_up(episode)
     size = layout.height * layout.width
-    return np.bincount(cells[:-1][held_up], minlength=size).reshape(layout.height, layout.width)
+    return np.bincount(episode.cells[:-1][held], minlength=size).reshape(
+        layout.height, layout.width
+    )
 
 
 def congestion_picture(

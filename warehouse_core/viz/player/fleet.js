@@ -1,6 +1,7 @@
 // What the page tells about a fleet: a chosen robot, and the orders that wait.
 
 import { copy, element, partOf, setText } from "./elements.js";
+import { HeatMap } from "./heat.js";
 import { AGES, ageOf, historyOf, isTaken, orderOf, waitingAt } from "./orders.js";
 import { shown } from "./scale.js";
 
@@ -19,7 +20,7 @@ export class FleetPanel {
       player.hasHeat = event.target.checked;
       player.draw();
     });
-    this.find("heat").parentElement.hidden = !track.hits.frame.length;
+    this.heat = new HeatMap(track, this.find("heat-map"));
     this.orders = this.find("orders");
     this.orders.hidden = !track.fleet.orders;
   }
@@ -27,6 +28,7 @@ export class FleetPanel {
   /** Write everything about a moment, if the step or the robot is another one. */
   draw(time) {
     const moment = this.track.at(time);
+    this.heat.draw(moment, this.player.theme);
     const robot = this.player.chosen;
     const key = `${moment.frame} ${robot}`;
     if (key === this.key) return;

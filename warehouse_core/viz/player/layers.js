@@ -1,11 +1,8 @@
-// Draws what tints the cells of a floor: visits, blocked moves, sight, and the marks of a search.
+// Draws what tints the cells of a floor: visits, sight, and the marks of a search.
 
 import { centerText, fillOutlined } from "./canvas.js";
-import { element } from "./elements.js";
 import { outerOf } from "./floor.js";
-import { blockedUntil, visitsUntil } from "./track.js";
-
-const MAX_HEAT = 0.75;
+import { visitsUntil } from "./track.js";
 
 /** Darken what a robot does not see, around the window of its view. */
 export function drawSight(context, track, body, moment, view, theme) {
@@ -34,31 +31,6 @@ export function drawVisits(context, track, body, moment, view, theme) {
     context.fillRect(...view.box(column, row));
   }
   context.globalAlpha = 1;
-}
-
-/** Draw how often robots were blocked in each cell so far. */
-export function drawHeat(context, track, moment, view, theme) {
-  const key = `${moment.frame} ${theme.key}`;
-  if (track.heat?.key !== key) track.heat = { key, image: heatOf(track, moment.frame, theme) };
-  const [width, height] = [track.width * view.scale, track.height * view.scale];
-  context.imageSmoothingEnabled = false;
-  context.drawImage(track.heat.image, view.x(0), view.y(0), width, height);
-}
-
-/** Return an image of a pixel for each cell. */
-function heatOf(track, frame, theme) {
-  const image = element("canvas", { width: track.width, height: track.height });
-  const context = image.getContext("2d");
-  const counts = blockedUntil(track, frame);
-  let most = 1;
-  for (const count of counts.values()) most = Math.max(most, count);
-  context.fillStyle = theme.colors.warning;
-  for (const [cell, count] of counts) {
-    const [row, column] = track.rowAndColumn(cell);
-    context.globalAlpha = 0.1 + (MAX_HEAT - 0.1) * (count / most);
-    context.fillRect(column, row, 1, 1);
-  }
-  return image;
 }
 
 /** Draw the cells of a search in the colours that they have by now. */

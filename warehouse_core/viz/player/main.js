@@ -6,6 +6,9 @@ import { Player, SPEEDS } from "./player.js";
 
 const ZOOM = 1.5;
 
+/** The share of the first floor that is to be seen for the page to play by itself. */
+const IN_SIGHT = 0.5;
+
 async function start() {
   const root = document.getElementById("player");
   const data = decode(await unpack(document.getElementById("data").textContent));
@@ -19,6 +22,19 @@ async function start() {
   new ResizeObserver(() => player.draw()).observe(root);
   matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => player.draw());
   player.draw();
+  playAtFirst(player, data.opensAt === null && !player.isReduced);
+}
+
+/** Let the page play by itself, or rest, until somebody presses a key or clicks. */
+function playAtFirst(player, isToPlay) {
+  for (const what of ["keydown", "click"]) {
+    // Whatever the key or the click does has been done by now: space and the button have paused.
+    document.addEventListener(what, () => player.isOpening && player.pause());
+  }
+  // A report or a notebook may have many players in frames: they play where a reader looks, and
+  // nobody misses the start of one further down. A frame sees how much of it the reader's window shows.
+  const look = (entries) => player.open(entries.at(-1).intersectionRatio >= IN_SIGHT);
+  if (isToPlay) new IntersectionObserver(look, { threshold: IN_SIGHT }).observe(player.panels[0].canvas);
 }
 
 function connect(player) {
@@ -62,12 +78,12 @@ function connect(player) {
     play.ariaLabel = player.isPlaying ? "Pause" : "Play";
     setText(place, player.place);
     setText(event, player.event);
-    if (!player.isPlaying) {
-      const words = [player.event, ...player.panels.map((panel) => panel.place)];
-      // A screen reader reads what changes; while the page plays that would be too much.
-      setText(find("status"), words.filter(Boolean).join(". "));
-      writeAddress(player);
-    }
+    if (player.isPlaying) return;
+    const words = [player.event, ...player.panels.map((panel) => panel.place)];
+    // A screen reader reads what changes; while the page plays that would be too much.
+    setText(find("status"), words.filter(Boolean).join(". "));
+    // A page that nobody has touched plays again when it is loaded again.
+    if (!player.isOpening) writeAddress(player);
   });
 }
 
@@ -109,10 +125,10 @@ function readAddress(player) {
 /** Put the step and the chosen robot into the address, so that a link opens here. */
 function writeAddress(player) {
   const robot = player.chosen === null ? "" : `&robot=${player.chosen}`;
-  const hash = player.step || robot ? `#step=${player.step}${robot}` : "";
+  const hash = `#step=${player.step}${robot}`;
   if (hash === location.hash) return;
   try {
-    history.replaceState(null, "", hash || location.pathname + location.search);
+    history.replaceState(null, "", hash);
   } catch {
     // A page inside another one may have no address of its own.
   }

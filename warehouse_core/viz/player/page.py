@@ -7,6 +7,7 @@ the page's Content-Security-Policy allows this script and this style alone.
 from __future__ import annotations
 
 import html
+import json
 import re
 from base64 import b64encode
 from collections.abc import Sequence
@@ -16,6 +17,7 @@ from pathlib import Path
 
 from warehouse_core.arguments import instance_of, real_number, whole_number
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.render.palette import PALETTE, style_rules
 from warehouse_core.viz.player.tracks import packed
 from warehouse_core.viz.tracks.track import MAX_PACE, MIN_PACE, Track
 from warehouse_core.wording import printable
@@ -24,7 +26,7 @@ FOLDER = Path(__file__).parent
 
 SCRIPTS = (
     "scale.js", "decode.js", "track.js", "orders.js", "view.js", "theme.js", "elements.js",
-    "canvas.js", "floor.js", "items.js", "bodies.js", "ways.js", "layers.js", "scene.js",
+    "canvas.js", "floor.js", "items.js", "bodies.js", "ways.js", "heat.js", "layers.js", "scene.js",
     "charts.js", "legend.js", "panel.js", "fleet.js", "player.js", "main.js",
 )  # fmt: skip
 """Each imports only those before it, so that they can be one script."""
@@ -40,25 +42,39 @@ FRAME_HEIGHT = 640
 MAX_FRAME_HEIGHT = 100_000
 
 
-def player_page(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0) -> str:
+def player_page(
+    tracks: Sequence[Track],
+    *,
+    title: str = "",
+    speed: float = 1.0,
+    opens_at: float | None = None,
+) -> str:
     """Return a page that plays tracks side by side on one clock, as HTML.
+
+    The page opens playing: it plays once and rests on the end, and any key or click stops it. Where
+    motion is to be reduced (``prefers-reduced-motion``) it rests on the start.
 
     Args:
         tracks: tracks, at least one, each with at least one frame.
         title: title of the page; by default the titles of the tracks.
         speed: factor on the playing speed.
+        opens_at: simulated second (on the grid: step) that the page opens at, without playing; by
+            default the page plays.
 
     Raises:
-        ValueError: ``speed`` is not within ``MIN_PACE`` and ``MAX_PACE``, or a place is not finite.
+        ValueError: ``speed`` is not within ``MIN_PACE`` and ``MAX_PACE``, ``opens_at`` is negative
+            or not finite, or a place is not finite.
     """
     speed = real_number("speed", speed, MIN_PACE, MAX_PACE)
+    if opens_at is not None:
+        opens_at = real_number("opens_at", opens_at, 0.0)
     titles = dict.fromkeys(track.title for track in tracks if track.title)
     title = printable(instance_of("title", title, str) or " / ".join(titles) or "Warehouse replay")
     parts = {
         "policy": policy(),
         "title": html.escape(title[:MAX_TITLE]),
         "style": style(),
-        "data": packed(tracks, title, speed),
+        "data": packed(tracks, title, speed, opens_at),
         "script": script(),
     }
     page = (FOLDER / "player.html").read_text(encoding="utf-8")
@@ -66,24 +82,35 @@ def player_page(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0)
 
 
 def save_page(
-    path: str | Path, tracks: Sequence[Track], *, title: str = "", speed: float = 1.0
+    path: str | Path,
+    tracks: Sequence[Track],
+    *,
+    title: str = "",
+    speed: float = 1.0,
+    opens_at: float | None = None,
 ) -> None:
     """Write what ``player_page`` returns; the file is complete or not there.
 
     Raises:
         OSError: the file cannot be written.
     """
+    page = player_page(tracks, title=title, speed=speed, opens_at=opens_at)
     with atomic_path(path) as part:
-        part.write_text(player_page(tracks, title=title, speed=speed), encoding="utf-8")
+        part.write_text(page, encoding="utf-8")
 
 
 def player_frame(
-    tracks: Sequence[Track], *, title: str = "", speed: float = 1.0, height: int = FRAME_HEIGHT
+    tracks: Sequence[Track],
+    *,
+    title: str = "",
+    speed: float = 1.0,
+    opens_at: float | None = None,
+    height: int = FRAME_HEIGHT,
 ) -> str:
     """Return ``player_page`` as a frame of another page, ``height`` pixels high.
 
-    Its script cannot reach the page around it. If that has a Content-Security-Policy, it must allow
-    ``digest(script())``.
+    A frame plays by itself only while its first floor is in sight. Its script cannot reach the page
+    around it. If that has a Content-Security-Policy, it must allow ``digest(script())``.
 
     Raises:
         ValueError: as for ``player_page``, or ``height`` is not within 1 and
@@ -91,7 +118,7 @@ def player_frame(
         TypeError: ``height`` is not an integer.
     """
     height = whole_number("height", height, 1, MAX_FRAME_HEIGHT)
-    page = html.escape(player_page(tracks, title=title, speed=speed))
+    page = html.escape(player_page(tracks, title=title, speed=speed, opens_at=opens_at))
     name = html.escape(printable(title or "Replay"))
     return (
         f'<iframe srcdoc="{page}" sandbox="allow-scripts" allow="fullscreen" '
@@ -101,15 +128,16 @@ def player_frame(
 
 @cache
 def script() -> str:
-    """Return the files of the script as one."""
+    """Return the palette and the files of the script as one."""
     texts = [(FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS]
-    return "".join(EXPORT.sub("", IMPORT.sub("", text)) for text in texts)
+    palette = f"const PALETTE = {json.dumps(PALETTE)};\n"
+    return palette + "".join(EXPORT.sub("", IMPORT.sub("", text)) for text in texts)
 
 
 @cache
 def style() -> str:
-    """Return the style sheet."""
-    return (FOLDER / "player.css").read_text(encoding="utf-8")
+    """Return the style sheet, the palette first."""
+    return style_rules() + (FOLDER / "player.css").read_text(encoding="utf-8")
 
 
 def policy() -> str:

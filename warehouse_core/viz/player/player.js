@@ -13,6 +13,9 @@ import { View } from "./view.js";
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16];
 
+/** Most milliseconds that a picture takes of the clock: a hidden page goes on where it was left. */
+const MAX_TICK = 1000;
+
 /** Cells around what is drawn of a floor. */
 const MARGIN = 0.1;
 
@@ -42,7 +45,6 @@ export class Player {
   /** Args: the decoded data of a page, and the element that it is shown in. */
   constructor(data, root) {
     this.root = root;
-    this.colors = data.colors;
     this.rate = data.rate;
     this.unit = data.unit;
     this.speed = SPEEDS.reduce((best, speed) =>
@@ -51,13 +53,14 @@ export class Player {
     this.tracks = data.tracks.map((track) => new Track(track));
     this.end = Math.max(...this.tracks.map((track) => track.end));
     this.longest = this.tracks.find((track) => track.end === this.end);
-    this.time = 0;
+    this.time = Math.min(data.opensAt ?? 0, this.end);
     this.isPlaying = false;
+    /** True until somebody does something: until then the page plays by itself, and once. */
+    this.isOpening = true;
     this.chosen = null;
     this.hasHeat = false;
     this.isReduced = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.listeners = [];
-    root.style.setProperty("--item", this.colors.item);
     this.build(data);
   }
 
@@ -97,7 +100,7 @@ export class Player {
 
   /** Draw everything at the present time. The same time gives the same picture. */
   draw() {
-    this.theme = readTheme(this.root, this.colors);
+    this.theme = readTheme();
     const time = this.isReduced && this.isPlaying ? this.momentary() : this.time;
     for (const panel of this.panels) panel.draw(time, this.theme);
     for (const chart of this.charts) chart.draw(time, this.theme);
@@ -123,28 +126,39 @@ export class Player {
   }
 
   play() {
+    this.isOpening = false;
     if (this.time >= this.end) this.time = 0;
-    this.isPlaying = true;
-    this.before = null;
-    requestAnimationFrame((now) => this.tick(now));
-    this.draw();
+    this.run(true);
   }
 
   pause() {
-    this.isPlaying = false;
+    this.isOpening = false;
+    this.run(false);
+  }
+
+  /** As long as nobody has done anything, play while the page is in sight, and rest on the end. */
+  open(isInSight) {
+    if (this.isOpening) this.run(isInSight && this.time < this.end);
+  }
+
+  run(isPlaying) {
+    this.isPlaying = isPlaying;
+    this.before = null;
+    cancelAnimationFrame(this.coming);
+    if (isPlaying) this.coming = requestAnimationFrame((now) => this.tick(now));
     this.draw();
   }
 
   tick(now) {
-    if (!this.isPlaying) return;
-    if (this.before !== null) this.time += ((now - this.before) / 1000) * this.speed * this.rate;
+    const passed = Math.min(now - (this.before ?? now), MAX_TICK);
+    this.time += (passed / 1000) * this.speed * this.rate;
     this.before = now;
     if (this.time >= this.end) {
       this.time = this.end;
       this.isPlaying = false;
     }
     this.draw();
-    if (this.isPlaying) requestAnimationFrame((next) => this.tick(next));
+    if (this.isPlaying) this.coming = requestAnimationFrame((next) => this.tick(next));
   }
 
   /** Pause at a time, or at the nearest that there is. */

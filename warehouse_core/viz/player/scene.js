@@ -1,8 +1,9 @@
 // Draws all that moves, in order, over a floor.
 
 import { drawHits, drawRobots } from "./bodies.js";
+import { drawHeat } from "./heat.js";
 import { drawItem, drawWaiting } from "./items.js";
-import { drawEnds, drawHeat, drawMarks, drawSight, drawVisits } from "./layers.js";
+import { drawEnds, drawMarks, drawSight, drawVisits } from "./layers.js";
 import { drawPlans, drawPushes, drawRoute, drawTrail, drawWayAhead } from "./ways.js";
 
 /** Draw everything that moves at a moment. `chosen` is the number of a robot, or `null`. */
@@ -10,7 +11,7 @@ export function drawScene(context, track, moment, view, theme, { chosen, hasHeat
   const watched = chosen ?? (track.robots === 1 && track.bodies > 0 ? 0 : null);
   if (track.marks) drawMarks(context, track, moment, view);
   if (watched !== null) drawVisits(context, track, watched, moment, view, theme);
-  if (hasHeat) drawHeat(context, track, moment, view, theme);
+  if (hasHeat && track.fleet) drawHeat(context, track, moment, view, theme);
   if (watched !== null && !track.isFleet) drawSight(context, track, watched, moment, view, theme);
   drawRoute(context, track, moment, view, theme);
   if (track.fleet) drawPlans(context, track, moment, view, theme);

@@ -35,10 +35,7 @@ export class Track {
       if (Math.floor(data.progress[frame]) === this.stepFrames.length) this.stepFrames.push(frame);
     }
     this.steps = Math.ceil(data.progress[this.frames - 1]);
-    /** For each frame, and one more, the index of its first hit. */
-    const hits = new Int32Array(this.frames);
-    for (const frame of data.hits.frame) hits[frame]++;
-    this.firstHit = sums(hits);
+    this.firstHit = firstOf(data.hits.frame, this.frames);
   }
 
   /** Return a moment: its frame, the next one, the share of the way there, and the steps complete. */
@@ -148,6 +145,13 @@ export function sums(numbers) {
   return found;
 }
 
+/** Return for each of the places 0, 1, 2, ..., and one more, the index of its first entry in a list in order. */
+function firstOf(places, count) {
+  const counts = new Int32Array(count);
+  for (const place of places) counts[place]++;
+  return sums(counts);
+}
+
 /** Return the words for what happened to a robot in a frame: "hit", "pick", "drop" or "stuck". */
 export function eventsOf(track, body, frame) {
   const found = [];
@@ -204,12 +208,15 @@ export function visitsUntil(track, body, frame) {
   });
 }
 
-/** Return how often robots were blocked in each cell up to a frame, as a map from cells. */
-export function blockedUntil(track, frame) {
-  return countUntil(track, "blocked", frame, (next) => track.hitsIn(next).map((hit) => track.cell(hit.robot, next)));
+/** Return how often robots were held up in each cell up to a step, as a map from cells. */
+export function heldUpUntil(track, step) {
+  const { step: steps, cell } = track.fleet.heldUp;
+  track.firstHeldUp ??= firstOf(steps, track.steps + 1);
+  const of = (next) => cell.subarray(track.firstHeldUp[next], track.firstHeldUp[next + 1]);
+  return countUntil(track, "held up", step, of);
 }
 
-/** Count the cells of each frame up to one. What was counted last under a key is counted on from there. */
+/** Count the cells of each frame or step up to one. What was counted last under a key is counted on from there. */
 function countUntil(track, key, frame, cellsIn) {
   track.counted ??= new Map();
   let found = track.counted.get(key);

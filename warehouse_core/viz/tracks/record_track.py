@@ -16,6 +16,7 @@ from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.motion.batch import NOTHING
 from warehouse_core.records.episode import UNFINISHED, Episode
 from warehouse_core.records.failure_modes import diagnose
+from warehouse_core.records.held_up import held_up
 from warehouse_core.records.plans import NO_PLANS, StepPlans, check_plans
 from warehouse_core.render.palette import ORDER_COLORS
 from warehouse_core.viz.tracks.track import (
@@ -96,6 +97,9 @@ def track_of_record(
     if record.robots > 1:
         track.metrics, track.lateness = _fleet_metrics(record), _lateness(record)
         track.orders, track.assignments = record.orders, record.assignments
+        steps, robots = np.nonzero(held_up(record))
+        cells = map(record.layout.cell, record.cells[steps, robots].tolist())
+        track.held_up = [*zip((steps + 1).tolist(), cells, strict=True)]
     return track
 
 

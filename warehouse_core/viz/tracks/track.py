@@ -138,6 +138,7 @@ class Track:
         lateness: step of each delivery of a fleet, and by how many steps it was late.
         orders: orders of a fleet, for a page; ``None`` if it does not show them.
         assignments: step, robot and order of each assignment of these orders.
+        held_up: step and cell of each time that a robot of a fleet was held up, for a page.
         view_radius: cells that a robot sees in each direction, ``None`` if unknown.
         slippery: cells with slippery floor.
         motor_strength: actual share of the motor force.
@@ -154,6 +155,7 @@ class Track:
     lateness: Sequence[tuple[int, int]] = ()
     orders: Sequence[Order] | None = None
     assignments: Sequence[tuple[int, int, int | None]] = ()
+    held_up: Sequence[tuple[int, Cell]] = ()
     view_radius: int | None = None
     slippery: tuple[Cell, ...] = ()
     motor_strength: float = 1.0
@@ -186,6 +188,25 @@ class Track:
     def clocks(self) -> list[float]:
         """``[S]`` the simulated seconds at which each step was complete."""
         return [self.frames[end].clock for end in self.ends]
+
+    @property
+    def still(self) -> int:
+        """The frame that tells most, for a picture that does not move.
+
+        A track of one step is about its first hit, one with plans about the plans of most robots
+        that push or have one; others are about how they end.
+        """
+        hits = (number for number, frame in enumerate(self.frames) if frame.hits)
+        hit = next(hits, None) if self.steps == 1 else None
+        if hit is not None:
+            return hit
+
+        def planned(number: int) -> tuple[int, int, int]:
+            fleet = self.frames[number].fleet
+            plans = fleet.plans if fleet else NO_PLANS
+            return len(plans.pushers), len(plans.ways), number
+
+        return max(range(len(self)), key=planned)
 
     @property
     def is_fleet(self) -> bool:

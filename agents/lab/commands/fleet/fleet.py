@@ -16,10 +16,11 @@ from agents.errors import EpisodeError, EpisodeInterrupted
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PLAN_SECONDS, PlannedFleet, wants_dispatch
 from agents.lab.commands.fleet.report import ShiftResult, report_shifts, result_of
+from agents.lab.commands.fleet.values import SUFFIX, write_shifts
 from agents.lab.console import options
-from agents.lab.console.options import option, parameter_option
+from agents.lab.console.options import MANY, option, parameter_option, writable
 from agents.lab.console.output import replay_or_save
-from agents.lab.console.terminal import warnings_printed
+from agents.lab.console.terminal import say, warnings_printed
 from agents.lab.console.values import parse_battery, parse_due
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.parameters import Number, usual
@@ -107,7 +108,16 @@ def fleet(
     episodes: options.Episodes = 1,
     seed: options.SeedOption = None,
     *,
-    save: options.Save,
+    save: Annotated[
+        list[Path],
+        option(
+            "--save -o FILE",
+            f"{options.REPLAY}, the record as .npz; the orders of all episodes as .csv, with "
+            "their measures beside it in FILE-measures.csv; may be repeated.",
+            callback=writable(options.RECORD_SUFFIX, SUFFIX, replays=True),
+            **MANY,
+        ),
+    ],
     show: options.Show = None,
     speed: options.Speed = 1.0,
 ) -> None:
@@ -117,7 +127,8 @@ def fleet(
     whose battery is low drives to a charger. With --planner, a planner leads
     all robots, and orders and chargers are assigned to them.
 
-    Of several episodes the means are printed, and the first is replayed.
+    Of several episodes the means are printed, and the first is replayed. The
+    page of a replay, .html, has a map of where robots were held up.
 
     Example: warehouse fleet --robots 12 --order-rate 0.1 --people 3 --seed 12
     """
@@ -180,7 +191,13 @@ def fleet(
 
     def finish(show: bool | None, note: str = "") -> None:
         report_shifts(results, robots, title + note)
-        replay_or_save(records[0], save, show, speed=speed, plans=log.plans if log else ())
+        tables = [path for path in save if path.suffix.lower() == SUFFIX]
+        for path in tables:
+            say(f"saved {path} and {write_shifts(path, results)}")
+        replays, plans = [path for path in save if path not in tables], log.plans if log else ()
+        replay_or_save(
+            records[0], replays, bool(show) if tables else show, speed=speed, plans=plans
+        )
 
     try:
         with warnings_printed():

@@ -17,6 +17,7 @@ from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES, mean_interval
 from agents.lab.trials.wording import mean, percent
 from warehouse_core import Episode
 from warehouse_core.fleet import FleetMeasures
+from warehouse_core.orders.order import Order
 from warehouse_core.records.failure_modes import FleetDiagnosis, diagnose_fleet
 from warehouse_core.wording import counted
 
@@ -34,10 +35,12 @@ class MeasureLine(NamedTuple):
 
 
 class ShiftResult(NamedTuple):
-    """What is printed of a shift."""
+    """What is printed and written of a shift."""
 
+    seed: int | None
     measures: FleetMeasures
     diagnosis: FleetDiagnosis
+    orders: Sequence[Order]
 
 
 LINES = (
@@ -62,15 +65,18 @@ LINES = (
 
 
 def result_of(episode: Episode) -> ShiftResult:
-    """Return what is printed of a record."""
-    return ShiftResult(episode.measures, diagnose_fleet(episode))
+    """Return what is printed and written of a record."""
+    return ShiftResult(episode.seed, episode.measures, diagnose_fleet(episode), episode.orders)
 
 
 def report_shifts(results: Sequence[ShiftResult], robots: int, title: str) -> None:
     """Print the measures of shifts; several are printed as means with 95% intervals."""
     measures = [result.measures for result in results]
     print_table(measures_table(measures, title))
-    lines = [verdict(measures, robots), f"Diagnosis: {diagnosis([each[1] for each in results])}."]
+    lines = [
+        verdict(measures, robots),
+        f"Diagnosis: {diagnosis([each.diagnosis for each in results])}.",
+    ]
     for line in lines:
         say(fill(line, get_terminal_size().columns))
 
@@ -129,8 +135,14 @@ def verdict(measures: Sequence[FleetMeasures], robots: int) -> str:
 
 def _values(measures: Sequence[FleetMeasures], line: MeasureLine) -> NDArray[np.float64]:
     """Return a measure of the shifts that have it."""
-    values = np.array([getattr(each, line.name) for each in measures], np.float64) * line.factor
+    values = np.array([value_of(each, line) for each in measures], np.float64)
     return values[~np.isnan(values)]
+
+
+def value_of(measures: FleetMeasures, line: MeasureLine) -> float:
+    """Return a measure of a shift in the unit of its line; a whole number without a factor."""
+    value: float = getattr(measures, line.name)
+    return value if line.factor == 1.0 else value * line.factor
 
 
 def _words(values: NDArray[np.float64]) -> str:

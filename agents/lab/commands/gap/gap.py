@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import csv
 import math
 from collections.abc import Sequence
 from functools import partial
@@ -16,6 +15,7 @@ from agents.lab.commands.gap.summary import SeedScores, gap_table, losses, messa
 from agents.lab.commands.gap.trial import Score, Setting, make_env, run_trial
 from agents.lab.commands.gap.worlds import WORLDS, Shocks, make_world
 from agents.lab.console import options
+from agents.lab.console.csv_file import write_csv
 from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.table import print_table
 from agents.lab.console.terminal import print_error, say
@@ -24,7 +24,6 @@ from agents.lab.parameters import Number, Whole
 from agents.lab.trials.workers import run_trials
 from agents.registry import make_fleet_agent
 from warehouse_core import WarehouseError
-from warehouse_core.files.atomic import atomic_path
 from warehouse_core.orders.order import MAX_ORDERS
 from warehouse_core.wording import counted
 from warehouse_core.world.named_layouts import DEPOT, find_layout
@@ -149,15 +148,14 @@ def title_of(setting: Setting, layout: str, seeds: Sequence[int]) -> str:
 
 
 def write_values(path: Path, scores: SeedScores, seeds: Sequence[int]) -> None:
-    """Write a line for each run, whole or not at all."""
+    """Write a line for each run."""
     from agents.lab.commands.gap.spent_time import KINDS
 
     names = [name for name in Score._fields if name != "spent"]
-    with atomic_path(path) as part, part.open("w", encoding="utf-8", newline="") as file:
-        writer = csv.writer(file, lineterminator="\n")
-        spent = [f"seconds a delivery {kind}" for kind in KINDS]
-        writer.writerow(["world", "seed", *names, *spent])
-        for world, runs in scores.items():
-            for seed, run in zip(seeds, runs, strict=True):
-                values = [getattr(run, name) for name in names]
-                writer.writerow([world, seed, *values, *run.spent])
+    spent = [f"seconds a delivery {kind}" for kind in KINDS]
+    lines = (
+        [world, seed, *(getattr(run, name) for name in names), *run.spent]
+        for world, runs in scores.items()
+        for seed, run in zip(seeds, runs, strict=True)
+    )
+    write_csv(path, ["world", "seed", *names, *spent], lines)

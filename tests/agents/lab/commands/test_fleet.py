@@ -1,5 +1,6 @@
 """The command ``warehouse fleet``."""
 
+import csv
 import re
 from math import nan
 from pathlib import Path
@@ -91,6 +92,45 @@ def test_several_shifts_have_means_and_the_first_is_saved(warehouse: Warehouse) 
         distances.append(FleetEpisode.load("one.npz").measures.distance)
     [row] = [row for row in out.splitlines() if "distance" in row]
     assert float(row.split("\u2502")[2]) == pytest.approx(sum(distances) / 2, rel=0.005)
+
+
+def test_orders_and_measures_of_all_shifts_are_written_as_tables(warehouse: Warehouse) -> None:
+    out = warehouse(*SMALL, "-n", 2, "--order-rate", 0.3, "-o", "a.csv", "-o", "a.npz").out
+    assert "saved a.csv and a-measures.csv" in out
+    orders, measures = (
+        list(csv.DictReader(Path(name).read_text(encoding="utf-8").splitlines()))
+        for name in ("a.csv", "a-measures.csv")
+    )
+    episode = FleetEpisode.load("a.npz")
+    mine = [row for row in orders if row["seed"] == "5"]
+    assert [int(row["order"]) for row in mine] == [*range(len(episode.orders))]
+    for row, order in zip(mine, episode.orders, strict=True):
+        cells = *order.pickup, *order.dropoff
+        fate = order.robot, order.taken_by, order.taken, order.delivered
+        values = [order.released, order.due, *cells, *fate]
+        assert [*row.values()][2:-1] == ["" if each is None else str(each) for each in values]
+    late = [int(row["steps_late"]) for row in mine if row["delivered"]]
+    assert [row["delivered"] == "" for row in mine] == [row["steps_late"] == "" for row in mine]
+    assert [row["seed"] for row in measures] == ["5", "6"]
+    first = measures[0]
+    assert float(first["mean lateness (steps)"]) == pytest.approx(sum(late) / len(late))
+    assert first["distance (cells)"] == str(episode.measures.distance)
+    assert float(first["energy a delivery (kJ)"]) == pytest.approx(
+        episode.measures.joules_per_delivery / 1000
+    )
+    assert float(first["on time (% of deliveries)"]) == 100 * episode.measures.on_time
+    assert first["diagnosis"] == diagnose_fleet(episode).mode
+    printed = {row.split("\u2502")[1].strip() for row in out.splitlines() if "\u2502" in row}
+    titles = {title.rsplit(" (", 1)[0] for title in [*first][1:-2]}
+    assert titles == printed - {"measure"} == {line.title for line in LINES}
+
+
+def test_what_was_not_measured_is_an_empty_field(warehouse: Warehouse) -> None:
+    out = warehouse(*SMALL, "--order-rate", 0, "--save", "none.csv").out
+    assert "no display" not in out, "a table is saved, so no window is wanted"
+    assert len(Path("none.csv").read_text(encoding="utf-8").splitlines()) == 1
+    [row] = csv.DictReader(Path("none-measures.csv").read_text(encoding="utf-8").splitlines())
+    assert (row["orders (items)"], row["mean lateness (steps)"]) == ("0", "")
 
 
 def test_means_leave_out_what_was_not_measured_and_have_intervals_of_many() -> None:

@@ -1,11 +1,21 @@
+import math
+from pathlib import Path
+from typing import Any
+
 import pytest
 from helpers.fleets import fleet_episode
-from helpers.player import said_by
+from helpers.player import page_in, said_by
 
 from agents.run_episode import run_episode
 from warehouse_core.records.plans import StepPlans
-from warehouse_core.viz.player import player_page
-from warehouse_core.viz.tracks import track_of_record
+from warehouse_core.viz.player import player_frame, player_page, save_page
+from warehouse_core.viz.tracks import Track, track_of_record
+
+
+@pytest.fixture(scope="module")
+def track() -> Track:
+    """Return the track of a short fleet."""
+    return track_of_record(fleet_episode(max_steps=3))
 
 
 def test_a_page_has_the_plans_of_each_frame() -> None:
@@ -19,6 +29,22 @@ def test_a_page_has_the_plans_of_each_frame() -> None:
     assert fleet["plans"] == [0, 1, 1, 0, 1, 1, 0, 0, 1, 2, 2, 3]
     assert fleet["ways"] == [row * width + col for row, col in (*way, *way, *wish)]
     assert fleet["pushes"] == [1, 2, 3]
+
+
+@pytest.mark.parametrize("opens_at", [None, 0.0, 61.5])
+def test_a_page_says_when_it_opens_or_that_it_plays(
+    opens_at: float | None, tmp_path: Path, track: Track
+) -> None:
+    save_page(tmp_path / "x.html", [track], opens_at=opens_at)
+    frame = player_frame([track], opens_at=opens_at)
+    for page in ((tmp_path / "x.html").read_text(encoding="utf-8"), page_in(frame)):
+        assert said_by(page)["opensAt"] == opens_at
+
+
+@pytest.mark.parametrize("opens_at", [-0.1, math.nan, math.inf, "1"])
+def test_a_page_that_is_to_open_at_no_moment_is_refused(opens_at: Any, track: Track) -> None:
+    with pytest.raises(ValueError, match="opens_at is"):
+        player_page([track], opens_at=opens_at)
 
 
 def test_a_page_of_a_body_charts_its_speed_at_every_frame() -> None:

@@ -3,7 +3,7 @@ import { test } from "node:test";
 
 import {
   angleBetween,
-  blockedUntil,
+  heldUpUntil,
   indexAt,
   nextEvent,
   stuckFrames,
@@ -143,15 +143,17 @@ test("a robot of a fleet that waits is not stuck, and one that goes round in cir
   assert.deepEqual([...stuckFrames(track, 1)], [4]);
 });
 
-test("visits and blocked moves are the same after going back as from the start", () => {
-  const hits = hitsOf([[1, 1, 0.5, 0], [2, 1, 0.5, 1], [4, 1, 0.5, 1]]);
-  const fresh = () => trackOf([along([0, 1, 0, 1, 2]), along([2, 4, 4, 4, 4])], { hits });
+test("visits and held-up robots are the same after going back as from the start", () => {
+  const heldUp = { step: [1, 1, 2, 4], cell: Int32Array.of(1, 4, 4, 1) };
+  const fresh = () => trackOf([along([0, 1, 0, 1, 2]), along([2, 4, 4, 4, 4])], { fleet: { heldUp } });
   const used = fresh();
   for (const frame of [4, 1, 3, 0, 2]) {
     assert.deepEqual(visitsUntil(used, 0, frame), visitsUntil(fresh(), 0, frame), `${frame}`);
-    assert.deepEqual(blockedUntil(used, frame), blockedUntil(fresh(), frame), `${frame}`);
+    assert.deepEqual(heldUpUntil(used, frame), heldUpUntil(fresh(), frame), `${frame}`);
   }
   assert.deepEqual([...visitsUntil(used, 0, 3)], [[0, 2], [1, 2]]);
   assert.deepEqual([...visitsUntil(used, 1, 3)], [[2, 1], [4, 1]]);
-  assert.deepEqual([...blockedUntil(used, 4)], [[1, 1], [4, 2]]);
+  assert.deepEqual([...heldUpUntil(used, 4)], [[1, 2], [4, 2]]);
+  assert.deepEqual([...heldUpUntil(used, 1)], [[1, 1], [4, 1]]);
+  assert.deepEqual([...heldUpUntil(used, 0)], []);
 });
