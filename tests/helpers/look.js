@@ -1,7 +1,6 @@
 // Looks at a page as a reader does. It runs before the page's own scripts, and adds a function:
 // `look(wide)` returns what is wrong with what is shown now, one line a fault, and how many texts it
-// has read. On a wide screen nothing may scroll sideways, on a narrow one what is labelled may; with
-// `null` anything may.
+// has read. What is labelled may scroll sideways, but no table on a wide screen; with `null` all may.
 
 (() => {
   const MIN_SIZE = 11; // CSS pixels
@@ -95,7 +94,14 @@
 
   const probe = new OffscreenCanvas(1, 1).getContext("2d", { willReadFrequently: true });
 
+  const parsed = new Map();
+
   function parse(color) {
+    if (!parsed.has(color)) parsed.set(color, painted(color));
+    return parsed.get(color);
+  }
+
+  function painted(color) {
     probe.clearRect(0, 0, 1, 1);
     probe.fillStyle = color;
     probe.fillRect(0, 0, 1, 1);
@@ -153,11 +159,11 @@
       const style = getComputedStyle(element);
       const size = Number.parseFloat(style.fontSize);
       const isBold = style.fontWeight >= 600;
+      const behind = paperOf(element);
+      const color = over(parse(style.color), behind);
       for (const rect of range.getClientRects()) {
         if (rect.width < 1 || rect.height < 1) continue;
-        const color = over(parse(style.color), paperOf(element));
-        const box = inner(rect, size);
-        yield { words: data.trim(), element, box, size, isBold, color, behind: paperOf(element) };
+        yield { words: data.trim(), element, box: inner(rect, size), size, isBold, color, behind };
       }
     }
   }
@@ -298,7 +304,8 @@
 
   /** Return how far text is outside the boxes that cut it off; what scrolls does not. */
   function cutBy(element, box) {
-    let most = -scrollX - box.left; // nobody can scroll there
+    // Nobody can scroll there; what is there as a whole, such as a drawer, is not shown yet.
+    let most = box.right > -scrollX ? -scrollX - box.left : 0;
     const isPrinted = matchMedia("print").matches;
     if (isPrinted) most = Math.max(most, box.right - innerWidth);
     for (let each = element; each && each !== document.body; each = each.parentElement) {
@@ -332,16 +339,24 @@
   }
 
   /** Return what texts must share to be able to overlap: what floats covers what it floats over. */
-  function layerOf({ element, canvas, picture }) {
+  const layers = new Map();
+
+  function layerOf(text) {
+    if (!text.element) return text.canvas ?? text.picture ?? null;
+    if (!layers.has(text.element)) layers.set(text.element, floatingOf(text.element));
+    return layers.get(text.element);
+  }
+
+  function floatingOf(element) {
     for (let each = element; each; each = each.parentElement) {
       const { position } = getComputedStyle(each);
       if (position === "fixed" || position === "sticky" || each.matches("dialog")) return each;
       if (scrolls(getComputedStyle(each).overflowX) && each !== document.body) return each;
     }
-    return canvas ?? picture ?? null;
+    return null;
   }
 
-  /** Yield what scrolls sideways and does not say so; if the page is wide nothing may. */
+  /** Yield what scrolls sideways and does not say so; on a wide page no table may. */
   function* sideways(wide) {
     const { scrollWidth, clientWidth } = document.documentElement;
     if (scrollWidth > clientWidth + 1) yield `sideways: the page is ${scrollWidth - clientWidth} px too wide`;
@@ -351,7 +366,7 @@
       const hasName = each.ariaLabel || each.getAttribute("aria-labelledby");
       const isLabelled = each.role && hasName && each.tabIndex >= 0;
       const name = each.ariaLabel || each.outerHTML.slice(0, MAX_WORDS);
-      if (wide || !isLabelled) yield `sideways: ${name} scrolls by ${over} px`;
+      if (!isLabelled || (wide && each.querySelector("table"))) yield `sideways: ${name} scrolls by ${over} px`;
     }
   }
 
@@ -371,10 +386,11 @@
     const page = document.body ? [...textsOfPage()] : [];
     const canvases = [...textsOfCanvases()];
     const texts = [...page, ...drawn, ...canvases];
-    const layers = Map.groupBy(texts, layerOf);
+    layers.clear();
+    const groups = Map.groupBy(texts, layerOf);
     const faults = [
       ...texts.flatMap((text) => [...faultsOfText(text)]),
-      ...[...layers.values()].flatMap((layer) => [...overlaps(layer)]),
+      ...[...groups.values()].flatMap((layer) => [...overlaps(layer)]),
       ...sides,
       ...fields(),
     ];

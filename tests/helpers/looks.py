@@ -16,7 +16,8 @@ AXE = Path(sys.prefix, "node_modules", "axe-core", "axe.min.js")
 RULES = """
 async () => {
   const values = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"];
-  const options = {iframes: false, runOnly: {type: "tag", values}, resultTypes: ["violations"]};
+  const runOnly = {type: "tag", values};
+  const options = {iframes: false, preload: false, resultTypes: ["violations"], runOnly};
   const {violations} = await axe.run(document, options);
   return violations.flatMap(({id, nodes}) => nodes.map(({target, failureSummary}) =>
     `wcag: ${id}: ${target.join(" ")}: ${failureSummary.split("\\n").slice(1, 3).join(" ")}`));
@@ -77,7 +78,7 @@ class Reader:
             self._show(screen)
             for share, place in enumerate(("start", "end")):
                 self._look(f"{screen}, {place}", screen.width == DESKTOP[0], share)
-            if screen.media == "screen":
+            if screen in (SCREENS[0], SCREENS[-1]) or len(screens) == 1:
                 for where, frame in self._frames(str(screen)):
                     self._add(frame.evaluate(RULES), where)
         return self._faults

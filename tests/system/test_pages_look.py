@@ -8,7 +8,6 @@ from typing import Any
 
 import pytest
 from helpers.command_line import in_a_process
-from helpers.handbook import PAGES as HANDBOOK_PAGES
 from helpers.looks import SCREENS, SHEET, Reader, reading
 
 from warehouse_core.viz.figure import make_figure, save_svg
@@ -23,56 +22,10 @@ def reader(browser: Any) -> Iterator[Reader]:
         yield one
 
 
-PAGES = {
-    "grid": "run --seed 12",
-    "physics": "run --seed 12 --backend physics",
-    "fleet of 8": "fleet --seed 3 --max-steps 60 --people 2",
-    "fleet of 50": "fleet --seed 3 --max-steps 40 -r 50 --planner pibt",
-    "driving": "fleet --seed 3 --max-steps 25 -r 6 --planner pibt --backend driving",
-    "gap": "gap -r 4 --count 4 -n 1 -j 1",
-    "compare backends": "compare backends --seed 12 --max-steps 40",
-    "explore": "explore --seed 3 --max-steps 60",
-    "search": "search",
-    **{
-        f"demo {name}": f"demo {name}"
-        for name in ("delivery", "bump", "load", "slip", "head-on", "ring", "pibt")
-    },
-}
-"""Commands that save a page, by what it shows."""
-
-PICTURES = {
-    "run": "run --seed 12",
-    "fleet": "fleet --seed 3 --max-steps 20",
-    "compare backends": "compare backends --seed 12 --max-steps 20",
-    "explore": "explore --seed 3 --max-steps 30",
-    "search": "search",
-    "demo cbs": "demo cbs",
-    "demo lanes": "demo lanes",
-    "compare agents": "compare agents -n 3",
-    "compare planners": "compare planners -n 1 -r 32,64 --planner pibt --planner pibt-lanes "
-    "--lifelong 60 -j 1",
-}
-"""Commands that save a picture as SVG."""
-
-
 def save(folder: Path, *words: object) -> None:
     """Run a command that saves a file, in its own process: it may start others."""
     done = in_a_process("-m", "agents", *words, folder=folder)
     assert done.code == 0, done.err
-
-
-@pytest.mark.parametrize("name", PAGES)
-def test_a_page_is_legible(reader: Reader, tmp_path: Path, name: str) -> None:
-    save(tmp_path, *PAGES[name].split(), "--save", "page.html")
-    assert reader.faults_of_page(tmp_path / "page.html") == {}
-
-
-def test_a_report_is_legible(reader: Reader, tmp_path: Path) -> None:
-    sets = ["agent=greedy,astar", "battery=20:120:20", "backend=grid,physics"]
-    words = [word for each in sets for word in ("--set", each)]
-    save(tmp_path, "sweep", *words, "-n", 6, "-j", 1, "--save", "results.sqlite")
-    save(tmp_path, "report", "results.sqlite", "--save", "page.html")
-    assert reader.faults_of_page(tmp_path / "page.html", [*SCREENS, SHEET]) == {}
 
 
 def test_a_page_of_grades_is_legible(reader: Reader, tmp_path: Path) -> None:
@@ -80,17 +33,6 @@ def test_a_page_of_grades_is_legible(reader: Reader, tmp_path: Path) -> None:
     (tmp_path / "agent.py").write_text("\n    ".join(["class Agent:", *methods]))
     save(tmp_path, "grade", "agent.py", "--trust", "--save", "page.html")
     assert reader.faults_of_page(tmp_path / "page.html", [*SCREENS, SHEET]) == {}
-
-
-@pytest.mark.parametrize("name", PICTURES)
-def test_a_picture_is_legible(reader: Reader, tmp_path: Path, name: str) -> None:
-    save(tmp_path, *PICTURES[name].split(), "--save", "picture.svg")
-    assert reader.faults_of_picture(tmp_path / "picture.svg") == {}
-
-
-@pytest.mark.parametrize("name", [page.stem for page in HANDBOOK_PAGES])
-def test_the_handbook_is_legible(reader: Reader, site: Path, name: str) -> None:
-    assert reader.faults_of_page(site / f"{name}.html") == {}
 
 
 CANVAS = """
