@@ -209,7 +209,7 @@ def test_the_kinds_of_charts_are_those_that_have_something_to_show(physics: Trac
 
 
 def test_a_battery_has_a_bar_of_its_level_and_words_that_warn() -> None:
-    levels = [40.0, 10.0, 7.9, 0.0, math.nan, 45.0]
+    levels = [40.0, 8.0, 7.9, 0.0, math.nan, 45.0]
     frames = [Frame(("..",), (), float(step)) for step in range(len(levels))]
     track = Track(frames, {"battery": levels}, full_battery=40.0)
     widths = []
@@ -222,4 +222,4 @@ def test_a_battery_has_a_bar_of_its_level_and_words_that_warn() -> None:
         is_low = "!" in words.get_text()
         assert (words.get_fontweight() == "bold") == is_low
         widths.append((bar.get_width(), is_low))
-    assert widths == [(1, False), (0.25, False), (0.1975, True), (0, True), (0, False), (1, False)]
+    assert widths == [(1, False), (0.2, False), (0.1975, True), (0, True), (0, False), (1, False)]

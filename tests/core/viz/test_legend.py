@@ -67,6 +67,9 @@ def test_tiles_have_signs_by_where_they_are() -> None:
     assert signs((), rows=("...", "..#", "...")) == {"#  wall"}
     assert signs((), rows=("#..", ".#.", "...")) == {"#  wall", "#  shelf"}
     assert signs((), rows=("PDC",)) == {"P  pickup", "D  dropoff", "C  charger", "item"}
+    taken = [Frame(("P",), (), 0.0), Frame((".",), (), 1.0)]
+    assert "item" in signs_of(Track(taken, {}))
+    assert "item" not in signs_of(Track(taken[::-1], {}))
     assert signs((), rows=(".#",), slippery=((0, 1),)) == {"#  wall"}
     assert signs((), rows=(".#",), slippery=((0, 1), (0, 0))) == {"#  wall", "slippery floor"}
 
