@@ -145,6 +145,7 @@ EXPORTS = {
     """,
     "warehouse_core.viz.tracks": "Frame Pose Track track_of_frames track_of_record",
     "warehouse_core.viz.player": "player_frame player_page save_page",
+    "warehouse_core.viz.svg": "MAX_SVG_BYTES animated_svg",
     "warehouse_core.viz.axes": "box_in draw_grid style_chart",
     "warehouse_core.viz.export": "FORMATS ffmpeg has_live_terminal progress_bar",
     "warehouse_core.world": """

@@ -53,7 +53,7 @@ export class HeatMap {
     const context = canvas.getContext("2d");
     const tiles = track.tiles[track.tileAt[moment.frame]];
     for (let cell = 0; cell < tiles.length; cell++) {
-      context.fillStyle = tiles[cell] === "#" ? theme.wall : theme.floor;
+      context.fillStyle = tiles[cell] === "#" ? theme.shelf : theme.floor;
       context.fillRect(cell % track.width, Math.floor(cell / track.width), 1, 1);
     }
     context.drawImage(heatOf(track, moment.step, theme), 0, 0);

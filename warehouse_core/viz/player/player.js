@@ -82,6 +82,7 @@ export class Player {
     const columns = COLUMNS[this.tracks.length] ?? MAX_COLUMNS;
     this.find("floors").style.setProperty("--columns", columns);
     this.root.classList.toggle("many", this.tracks.length > columns);
+    this.root.classList.toggle("crowded", this.tracks.length > MAX_COLUMNS + 1);
     this.find("floors").append(...this.panels.map((panel) => panel.element));
     this.find("charts").append(...this.charts.map((chart) => chart.element));
     const fleets = this.tracks.filter((track) => track.isFleet && track.robots > 1);

@@ -11,7 +11,7 @@ from pathlib import Path
 from time import sleep
 
 import pytest
-from helpers.command_line import ROOT, Refused, Warehouse
+from helpers.command_line import ROOT, Refused, Warehouse, heed_interrupts
 from helpers.documents import executable_nodes
 from helpers.submissions import (
     GOOD,
@@ -132,6 +132,11 @@ def test_a_folder_is_graded_once_and_again_where_something_has_changed(
     result = warehouse(*words, "--jobs", 2, "--pages", "pages")
     assert result.code == 0
     assert "4 graded, 0 unchanged, 1 that cannot" in result.out
+    _, *table, none, syntax, _ = result.out.splitlines()
+    assert max(map(len, table)) <= 80
+    assert table[-4:-2] == ["  1  delivers, of 60", "  2  no way, of 20"]
+    assert none == "none: it has 0 .py files, and none is agent.py"
+    assert syntax.startswith("syntax: cannot be loaded: SyntaxError")
     rows, first = rows_of("grades.csv"), Path("grades.csv").read_bytes()
     points = {name: row["points"] for name, row in rows.items()}
     assert points == {"searches": "100", "picks": "0", "syntax": "0", "none": "0", "'=cmd.py": "0"}
@@ -187,7 +192,7 @@ def test_an_interrupted_folder_is_resumed_and_nothing_is_left_running(
         stderr=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        preexec_fn=heed_interrupts,
     ) as process:
         while not Path("grades.csv").exists() or "searches" not in rows_of("grades.csv"):
             assert process.poll() is None
