@@ -30,10 +30,7 @@ CellCounts = NDArray[np.int64]
 """``[H, W]`` numbers of what happened in each cell."""
 
 WIDTH = 9.6
-"""Width of a figure, in inches."""
-
-MAX_COLUMNS = 2
-"""Most panels side by side; three would leave no room for the counts."""
+"""Usual width of a figure, in inches; another is at least ``MIN_PANEL``."""
 
 MAX_GRID_HEIGHT, MAX_CELL = 4.6, 0.5
 LEFT, RIGHT, TOP, BOTTOM = 0.36, 0.72, 0.5, 0.34
@@ -87,11 +84,15 @@ def blocked_heat_map(episode: FleetEpisode) -> Figure:
 
 
 def heat_map(
-    rows: Sequence[str], panels: Mapping[str, CellCounts], *, with_stations: bool = False
+    rows: Sequence[str],
+    panels: Mapping[str, CellCounts],
+    *,
+    width: float = WIDTH,
+    with_stations: bool = False,
 ) -> Figure:
     """Return the heat maps of a layout, whose ``[H, W]`` counts are given by title."""
-    columns = min(len(panels), MAX_COLUMNS)
-    room = WIDTH / columns - LEFT - RIGHT
+    columns = min(len(panels), int(width // MIN_PANEL))
+    room = width / columns - LEFT - RIGHT
     cell = min(room / len(rows[0]), MAX_GRID_HEIGHT / len(rows), MAX_CELL)
     grid_width, grid_height = cell * len(rows[0]), cell * len(rows)
     panel_width = max(LEFT + grid_width + RIGHT, MIN_PANEL)
