@@ -1,8 +1,8 @@
 """The colours of every picture and page. No information is in a colour alone.
 
 The file ``palette.json`` has all of them, and the player of pages reads it too. It lists the
-colours of a light page, of a dark page and of both, the colours of lines in charts, and those of
-counts on maps, the highest last. Pictures have the colours of a light page.
+colours of a light page, of a dark page and of both, the colours of lines in charts, and the
+colours of counts on maps, lowest first. Pictures have the colours of a light page.
 
 Source of the colours of walls, floor, pickups, dropoffs and robots: the chapter's exercise.
 """
