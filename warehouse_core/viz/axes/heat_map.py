@@ -9,7 +9,6 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
@@ -22,7 +21,7 @@ from numpy.typing import NDArray
 from warehouse_core.motion.batch import NOTHING
 from warehouse_core.motion.batch import WALL as WALL_STOPS
 from warehouse_core.records.episode import FleetEpisode
-from warehouse_core.render.palette import COLORS, INK, PAPER, Color
+from warehouse_core.render.palette import COLORS, INK, PALETTE, PAPER, Color
 from warehouse_core.viz.axes.look import POINTS, box_in, draw_grid
 from warehouse_core.wording import counted
 from warehouse_core.world.tiles import DROPOFF, PICKUP, WALL, runs_of
@@ -49,10 +48,11 @@ STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1_000, 5_000, 10_000, 100_000, 1_00
 TICK_ROOM = 21.0
 """Points from one number of a row or column to the next."""
 
-HEAT = LinearSegmentedColormap.from_list(
-    "heat", mpl.colormaps["YlOrRd"](np.linspace(0.12, 1, 64)), N=32
+HEAT, DARK_HEAT = (
+    LinearSegmentedColormap.from_list("heat", PALETTE["heat"][scheme], N=32)
+    for scheme in ("light", "dark")
 )
-"""Colours of counts, all darker than the floor."""
+"""Colours of counts: all darker than the floor, and on a dark page the hottest the lightest."""
 
 MAX_LIGHT_HEAT = 0.6
 """Share of the highest count above which numbers are light."""
