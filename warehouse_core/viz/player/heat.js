@@ -51,13 +51,25 @@ export class HeatMap {
     this.key = key;
     const { canvas, track } = this;
     const context = canvas.getContext("2d");
-    const tiles = track.tiles[track.tileAt[moment.frame]];
-    for (let cell = 0; cell < tiles.length; cell++) {
-      context.fillStyle = tiles[cell] === "#" ? theme.wall : theme.floor;
-      context.fillRect(cell % track.width, Math.floor(cell / track.width), 1, 1);
-    }
+    context.drawImage(this.wallsOf(track.tileAt[moment.frame], theme), 0, 0);
     context.drawImage(heatOf(track, moment.step, theme), 0, 0);
     this.say(heldUpUntil(track, moment.step));
+  }
+
+  /** Return an image of the walls; the same until something changes: floors have 70,000 cells. */
+  wallsOf(index, theme) {
+    const key = `${index} ${theme.key}`;
+    if (key === this.wallsKey) return this.walls;
+    const { width, height } = this.canvas;
+    const tiles = this.track.tiles[index];
+    this.wallsKey = key;
+    this.walls = element("canvas", { width, height });
+    const context = this.walls.getContext("2d");
+    for (let cell = 0; cell < tiles.length; cell++) {
+      context.fillStyle = tiles[cell] === "#" ? theme.wall : theme.floor;
+      context.fillRect(cell % width, Math.floor(cell / width), 1, 1);
+    }
+    return this.walls;
   }
 
   say(counts) {
