@@ -14,6 +14,7 @@ from warehouse_core.arguments import real_number, sequence_of
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.records.episode import Episode
 from warehouse_core.records.plans import StepPlans
+from warehouse_core.render.window import is_in_notebook
 from warehouse_core.viz.tracks.grid_track import track_of_frames
 from warehouse_core.viz.tracks.record_track import FRAME_SECONDS, track_of_record
 from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
@@ -38,12 +39,14 @@ def replay_animation(
     frame_seconds: float = FRAME_SECONDS,
     plans: Sequence[StepPlans] = (),
 ) -> Replay | None:
-    """Return the animated replay of an episode.
+    """Return the animated replay of an episode; frames are also shown, as the chapter does.
 
-    ``replay_animation(episode).show()`` opens a window (as ``matplotlib.pyplot.show()`` does),
-    ``.save("replay.gif")`` writes ``.gif``, ``.mp4``, ``.html``, ``.png`` or ``.svg``, and a
-    notebook shows it as the last value of a cell. In the window space pauses and resumes, left and
-    right step one frame and pause.
+    Frames are shown in a window until it is closed, as ``matplotlib.pyplot.show()`` does; where
+    there is no display, a message says how to save the replay. The replay of a record is only
+    returned: ``replay_animation(episode).show()`` opens its window. A notebook opens none: it
+    shows the replay as the last value of a cell. In the window space pauses and resumes, left and
+    right step one frame and pause. ``.save("replay.gif")`` writes ``.gif``, ``.mp4``, ``.html``,
+    ``.png`` or ``.svg``.
 
     Args:
         frames: an ``Episode``, or frames as ``WarehouseEnv.render_grid`` returns them.
@@ -51,7 +54,8 @@ def replay_animation(
             optional, with one entry a frame; a record has its own.
         interval_ms: milliseconds between frames at speed 1.
         speed: factor on the playing speed.
-        window: true if ``show`` opens a window; ``None`` opens one if there is a display.
+        window: true if ``show`` opens a window; false if the replay has none. In both cases
+            nothing is shown yet. ``None`` gives it one if there is a display.
         beside: a record to be replayed to the right of the first.
         frame_seconds: simulated time between two frames of a continuous motion, three of which
             are shown in ``interval_ms``.
@@ -70,7 +74,10 @@ def replay_animation(
     from warehouse_core.viz.replay import replay_of_tracks
 
     tracks = [track] if beside is None else [track, track_of_record(beside, frame_seconds)]
-    return replay_of_tracks(*tracks, interval_ms=interval_ms, speed=speed, window=window)
+    replay = replay_of_tracks(*tracks, interval_ms=interval_ms, speed=speed, window=window)
+    if window is None and not isinstance(frames, Episode):
+        _show(replay)
+    return replay
 
 
 def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: float = 120) -> None:
@@ -126,6 +133,17 @@ def _track_of(
             raise TypeError("a record has its own metrics; metrics must be None")
         return track_of_record(frames, frame_seconds, plans)
     return track_of_frames(frames, metrics) if len(frames) else None
+
+
+def _show(replay: Replay) -> None:
+    """Show a replay in its window; without one say how to save it, unless a notebook shows it."""
+    if replay.window:
+        replay.show()
+    elif not is_in_notebook():
+        print(
+            "there is no display to open a window on: "
+            "replay_animation(...).save('replay.gif') writes the replay to a file"
+        )
 
 
 def _matplotlib_is_installed() -> bool:

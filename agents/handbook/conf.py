@@ -13,6 +13,7 @@ html_theme = "furo"
 html_title = project
 html_show_copyright = False
 html_show_sphinx = False
+html_static_path = html_css_files = ["site.css"]
 
 # The cells are executed each time, in a folder that is removed. An error ends the build.
 nb_execution_mode = "force"
@@ -27,7 +28,7 @@ autodoc_member_order = "bysource"
 autodoc_typehints_format = "short"
 default_role = "code"
 
-# Cells that begin with "!" have a terminal, in which Rich would draw progress bars.
+# Cells that begin with "!" have a terminal, in which Rich would write codes of colours.
 os.environ["TTY_COMPATIBLE"] = "0"
 
 # So that cells find the command "warehouse" of the environment that builds the site.

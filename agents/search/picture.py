@@ -13,6 +13,8 @@ import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
+from matplotlib.text import Text
+from matplotlib.transforms import offset_copy
 from numpy.typing import NDArray
 
 from agents.search.trace import (
@@ -68,6 +70,7 @@ class SearchPanel:
         self, figure: SceneFigure, axes: Axes, cell_points: float, course: SearchCourse
     ) -> None:
         self._axes, self._cell_points, self._course = axes, cell_points, course
+        self._figure = figure
         layout = course.layout
         is_wall = np.array([list(row) for row in layout.rows]) == WALL
         self._ground = np.where(is_wall, np.uint8(_WALL), np.uint8(_FLOOR))
@@ -89,10 +92,10 @@ class SearchPanel:
         for name, cell in zip("SG", course.ends, strict=True):
             self._draw_end(name, cell)
         artists: list[Any] = [*axes.images, *axes.collections, *axes.lines, *axes.texts]
-        name = self._draw_text(course.name, 34, fontsize=13, fontweight="bold")
+        self._write(34, fontsize=13, fontweight="bold").set_text(course.name)
         artists.sort(key=lambda artist: artist.get_zorder())
-        self._counts = self._draw_text("", 17, fontsize=11)
-        for artist in (*artists, name, self._counts):
+        self._counts = self._write(17, fontsize=11)
+        for artist in (*artists, self._counts):
             figure.add_mover(artist)
 
     def show(self, count: int) -> None:
@@ -146,11 +149,13 @@ class SearchPanel:
             ha="center", va="center_baseline", zorder=7,
         )  # fmt: skip
 
-    def _draw_text(self, text: str, above: float, **options: Any) -> Any:
-        return self._axes.annotate(
-            text, (0, 1), (0, above), xycoords="axes fraction", textcoords="offset points",
-            parse_math=False, color=INK, annotation_clip=False, **options,
-        )  # fmt: skip
+    def _write(self, above: float, **options: Any) -> Text:
+        """Add words, none so far, so many points above the axes.
+
+        They are of the figure, which does not draw what axes have so far outside of them again.
+        """
+        place = offset_copy(self._axes.transAxes, self._figure, 0, above, units="points")
+        return self._figure.text(0, 1, "", transform=place, parse_math=False, color=INK, **options)
 
 
 class _Arrangement:
@@ -200,6 +205,11 @@ class _SearchScene:
 
     def __len__(self) -> int:
         return math.ceil(self._longest / self._each) + 1
+
+    @property
+    def still(self) -> int:
+        """The frame of a picture that does not move: the last."""
+        return len(self) - 1
 
     def show(self, frame: int) -> None:
         """Show all searches after the same number of expansions."""

@@ -127,6 +127,46 @@ def test_a_window_is_made_where_there_is_a_display(
     plt.close("all")
 
 
+@pytest.mark.parametrize("display", [False, True])
+def test_frames_are_shown_at_once_and_a_record_is_only_returned(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str], display: bool
+) -> None:
+    import matplotlib.pyplot as plt
+
+    plt.switch_backend("agg")
+    monkeypatch.setattr("warehouse_core.viz.replay.has_display", lambda: display)
+    opened = []
+    monkeypatch.setattr(plt, "show", lambda: opened.append(plt.get_fignums()))
+    episode = short_episode()
+    for window in (False, True):
+        assert isinstance(replay_animation(episode.frames, window=window), FuncAnimation)
+    plt.close("all")
+    assert isinstance(replay_animation(episode), FuncAnimation)
+    plt.close("all")
+    assert (opened, capsys.readouterr().out) == ([], "")
+    replay = replay_animation(episode.frames, episode.metrics)
+    assert isinstance(replay, FuncAnimation)
+    assert opened == ([[replay.figure.number]] if display else [])
+    said = capsys.readouterr().out.splitlines()
+    assert [".save('replay.gif')" in line for line in said] == ([] if display else [True])
+    plt.close("all")
+
+
+def test_a_replay_can_be_saved_after_its_window_was_closed(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    import matplotlib.pyplot as plt
+
+    plt.switch_backend("agg")
+    monkeypatch.setattr(plt, "show", lambda: plt.close("all"))
+    monkeypatch.setattr("warehouse_core.viz.replay.has_display", lambda: True)
+    replay = replay_animation(short_episode().frames)
+    assert replay is not None
+    replay.save(tmp_path / "replay.png")
+    replay.show()
+    assert (tmp_path / "replay.png").stat().st_size > 1000
+
+
 def test_a_window_is_closed_by_q_and_opened_by_show(monkeypatch: pytest.MonkeyPatch) -> None:
     import matplotlib.pyplot as plt
 

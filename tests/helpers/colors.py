@@ -1,15 +1,23 @@
-"""Contrasts of colours, for eyes of any kind."""
+"""Contrasts and distances of colours, for eyes of any kind."""
+
+import math
 
 from warehouse_core.render.palette import Color
+
+
+def linear(color: Color) -> Color:
+    """Return the light of each part of an sRGB colour."""
+    red, green, blue = (
+        part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in color
+    )
+    return red, green, blue
 
 
 def contrast(one: Color, other: Color) -> float:
     """Return the contrast of two colours, 1 to 21, by WCAG 2."""
 
     def luminance(color: Color) -> float:
-        red, green, blue = (
-            part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4 for part in color
-        )
+        red, green, blue = linear(color)
         return 0.2126 * red + 0.7152 * green + 0.0722 * blue
 
     darker, lighter = sorted((luminance(one), luminance(other)))
@@ -42,9 +50,9 @@ Model for Simulation of Color Vision Deficiency, IEEE TVCG 15(6), 2009, severity
 
 def seen_by(eyes: str, color: Color) -> Color:
     """Return a colour as other eyes see it."""
-    linear = [c / 12.92 if c <= 0.04045 else ((c + 0.055) / 1.055) ** 2.4 for c in color]
+    parts = linear(color)
     mixed = [
-        min(1.0, max(0.0, sum(share * part for share, part in zip(row, linear, strict=True))))
+        min(1.0, max(0.0, sum(share * part for share, part in zip(row, parts, strict=True))))
         for row in EYES[eyes]
     ]
     red, green, blue = (
@@ -56,3 +64,25 @@ def seen_by(eyes: str, color: Color) -> Color:
 def seen_contrast(eyes: str, one: Color, other: Color) -> float:
     """Return the contrast of two colours as other eyes see them."""
     return contrast(seen_by(eyes, one), seen_by(eyes, other))
+
+
+XYZ = ((0.4124564, 0.3575761, 0.1804375), (0.2126729, 0.7151522, 0.0721750),
+       (0.0193339, 0.1191920, 0.9503041))  # fmt: skip
+WHITE = (0.95047, 1.0, 1.08883)
+"""Linear sRGB as CIE XYZ, and white of daylight (D65). Source: IEC 61966-2-1."""
+
+
+def lab(color: Color) -> Color:
+    """Return a colour in CIE L*a*b*."""
+    parts = linear(color)
+    x, y, z = (
+        sum(share * part for share, part in zip(row, parts, strict=True)) / white
+        for row, white in zip(XYZ, WHITE, strict=True)
+    )
+    a, b, c = (t ** (1 / 3) if t > 216 / 24389 else (24389 / 27 * t + 16) / 116 for t in (x, y, z))
+    return 116 * b - 16, 500 * (a - b), 200 * (b - c)
+
+
+def seen_distance(eyes: str, one: Color, other: Color) -> float:
+    """Return the distance of two colours as other eyes see them (CIE 1976)."""
+    return math.dist(lab(seen_by(eyes, one)), lab(seen_by(eyes, other)))

@@ -15,11 +15,14 @@ from helpers.command_line import ROOT
 HANDBOOK = ROOT / "agents" / "handbook"
 PAGES = sorted(HANDBOOK.glob("*.md"))
 BLOCK = re.compile(
-    r"^```(?:\{code-cell\} ipython3|(\w+))( rl)?\n(?::[^\n]*\n\n)?(.*?)^```$",
+    r"^(?:```(?:\{code-cell\} ipython3|(\w+))( rl)?\n(?::[^\n]*\n\n)?|<!-- (test)\n)(.*?)"
+    r"^(?:```|-->)$",
     flags=re.DOTALL | re.MULTILINE,
 )
 INSTALL = "python3 -m venv .venv && .venv/bin/pip install -e "
 CELL, COMMAND, WRITE, TORCH, TEXT = "python", "warehouse ", "%%writefile ", "rl", "text"
+TEST = "test"
+"""Language of comments with code that checks what a page says; no reader sees it."""
 
 
 class Block(NamedTuple):
@@ -32,9 +35,9 @@ class Block(NamedTuple):
 
 def blocks_of(page: Path) -> Iterator[Block]:
     """Yield the blocks of a page that are run."""
-    for language, torch, text in BLOCK.findall(page.read_text(encoding="utf-8")):
+    for language, torch, test, text in BLOCK.findall(page.read_text(encoding="utf-8")):
         if language != TEXT:
-            yield Block(language or CELL, text, torch.strip() == TORCH)
+            yield Block(language or test or CELL, text, torch.strip() == TORCH)
 
 
 def run_page(page: Path, *, torch: bool = False) -> dict[str, object]:
@@ -49,7 +52,7 @@ def run_page(page: Path, *, torch: bool = False) -> dict[str, object]:
         if text.startswith(WRITE):
             head, _, rest = text.partition("\n")
             Path(head.removeprefix(WRITE)).write_text(rest, encoding="utf-8")
-        elif language == CELL and not text.startswith("!"):
+        elif language in (CELL, TEST) and not text.startswith("!"):
             exec(compile(text, page.name, "exec"), names)
         else:
             for line in text.splitlines():

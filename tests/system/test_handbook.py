@@ -14,6 +14,7 @@ from helpers.handbook import (
     HANDBOOK,
     INSTALL,
     PAGES,
+    TEST,
     blocks_of,
     run_command,
     run_page,
@@ -88,6 +89,8 @@ def test_every_block_is_of_a_kind_that_is_run(page: Path) -> None:
 @pytest.mark.parametrize("page", PAGES, ids=[page.stem for page in PAGES])
 def test_a_page_with_cells_is_a_notebook(page: Path) -> None:
     cells = [each.source for each in jupytext.read(page).cells if each.cell_type == "code"]
+    assert not [cell for cell in cells if "assert " in cell], "readers of a notebook see it"
+    assert TEXTS[page].count("<!-- test\n") == sum(b.language == TEST for b in blocks_of(page))
     assert cells == [block.text.rstrip("\n") for block in blocks_of(page) if block.language == CELL]
 
 

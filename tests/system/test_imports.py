@@ -50,7 +50,7 @@ MAY_IMPORT = {
         "arguments errors files fleet records render viz/axes viz/export viz/player viz/tracks "
         "warehouse_env wording world"
     ),
-    "warehouse_core/warehouse_viz": "arguments files records viz viz/export viz/tracks",
+    "warehouse_core/warehouse_viz": "arguments files records render viz viz/export viz/tracks",
     "warehouse_physics/disturbances": "",
     "warehouse_physics/exclusive": "",
     "warehouse_physics/profile": "",
@@ -146,7 +146,7 @@ EXPORTS = {
     "warehouse_core.viz.tracks": "Frame Pose Track track_of_frames track_of_record",
     "warehouse_core.viz.player": "player_frame player_page save_page",
     "warehouse_core.viz.axes": "box_in draw_grid style_chart",
-    "warehouse_core.viz.export": "FORMATS ffmpeg progress_bar",
+    "warehouse_core.viz.export": "FORMATS ffmpeg has_live_terminal progress_bar",
     "warehouse_core.world": """
         DEFAULT_LAYOUT Cell Layout benchmark_warehouse load_layout load_map
         random_layout save_layout save_map shelf_layout

@@ -8,7 +8,7 @@ from helpers.player_pages import CURSOR, Files, Shown
 from matplotlib.colors import to_hex
 
 from agents.run_episode import run_episode
-from warehouse_core.render.palette import COLORS, HIT, ORDER_COLORS
+from warehouse_core.render.palette import COLORS, HIT, ORDER_COLORS, STRANDED
 from warehouse_core.viz.tracks import Frame, Pose, Track, track_of_record
 from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Marks
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, WALL
@@ -57,7 +57,7 @@ def test_tiles_and_the_robot_are_where_the_track_has_them(
     rows = track.frames[0].tiles
     inner = [(row, col) for row in range(1, len(rows) - 1) for col in range(1, len(rows[0]) - 1)]
     for tile, color in (
-        (WALL, "wall"), *((tile, to_hex(COLORS[tile])) for tile in (PICKUP, DROPOFF, CHARGER)),
+        (WALL, "shelf"), *((tile, to_hex(COLORS[tile])) for tile in (PICKUP, DROPOFF, CHARGER)),
     ):  # fmt: skip
         shares = page.shares(color, [cell(*place) for place in inner])
         found = [place for place, share in zip(inner, shares, strict=True) if share > 0.3]
@@ -176,7 +176,7 @@ def test_robots_of_a_fleet_show_their_items_age_and_an_empty_battery(
     for step, is_late in ((0, True), (2, False)):
         page.seek(step)
         assert (page.share(late, cell(2, 4)) > 0.03) == is_late
-    assert page.share("#616166", cell(2, 4)) > 0.1, "it is stranded"
+    assert page.share(to_hex(STRANDED), cell(2, 4)) > 0.1, "it is stranded"
     assert page.share(EMPTY_COLOR, cell(0, 3)) > 0.1
     assert page.share(EMPTY_COLOR, cell(0, 1)) == 0
     assert page.share(to_hex(COLORS["H"]), cell(3, 7)) > 0.1

@@ -34,6 +34,21 @@ replay.show()
 print("closed", flush=True)
 """
 
+BOOK = """
+from warehouse_core import WarehouseEnv, replay_animation
+
+env = WarehouseEnv()
+env.reset()
+frames, rewards = [env.render_grid()], [0.0]
+for _ in range(3):
+    _, reward, *_ = env.step("E")
+    frames.append(env.render_grid())
+    rewards.append(reward)
+animation = replay_animation(frames, {"rewards": rewards})
+print("closed", flush=True)
+animation.save("book.gif")
+"""
+
 
 @pytest.fixture
 def long_episode(tmp_path: Path) -> Path:
@@ -118,6 +133,18 @@ def test_q_closes_the_window_and_the_program_continues(watched: Program) -> None
     watched.press("q")
     assert watched.rest()[-1] == "closed"
     assert watched.code() == 0
+
+
+def test_a_script_of_the_book_shows_its_frames_until_q_and_can_save_them(
+    start: Callable[..., Program], tmp_path: Path
+) -> None:
+    program = start(BOOK)
+    program.focus()
+    assert not program.printed
+    program.press("q")
+    assert program.rest() == ["closed"]
+    assert program.code() == 0
+    assert [path.name for path in tmp_path.iterdir()] == ["book.gif"]
 
 
 # The commands.

@@ -1,12 +1,18 @@
-"""The colours of a replay and its legend. No information is in a colour alone.
+"""The colours of every picture and page. No information is in a colour alone.
 
-Source of the first six colours of tiles and robots: the chapter's exercise.
+The file ``palette.json`` has all of them, and the player of pages reads it too. It lists the
+colours of a light page, of a dark page and of both, and the colours of lines in charts. Pictures
+have the colours of a light page.
+
+Source of the colours of walls, floor, pickups, dropoffs and robots: the chapter's exercise.
 """
 
 from __future__ import annotations
 
+import json
 from functools import cache
-from typing import Literal
+from pathlib import Path
+from typing import Any, Literal
 
 from warehouse_core.world.tiles import (
     CHARGER,
@@ -24,53 +30,94 @@ from warehouse_core.world.tiles import (
 Color = tuple[float, float, float]
 """RGB, 0..1."""
 
+PALETTE: dict[str, Any] = json.loads(
+    Path(__file__).with_name("palette.json").read_text(encoding="utf-8")
+)
+"""Colours by name as ``#rrggbb``: ``light``, ``dark``, ``both``, and the lists of ``series``."""
+
+
+def color_named(name: str, scheme: Literal["light", "dark"] = "light") -> Color:
+    """Return a colour of the palette by its name.
+
+    Raises:
+        KeyError: the palette has no such name.
+    """
+    return rgb((PALETTE["both"] | PALETTE[scheme])[name])
+
+
+def rgb(text: str) -> Color:
+    """Return the colour that is written as ``#rrggbb``, each part with the fewest digits."""
+    red, green, blue = (_shortest(int(text[place : place + 2], 16)) for place in (1, 3, 5))
+    return red, green, blue
+
+
+def _shortest(byte: int) -> float:
+    """Return the shortest decimal that stands for a byte: 0.95 for 242, as the chapter writes."""
+    shares = (round(byte / 255, digits) for digits in (2, 3))
+    return next(share for share in shares if round(255 * share) == byte)
+
+
+def hex_color(color: Color) -> str:
+    """Return a colour as ``#rrggbb``."""
+    return "#" + "".join(f"{round(255 * part):02x}" for part in color)
+
+
+def style_rules() -> str:
+    """Return the palette as custom properties of CSS, dark where the reader prefers that."""
+    light, dark = (
+        "".join(f"--{name}:{color};" for name, color in colors.items())
+        for colors in (PALETTE["light"] | PALETTE["both"], PALETTE["dark"])
+    )
+    return f":root{{{light}}}@media (prefers-color-scheme:dark){{:root{{{dark}}}}}"
+
+
 COLORS: dict[str, Color] = {
-    WALL: (0.1, 0.1, 0.1),
-    EMPTY: (0.95, 0.95, 0.95),
-    PICKUP: (0.2, 0.6, 1.0),
-    DROPOFF: (0.2, 0.8, 0.3),
-    ROBOT_EMPTY: (0.9, 0.2, 0.2),
-    ROBOT_LOADED: (0.95, 0.6, 0.2),
-    CHARGER: (0.65, 0.4, 0.95),
-    OTHER_EMPTY: (0.42, 0.15, 0.4),
-    OTHER_LOADED: (0.6, 0.55, 0.15),
-    PERSON: (0.15, 0.35, 0.5),
+    WALL: color_named("wall"),
+    EMPTY: color_named("floor"),
+    PICKUP: color_named("pickup"),
+    DROPOFF: color_named("dropoff"),
+    ROBOT_EMPTY: color_named("robot"),
+    ROBOT_LOADED: color_named("loaded"),
+    CHARGER: color_named("charger"),
+    OTHER_EMPTY: color_named("other"),
+    OTHER_LOADED: color_named("other-loaded"),
+    PERSON: color_named("person"),
 }
 """A charger has a contrast of at least 3 to the floor, to walls and to ink."""
 
-PAPER: Color = (1.0, 1.0, 1.0)
-INK: Color = (0.12, 0.12, 0.15)
-FAINT: Color = (0.82, 0.82, 0.84)
-BATTERY: Color = (0.35, 0.45, 0.6)
-WARNING: Color = COLORS[ROBOT_EMPTY]
-PALE_WARNING: Color = (1.0, 0.85, 0.85)
-HIT: Color = (1.0, 0.85, 0.1)
+PAPER: Color = color_named("paper")
+INK: Color = color_named("ink")
+FAINT: Color = color_named("rule")
+BATTERY: Color = color_named("battery")
+WARNING: Color = color_named("warning")
+PALE_WARNING: Color = color_named("pale-warning")
+HIT: Color = color_named("hit")
 
-STRANDED: Color = (0.38, 0.38, 0.4)
+STRANDED: Color = color_named("stranded")
 """Colour of a robot of a fleet whose battery is empty."""
 
+ITEM: Color = color_named("item")
+"""Colour of an item, a box with an edge of ink, which separates it from every ground."""
+
 ORDER_COLORS: tuple[Color, ...] = (
-    (1.0, 0.96, 0.75), (1.0, 0.76, 0.25), (0.9, 0.47, 0.08), (0.52, 0.0, 0.14),
+    ITEM, *(color_named(f"order-{age}") for age in ("older", "nearly-due", "late")),
 )  # fmt: skip
 """Colours of an order by its age: in the three thirds of its time, and late."""
 
-UNKNOWN: Color = (0.62, 0.62, 0.66)
-"""Colour of a cell that a robot does not see; the palette of files has a close enough match."""
+UNKNOWN: Color = color_named("unseen")
+"""Colour of a cell that a robot has not seen; the palette of files has a close enough match."""
 
-UNKNOWN_STRIPE: Color = (0.72, 0.72, 0.75)
-"""Colour of the stripes in a cell that a robot does not see."""
+UNKNOWN_STRIPE: Color = color_named("stripe")
+"""Colour of the stripe in a cell that a robot has not seen."""
 
-ITEM: Color = (1.0, 0.92, 0.7)
-"""Colour of an item, a box with an edge of ink, which separates it from every ground."""
+SHELF, BOARD = color_named("shelf"), color_named("board")
+"""Colours of walls inside the border, and of the boards on them."""
 
-SHELF: Color = (0.46, 0.46, 0.48)
-"""Colour of walls inside the border, between boards of the colour of walls."""
-
-SEEN: Color = (1.0, 0.975, 0.82)
-"""Colour of the floor that a robot sees."""
-
-ICE, ICE_WAVE = (0.8, 0.92, 1.0), (0.1, 0.45, 0.7)
+ICE, ICE_WAVE = color_named("ice"), color_named("wave")
 """Colours of slippery floor and of the waves on it."""
+
+SERIES: tuple[str, ...] = tuple(PALETTE["series"]["light"])
+"""Colours of lines in charts, ``#rrggbb``."""
 
 LineStyle = Literal["-"] | tuple[float, tuple[float, ...]]
 
@@ -84,6 +131,14 @@ def blend(color: Color, other: Color, share: float) -> Color:
     return mixed[0], mixed[1], mixed[2]
 
 
+SHADOW = int(PALETTE["light"]["shadow"][7:], 16) / 255
+"""Share of ink in the colours of what a robot does not see."""
+
+_SHADED = tuple(
+    blend(color, INK, SHADOW)
+    for color in (*(COLORS[tile] for tile in (EMPTY, WALL, PICKUP, DROPOFF, CHARGER)), SHELF, BOARD)
+)
+
 TRAIL_COLORS = {
     False: blend(COLORS[ROBOT_EMPTY], COLORS[EMPTY], 0.25),
     True: blend(COLORS[ROBOT_LOADED], COLORS[EMPTY], 0.25),
@@ -93,7 +148,7 @@ FADES = 5
 """Shades of a trail by its age."""
 
 VISITED: tuple[Color, ...] = tuple(
-    blend(COLORS[EMPTY], COLORS[ROBOT_EMPTY], share) for share in (0.12, 0.22, 0.34)
+    blend(COLORS[EMPTY], color_named("visited"), share) for share in (0.12, 0.3, 0.5)
 )
 """Colours of floor that a robot has been to twice, three or four times, and more often."""
 
@@ -104,7 +159,7 @@ def faded_trail(loaded: bool, age: float) -> Color:
 
 
 _TINTS = (
-    ITEM, SHELF, SEEN, ICE, ICE_WAVE, *VISITED,
+    ITEM, SHELF, BOARD, *_SHADED, ICE, ICE_WAVE, *VISITED,
     *(faded_trail(loaded, age / FADES) for loaded in (False, True) for age in range(1, FADES)),
 )  # fmt: skip
 """Colours without smooth edges of their own in files."""

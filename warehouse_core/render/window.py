@@ -44,6 +44,13 @@ def has_display() -> bool:
     return toolkit is not None
 
 
+def is_in_notebook() -> bool:
+    """Return whether the program runs as cells of a notebook, which show the value of a cell."""
+    ipython: Any = sys.modules.get("IPython")
+    shell = ipython and ipython.get_ipython()
+    return getattr(shell, "kernel", None) is not None
+
+
 class PictureWindow:  # pragma: no cover - opened by tests/system/test_picture_window.py
     """A window for pictures. Once closed, by the program or by hand, it stays closed.
 

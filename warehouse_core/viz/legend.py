@@ -7,11 +7,13 @@ from itertools import pairwise
 from typing import Any
 
 from matplotlib.artist import Artist
+from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.palette import (
+    BOARD,
     COLORS,
     HIT,
     ICE,
@@ -20,7 +22,7 @@ from warehouse_core.render.palette import (
     ITEM,
     ORDER_COLORS,
     PAPER,
-    SEEN,
+    SHADOW,
     SHELF,
     STRANDED,
     TRAIL_COLORS,
@@ -47,15 +49,18 @@ Signs = dict[str, Artist]
 EDGE: dict[str, Any] = {"linestyle": "none", "markeredgecolor": INK, "markeredgewidth": 0.6}
 
 
-def draw_legend(figure: SceneFigure, tracks: Sequence[Track], columns: int = 0) -> None:
-    """Draw the legend of what tracks show, in columns along the bottom or one on the right side."""
+def draw_legend(figure: SceneFigure, tracks: Sequence[Track], columns: int = 0) -> Legend:
+    """Draw the legend of what tracks show, in columns along the bottom or one on the right side.
+
+    Return the legend.
+    """
     signs: Signs = {}
     for track in tracks:
         signs |= signs_of(track)
     place: dict[str, Any] = {"loc": "center right", "ncols": 1, "labelspacing": 0.7}
     if columns:
         place = {"loc": "lower center", "ncols": columns}
-    figure.legend(
+    return figure.legend(
         [*signs.values()], [*signs], fontsize=8, frameon=False, handlelength=2.0,
         columnspacing=1.4, handletextpad=0.5, **place,
     )  # fmt: skip
@@ -91,13 +96,13 @@ def _tile_signs(track: Track) -> Signs:
             for cell in cells_of(tile, rows)
         }
         if tile == WALL and False in on_border:
-            signs[f"{tile}  shelf"] = _patch(SHELF, edgecolor=COLORS[WALL], hatch="---")
+            signs[f"{tile}  shelf"] = _patch(SHELF, edgecolor=BOARD, hatch="--", lw=0)
         if on_border and (tile != WALL or True in on_border):
             signs[f"{tile}  {TILES[tile]}"] = _marker("s", COLORS[tile])
     if any(is_open(rows, cell) for rows in all_rows for cell in track.slippery):
         signs["slippery floor"] = _patch(ICE, edgecolor=ICE_WAVE, hatch="\\\\\\", lw=0)
     if any(frame.route for frame in track.frames):
-        signs["not seen yet"] = _patch(UNKNOWN, edgecolor=UNKNOWN_STRIPE, hatch="//////")
+        signs["not seen yet"] = _patch(UNKNOWN, edgecolor=UNKNOWN_STRIPE, hatch="///", lw=0)
         signs["plan"] = Line2D([], [], color=INK, linestyle=ROUTE_STYLE, lw=2.2)
     return signs
 
@@ -113,7 +118,7 @@ def _lone_signs(track: Track) -> Signs:
     if is_loaded or any(PICKUP in line for line in frames[0].tiles):
         signs["item"] = _marker("s", ITEM, 8)
     if track.view_radius is not None and len(histories) == 1:
-        signs["what the robot sees"] = _patch(SEEN, edgecolor=INK, lw=0.4)
+        signs["what the robot does not see"] = _patch(INK, alpha=SHADOW, lw=0)
     if any(max(history.visits(track.steps).values(), default=0) > 1 for history in histories):
         signs["visited often"] = _patch(VISITED[-1], lw=0)
     moves = {

@@ -8,6 +8,7 @@ from typing import Any, Protocol
 
 from matplotlib.animation import FuncAnimation, adjusted_figsize
 from matplotlib.backend_bases import Event, KeyEvent
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 
 from warehouse_core.arguments import flag, real_number
 from warehouse_core.errors import NoDisplayError
@@ -36,6 +37,10 @@ class Playable(Protocol):
     def __len__(self) -> int:
         """Return the number of frames."""
 
+    @property
+    def still(self) -> int:
+        """The frame of a picture that does not move."""
+
     def show(self, frame: int) -> None:
         """Move everything that moves to its place in a frame."""
 
@@ -48,6 +53,9 @@ class Replay(FuncAnimation):
 
     A page plays the tracks, at ``speed`` times its own speed. ``gif_every`` counts the frames from
     one frame of a GIF to the next.
+
+    Attributes:
+        window: true if the replay has a window, which ``show`` opens, or had one that was closed.
     """
 
     def __init__(
@@ -61,6 +69,7 @@ class Replay(FuncAnimation):
     ) -> None:
         self._scene, self._tracks, self._speed, self._gif_every = scene, tracks, speed, gif_every
         self.figure = scene.root
+        self.window = self.figure.canvas.manager is not None
         self.frame, self.playing, self.frame_ms = 0, True, frame_ms
         # Matplotlib asks for an integer but takes any number; slow replays need a fraction.
         self.fps: Any = 1000 / frame_ms
@@ -75,16 +84,11 @@ class Replay(FuncAnimation):
         # The figure keeps its replay alive, so callers need not keep a reference.
         self.figure.replay = self
 
-    @property
-    def window(self) -> bool:
-        """Whether the replay has a window, which ``show`` opens."""
-        return self.figure.canvas.manager is not None
-
     def __del__(self) -> None:
         """Do nothing: matplotlib would warn about a replay that was never drawn."""
 
     def show(self) -> None:
-        """Open the window and wait until it is closed.
+        """Open the window and wait until it is closed; a window that was closed stays closed.
 
         Raises:
             NoDisplayError: the replay has no window.
@@ -113,14 +117,14 @@ class Replay(FuncAnimation):
         self._scene.show(self.frame)
         self.figure.canvas.draw_idle()
 
-    def show_end(self) -> None:
-        """Draw the last frame; the current frame stays the same."""
-        self._scene.show(len(self._scene) - 1)
+    def show_still(self) -> None:
+        """Draw the frame of a picture that does not move; the current frame stays the same."""
+        self._scene.show(self._scene.still)
 
     def save(  # type: ignore[override]
         self, filename: str | Path, writer: Any = None, **options: Any
     ) -> None:
-        """Save to ``.gif``, ``.mp4`` or ``.html``, or the last frame to ``.png`` or ``.svg``.
+        """Save to ``.gif``, ``.mp4`` or ``.html``, or one frame to ``.png`` or ``.svg``.
 
         With a ``writer`` it is matplotlib's own ``Animation.save``.
 
@@ -128,6 +132,7 @@ class Replay(FuncAnimation):
             ValueError: another suffix, or an MP4 without imageio-ffmpeg installed.
             OSError: the file cannot be written.
         """
+        self._leave_closed_window()
         if writer is not None:
             with progress_bar(len(self._scene), "Drawing") as report:
                 options.setdefault("progress_callback", report)
@@ -141,6 +146,14 @@ class Replay(FuncAnimation):
         finally:
             self.refresh()
 
+    def _leave_closed_window(self) -> None:
+        """Give the figure of a closed window a canvas; its own draws no more."""
+        if self.window:
+            import matplotlib.pyplot as plt
+
+            if self.figure.number not in plt.get_fignums():
+                FigureCanvasAgg(self.figure)
+
     def _write(self, path: Path, suffix: str) -> None:
         if suffix == ".gif":
             self._write_gif(path)
@@ -149,7 +162,7 @@ class Replay(FuncAnimation):
         elif suffix == ".html":
             save_page(path, self._tracks, speed=self._speed)
         else:
-            self.show_end()
+            self.show_still()
             if suffix == ".svg":
                 save_svg(self.figure, path)
             else:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_right
 from collections.abc import Callable, Sequence
+from functools import partial
 from typing import Any
 
 from matplotlib.axes import Axes
@@ -14,7 +15,7 @@ from warehouse_core.render.palette import INK
 from warehouse_core.viz.axes.look import POINTS, box_in
 from warehouse_core.viz.charts import BatteryBar, Chart, TimeAxis, share_scales
 from warehouse_core.viz.figure import SceneFigure
-from warehouse_core.viz.legend import draw_legend
+from warehouse_core.viz.legend import draw_legend, signs_of
 from warehouse_core.viz.sheet import BOLD, WIDTH, Box, Sheet, TrackPlace, sheet_of
 from warehouse_core.viz.tracks.track import Track
 from warehouse_core.viz.view import View
@@ -102,22 +103,35 @@ class Scene:
         if len(tracks) > 1:
             share_scales([chart for panel in self._panels for chart in panel.charts])
             self._clock = page.write(WIDTH / 2, 0.28, fontsize=18, ha="center", **BOLD)
-        if legend:
-            draw_legend(self.root, tracks, columns=sheet.legend_columns)
+        self._draw_legend = partial(draw_legend, self.root, columns=sheet.legend_columns)
+        self._legend = self._draw_legend(tracks) if legend else None
         self.show(0)
 
     def __len__(self) -> int:
         return len(self._timeline.moments)
 
+    @property
+    def still(self) -> int:
+        """The moment of a picture that does not move: of several tracks the end."""
+        return self._panels[0].track.still if len(self._panels) == 1 else len(self) - 1
+
     def show(self, number: int, grown: Track | None = None) -> None:
         """Move everything that moves to its place at a moment, of a track that may have grown."""
-        if grown is not None:
+        if grown is not None and grown is not self._panels[0].track:
             self._timeline = Timeline([grown])
             self._panels[0].track = grown
+            self._explain(grown)
         for panel, frame in zip(self._panels, self._timeline.frames_at(number), strict=True):
             panel.show(frame)
         if self._clock is not None:
             self._clock.set_text(self._timeline.words(number))
+
+    def _explain(self, track: Track) -> None:
+        """Draw the legend again, if there is one and a track has other signs than it explains."""
+        legend = self._legend
+        if legend and [*signs_of(track)] != [text.get_text() for text in legend.get_texts()]:
+            legend.remove()
+            self._legend = self._draw_legend([track])
 
 
 class SheetFigure:

@@ -29,7 +29,7 @@ from warehouse_core.render.palette import (
     ITEM,
     ORDER_COLORS,
     PAPER,
-    SEEN,
+    SHADOW,
     STRANDED,
     TRAIL_COLORS,
     TRAIL_STYLES,
@@ -41,7 +41,7 @@ from warehouse_core.render.palette import (
 from warehouse_core.viz.axes import draw_grid
 from warehouse_core.viz.axes.glyphs import letter_path
 from warehouse_core.viz.axes.plans import PlanView
-from warehouse_core.viz.axes.tiles import cells_of, draw_tiles
+from warehouse_core.viz.axes.tiles import BAND, TileBounds, cells_of, draw_tiles
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.tracks.history import History
 from warehouse_core.viz.tracks.track import (
@@ -204,6 +204,9 @@ class RobotView:
     ) -> None:
         self._robot, self._slippery = robot, {*track.slippery}
         self._view_radius = track.view_radius if len(track.frames[0].robots) == 1 else None
+        rows = track.frames[0].tiles
+        outer = 1 - BAND if track.outer else 0.0
+        self._shown = outer, outer, len(rows[0]) - outer, len(rows) - outer
         self._history = History(robot)
         self._radius = radius = max(ROBOT_RADIUS, MIN_ROBOT_POINTS / cell_points)
         self._half_item = max(ITEM_SHARE * ROBOT_RADIUS, MIN_ITEM_POINTS / cell_points)
@@ -211,6 +214,9 @@ class RobotView:
         thin, wide = max(0.6, cell_points / 20), max(1.0, cell_points / 11)
         above: dict[str, Any] = {"zorder": ABOVE_TILES}
         self._floor = PolyCollection([], linewidths=0, zorder=0.6)
+        self._shadow = PolyCollection(
+            [], facecolors=[INK], alpha=SHADOW, linewidths=0, antialiased=False, zorder=2.5
+        )
         self._trails = {
             loaded: LineCollection([], linestyles=[style], linewidths=wide, zorder=2.0)
             for loaded, style in TRAIL_STYLES.items()
@@ -231,8 +237,8 @@ class RobotView:
                        False: letter_path(ROBOT_EMPTY, size)}  # fmt: skip
         self._letter = PathPatch(self._paths[False], linewidth=0, **above)
         figure.add_movers(
-            axes, self._floor, *self._trails.values(), self._leg, self._nose, self._disc,
-            self._items, self._letter,
+            axes, self._floor, self._shadow, *self._trails.values(), self._leg, self._nose,
+            self._disc, self._items, self._letter,
         )  # fmt: skip
 
     def show(self, frames: Sequence[Frame], number: int) -> None:
@@ -262,14 +268,11 @@ class RobotView:
             self._nose.set_xy(nose_of(pose, self._radius))
 
     def _show_floor(self, rows: TileRows, step: int) -> None:
-        """Tint the floor that the robot sees, and where it came more than once."""
-        colors: dict[Cell, Any] = {}
+        """Shade what the robot does not see, and tint where it came more than once."""
         here = self._history.cells[step]
         if here is not None and self._view_radius is not None:
-            (row, col), radius = here, self._view_radius
-            for line in range(max(0, row - radius), min(len(rows), row + radius + 1)):
-                for place in range(max(0, col - radius), min(len(rows[0]), col + radius + 1)):
-                    colors[line, place] = SEEN
+            self._shadow.set_verts(boxes_around(here, self._view_radius, self._shown))
+        colors: dict[Cell, Any] = {}
         for cell, visits in self._history.visits(step).items():
             if visits > 1:
                 colors[cell] = VISITED[min(visits // 2, len(VISITED)) - 1]
@@ -319,6 +322,24 @@ class RobotView:
         if pose is not None and pose.loaded:
             boxes.append(ITEM_SHARE * self._radius * SQUARE + np.array(pose.at))
         self._items.set_verts(boxes)
+
+
+def boxes_around(cell: Cell, radius: int, shown: TileBounds) -> list[NDArray[np.float64]]:
+    """Return the four boxes that are shown around the square window of a view.
+
+    Args:
+        cell: cell in the middle of the window.
+        radius: cells from there to its edge.
+        shown: left, top, right and bottom of what is shown.
+    """
+    (row, col), (left, top, right, bottom) = cell, shown
+    first, last = max(col - radius, left), min(col + radius + 1, right)
+    upper, lower = max(row - radius, top), min(row + radius + 1, bottom)
+    boxes = (
+        (left, top, right, upper), (left, lower, right, bottom),
+        (left, upper, first, lower), (last, upper, right, lower),
+    )  # fmt: skip
+    return [np.array([(x, y), (end, y), (end, low), (x, low)]) for x, y, end, low in boxes]
 
 
 class FleetView:

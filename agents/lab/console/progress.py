@@ -1,4 +1,4 @@
-"""The progress bar of long commands, on standard error and only if that is a terminal."""
+"""The progress bar of long commands, on standard error and only if that is a live terminal."""
 
 from __future__ import annotations
 
@@ -19,6 +19,7 @@ from rich.progress import (
 )
 from rich.text import Text
 
+from warehouse_core.viz.export import has_live_terminal
 from warehouse_core.wording import printable
 
 Item = TypeVar("Item")
@@ -58,7 +59,8 @@ def progress_bar(total: int, label: str = "") -> Iterator[Callable[..., None]]:
         TextColumn("{task.fields[news]}"),
     )
     console = Console(stderr=True)
-    if not console.is_terminal:  # before 14.3 Rich writes a line end even for a disabled bar
+    # Before 14.3 Rich writes a line end even for a disabled bar.
+    if not (has_live_terminal() and console.is_terminal):
         yield _show_nothing
         return
     with Progress(*columns, console=console, transient=True) as bar:

@@ -20,6 +20,7 @@ from agents.lab.reports.analysis.answers import Answer
 from agents.lab.reports.examples import Example
 from agents.lab.reports.figures.pictures import Picture
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.render.palette import style_rules
 from warehouse_core.viz.player import player_frame
 from warehouse_core.viz.player.page import digest, script
 from warehouse_core.wording import printable
@@ -83,7 +84,8 @@ def write_template(
         "data_uri": _data_uri, "flags": flags_of, "numeric": _numeric, "player": _player,
     }  # fmt: skip
     scripts = digest(script()) if has_players else ""
-    text = environment.get_template(template).render(title=title, scripts=scripts, **values)
+    environment.globals |= {"palette": Markup(style_rules()), "scripts": scripts, "title": title}
+    text = environment.get_template(template).render(values)
     with atomic_path(path) as part:
         part.write_text(text, encoding="utf-8")
 

@@ -12,7 +12,7 @@ from numpy.typing import NDArray
 from agents.search.agents import ExploringAgent
 from agents.search.belief_replay import Insight, belief_tracks, believed_tiles, record_beliefs
 from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, Layout, WarehouseEnv, record_episode
-from warehouse_core.render.palette import INK, UNKNOWN
+from warehouse_core.render.palette import INK, SHADOW, UNKNOWN, blend
 from warehouse_core.viz.replay import Replay, replay_of_tracks
 from warehouse_core.viz.tracks.record_track import track_of_record
 
@@ -33,8 +33,8 @@ def replay(**options: Any) -> Replay:
 
 
 def unknown_share(image: NDArray[np.int64]) -> tuple[float, float]:
-    """Return the share of pixels near ``UNKNOWN`` in the left half and in the right third."""
-    near = np.all(np.abs(image - 255 * np.array(UNKNOWN)) < 10, axis=-1)
+    """Return the share of unknown pixels, shaded as not seen, in the left half and right third."""
+    near = np.all(np.abs(image - 255 * np.array(blend(UNKNOWN, INK, SHADOW))) < 10, axis=-1)
     width = image.shape[1]
     return float(near[:, : width // 2].mean()), float(near[:, 2 * width // 3 :].mean())
 
@@ -164,7 +164,7 @@ def test_unknown_cells_are_grey_in_the_belief_only_and_become_fewer() -> None:
     shown = replay()
     shown.go_to(0)
     before = unknown_share(np.asarray(shown.figure.pixels()).astype(np.int64))
-    shown.show_end()
+    shown.show_still()
     after = unknown_share(np.asarray(shown.figure.pixels()).astype(np.int64))
     assert before[1] < 0.01
     assert before[0] > 0.15
@@ -199,7 +199,7 @@ def test_the_plan_its_sentence_and_the_legend_are_drawn() -> None:
         if line.axes is not None and line.is_dashed() and line.get_color() == INK
     ]
     assert dots.get_xydata()[-1].tolist() == [1.5, 3.5]
-    shown.show_end()
+    shown.show_still()
     assert len(dots.get_xydata()) == 0
     said = [text.get_text() for text in shown.figure.findobj(Text)]
     assert said.count("not seen yet") == said.count("plan") == 1

@@ -1,5 +1,6 @@
 """Courses of searches, their tracks, and the panels and frames of their pictures."""
 
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -8,6 +9,7 @@ from helpers.pictures import HOSTILE_NAMES, is_color, patch, pixels, texts
 from helpers.player import page_in, said_by
 from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
+from PIL import Image
 
 from agents.search.algorithms import Solution, weighted_astar_search
 from agents.search.heuristics import manhattan
@@ -28,6 +30,7 @@ from agents.search.trace import (
 )
 from warehouse_core import DEFAULT_LAYOUT, Layout
 from warehouse_core.render.palette import COLORS
+from warehouse_core.viz.figure import DPI
 from warehouse_core.viz.replay import Replay
 from warehouse_core.wording import printable
 from warehouse_core.world.generators import random_layout
@@ -178,7 +181,7 @@ def test_every_panel_counts_its_own_search_and_keeps_its_last_count() -> None:
     assert "cost" not in first
     assert second.startswith(f"expanded {greedy.expanded} ")
     assert second.endswith(f"cost {greedy.cost:g}")
-    shown.show_end()
+    shown.show_still()
     assert counts(shown)[0].startswith(f"expanded {blind.expanded} ")
     assert counts(shown)[0].endswith(f"cost {blind.cost:g}")
     assert counts(shown)[1] == second
@@ -222,7 +225,7 @@ def test_at_the_end_the_path_is_drawn_and_the_last_cell_has_another_shade() -> N
 
 def test_searches_without_a_path_and_without_a_step_say_so() -> None:
     shown = replay(1, layout=SPLIT, start=(1, 1), goal=(1, 5))
-    shown.show_end()
+    shown.show_still()
     assert counts(shown) == ["expanded 4   frontier 0   no path"]
     shown = replay(0, INF, goal=START)
     assert [*shown.new_saved_frame_seq()] == [0]
@@ -302,3 +305,21 @@ def test_names_are_shown_literally() -> None:
         page = page_in(shown._repr_html_())
         assert "<script>alert" not in page
         assert [track["title"] for track in said_by(page)["tracks"]] == [printable(name)]
+
+
+def test_each_panel_has_its_name_and_its_counts_in_files(tmp_path: Path) -> None:
+    shown = replay(0, 1, 5, INF)
+    shown.save(tmp_path / "search.png")
+    shown.save(tmp_path / "search.gif")
+    with Image.open(tmp_path / "search.png") as png, Image.open(tmp_path / "search.gif") as gif:
+        gif.seek(gif.n_frames - 1)  # type: ignore[attr-defined]
+        pictures = [np.asarray(each.convert("L")) for each in (png, gif)]
+    panels = [axes.get_window_extent().extents for axes in shown.figure.axes]
+    assert len(panels) == 4
+    for picture in pictures:
+        for left, _, right, top in panels:
+            above = len(picture) - round(top)
+            for points in (34, 17):  # of the name and of the counts, above the axes
+                line = above - round(points * DPI / 72)
+                words = picture[line - 10 : line, round(left) : round(right)]
+                assert (words < 90).sum() > 50

@@ -1,6 +1,8 @@
+from itertools import combinations
+
 import numpy as np
 import pytest
-from helpers.colors import EYES, contrast, seen_by, seen_contrast
+from helpers.colors import EYES, contrast, seen_by, seen_contrast, seen_distance
 from PIL import Image
 
 from warehouse_core.render import palette
@@ -22,7 +24,7 @@ def test_the_six_colours_are_the_chapters() -> None:
 
 GROUNDS = {
     **{sign: COLORS[sign] for sign in ".PDC"},
-    "seen floor": palette.SEEN,
+    "floor that is not seen": blend(COLORS["."], palette.INK, palette.SHADOW),
     "slippery floor": palette.ICE,
     **{f"visited {n}": color for n, color in enumerate(palette.VISITED)},
 }
@@ -44,9 +46,40 @@ def test_walls_and_shelves_are_told_from_floor_and_from_each_other_by_every_eye(
         if name not in "PDC":
             assert seen_contrast(eyes, COLORS["#"], ground) >= 3, name
     assert seen_contrast(eyes, palette.SHELF, COLORS["."]) >= 3
-    assert seen_contrast(eyes, palette.SHELF, palette.SEEN) >= 3
-    assert seen_contrast(eyes, palette.SHELF, COLORS["#"]) >= 3
     assert seen_contrast(eyes, palette.ICE_WAVE, palette.ICE) >= 3
+
+
+FLOOR = ["floor", "shelf", "wall", "unseen", "pickup", "dropoff", "charger", "robot", "loaded",
+         "person", "ice"]  # fmt: skip
+SIDE_BY_SIDE = {
+    "floor": FLOOR,
+    "window": [*(name for name in FLOOR if name != "ice"), "other", "other-loaded"],
+    "fleet": [*(name for name in FLOOR if name not in ("unseen", "ice")), "stranded", "item",
+              "order-older", "order-nearly-due", "order-late"],
+    "ends of episodes": ["delivered", "unreachable", "stalled", "ineffective", "oscillation",
+                         "wandering", "out-of-battery", "out-of-time", "unfinished"],
+}  # fmt: skip
+CHAPTERS = {"dropoff", "robot", "loaded"}
+"""Colours that the chapter fixes: for green-blind eyes the first is 14.8 from the second, for
+red-blind ones 9.0 from the third. One is a square with a D, the others are discs with an outline.
+"""
+
+
+@pytest.mark.parametrize("scheme", ["light", "dark"])
+@pytest.mark.parametrize("place", [*SIDE_BY_SIDE, "series"])
+def test_colours_that_stand_side_by_side_differ_for_every_eye(place: str, scheme: str) -> None:
+    known = palette.PALETTE["both"] | palette.PALETTE[scheme]
+    if place == "series":
+        known = {str(n): color for n, color in enumerate(palette.PALETTE["series"][scheme])}
+    names = SIDE_BY_SIDE.get(place, [*known])
+    colors = {name: palette.rgb(known[name]) for name in names}
+    near = {
+        (eyes, one, other): round(seen_distance(eyes, colors[one], colors[other]), 1)
+        for eyes in EYES
+        for one, other in combinations(colors, 2)
+        if not {one, other} <= CHAPTERS and seen_distance(eyes, colors[one], colors[other]) < 15
+    }
+    assert not near
 
 
 def test_other_eyes_see_grey_as_grey() -> None:

@@ -24,6 +24,7 @@ from helpers.pictures import (
     texts,
 )
 from helpers.player import said_by
+from helpers.terminal import Terminal
 from matplotlib.colors import to_hex
 from PIL import Image, ImageSequence
 
@@ -390,10 +391,6 @@ def test_there_is_no_bar_without_a_terminal(capsys: pytest.CaptureFixture[str]) 
 
 
 def test_a_long_export_on_a_terminal_shows_a_bar(monkeypatch: pytest.MonkeyPatch) -> None:
-    class Terminal(io.StringIO):
-        def isatty(self) -> bool:
-            return True
-
     outputs = {}
     for frames in (export.MIN_BAR_FRAMES - 1, export.MIN_BAR_FRAMES):
         terminal = Terminal()
@@ -405,6 +402,11 @@ def test_a_long_export_on_a_terminal_shows_a_bar(monkeypatch: pytest.MonkeyPatch
     short, long = outputs.values()
     assert "Drawing" not in short
     assert "Drawing" in long
+    monkeypatch.setenv("JPY_PARENT_PID", "1")
+    monkeypatch.setattr(sys, "stderr", notebook := Terminal())
+    with progress_bar(export.MIN_BAR_FRAMES, "Drawing") as report:
+        report(0, None)
+    assert notebook.getvalue() == "", "a notebook keeps each line of a bar"
 
 
 def test_in_an_svg_the_robot_stands_on_its_tile(tmp_path: Path) -> None:

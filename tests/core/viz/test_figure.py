@@ -139,7 +139,7 @@ def test_listeners_are_called_once_after_each_drawing(replay: Replay) -> None:
 def test_a_listener_that_moves_something_does_not_change_the_present_drawing() -> None:
     # A replay is such a listener: its first drawing starts it and shows its current frame.
     replay = film()
-    replay.show_end()
+    replay.show_still()
     assert np.array_equal(pixels(replay), drawn_in_new_figure(LAST))
 
 

@@ -210,13 +210,13 @@ def test_fleets_are_shown_beside_each_other(episode: FleetEpisode) -> None:
     assert titles.count("orders delivered (thin line: released)") == 2
     ends = [text[-6:] for text in texts(replay) if "backend" in text]
     assert ends == ["seed 5", "seed 6"]
-    replay.show_end()
+    replay.show_still()
     assert any("5 delivered, 80 steps, 80.0 s, " in text for text in texts(replay))
 
 
 def test_bodies_of_a_fleet_have_a_clock_and_no_speed() -> None:
     replay = replay_of(fleet_episode(backend="physics", max_steps=4))
-    replay.show_end()
+    replay.show_still()
     assert any(" s" in text for text in texts(replay) if text.startswith("step 4 of 4"))
     assert not [axes for axes in replay.figure.axes if "speed" in axes.get_title(loc="left")]
 

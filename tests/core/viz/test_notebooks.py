@@ -23,8 +23,11 @@ CELLS = (
     "env = WarehouseEnv()\n"
     "env",
     "episode = record_episode(env, GreedyAgent(seed=12), seed=12)\nepisode",
-    "replay_animation(episode, window=False)",
+    "replay_animation(episode)",
+    "replay_animation(episode.frames, episode.metrics)",
 )
+
+TITLE = "GreedyAgent on the grid backend, seed 12"
 
 
 def picture(shown: Any) -> NDArray[np.int64]:
@@ -44,11 +47,11 @@ def test_a_notebook_shows_pictures_and_players(
     notebook = nbformat.v4.new_notebook(cells=cells)
     NotebookClient(notebook, timeout=120, kernel_name="python3").execute()
     outputs = [[output["data"] for output in cell["outputs"]] for cell in notebook.cells]
-    [[env], [episode], [replay]] = outputs
+    [[env], [episode], [replay], [frames]] = outputs
     assert env["image/png"].startswith("iVBORw0KGgo")
-    for shown in (episode, replay):
+    for shown, title in ((episode, TITLE), (replay, TITLE), (frames, "")):
         [track] = said_by(page_in(shown["text/html"]))["tracks"]
-        assert track["title"] == "GreedyAgent on the grid backend, seed 12"
+        assert track["title"] == title
     assert len(nbformat.writes(notebook)) < 500_000
 
 
@@ -93,13 +96,26 @@ def test_an_environment_is_a_picture_of_its_present_state() -> None:
 def test_a_fleet_is_a_picture_of_its_robots_and_people() -> None:
     env = FleetEnv(Layout(["P........D"] * 4), 3, people=2, orders=0.1)
     before = picture(env)
-    assert count_color(before, COLORS["R"]) == count_color(before, COLORS["H"]) == 0
+    assert before.shape == (4 * 40 + 20 + 40, 400, 3)
+    assert count_color(before[:160], COLORS["R"]) == count_color(before[:160], COLORS["H"]) == 0
+    below = before[180:]
+    assert all(count_color(below[:, 40 * n : 40 * n + 40], COLORS["R"]) > 100 for n in range(3))
+    assert count_color(below[:, 120:200], COLORS["H"]) > 200
     env.reset(seed=1)
     after = picture(env)
     for row, col in env.cells:
         tile = after[40 * row : 40 * row + 40, 40 * col : 40 * col + 40]
         assert count_color(tile, COLORS["R"]) > 100
     assert count_color(after, COLORS["H"]) > 200
+
+
+def test_robots_whose_starts_are_known_are_there_before_the_reset() -> None:
+    cells = [(1, 2), (2, 1)]
+    for env in (FleetEnv(ROOM, 2, starts=cells), FleetEnv(ROOM, 1)):
+        image = picture(env)
+        assert image.shape == (160, 200, 3)
+        env.reset(seed=1)
+        assert (picture(env) == image).all()
 
 
 def test_nothing_else_is_shown() -> None:

@@ -6,6 +6,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.fleets import fleet_episode
 from helpers.pictures import (
     ROOM,
     count_color,
@@ -21,10 +22,12 @@ from matplotlib.axes import Axes
 from matplotlib.collections import LineCollection
 from matplotlib.colors import to_rgb
 
-from warehouse_core import EpisodeRecorder, WarehouseEnv
+from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.motion.base import Contact
+from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.palette import (
     BATTERY,
+    BOARD,
     COLORS,
     HIT,
     ICE,
@@ -33,11 +36,12 @@ from warehouse_core.render.palette import (
     ITEM,
     PALE_WARNING,
     PAPER,
-    SEEN,
+    SHADOW,
     SHELF,
     TRAIL_COLORS,
     VISITED,
     WARNING,
+    blend,
 )  # fmt: skip
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.legend import signs_of
@@ -45,7 +49,7 @@ from warehouse_core.viz.replay import Replay
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.tracks.grid_track import track_of_frames
 from warehouse_core.viz.tracks.record_track import track_of_record
-from warehouse_core.viz.tracks.track import METRICS, DrawnHit, Pose
+from warehouse_core.viz.tracks.track import METRICS, DrawnHit, Pose, Track
 from warehouse_core.viz.view import TRAIL_STEPS, View
 
 BARE = ["#####", "#P.D#", "#..R#", "#####"]
@@ -99,11 +103,10 @@ def test_walls_along_the_border_are_a_band_without_a_seam_around_the_floor() -> 
 def test_walls_inside_are_shelves_with_boards() -> None:
     replay = replay_of([["R....", ".##..", ".....", "....."]])
     image = pixels(replay)
-    for x in (1.5, 2.0, 2.5):
-        for y, color in ((1.2, SHELF), (1.33, COLORS["#"]), (1.5, SHELF), (1.67, COLORS["#"])):
-            assert count_color(patch(replay, image, x, y - 0.03, x, y + 0.03), color), (x, y)
-    for x, y in ((1.0, 1.2), (3.0, 1.5), (1.8, 1.0), (2.2, 2.0)):
-        assert is_color(image[point_of(replay, x, y)], COLORS["#"]), "an outline"
+    for x in (1.5, 2.5):
+        for y, color in ((1.15, SHELF), (1.34, BOARD), (1.5, SHELF), (1.66, BOARD), (1.9, SHELF)):
+            assert is_color(image[point_of(replay, x, y)], color), (x, y)
+    assert is_color(image[point_of(replay, 2.0, 1.34)], SHELF), "boards end within their cells"
 
 
 @pytest.mark.parametrize(("robot", "ink"), [("R", PAPER), ("r", INK)])
@@ -133,7 +136,7 @@ def test_the_item_waits_at_its_pickup_until_it_is_taken_and_stays_at_the_dropoff
     assert seen == ["P", "P", "", "", "D", "P"]
 
 
-def test_the_floor_in_the_view_is_tinted_unless_it_is_slippery() -> None:
+def test_everything_around_the_view_is_shaded() -> None:
     env = WarehouseEnv(["...........", "P.........D"], start_pos=(0, 5), view_radius=1)
     recorder = EpisodeRecorder(env)
     recorder.step("E")
@@ -143,11 +146,16 @@ def test_the_floor_in_the_view_is_tinted_unless_it_is_slippery() -> None:
     for frame, seen in ((0, [4, 5, 6]), (1, [5, 6, 7])):
         replay.go_to(frame)
         image = pixels(replay)
-        tinted = [x for x in range(1, 10) if is_color(image[point_of(replay, x + 0.2, 1.2)], SEEN)]
-        assert tinted == seen
-        assert is_color(image[point_of(replay, 7.2, 0.1)], ICE)
-        assert count_color(patch(replay, image, 7.1, 0.1, 7.9, 0.9), ICE_WAVE) > 5
-    assert {"slippery floor", "what the robot sees"} <= {*signs_of(track_of_record(episode))}
+        for x in range(11):
+            tile = ICE if x == 7 else COLORS["P.D"[(x > 0) + (x == 10)]]
+            y = 0.1 if x == 7 else 1.2
+            color = tile if x in seen else blend(tile, INK, SHADOW)
+            pixel = image[point_of(replay, x + 0.5, y)]
+            np.testing.assert_allclose(pixel, 255 * np.array(color), atol=1.5, err_msg=str(x))
+        waves = count_color(patch(replay, image, 7.1, 0.1, 7.9, 0.9), ICE_WAVE)
+        assert (waves > 5) == (7 in seen)
+    signs = signs_of(track_of_record(episode))
+    assert {"slippery floor", "what the robot does not see"} <= {*signs}
 
 
 def test_weak_motors_are_a_dashed_outline_with_a_sign_in_the_legend() -> None:
@@ -327,7 +335,7 @@ def test_the_legend_has_what_is_in_the_picture_and_nothing_else() -> None:
     assert legend_of([["R.D"], ["RCD"]])[2] == "C  charger"
     bump = short_episode().motions[0]._replace(contacts=(Contact(0.1, 2.0, (2.5, 1.0), "wall"),))
     words = legend_of(short_episode(motions=[bump, *short_episode().motions[1:]]))
-    assert {"hit", "what the robot sees", "trail empty", "R  robot (empty)"} <= {*words}
+    assert {"hit", "what the robot does not see", "trail empty", "R  robot (empty)"} <= {*words}
 
 
 def test_rows_and_columns_are_numbered_from_0() -> None:
@@ -450,6 +458,54 @@ def test_the_length_of_the_bar_is_the_level_of_the_battery_which_is_red_if_it_is
 
 
 # Tracks that grow.
+
+
+def test_the_legend_explains_what_a_track_has_grown_by_and_no_more() -> None:
+    env = WarehouseEnv(ROOM, (1, 2))
+    recorder = EpisodeRecorder(env, seed=4)
+    start = track_of_record(recorder.episode)
+    scene = Scene([start], make_figure, length=31)
+
+    def legend() -> set[str]:
+        [shown] = scene.root.legends
+        return {text.get_text() for text in shown.get_texts()}
+
+    loaded = {"r  robot (loaded)", "trail empty"}
+    assert not legend() & loaded
+    for action in ("W", "PICK"):
+        recorder.step(action)
+    whole = track_of_record(recorder.episode)
+    scene.show(2, whole)
+    assert legend() >= loaded
+    [shown] = scene.root.legends
+    scene.show(2, whole)
+    assert scene.root.legends == [shown], "a legend that is right is not drawn again"
+    scene.show(0, start)
+    assert not legend() & loaded
+
+
+def test_a_still_shows_a_hit_of_one_step_the_most_pushes_or_else_the_end() -> None:
+    whole = track_of_record(short_episode())
+    assert (whole.still, whole.frames[1].hits != ()) == (len(whole) - 1, True)
+    bump = record_of_a_bump()
+    track = track_of_record(bump, frame_seconds=0.05)
+    assert track.frames[track.still].hits
+    assert not track.frames[track.still - 1].hits
+    assert track.still < len(track) - 1
+    frames = track_of_record(fleet_episode(max_steps=5)).frames
+    fleets = [frame.fleet for frame in frames]
+    pushed: list[dict[int, int]] = [{}, {0: 1}, {0: 1, 2: 3}, {1: 0}]
+    for frame, fleet, pushers in zip(frames, fleets, pushed, strict=False):
+        assert fleet is not None
+        frame.fleet = fleet._replace(plans=StepPlans(pushers=pushers))
+    assert Track(frames, {}).still == 2
+
+
+def record_of_a_bump() -> Episode:
+    """Return one step against a wall, of a body."""
+    recorder = EpisodeRecorder(WarehouseEnv(ROOM, (1, 2), backend="physics"), seed=4)
+    recorder.step("N")
+    return recorder.episode
 
 
 def test_a_scene_shows_a_track_that_has_grown() -> None:

@@ -13,6 +13,7 @@ from matplotlib.patches import PathPatch, Rectangle
 
 from warehouse_core.render.atlas import UNSEEN
 from warehouse_core.render.palette import (
+    BOARD,
     COLORS,
     ICE,
     ICE_WAVE,
@@ -62,8 +63,10 @@ def draw_tiles(
         drawn += [_letter(axes, cell_points, tile, cell) for cell in cells]
     unseen = cells_of(UNSEEN, rows)
     if unseen:
-        stripes = {"edgecolor": UNKNOWN_STRIPE, "hatch": "///"}
-        drawn.append(_boxes(axes, [_whole(cell) for cell in unseen], UNKNOWN, **stripes))
+        drawn.append(_boxes(axes, [_whole(cell) for cell in unseen], UNKNOWN))
+        stripes = [((col, row + 1), (col + 1, row)) for row, col in unseen]
+        style: dict[str, Any] = {"colors": [UNKNOWN_STRIPE], "linewidths": cell_points / 14}
+        drawn.append(axes.add_collection(LineCollection(stripes, zorder=1, **style)))
     return drawn
 
 
@@ -98,33 +101,23 @@ def _band(cell: Cell, size: tuple[int, int]) -> TileBounds:
 
 def _boxes(axes: Axes, boxes: Sequence[TileBounds], color: Any, **style: Any) -> Artist:
     # A thin edge without antialiasing leaves no seam between neighbours.
-    style = {"facecolor": color, "edgecolor": color, "linewidth": 0.4 * (color != UNKNOWN)} | style
+    style = {"facecolor": color, "edgecolor": color, "linewidth": 0.4} | style
     rectangles = [Rectangle((x, y), right - x, bottom - y) for x, y, right, bottom in boxes]
     return axes.add_collection(PatchCollection(rectangles, antialiased=False, zorder=1, **style))
 
 
 def _shelves(axes: Axes, cells: Sequence[Cell], cell_points: float) -> Iterator[Artist]:
-    """Draw walls inside the border, with an outline and boards."""
+    """Draw walls inside the border, with two boards across each."""
     if not cells:
         return
     yield _boxes(axes, [_whole(cell) for cell in cells], SHELF)
-    known = set(cells)
-    lines = []
-    for row, col in cells:
-        sides = {
-            (row - 1, col): ((col, row), (col + 1, row)),
-            (row + 1, col): ((col, row + 1), (col + 1, row + 1)),
-            (row, col - 1): ((col, row), (col, row + 1)),
-            (row, col + 1): ((col + 1, row), (col + 1, row + 1)),
-        }
-        lines += [line for side, line in sides.items() if side not in known]
-    width = max(0.8, cell_points / 13)
-    style: dict[str, Any] = {"colors": [COLORS[WALL]], "capstyle": "projecting", "zorder": 1.1}
-    yield axes.add_collection(LineCollection(lines, linewidths=width, **style))
     if cell_points >= MIN_BOARDS:
-        boards = [((col, row + y), (col + 1, row + y)) for row, col in cells for y in (0.33, 0.67)]
-        style["capstyle"] = "butt"
-        yield axes.add_collection(LineCollection(boards, linewidths=0.8 * width, **style))
+        boards = [
+            (col + 0.12, row + top, col + 0.88, row + top + 1 / 12)
+            for row, col in cells
+            for top in (0.3, 0.62)
+        ]
+        yield _boxes(axes, boards, BOARD, linewidth=0)
 
 
 def _ice(axes: Axes, cells: Sequence[Cell], cell_points: float) -> Iterator[Artist]:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import os
 import sys
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -17,13 +18,21 @@ MIN_BAR_FRAMES = 40
 Progress = Callable[[int, int | None], None]
 
 
+def has_live_terminal() -> bool:
+    """Return whether standard error is a terminal on which a line can be drawn again.
+
+    A notebook gives the commands in its cells a terminal too, but keeps all that they draw.
+    """
+    return sys.stderr.isatty() and "JPY_PARENT_PID" not in os.environ
+
+
 @contextmanager
 def progress_bar(frames: int, label: str) -> Iterator[Progress]:
     """Yield a callback for ``(frame, frames)`` that moves a bar on standard error.
 
-    There is no bar for short exports, or where standard error is no terminal.
+    There is no bar for short exports, or without a live terminal.
     """
-    if frames < MIN_BAR_FRAMES or not sys.stderr.isatty():
+    if frames < MIN_BAR_FRAMES or not has_live_terminal():
         yield lambda frame, _: None
         return
     from rich.console import Console

@@ -58,9 +58,9 @@ function outline(context, x, y, radius, isPerson) {
 }
 
 export function colorOf(track, body, pose, moment, theme) {
-  if (body >= track.robots) return theme.colors.H;
-  if (track.fleet && track.batteryLevel(body, moment.frame) <= 0) return theme.colors.stranded;
-  return theme.colors[pose.load > 0 ? "r" : "R"];
+  if (body >= track.robots) return theme.person;
+  if (track.fleet && track.batteryLevel(body, moment.frame) <= 0) return theme.stranded;
+  return theme[pose.load > 0 ? "loaded" : "robot"];
 }
 
 /** Draw the nose of each robot that has a heading: a wedge at its rim. */
@@ -87,7 +87,7 @@ function drawItems(context, shown, track, radius, theme) {
     if (load <= 0) continue;
     // The number of a robot of a fleet stays readable beside its item.
     const away = radius < MIN_DETAIL || !track.isFleet ? 0 : 0.6 * radius;
-    const color = track.isFleet ? theme.colors.orders[load - 1] : theme.item;
+    const color = track.isFleet ? theme.orders[load - 1] : theme.item;
     drawBox(context, x + away, y - away, side, color, theme);
   }
 }
@@ -105,7 +105,7 @@ function drawBatteries(context, shown, track, moment, radius, theme) {
     context.fillRect(left - 1, top - 1, length + 2, height + 2);
     context.fillStyle = theme.light;
     context.fillRect(left, top, length, height);
-    context.fillStyle = level < LOW_SHARE ? theme.colors.warning : theme.colors.battery;
+    context.fillStyle = level < LOW_SHARE ? theme.warning : theme.battery;
     context.fillRect(left, top, level * length, height);
   }
 }
@@ -145,7 +145,7 @@ export function drawHits(context, track, moment, view, theme) {
       context.lineTo(view.x(x) + reach * Math.cos(angle), view.y(y) + reach * Math.sin(angle));
     }
     context.closePath();
-    fillOutlined(context, theme.colors.hit, theme.dark, Math.max(1, radius / 10));
+    fillOutlined(context, theme.hit, theme.dark, Math.max(1, radius / 10));
   }
   const last = hits.at(-1);
   if (last?.label) drawLabel(context, last, radius, view, theme);
@@ -157,7 +157,7 @@ function drawLabel(context, { x, y, label }, radius, view, theme) {
   const width = context.measureText(label).width + size;
   const middle = Math.min(Math.max(view.x(x), width / 2), view.canvasWidth - width / 2);
   const top = view.y(y) - radius - 1.7 * size;
-  context.fillStyle = theme.colors.hit;
+  context.fillStyle = theme.hit;
   context.fillRect(middle - width / 2, top, width, 1.4 * size);
   context.fillStyle = theme.dark;
   context.fillText(label, middle, top + 0.72 * size);

@@ -183,5 +183,5 @@ export class Chart {
 }
 
 function seriesColor(series, theme) {
-  return theme[series.color] ?? theme.colors[series.color];
+  return theme[series.color];
 }

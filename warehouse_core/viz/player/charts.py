@@ -7,12 +7,11 @@ from typing import Any, Literal, NamedTuple
 
 from warehouse_core.viz.player.columns import Columns
 from warehouse_core.viz.tracks.track import Track
-from warehouse_core.world.tiles import DROPOFF, PICKUP
 
 SeriesKind = Literal["line", "thin", "steps", "bars", "dots"]
 
 INK, WARNING = "ink", "warning"
-"""Names of colours that no tile has."""
+"""Names of colours of the palette."""
 
 
 class Series(NamedTuple):
@@ -59,11 +58,10 @@ def _series_of(track: Track, times: Sequence[float]) -> Iterator[Series]:
         rewards, totals = track.rewards_until(track.steps)
         yield Series("Reward", "each step", "bars", "battery", steps, rewards)
         yield Series("Reward", "so far", "line", INK, steps, totals)
-    for tile, name, words in (
-        (PICKUP, "dist_pickup", "to pickup"), (DROPOFF, "dist_dropoff", "to dropoff"),
-    ):  # fmt: skip
-        if name in metrics:
-            yield Series("Distance (cells)", words, "line", tile, steps, metrics[name])
+    for station in ("pickup", "dropoff"):
+        if (name := f"dist_{station}") in metrics:
+            title, words = "Distance (cells)", f"to {station}"
+            yield Series(title, words, "line", station, steps, metrics[name])
     if track.counts_orders:
         yield from _series_of_orders(track, steps)
         return

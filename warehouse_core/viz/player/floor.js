@@ -4,7 +4,7 @@ import { centerText } from "./canvas.js";
 
 const WALL = "#";
 const UNSEEN = "?";
-const STATIONS = "PDC";
+const STATIONS = { P: "pickup", D: "dropoff", C: "charger" };
 const MAX_LINED_COLUMNS = 40;
 const MIN_STATION = 6;
 const MIN_TEXTURE = 9;
@@ -19,11 +19,16 @@ export function drawFloor(context, track, tiles, view, theme) {
   drawSlippery(context, track, view, theme);
   drawRuns(context, track, tiles, view, UNSEEN, theme.unseen);
   drawHatching(context, track, tiles, view, theme);
-  drawRuns(context, track, tiles, view, WALL, theme.wall);
+  drawRuns(context, track, tiles, view, WALL, theme.shelf);
   if (view.scale >= MIN_TEXTURE) drawShelves(context, track, tiles, view, theme);
-  drawBorder(context, track, view, theme);
+  drawBorder(context, track, tiles, view, theme);
   drawNumbers(context, track, view, theme);
-  for (const place of placesOf(track, tiles, STATIONS)) drawStation(context, place, view, theme);
+  for (const place of placesOf(track, tiles, Object.keys(STATIONS))) drawStation(context, place, view, theme);
+}
+
+/** Return the row, the column and the tile of each wall. */
+export function wallsOf(track, tiles) {
+  return [...placesOf(track, tiles, WALL)];
 }
 
 /** Yield the row, the column and the tile of each cell that has one of some tiles. */
@@ -58,7 +63,7 @@ function drawRuns(context, track, tiles, view, tile, color) {
   }
 }
 
-function isBorder(track, row, column) {
+export function isBorder(track, row, column) {
   return row === 0 || column === 0 || row === track.height - 1 || column === track.width - 1;
 }
 
@@ -66,7 +71,7 @@ function isBorder(track, row, column) {
 function drawShelves(context, track, tiles, view, theme) {
   context.fillStyle = theme.board;
   const thick = Math.max(1, Math.round(view.scale / 12));
-  for (const [row, column] of placesOf(track, tiles, WALL)) {
+  for (const [row, column] of wallsOf(track, tiles)) {
     if (isBorder(track, row, column)) continue;
     const [x, , width] = view.box(column, row, 1, 1, 0.12);
     for (const share of [0.3, 0.62]) {
@@ -84,8 +89,12 @@ export function outerOf(track) {
   return track.outer;
 }
 
-/** Clear the outer part of the border, so that it is a thin wall. */
-function drawBorder(context, track, view, theme) {
+/** Draw the walls of the border, and clear its outer part, so that they are thin. */
+function drawBorder(context, track, tiles, view, theme) {
+  context.fillStyle = theme.wall;
+  for (const [row, column] of wallsOf(track, tiles)) {
+    if (isBorder(track, row, column)) context.fillRect(...view.box(column, row));
+  }
   context.fillStyle = theme.paper;
   const { width, height } = track;
   const outer = outerOf(track);
@@ -128,7 +137,7 @@ function drawStation(context, [row, column, tile], view, theme) {
     [x, y] = [x - (MIN_STATION - width) / 2, y - (MIN_STATION - height) / 2];
     [width, height] = [MIN_STATION, MIN_STATION];
   }
-  context.fillStyle = theme.colors[tile];
+  context.fillStyle = theme[STATIONS[tile]];
   context.fillRect(x, y, width, height);
   if (view.scale < MIN_LETTER) return;
   context.fillStyle = theme.dark;

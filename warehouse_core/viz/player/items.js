@@ -12,7 +12,7 @@ export function drawWaiting(context, track, moment, view, theme) {
   for (const [cell, { count, age }] of waitingByPickup(track.fleet.orders, moment.step)) {
     const [row, column] = track.rowAndColumn(cell);
     const [x, y] = [view.x(column + 0.5), view.y(row + 0.5)];
-    drawBox(context, x, y, side, theme.colors.orders[age], theme);
+    drawBox(context, x, y, side, theme.orders[age], theme);
     if (side >= MIN_DIGIT && count > 1) drawCount(context, count, x, y, side, age, theme);
   }
 }

@@ -1,34 +1,38 @@
 // The legend: what the tracks of a page have in them, and nothing else.
 
 import { element } from "./elements.js";
+import { isBorder, wallsOf } from "./floor.js";
 import { AGES } from "./orders.js";
 
 /** Return the signs of tracks: words, a shape of the style sheet, and a colour. */
 export function signsOf(tracks, theme) {
-  const { colors } = theme;
   const has = (test) => tracks.some(test);
   const hasTile = (tile) => has((track) => track.tiles.some((tiles) => tiles.includes(tile)));
+  const hasWall = (onBorder) =>
+    has((track) => track.tiles.some((tiles) => wallsOf(track, tiles).some(([row, column]) =>
+      isBorder(track, row, column) === onBorder)));
   const hasLoad = (test) => has((track) => track.load.some(test));
   const isFleet = has((track) => track.isFleet && track.robots > 1);
   const marks = tracks.find((track) => track.marks)?.marks;
   const signs = [
-    [has((track) => track.robots > 0) && hasLoad((load) => load === 0), "robot, empty", "disc", colors.R],
-    [hasLoad((load) => load > 0), "robot with an item", "disc box", colors.r],
-    [has((track) => track.bodies > track.robots), "person", "diamond", colors.H],
-    [hasTile("P") && !marks, "pickup", "square", colors.P],
-    [hasTile("D") && !marks, "dropoff", "square", colors.D],
-    [hasTile("C") && !marks, "charger", "square", colors.C],
+    [has((track) => track.robots > 0) && hasLoad((load) => load === 0), "robot, empty", "disc", theme.robot],
+    [hasLoad((load) => load > 0), "robot with an item", "disc box", theme.loaded],
+    [has((track) => track.bodies > track.robots), "person", "diamond", theme.person],
+    [hasTile("P") && !marks, "pickup", "square", theme.pickup],
+    [hasTile("D") && !marks, "dropoff", "square", theme.dropoff],
+    [hasTile("C") && !marks, "charger", "square", theme.charger],
     ...AGES.map((words, age) => [
-      isFleet && has((track) => track.fleet?.orders), `order, ${words}`, "square", colors.orders[age],
+      isFleet && has((track) => track.fleet?.orders), `order, ${words}`, "square", theme.orders[age],
     ]),
-    [hasTile("#"), "wall or shelf", "square", theme.wall],
+    [hasWall(false), "shelf", "square", theme.shelf],
+    [hasWall(true), "wall", "square", theme.wall],
     [hasTile("?"), "not seen yet", "square", theme.unseen],
     [has((track) => track.slippery.length), "slippery floor", "square", theme.ice],
     [has((track) => track.robots === 1 && track.viewRadius !== null && !track.isFleet),
       "what the robot does not see", "square", theme.shadow],
-    [has((track) => track.hits.frame.length), "hit", "star", colors.hit],
+    [has((track) => track.hits.frame.length), "hit", "star", theme.hit],
     [has((track) => track.route && !track.marks), "plan", "dots", theme.ink],
-    [has((track) => track.fleet?.plans.length), "plan of a robot", "line", colors.R],
+    [has((track) => track.fleet?.plans.length), "plan of a robot", "line", theme.robot],
     [has((track) => track.fleet?.pushes.length), "pushes", "arrow", theme.ink],
     ...(marks ? marks.names.map((name, i) => [true, name, "square", marks.colors[i]]) : []),
     [Boolean(marks), "S start, G goal", "disc", theme.light],

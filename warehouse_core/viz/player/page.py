@@ -7,6 +7,7 @@ the page's Content-Security-Policy allows this script and this style alone.
 from __future__ import annotations
 
 import html
+import json
 import re
 from base64 import b64encode
 from collections.abc import Sequence
@@ -16,6 +17,7 @@ from pathlib import Path
 
 from warehouse_core.arguments import instance_of, real_number, whole_number
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.render.palette import PALETTE, style_rules
 from warehouse_core.viz.player.tracks import packed
 from warehouse_core.viz.tracks.track import MAX_PACE, MIN_PACE, Track
 from warehouse_core.wording import printable
@@ -126,15 +128,16 @@ def player_frame(
 
 @cache
 def script() -> str:
-    """Return the files of the script as one."""
+    """Return the palette and the files of the script as one."""
     texts = [(FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS]
-    return "".join(EXPORT.sub("", IMPORT.sub("", text)) for text in texts)
+    palette = f"const PALETTE = {json.dumps(PALETTE)};\n"
+    return palette + "".join(EXPORT.sub("", IMPORT.sub("", text)) for text in texts)
 
 
 @cache
 def style() -> str:
-    """Return the style sheet."""
-    return (FOLDER / "player.css").read_text(encoding="utf-8")
+    """Return the style sheet, the palette first."""
+    return style_rules() + (FOLDER / "player.css").read_text(encoding="utf-8")
 
 
 def policy() -> str:

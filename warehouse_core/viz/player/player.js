@@ -45,7 +45,6 @@ export class Player {
   /** Args: the decoded data of a page, and the element that it is shown in. */
   constructor(data, root) {
     this.root = root;
-    this.colors = data.colors;
     this.rate = data.rate;
     this.unit = data.unit;
     this.speed = SPEEDS.reduce((best, speed) =>
@@ -62,7 +61,6 @@ export class Player {
     this.hasHeat = false;
     this.isReduced = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.listeners = [];
-    root.style.setProperty("--item", this.colors.item);
     this.build(data);
   }
 
@@ -102,7 +100,7 @@ export class Player {
 
   /** Draw everything at the present time. The same time gives the same picture. */
   draw() {
-    this.theme = readTheme(this.root, this.colors);
+    this.theme = readTheme();
     const time = this.isReduced && this.isPlaying ? this.momentary() : this.time;
     for (const panel of this.panels) panel.draw(time, this.theme);
     for (const chart of this.charts) chart.draw(time, this.theme);

@@ -1,19 +1,18 @@
-// The colours of canvases: those of the style sheet, light or dark, and those of the data.
+// The colours of canvases: those of the palette, light or dark.
 
-const NAMES = [
-  "paper", "ink", "quiet", "accent", "warning", "floor", "line", "wall", "board", "unseen",
-  "stripe", "shadow", "visited", "ice", "wave", "item", "rim", "dark", "light",
-];
+import PALETTE from "../../render/palette.json" with { type: "json" };
+
+/** Names of the colours of orders by their age: new, older, nearly due and late. */
+const ORDERS = ["item", "order-older", "order-nearly-due", "order-late"];
 
 let known = { key: "" };
 
-/** Return the theme of an element; the same object until something changes. */
-export function readTheme(element, colors) {
+/** Return the theme of the page; the same object until something changes. */
+export function readTheme() {
   const isDark = matchMedia("(prefers-color-scheme: dark)").matches;
   const key = `${isDark} ${devicePixelRatio}`;
   if (key === known.key) return known;
-  const style = getComputedStyle(element);
-  const named = NAMES.map((name) => [name, style.getPropertyValue(`--${name}`).trim()]);
-  known = { ...Object.fromEntries(named), colors, density: devicePixelRatio, key };
+  const orders = ORDERS.map((name) => PALETTE.both[name]);
+  known = { ...PALETTE.both, ...PALETTE[isDark ? "dark" : "light"], orders, density: devicePixelRatio, key };
   return known;
 }

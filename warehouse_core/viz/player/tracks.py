@@ -8,7 +8,7 @@ from typing import Any
 import numpy as np
 
 from warehouse_core.orders.order import Order
-from warehouse_core.render import palette
+from warehouse_core.render.palette import hex_color
 from warehouse_core.viz.player.charts import packed_charts
 from warehouse_core.viz.player.columns import Columns
 from warehouse_core.viz.tracks.track import Frame, Track
@@ -52,7 +52,6 @@ def packed(tracks: Sequence[Track], title: str, speed: float, opens_at: float | 
         "rate": rate,
         "opensAt": opens_at,
         "unit": "expansion" if is_search else "step",
-        "colors": _colors(),
         "tracks": [
             _packed_track(track, moments, columns)
             for track, moments in zip(tracks, times, strict=True)
@@ -163,7 +162,7 @@ def _marks(track: Track, columns: Columns) -> dict[str, Any]:
         "time": columns.whole(marks.times, is_delta=True),
         "cell": columns.whole(_numbers(marks.cells, track), is_delta=True),
         "value": columns.whole(marks.values),
-        "colors": [_hex(color) for color in marks.colors],
+        "colors": [hex_color(color) for color in marks.colors],
         "names": [_cut(name) for name in marks.names],
         "ends": [list(cell) for cell in marks.ends],
     }
@@ -230,19 +229,3 @@ def _indexed(texts: Iterable[str]) -> tuple[list[str], list[int]]:
     number: dict[str, int] = {}
     places = [number.setdefault(text, len(number)) for text in texts]
     return list(number), places
-
-
-def _colors() -> dict[str, Any]:
-    return {
-        **{tile: _hex(color) for tile, color in palette.COLORS.items()},
-        "battery": _hex(palette.BATTERY),
-        "hit": _hex(palette.HIT),
-        "item": _hex(palette.ITEM),
-        "warning": _hex(palette.WARNING),
-        "stranded": _hex(palette.STRANDED),
-        "orders": [_hex(color) for color in palette.ORDER_COLORS],
-    }
-
-
-def _hex(color: palette.Color) -> str:
-    return "#" + "".join(f"{round(255 * part):02x}" for part in color)

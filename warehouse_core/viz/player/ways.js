@@ -27,7 +27,7 @@ export function drawTrail(context, track, body, moment, view, theme) {
   context.lineWidth = Math.max(1.5 * theme.density, view.scale / 11);
   for (const { points, shade, isLoaded, length } of lines) {
     context.globalAlpha = 0.2 + (0.7 * shade) / TRAIL_SHADES;
-    context.strokeStyle = theme.colors[isLoaded ? "r" : "R"];
+    context.strokeStyle = theme[isLoaded ? "loaded" : "robot"];
     context.setLineDash(isLoaded ? [view.scale / 5, view.scale / 5] : []);
     context.lineDashOffset = length * view.scale;
     strokeLine(context, points, view);
@@ -70,7 +70,7 @@ export function drawRoute(context, track, moment, view, theme) {
     return;
   }
   context.lineJoin = "round";
-  for (const [color, width] of [[theme.light, 0.42], [theme.colors.warning, 0.24]]) {
+  for (const [color, width] of [[theme.light, 0.42], [theme.warning, 0.24]]) {
     context.strokeStyle = color;
     context.lineWidth = Math.max(3, width * view.scale);
     strokeLine(context, points, view);

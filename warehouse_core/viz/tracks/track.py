@@ -190,6 +190,25 @@ class Track:
         return [self.frames[end].clock for end in self.ends]
 
     @property
+    def still(self) -> int:
+        """The frame that tells most, for a picture that does not move.
+
+        A track of one step is about its first hit, one with plans about the plans of most robots
+        that push or have one; others are about how they end.
+        """
+        hits = (number for number, frame in enumerate(self.frames) if frame.hits)
+        hit = next(hits, None) if self.steps == 1 else None
+        if hit is not None:
+            return hit
+
+        def planned(number: int) -> tuple[int, int, int]:
+            fleet = self.frames[number].fleet
+            plans = fleet.plans if fleet else NO_PLANS
+            return len(plans.pushers), len(plans.ways), number
+
+        return max(range(len(self)), key=planned)
+
+    @property
     def is_fleet(self) -> bool:
         """Whether the track shows a fleet."""
         return self.frames[0].fleet is not None

@@ -4,11 +4,10 @@ from __future__ import annotations
 
 from collections.abc import Mapping
 
-import matplotlib as mpl
 from matplotlib.ticker import MaxNLocator
 
 from agents.lab.trials.interval import Interval
-from warehouse_core.render.palette import INK
+from warehouse_core.render.palette import INK, SERIES
 from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure, make_figure
 from warehouse_core.wording import printable
@@ -26,13 +25,12 @@ def throughput_figure(curves: Mapping[str, Curve], bound: str, title: str) -> Sc
     axes = figure.subplots()
     figure.subplots_adjust(left=0.075, right=0.975, top=0.9, bottom=0.125)
     figure.suptitle(title, x=0.02, y=0.975, ha="left", fontsize=11, color=INK, parse_math=False)
-    colors = mpl.colormaps["tab10"].colors  # type: ignore[attr-defined]
     for number, (name, curve) in enumerate(curves.items()):
         sizes, means = list(curve), [each.estimate for each in curve.values()]
         if name == bound:
             axes.plot(sizes, means, "--", color="0.45", linewidth=1.4, label=bound)
             continue
-        color, marker = colors[number % len(colors)], MARKERS[number % len(MARKERS)]
+        color, marker = SERIES[number % len(SERIES)], MARKERS[number % len(MARKERS)]
         axes.plot(
             sizes, means, f"-{marker}", color=color, linewidth=1.8, markersize=5.5,
             label=printable(name),

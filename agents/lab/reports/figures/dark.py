@@ -14,24 +14,22 @@ import numpy as np
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
-from warehouse_core.render.palette import COLORS, FAINT, INK, PAPER
+from warehouse_core.render.palette import PALETTE
 from warehouse_core.viz.axes.heat_map import HEAT
 from warehouse_core.viz.figure import save_svg
-from warehouse_core.world.tiles import EMPTY, WALL
 
 DARK_HEAT = mpl.colormaps["inferno"](np.linspace(0.27, 0.82, HEAT.N))
 """Colours of heat, the hottest the lightest; numbers are legible on these and on ``HEAT``."""
 
 DARK = {
-    to_hex(PAPER): "#17181c",
-    to_hex(INK): "#e6e6ea",
-    to_hex(FAINT): "#3a3b42",
-    to_hex(COLORS[EMPTY]): "#2a2c33",
-    to_hex(COLORS[WALL]): "#6d707b",
-    "#0072b2": "#3f9be0",
+    **{light: PALETTE["dark"][name] for name, light in PALETTE["light"].items() if name != "rim"},
+    **dict(zip(PALETTE["series"]["light"], PALETTE["series"]["dark"], strict=True)),
     **{to_hex(HEAT(level)): to_hex(DARK_HEAT[level]) for level in range(HEAT.N)},
 }
-"""Colours of a dark page by the colours of a light one; others are the same on both."""
+"""Colours of a dark page by the colours of a light one; others are the same on both.
+
+Rims are left out: no figure has them, and letters that stay dark have their colour.
+"""
 
 SVG_START = re.compile(rb"<svg [^>]*>")
 

@@ -11,7 +11,6 @@ from typing import Any
 
 import matplotlib as mpl
 from matplotlib.axes import Axes
-from matplotlib.colors import to_hex
 from matplotlib.ticker import PercentFormatter
 
 from agents.lab.parameters import Value, shown
@@ -29,12 +28,8 @@ from agents.lab.reports.figures.panels import (
 )
 from agents.lab.reports.figures.roles import lines_of, roles_of
 from agents.lab.trials.interval import Interval
-from warehouse_core.render.palette import FAINT, INK
+from warehouse_core.render.palette import FAINT, SERIES
 from warehouse_core.viz.figure import SceneFigure
-
-COLORS = ("#0072b2", "#d55e00", "#009e73", "#cc79a7", "#56b4e9", "#e69f00", to_hex(INK),
-          "#888888")  # fmt: skip
-"""Colours of the lines. Source: Okabe and Ito (2008), Color universal design, without yellow."""
 
 MARKERS = "os^Dv*PX"
 
@@ -105,7 +100,7 @@ def _draw_line(
 ) -> Any:
     """Draw the results of one colour and return what a legend shows of them."""
     key: Any = None
-    look: Text = {"color": COLORS[number], "linewidth": 2.0}
+    look: Text = {"color": SERIES[number], "linewidth": 2.0}
     points = [(places[value] + shift, point) for value, point in line.items()
               if value is not None and point]  # fmt: skip
     if points:
@@ -121,5 +116,5 @@ def _draw_line(
     everywhere = line.get(None)
     if everywhere:
         key = axes.axhline(everywhere.estimate, linestyle=(0, (5, 2)), **look)
-        axes.axhspan(everywhere.low, everywhere.high, color=COLORS[number], alpha=0.15, lw=0)
+        axes.axhspan(everywhere.low, everywhere.high, color=SERIES[number], alpha=0.15, lw=0)
     return key

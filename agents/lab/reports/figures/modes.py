@@ -25,30 +25,37 @@ from agents.lab.reports.figures.panels import (
 from agents.lab.reports.figures.roles import lines_of, roles_of
 from warehouse_core.records import failure_modes as modes
 from warehouse_core.records.episode import BATTERY_DEPLETED, DELIVERED, OUT_OF_TIME, UNFINISHED
-from warehouse_core.render.palette import PAPER
+from warehouse_core.render.palette import PALETTE, PAPER
 from warehouse_core.viz.figure import SceneFigure
 
 MODE_COLORS = {
-    DELIVERED: "#2a9d5c",
-    modes.UNREACHABLE: "#8c564b",
-    modes.STALLED: "#8c4fa3",
-    modes.INEFFECTIVE: "#5f5f68",
-    modes.OSCILLATION: "#d1495b",
-    modes.WANDERING: "#edae49",
-    BATTERY_DEPLETED: "#2e6fa7",
-    OUT_OF_TIME: "#8ab6d6",
-    UNFINISHED: "#c9c9ce",
-    modes.SERVED: "#2a9d5c",
-    modes.STRANDED: "#2e6fa7",
-    modes.DEADLOCK: "#d1495b",
-    modes.STARVATION: "#8c4fa3",
-    modes.CONGESTED: "#edae49",
-    modes.IDLE: "#c9c9ce",
-    modes.LATE: "#8ab6d6",
+    mode: PALETTE["both"][name]
+    for mode, name in (
+        (DELIVERED, "delivered"),
+        (modes.UNREACHABLE, "unreachable"),
+        (modes.STALLED, "stalled"),
+        (modes.INEFFECTIVE, "ineffective"),
+        (modes.OSCILLATION, "oscillation"),
+        (modes.WANDERING, "wandering"),
+        (BATTERY_DEPLETED, "out-of-battery"),
+        (OUT_OF_TIME, "out-of-time"),
+        (UNFINISHED, "unfinished"),
+        (modes.SERVED, "delivered"),
+        (modes.STRANDED, "out-of-battery"),
+        (modes.DEADLOCK, "oscillation"),
+        (modes.STARVATION, "stalled"),
+        (modes.CONGESTED, "wandering"),
+        (modes.IDLE, "unfinished"),
+        (modes.LATE, "out-of-time"),
+    )
 }
+"""Colours of how an episode ended; no chart has an episode of a lone robot and one of a fleet."""
 
-LUMINANCE = (0.299, 0.587, 0.114)
-"""Weights of R, G and B. Source: ITU-R BT.601."""
+LUMINANCE = (0.2126, 0.7152, 0.0722)
+"""Weights of linear R, G and B. Source: WCAG 2.2, relative luminance."""
+
+MAX_DARK = 0.17
+"""Luminance of the colours on which black and nearly white have the same contrast."""
 
 MIN_LEGIBLE = 0.08
 """Minimum share of a bar for a number to fit into it."""
@@ -100,5 +107,5 @@ def ink_on(color: str) -> str:
 
     It is not ``PAPER``, which is dark on a dark page.
     """
-    light = sum(weight * part for weight, part in zip(LUMINANCE, to_rgb(color), strict=True))
-    return "black" if light > 0.55 else "whitesmoke"
+    light = sum(weight * part**2.2 for weight, part in zip(LUMINANCE, to_rgb(color), strict=True))
+    return "black" if light > MAX_DARK else "whitesmoke"

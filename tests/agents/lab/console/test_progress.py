@@ -47,6 +47,13 @@ def test_without_a_terminal_there_is_no_bar(monkeypatch: pytest.MonkeyPatch) -> 
     assert shown(monkeypatch, io.StringIO(), 100) == ""
 
 
+def test_a_command_in_a_notebook_has_a_terminal_but_no_bar(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setenv("JPY_PARENT_PID", "1")
+    assert shown(monkeypatch, Terminal(), 100) == ""
+
+
 def test_track_yields_every_item_and_counts_them(monkeypatch: pytest.MonkeyPatch) -> None:
     screen = Terminal()
     monkeypatch.setattr(sys, "stderr", screen)

@@ -16,7 +16,7 @@ test("marks at a time are the last of each cell, however the time came about", (
   assert.deepEqual(at(0), [[5, 0]]);
 });
 
-const theme = { wall: "wall", ink: "ink", light: "light", ice: "ice", shadow: "shadow", colors: { orders: [] } };
+const theme = { wall: "wall", ink: "ink", light: "light", ice: "ice", shadow: "shadow", orders: [] };
 
 function words(...tracks) {
   return signsOf(tracks, theme).map((sign) => sign.words);
@@ -27,7 +27,7 @@ test("a legend names what is in the tracks and nothing else", () => {
   const tiles = ["#P.?", "#.DC"];
   const loaded = trackOf([along([0, 1], 1)], { tiles, hits: hitsOf([[1, 1, 1, 0]]), slippery: [[1, 1]], viewRadius: 1 });
   assert.deepEqual(words(loaded), [
-    "robot with an item", "pickup", "dropoff", "charger", "wall or shelf", "not seen yet",
+    "robot with an item", "pickup", "dropoff", "charger", "wall", "not seen yet",
     "slippery floor", "what the robot does not see", "hit",
   ]);
 });

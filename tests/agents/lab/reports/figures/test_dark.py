@@ -9,9 +9,9 @@ from matplotlib.figure import Figure
 from matplotlib.typing import ColorType
 
 from agents.lab.reports.figures.dark import DARK, themed_svg
-from agents.lab.reports.figures.measure import COLORS as LINES
 from agents.lab.reports.figures.modes import MODE_COLORS, ink_on
 from warehouse_core.render.palette import COLORS, INK, PAPER
+from warehouse_core.render.palette import SERIES as LINES
 from warehouse_core.viz.axes.heat_map import HEAT, ink_of_heat
 from warehouse_core.viz.figure import save_svg
 
@@ -43,7 +43,7 @@ def test_what_is_drawn_can_be_seen_on_both_pages(dark: bool) -> None:
     for color in (*LINES, *MODE_COLORS.values()):
         assert contrast(color, PAPER, dark=dark) > (2.5 if dark else 1.5), color
     for color in MODE_COLORS.values():
-        assert contrast(ink_on(color), color, dark=dark) > 3, color
+        assert contrast(ink_on(color), color, dark=dark) > 4.5, color
     for level in range(HEAT.N):
         share = level / (HEAT.N - 1)
         assert contrast(ink_of_heat(share), HEAT(share), dark=dark) > 3, level
