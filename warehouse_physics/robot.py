@@ -231,8 +231,7 @@ class Robot:
     def is_blocked(self) -> bool:
         """Return whether something stopped it on its way to another cell, at the last look."""
         action, cell = self.action, self.cell
-        is_short = bool(action.contacts) and not self.has_arrived()
-        return cell != action.goal != action.home and (action.gave_up or is_short)
+        return cell != action.goal != action.home and (action.gave_up or bool(action.contacts))
 
     def is_moving(self) -> bool:
         """Return whether the body moves, also if another robot pushes it."""

@@ -62,15 +62,19 @@ def best_action(values: list[float], stream: random.Random) -> int:
     return best[0] if len(best) == 1 else stream.choice(best)
 
 
-def learn(table: QTable, env: WarehouseEnv, steps: int, seed: int) -> Iterator[tuple[int, bool]]:
-    """Fill a table by whole episodes from random starts, in ``steps`` steps or a few more.
+def learn(
+    table: QTable, env: WarehouseEnv, steps: int, seed: int, randomize: bool | str = True
+) -> Iterator[tuple[int, bool]]:
+    """Fill a table by whole episodes, in ``steps`` steps or a few more.
+
+    What of stations and start is drawn in an episode is ``randomize``, see ``WarehouseEnv.reset``.
 
     Yields:
         Steps taken so far, after each episode, and true if it ended with a delivery.
     """
     stream, taken = random.Random(seed), 0
     while taken < steps:
-        state, done = state_of(env.reset(True, stream.randrange(TRAINING_SEEDS))), False
+        state, done = state_of(env.reset(randomize, stream.randrange(TRAINING_SEEDS))), False
         while not done:
             explores = stream.random() < EPSILON
             values = table[state]

@@ -48,6 +48,9 @@ OTHER = {
     ast.Mod: ast.FloorDiv, ast.BitAnd: ast.BitOr, ast.BitOr: ast.BitAnd, ast.And: ast.Or,
     ast.Or: ast.And,
 }  # fmt: skip
+UNSEEN = ("strict", "slots")
+"""Keywords that change nothing if they are false: a check of what holds already, and memory."""
+
 OTHER_NAMES = {"min": "max", "max": "min", "any": "all", "all": "any"}
 
 
@@ -98,6 +101,16 @@ def changed(node: ast.AST) -> Iterator[ast.AST]:
             yield ast.Pass()
 
 
+def parts_without_effect(node: ast.AST) -> Iterator[ast.AST | None]:
+    """Yield annotations, and parts of a node whose mutants do the same as they do."""
+    yield from (getattr(node, "annotation", None), getattr(node, "returns", None))
+    match node:
+        case ast.keyword(str() as name, ast.Constant(True) as value) if name in UNSEEN:
+            yield value
+        case ast.Call(ast.Attribute(_, "reshape"), arguments):  # -2 is the rest of an array too
+            yield from (each.operand for each in arguments if isinstance(each, ast.UnaryOp))
+
+
 def mutants_of(path: str) -> Iterator[Mutant]:
     """Yield all mutants of a file, one line each; annotations and texts are left alone."""
     source = (ROOT / path).read_bytes()
@@ -105,7 +118,7 @@ def mutants_of(path: str) -> Iterator[Mutant]:
     notes = {
         id(inner)
         for node in ast.walk(tree)
-        for note in (getattr(node, "annotation", None), getattr(node, "returns", None))
+        for note in parts_without_effect(node)
         if note is not None
         for inner in ast.walk(note)
     }

@@ -1,6 +1,7 @@
 """Helpers for tests of the command line."""
 
 import os
+import signal
 import subprocess
 import sys
 from collections.abc import Callable, Iterator
@@ -96,7 +97,7 @@ class Mine:
 
 
 def in_a_process(*words: object, folder: Path, **variables: str) -> Result:
-    """Run Python with ``words`` in its own process, without a display."""
+    """Run Python with ``words`` in its own process, without a display; SIGINT interrupts it."""
     environment = {
         name: value for name, value in os.environ.items() if name not in DISPLAY_VARIABLES
     }
@@ -108,8 +109,14 @@ def in_a_process(*words: object, folder: Path, **variables: str) -> Result:
         text=True,
         check=False,
         timeout=120,
+        preexec_fn=heed_interrupts,
     )
     return Result(done.returncode, done.stdout, done.stderr)
+
+
+def heed_interrupts() -> None:
+    """Make SIGINT interrupt again; who starts tests in the background has them ignore it."""
+    signal.signal(signal.SIGINT, signal.default_int_handler)
 
 
 def without_display(monkeypatch: pytest.MonkeyPatch) -> None:

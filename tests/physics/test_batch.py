@@ -181,6 +181,32 @@ def test_a_touch_beside_the_path_does_not_block() -> None:
     assert hits
 
 
+@pytest.mark.parametrize(
+    ("back", "aside", "gives_up"),
+    [
+        (0.8, 0.6, True),
+        (0.8, -0.6, True),
+        (0.6, 0.8, False),
+        (0.6, -0.8, False),
+        (0.5, 0.5, False),
+        (-0.8, 0.0, False),
+    ],
+)
+def test_a_wall_is_in_the_way_that_pushes_back_rather_than_aside(
+    back: float, aside: float, gives_up: bool
+) -> None:
+    """``test_robot.py`` has the same of a robot among others."""
+    batch = batch_in([HALL] * 4)
+    batch.place(np.arange(4), np.full(4, 6))
+    advance(batch, NORTH, EAST, SOUTH, WEST)
+    (robots,) = batch._parts
+    robots._phase[:] = batch_robots.BRAKE
+    ways = [(0.0, -1.0), (1.0, 0.0), (0.0, 1.0), (-1.0, 0.0)]
+    pushes = [(-back * x - aside * y, -back * y + aside * x) for x, y in ways]
+    robots._meet([Hit(row, None, push, (0.0, 0.0)) for row, push in enumerate(pushes)], 200)
+    assert robots.gave_up.tolist() == [gives_up] * 4
+
+
 # Invalid calls.
 
 

@@ -8,7 +8,11 @@ from helpers.rigid_bodies import EAST, NORTH, SOUTH, STAY, WEST, together
 
 from warehouse_core import Layout
 from warehouse_physics import RigidBodyMotion, RobotSpec, rigid_body_motion
+from warehouse_physics.giving_way import GivingWay
 from warehouse_physics.robot import comes_closer
+from warehouse_physics.robot_arena import RobotArena
+
+SPEC = RobotSpec()
 
 MOVES = 1_500
 """Robot moves in jams; the benchmarks make more."""
@@ -49,6 +53,21 @@ def test_a_robot_may_give_way_before_it_touches_anything() -> None:
     first, *_, last = queue(*straight_queue(16))
     assert (first.blocked, first.contacts) == (True, ())
     assert (last.blocked, len(last.contacts)) == (False, 1)
+
+
+def test_who_drives_to_either_cell_of_a_stopped_robot_is_stopped_with_all_behind_it() -> None:
+    """Robot 0 is stopped; 1 drives to its goal, 2 to its cell, 3 to that of 2, and 4 elsewhere."""
+    layout = Layout(["....", "....", "...."])
+    cells, moves = [(0, 1), (0, 3), (1, 1), (1, 0), (2, 0)], [EAST, WEST, NORTH, EAST, EAST]
+    robots = RobotArena(layout, cells, SPEC).robots
+    for robot, displacement in zip(robots, moves, strict=True):
+        robot.begin(displacement, False, SPEC.acceleration)
+    robots[0].give_up()
+    assert GivingWay(robots).move_on(0)
+    assert [robot.action.gave_up for robot in robots] == [True, True, True, True, False]
+    ends = [(robot.action.target[1], robot.action.target[0]) for robot in robots]
+    homes = [(row + 0.5, col + 0.5) for row, col in cells]
+    assert ends == [*homes[:4], (2.5, 1.5)]
 
 
 def test_a_robot_that_only_a_wall_stopped_does_not_wait_for_others() -> None:

@@ -25,6 +25,7 @@ def robots_that(*moves: Cell) -> list[Robot]:
 WALLS = {
     "ahead": ((-1.0, 0.0), (2.9, 0.5), True),
     "askew": ((-0.8, 0.6), (2.9, 0.5), True),
+    "from the corner": ((-0.7, 0.7), (2.9, 0.5), False),
     "rather from the side": ((-0.6, 0.8), (2.9, 0.5), False),
     "from behind": ((1.0, 0.0), (2.9, 0.5), False),
     "in the lane": ((-1.0, 0.0), (2.9, 0.99), True),
@@ -69,6 +70,31 @@ def test_only_a_hit_with_an_impulse_is_recorded() -> None:
         robot.meet(substep, Hit(0, 1, (-1.0, 0.0), (0.3, 0.0), impulse, (3.0, 0.5)), other)
     ((seconds, impulse, _, counterpart),) = robot.action.contacts
     assert (seconds, impulse, counterpart) == (3 * SPEC.time_step, 0.5, "robot 1")
+
+
+@pytest.mark.parametrize(
+    ("displacement", "x", "touches", "gives_up", "is_blocked"),
+    [
+        (EAST, 2.9, True, False, True),
+        (EAST, 2.9, False, True, True),
+        (EAST, 2.9, False, False, False),
+        (EAST, 3.1, True, True, False),
+        (EAST, 4.1, True, False, True),
+        (STAY, 3.1, True, False, False),
+    ],
+    ids=["touched", "told", "out of time", "at its goal", "pushed past it", "pushed while waiting"],
+)
+def test_a_robot_is_blocked_that_something_kept_from_another_cell(
+    displacement: Cell, x: float, touches: bool, gives_up: bool, is_blocked: bool
+) -> None:
+    """The robot begins at (2.5, 0.5), and is at (``x``, 0.5) in the end."""
+    robot, other = robots_that(displacement, EAST)
+    if touches:
+        robot.meet(1, Hit(0, 1, (-1.0, 0.0), (0.3, 0.0), 0.5, (3.0, 0.5)), other)
+    if gives_up:
+        robot.give_up()
+    robot.position = x, 0.5
+    assert robot.is_blocked() == is_blocked
 
 
 @pytest.mark.parametrize(

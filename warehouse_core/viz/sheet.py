@@ -58,6 +58,9 @@ BELOW = GAP + BAR + VERDICT
 CHART, CHART_HEAD, CHART_FOOT, CHART_LEFT, CHART_RIGHT = 1.05, 0.3, 0.38, 0.4, 0.5
 """Height of a chart in a column, and the room around it."""
 
+MAX_COLUMNS, ROW, CLOCK = 4, 3, 0.4
+"""Most tracks in one row; tracks in a row if there are more of them; room for the clock on top."""
+
 LEGEND_COLUMNS = 7
 
 BOLD = {"fontweight": "bold"}
@@ -105,13 +108,18 @@ def sheet_of(tracks: Sequence[Track], steps: int, *, legend: bool) -> Sheet:
     """Return the layout of a picture; a single track will have ``steps`` steps, perhaps a legend.
 
     If only the left one of two tracks has anything to chart, it leads: its map is larger, and its
-    charts are on the right.
+    charts are on the right. More than ``MAX_COLUMNS`` tracks are in rows, without charts.
     """
     if len(tracks) == 1:
         return _single(tracks[0], steps, legend=legend)
     first, *others = tracks
     leads = len(others) == 1 and first.metrics and not others[0].metrics
-    places, bottom = _leading(first, others[0]) if leads else _columns(tracks)
+    if len(tracks) > MAX_COLUMNS:
+        places, bottom = _rows(tracks)
+    else:
+        kinds = _kinds_in_columns(tracks)
+        in_columns = partial(_columns, tracks, len(tracks), kinds, MAX_MAP)
+        places, bottom = _leading(first, others[0]) if leads else in_columns()
     ends = [top + height for place in places for _, (_, top, _, height), _ in place.slots]
     bottom = max([bottom, *(end + CHART_FOOT for end in ends)])
     foot = FLEET_FOOT if any(track.is_fleet for track in tracks) else FOOT
@@ -156,11 +164,37 @@ def _single(track: Track, steps: int, *, legend: bool) -> Sheet:
     return Sheet(size, [TrackPlace(cell, map_box, slots, lines)], 0, MOTION_PARTS)
 
 
-def _columns(tracks: Sequence[Track]) -> tuple[list[TrackPlace], float]:
-    """Return columns of one width with maps of one scale and charts below, and where maps end."""
-    count, kinds = len(tracks), _kinds_in_columns(tracks)
+def _rows(tracks: Sequence[Track]) -> tuple[list[TrackPlace], float]:
+    """Return rows of columns without charts, and where the last row ends."""
+    places: list[TrackPlace] = []
+    bottom = CLOCK
+    for first in range(0, len(tracks), ROW):
+        row, end = _columns(tracks[first : first + ROW], ROW, [], MAX_SMALL_MAP)
+        places += [_lowered(place, bottom - CLOCK) for place in row]
+        bottom += end - CLOCK
+    return places, bottom
+
+
+def _lowered(place: TrackPlace, by: float) -> TrackPlace:
+    """Return the place of a track further down."""
+
+    def lower(box: Box) -> Box:
+        return box[0], box[1] + by, *box[2:]
+
+    slots = [slot._replace(box=lower(slot.box)) for slot in place.slots]
+    lines = [(left, top + by, say, style) for left, top, say, style in place.lines]
+    return TrackPlace(place.cell, lower(place.map), slots, lines)
+
+
+def _columns(
+    tracks: Sequence[Track], count: int, kinds: Sequence[type[Chart]], most: float
+) -> tuple[list[TrackPlace], float]:
+    """Return columns of one width with maps of one scale and charts below, and where maps end.
+
+    The columns are so wide that ``count`` of them fill a row; maps have at most a height ``most``.
+    """
     width = (WIDTH - (count - 1) * GUTTER) / count - 2 * MARGIN / count
-    cell = min(_cell(track, width, MAX_MAP) for track in tracks)
+    cell = min(_cell(track, width, most) for track in tracks)
     below = COLUMN_HEAD + cell * max(track.shown_size[1] for track in tracks)
     places = []
     for number, track in enumerate(tracks):
@@ -203,7 +237,7 @@ def _column(
         (left, 0.77, partial(caption_in_lines, width), BOLD | {"va": "top"}),
     ]
     if below is not None:
-        lines.append((left, below + BELOW - VERDICT / 2, tally_of, BOLD))
+        lines.append((left, below + BELOW - VERDICT / 2, partial(tally_of, width), BOLD))
         if "battery" in track.metrics:
             bar = Slot(BatteryBar, (left, below + GAP, map_box[2], BAR))
             charts = [bar, *charts]

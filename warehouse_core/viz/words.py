@@ -13,6 +13,9 @@ MAX_CAPTION, MIN_CAPTION, LINES_SHARE = 18.0, 10.0, 0.7
 """Largest size of an action with its reason; smallest in one line; largest in two lines, as a share
 of the largest."""
 
+MAX_TALLY, BOLD_WIDTH = 15.0, 0.55
+"""Largest size of what a track comes to, and mean width of its letters as a share of that."""
+
 LETTER_WIDTH = 0.66
 """Mean width of a letter, as a share of its size."""
 
@@ -62,8 +65,11 @@ def caption_in_lines(width: float, track: Track, frame: int) -> Words:
     return textwrap.fill(words, letters, max_lines=2, placeholder=" …"), 13
 
 
-def tally_of(track: Track, frame: int) -> Words:
-    """Return deliveries, steps, seconds and joules so far; at the end also how a track ended."""
+def tally_of(width: float, track: Track, frame: int) -> Words:
+    """Return deliveries, steps, seconds and joules so far; at the end also how a track ended.
+
+    The words are as large as a width in inches allows, and not larger than ``MAX_TALLY``.
+    """
     now, step = track.frames[frame], track.step_at(frame)
     numbers, joules = [counted(math.ceil(now.progress), "step")], now.energy
     if track.counts_orders:
@@ -73,4 +79,6 @@ def tally_of(track: Track, frame: int) -> Words:
         numbers += [f"{seconds_of(now.clock)} s", f"{joules:,.0f} J"]
     words = ", ".join(numbers)
     is_over = frame == len(track) - 1
-    return f"{track.ending.capitalize()}: {words}" if is_over and track.ending else words, 15
+    if is_over and track.ending:
+        words = f"{track.ending.capitalize()}: {words}"
+    return words, min(MAX_TALLY, POINTS * width / (BOLD_WIDTH * len(words)))

@@ -57,6 +57,16 @@ TEXTS = {
 #.........#
 ###########
 """,
+    "bay": """
+###########
+#.........#
+#..####...#
+#.....#...#
+#P....#..D#
+#..####...#
+#.........#
+###########
+""",
     "maze": """
 #####################
 #P#.....#.......#...#
@@ -80,10 +90,10 @@ TEXTS = {
 """,
 }
 
-DEFAULT, SHELVES, DEPOT = "default", "shelves", "depot"
+DEFAULT, BAY, SHELVES, DEPOT = "default", "bay", "shelves", "depot"
 
 NAMES = (DEFAULT, *TEXTS, SHELVES, DEPOT)
-"""Names of all layouts: the chapter's, six that each show one thing, and two warehouses of shelves.
+"""Names of all layouts: the chapter's, seven that each show one thing, and two of shelves.
 
 The depot has room for a fleet of about eight robots.
 """

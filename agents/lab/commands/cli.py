@@ -21,6 +21,7 @@ from agents.lab.commands.grade.grade import grade
 from agents.lab.commands.planners.compare_planners import compare_planners
 from agents.lab.commands.planners.mapf import mapf
 from agents.lab.commands.play import play
+from agents.lab.commands.race import race
 from agents.lab.commands.run import report_episode, run
 from agents.lab.commands.search import search
 from agents.lab.commands.train import train_ppo, train_q
@@ -87,6 +88,7 @@ GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
     "Start": {
         "run": run,
         "play": play,
+        "race": race,
         "demo": demo,
         "replay": replay,
         "search": search,

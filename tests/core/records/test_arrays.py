@@ -351,6 +351,28 @@ def test_impossible_orders_are_refused(
     assert message in refused(FLEET, orders=orders)
 
 
+def test_orders_at_the_limits_of_an_episode_are_read() -> None:
+    arrays = arrays_of(FLEET)
+    pickup_and_dropoff = arrays["orders"][0, PICKUP:ROBOT].tolist()
+    limits = [
+        (0, 0, *pickup_and_dropoff, -1, 0, 0, 0),
+        (0, 30, *pickup_and_dropoff, 3, 3, 30, 30),
+        (30, 30, *pickup_and_dropoff, 0, 2, 30, -1),
+        (30, 30, *pickup_and_dropoff, 3, -1, -1, -1),
+    ]
+    read = unpack(arrays | {"orders": np.array(limits), "assignments": np.zeros((0, 3))})
+    found = [
+        (each.released, each.due, each.robot, each.taken_by, each.taken, each.delivered)
+        for each in read["orders"]
+    ]
+    assert found == [
+        (0, 0, None, 0, 0, 0),
+        (0, 30, 3, 3, 30, 30),
+        (30, 30, 0, 2, 30, None),
+        (30, 30, 3, None, None, None),
+    ]
+
+
 @pytest.mark.parametrize(
     ("assignment", "message"),
     [

@@ -12,6 +12,7 @@ from xml.etree import ElementTree
 import imageio_ffmpeg
 import numpy as np
 import pytest
+from helpers.command_line import heed_interrupts
 from helpers.documents import executable_nodes
 from helpers.pictures import (
     HOSTILE_NAMES,
@@ -228,7 +229,7 @@ except ChildProcessError:
 """
     done = subprocess.run(
         [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True,
-        start_new_session=True, check=True,
+        start_new_session=True, check=True, preexec_fn=heed_interrupts,
     )  # fmt: skip
     assert (done.stdout, done.stderr) == ("None\nno child\n", "")
 

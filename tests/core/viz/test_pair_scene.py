@@ -177,6 +177,17 @@ def boxes(scene: Scene) -> Iterator[Any]:
         yield artist.get_window_extent()
 
 
+def check_boxes(scene: Scene) -> None:
+    """Raise if something overlaps or leaves the picture."""
+    found = list(boxes(scene))
+    for number, box in enumerate(found):
+        assert box.x0 >= 0
+        assert box.y0 >= 0
+        assert box.x1 <= scene.root.bbox.x1 + 1e-6
+        assert box.y1 <= scene.root.bbox.y1
+        assert not any(box.overlaps(each) for each in found[number + 1 :])
+
+
 LONG = "goes round a wall that it has met before, because every other way is longer still " * 3
 
 
@@ -201,13 +212,26 @@ def test_nothing_overlaps_nor_leaves_a_picture_of_1366_pixels(
         assert scene.root.bbox.width <= MAX_PIXELS
         assert scene.root.bbox.height <= 800
         scene.show(len(scene) - 1)
-        found = list(boxes(scene))
-        for number, box in enumerate(found):
-            assert box.x0 >= 0
-            assert box.y0 >= 0
-            assert box.x1 <= scene.root.bbox.x1 + 1e-6
-            assert box.y1 <= scene.root.bbox.y1
-            assert not any(box.overlaps(each) for each in found[number + 1 :])
+        check_boxes(scene)
+
+
+def test_more_than_four_tracks_are_in_rows_of_three_and_have_no_charts(
+    grid: Track, physics: Track
+) -> None:
+    tracks = [grid, physics, grid, dataclasses.replace(physics, ending="battery depleted"), grid]
+    scene = Scene(tracks, make_figure)
+    scene.show(len(scene) - 1)
+    assert scene.root.bbox.width <= MAX_PIXELS
+    places = [axes.get_position() for axes in maps(scene)]
+    assert [place.x0 for place in places[:2]] == [place.x0 for place in places[3:]]
+    assert [len({round(place.y1, 6) for place in row}) for row in (places[:3], places[3:])] == [
+        1,
+        1,
+    ]
+    assert len(scene.root.axes) == 2 * len(tracks), "maps and batteries"
+    check_boxes(scene)
+    row = maps(Scene(tracks[:4], make_figure))
+    assert len({round(axes.get_position().y1, 6) for axes in row}) == 1
 
 
 def test_bare_frames_have_steps_and_neither_seconds_nor_joules() -> None:

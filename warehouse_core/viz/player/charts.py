@@ -14,6 +14,10 @@ INK, WARNING = "ink", "warning"
 """Names of colours of the palette."""
 
 
+MAX_TRACKS = 4
+"""Tracks of the largest page with charts: as many as ``charts.js`` has kinds of lines."""
+
+
 class Series(NamedTuple):
     """Numbers in a chart: its title, their name, how they are drawn, their times and themselves."""
 
@@ -30,8 +34,10 @@ def packed_charts(
 ) -> list[dict[str, Any]]:
     """Return the charts of some tracks, whose frames have these times, and add their numbers.
 
-    Series with the same title are one chart.
+    Series with the same title are one chart. Of more than ``MAX_TRACKS`` tracks there are none.
     """
+    if len(tracks) > MAX_TRACKS:
+        return []
     charts: dict[str, list[dict[str, Any]]] = {}
     for number, (track, moments) in enumerate(zip(tracks, times, strict=True)):
         for series in _series_of(track, moments):

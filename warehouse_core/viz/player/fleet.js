@@ -14,6 +14,7 @@ export class FleetPanel {
     this.element = copy("fleet-template");
     this.find = (name) => partOf(this.element, name);
     this.number = this.find("number");
+    this.find("name").textContent = track.title;
     this.number.max = track.robots - 1;
     this.number.addEventListener("input", () => player.choose(Number.parseInt(this.number.value, 10)));
     this.find("heat").addEventListener("change", (event) => {

@@ -66,7 +66,7 @@ export class HeatMap {
     this.walls = element("canvas", { width, height });
     const context = this.walls.getContext("2d");
     for (let cell = 0; cell < tiles.length; cell++) {
-      context.fillStyle = tiles[cell] === "#" ? theme.wall : theme.floor;
+      context.fillStyle = tiles[cell] === "#" ? theme.shelf : theme.floor;
       context.fillRect(cell % width, Math.floor(cell / width), 1, 1);
     }
     return this.walls;

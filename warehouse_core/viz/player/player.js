@@ -82,10 +82,11 @@ export class Player {
     });
     this.views = [...views.values()];
     this.root.classList.toggle("several", this.tracks.length > 1);
-    this.root.classList.toggle("stacked", this.tracks.length > 1 || this.views[0].aspect > WIDE);
+    this.root.classList.toggle("panorama", this.tracks.length === 1 && this.views[0].aspect > WIDE);
     const columns = COLUMNS[this.tracks.length] ?? MAX_COLUMNS;
     this.find("floors").style.setProperty("--columns", columns);
     this.root.classList.toggle("many", this.tracks.length > columns);
+    this.root.classList.toggle("crowded", this.tracks.length > MAX_COLUMNS + 1);
     this.find("floors").append(...this.panels.map((panel) => panel.element));
     this.find("charts").append(...this.charts.map((chart) => chart.element));
     const fleets = this.tracks.filter((track) => track.isFleet && track.robots > 1);

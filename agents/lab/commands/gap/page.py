@@ -74,7 +74,10 @@ def write_gap_page(
     rows = tuple(tuple(cell.replace("\n", " ") for cell in row) for row in table.rows)
     note = " ".join(filter(None, (NOTE, table.caption)))
     tracks = [track_of(record, world) for world, record in records.items()]
-    replay = player_frame(tracks, title="All worlds on one clock", speed=SPEED, height=HEIGHT)
+    moment, heading = shown(records)
+    replay = player_frame(
+        tracks, title="All worlds on one clock", speed=SPEED, opens_at=moment, height=HEIGHT
+    )
     write_template(
         path,
         "gap.html",
@@ -85,7 +88,7 @@ def write_gap_page(
         lost=lost(scores),
         kinds=KINDS,
         bars=bars_of(scores),
-        shown=shown(records),
+        shown=heading,
         replay=Markup(replay),
         settings=settings_of(setting),
     )
@@ -134,8 +137,8 @@ def lost(scores: SeedScores) -> str:
     )
 
 
-def shown(records: Mapping[str, FleetEpisode]) -> str:
-    """Return how many orders are delivered in each world when the plan has delivered all."""
+def shown(records: Mapping[str, FleetEpisode]) -> tuple[float, str]:
+    """Return when the plan has delivered all orders, and how many each world has by then."""
     clocks = {
         world: np.concatenate([[0.0], record.seconds.max(axis=1).cumsum()])
         for world, record in records.items()
@@ -147,10 +150,8 @@ def shown(records: Mapping[str, FleetEpisode]) -> str:
     end = max(times[PLAN], default=0.0)
     counts = {world: sum(time <= end for time in each) for world, each in times.items()}
     others = [f"{world} {count:,}" for world, count in counts.items() if world != PLAN]
-    return (
-        f"After {end:,.0f} s the plan has delivered {counted(counts[PLAN], 'order')}, "
-        f"{listed(others)}"
-    )
+    plan = f"After {end:,.0f} s the plan has delivered {counted(counts[PLAN], 'order')}"
+    return end, f"{plan}, {listed(others)}"
 
 
 def settings_of(setting: Setting) -> list[tuple[str, str]]:

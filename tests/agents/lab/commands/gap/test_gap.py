@@ -4,9 +4,11 @@ import csv
 import re
 from math import inf, nan
 from pathlib import Path
+from typing import Any
 
 import pytest
 from helpers.command_line import Warehouse
+from helpers.player import page_in, said_by
 
 from agents.lab.commands.gap.spent_time import KINDS
 from agents.lab.commands.gap.summary import gap_table, losses, message
@@ -19,6 +21,13 @@ SMALL = (
 )  # fmt: skip
 PLAIN = Score(100.0, 1.0, 2000.0, 0, 144.0, 4, 0, (1.0, 0.0, 0.0, 0.0, 0.0), 0)
 NO_SHOCKS = Shocks(0.0, 0.0)
+
+
+def caption_at(track: Any, moment: float) -> str:
+    """Return the caption that a page shows of a track at a moment."""
+    frame = sum(time <= moment + 1e-9 for time in track["time"]) - 1
+    caption: str = track["captions"][track["captionAt"][frame]]
+    return caption
 
 
 def scores(stopping: float, driving: float, disturbed: float) -> dict[str, list[Score]]:
@@ -51,6 +60,13 @@ def test_worlds_are_compared_in_a_table_a_page_and_a_file_of_values(warehouse: W
     assert all(f" {makespan:.3g} " in out for makespan in means.values())
     [said] = re.findall(r"^Driving through brings .*(?=\.$)", out, flags=re.MULTILINE)
     page = Path("gap.html").read_text(encoding="utf-8")
+    [heading] = re.findall(r"After ([\d,]+) s the plan has delivered 3 orders, (.*)</h2>", page)
+    player = said_by(page_in(page))
+    captions = [caption_at(track, player["opensAt"]) for track in player["tracks"]]
+    counts = [int(caption.split()[0]) for caption in captions]
+    assert f"{player['opensAt']:.0f}" == heading[0], "the floors show what the heading tells"
+    assert counts == [3, *(int(number) for number in re.findall(r" (\d+)", heading[1]))]
+    assert counts[1] < 3
     assert f"<h1>{said}</h1>" in page
     assert page.count("<iframe") == 1
     assert "http" not in page.replace("http-equiv", "").replace("http://www.w3.org", "")

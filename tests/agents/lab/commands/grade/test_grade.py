@@ -11,7 +11,7 @@ from pathlib import Path
 from time import sleep
 
 import pytest
-from helpers.command_line import ROOT, Refused, Warehouse
+from helpers.command_line import ROOT, Refused, Warehouse, heed_interrupts
 from helpers.documents import executable_nodes
 from helpers.submissions import (
     GOOD,
@@ -187,7 +187,7 @@ def test_an_interrupted_folder_is_resumed_and_nothing_is_left_running(
         stderr=subprocess.PIPE,
         stdout=subprocess.PIPE,
         text=True,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        preexec_fn=heed_interrupts,
     ) as process:
         while not Path("grades.csv").exists() or "searches" not in rows_of("grades.csv"):
             assert process.poll() is None

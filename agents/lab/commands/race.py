@@ -1,0 +1,144 @@
+"""The command ``warehouse race``: agents on one floor and one clock, side by side."""
+
+from __future__ import annotations
+
+import math
+from collections import Counter
+from collections.abc import Iterator, Mapping
+from contextlib import closing
+from itertools import pairwise
+from pathlib import Path
+from shutil import get_terminal_size
+from textwrap import fill
+from typing import Annotated
+
+import typer
+
+from agents.errors import EpisodeInterrupted
+from agents.lab.commands.compare_agents import AGENTS
+from agents.lab.commands.compare_backends import ROWS
+from agents.lab.console import options
+from agents.lab.console.options import option
+from agents.lab.console.output import Film, show_or_save
+from agents.lab.console.table import TextTable, print_table
+from agents.lab.console.terminal import say
+from agents.lab.console.values import load_place
+from agents.lab.console.watch import slow_steps_told
+from agents.lab.runs.run import run
+from agents.lab.trials.task import Task
+from agents.learning.q_learning import QAgent, QTable, learn
+from agents.registry import make_agent
+from warehouse_core import Agent, Episode, Layout, WarehouseEnv
+from warehouse_core.records.failure_modes import diagnose
+from warehouse_core.task.starts import START
+from warehouse_core.viz.tracks.record_track import track_of_record
+from warehouse_core.viz.tracks.track import Track
+from warehouse_core.world.named_layouts import BAY
+
+LEARNER = "q"
+"""Name of the agent that learns on the floor, before the race, by Q-learning."""
+
+RACERS = ("greedy:escape_steps=0", "greedy", "exploring", LEARNER, "astar")
+"""Names of the agents that race if none are given."""
+
+TITLES = AGENTS | {LEARNER: "Q-learning"}
+
+PRACTICE, MAX_PRACTICE = 500, 500_000
+"""Steps for each open cell of the floor in which the learner practises, and most steps at all."""
+
+CIRCLES = 3
+"""Visits of a cell with the same load from which on a robot goes in circles."""
+
+
+def race(
+    agent: Annotated[
+        list[str] | None,
+        option(
+            "--agent NAME",
+            f"{options.AGENT} May be repeated; {LEARNER} without a file learns on the floor "
+            f"before the race. Default: {', '.join(RACERS)}.",
+            show_default=False,
+        ),
+    ] = None,
+    backend: options.BackendOption = "grid",
+    layout: Annotated[Path, option("--layout FILE", options.LAYOUT)] = Path(BAY),
+    stations: options.StationsOption = None,
+    start: options.Start = None,
+    seed: options.Seed = 35,
+    battery: options.BatteryOption = 200,
+    max_steps: options.MaxSteps = 60,
+    *,
+    save: options.SaveReplay,
+    show: options.Show = None,
+    speed: options.Speed = 1.0,
+) -> None:
+    """Let agents race on the same floor.
+
+    All start at once, from the same cell, each on a floor of its own. The
+    replay shows them on one clock, and tells who goes in circles, who waits
+    and who has arrived. Best on a page: --save race.html.
+
+    Example: warehouse race --agent greedy --agent astar --save race.html
+    """
+    place = load_place(layout, stations, start)
+    task = Task(place.layout, battery, max_steps, backend, place.start_pos, place.randomize)
+    records = {TITLES.get(name, name): run_racer(name, task, seed) for name in agent or RACERS}
+    title = f"Race on layout {layout.stem}, backend {backend}, seed {seed}"
+    rows = [(name, *(value(each) for value in ROWS.values())) for name, each in records.items()]
+    print_table(TextTable(("agent", *ROWS), rows, title))
+    for name, record in records.items():
+        say(fill(f"{name}: {diagnose(record).sentence}.", get_terminal_size().columns))
+    film = Film(lambda: tracks_of(records), title, speed=speed)
+    show_or_save(film, save, show, f"race-{seed}.html")
+
+
+def run_racer(name: str, task: Task, seed: int) -> Episode:
+    """Run an agent by its name, and return the record."""
+    with closing(task.make_env(seed)) as env:
+        if name == LEARNER:
+            env.reset(task.randomize, seed)  # puts the stations where they will be in the race
+            racer: Agent = practised(env.layout, seed)
+        else:
+            racer = make_agent(name, seed, task.layout_for(seed))
+    # Random stations depend on the stations before them: the race has an environment of its own.
+    with closing(task.make_env(seed)) as env:
+        try:
+            watch = slow_steps_told(racer, name)
+            return run(env, racer, seed, watch, name=name, randomize=task.randomize)
+        except EpisodeInterrupted as error:
+            raise typer.Abort from error
+
+
+def practised(floor: Layout, seed: int) -> QAgent:
+    """Return an agent that has learned on the grid to deliver from anywhere on a floor."""
+    table, steps = QTable(), min(PRACTICE * len(floor.open_cells), MAX_PRACTICE)
+    for _ in learn(table, WarehouseEnv(floor), steps, seed, START):
+        pass
+    return QAgent(table, seed)
+
+
+def tracks_of(records: Mapping[str, Episode]) -> list[Track]:
+    """Return the tracks of records under their titles, without charts."""
+    tracks = []
+    for title, record in records.items():
+        track, states = track_of_record(record), ["", *states_of(record)]
+        track.title, track.metrics = title, {}
+        for frame in track.frames[1:-1]:
+            state = states[math.ceil(frame.progress)]
+            frame.caption = f"{state}: {frame.caption}"
+        tracks.append(track)
+    return tracks
+
+
+def states_of(record: Episode) -> Iterator[str]:
+    """Yield for each step in a word or two what a robot that has not arrived is doing."""
+    states = list(zip(record.cells, record.loaded, strict=True))
+    visits = Counter(states[:1])
+    for before, here in pairwise(states):
+        visits[here] += here != before
+        if here == before:
+            yield "waits"
+        elif visits[here] >= CIRCLES:
+            yield "goes in circles"
+        else:
+            yield "brings the item" if here[1] else "fetches the item"

@@ -1,0 +1,176 @@
+"""What each measure makes of episodes, in points, in words and by the worst of them."""
+
+from collections.abc import Sequence
+from types import SimpleNamespace
+from typing import Any, cast
+
+import pytest
+
+from agents.lab.grading import grading
+from agents.lab.grading.cases import GradedCase
+from agents.lab.grading.criteria import Criterion
+from agents.lab.grading.grading import Grade, GradeReport, grade
+from agents.lab.grading.rubric import Rubric
+from agents.lab.grading.runs import Run
+from agents.lab.grading.sandbox import ENDS, FAILS, SLOW, AgentFailureError
+from agents.lab.grading.submissions import Submission
+
+OPEN = GradedCase("open", max_steps=60)
+SHUT = GradedCase("shut", max_steps=60)
+HIDDEN = GradedCase("hidden", max_steps=60, visible=False)
+
+GOOD = Run(OPEN, 1, 20, True, 20, 0, 0, "delivered", "It delivered.", slowest=0.1, agent="Agent")
+LOST = GOOD._replace(delivered=False, steps=60, mode="oscillation", sentence="It went to and fro.")
+CALM = LOST._replace(case=SHUT, needed=None, mode="unreachable", sentence="There is no way.")
+CRASH = AgentFailureError(FAILS, "ValueError: 3", "ValueError")
+
+
+def judged(criterion: Criterion, *runs: Run) -> Grade:
+    """Return the grade for episodes, with seeds from 1 on."""
+    return report_of([criterion], *runs).grades[-1]
+
+
+def report_of(criteria: Sequence[Criterion], *runs: Run) -> GradeReport:
+    cases = list(dict.fromkeys(run.case for run in runs))
+    numbered = [run._replace(seed=seed) for seed, run in enumerate(runs, 1)]
+    rubric = SimpleNamespace(
+        criteria=criteria, used_cases=cases, limits=None, files=(), title="A title", digest="r"
+    )
+    submission = SimpleNamespace(called=lambda name: f"mine:{name}", digest="c", hiding=())
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(grading, "run_cases", lambda *_: numbered)
+        return grade(cast("Submission", submission), cast("Rubric", rubric))
+
+
+def on(kind: str, full: float, zero: float, case: str = "open", **others: Any) -> Criterion:
+    return Criterion("a criterion", 10, kind, (case,), full, zero, **others)
+
+
+@pytest.mark.parametrize(
+    ("criterion", "runs", "points", "seen", "worst"),
+    [
+        (
+            on("delivered", 1, 0),
+            [GOOD, LOST, GOOD, LOST._replace(failure=CRASH, step=7)],
+            5,
+            "50% of 4 episodes: 2 delivered, 1 fails and 1 oscillation",
+            (4, "fails at step 7: ValueError: 3"),
+        ),
+        (
+            on("delivered", 1, 0),
+            [GOOD, LOST, LOST, CALM],
+            3.33,
+            "33% of 3 episodes: 1 delivered and 2 oscillation",
+            (2, "oscillation: It went to and fro."),
+        ),
+        (on("delivered", 1, 0), [GOOD, CALM], 10, "100% of 1 episode: 1 delivered", None),
+        (
+            on("steps_of_fewest", 1, 3),  # 50 + 60 steps where 20 + 30 are enough
+            [GOOD._replace(steps=50), LOST._replace(needed=30), CALM],
+            4,
+            "2.20 times in 2 episodes: 1 delivered and 1 oscillation",
+            (1, "It delivered."),
+        ),
+        (
+            on("steps_of_fewest", 1, 3),  # one that failed is the worst, however few it needed
+            [GOOD._replace(steps=50), LOST._replace(needed=30, steps=9, failure=CRASH, step=10)],
+            4,
+            "2.20 times in 2 episodes: 1 delivered and 1 fails",
+            (2, "fails at step 10: ValueError: 3"),
+        ),
+        (
+            on("calm_without_way", 1, 0, "shut"),
+            [CALM._replace(useless=10), CALM._replace(useless=11), CALM._replace(useless=12)],
+            3.33,
+            "33% of 3 episodes: 0 failures, at most 12 useless actions in an episode",
+            (3, "unreachable: There is no way.; 12 useless actions"),
+        ),
+        (
+            on("calm_without_way", 1, 0, "shut"),
+            [CALM._replace(useless=60), CALM._replace(failure=CRASH, step=1), CALM],
+            3.33,
+            "33% of 3 episodes: 1 failure, at most 60 useless actions in an episode",
+            (2, "fails at step 1: ValueError: 3"),
+        ),
+        (
+            on("protocol", 1, 0),
+            [GOOD, GOOD._replace(unknown=2), GOOD._replace(unknown=3), LOST],
+            5,
+            "50% of 4 episodes: 0 failures, 5 unknown actions",
+            (3, "It delivered.; 3 unknown actions"),
+        ),
+        (
+            on("protocol", 1, 0),
+            [LOST._replace(unknown=60), LOST._replace(failure=CRASH, step=0)],
+            0,
+            "0% of 2 episodes: 1 failure, 60 unknown actions",
+            (2, "fails: ValueError: 3"),
+        ),
+        (
+            on("answer_seconds", 0.1, 0.1),  # the first that is too slow, not the slowest
+            [GOOD, GOOD._replace(slowest=0.2), GOOD._replace(slowest=0.3)],
+            0,
+            "not all in time in 3 episodes: none too slow",
+            (2, "It delivered."),
+        ),
+        (
+            on("answer_seconds", 0.1, 0.1),
+            [GOOD, GOOD._replace(failure=AgentFailureError(SLOW, "an answer"), step=3)],
+            0,
+            "not all in time in 2 episodes: 1 too slow",
+            (2, "takes too long at step 3: an answer"),
+        ),
+        (
+            on("answer_seconds", 0.1, 0.1),
+            [GOOD, GOOD._replace(failure=AgentFailureError(ENDS, "exit code 1"), step=3)],
+            10,
+            "all in time in 2 episodes: none too slow",
+            None,
+        ),
+    ],
+)
+def test_a_measure_is_told_with_the_worst_episode(
+    criterion: Criterion,
+    runs: list[Run],
+    points: float,
+    seen: str,
+    worst: tuple[int, str] | None,
+) -> None:
+    found = judged(criterion, *runs)
+    assert (found.points, found.seen) == (points, seen)
+    if worst is None:
+        assert (found.is_full, found.worst, found.command) == (True, "", "")
+    else:
+        seed, told = worst
+        assert (found.is_full, found.worst) == (False, told)
+        assert found.command == f"warehouse run --agent mine:Agent --seed {seed} --max-steps 60"
+
+
+def test_the_greedy_agent_is_compared_in_the_same_episodes() -> None:
+    """It takes all steps of the trap, and those of the record of an open hall."""
+    trap = GradedCase("open", "trap", max_steps=60)
+    found = judged(on("greedy_steps", 3, 1), GOOD._replace(case=trap), GOOD._replace(case=trap))
+    assert (found.points, found.seen) == (10, "3.00 times in 2 episodes: 2 delivered")
+    found = judged(on("greedy_steps", 4, 2), GOOD._replace(case=trap, steps=24))
+    assert (found.points, found.seen) == (2.5, "2.50 times in 1 episode: 1 delivered")
+
+
+def test_a_visible_episode_is_shown_before_a_worse_hidden_one() -> None:
+    both = on("delivered", 1, 0)._replace(cases=("open", "hidden"))
+    hidden = LOST._replace(case=HIDDEN, failure=CRASH)
+    assert judged(both, GOOD, hidden, LOST).worst == "oscillation: It went to and fro."
+    found = judged(both, GOOD, hidden)
+    assert (found.worst, found.command) == ("fails: ValueError (a hidden episode)", "")
+
+
+def test_without_any_points_for_what_a_criterion_needs_it_gives_none() -> None:
+    first = on("delivered", 1, 0)
+    second = on("protocol", 1, 0, needs=first.name)._replace(name="another", points=5)
+    report = report_of([first, second], LOST)
+    assert [each.points for each in report.grades] == [0, 0]
+    assert report.grades[1].seen == (
+        "100% of 1 episode: 0 failures, 0 unknown actions; no points without 'a criterion'"
+    )
+    report = report_of([first, second], GOOD, LOST)
+    assert [each.points for each in report.grades] == [5, 5]
+    assert (report.points, report.max_points, report.episodes) == (10, 15, 2)
