@@ -12,7 +12,7 @@ from agents.lab.grading.criteria import Criterion
 from agents.lab.grading.grading import Grade, GradeReport, grade
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.runs import Run
-from agents.lab.grading.sandbox import ENDS, FAILS, SLOW, AgentFailureError
+from agents.lab.grading.sandbox import ENDS, FAILS, LOAD, SLOW, AgentFailureError
 from agents.lab.grading.submissions import Submission
 
 OPEN = GradedCase("open", max_steps=60)
@@ -30,13 +30,13 @@ def judged(criterion: Criterion, *runs: Run) -> Grade:
     return report_of([criterion], *runs).grades[-1]
 
 
-def report_of(criteria: Sequence[Criterion], *runs: Run) -> GradeReport:
+def report_of(criteria: Sequence[Criterion], *runs: Run, hiding: Sequence[str] = ()) -> GradeReport:
     cases = list(dict.fromkeys(run.case for run in runs))
     numbered = [run._replace(seed=seed) for seed, run in enumerate(runs, 1)]
     rubric = SimpleNamespace(
         criteria=criteria, used_cases=cases, limits=None, files=(), title="A title", digest="r"
     )
-    submission = SimpleNamespace(called=lambda name: f"mine:{name}", digest="c", hiding=())
+    submission = SimpleNamespace(called=lambda name: f"mine:{name}", digest="c", hiding=hiding)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(grading, "run_cases", lambda *_: numbered)
         return grade(cast("Submission", submission), cast("Rubric", rubric))
@@ -63,7 +63,20 @@ def on(kind: str, full: float, zero: float, case: str = "open", **others: Any) -
             "33% of 3 episodes: 1 delivered and 2 oscillation",
             (2, "oscillation: It went to and fro."),
         ),
-        (on("delivered", 1, 0), [GOOD, CALM], 10, "100% of 1 episode: 1 delivered", None),
+        (
+            on("delivered", 1, 0),  # other cases, and episodes without a way, do not count
+            [GOOD, CALM, LOST._replace(case=SHUT), LOST._replace(needed=None)],
+            10,
+            "100% of 1 episode: 1 delivered",
+            None,
+        ),
+        (
+            on("steps_of_fewest", 1, 3),  # 20 + 90 steps, as it charged its battery on the way
+            [GOOD, LOST._replace(steps=90)],
+            1.25,
+            "2.75 times in 2 episodes: 1 delivered and 1 oscillation",
+            (2, "oscillation: It went to and fro."),
+        ),
         (
             on("steps_of_fewest", 1, 3),  # 50 + 60 steps where 20 + 30 are enough
             [GOOD._replace(steps=50), LOST._replace(needed=30), CALM],
@@ -174,3 +187,38 @@ def test_without_any_points_for_what_a_criterion_needs_it_gives_none() -> None:
     report = report_of([first, second], GOOD, LOST)
     assert [each.points for each in report.grades] == [5, 5]
     assert (report.points, report.max_points, report.episodes) == (10, 15, 2)
+
+
+def test_points_are_added_to_hundredths() -> None:
+    criteria = [on("delivered", 1, 0)._replace(name=name, points=0.07) for name in "abc"]
+    report = report_of(criteria, GOOD)
+    assert sum(each.points for each in report.grades) != 0.21
+    assert report.points == 0.21
+
+
+def test_an_agent_that_never_began_has_the_first_reason() -> None:
+    reasons = [AgentFailureError(LOAD, text) for text in ("no class", "the time is up")]
+    unloaded = [LOST._replace(failure=reason, agent="") for reason in reasons]
+    report = report_of([on("delivered", 1, 0)], *unloaded)
+    assert (report.failure, report.agent) == ("cannot be loaded: no class", "mine:None")
+    assert report.remarks == ["cannot be loaded: no class"]
+    report = report_of([on("delivered", 1, 0)], *unloaded, GOOD)
+    assert (report.failure, report.agent, report.remarks) == ("", "mine:Agent", [])
+
+
+@pytest.mark.parametrize(
+    ("hiding", "note"),
+    [
+        (["numpy"], "numpy hides a module of that name from all imports"),
+        (["numpy", "re"], "numpy, re hide modules of that name from all imports"),
+    ],
+)
+def test_files_that_hide_modules_are_named(hiding: list[str], note: str) -> None:
+    assert report_of([on("delivered", 1, 0)], GOOD, hiding=hiding).remarks == [note]
+
+
+def test_a_demand_says_what_gives_none() -> None:
+    assert on("greedy_steps", 3, 3).asked == "the greedy agent takes 3.00 times as many steps"
+    assert on("greedy_steps", 3, 1).asked == (
+        "the greedy agent takes 3.00 times as many steps; no points at 1.00 times"
+    )
