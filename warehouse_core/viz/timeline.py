@@ -41,7 +41,7 @@ class Timeline:
     def words(self, number: int) -> str:
         """Return a moment in words."""
         moment = self.moments[number]
-        return seconds_of(moment) if self.in_seconds else f"step {moment:g}"
+        return f"{seconds_of(moment)} s" if self.in_seconds else f"step {moment:g}"
 
     def _find_moments(self, tracks: Sequence[Track]) -> list[float]:
         """Return each step, or times as close as the frames of a motion."""

@@ -37,7 +37,7 @@ def counter_of(steps: int, track: Track, frame: int) -> Words:
     """Return how many of a number of steps were taken, and the clock of a continuous motion."""
     now = track.frames[frame]
     digits = 0 if track.frames[-1].clock > LONG_SECONDS else 1
-    clock = f"   {now.clock:.{digits}f} s" if track.is_continuous else ""
+    clock = f"   {seconds_of(now.clock, digits)} s" if track.is_continuous else ""
     return f"step {math.ceil(now.progress)} of {steps}{clock}", 9
 
 
@@ -76,7 +76,7 @@ def tally_of(width: float, track: Track, frame: int) -> Words:
         numbers.insert(0, f"{track.metrics['delivered'][step]} delivered")
         joules = track.metrics["joules"][step]
     if track.frames[-1].clock:
-        numbers += [seconds_of(now.clock), f"{joules:,.0f} J"]
+        numbers += [f"{seconds_of(now.clock)} s", f"{joules:,.0f} J"]
     words = ", ".join(numbers)
     is_over = frame == len(track) - 1
     if is_over and track.ending:

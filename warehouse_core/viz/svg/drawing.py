@@ -25,7 +25,7 @@ from warehouse_core.viz.tracks.track import (
     MIN_PACE,
     Track,
 )
-from warehouse_core.wording import printable
+from warehouse_core.wording import printable, seconds_of
 
 MAX_SVG_BYTES = 2_000_000
 """Size of the largest drawing; a page plays more, and jumps."""
@@ -159,7 +159,7 @@ def _words(
     steps = track.steps
     counter = [f"step {frame.progress:.0f} of {steps}" for frame in frames]
     if track.is_continuous:
-        counter = [f"{frame.clock:.1f} s" for frame in frames]
+        counter = [f"{seconds_of(frame.clock)} s" for frame in frames]
     room = width - LETTER * SMALL * (max(map(len, counter)) + 2)
     title = textwrap.shorten(track.title, max(int(room / LETTER / SMALL), 8), placeholder="…")
     yield f'<text x="0" y="22" class="words small quiet">{html.escape(printable(title))}</text>'

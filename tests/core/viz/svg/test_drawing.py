@@ -27,6 +27,7 @@ from warehouse_core.viz.tracks.track import (
     Pose,
     Track,
 )
+from warehouse_core.wording import seconds_of
 
 SVG = "{http://www.w3.org/2000/svg}"
 Element = ElementTree.Element
@@ -127,7 +128,7 @@ def test_the_robot_its_load_battery_and_words_are_those_of_each_frame(backend: s
         assert f"battery {level:g} of 200" in words
         assert not frame.caption or " ".join(words).count(frame.caption.split(";")[0]) == 1
         assert ("DELIVERED" in words) == (number == len(track) - 1)
-        counter = f"{frame.clock:.1f} s" if track.is_continuous else f"step {number} of 23"
+        counter = f"{seconds_of(frame.clock)} s" if track.is_continuous else f"step {number} of 23"
         assert counter in words
         [bar] = [all_of for each, all_of in shown.shown(number) if all_of.get("class") == "battery"]
         width = bar["width"] if isinstance(bar["width"], list) else _numbers(bar["width"])
