@@ -16,7 +16,7 @@ from warehouse_core.viz.charts import BatteryBar, Chart, TimeAxis, share_scales
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.legend import draw_legend, signs_of
 from warehouse_core.viz.sheet import BOLD, WIDTH, Box, Sheet, TrackPlace, sheet_of
-from warehouse_core.viz.timeline import Timeline
+from warehouse_core.viz.tracks.timeline import Timeline
 from warehouse_core.viz.tracks.track import Track
 from warehouse_core.viz.view import View
 

@@ -17,7 +17,7 @@ from warehouse_core.render.palette import PALETTE
 from warehouse_core.viz.svg.bodies import bodies_of
 from warehouse_core.viz.svg.change import Beat, growing, shown, spans_of
 from warehouse_core.viz.svg.floor import UNIT, ends_of, floor_of
-from warehouse_core.viz.timeline import Timeline
+from warehouse_core.viz.tracks.timeline import Timeline
 from warehouse_core.viz.tracks.track import (
     CONTINUOUS_FRAMES,
     INTERVAL_MS,
