@@ -136,7 +136,7 @@ class Replay(FuncAnimation):
             filename: path of the file.
             writer: a writer of matplotlib.
             still: save one frame to ``.svg`` too, with its charts; if not, the floor moves.
-            options: what matplotlib's own method takes, with a writer.
+            options: further arguments of matplotlib's own method, with a writer.
 
         Raises:
             ValueError: another suffix, an MP4 without imageio-ffmpeg installed, or a replay too

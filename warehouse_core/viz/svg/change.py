@@ -120,7 +120,7 @@ def _animation(
 
 
 def _changes(numbers: Numbers) -> Iterator[int]:
-    """Yield the frames whose numbers are not those of the frame before."""
+    """Yield the first frame, and each frame with other numbers than the frame before."""
     return (frame for frame, each in enumerate(numbers) if frame == 0 or each != numbers[frame - 1])
 
 

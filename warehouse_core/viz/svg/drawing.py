@@ -68,7 +68,7 @@ def animated_svg(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0
 
     Args:
         tracks: tracks, at least one, shown as in ``Timeline``.
-        title: what the drawing is called; the default are the titles of the tracks.
+        title: title of the drawing; by default the titles of the tracks.
         speed: factor on the playing speed.
 
     Raises:

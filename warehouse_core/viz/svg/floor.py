@@ -85,7 +85,7 @@ def _tiles(rows: TileRows, pixels: float) -> Iterator[str]:
 
 
 def _known(tiles: Sequence[TileRows]) -> list[TileRows]:
-    """Return the tiles of frames; those of cells that are not seen yet are as they will be."""
+    """Return the tiles of frames, with later tiles in cells that are not seen yet."""
     known: list[TileRows] = []
     later = before = tiles[-1]
     for rows in reversed(tiles):
@@ -97,7 +97,7 @@ def _known(tiles: Sequence[TileRows]) -> list[TileRows]:
 
 
 def _filled(line: str, later: str) -> str:
-    """Return a row of tiles, with those of a later one where it was not seen."""
+    """Return a row of tiles, with tiles of a later row in cells that were not seen."""
     return "".join(map(lambda now, then: then if now == UNSEEN else now, line, later))
 
 
