@@ -35,10 +35,25 @@ os.environ["TTY_COMPATIBLE"] = "0"
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 
 
+SCROLLING = '<pre tabindex="0" role="group" aria-label="Lines of text">'
+"""Start of a block of code or output, which may scroll sideways, so that keys reach it."""
+
+
 def setup(app: Any) -> None:
-    """Leave the fields of named tuples to the docstrings of their classes."""
+    """Leave the fields of named tuples to the docstrings of their classes, and help readers."""
 
     def is_field(_app: Any, _what: str, _name: str, member: Any, skip: bool, _options: Any) -> bool:
         return skip or str(member.__doc__).startswith("Alias for field number")
 
+    def make_accessible(
+        _app: Any, _page: str, _template: str, context: dict[str, Any], _tree: Any
+    ) -> None:
+        if "body" in context:
+            body = context["body"].replace("<pre>", SCROLLING)
+            # The text of the summary is its name.
+            context["body"] = body.replace(
+                '<summary aria-label="Toggle hidden content">', "<summary>"
+            )
+
     app.connect("autodoc-skip-member", is_field)
+    app.connect("html-page-context", make_accessible)

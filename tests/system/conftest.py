@@ -4,6 +4,7 @@ import http.server
 import os
 import shutil
 import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import ExitStack
@@ -11,6 +12,7 @@ from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.handbook import HANDBOOK
 from helpers.player_pages import Files, Shown, headless_chromium, shown
 from helpers.windows import Shower, stop
 
@@ -74,6 +76,20 @@ def opened(browser: Any) -> Iterator[Callable[..., Shown]]:
             return stack.enter_context(shown(browser, **options)).open(file, fragment)
 
         yield open_file
+
+
+@pytest.fixture(scope="session")
+def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    """Build the site of the handbook and return its folder."""
+    folder = tmp_path_factory.mktemp("site")
+    words = ["-m", "sphinx", "-q", "-W", "-E", "-d", str(folder / "trees")]
+    done = subprocess.run(
+        [sys.executable, *words, str(HANDBOOK), str(folder / "html")],
+        capture_output=True,
+        text=True,
+    )
+    assert done.returncode == 0, done.stderr
+    return folder / "html"
 
 
 @pytest.fixture

@@ -8,7 +8,7 @@ from helpers.player_pages import CURSOR, Files, Shown
 from matplotlib.colors import to_hex
 
 from agents.run_episode import run_episode
-from warehouse_core.render.palette import COLORS, HIT, ORDER_COLORS, STRANDED
+from warehouse_core.render.palette import COLORS, HIT, ORDER_COLORS, PALETTE, STRANDED
 from warehouse_core.viz.tracks import Frame, Pose, Track, track_of_record
 from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Marks
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, WALL
@@ -22,7 +22,7 @@ STAR = to_hex(HIT)
 LOOKS = [(1, "light"), (1, "dark"), (2, "light"), (2, "dark")]
 
 
-REDNESS = """
+COLORS_OF_MAP = """
 () => {
   const map = document.querySelector('[data-part="map"]');
   const [width, height] = [map.width, map.height];
@@ -30,10 +30,12 @@ REDNESS = """
   const context = copy.getContext("2d", {willReadFrequently: true});
   context.drawImage(map, 0, 0);
   const { data } = context.getImageData(0, 0, width, height);
-  return Array.from({length: data.length / 4}, (_, i) => data[4 * i] - data[4 * i + 1]);
+  const hex = (byte) => byte.toString(16).padStart(2, "0");
+  const color = (i) => "#" + [...data.slice(4 * i, 4 * i + 3)].map(hex).join("");
+  return Array.from({length: width * height}, (_, i) => color(i));
 }
 """
-"""Returns for each cell of the map of a fleet how much redder than green it is."""
+"""Returns the colour of each cell of the map of a fleet."""
 
 
 def cell(row: float, col: float) -> tuple[float, float, float, float]:
@@ -209,23 +211,24 @@ def test_cells_in_which_robots_were_held_up_are_tinted_when_asked_for(
     assert found[:2] + found[3:] == pytest.approx(without[:2] + without[3:], abs=0.03)
 
 
+@pytest.mark.parametrize("scheme", ["light", "dark"])
 def test_the_map_beside_a_fleet_has_the_cells_in_which_robots_were_held_up(
-    opened: Open, files: Files
+    opened: Open, files: Files, scheme: str
 ) -> None:
     held_up = [(1, (0, 2)), (2, (0, 2)), (2, (3, 7))]
-    page = opened(files("map", lambda: [simple(list(fleet_frames()), held_up=held_up)]))
+    path = files("map", lambda: [simple(list(fleet_frames()), held_up=held_up)])
+    page = opened(path, color_scheme=scheme)
+    *_, half, _, _, full = PALETTE["heat"][scheme]
     seen = []
     for step in (2, 0, 1):
         page.seek(step)
-        red = page.read(REDNESS)
-        hot = [(n // 8, n % 8) for n, each in enumerate(red) if each > 30]
+        colors = enumerate(page.read(COLORS_OF_MAP))
+        hot = {divmod(n, 8): color for n, color in colors if color in PALETTE["heat"][scheme]}
         seen.append((hot, page.part("most").inner_text(), page.part("peak").inner_text()))
-        if step == 2:
-            assert red[2] > red[3 * 8 + 7] + 30
     assert seen == [
-        ([(0, 2), (3, 7)], "2", "most at row 0, column 2"),
-        ([], "0", "nowhere yet"),
-        ([(0, 2)], "1", "most at row 0, column 2"),
+        ({(0, 2): full, (3, 7): half}, "2", "most at row 0, column 2"),
+        ({}, "0", "nowhere yet"),
+        ({(0, 2): full}, "1", "most at row 0, column 2"),
     ]
     assert page.part("map").get_attribute("aria-label") == (
         "Robots were held up most at row 0, column 2: 1 times"

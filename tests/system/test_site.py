@@ -1,14 +1,12 @@
 """The handbook as a site: built without a warning, all links lead somewhere, read in a browser."""
 
-import subprocess
-import sys
 from html.parser import HTMLParser
 from pathlib import Path
 from typing import Any
 from urllib.parse import unquote, urlsplit
 
 import pytest
-from helpers.handbook import HANDBOOK, PAGES
+from helpers.handbook import PAGES
 from helpers.player_pages import shown, wait_until
 
 pytestmark = pytest.mark.browser
@@ -30,20 +28,6 @@ FAULTS = """
   return faults;
 }
 """
-
-
-@pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Build the site and return its folder."""
-    folder = tmp_path_factory.mktemp("site")
-    words = ["-m", "sphinx", "-q", "-W", "-E", "-d", str(folder / "trees")]
-    done = subprocess.run(
-        [sys.executable, *words, str(HANDBOOK), str(folder / "html")],
-        capture_output=True,
-        text=True,
-    )
-    assert done.returncode == 0, done.stderr
-    return folder / "html"
 
 
 class Anchors(HTMLParser):

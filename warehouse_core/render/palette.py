@@ -1,8 +1,8 @@
 """The colours of every picture and page. No information is in a colour alone.
 
 The file ``palette.json`` has all of them, and the player of pages reads it too. It lists the
-colours of a light page, of a dark page and of both, and the colours of lines in charts. Pictures
-have the colours of a light page.
+colours of a light page, of a dark page and of both, the colours of lines in charts, and the
+colours of counts on maps, lowest first. Pictures have the colours of a light page.
 
 Source of the colours of walls, floor, pickups, dropoffs and robots: the chapter's exercise.
 """
@@ -33,7 +33,7 @@ Color = tuple[float, float, float]
 PALETTE: dict[str, Any] = json.loads(
     Path(__file__).with_name("palette.json").read_text(encoding="utf-8")
 )
-"""Colours by name as ``#rrggbb``: ``light``, ``dark``, ``both``, and the lists of ``series``."""
+"""Colours by name as ``#rrggbb``: ``light``, ``dark``, ``both``; lists: ``series``, ``heat``."""
 
 
 def color_named(name: str, scheme: Literal["light", "dark"] = "light") -> Color:

@@ -9,7 +9,6 @@ import math
 from collections.abc import Mapping, Sequence
 from typing import Any
 
-import matplotlib as mpl
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.collections import PatchCollection
@@ -22,7 +21,7 @@ from numpy.typing import NDArray
 from warehouse_core.motion.batch import NOTHING
 from warehouse_core.motion.batch import WALL as WALL_STOPS
 from warehouse_core.records.episode import FleetEpisode
-from warehouse_core.render.palette import COLORS, INK, PAPER, Color
+from warehouse_core.render.palette import COLORS, INK, PALETTE, PAPER, Color
 from warehouse_core.viz.axes.look import POINTS, box_in, draw_grid
 from warehouse_core.wording import counted
 from warehouse_core.world.tiles import DROPOFF, PICKUP, WALL, runs_of
@@ -31,10 +30,7 @@ CellCounts = NDArray[np.int64]
 """``[H, W]`` numbers of what happened in each cell."""
 
 WIDTH = 9.6
-"""Width of a figure, in inches."""
-
-MAX_COLUMNS = 2
-"""Most panels side by side; three would leave no room for the counts."""
+"""Usual width of a figure, in inches; another is at least ``MIN_PANEL``."""
 
 MAX_GRID_HEIGHT, MAX_CELL = 4.6, 0.5
 LEFT, RIGHT, TOP, BOTTOM = 0.36, 0.72, 0.5, 0.34
@@ -52,10 +48,11 @@ STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1_000, 5_000, 10_000, 100_000, 1_00
 TICK_ROOM = 21.0
 """Points from one number of a row or column to the next."""
 
-HEAT = LinearSegmentedColormap.from_list(
-    "heat", mpl.colormaps["YlOrRd"](np.linspace(0.12, 1, 64)), N=32
+HEAT, DARK_HEAT = (
+    LinearSegmentedColormap.from_list("heat", PALETTE["heat"][scheme], N=32)
+    for scheme in ("light", "dark")
 )
-"""Colours of counts, all darker than the floor."""
+"""Colours of counts: all darker than the floor, and on a dark page the hottest the lightest."""
 
 MAX_LIGHT_HEAT = 0.6
 """Share of the highest count above which numbers are light."""
@@ -87,11 +84,15 @@ def blocked_heat_map(episode: FleetEpisode) -> Figure:
 
 
 def heat_map(
-    rows: Sequence[str], panels: Mapping[str, CellCounts], *, with_stations: bool = False
+    rows: Sequence[str],
+    panels: Mapping[str, CellCounts],
+    *,
+    width: float = WIDTH,
+    with_stations: bool = False,
 ) -> Figure:
     """Return the heat maps of a layout, whose ``[H, W]`` counts are given by title."""
-    columns = min(len(panels), MAX_COLUMNS)
-    room = WIDTH / columns - LEFT - RIGHT
+    columns = min(len(panels), int(width // MIN_PANEL))
+    room = width / columns - LEFT - RIGHT
     cell = min(room / len(rows[0]), MAX_GRID_HEIGHT / len(rows), MAX_CELL)
     grid_width, grid_height = cell * len(rows[0]), cell * len(rows)
     panel_width = max(LEFT + grid_width + RIGHT, MIN_PANEL)

@@ -3,14 +3,16 @@
 import { element, partOf, setText } from "./elements.js";
 import { heldUpUntil } from "./track.js";
 
-/** Opacities of the lowest and the highest count; the style sheet has those of the scale. */
-const [PALEST, FULL] = [0.2, 0.9];
+/** Opacity of what is drawn on a floor, whose letters and lines are to be seen. */
+const ON_FLOOR = 0.6;
 
 /** Draw on a floor how often robots were held up in each cell. */
 export function drawHeat(context, track, moment, view, theme) {
   const [width, height] = [track.width * view.scale, track.height * view.scale];
   context.imageSmoothingEnabled = false;
+  context.globalAlpha = ON_FLOOR;
   context.drawImage(heatOf(track, moment.step, theme), view.x(0), view.y(0), width, height);
+  context.globalAlpha = 1;
 }
 
 /** Return an image with a pixel for each cell; the same until something changes. */
@@ -21,9 +23,8 @@ function heatOf(track, step, theme) {
   const context = image.getContext("2d");
   const counts = heldUpUntil(track, step);
   const [, most] = highestOf(counts);
-  context.fillStyle = theme.warning;
   for (const [cell, count] of counts) {
-    context.globalAlpha = PALEST + (FULL - PALEST) * (count / most);
+    context.fillStyle = theme.heat[Math.round((count / most) * (theme.heat.length - 1))];
     context.fillRect(cell % track.width, Math.floor(cell / track.width), 1, 1);
   }
   track.heat = { key, image };
@@ -51,13 +52,25 @@ export class HeatMap {
     this.key = key;
     const { canvas, track } = this;
     const context = canvas.getContext("2d");
-    const tiles = track.tiles[track.tileAt[moment.frame]];
-    for (let cell = 0; cell < tiles.length; cell++) {
-      context.fillStyle = tiles[cell] === "#" ? theme.shelf : theme.floor;
-      context.fillRect(cell % track.width, Math.floor(cell / track.width), 1, 1);
-    }
+    context.drawImage(this.floorOf(track.tileAt[moment.frame], theme), 0, 0);
     context.drawImage(heatOf(track, moment.step, theme), 0, 0);
+    partOf(this.figure, "ramp").style.background = `linear-gradient(to right, ${theme.heat.join()})`;
     this.say(heldUpUntil(track, moment.step));
+  }
+
+  /** Return an image of floor and walls; the same until something changes, because floors may be large. */
+  floorOf(tileAt, theme) {
+    const key = `${tileAt} ${theme.key}`;
+    if (this.floor?.key === key) return this.floor.image;
+    const { tiles, width, height } = this.track;
+    const image = element("canvas", { width, height });
+    const context = image.getContext("2d");
+    for (let cell = 0; cell < width * height; cell++) {
+      context.fillStyle = tiles[tileAt][cell] === "#" ? theme.shelf : theme.floor;
+      context.fillRect(cell % width, Math.floor(cell / width), 1, 1);
+    }
+    this.floor = { key, image };
+    return image;
   }
 
   say(counts) {

@@ -13,6 +13,8 @@ export function readTheme() {
   const key = `${isDark} ${devicePixelRatio}`;
   if (key === known.key) return known;
   const orders = ORDERS.map((name) => PALETTE.both[name]);
-  known = { ...PALETTE.both, ...PALETTE[isDark ? "dark" : "light"], orders, density: devicePixelRatio, key };
+  const scheme = isDark ? "dark" : "light";
+  const heat = PALETTE.heat[scheme];
+  known = { ...PALETTE.both, ...PALETTE[scheme], orders, heat, density: devicePixelRatio, key };
   return known;
 }

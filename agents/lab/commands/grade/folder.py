@@ -139,9 +139,18 @@ def _row(future: Future[GradeReport], each: Submission, rubric: Rubric) -> Grade
 
 
 def _print_grades(rows: dict[str, GradeRow], rubric: Rubric) -> None:
+    """Print the points of each submission, the best first, and why some could not be graded.
+
+    Columns have the numbers of criteria, whose names would make the table wider than a terminal.
+    """
     names = [criterion.name for criterion in rubric.criteria]
-    columns = [NAME, POINTS, *names, FAILURE]
+    columns = [NAME, POINTS, *(f"{number}" for number in range(1, len(names) + 1))]
     ordered = sorted(rows.values(), key=lambda row: (-float(row[POINTS]), row[NAME]))
-    lines = [tuple(row[column] for column in columns) for row in ordered]
+    lines = [tuple(row[column] for column in (NAME, POINTS, *names)) for row in ordered]
     title = f"{rubric.title}: {counted(len(rows), 'submission')}, points of {rubric.points:g}"
     print_table(TextTable(tuple(columns), lines, title))
+    for number, criterion in enumerate(rubric.criteria, 1):
+        say(f"{number:>3}  {criterion.name}, of {criterion.points:g}")
+    for row in ordered:
+        if row[FAILURE]:
+            say(f"{row[NAME]}: {row[FAILURE]}")

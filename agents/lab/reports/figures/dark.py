@@ -9,22 +9,17 @@ from __future__ import annotations
 import re
 from io import BytesIO
 
-import matplotlib as mpl
-import numpy as np
 from matplotlib.colors import to_hex
 from matplotlib.figure import Figure
 
 from warehouse_core.render.palette import PALETTE
-from warehouse_core.viz.axes.heat_map import HEAT
+from warehouse_core.viz.axes.heat_map import DARK_HEAT, HEAT
 from warehouse_core.viz.figure import save_svg
-
-DARK_HEAT = mpl.colormaps["inferno"](np.linspace(0.27, 0.82, HEAT.N))
-"""Colours of heat, the hottest the lightest; numbers are legible on these and on ``HEAT``."""
 
 DARK = {
     **{light: PALETTE["dark"][name] for name, light in PALETTE["light"].items() if name != "rim"},
     **dict(zip(PALETTE["series"]["light"], PALETTE["series"]["dark"], strict=True)),
-    **{to_hex(HEAT(level)): to_hex(DARK_HEAT[level]) for level in range(HEAT.N)},
+    **{to_hex(HEAT(level)): to_hex(DARK_HEAT(level)) for level in range(HEAT.N)},
 }
 """Colours of a dark page by the colours of a light one; others are the same on both.
 

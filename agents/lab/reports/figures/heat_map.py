@@ -13,6 +13,7 @@ from matplotlib.figure import Figure
 
 from agents.errors import StoreError
 from agents.lab.experiments.store import Store
+from agents.lab.reports.figures.panels import WIDE, Sheet
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.records.failure_modes import MODES
 from warehouse_core.viz.axes.heat_map import CellCounts, heat_map
@@ -22,6 +23,10 @@ SELECT mode, row, col, count(*) FROM episodes
 WHERE case_id IN (SELECT value FROM json_each(?)) AND mode != '{DELIVERED}'
 GROUP BY mode, row, col
 """
+
+
+MAX_WIDTH = 7.4
+"""Inches between the margins of A4 paper, which does not make the small text of a map smaller."""
 
 
 def stuck_cells(
@@ -44,6 +49,7 @@ def stuck_heat_map(
     rows: Sequence[str],
     stuck: Mapping[str, CellCounts],
     episodes: int,
+    sheet: Sheet = WIDE,
     *,
     with_stations: bool = False,
 ) -> Figure:
@@ -55,4 +61,5 @@ def stuck_heat_map(
         f"{mode}: {cells.sum():,} ({cells.sum() / episodes:.1%})": cells
         for mode, cells in stuck.items()
     }
-    return heat_map(rows, titled, with_stations=with_stations)
+    width = min(sheet.width, MAX_WIDTH)
+    return heat_map(rows, titled, width=width, with_stations=with_stations)

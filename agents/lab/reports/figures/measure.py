@@ -17,8 +17,9 @@ from agents.lab.parameters import Value, shown
 from agents.lab.reports.analysis.design import Design, Factor
 from agents.lab.reports.analysis.results import Experiment, ReportedMeasure, Results
 from agents.lab.reports.figures.panels import (
-    PANELS_A_ROW,
     SMALL,
+    WIDE,
+    Sheet,
     Text,
     draw_legend,
     make_panels,
@@ -39,7 +40,11 @@ DODGE = 0.012
 
 @mpl.rc_context({"text.parse_math": False})
 def measure_chart(
-    experiment: Experiment, design: Design, title: str, measure: ReportedMeasure
+    experiment: Experiment,
+    design: Design,
+    title: str,
+    measure: ReportedMeasure,
+    sheet: Sheet = WIDE,
 ) -> SceneFigure | None:
     """Draw a measure with its intervals, unless nothing differs or there is nothing to measure."""
     roles = roles_of(design)
@@ -51,11 +56,11 @@ def measure_chart(
     }
     if not any(point for line in lines.values() for point in line.values()):
         return None
-    panels = list(dict.fromkeys(panel for panel, _ in lines))
+    values = list(dict.fromkeys(panel for panel, _ in lines))
     colors = list(dict.fromkeys(color for _, color in lines))
     name = roles.color.name if roles.color else ""
     labels = {color: f"{name} {shown(color)}" for color in colors if roles.color}
-    figure, axes = make_panels(title, len(panels), list(labels.values()))
+    panels = make_panels(sheet, title, len(values), list(labels.values()))
     places = places_of(roles.axis)
     placed = sum(any(value is not None for value in line) for line in lines.values())
     width = max(places.values()) if placed > 1 else 0
@@ -63,11 +68,11 @@ def measure_chart(
     for (panel, color), line in lines.items():
         number = colors.index(color)
         shift = (number - (len(colors) - 1) / 2) * DODGE * width
-        key = _draw_line(axes[panels.index(panel)], roles.axis, places, line, shift, number)
+        key = _draw_line(panels.axes[values.index(panel)], roles.axis, places, line, shift, number)
         if key:
             keys.setdefault(color, key)
-    for panel, each in zip(panels, axes, strict=True):
-        prepare_axis(each, roles.axis, places, min(len(panels), PANELS_A_ROW))
+    for panel, each in zip(values, panels.axes, strict=True):
+        prepare_axis(each, roles.axis, places, panels.letters)
         name_panel(each, (roles.panel, panel))
         each.grid(axis="y", color=FAINT, linewidth=0.5)
         if measure.unit == "%":
@@ -76,10 +81,10 @@ def measure_chart(
         else:
             each.set_ylim(bottom=0)
     if measure.unit != "%":
-        axes[0].set_ylabel(measure.unit, **SMALL)
+        panels.axes[0].set_ylabel(measure.unit, **SMALL)
     if roles.color:
-        draw_legend(figure, [(labels[each], keys[each]) for each in colors if each in keys])
-    return figure
+        draw_legend(panels, [(labels[each], keys[each]) for each in colors if each in keys])
+    return panels.figure
 
 
 def measured(measure: ReportedMeasure, results: Results) -> Interval | None:

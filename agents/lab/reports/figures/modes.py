@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-import math
-
 import matplotlib as mpl
 from matplotlib.axes import Axes
 from matplotlib.colors import to_rgb
@@ -13,10 +11,10 @@ from matplotlib.ticker import PercentFormatter
 from agents.lab.parameters import shown
 from agents.lab.reports.analysis.results import Experiment, Results
 from agents.lab.reports.figures.panels import (
-    MAX_TICKS,
-    PANELS_A_ROW,
     SMALL,
     TEXT_SIZE,
+    WIDE,
+    Sheet,
     draw_legend,
     fitting,
     make_panels,
@@ -60,41 +58,41 @@ MAX_DARK = 0.17
 MIN_LEGIBLE = 0.08
 """Minimum share of a bar for a number to fit into it."""
 
-MAX_NUMBERED = 15
-"""Bars of a row; the numbers of more would not fit into them."""
+BAR_LETTERS = 5
+"""Least letters along a panel for each bar for a number to fit into it."""
 
 
 @mpl.rc_context({"text.parse_math": False})
-def modes_chart(experiment: Experiment, title: str) -> SceneFigure:
+def modes_chart(experiment: Experiment, title: str, sheet: Sheet = WIDE) -> SceneFigure:
     """Draw the shares of the outcomes as stacked bars."""
     roles = roles_of(experiment.design)
     lines = lines_of(experiment, experiment.design, roles)
     everywhere = f"any {roles.axis.name}" if roles.axis else "all episodes"
     occurring = {mode for line in lines.values() for each in line.values() for mode in each.modes}
-    figure, axes = make_panels(title, len(lines), list(occurring))
-    for (panel, color), line, each in zip(lines, lines.values(), axes, strict=True):
+    panels = make_panels(sheet, title, len(lines), list(occurring))
+    most = panels.letters // BAR_LETTERS
+    for (panel, color), line, each in zip(lines, lines.values(), panels.axes, strict=True):
         for place, results in enumerate(line.values()):
-            _draw_bar(each, place, results, len(line) * min(len(lines), PANELS_A_ROW))
+            _draw_bar(each, place, results, is_numbered=len(line) <= most)
         names = [everywhere if value is None else shown(value) for value in line]
-        names = fitting(names, min(len(lines), PANELS_A_ROW))
-        step = math.ceil(len(names) / MAX_TICKS)
-        each.set_xticks(range(0, len(names), step), names[::step])
+        step, shortened = fitting(names, panels.letters)
+        each.set_xticks(range(0, len(names), step), shortened)
         each.set_xlabel(roles.axis.name if roles.axis and [*line] != [None] else "", **SMALL)
         each.yaxis.set_major_formatter(PercentFormatter(1))
         each.set_ylim(0, 1)
         each.set_xlim(-0.6, max(len(names) - 0.4, 2.4))
         name_panel(each, (roles.panel, panel), (roles.color, color))
     colors = {mode: color for mode, color in MODE_COLORS.items() if mode in occurring}
-    draw_legend(figure, [(mode, Patch(color=color)) for mode, color in colors.items()])
-    return figure
+    draw_legend(panels, [(mode, Patch(color=color)) for mode, color in colors.items()])
+    return panels.figure
 
 
-def _draw_bar(axes: Axes, place: int, results: Results, bars: int) -> None:
+def _draw_bar(axes: Axes, place: int, results: Results, *, is_numbered: bool) -> None:
     bottom = 0.0
     for mode, count in results.modes.items():
         share = count / results.episodes
         axes.bar(place, share, 0.8, bottom, color=MODE_COLORS[mode], edgecolor=PAPER)
-        if share >= MIN_LEGIBLE and bars <= MAX_NUMBERED:
+        if share >= MIN_LEGIBLE and is_numbered:
             axes.text(
                 place, bottom + share / 2, f"{share:.0%}", ha="center", va="center",
                 fontsize=TEXT_SIZE, color=ink_on(MODE_COLORS[mode]),

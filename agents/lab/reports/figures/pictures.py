@@ -13,6 +13,7 @@ from agents.lab.reports.figures.dark import themed_svg
 from agents.lab.reports.figures.heat_map import stuck_cells, stuck_heat_map
 from agents.lab.reports.figures.measure import measure_chart, measured
 from agents.lab.reports.figures.modes import modes_chart
+from agents.lab.reports.figures.panels import SHEETS
 from agents.lab.reports.figures.roles import lines_of, roles_of
 from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES
 from warehouse_core.wording import counted, listed
@@ -31,11 +32,15 @@ STATIONS = {
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A figure as SVG with its caption; its name is the stem of its file."""
+    """A figure as SVG, for wide screens and for phones, with its caption.
+
+    Its name is the stem of its file.
+    """
 
     name: str
     caption: str
     svg: bytes
+    phone: bytes
 
 
 def pictures(experiment: Experiment) -> Iterator[Picture]:
@@ -53,8 +58,8 @@ def pictures(experiment: Experiment) -> Iterator[Picture]:
             yield from _chart(experiment, design, measure, measure.title)
     name, title = kind.modes
     left_out = _left_out(experiment, design, _points(experiment, design))
-    chart = modes_chart(experiment, title)
-    yield Picture(name, f"{title}, as shares{left_out}.", themed_svg(chart))
+    charts = (themed_svg(modes_chart(experiment, title, sheet)) for sheet in SHEETS)
+    yield Picture(name, f"{title}, as shares{left_out}.", *charts)
     if kind is LONE:
         yield from _maps(experiment)
 
@@ -63,14 +68,18 @@ def _chart(
     experiment: Experiment, design: Design, measure: ReportedMeasure, title: str
 ) -> Iterator[Picture]:
     """Yield the chart of a measure if it has something to show."""
-    chart = measure_chart(experiment, design, title, measure)
-    if chart is not None:
+    charts = [
+        themed_svg(chart)
+        for sheet in SHEETS
+        if (chart := measure_chart(experiment, design, title, measure, sheet))
+    ]
+    if charts:
         points = _points(experiment, design)
         caption = (
             f"{title}: {measure.what}, {_intervals(points, measure)}"
             f"{_left_out(experiment, design, points)}."
         )
-        yield Picture(measure.name, caption, themed_svg(chart))
+        yield Picture(measure.name, caption, *charts)
 
 
 def _points(experiment: Experiment, design: Design) -> list[Results]:
@@ -132,11 +141,14 @@ def _maps(experiment: Experiment) -> Iterator[Picture]:
         if not stuck:
             continue
         episodes = experiment.results(*ids).episodes
-        name = shown(experiment.cases[ids[0]]["layout"])
+        name, is_kept = shown(experiment.cases[ids[0]]["layout"]), stations == "kept"
         caption = (
             f"Where robots got stuck on layout {name}: of {counted(episodes, 'episode')} those of "
             "each failure mode, by the cell where they were stuck or ended"
             f"{_numbers(experiment, ids)}. {STATIONS[stations]}."
         )
-        figure = stuck_heat_map(rows, stuck, episodes, with_stations=stations == "kept")
-        yield Picture(f"stuck-{number}", caption, themed_svg(figure))
+        maps = (
+            themed_svg(stuck_heat_map(rows, stuck, episodes, sheet, with_stations=is_kept))
+            for sheet in SHEETS
+        )
+        yield Picture(f"stuck-{number}", caption, *maps)

@@ -20,11 +20,12 @@ from warehouse_core.viz.player.page import digest, script
 from warehouse_core.wording import printable
 
 NOTHING = shown(None)
-VOID = {"meta", "link", "img", "input"}
+VOID = {"meta", "link", "img", "input", "source"}
 ALLOWED = {
     "html", "head", "meta", "link", "title", "style", "body", "header", "nav", "main", "section",
-    "article", "h1", "h2", "h3", "p", "ul", "li", "a", "div", "span", "figure", "figcaption", "img",
-    "table", "thead", "tbody", "tr", "th", "td", "code", "details", "summary", "strong", "iframe",
+    "article", "h1", "h2", "h3", "p", "ul", "li", "a", "div", "span", "figure", "figcaption",
+    "picture", "source", "img", "table", "thead", "tbody", "tr", "th", "td", "code", "details",
+    "summary", "strong", "iframe",
 }  # fmt: skip
 
 
@@ -97,7 +98,8 @@ def test_all_parts_are_on_the_page_the_answers_first(path: Path) -> None:
     assert len(parts) == len(headings)
     assert "A note" in paragraphs
     assert seen.said("figcaption") == ["A caption"]
-    [picture] = seen.all("img")
+    [picture], [phone] = seen.all("img"), seen.all("source")
+    assert phone == {"media": "screen and (max-width: 48rem)", "srcset": picture["src"]}
     start = "data:image/svg+xml;base64,"
     assert picture["src"].startswith(start)
     assert base64.b64decode(picture["src"].removeprefix(start), validate=True) == SVG
@@ -232,7 +234,7 @@ def test_an_undefined_name_in_the_template_is_an_error(
 
 def test_questions_sentences_and_captions_keep_their_order(path: Path) -> None:
     answers = tuple(Answer(f"Q{n}?", f"{n}a", (f"{n}b",)) for n in range(3))
-    pictures = tuple(Picture(f"p{n}", f"caption {n}", SVG) for n in range(3))
+    pictures = tuple(Picture(f"p{n}", f"caption {n}", SVG, SVG) for n in range(3))
     write_page(path, a_page(answers=answers, pictures=pictures))
     said = re.findall(r"Q\d\?|\b\d[ab]\b", " ".join(text for _, text in read(path).texts))
     assert said == ["Q0?", "0a", "0b", "Q1?", "1a", "1b", "Q2?", "2a", "2b"]

@@ -132,6 +132,11 @@ def test_a_folder_is_graded_once_and_again_where_something_has_changed(
     result = warehouse(*words, "--jobs", 2, "--pages", "pages")
     assert result.code == 0
     assert "4 graded, 0 unchanged, 1 that cannot" in result.out
+    _, *table, none, syntax, _ = result.out.splitlines()
+    assert max(map(len, table)) <= 80
+    assert table[-4:-2] == ["  1  delivers, of 60", "  2  no way, of 20"]
+    assert none == "none: it has 0 .py files, and none is agent.py"
+    assert syntax.startswith("syntax: cannot be loaded: SyntaxError")
     rows, first = rows_of("grades.csv"), Path("grades.csv").read_bytes()
     points = {name: row["points"] for name, row in rows.items()}
     assert points == {"searches": "100", "picks": "0", "syntax": "0", "none": "0", "'=cmd.py": "0"}

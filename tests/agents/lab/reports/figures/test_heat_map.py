@@ -16,6 +16,7 @@ from numpy.typing import NDArray
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.store import Store
 from agents.lab.reports.figures.heat_map import stuck_cells, stuck_heat_map
+from agents.lab.reports.figures.panels import SHEETS, Sheet
 from warehouse_core import DEFAULT_LAYOUT, random_layout
 from warehouse_core.records.failure_modes import MODES
 from warehouse_core.render.palette import COLORS
@@ -115,9 +116,13 @@ def test_only_large_cells_show_their_number() -> None:
 @pytest.mark.parametrize(
     ("rows", "count"), [(ROWS, 1), (ROWS, 3), (LARGE, 4), (TALL, 5), (ROWS, len(MODES) - 1)]
 )
-def test_panels_neither_overlap_nor_leave_the_figure(rows: tuple[str, ...], count: int) -> None:
+@pytest.mark.parametrize("sheet", SHEETS)
+def test_panels_neither_overlap_nor_leave_the_figure(
+    rows: tuple[str, ...], count: int, sheet: Sheet
+) -> None:
     stuck = {mode: counts((1, 1, 1_000_000), rows=rows) for mode in MODES[1 : count + 1]}
-    figure = stuck_heat_map(rows, stuck, 1_000_000)
+    figure = stuck_heat_map(rows, stuck, 1_000_000, sheet)
+    assert figure.get_figwidth() <= sheet.width + 1e-9
     FigureCanvasAgg(figure).draw()
     boxes = [axes.get_tightbbox().frozen() for axes in figure.axes]
     assert len(boxes) == 2 * count, "each panel has its bar"

@@ -13,6 +13,7 @@ from agents.lab.reports.analysis.results import STEPS
 from agents.lab.reports.figures import pictures as picture_module
 from agents.lab.reports.figures import roles
 from agents.lab.reports.figures.measure import measure_chart
+from agents.lab.reports.figures.panels import SHEETS, Sheet
 from agents.lab.reports.figures.pictures import MAX_MAPS, Picture, pictures
 
 
@@ -146,8 +147,9 @@ def test_the_same_results_make_the_same_bytes() -> None:
         assert list(pictures(experiment)) == list(pictures(experiment))
 
 
+@pytest.mark.parametrize(("place", "sheet"), [*enumerate(SHEETS)])
 def test_each_text_of_a_figure_is_at_least_12_pixels_high_on_a_page(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: int, sheet: Sheet
 ) -> None:
     figures: list[Figure] = []
     monkeypatch.setattr(
@@ -162,7 +164,9 @@ def test_each_text_of_a_figure_is_at_least_12_pixels_high_on_a_page(
         for modes in [[*enumerate(("delivered", "wandering", "oscillation"))]]
     ]
     drawn(cases)
+    figures = figures[place :: len(SHEETS)]
     assert len(figures) == 5
+    assert all(figure.get_figwidth() <= sheet.width + 1e-9 for figure in figures)
     letters = [{text.get_text() for text in each.findobj(Text)} & {"P", "D"} for each in figures]
     assert letters == [set(), set(), set(), set(), {"P", "D"}], "only of the layout that keeps them"
     sizes = {

@@ -1,0 +1,138 @@
+"""Pages and pictures, looked at in headless Chromium as readers do, on every kind of screen."""
+
+import sys
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+from typing import Any, NamedTuple
+
+from helpers.player_pages import wait_until
+
+LOOK = Path(__file__).with_name("look.js")
+
+AXE = Path(sys.prefix, "node_modules", "axe-core", "axe.min.js")
+"""Script that checks pages by WCAG; ``.ci/full`` has the version."""
+
+RULES = """
+async () => {
+  const values = ["wcag2a", "wcag2aa", "wcag21a", "wcag21aa", "wcag22aa"];
+  const runOnly = {type: "tag", values};
+  const options = {iframes: false, preload: false, resultTypes: ["violations"], runOnly};
+  const {violations} = await axe.run(document, options);
+  return violations.flatMap(({id, nodes}) => nodes.map(({target, failureSummary}) =>
+    `wcag: ${id}: ${target.join(" ")}: ${failureSummary.split("\\n").slice(1, 3).join(" ")}`));
+}
+"""
+
+SEEK = """
+(share) => {
+  for (const each of document.querySelectorAll("details")) each.open = true;
+  globalThis.player?.seek(share * player.end);
+}
+"""
+
+READY = "!document.getElementById('player') || globalThis.player !== undefined"
+
+SETTLED = """
+() => new Promise((resolve) => requestAnimationFrame(() => requestAnimationFrame(resolve)))
+"""
+
+
+class Screen(NamedTuple):
+    """A size of a window, a colour scheme, and whether a page is printed on it."""
+
+    width: int
+    height: int
+    scheme: str = "light"
+    media: str = "screen"
+
+    def __str__(self) -> str:
+        return f"{self.width} px {self.scheme}{' printed' if self.media == 'print' else ''}"
+
+
+DESKTOP, PHONE = (1366, 768), (360, 740)
+
+SCREENS = [Screen(*size, scheme) for size in (DESKTOP, PHONE) for scheme in ("light", "dark")]
+
+SHEET = Screen(718, 1000, media="print")
+"""A4 without its margins."""
+
+
+Faults = dict[str, list[str]]
+"""Faults, each with where it was seen."""
+
+
+class Reader:
+    """A tab of a browser that opens one page after the other, and looks for faults in each."""
+
+    def __init__(self, page: Any) -> None:
+        self._page = page
+        self._faults: Faults = {}
+        page.on("pageerror", lambda error: self._add([f"console: {error}"], "script"))
+        page.on("console", lambda message: self._add([f"console: {message.text}"], "script"))
+
+    def faults_of_page(self, file: Path, screens: Sequence[Screen] = SCREENS) -> Faults:
+        """Return the faults of a page on each screen, at the start and the end of its replays."""
+        self._open(file, screens[0])
+        for screen in screens:
+            self._show(screen)
+            for share, place in enumerate(("start", "end")):
+                self._look(f"{screen}, {place}", screen.width == DESKTOP[0], share)
+            if screen in (SCREENS[0], SCREENS[-1]) or len(screens) == 1:
+                for where, frame in self._frames(str(screen)):
+                    self._add(frame.evaluate(RULES), where)
+        return self._faults
+
+    def faults_of_picture(self, file: Path) -> Faults:
+        """Return the faults of an SVG in its own size."""
+        self._open(file, SCREENS[0])
+        self._look("picture", None, 0)
+        return self._faults
+
+    def _open(self, file: Path, screen: Screen) -> None:
+        self._page.goto("about:blank")
+        self._faults = {}
+        self._show(screen)
+        self._page.goto(file.as_uri())
+        for frame in self._page.frames:
+            wait_until(frame, READY)
+
+    def _show(self, screen: Screen) -> None:
+        """Change the screen, and wait until the page is drawn."""
+        self._page.set_viewport_size({"width": screen.width, "height": screen.height})
+        self._page.emulate_media(color_scheme=screen.scheme, media=screen.media)
+        self._page.evaluate(SETTLED)
+
+    def _look(self, where: str, wide: bool | None, share: float) -> None:
+        read = 0
+        for place, frame in self._frames(where):
+            frame.evaluate(SEEK, share)
+            frame.evaluate(SETTLED)
+            seen = frame.evaluate("(wide) => look(wide)", wide)
+            read += seen["texts"]
+            self._add(seen["faults"], place)
+        assert read > 0, f"{where}: there is no text"
+
+    def _frames(self, where: str) -> Iterator[tuple[str, Any]]:
+        """Yield each frame with its name; a browser does not draw those that are not in view."""
+        for number, frame in enumerate(self._page.frames):
+            if number:
+                frame.frame_element().scroll_into_view_if_needed()
+            yield f"{where}, frame {number}" if number else where, frame
+
+    def _add(self, faults: Sequence[str], where: str) -> None:
+        for fault in faults:
+            self._faults.setdefault(fault, []).append(where)
+
+
+@contextmanager
+def reading(browser: Any) -> Iterator[Reader]:
+    """Yield what looks at pages."""
+    assert AXE.exists(), f"these tests need axe-core in {AXE.parent}; see .github/CONTRIBUTING.md"
+    context = browser.new_context(reduced_motion="reduce")
+    try:
+        for script in (LOOK, AXE):
+            context.add_init_script(path=script)
+        yield Reader(context.new_page())
+    finally:
+        context.close()

@@ -1,0 +1,140 @@
+"""Every kind of page and picture is legible on a desktop, on a phone and on paper, and by WCAG."""
+
+from base64 import b64encode
+from collections.abc import Iterator
+from io import BytesIO
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.command_line import in_a_process
+from helpers.looks import SCREENS, SHEET, Reader, reading
+
+from warehouse_core.viz.figure import make_figure, save_svg
+
+pytestmark = pytest.mark.browser
+
+
+@pytest.fixture(scope="module")
+def reader(browser: Any) -> Iterator[Reader]:
+    """Yield what looks at pages."""
+    with reading(browser) as one:
+        yield one
+
+
+def save(folder: Path, *words: object) -> None:
+    """Run a command that saves a file, in its own process: it may start others."""
+    done = in_a_process("-m", "agents", *words, folder=folder)
+    assert done.code == 0, done.err
+
+
+def test_a_page_of_grades_is_legible(reader: Reader, tmp_path: Path) -> None:
+    methods = "def reset(self): pass", "def act(self, seen): return 'N'"
+    (tmp_path / "agent.py").write_text("\n    ".join(["class Agent:", *methods]))
+    save(tmp_path, "grade", "agent.py", "--trust", "--save", "page.html")
+    assert reader.faults_of_page(tmp_path / "page.html", [*SCREENS, SHEET]) == {}
+
+
+CANVAS = """
+<canvas width="300" height="100"></canvas>
+<script>
+const context = document.querySelector("canvas").getContext("2d");
+const write = (words, x, y, color = "black", font = "14px sans-serif") => {
+  Object.assign(context, {fillStyle: color, font});
+  context.fillText(words, x, y);
+};
+CALLS
+</script>
+"""
+
+SMALL_SCREEN = SCREENS[2]
+
+SVG = '<svg width="300" height="100"><rect width="300" height="100" fill="#eee"/>TEXTS</svg>'
+
+
+def on_canvas(calls: str) -> str:
+    return CANVAS.replace("CALLS", calls)
+
+
+def in_svg(texts: str) -> str:
+    return SVG.replace("TEXTS", texts)
+
+
+def by_matplotlib(*texts: tuple[str, float, str, float]) -> str:
+    """Return an image of words, each with its place, its colour and its size in points."""
+    figure = make_figure((3, 1))
+    figure.patch.set_facecolor("#eee")
+    for words, x, color, size in texts:
+        figure.text(x, 0.5, words, color=color, fontsize=size)
+    file = BytesIO()
+    save_svg(figure, file)
+    data = b64encode(file.getvalue()).decode()
+    return f'<img alt="words" src="data:image/svg+xml;base64,{data}">'
+
+
+GOOD = {
+    "text": '<p>Words.</p><p style="color: #767676">Quiet.</p><p style="font: 24px serif; '
+    'color: #949494">Large.</p><details><summary>More</summary><p>Hidden.</p></details>',
+    "box": '<div role="region" aria-label="Long" tabindex="0" style="overflow-x: auto">'
+    '<p style="width: 600px">Long.</p></div>',
+    "canvas": on_canvas("write('one', 10, 20); write('other', 10, 50, '#767676')"),
+    "redrawn canvas": on_canvas(
+        "write('one', 10, 20); context.clearRect(0, 0, 300, 100); write('other', 10, 20)"
+    ),
+    "svg": in_svg('<text x="10" y="20">one</text><text x="10" y="50">other</text>'),
+    "matplotlib": by_matplotlib(("one", 0.1, "black", 9), ("other", 0.5, "#666", 9)),
+}
+
+WRONG = {
+    "small text": '<p style="font-size: 10px">one</p>',
+    "small canvas": on_canvas("write('one', 10, 20, 'black', '10px serif')"),
+    "small scaled canvas": on_canvas("context.scale(0.5, 0.5); write('one', 10, 20)"),
+    "small svg": in_svg('<text x="10" y="20" font-size="20" transform="scale(0.5)">one</text>'),
+    "small matplotlib": by_matplotlib(("one", 0.1, "black", 8)),
+    "pale text": '<p style="color: #777; background: #fefefe">one</p>',
+    "pale text behind opacity": '<p style="color: #0008">one</p>',
+    "pale canvas": on_canvas("write('one', 10, 20, '#888')"),
+    "pale canvas on a box": on_canvas(
+        "context.fillStyle = '#555'; context.fillRect(0, 0, 200, 50); write('one', 10, 20)"
+    ),
+    "pale svg": in_svg('<text x="10" y="20" fill="#767676">one</text>'),
+    "pale matplotlib": by_matplotlib(("one", 0.1, "#767676", 9)),
+    "cut text": '<p style="width: 3em; overflow: hidden; white-space: nowrap">one and other</p>',
+    "cut text at the left": '<p style="position: absolute; left: -1em">one</p>',
+    "cut text in a low box": '<p style="height: 0.6em; overflow: hidden">one</p>',
+    "cut button": '<button style="width: 3em; overflow: hidden">one_and_other</button>',
+    "cut canvas": on_canvas("write('one and other', 280, 20)"),
+    "cut svg": in_svg('<text x="280" y="20">one and other</text>'),
+    "cut matplotlib": by_matplotlib(("one and other", 0.9, "black", 9)),
+    "overlap text": '<p>one</p><p style="margin: -2em 0 0 1em">other</p>',
+    "overlap canvas": on_canvas("write('one', 10, 20); write('other', 20, 25)"),
+    "overlap svg": in_svg('<text x="10" y="20">one</text><text x="20" y="25">other</text>'),
+    "overlap matplotlib": by_matplotlib(("one", 0.1, "black", 9), ("other", 0.15, "black", 9)),
+    "sideways page": '<p style="width: 1400px">one</p>',
+    "sideways box": '<div style="overflow-x: auto"><p style="width: 600px">one</p></div>',
+    "console error": "<p>one</p><script>console.error('one')</script>",
+    "console exception": "<p>one</p><script>throw Error('one')</script>",
+    "wcag picture": '<p>one</p><img src="data:image/gif;base64,R0lGODlhAQABAAAAACw=">',
+}
+
+
+def page_of(folder: Path, body: str) -> Path:
+    """Return the file of a page with some elements."""
+    path = folder / "page.html"
+    head = '<meta charset="utf-8"><meta name="viewport" content="width=device-width">'
+    path.write_text(
+        f'<!DOCTYPE html><html lang="en"><head>{head}<link rel="icon" href="data:,">'
+        f"<title>Page</title></head><body><main>{body}</main></body></html>"
+    )
+    return path
+
+
+@pytest.mark.parametrize("body", GOOD.values(), ids=GOOD)
+def test_a_good_page_has_no_faults(reader: Reader, tmp_path: Path, body: str) -> None:
+    assert reader.faults_of_page(page_of(tmp_path, body), [SMALL_SCREEN]) == {}
+
+
+@pytest.mark.parametrize(("name", "body"), WRONG.items(), ids=WRONG)
+def test_each_fault_is_found(reader: Reader, tmp_path: Path, name: str, body: str) -> None:
+    faults = reader.faults_of_page(page_of(tmp_path, body), [SMALL_SCREEN])
+    assert name.split()[0] in {fault.partition(":")[0] for fault in faults}, faults
