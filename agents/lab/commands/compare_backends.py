@@ -13,12 +13,13 @@ from agents.lab.console.values import load_place
 from agents.lab.runs.run import draw_seed
 from warehouse_core import Episode
 from warehouse_core.viz.tracks.record_track import track_of_record
+from warehouse_core.wording import seconds_of
 
 ROWS: dict[str, Callable[[Episode], str]] = {
     "outcome": lambda episode: episode.outcome,
     "steps": lambda episode: str(episode.steps),
     "total reward": lambda episode: f"{episode.total_reward:.2f}",
-    "seconds": lambda episode: f"{episode.seconds:.1f}",
+    "seconds": lambda episode: seconds_of(episode.seconds),
     "joules": lambda episode: f"{episode.joules:.0f}",
     "hits": lambda episode: str(sum(len(motion.contacts) for motion in episode.motions)),
 }
@@ -64,6 +65,7 @@ def compare_backends(
     *,
     save: options.SaveReplay,
     show: options.Show = None,
+    still: options.Still = False,
 ) -> None:
     """Run an episode on two backends.
 
@@ -80,6 +82,6 @@ def compare_backends(
         for backend in (left, right)
     )
     print_table(comparison_table(one, other))
-    film = Film(lambda: [track_of_record(one), track_of_record(other)])
+    film = Film(lambda: [track_of_record(one), track_of_record(other)], still=still)
     names = (episode.settings.backend for episode in (one, other))
     show_or_save(film, save, show, f"compare-{one.agent}-{'-'.join(names)}-{seed}.gif")

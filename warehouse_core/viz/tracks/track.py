@@ -24,6 +24,9 @@ OUTER = 0.7
 INTERVAL_MS = 150
 """Milliseconds between frames of a replay."""
 
+CONTINUOUS_FRAMES = 3
+"""Frames of continuous motions that are shown in the time of one step of a grid."""
+
 MIN_PACE, MAX_PACE = 1e-6, 1e9
 """Limits on the playing speed, and on the milliseconds between frames."""
 
@@ -106,7 +109,7 @@ class Frame:
         hits: the collisions to show.
         clock: simulated seconds; 0 in all frames if the track has no motions.
         speed: speed of the first robot, in m/s.
-        energy: used so far by the first robot, in joules.
+        energy: used so far by all robots, in joules.
         route: the planned way of the robot; empty where no plan is shown.
         fleet: orders and batteries of a fleet.
     """
