@@ -1,9 +1,11 @@
-"""The filter of system calls, run as the kernel runs it."""
+"""The filter of system calls, run as the kernel runs it, and what Landlock is asked for."""
 
 import os
+import struct
 import termios
 from functools import cache
 from pathlib import Path
+from typing import Any
 
 import pytest
 
@@ -33,6 +35,7 @@ def verdict(machine: str, number: int, *arguments: int, audit: int | None = None
     while True:
         code, if_so, if_not, constant = program[at]
         at += 1
+        assert (if_so, if_not) == (0, 0) or code in (0x15, 0x35), "only comparisons skip"
         match code:
             case 0x20:  # load a word
                 loaded = told[constant]
@@ -84,3 +87,130 @@ def test_calls_by_another_convention_are_refused_or_end_the_process(machine: str
     assert verdict(machine, 2**30 + getpid) == REFUSE
     assert verdict(machine, 2**30) == REFUSE
     assert verdict(machine, 2**30 - 1) == ALLOW
+
+
+class Kernel:
+    """A C library of a kernel with a version of Landlock, which notes what it is asked for."""
+
+    def __init__(self, version: int) -> None:
+        self.version, self.asked = version, list[tuple[Any, ...]]()
+
+    def syscall(self, number: int, *arguments: Any) -> int:
+        if number == 444 and arguments[0] is None:
+            assert (arguments[1].value, arguments[2]) == (0, 1)
+            return self.version
+        self.asked.append((number, *arguments))
+        return 7
+
+    def __getattr__(self, name: str) -> Any:
+        return lambda *arguments: self.asked.append((name, *arguments)) or 0
+
+
+@pytest.mark.parametrize(
+    ("version", "numbers"),
+    [
+        (3, (0x7FFF,)),
+        (4, (0x7FFF, 3)),
+        (5, (0xFFFF, 3)),
+        (6, (0xFFFF, 3, 3)),
+        (7, (0xFFFF, 3, 3)),
+    ],
+)
+def test_landlock_is_asked_for_all_that_its_version_can_refuse(
+    monkeypatch: pytest.MonkeyPatch, tmp_path: Path, version: int, numbers: tuple[int, ...]
+) -> None:
+    """Rights have 15 bits up to version 4 and 16 from then on; network and scopes, see landlock(7).
+
+    A folder may be read (4) and listed (8), a file read, and a device also written (2) and cut
+    short (1 << 14).
+    """
+    kernel, file = Kernel(version), tmp_path / "a.py"
+    file.touch()
+    monkeypatch.setattr(walls, "_libc", lambda: kernel)
+    monkeypatch.setattr(os, "open", lambda path, flags: path)
+    monkeypatch.setattr(os, "close", lambda place: None)
+    monkeypatch.setattr(struct, "pack", _kept(struct.pack))
+    assert walls.file_rules("/own", [str(file), str(tmp_path)], [str(tmp_path.parent)]) == 7
+    (number, attributes, size, flags), *rules = kernel.asked
+    assert (number, size.value, flags) == (444, 8 * len(numbers), 0)
+    assert struct.unpack(f"={len(numbers)}Q", attributes) == numbers
+    assert {(each[0], each[1], each[2], each[4]) for each in rules} == {(445, 7, 1, 0)}
+    allowed = {place: rights for _, _, _, (rights, place), _ in rules}
+    assert allowed[str(file)] == 4
+    assert allowed[str(tmp_path)] == 4 | 8
+    assert allowed[str(tmp_path.parent)] == 8
+    assert allowed["/dev/null"] == 2 | 4 | 1 << 14
+
+
+def _kept(pack: Any) -> Any:
+    """Return ``struct.pack`` that leaves the rights and the place of a rule as they are."""
+    return lambda form, *values: values if form == "=Qi" else pack(form, *values)
+
+
+@pytest.mark.parametrize(
+    ("held", "user", "kept"),
+    [
+        ({"files", "processes"}, (12, 34), 4),
+        ({"files"}, (12, 34), 0),
+        ({"processes"}, (12, 34), 0),
+        ({"files", "processes"}, None, 0),
+        ((), (12, 34), None),
+        ((), None, None),
+    ],
+)
+def test_privileges_are_given_up_behind_a_wall_but_for_what_another_user_reads(
+    monkeypatch: pytest.MonkeyPatch, held: Any, user: Any, kept: int | None
+) -> None:
+    """It keeps the capability ``CAP_DAC_READ_SEARCH``, bit 2, and only if both walls stand."""
+    kernel, asked = Kernel(3), list[Any]()
+    monkeypatch.setattr(walls, "_libc", lambda: kernel)
+    for name in ("setgroups", "setgid", "setuid"):
+        monkeypatch.setattr(os, name, lambda value, name=name: asked.append((name, value)))
+    walls.change_user(held, user)
+    assert asked == ([("setgroups", []), ("setgid", 34), ("setuid", 12)] if user else [])
+    expected: list[Any] = [("prctl", 8, 1, 0, 0, 0)] if kept else []
+    if kept is not None:
+        header = struct.pack("=II", 0x20080522, 0)
+        expected.append(("capset", header, struct.pack("=6I", kept, kept, 0, 0, 0, 0)))
+    assert kernel.asked == expected
+
+
+@pytest.mark.parametrize(
+    ("platform", "version", "mode", "machine", "held"),
+    [
+        ("linux", 3, 0, "x86_64", {"files", "processes"}),
+        ("linux", 3, 2, "aarch64", {"files", "processes"}),
+        ("linux", 2, 0, "x86_64", {"processes"}),
+        ("linux", -1, -1, "x86_64", set()),
+        ("linux", 3, 0, "riscv64", {"files"}),
+        ("darwin", 3, 0, "x86_64", set()),
+    ],
+)
+def test_a_wall_stands_where_the_kernel_has_what_it_is_made_of(
+    monkeypatch: pytest.MonkeyPatch,
+    platform: str,
+    version: int,
+    mode: int,
+    machine: str,
+    held: set[str],
+) -> None:
+    kernel: Any = Kernel(version)
+    kernel.prctl = lambda *asked: {(21, 0, 0, 0, 0): mode}[asked]
+    monkeypatch.setattr(walls, "_libc", lambda: kernel)
+    monkeypatch.setattr("sys.platform", platform)
+    monkeypatch.setattr("platform.machine", lambda: machine)
+    assert walls.held() == held
+
+
+def test_no_process_gets_new_privileges_behind_a_wall(monkeypatch: pytest.MonkeyPatch) -> None:
+    kernel, closed = Kernel(3), list[int]()
+    monkeypatch.setattr(walls, "_libc", lambda: kernel)
+    monkeypatch.setattr(os, "close", closed.append)
+    walls.leave_files(9)
+    assert kernel.asked == [("prctl", 38, 1, 0, 0, 0), (446, 9, 0)]
+    assert closed == [9]
+    kernel.asked.clear()
+    walls.refuse_calls()
+    (*first,), (name, option, mode, _, *rest) = kernel.asked
+    assert first == ["prctl", 38, 1, 0, 0, 0]
+    assert (name, option, mode, rest) == ("prctl", 22, 2, [0, 0])
