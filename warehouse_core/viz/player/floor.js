@@ -5,6 +5,14 @@ import { centerText, MIN_TEXT, writeOutlined } from "./canvas.js";
 const WALL = "#";
 const UNSEEN = "?";
 const STATIONS = { P: "pickup", D: "dropoff", C: "charger" };
+
+/** What stands for the letters of stations that are too small for them, as in the legend. */
+const SHAPES = {
+  P: [[0.5, 0.15], [0.85, 0.85], [0.15, 0.85]],
+  D: [[0.15, 0.15], [0.85, 0.15], [0.5, 0.85]],
+  C: [[0.5, 0.1], [0.9, 0.5], [0.5, 0.9], [0.1, 0.5]],
+};
+
 const MAX_LINED_COLUMNS = 40;
 const MIN_STATION = 6;
 const MIN_TEXTURE = 9;
@@ -140,15 +148,23 @@ function drawStation(context, [row, column, tile], view, theme) {
   }
   context.fillStyle = theme[STATIONS[tile]];
   context.fillRect(x, y, width, height);
+  context.fillStyle = theme.dark;
+  if (!letterSize(view, theme)) fillShape(context, SHAPES[tile], x, y, width, height);
 }
 
 /** The size of a letter that a robot leaves free, as a share of a cell, and where it is. */
 const [LETTER, CORNER] = [0.22, 0.11];
 
+/** Return the size of the letters of stations, or 0 if there is no room for them. */
+function letterSize(view, theme) {
+  const size = Math.max(LETTER * view.scale, MIN_TEXT * theme.density);
+  return 1.3 * size > view.scale ? 0 : size;
+}
+
 /** Write the letters of stations where there is room: larger ones not under robots and people. */
 export function drawLetters(context, track, moment, view, theme) {
-  const size = Math.max(LETTER * view.scale, MIN_TEXT * theme.density);
-  if (1.3 * size > view.scale) return;
+  const size = letterSize(view, theme);
+  if (!size) return;
   const isCovered = size > LETTER * view.scale ? coveredCells(track, moment) : new Set();
   centerText(context, size);
   context.textAlign = "left";
@@ -173,6 +189,13 @@ function stationsOf(track, index) {
   track.stations ??= [];
   track.stations[index] ??= [...placesOf(track, track.tiles[index], Object.keys(STATIONS))];
   return track.stations[index];
+}
+
+/** Fill a shape, whose corners are shares of a box. */
+function fillShape(context, corners, x, y, width, height) {
+  context.beginPath();
+  for (const [right, down] of corners) context.lineTo(x + right * width, y + down * height);
+  context.fill();
 }
 
 /** Draw waves on slippery cells. */
