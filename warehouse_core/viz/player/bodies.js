@@ -1,6 +1,6 @@
 // Draws robots and people, their batteries, and hits.
 
-import { centerText, drawLabel, fillOutlined, MIN_TEXT } from "./canvas.js";
+import { centerText, drawLabel, fillOutlined, LARGE_TEXT, MIN_TEXT, writeOutlined } from "./canvas.js";
 import { drawBox } from "./items.js";
 
 const RADIUS = 0.34;
@@ -140,12 +140,16 @@ function radiusAround(context, track, size) {
 }
 
 function drawNames(context, shown, track, size, theme) {
+  const isLarge = size >= LARGE_TEXT * theme.density;
   centerText(context, size);
   for (const { body, x, y, load } of shown) {
     const isPerson = body >= track.robots;
     const name = isPerson ? "H" : track.robots > 1 ? String(body) : load > 0 ? "r" : "R";
-    context.fillStyle = !isPerson && load > 0 ? theme.dark : theme.light;
-    context.fillText(name, x, y + 0.06 * size);
+    const place = [name, x, y + 0.06 * size];
+    const isDark = !isPerson && load > 0;
+    context.fillStyle = isDark ? theme.dark : theme.light;
+    if (isDark || isLarge) context.fillText(...place);
+    else writeOutlined(context, ...place, [theme.light, theme.dark], theme.density);
   }
 }
 
