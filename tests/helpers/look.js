@@ -248,7 +248,18 @@
     const used = isCopy ? shape.getRootNode().querySelector(shape.getAttribute("xlink:href")) : shape;
     const moved = isCopy ? [shape.x.baseVal.value, shape.y.baseVal.value] : [0, 0];
     const transform = shape.getScreenCTM().translate(...moved);
-    return used.isPointInFill(at.matrixTransform(transform.inverse()));
+    return used.isPointInFill(at.matrixTransform(transform.inverse())) && !isClipped(shape, at);
+  }
+
+  function isClipped(shape, at) {
+    for (let each = shape; each; each = each.parentElement) {
+      const [, id] = getComputedStyle(each).clipPath.match(/^url\("#(.+)"\)$/) ?? [];
+      if (!id) continue;
+      const inside = at.matrixTransform(each.getScreenCTM().inverse());
+      const parts = [...shape.getRootNode().getElementById(id).children];
+      if (!parts.some((part) => part.isPointInFill(inside))) return true;
+    }
+    return false;
   }
 
   /** Return the pictures of the page as SVG: a page of its own, inline, or loaded by an image. */

@@ -17,7 +17,7 @@ from agents.lab.trials.scores import FleetScores, Scores
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.render.palette import COLORS, INK, PAPER, WARNING
 from warehouse_core.viz.axes import style_chart
-from warehouse_core.viz.figure import make_figure
+from warehouse_core.viz.figure import SceneFigure, make_figure
 from warehouse_core.world.tiles import PICKUP
 
 SIZE, DPI = (9.0, 3.8), 150
@@ -32,6 +32,15 @@ def save_learning_curve(
     path: Path, name: str, title: str, points: Sequence[ExamPoint], greedy: Scores | FleetScores
 ) -> None:
     """Write the picture of at least one point as PNG, whole or not at all."""
+    figure = learning_curve(name, title, points, greedy)
+    with atomic_path(path) as part:
+        figure.pixels().save(part, format="PNG")
+
+
+def learning_curve(
+    name: str, title: str, points: Sequence[ExamPoint], greedy: Scores | FleetScores
+) -> SceneFigure:
+    """Draw at least one point."""
     figure = make_figure(SIZE, DPI)
     left, right = figure.subplots(1, 2)
     figure.subplots_adjust(left=0.065, right=0.975, top=0.82, bottom=0.21, wspace=0.16)
@@ -58,9 +67,8 @@ def save_learning_curve(
         f"each point: {count:,} random starts, the same ones every time, band: 95% ({method});  "
         f"greedy: {len(greedy.rows):,} random starts"
     )
-    figure.text(0.065, 0.03, caption, fontsize=8, color="0.4")
-    with atomic_path(path) as part:
-        figure.pixels().save(part, format="PNG")
+    figure.text(0.065, 0.03, caption, fontsize=8.5, color="0.4")
+    return figure
 
 
 def mean_length(scores: Scores) -> float:
