@@ -20,6 +20,15 @@ def listed(parts: Iterable[object], word: str = "and") -> str:
     return f"{', '.join(others)} {word} {last}" if others else last
 
 
+def seconds_of(time: float, digits: int = 1) -> str:
+    """Return a time in seconds with some decimals: of whole milliseconds, halves are rounded up.
+
+    The same time is a sum in one place and measured in another; the last bits of both differ.
+    ``scale.js`` of the player has this rule too.
+    """
+    return f"{round(time, 3) + 1e-9:.{digits}f}"
+
+
 def brief(value: object, most: int = 30) -> str:
     """Return a short ``repr`` of any value, even of one that has none, as a very large number.
 

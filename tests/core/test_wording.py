@@ -1,6 +1,8 @@
 """Counts have the right plural, lists end with a word, and text can be shown."""
 
-from warehouse_core.wording import brief, counted, listed, printable
+import pytest
+
+from warehouse_core.wording import brief, counted, listed, printable, seconds_of
 
 
 def test_a_list_ends_with_a_word() -> None:
@@ -11,6 +13,16 @@ def test_a_list_ends_with_a_word() -> None:
 def test_only_one_thing_is_singular() -> None:
     counts = [counted(number, "seed") for number in (0, 1, 12345)]
     assert counts == ["0 seeds", "1 seed", "12,345 seeds"]
+
+
+@pytest.mark.parametrize(
+    ("time", "words"),
+    [(49.75, "49.8"), (49.74999999999999, "49.8"), (49.749, "49.7"), (0.25, "0.3"), (0.15, "0.2")],
+)
+def test_a_time_has_a_decimal_whatever_its_last_bits_are(time: float, words: str) -> None:
+    # scale.test.mjs has the same times.
+    assert seconds_of(time) == words
+    assert seconds_of(10 * time, 0) == words.replace(".", "").lstrip("0")
 
 
 def test_any_value_has_a_short_form() -> None:

@@ -179,6 +179,26 @@ def test_players_in_frames_play_by_themselves_while_they_are_in_sight(
     assert all(player.evaluate("player.isOpening && player.time > 0") for player in players)
 
 
+@pytest.mark.parametrize("backend", ["grid", "physics"])
+def test_the_energy_of_a_fleet_is_that_of_its_chart_while_it_plays(
+    opened: Open, files: Files, backend: str
+) -> None:
+    episode = fleet_episode(backend=backend, max_steps=20)
+    page = opened(files(f"fleet {backend}", lambda: [track_of_record(episode)]))
+    used = episode.joules.sum(axis=1).cumsum()
+    for step in (3, 12):
+        page.read(f"player.seek(player.longest.timeOf({step}) + 0.5)")
+        facts, chart = page.part("facts").inner_text(), page.read("player.charts.at(-1).text")
+        assert facts == f"{page.read('player.time'):.1f} s, {used[step - 1]:,.0f} J"
+        assert chart == f"Energy used (kJ): energy {used[step - 1] / 1000:.2f}".rstrip("0")
+
+
+def test_the_energy_of_a_robot_is_that_of_its_chart_while_it_plays(page: Shown) -> None:
+    page.seek(6.5)
+    joules = float(page.read("player.charts.at(-1).text").rpartition(" ")[2])
+    assert page.part("facts").inner_text() == f"6.5 s, {joules:.0f} J"
+
+
 def test_speeds_change_by_keys_within_their_range(page: Shown) -> None:
     speed = page.part("speed")
     options = speed.locator("option").evaluate_all("all => all.map(option => option.value)")

@@ -8,6 +8,7 @@ from helpers.player_pages import CURSOR, Files, Shown
 from matplotlib.colors import to_hex
 
 from agents.run_episode import run_episode
+from warehouse_core import Order
 from warehouse_core.render.palette import COLORS, HIT, ORDER_COLORS, PALETTE, STRANDED
 from warehouse_core.viz.tracks import Frame, Pose, Track, track_of_record
 from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Marks
@@ -284,3 +285,89 @@ def test_a_floor_of_many_columns_has_stations_and_robots_of_a_least_size(
     assert robot >= 4
     station = page.share(to_hex(COLORS[DROPOFF]), (240.5, 60.5, 20, 20)) * (20 * scale) ** 2
     assert station >= 16
+
+
+WIDE_ROWS = ("#" * 60, *["#" + "." * 58 + "#"] * 13, "#" * 60)
+RECORD_TEXTS = """
+() => {
+  const write = CanvasRenderingContext2D.prototype.fillText;
+  globalThis.written = [];
+  CanvasRenderingContext2D.prototype.fillText = function (text, ...place) {
+    const size = this.font.split(" ").find((part) => part.endsWith("px"));
+    written.push([text, Number.parseFloat(size)]);
+    write.call(this, text, ...place);
+  };
+}
+"""
+"""Keeps each text that is written on a canvas, and its size."""
+
+
+def wide_fleet() -> Track:
+    """Return a track of 50 robots on a wide floor, one beside the other."""
+    poses = tuple(Pose((1.5 + robot, 2.5), None, robot % 2 == 1) for robot in range(50))
+    items = tuple(0 if pose.loaded else None for pose in poses)
+    fleet = FleetFrame((), items, (1.0,) * 50)
+    return simple([Frame(WIDE_ROWS, poses, float(step), fleet=fleet) for step in range(2)])
+
+
+def numbers(page: Shown) -> dict[str, float]:
+    """Return the numbers that the canvases of a page have once it is drawn, and their sizes."""
+    written = page.read(f"({RECORD_TEXTS})() ?? player.draw() ?? written")
+    return {text: size for text, size in written if text.isdecimal()}
+
+
+def test_robots_of_a_fleet_have_numbers_where_they_fit(opened: Open, files: Files) -> None:
+    path = files("fifty", lambda: [wide_fleet()])
+    found = numbers(opened(path, viewport={"width": 1366, "height": 768}))
+    assert {*found} == {str(robot) for robot in range(50)}
+    assert min(found.values()) >= 11
+    phone = opened(path, viewport={"width": 360, "height": 780})
+    assert numbers(phone) == {}
+    phone.page.locator("canvas.floor").hover(position=place_of(phone, 7))
+    assert numbers(phone) == {"7": 11}
+    phone.page.locator("canvas.floor").click(position=place_of(phone, 20))
+    phone.page.mouse.move(5, 700)
+    assert numbers(phone) == {"20": 11}
+
+
+def place_of(page: Shown, robot: int) -> dict[str, float]:
+    """Return where the middle of a robot is, in pixels of its canvas."""
+    place: dict[str, float] = page.read(
+        f"""(() => {{
+          const [{{ track, view }}] = player.panels;
+          const pose = track.pose({robot}, track.at(player.time));
+          return {{ x: view.x(pose.x), y: view.y(pose.y) }};
+        }})()"""
+    )
+    return place
+
+
+@pytest.mark.parametrize("width", [360, 1366])
+def test_an_order_that_waits_leaves_the_letter_of_its_pickup(
+    opened: Open, files: Files, width: int
+) -> None:
+    rows, fleet = ("P" + "." * 14 + "D", *["." * 16] * 9), FleetFrame((), (None, None), (1.0, 1.0))
+    poses = tuple(Pose((col + 0.5, 4.5), None, False) for col in (3, 5))
+    frames = [Frame(rows, poses, float(step), fleet=fleet) for step in range(2)]
+    track = simple(frames, orders=[Order(1, 9, (0, 0), (0, 15))])
+    page = opened(files("waits", lambda: [track]), viewport={"width": width, "height": 768})
+    letter, item = (0.05, 0.05, 0.45, 0.45), (0.55, 0.55, 0.4, 0.4)
+    shares = []
+    for step in (0, 1):
+        page.seek(step)
+        shares.append([page.share("dark", box) for box in (letter, item)])
+    (before, nothing), (after, box) = shares
+    assert before == after > 0.05
+    assert nothing == 0 < box
+
+
+def test_charts_are_under_a_wide_floor_and_beside_another(
+    opened: Open, files: Files, track: Track
+) -> None:
+    places = []
+    for path in (files("fifty", lambda: [wide_fleet()]), files("grid", lambda: [track])):
+        page = opened(path, viewport={"width": 1366, "height": 768})
+        floor, side = (page.page.locator(name).bounding_box() for name in (".floor", ".side"))
+        places.append((side["y"] > floor["y"] + floor["height"], side["x"] > floor["x"] + 800))
+        assert page.read("player.views[0].scale * player.views[0].columns") > 800
+    assert places == [(True, False), (False, True)]

@@ -19,7 +19,7 @@ from warehouse_core.viz.legend import draw_legend, signs_of
 from warehouse_core.viz.sheet import BOLD, WIDTH, Box, Sheet, TrackPlace, sheet_of
 from warehouse_core.viz.tracks.track import Track
 from warehouse_core.viz.view import View
-from warehouse_core.viz.words import seconds_of
+from warehouse_core.wording import seconds_of
 
 
 class Timeline:
@@ -57,7 +57,7 @@ class Timeline:
     def words(self, number: int) -> str:
         """Return a moment in words."""
         moment = self.moments[number]
-        return seconds_of(moment) if self.in_seconds else f"step {moment:g}"
+        return f"{seconds_of(moment)} s" if self.in_seconds else f"step {moment:g}"
 
     def _find_moments(self, tracks: Sequence[Track]) -> list[float]:
         """Return each step, or times as close as the frames of a motion."""

@@ -7,7 +7,7 @@ import textwrap
 
 from warehouse_core.viz.axes.look import POINTS
 from warehouse_core.viz.tracks.track import Track
-from warehouse_core.wording import counted
+from warehouse_core.wording import counted, seconds_of
 
 MAX_CAPTION, MIN_CAPTION, LINES_SHARE = 18.0, 10.0, 0.7
 """Largest size of an action with its reason; smallest in one line; largest in two lines, as a share
@@ -37,7 +37,7 @@ def counter_of(steps: int, track: Track, frame: int) -> Words:
     """Return how many of a number of steps were taken, and the clock of a continuous motion."""
     now = track.frames[frame]
     digits = 0 if track.frames[-1].clock > LONG_SECONDS else 1
-    clock = f"   {now.clock:.{digits}f} s" if track.is_continuous else ""
+    clock = f"   {seconds_of(now.clock, digits)} s" if track.is_continuous else ""
     return f"step {math.ceil(now.progress)} of {steps}{clock}", 9
 
 
@@ -76,14 +76,9 @@ def tally_of(width: float, track: Track, frame: int) -> Words:
         numbers.insert(0, f"{track.metrics['delivered'][step]} delivered")
         joules = track.metrics["joules"][step]
     if track.frames[-1].clock:
-        numbers += [seconds_of(now.clock), f"{joules:,.0f} J"]
+        numbers += [f"{seconds_of(now.clock)} s", f"{joules:,.0f} J"]
     words = ", ".join(numbers)
     is_over = frame == len(track) - 1
     if is_over and track.ending:
         words = f"{track.ending.capitalize()}: {words}"
     return words, min(MAX_TALLY, POINTS * width / (BOLD_WIDTH * len(words)))
-
-
-def seconds_of(clock: float) -> str:
-    """Return a sum of seconds to one decimal, rounded as if it was exact."""
-    return f"{round(clock, 6):.1f} s"

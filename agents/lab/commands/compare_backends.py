@@ -13,12 +13,13 @@ from agents.lab.console.values import load_place
 from agents.lab.runs.run import draw_seed
 from warehouse_core import Episode
 from warehouse_core.viz.tracks.record_track import track_of_record
+from warehouse_core.wording import seconds_of
 
 ROWS: dict[str, Callable[[Episode], str]] = {
     "outcome": lambda episode: episode.outcome,
     "steps": lambda episode: str(episode.steps),
     "total reward": lambda episode: f"{episode.total_reward:.2f}",
-    "seconds": lambda episode: f"{episode.seconds:.1f}",
+    "seconds": lambda episode: seconds_of(episode.seconds),
     "joules": lambda episode: f"{episode.joules:.0f}",
     "hits": lambda episode: str(sum(len(motion.contacts) for motion in episode.motions)),
 }

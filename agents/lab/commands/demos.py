@@ -37,7 +37,7 @@ from warehouse_core.motion.backends import load_backend
 from warehouse_core.records import FleetRecorder
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
-from warehouse_core.wording import counted
+from warehouse_core.wording import counted, seconds_of
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
 if TYPE_CHECKING:
@@ -114,8 +114,8 @@ def load() -> Demo:
         for name in ("empty", "loaded")
     )
     said = (
-        f"empty {empty.seconds:.1f} s and {empty.joules:.0f} J, "
-        f"loaded {loaded.seconds:.1f} s and {loaded.joules:.0f} J"
+        f"empty {seconds_of(empty.seconds)} s and {empty.joules:.0f} J, "
+        f"loaded {seconds_of(loaded.seconds)} s and {loaded.joules:.0f} J"
     )
     return Demo(said, [_titled(track_of_record(e), e.agent.title()) for e in (empty, loaded)])
 
@@ -151,8 +151,8 @@ def ring() -> Demo:
     """Four robots, each of which moves into the cell that the next one leaves."""
     episode = drive_together({(1, 2): "E", (1, 3): "S", (2, 3): "W", (2, 2): "N"})
     moved = int((episode.cells[0] != episode.cells[-1]).sum())
-    seconds = float(episode.seconds.max())
-    said = f"{moved} of {episode.robots} robots move on in {seconds:.1f} s, without an empty cell"
+    seconds = seconds_of(float(episode.seconds.max()))
+    said = f"{moved} of {episode.robots} robots move on in {seconds} s, without an empty cell"
     return Demo(said, [_together(episode, "A ring of four robots", f"{moved} moved on")])
 
 

@@ -6,6 +6,7 @@ from typing import Any
 import pytest
 from matplotlib.axes import Axes
 from matplotlib.patches import Polygon
+from matplotlib.text import Text
 
 from agents.run_episode import run_episode
 from warehouse_core.viz.charts import (
@@ -56,6 +57,12 @@ def test_charts_of_bodies_are_in_seconds(physics: Track) -> None:
     assert 49.75 < high < 52
     assert list(rewards.lines[1].get_xdata()) == physics.clocks  # type: ignore[arg-type]
     assert list(motion.lines[0].get_xdata()) == [f.clock for f in physics.frames]  # type: ignore[arg-type]
+
+
+def test_the_clock_of_one_robot_has_the_decimal_of_the_others(physics: Track) -> None:
+    scene = Scene([physics], make_figure)
+    scene.show(len(physics) - 1)
+    assert "step 23 of 23   49.8 s" in [text.get_text() for text in scene.root.findobj(Text)]
 
 
 def test_speed_and_energy_begin_at_0_and_fill_the_chart(physics: Track) -> None:

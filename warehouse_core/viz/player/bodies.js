@@ -1,20 +1,24 @@
 // Draws robots and people, their batteries, and hits.
 
-import { centerText, fillOutlined } from "./canvas.js";
+import { centerText, drawLabel, fillOutlined, MIN_TEXT } from "./canvas.js";
 import { drawBox } from "./items.js";
 
 const RADIUS = 0.34;
 const MIN_RADIUS = 2;
 const MIN_SHAPE = 4;
 const MIN_DETAIL = 7;
-const MIN_NUMBER = 8;
+
+/** The share of a cell that a number may fill, so that those of neighbours stay apart. */
+const MAX_NUMBER = 0.75;
 
 /** Up to so many robots show their batteries; more do only where they are low. */
 const FEW = 12;
 const LOW_SHARE = 0.25;
 
-export function drawRobots(context, track, moment, view, theme, chosen) {
-  const radius = Math.max(RADIUS * view.scale, MIN_RADIUS);
+/** Draw robots and people. `chosen` and `hovered` are numbers of robots, or `null`. */
+export function drawRobots(context, track, moment, view, theme, chosen, hovered) {
+  const size = nameSize(context, track, view, theme);
+  const radius = Math.max(RADIUS * view.scale, MIN_RADIUS, size && radiusAround(context, track, size));
   const groups = new Map();
   const shown = [];
   for (let body = 0; body < track.bodies; body++) {
@@ -39,11 +43,17 @@ export function drawRobots(context, track, moment, view, theme, chosen) {
     for (const { body, x, y } of items) outline(context, x, y, radius, body >= track.robots);
     fillOutlined(context, color, theme.rim, Math.max(1, radius / 8));
   }
-  drawItems(context, shown, track, radius, theme);
+  drawItems(context, shown, track, radius, theme, size || radius >= MIN_DETAIL);
   drawBatteries(context, shown, track, moment, radius, theme);
-  if (radius >= MIN_NUMBER) drawNames(context, shown, track, radius, theme);
+  if (size) drawNames(context, shown, track, size, theme);
   const mine = shown.find((item) => item.body === chosen);
   if (mine) drawRing(context, mine, radius, theme);
+  if (size || !track.isFleet) return;
+  for (const { body, x, y } of shown) {
+    if (body !== chosen && body !== hovered) continue;
+    const bottom = y - 2 * radius - 4 * theme.density;
+    drawLabel(context, String(body), x, bottom, MIN_TEXT * theme.density, [theme.dark, theme.light]);
+  }
 }
 
 function outline(context, x, y, radius, isPerson) {
@@ -81,12 +91,12 @@ function drawNoses(context, shown, radius, theme) {
 }
 
 /** Draw a box on each loaded robot, of the colour of its order's age. */
-function drawItems(context, shown, track, radius, theme) {
-  const side = Math.max(2, (track.isFleet ? 0.95 : 1.2) * radius);
+function drawItems(context, shown, track, radius, theme, isBeside) {
+  const side = Math.max(2, (track.isFleet ? 0.85 : 1.2) * radius);
   for (const { x, y, load } of shown) {
     if (load <= 0) continue;
     // The number of a robot of a fleet stays readable beside its item.
-    const away = radius < MIN_DETAIL || !track.isFleet ? 0 : 0.6 * radius;
+    const away = track.isFleet && isBeside ? 0.8 * radius : 0;
     const color = track.isFleet ? theme.orders[load - 1] : theme.item;
     drawBox(context, x + away, y - away, side, color, theme);
   }
@@ -110,15 +120,30 @@ function drawBatteries(context, shown, track, moment, radius, theme) {
   }
 }
 
-function drawNames(context, shown, track, radius, theme) {
-  const isLone = track.robots === 1;
-  const digits = isLone ? 1 : String(track.robots - 1).length;
-  const size = Math.min(1.1, 2 / digits) * radius;
-  if (size < MIN_NUMBER) return;
+/** Return the longest number of a robot. */
+function longestName(track) {
+  return "8".repeat(track.robots > 1 ? String(track.robots - 1).length : 1);
+}
+
+/** Return the size of the letters and numbers on bodies, or 0 if cells have no room for them. */
+function nameSize(context, track, view, theme) {
+  const name = longestName(track);
+  const fitting = Math.min(1.1, 2 / name.length) * RADIUS * view.scale;
+  const size = Math.max(fitting, MIN_TEXT * theme.density);
+  centerText(context, size);
+  return context.measureText(name).width <= MAX_NUMBER * view.scale ? size : 0;
+}
+
+/** Return the radius of a disc that holds the longest number: small robots grow around theirs. */
+function radiusAround(context, track, size) {
+  return Math.hypot(context.measureText(longestName(track)).width, 0.75 * size) / 2 + 1;
+}
+
+function drawNames(context, shown, track, size, theme) {
   centerText(context, size);
   for (const { body, x, y, load } of shown) {
     const isPerson = body >= track.robots;
-    const name = isPerson ? "H" : isLone ? (load > 0 ? "r" : "R") : String(body);
+    const name = isPerson ? "H" : track.robots > 1 ? String(body) : load > 0 ? "r" : "R";
     context.fillStyle = !isPerson && load > 0 ? theme.dark : theme.light;
     context.fillText(name, x, y + 0.06 * size);
   }
@@ -148,17 +173,8 @@ export function drawHits(context, track, moment, view, theme) {
     fillOutlined(context, theme.hit, theme.dark, Math.max(1, radius / 10));
   }
   const last = hits.at(-1);
-  if (last?.label) drawLabel(context, last, radius, view, theme);
-}
-
-function drawLabel(context, { x, y, label }, radius, view, theme) {
+  if (!last?.label) return;
   const size = Math.max(12 * theme.density, 0.3 * view.scale);
-  centerText(context, size);
-  const width = context.measureText(label).width + size;
-  const middle = Math.min(Math.max(view.x(x), width / 2), view.canvasWidth - width / 2);
-  const top = view.y(y) - radius - 1.7 * size;
-  context.fillStyle = theme.hit;
-  context.fillRect(middle - width / 2, top, width, 1.4 * size);
-  context.fillStyle = theme.dark;
-  context.fillText(label, middle, top + 0.72 * size);
+  const bottom = view.y(last.y) - radius - 0.3 * size;
+  drawLabel(context, last.label, view.x(last.x), bottom, size, [theme.hit, theme.dark]);
 }

@@ -1,6 +1,6 @@
 // Draws what stands still: floor, walls, shelves, stations, and what is not seen yet.
 
-import { centerText } from "./canvas.js";
+import { centerText, MIN_TEXT } from "./canvas.js";
 
 const WALL = "#";
 const UNSEEN = "?";
@@ -8,8 +8,6 @@ const STATIONS = { P: "pickup", D: "dropoff", C: "charger" };
 const MAX_LINED_COLUMNS = 40;
 const MIN_STATION = 6;
 const MIN_TEXTURE = 9;
-const MIN_LETTER = 16;
-const MIN_NUMERAL = 9;
 
 /** Draw the tiles of a floor. Colours are those of the theme. */
 export function drawFloor(context, track, tiles, view, theme) {
@@ -110,8 +108,9 @@ function drawBorder(context, track, tiles, view, theme) {
 /** Write the numbers of columns and rows on a thin border that has room for them. */
 function drawNumbers(context, track, view, theme) {
   const middle = (1 + outerOf(track)) / 2;
-  const size = 0.75 * (1 - outerOf(track)) * view.scale;
-  if (!outerOf(track) || size < MIN_NUMERAL * theme.density) return;
+  const thick = (1 - outerOf(track)) * view.scale;
+  const size = Math.max(0.75 * thick, MIN_TEXT * theme.density);
+  if (!outerOf(track) || size > thick) return;
   context.fillStyle = theme.paper;
   centerText(context, size, "normal");
   for (let column = 1; column < track.width - 1; column++) {
@@ -139,12 +138,12 @@ function drawStation(context, [row, column, tile], view, theme) {
   }
   context.fillStyle = theme[STATIONS[tile]];
   context.fillRect(x, y, width, height);
-  if (view.scale < MIN_LETTER) return;
+  const size = Math.max(0.3 * view.scale, MIN_TEXT * theme.density);
+  if (size > width) return;
   context.fillStyle = theme.dark;
-  context.font = `bold ${Math.round(0.3 * view.scale)}px system-ui, sans-serif`;
+  centerText(context, size);
   context.textAlign = "left";
-  context.textBaseline = "top";
-  context.fillText(tile, x + 0.06 * view.scale, y + 0.05 * view.scale);
+  context.fillText(tile, x + 0.06 * width, y + 0.55 * size);
 }
 
 /** Draw waves on slippery cells. */

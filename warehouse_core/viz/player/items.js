@@ -1,34 +1,39 @@
 // Draws items: orders that wait, and the item of a lone robot where it waits or has been put.
 
-import { centerText } from "./canvas.js";
+import { centerText, MIN_TEXT } from "./canvas.js";
 import { LATE, waitingByPickup } from "./orders.js";
 
-const MIN_DIGIT = 8;
+/** The side and the middle of an item in a cell, whose letter is in the opposite corner. */
+const [SIDE, PLACE] = [0.4, 0.75];
+const MIN_SIDE = 4;
 
 /** Draw the orders of a fleet that wait at pickups. */
 export function drawWaiting(context, track, moment, view, theme) {
   if (!track.fleet.orders) return;
-  const side = Math.max(4, 0.46 * view.scale);
+  const side = Math.max(MIN_SIDE, SIDE * view.scale);
   for (const [cell, { count, age }] of waitingByPickup(track.fleet.orders, moment.step)) {
     const [row, column] = track.rowAndColumn(cell);
-    const [x, y] = [view.x(column + 0.5), view.y(row + 0.5)];
+    const [x, y] = [view.x(column + PLACE), view.y(row + PLACE)];
     drawBox(context, x, y, side, theme.orders[age], theme);
-    if (side >= MIN_DIGIT && count > 1) drawCount(context, count, x, y, side, age, theme);
+    if (count > 1) drawCount(context, count, x, y, side, age, theme);
   }
 }
 
+/** Write how many orders wait, where there is room for it. */
 function drawCount(context, count, x, y, side, age, theme) {
+  const size = Math.max(0.7 * side, MIN_TEXT * theme.density);
+  centerText(context, size);
+  if (context.measureText(String(count)).width > side) return;
   context.fillStyle = age === LATE ? theme.light : theme.dark;
-  centerText(context, 0.7 * side);
-  context.fillText(String(count), x, y + 0.04 * side);
+  context.fillText(String(count), x, y + 0.06 * size);
 }
 
 /** Draw the item of a lone robot where it waits or has been put. */
 export function drawItem(context, track, moment, view, theme) {
-  const side = Math.max(4, 0.36 * view.scale);
+  const side = Math.max(MIN_SIDE, SIDE * view.scale);
   for (const cell of itemCells(track, moment)) {
     const [row, column] = track.rowAndColumn(cell);
-    drawBox(context, view.x(column + 0.76), view.y(row + 0.76), side, theme.item, theme);
+    drawBox(context, view.x(column + PLACE), view.y(row + PLACE), side, theme.item, theme);
   }
 }
 

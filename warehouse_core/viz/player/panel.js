@@ -2,7 +2,7 @@
 
 import { copy, element, partOf, setText } from "./elements.js";
 import { drawFloor } from "./floor.js";
-import { shown } from "./scale.js";
+import { seconds, shown } from "./scale.js";
 import { drawScene } from "./scene.js";
 
 const TAP = 6;
@@ -19,7 +19,7 @@ export class Panel {
     this.parts.battery.hidden = !track.battery.length;
     this.parts.facts.hidden = !track.energy.length && track.motorStrength === 1;
     this.canvas = this.parts.floor;
-    this.canvas.style.aspectRatio = `${view.columns + 2 * view.margin} / ${view.rows + 2 * view.margin}`;
+    this.canvas.style.aspectRatio = view.aspect;
     this.listen();
   }
 
@@ -45,7 +45,8 @@ export class Panel {
     this.key = key;
     const context = this.canvas.getContext("2d");
     context.drawImage(this.still, 0, 0);
-    drawScene(context, track, moment, view, theme, this.player);
+    const hovered = this.pointer ? this.robotAt(...this.pointer, moment) : null;
+    drawScene(context, track, moment, view, theme, this.player, hovered);
   }
 
   /** Return a canvas with all that does not move. */
@@ -80,9 +81,11 @@ export class Panel {
   }
 
   /** Return the time and energy so far, and how strong the motors are if they are weak. */
-  factsAt({ next }) {
-    const { energy, motorStrength, time } = this.track;
-    const facts = energy.length ? [`${time[next].toFixed(1)} s`, `${shown(energy[next], 0)} J`] : [];
+  factsAt({ time, frame, step }) {
+    const { end, energy, motorStrength, robots, stepFrames } = this.track;
+    // The energy in a chart beside is that of a frame too, or in a fleet that of a complete step.
+    const used = energy[robots > 1 ? stepFrames[step] : frame];
+    const facts = energy.length ? [seconds(Math.min(time, end)), `${shown(used, 0)} J`] : [];
     if (motorStrength < 1) facts.push(`motors at ${shown(100 * motorStrength, 0)}% of their force`);
     return facts.join(", ");
   }
@@ -98,9 +101,9 @@ export class Panel {
       this.canvas.setPointerCapture(event.pointerId);
     });
     this.canvas.addEventListener("pointermove", (event) => {
-      const before = pointers.get(event.pointerId);
+      const [before, now] = [pointers.get(event.pointerId), at(event)];
+      this.point(now);
       if (!before) return;
-      const now = at(event);
       const other = [...pointers].find(([id]) => id !== event.pointerId)?.[1];
       if (other) this.view.zoomBy(distance(now, other) / Math.max(distance(before, other), 1), ...other);
       else if (this.view.zoom > 1) this.view.moveBy(now[0] - before[0], now[1] - before[1]);
@@ -112,6 +115,7 @@ export class Panel {
       const isTap = pointers.size === 1 && moved < TAP * this.player.density;
       if (pointers.delete(event.pointerId) && isTap && event.type === "pointerup") this.tap(...at(event));
     };
+    this.canvas.addEventListener("pointerleave", () => this.point(null));
     this.canvas.addEventListener("pointerup", end);
     this.canvas.addEventListener("pointercancel", end);
     this.canvas.addEventListener(
@@ -126,10 +130,20 @@ export class Panel {
     );
   }
 
-  /** Choose the robot of a fleet that is nearest to a point, or none. */
-  tap(x, y) {
+  /** Show the number of the robot of a fleet that a pointer is at, if it is not shown anyway. */
+  point(pointer) {
     if (!this.track.isFleet) return;
-    const moment = this.track.at(this.player.time);
+    this.pointer = pointer;
+    if (!this.player.isPlaying) this.player.draw();
+  }
+
+  /** Choose the robot of a fleet at a point, or none. */
+  tap(x, y) {
+    if (this.track.isFleet) this.player.choose(this.robotAt(x, y, this.track.at(this.player.time)));
+  }
+
+  /** Return the robot that is nearest to a point, or `null` if none is near. */
+  robotAt(x, y, moment) {
     const [column, row] = this.view.cellAt(x, y);
     let [nearest, least] = [null, Math.max(0.8, (10 * this.player.density) / this.view.scale)];
     for (let robot = 0; robot < this.track.robots; robot++) {
@@ -137,7 +151,7 @@ export class Panel {
       const away = pose ? Math.hypot(pose.x - column, pose.y - row) : Infinity;
       if (away < least) [nearest, least] = [robot, away];
     }
-    this.player.choose(nearest);
+    return nearest;
   }
 }
 

@@ -6,7 +6,7 @@ import { FleetPanel } from "./fleet.js";
 import { outerOf } from "./floor.js";
 import { drawLegend } from "./legend.js";
 import { Panel } from "./panel.js";
-import { shown } from "./scale.js";
+import { seconds, shown } from "./scale.js";
 import { nextEvent, Track } from "./track.js";
 import { readTheme } from "./theme.js";
 import { View } from "./view.js";
@@ -18,6 +18,9 @@ const MAX_TICK = 1000;
 
 /** Cells around what is drawn of a floor. */
 const MARGIN = 0.1;
+
+/** A floor that is so much wider than high is larger over the charts than beside them. */
+const WIDE = 2.1;
 
 /** Columns of floors by the number of tracks. */
 const COLUMNS = { 1: 1, 2: 2, 4: 2 };
@@ -79,6 +82,7 @@ export class Player {
     });
     this.views = [...views.values()];
     this.root.classList.toggle("several", this.tracks.length > 1);
+    this.root.classList.toggle("panorama", this.tracks.length === 1 && this.views[0].aspect > WIDE);
     const columns = COLUMNS[this.tracks.length] ?? MAX_COLUMNS;
     this.find("floors").style.setProperty("--columns", columns);
     this.root.classList.toggle("many", this.tracks.length > columns);
@@ -234,7 +238,7 @@ export class Player {
   /** The step, and the clock where there is one, in words. */
   get place() {
     const { longest } = this;
-    const clock = this.tracks.some((track) => track.isContinuous) ? `, ${this.time.toFixed(1)} s` : "";
+    const clock = this.tracks.some((track) => track.isContinuous) ? `, ${seconds(this.time)}` : "";
     return `${this.unit} ${longest.stepAt(this.time)} of ${longest.steps}${clock}`;
   }
 

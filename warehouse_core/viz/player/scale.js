@@ -34,3 +34,8 @@ export function shown(value, digits = 2) {
   if (!FORMATS.has(digits)) FORMATS.set(digits, new Intl.NumberFormat("en-US", { maximumFractionDigits: digits }));
   return FORMATS.get(digits).format(value).replace("-", "\u2212");
 }
+
+/** Return a time with one decimal, by the rule of `seconds_of` in wording.py. */
+export function seconds(time) {
+  return `${(Math.round(1000 * time) / 1000 + 1e-9).toFixed(1)} s`;
+}

@@ -6,8 +6,8 @@ import { drawItem, drawWaiting } from "./items.js";
 import { drawEnds, drawMarks, drawSight, drawVisits } from "./layers.js";
 import { drawPlans, drawPushes, drawRoute, drawTrail, drawWayAhead } from "./ways.js";
 
-/** Draw everything that moves at a moment. `chosen` is the number of a robot, or `null`. */
-export function drawScene(context, track, moment, view, theme, { chosen, hasHeat }) {
+/** Draw everything that moves at a moment. `chosen` and `hovered` are numbers of robots, or `null`. */
+export function drawScene(context, track, moment, view, theme, { chosen, hasHeat }, hovered) {
   const watched = chosen ?? (track.robots === 1 && track.bodies > 0 ? 0 : null);
   if (track.marks) drawMarks(context, track, moment, view);
   if (watched !== null) drawVisits(context, track, watched, moment, view, theme);
@@ -19,7 +19,7 @@ export function drawScene(context, track, moment, view, theme, { chosen, hasHeat
   if (chosen !== null) drawWayAhead(context, track, chosen, moment, view, theme);
   if (watched !== null) drawTrail(context, track, watched, moment, view, theme);
   if (track.fleet) drawWaiting(context, track, moment, view, theme);
-  drawRobots(context, track, moment, view, theme, chosen);
+  drawRobots(context, track, moment, view, theme, chosen, hovered);
   if (track.robots === 1) drawItem(context, track, moment, view, theme);
   if (track.fleet) drawPushes(context, track, moment, view, theme);
   drawHits(context, track, moment, view, theme);

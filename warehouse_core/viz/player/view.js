@@ -82,6 +82,11 @@ export class View {
     this.middle = [this.columns / 2, this.rows / 2];
   }
 
+  /** Return the width of what is shown by its height. */
+  get aspect() {
+    return (this.columns + 2 * this.margin) / (this.rows + 2 * this.margin);
+  }
+
   /** A text that differs between views that draw the floor differently. */
   get key() {
     return [this.left, this.top, this.scale, this.canvasWidth, this.canvasHeight].join(" ");

@@ -166,6 +166,7 @@ def _fleet_frames(
     orders, bodies = _Orders(episode), np.hstack([episode.cells, episode.people])
     no_items = [False] * episode.people.shape[1]
     layout, rows, size = episode.layout, episode.layout.rows, episode.cell_size
+    used = _joules_used(episode)
 
     @cache
     def pose_of(cell: int, heading: float | None, is_loaded: bool) -> Pose:
@@ -182,13 +183,17 @@ def _fleet_frames(
             for last in along:
                 last.hits = tuple(DrawnHit(hit.at, "", hit.robot) for hit in last.hits)
                 last.fleet = fleet if last.progress == step else before
+                last.energy = float(
+                    np.interp(last.progress, (step - 1, step), used[step - 1 :][:2])
+                )
                 yield last
         else:
             keys = zip(bodies[step].tolist(), headings, loaded, strict=True)
             poses = tuple([pose_of(*key) for key in keys])
             hits = _hits(episode, step - 1) if step else ()
             clock = last.clock + float(episode.seconds[step - 1].max()) if step else 0.0
-            last = Frame(rows, poses, float(step), caption, hits, clock, fleet=fleet)
+            energy = used[step]
+            last = Frame(rows, poses, float(step), caption, hits, clock, energy=energy, fleet=fleet)
             yield last
 
 
@@ -289,8 +294,13 @@ def _fleet_metrics(episode: Episode) -> dict[str, Sequence[float]]:
         "delivered": delivered.cumsum().tolist(),
         "battery_mean": shares.mean(axis=1).tolist(),
         "battery_lowest": shares.min(axis=1).tolist(),
-        "joules": [0.0, *episode.joules.sum(axis=1).cumsum().tolist()],
+        "joules": _joules_used(episode),
     }
+
+
+def _joules_used(episode: Episode) -> list[float]:
+    """Return the joules that all robots of a fleet have used after each step."""
+    return [0.0, *episode.joules.sum(axis=1).cumsum().tolist()]
 
 
 def _lateness(episode: Episode) -> list[tuple[int, int]]:

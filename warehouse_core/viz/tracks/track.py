@@ -106,7 +106,7 @@ class Frame:
         hits: the collisions to show.
         clock: simulated seconds; 0 in all frames if the track has no motions.
         speed: speed of the first robot, in m/s.
-        energy: used so far by the first robot, in joules.
+        energy: used so far by all robots, in joules.
         route: the planned way of the robot; empty where no plan is shown.
         fleet: orders and batteries of a fleet.
     """

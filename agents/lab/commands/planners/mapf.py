@@ -43,7 +43,7 @@ from agents.mapf.problem import Problem
 from agents.registry import PLANNERS
 from warehouse_core.batch.fleet.people import MAX_BODIES
 from warehouse_core.motion.backends import load_backend
-from warehouse_core.wording import counted, listed
+from warehouse_core.wording import counted, listed, seconds_of
 from warehouse_core.world.robot_runners import League, load_league
 from warehouse_core.world.tables import Integers
 
@@ -188,7 +188,7 @@ class Trials:
 
             for way, run in EXECUTIONS.items():
                 took = run(graph.layout, cells)
-                numbers = f"{took.seconds:.1f}", f"{took.joules:,.0f}", str(took.hits)
+                numbers = seconds_of(took.seconds), f"{took.joules:,.0f}", str(took.hits)
                 self.executed.append((name, way, *numbers))
         if self.output is not None:
             write_result(self.output, graph, cells, *result)

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { extent, shown, ticks } from "../../../../warehouse_core/viz/player/scale.js";
+import { extent, seconds, shown, ticks } from "../../../../warehouse_core/viz/player/scale.js";
 
 test("ticks are round, lie within the axis and are about as many as asked for", () => {
   assert.deepEqual(ticks(0, 10, 5), [0, 2, 4, 6, 8, 10]);
@@ -29,4 +29,9 @@ test("numbers are shown with groups, few digits and a minus sign", () => {
   assert.equal(shown(-12345.678), "\u221212,345.68");
   assert.equal(shown(0.126, 1), "0.1");
   assert.equal(shown(Number.NaN), "unknown");
+});
+
+test("a time has a decimal whatever its last bits are, as in test_wording.py", () => {
+  const times = [49.75, 49.74999999999999, 49.749, 0.25, 0.15];
+  assert.deepEqual(times.map(seconds), ["49.8 s", "49.8 s", "49.7 s", "0.3 s", "0.2 s"]);
 });

@@ -137,6 +137,15 @@ def test_within_a_motion_orders_stay_as_they_were_before_it(bodies: FleetEpisode
         assert frame.fleet == by_step[math.floor(frame.progress)].fleet
 
 
+@pytest.mark.parametrize("frame_seconds", [0.2, None])
+def test_energy_is_that_of_all_robots(bodies: FleetEpisode, frame_seconds: float | None) -> None:
+    track = track_of_record(bodies, frame_seconds)
+    used = np.concatenate([[0.0], bodies.joules.sum(axis=1).cumsum()])
+    assert (bodies.joules[0] > 0).sum() > 1, "the first robot is not alone"
+    for frame in track.frames:
+        assert frame.energy == pytest.approx(np.interp(frame.progress, np.arange(len(used)), used))
+
+
 def test_motions_that_take_too_many_frames_raise(bodies: FleetEpisode) -> None:
     with pytest.raises(RecordError, match="more than MAX_FRAMES"):
         track_of_record(bodies, 1e-6)
