@@ -56,6 +56,7 @@ COMMANDS = {
     "mapf --robots 32 --lifelong 300 --planner windowed -o a.json": ["a.json"],
     "gap --robots 4 --count 8 -n 1 --jobs 2 --save a.html --save b.csv": ["a.html", "b.csv"],
     "gap --robots 4 --count 8 -n 1 --jobs 1": [],
+    "race --max-steps 40 --save a.html": ["a.html"],
     "sweep --set agent=greedy,astar -n 60 --jobs 2 -o a.sqlite": ["a.sqlite"],
     "sweep --set backend=grid,physics -n 20 --jobs 1 -o a.sqlite": ["a.sqlite"],
     "report results.sqlite -o a.html --figures .": ["a.html", "*.svg"],

@@ -46,9 +46,10 @@ MAY_IMPORT = {
     "warehouse_core/viz/axes": "motion records render wording world",
     "warehouse_core/viz/tracks": "arguments errors motion orders records render wording world",
     "warehouse_core/viz/player": "arguments files orders render viz/tracks wording world",
+    "warehouse_core/viz/svg": "arguments errors render viz/tracks wording world",
     "warehouse_core/viz": (
-        "arguments errors files fleet records render viz/axes viz/export viz/player viz/tracks "
-        "warehouse_env wording world"
+        "arguments errors files fleet records render viz/axes viz/export viz/player viz/svg "
+        "viz/tracks warehouse_env wording world"
     ),
     "warehouse_core/warehouse_viz": "arguments files records render viz viz/export viz/tracks",
     "warehouse_physics/disturbances": "",
@@ -145,6 +146,7 @@ EXPORTS = {
     """,
     "warehouse_core.viz.tracks": "Frame Pose Track track_of_frames track_of_record",
     "warehouse_core.viz.player": "player_frame player_page save_page",
+    "warehouse_core.viz.svg": "MAX_SVG_BYTES animated_svg",
     "warehouse_core.viz.axes": "box_in draw_grid style_chart",
     "warehouse_core.viz.export": "FORMATS ffmpeg has_live_terminal progress_bar",
     "warehouse_core.world": """

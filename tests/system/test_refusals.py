@@ -63,7 +63,7 @@ ARGUMENTS = {
 BACKENDS = {"sleigh": "no backend is called 'sleigh'; installed: driving, grid, physics"}
 CELLS = {
     "0,0": "row 0, column 0 is wall; it must be an open cell",
-    "-1,99": "row -1, column 99 is off the grid (rows 0..6, columns 0..11)",
+    "-1,99": "row -1, column 99 is off the grid (rows 0..",
 }
 UNKNOWN = {
     "--agent": {
@@ -227,7 +227,8 @@ PICTURES = ".gif, .mp4, .html, .svg, .png"
 SUFFIXES = {
     "run": f"{PICTURES}, .npz",
     "play": f"{PICTURES}, .npz",
-    "fleet": f"{PICTURES}, .npz",
+    "fleet": f"{PICTURES}, .npz, .csv",
+    "race": PICTURES,
     "gap": ".html, .csv",
     "mapf": ".json",
     "grade": ".json, .html, .csv",

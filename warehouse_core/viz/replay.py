@@ -20,10 +20,14 @@ from warehouse_core.viz.export.mp4_frames import mp4_frames
 from warehouse_core.viz.figure import SceneFigure, make_figure, make_window, save_svg
 from warehouse_core.viz.player import player_frame, save_page
 from warehouse_core.viz.scene import Scene
-from warehouse_core.viz.tracks.track import INTERVAL_MS, MAX_PACE, MIN_PACE, Track
-
-CONTINUOUS_FRAMES = 3
-"""Frames of continuous motions that are shown in the time of one step of a grid."""
+from warehouse_core.viz.svg import animated_svg
+from warehouse_core.viz.tracks.track import (
+    CONTINUOUS_FRAMES,
+    INTERVAL_MS,
+    MAX_PACE,
+    MIN_PACE,
+    Track,
+)
 
 GIF_FRAMES_APART = 2
 """Frames of a continuous motion from one frame of a GIF to the next; the last is always there."""
@@ -122,14 +126,21 @@ class Replay(FuncAnimation):
         self._scene.show(self._scene.still)
 
     def save(  # type: ignore[override]
-        self, filename: str | Path, writer: Any = None, **options: Any
+        self, filename: str | Path, writer: Any = None, *, still: bool = False, **options: Any
     ) -> None:
-        """Save to ``.gif``, ``.mp4`` or ``.html``, or one frame to ``.png`` or ``.svg``.
+        """Save to ``.gif``, ``.mp4``, ``.html`` or ``.svg``, or one frame to ``.png``.
 
         With a ``writer`` it is matplotlib's own ``Animation.save``.
 
+        Args:
+            filename: path of the file.
+            writer: a writer of matplotlib.
+            still: save one frame to ``.svg`` too, with its charts; if not, the floor moves.
+            options: further arguments of matplotlib's own method, with a writer.
+
         Raises:
-            ValueError: another suffix, or an MP4 without imageio-ffmpeg installed.
+            ValueError: another suffix, an MP4 without imageio-ffmpeg installed, or a replay too
+                long for a moving ``.svg``.
             OSError: the file cannot be written.
         """
         self._leave_closed_window()
@@ -142,7 +153,7 @@ class Replay(FuncAnimation):
         suffix = check_suffix(Path(filename), FORMATS)
         try:
             with atomic_path(filename) as part:
-                self._write(part, suffix)
+                self._write(part, suffix, still=flag("still", still))
         finally:
             self.refresh()
 
@@ -154,13 +165,15 @@ class Replay(FuncAnimation):
             if self.figure.number not in plt.get_fignums():
                 FigureCanvasAgg(self.figure)
 
-    def _write(self, path: Path, suffix: str) -> None:
+    def _write(self, path: Path, suffix: str, *, still: bool) -> None:
         if suffix == ".gif":
             self._write_gif(path)
         elif suffix == ".mp4":
             self._write_mp4(path)
         elif suffix == ".html":
             save_page(path, self._tracks, speed=self._speed)
+        elif suffix == ".svg" and not still:
+            path.write_text(animated_svg(self._tracks, speed=self._speed), encoding="utf-8")
         else:
             self.show_still()
             if suffix == ".svg":

@@ -48,6 +48,7 @@ def replay(
     *,
     save: options.Save,
     show: options.Show = None,
+    still: options.Still = False,
     interval_ms: Annotated[
         float,
         options.option("--interval-ms N", "Milliseconds between frames.", Number(1, 60_000)),
@@ -63,7 +64,7 @@ def replay(
         report_fleet(episode)
     else:
         report_episode(episode)
-    replay_or_save(episode, save, show, interval_ms, speed)
+    replay_or_save(episode, save, show, interval_ms, speed, still=still)
 
 
 class CompareGroup(CommandGroup):

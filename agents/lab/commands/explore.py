@@ -32,6 +32,7 @@ def explore(
     *,
     save: options.Save,
     show: options.Show = None,
+    still: options.Still = False,
 ) -> None:
     """Explore an unknown warehouse.
 
@@ -58,7 +59,7 @@ def explore(
         env.close()
     report_episode(episode, place.stations)
     report_exploring(episode, history, agent.plans)
-    film = Film(lambda: belief_tracks(episode, history), record=episode)
+    film = Film(lambda: belief_tracks(episode, history), record=episode, still=still)
     show_or_save(film, save, show, f"explore-{env.backend}-{seed}.gif")
 
 

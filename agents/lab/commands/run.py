@@ -88,6 +88,7 @@ def run(
     *,
     save: options.Save,
     show: options.Show = None,
+    still: options.Still = False,
     speed: options.Speed = 1.0,
 ) -> None:
     """Run one episode and replay it.
@@ -99,7 +100,7 @@ def run(
 
     def finish(episode: Episode, show: bool | None) -> None:
         report_episode(episode, place.stations)
-        replay_or_save(episode, save, show, speed=speed)
+        replay_or_save(episode, save, show, speed=speed, still=still)
 
     try:
         episode = run_episode(

@@ -143,6 +143,7 @@ def search(
     *,
     save: options.SaveReplay,
     show: options.Show = None,
+    still: options.Still = False,
 ) -> None:
     """Compare uniform-cost, A* and greedy search.
 
@@ -172,7 +173,7 @@ def search(
 
         return search_replay(courses, title, window=window)
 
-    film = Film(lambda: [*map(track_of_course, courses)], title, draw=draw)
+    film = Film(lambda: [*map(track_of_course, courses)], title, draw=draw, still=still)
     show_or_save(film, save, show, "search.gif")
 
 

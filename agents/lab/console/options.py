@@ -204,6 +204,9 @@ SaveReplay = Annotated[
         **MANY,
     ),
 ]
+Still = Annotated[
+    bool, option("--still", "A replay as .svg is one picture, with charts, and does not move.")
+]
 SaveFigure = Annotated[
     Path | None,
     option("--save -o FILE", f"{SAVE} The figure as .svg or .png.", callback=writable(*PICTURES)),

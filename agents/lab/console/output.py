@@ -15,6 +15,7 @@ from warehouse_core.files.atomic import atomic_path
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.window import has_display
 from warehouse_core.viz.player import save_page
+from warehouse_core.viz.svg import animated_svg
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
 
@@ -22,7 +23,7 @@ if TYPE_CHECKING:
     from warehouse_core.viz.figure import SceneFigure
     from warehouse_core.viz.replay import Replay
 
-PAGE_SUFFIX = ".html"
+PAGE_SUFFIX, DRAWING_SUFFIX = ".html", ".svg"
 
 Draw = Callable[[Callable[[tuple[float, float]], "SceneFigure"]], "SceneFigure"]
 """Draws a picture into the figure that a function makes, of a width and height in inches."""
@@ -30,10 +31,11 @@ Draw = Callable[[Callable[[tuple[float, float]], "SceneFigure"]], "SceneFigure"]
 
 @dataclass(frozen=True, slots=True)
 class Film:
-    """What a command shows. Matplotlib is imported for a window or a picture, not for a page.
+    """What a command shows. A window or a picture needs Matplotlib, a page or an animation not.
 
     ``tracks`` makes the tracks when they are needed; their titles are the default of a page's. The
-    replay is theirs, unless ``draw`` makes another, with a window or without one.
+    replay is theirs, unless ``draw`` makes another, with a window or without one. An ``.svg`` does
+    not move if ``still`` is true.
     """
 
     tracks: Callable[[], Sequence[Track]]
@@ -41,6 +43,7 @@ class Film:
     record: Episode | None = None
     speed: float = 1.0
     draw: Callable[[bool], Replay] | None = None
+    still: bool = False
 
     def replay(self, window: bool) -> Replay:
         """Return the replay, with a window or without one."""
@@ -57,8 +60,12 @@ class Film:
             self.record.save(target)
         elif suffix == PAGE_SUFFIX:
             save_page(target, self.tracks(), title=self.title, speed=self.speed)
+        elif suffix == DRAWING_SUFFIX and not self.still:
+            drawing = animated_svg(self.tracks(), title=self.title, speed=self.speed)
+            with atomic_path(target) as part:
+                part.write_text(drawing, encoding="utf-8")
         else:
-            self.replay(window=False).save(target)
+            self.replay(window=False).save(target, still=self.still)
         say(f"saved {target}")
 
 
@@ -69,6 +76,7 @@ def replay_or_save(
     interval_ms: float = INTERVAL_MS,
     speed: float = 1.0,
     plans: Sequence[StepPlans] = (),
+    still: bool = False,
 ) -> None:
     """Show or save an episode as ``show_or_save`` does; ``.npz`` is its record."""
     seed = "unseeded" if episode.seed is None else episode.seed
@@ -79,6 +87,7 @@ def replay_or_save(
         lambda: [track_of_record(episode, plans=plans)],
         record=episode,
         speed=speed * INTERVAL_MS / interval_ms,
+        still=still,
     )
     show_or_save(film, targets, show, name + suffix)
 

@@ -63,6 +63,66 @@ def test_lines_lead_from_parents_to_children_and_no_cards_overlap() -> None:
     assert all(b - a >= 1 for row in by_level.values() for a, b in pairwise(sorted(row)))
 
 
+def test_cards_have_their_words_inside_and_lines_join_parents_and_children() -> None:
+    tree = grown([5, 9], [9, 5])
+    places = places_of(tree.nodes)
+    axes = tree_picture(tree).axes[1]
+    frames = [patch for patch in axes.patches if isinstance(patch, Rectangle)]
+    cards = [frame.get_bbox() for frame in frames if not frame.get_fill()]
+    by_node = dict(zip(tree.nodes, cards, strict=True))
+    for node, card in by_node.items():
+        assert (card.width, card.height) == pytest.approx(CARD)
+        column, level = places[node]
+        others = [(by_node[each], places[each]) for each in tree.nodes]
+        assert all((card.x0 < each.x0) == (column < x) for each, (x, _) in others)
+        assert all((card.y1 < each.y0) == (level < y) for each, (_, y) in others)
+        words = [text for text in axes.texts if card.contains(*text.get_position())]
+        lines = [text.get_text() for text in sorted(words, key=lambda text: text.get_position()[1])]
+        last = "★ optimal plan" if node is tree.solution else words_of(tree, node.split)
+        first = [words_of(tree, node.constraint)] if node.constraint else []
+        assert lines == [*first, f"cost {node.cost}", last or "not opened"]
+        middle = (card.x0 + card.x1) / 2
+        assert [text.get_position()[0] for text in words] == pytest.approx([middle] * len(words))
+    joined = [line.get_xydata().ravel() for line in axes.lines]
+    for node, card in by_node.items():
+        if node.parent is not None:
+            above = by_node[node.parent]
+            start, end = (above.x0 + above.x1) / 2, (card.x0 + card.x1) / 2
+            wanted = pytest.approx([start, above.y1, end, card.y0])
+            assert sum(line == wanted for line in joined) == 1
+    wide, high = axes.get_xlim()[1], axes.get_ylim()[0]
+    assert max(card.x1 for card in cards) == pytest.approx(wide)
+    assert max(card.y1 for card in cards) == pytest.approx(high)
+
+
+def test_the_floor_has_walls_starts_and_goals_with_the_numbers_of_their_robots() -> None:
+    floor = tree_picture(grown([5, 9], [9, 0])).axes[0]
+    walls = [patch.get_bbox().bounds for patch in floor.patches]  # type: ignore[attr-defined]
+    assert walls == [(2, 0, 1, 1), (2, 2, 1, 1)]
+    marks = [
+        (str(line.get_marker()), *(int(place) for place in line.get_xydata()[0]))
+        for line in floor.lines
+    ]
+    assert marks == [("o", 0, 1), ("s", 4, 1), ("o", 4, 1), ("s", 0, 0)]
+    for line, text in zip(floor.lines, floor.texts, strict=True):
+        assert list(text.get_position()) == line.get_xydata()[0].tolist()
+    assert [text.get_text() for text in floor.texts] == ["0", "0", "1", "1"]
+    assert (floor.get_xlim(), floor.get_ylim()) == ((0, 5), (3, 0))
+
+
+def test_nothing_in_the_picture_of_a_tree_overlaps_or_leaves_it() -> None:
+    figure = tree_picture(grown([5, 9], [9, 5]))
+    figure.pixels()
+    boxes = [axes.get_window_extent() for axes in figure.axes]
+    boxes += [text.get_window_extent() for text in figure.texts]
+    for number, box in enumerate(boxes):
+        assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
+        assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.bbox.y1
+        assert not any(box.overlaps(other) for other in boxes[:number])
+    title = figure.texts[0].get_text()
+    assert title == "Conflict-based search, 2 robots: cost 11 after 9 nodes"
+
+
 def test_constraints_and_conflicts_are_told_in_words() -> None:
     tree = ConflictTree(Problem(Graph(GAP), [0], [1]))
     assert words_of(tree, Constraint(3, 2, 6)) == "3 not in (1, 1) at 2"

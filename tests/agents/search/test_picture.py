@@ -7,6 +7,7 @@ import numpy as np
 import pytest
 from helpers.pictures import HOSTILE_NAMES, is_color, patch, pixels, texts
 from helpers.player import page_in, said_by
+from matplotlib.colors import to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
 from PIL import Image
@@ -29,7 +30,7 @@ from agents.search.trace import (
     track_of_course,
 )
 from warehouse_core import DEFAULT_LAYOUT, Layout
-from warehouse_core.render.palette import COLORS
+from warehouse_core.render.palette import COLORS, WARNING
 from warehouse_core.viz.figure import DPI
 from warehouse_core.viz.replay import Replay
 from warehouse_core.wording import printable
@@ -288,6 +289,45 @@ def test_the_four_usual_searches_have_large_cells_and_letters_that_the_legend_ex
     assert [text.get_text() for text in legend.get_texts()][:2] == ["start", "goal"]
     markers = "".join(str(line.get_marker()) for line in legend.findobj(Line2D))
     assert markers.count("S") == markers.count("G") == 1
+
+
+def test_the_legend_has_the_colours_of_what_it_names() -> None:
+    [legend] = replay(0).figure.legends
+    handles = legend.legend_handles
+    words = [text.get_text() for text in legend.get_texts()]
+    colors = {
+        word: to_rgb(handle.get_color())
+        for word, handle in zip(words, handles, strict=True)
+        if isinstance(handle, Line2D) and word not in ("start", "goal")
+    }
+    assert colors == {
+        "wall": COLORS[WALL],
+        "expanded first": SHADES[0],
+        "expanded last": SHADES[-1],
+        "frontier": FRONTIER,
+        "expanded now": WARNING,
+        "path": PATH,
+    }
+
+
+def test_the_path_and_the_ends_are_in_the_middle_of_their_cells() -> None:
+    shown, search = replay(0), course(0)
+    axes = shown.figure.axes[0]
+    [path] = [line for line in axes.lines if len(line.get_xydata()) > 1]
+    states = [(col + 0.5, row + 0.5) for row, col in search.solution.states]
+    assert [tuple(point) for point in path.get_xydata()] == states
+    discs = [line.get_xydata()[0].tolist() for line in axes.lines if line.get_marker() == "o"]
+    letters = {text.get_text(): list(text.get_position()) for text in axes.texts}
+    assert letters == {"S": [1.5, 1.5], "G": [6.5, 3.5]}
+    assert discs == [*letters.values()]
+    [now] = [line for line in axes.lines if line.get_marker() == "D"]
+    for count in range(len(search) + 1):
+        shown.go_to(count)
+        at = search.expanded_by(count)
+        assert now.get_xydata().tolist() == ([] if at is None else [[at[1] + 0.5, at[0] + 0.5]])
+        assert path.get_visible() == (count == len(search))
+        [words] = [text for text in shown.figure.texts if text.get_text().startswith("expanded ")]
+        assert (words.get_fontweight() == "bold") == (count == len(search))
 
 
 def test_no_search_and_too_many_are_errors() -> None:

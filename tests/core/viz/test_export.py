@@ -58,6 +58,7 @@ def films(tmp_path_factory: pytest.TempPathFactory) -> Path:
     folder = tmp_path_factory.mktemp("films")
     for suffix in FORMATS:
         saved(folder, suffix)
+    replay_of(short_episode()).save(folder / "still.svg", still=True)
     return folder
 
 
@@ -145,8 +146,8 @@ def test_a_png_shows_the_end(films: Path) -> None:
 # SVG.
 
 
-def test_an_svg_shows_the_end(films: Path) -> None:
-    text = (films / "film.svg").read_text(encoding="utf-8")
+def test_a_still_svg_shows_the_end(films: Path) -> None:
+    text = (films / "still.svg").read_text(encoding="utf-8")
     assert "dc:date" not in text
     # Letters are shapes; matplotlib adds a comment with their text.
     assert "<!-- step 6 of 6 -->" in text
@@ -164,10 +165,11 @@ def test_an_svg_is_the_same_in_another_process(films: Path, tmp_path: Path) -> N
     tests = str(Path(__file__).parents[2])
     program = (
         f"import sys; sys.path.append({tests!r}); from helpers.pictures import *; "
-        "replay_of(short_episode()).save('other.svg')"
+        "r = replay_of(short_episode()); r.save('film.svg'); r.save('still.svg', still=True)"
     )
     subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True)
-    assert (tmp_path / "other.svg").read_bytes() == (films / "film.svg").read_bytes()
+    for name in ("film.svg", "still.svg"):
+        assert (tmp_path / name).read_bytes() == (films / name).read_bytes()
 
 
 # MP4.
@@ -296,17 +298,17 @@ def test_a_page_of_frames_without_an_episode_has_a_title(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("name", HOSTILE_NAMES)
 @pytest.mark.filterwarnings("ignore:Glyph")  # matplotlib says when a font lacks a character
-def test_names_are_text_in_a_page_and_shapes_in_an_svg(
+def test_names_are_text_in_a_page_and_shapes_in_a_still_svg(
     films: Path, tmp_path: Path, name: str
 ) -> None:
-    for suffix in (".html", ".svg"):
-        replay_of(named(name)).save(tmp_path / f"film{suffix}")
-        same = executable_nodes(films / f"film{suffix}")
-        assert executable_nodes(tmp_path / f"film{suffix}") == same
+    replay = replay_of(named(name))
+    for file, still in (("film.html", False), ("still.svg", True)):
+        replay.save(tmp_path / file, still=still)
+        assert executable_nodes(tmp_path / file) == executable_nodes(films / file)
     text = (tmp_path / "film.html").read_text(encoding="utf-8")
     [track] = said_by(text)["tracks"]
     assert track["title"] == title_of(text) == f"{printable(name)} on the grid backend, seed 4"
-    drawing = ElementTree.parse(tmp_path / "film.svg").getroot()
+    drawing = ElementTree.parse(tmp_path / "still.svg").getroot()
     assert not [text for text in drawing.itertext() if "alert" in text]
 
 
@@ -416,7 +418,7 @@ def test_in_an_svg_the_robot_stands_on_its_tile(tmp_path: Path) -> None:
     episode = record_episode(env, GreedyAgent(seed=1, escape_steps=0), randomize=False)
     replay = replay_animation(episode, window=False)
     assert replay is not None
-    replay.save(tmp_path / "end.svg")
+    replay.save(tmp_path / "end.svg", still=True)
     drawing = (tmp_path / "end.svg").read_text(encoding="utf-8").split('id="axes_2"')[0]
     tile, robot = (to_hex(COLORS[letter]) for letter in (DROPOFF, ROBOT_EMPTY))
     assert drawing.rindex(f"fill: {robot}") > drawing.rindex(f"fill: {tile}")

@@ -16,8 +16,8 @@ from warehouse_core.render.palette import (
     WARNING,
 )
 from warehouse_core.viz.figure import make_figure
-from warehouse_core.viz.tracks.track import FleetFrame, Frame, Pose, Track
-from warehouse_core.viz.view import FEW, FleetView, RobotView, boxes_around, nose_of
+from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Frame, Pose, Track, Waiting
+from warehouse_core.viz.view import FEW, FleetView, RobotView, View, boxes_around, nose_of
 
 FLOOR = ("......",) * 5
 EAST, SOUTH, WEST, NORTH = (math.pi / 2 * quarter for quarter in range(4))
@@ -112,6 +112,19 @@ def test_items_are_squares_in_the_upper_right_of_their_robots() -> None:
         assert y - 0.5 < top < bottom < y
         assert right - left == pytest.approx(bottom - top)
     assert colors_of(view._items) == [ORDER_COLORS[0], ORDER_COLORS[2]]
+
+
+def test_the_number_of_orders_is_in_the_lower_right_of_their_pickup() -> None:
+    figure = make_figure((3, 2))
+    view = FleetView(figure, figure.add_axes((0, 0, 1, 1)), 40.0, 1)
+    waiting = (Waiting((2.5, 1.5), 7, 1), Waiting((4.5, 3.5), 12, 3))
+    view.show([Frame(FLOOR, (at(0, 0),), 0.0, fleet=FleetFrame(waiting, (None,), (1.0,)))], 0)
+    texts = figure.axes[0].texts
+    assert [text.get_text() for text in texts] == ["7", "12!"]
+    for orders, text in zip(waiting, texts, strict=True):
+        (x, y), (to_x, to_y) = orders.at, text.get_position()
+        assert x < to_x < x + 0.6
+        assert y < to_y < y + 0.6
 
 
 @pytest.mark.parametrize(
@@ -227,3 +240,52 @@ def test_the_view_of_a_lone_robot_alone_is_shown() -> None:
         view: Any = RobotView(figure, figure.add_axes((0, 0, 1, 1)), 40.0, 0, track)
         view.show(frames, 0)
         assert len(view._shadow.get_paths()) == boxes
+
+
+def view_of(frame: Frame, **others: Any) -> Any:
+    figure = make_figure((3, 2))
+    view = View(figure, figure.add_axes((0, 0, 1, 1)), 40.0, Track([frame], {}, **others))
+    view.show([frame], 0)
+    return view
+
+
+@pytest.mark.parametrize(
+    ("size", "every", "has_lines"),
+    [(20, 1, True), (21, 5, True), (40, 5, True), (41, 5, False), (60, 5, False), (61, 10, False)],
+)
+def test_large_maps_have_fewer_numbers_and_no_lines(size: int, every: int, has_lines: bool) -> None:
+    axes = view_of(Frame(("." * size,), (at(0, 0),), 0.0))._axes
+    numbers = [label.get_text() for label in axes.get_xticklabels()]
+    assert numbers == [str(number) for number in range(0, size, every)]
+    grid = [each for each in axes.collections if len(each.get_paths()) == size + 1 + 2]
+    assert bool(grid) == has_lines
+    assert (axes.get_xlim(), axes.get_ylim()) == ((0, size), (1, 0))
+
+
+def test_a_planned_way_is_drawn_from_point_to_point() -> None:
+    ways = ((0.5, 0.5), (1.5, 0.5), (1.5, 2.5)), ((2.5, 2.5), (3.5, 2.5)), ()
+    frames = [Frame(FLOOR, (at(0, 0),), float(step), route=way) for step, way in enumerate(ways)]
+    figure = make_figure((3, 2))
+    view: Any = View(figure, figure.add_axes((0, 0, 1, 1)), 40.0, Track(frames, {}))
+    for number, way in enumerate(ways):
+        view.show(frames, number)
+        assert [tuple(point) for point in view._route.get_xydata()] == [*way]
+
+
+@pytest.mark.parametrize(
+    ("x", "side", "left"),
+    [(3.0, "center", 3.0), (1.2, "center", 1.2), (1.1, "left", 1.1), (0.0, "left", 0.1),
+     (4.8, "center", 4.8), (4.9, "right", 4.9), (6.0, "right", 5.9)],
+)  # fmt: skip
+def test_the_label_of_a_hit_is_above_it_and_on_the_map(x: float, side: str, left: float) -> None:
+    hits = DrawnHit((2.0, 2.0), "first"), DrawnHit((x, 3.0), "wall")
+    view = view_of(Frame(FLOOR, (at(0, 0),), 0.0, hits=hits))
+    assert view._hits.get_xydata().tolist() == [[2, 2], [x, 3]]
+    label = view._hit_label
+    assert (label.get_text(), label.get_ha(), label.get_va()) == ("wall", side, "bottom")
+    assert label.get_position() == pytest.approx((left, 2.75))
+    high = view_of(Frame(FLOOR, (at(0, 0),), 0.0, hits=(DrawnHit((x, 0.0), "wall"),)))
+    assert high._hit_label.get_position()[1] == 0.5
+    assert not view_of(Frame(FLOOR, (at(0, 0),), 0.0))._hit_label.get_visible()
+    assert not view_of(Frame(FLOOR, (at(0, 0),), 0.0, hits=(DrawnHit((x, 3.0), ""),))
+                       )._hit_label.get_visible()  # fmt: skip

@@ -5,6 +5,14 @@ import { centerText, MIN_TEXT } from "./canvas.js";
 const WALL = "#";
 const UNSEEN = "?";
 const STATIONS = { P: "pickup", D: "dropoff", C: "charger" };
+
+/** What stands for the letters of stations that are too small for them, as in the legend. */
+const SHAPES = {
+  P: [[0.5, 0.15], [0.85, 0.85], [0.15, 0.85]],
+  D: [[0.15, 0.15], [0.85, 0.15], [0.5, 0.85]],
+  C: [[0.5, 0.1], [0.9, 0.5], [0.5, 0.9], [0.1, 0.5]],
+};
+
 const MAX_LINED_COLUMNS = 40;
 const MIN_STATION = 6;
 const MIN_TEXTURE = 9;
@@ -138,12 +146,22 @@ function drawStation(context, [row, column, tile], view, theme) {
   }
   context.fillStyle = theme[STATIONS[tile]];
   context.fillRect(x, y, width, height);
-  const size = Math.max(0.3 * view.scale, MIN_TEXT * theme.density);
-  if (size > width) return;
   context.fillStyle = theme.dark;
+  const size = Math.max(0.3 * view.scale, MIN_TEXT * theme.density);
+  if (size > width) {
+    fillShape(context, SHAPES[tile], x, y, width, height);
+    return;
+  }
   centerText(context, size);
   context.textAlign = "left";
   context.fillText(tile, x + 0.06 * width, y + 0.55 * size);
+}
+
+/** Fill a shape, whose corners are shares of a box. */
+function fillShape(context, corners, x, y, width, height) {
+  context.beginPath();
+  for (const [right, down] of corners) context.lineTo(x + right * width, y + down * height);
+  context.fill();
 }
 
 /** Draw waves on slippery cells. */

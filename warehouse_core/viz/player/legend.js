@@ -18,9 +18,9 @@ export function signsOf(tracks, theme) {
     [has((track) => track.robots > 0) && hasLoad((load) => load === 0), "robot, empty", "disc", theme.robot],
     [hasLoad((load) => load > 0), "robot with an item", "disc box", theme.loaded],
     [has((track) => track.bodies > track.robots), "person", "diamond", theme.person],
-    [hasTile("P") && !marks, "pickup", "square", theme.pickup],
-    [hasTile("D") && !marks, "dropoff", "square", theme.dropoff],
-    [hasTile("C") && !marks, "charger", "square", theme.charger],
+    [hasTile("P") && !marks, "P pickup", "square up", theme.pickup],
+    [hasTile("D") && !marks, "D dropoff", "square down", theme.dropoff],
+    [hasTile("C") && !marks, "C charger", "square diagonal", theme.charger],
     ...AGES.map((words, age) => [
       isFleet && has((track) => track.fleet?.orders), `order, ${words}`, "square", theme.orders[age],
     ]),

@@ -24,6 +24,9 @@ OUTER = 0.7
 INTERVAL_MS = 150
 """Milliseconds between frames of a replay."""
 
+CONTINUOUS_FRAMES = 3
+"""Frames of continuous motions that are shown in the time of one step of a grid."""
+
 MIN_PACE, MAX_PACE = 1e-6, 1e9
 """Limits on the playing speed, and on the milliseconds between frames."""
 

@@ -119,6 +119,7 @@ def fleet(
         ),
     ],
     show: options.Show = None,
+    still: options.Still = False,
     speed: options.Speed = 1.0,
 ) -> None:
     """Run a shift of several robots and replay it.
@@ -195,9 +196,8 @@ def fleet(
         for path in tables:
             say(f"saved {path} and {write_shifts(path, results)}")
         replays, plans = [path for path in save if path not in tables], log.plans if log else ()
-        replay_or_save(
-            records[0], replays, bool(show) if tables else show, speed=speed, plans=plans
-        )
+        show = bool(show) if tables else show
+        replay_or_save(records[0], replays, show, speed=speed, plans=plans, still=still)
 
     try:
         with warnings_printed():

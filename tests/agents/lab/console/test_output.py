@@ -40,8 +40,9 @@ class FakeReplay:
         assert self.window
         self.shown += 1
 
-    def save(self, target: Path) -> None:
+    def save(self, target: Path, *, still: bool) -> None:
         assert not self.window
+        assert not still
         target.touch()
 
 
@@ -173,3 +174,16 @@ def test_a_page_that_cannot_be_written_leaves_no_file(
     with pytest.raises(OSError, match="full"):
         replay_or_save(short_episode(), [Path("film.html")], None)
     assert names(folder) == []
+
+
+def test_an_svg_moves_without_matplotlib_unless_it_is_to_be_still(
+    folder: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    with monkeypatch.context() as patched:
+        patched.setitem(sys.modules, "warehouse_core.viz.replay", None)
+        output.replay_or_save(short_episode(), [Path("a.svg")], show=False, speed=2)
+    output.replay_or_save(short_episode(), [Path("b.svg")], show=False, still=True)
+    moves, still = (Path(name).read_text(encoding="utf-8") for name in ("a.svg", "b.svg"))
+    assert "<animateTransform" in moves
+    assert 'dur="2.55s"' in moves
+    assert "<animate" not in still

@@ -10,6 +10,7 @@ from helpers.command_line import write_mine
 from agents.errors import AgentError, EpisodeError, ParameterError
 from agents.fleet.planned import DEFAULT_ASSIGNMENT
 from agents.lab.experiments.case import (
+    FINGERPRINT,
     flags_of,
     key_of,
     layout_for,
@@ -94,6 +95,19 @@ def test_a_user_agent_has_neither_memory_nor_escape_and_its_code_is_part_of_the_
     assert make_plan(choices, 1, 0).cases[-1] == case
     write_mine("act", "pass", "'N'")
     assert key_of(make_plan(choices, 1, 0).cases[-1]) != key_of(case)
+
+
+@pytest.mark.parametrize(
+    ("agent", "words"),
+    [
+        ("greedy", "the module of agent 'greedy', .* began; restart the workers of a cluster$"),
+        ("mine.py:Mine", "the file of agent 'mine.py:Mine', or what it imports, .* began$"),
+    ],
+)
+def test_the_error_of_a_changed_agent_says_where_its_code_is(agent: str, words: str) -> None:
+    write_mine("act", "pass", "'WAIT'")
+    with pytest.raises(EpisodeError, match=words):
+        check_fingerprint(make_case({"agent": agent}) | {FINGERPRINT: "0" * 64})
 
 
 def test_a_changed_layout_file_makes_another_case() -> None:

@@ -179,23 +179,38 @@ def test_an_agent_that_passes_by_the_rules_of_python_is_ended_with_all_it_has_st
     assert not running_in(tmp_path)
 
 
-@pytest.mark.parametrize("number", [signal.SIGKILL, signal.SIGSTOP])
+@pytest.mark.parametrize(
+    ("number", "before", "found"),
+    [
+        (signal.SIGKILL, "", "ends its process"),
+        (signal.SIGSTOP, "", "takes too long"),
+        (signal.SIGKILL, "libc.daemon(1, 1)", "takes too long"),
+    ],
+)
 def test_an_agent_that_ends_or_stops_what_has_started_it_ends_no_other_episode(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, no_walls: None, number: int
+    tmp_path: Path,
+    monkeypatch: pytest.MonkeyPatch,
+    no_walls: None,
+    number: int,
+    before: str,
+    found: str,
 ) -> None:
-    """Compiled code can send signals; the next episode has a new server then."""
+    """Compiled code can send signals; the next episode has a new server then.
+
+    What is a daemon by then is nobody's but the grader's, which ends it.
+    """
     monkeypatch.setattr(sandbox, "ENDING_SECONDS", 0.3)
     body = (
         "if observation['steps'] == 2 and not os.path.exists('done'):\n"
         "    open('done', 'w').close()\n"
         "    libc = ctypes.CDLL(None)\n"
+        f"    {before}\n"
         f"    libc.sigqueue(os.getppid(), {number:d}, 0)\n"
         "    libc.sleep(600)"
     )
     source = good("before(self, observation)", body, "import ctypes, os")
     rubric = RUBRIC.replace("give_up_after = 1", "give_up_after = 2")
     report = grade_source(tmp_path, source, rubric)
-    found = "ends its process" if number == signal.SIGKILL else "takes too long"
     assert report.grades[0].seen == f"88% of 8 episodes: 7 delivered and 1 {found}"
     assert not running_in(tmp_path)
 

@@ -27,7 +27,7 @@ test("a legend names what is in the tracks and nothing else", () => {
   const tiles = ["#P.?", "#.DC"];
   const loaded = trackOf([along([0, 1], 1)], { tiles, hits: hitsOf([[1, 1, 1, 0]]), slippery: [[1, 1]], viewRadius: 1 });
   assert.deepEqual(words(loaded), [
-    "robot with an item", "pickup", "dropoff", "charger", "wall", "not seen yet",
+    "robot with an item", "P pickup", "D dropoff", "C charger", "wall", "not seen yet",
     "slippery floor", "what the robot does not see", "hit",
   ]);
 });

@@ -1,5 +1,6 @@
 """The charts of a report: points, intervals, lines, bars and labels."""
 
+import math
 from collections.abc import Iterator
 from itertools import pairwise
 from pathlib import Path
@@ -9,6 +10,9 @@ import numpy as np
 import pytest
 from helpers.results_files import experiment_of, outcomes
 from matplotlib.axes import Axes
+from matplotlib.colors import to_rgb
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 
 from agents.lab.experiments.plan import make_plan
 from agents.lab.reports.analysis.design import make_design
@@ -16,7 +20,17 @@ from agents.lab.reports.analysis.results import STEPS, SUCCESS, Experiment
 from agents.lab.reports.figures import roles as roles_module
 from agents.lab.reports.figures.measure import measure_chart
 from agents.lab.reports.figures.modes import MODE_COLORS, modes_chart
-from agents.lab.reports.figures.panels import MAX_TICKS
+from agents.lab.reports.figures.panels import (
+    MAX_TICKS,
+    PHONE,
+    WIDE,
+    Sheet,
+    draw_legend,
+    fitting,
+    make_panels,
+    places_of,
+    prepare_axis,
+)
 from agents.lab.reports.figures.roles import roles_of
 from warehouse_core.records.failure_modes import FLEET_MODES, MODES
 from warehouse_core.viz.figure import SceneFigure
@@ -232,3 +246,141 @@ def test_only_ordered_values_are_joined_by_a_line() -> None:
             [axes] = draw(experiment).axes
         line = axes.containers[0].lines[0]
         assert line.get_linestyle() == ("-" if name == "battery" else "None")
+
+
+def test_the_axes_of_a_chart_say_what_they_are(experiment: Experiment) -> None:
+    [axes] = draw(experiment).axes
+    assert (axes.get_xlabel(), axes.get_ylabel()) == ("battery", "")
+    assert axes.get_title(loc="left") == ""
+    low, high = axes.get_ylim()
+    assert -0.05 < low < 0
+    assert 1 < high < 1.05
+    assert axes.yaxis.get_major_formatter()(0.5) == "50%"
+    low, high = axes.get_xlim()
+    assert -20 < low < 0
+    assert 180 < high < 200
+    assert list(axes.get_xticks()) == [0, 40, 180]
+    steps = measure_chart(experiment, experiment.design, "Steps", STEPS)
+    assert steps is not None
+    [axes] = steps.axes
+    assert (axes.get_ylabel(), axes.get_ylim()[0]) == ("steps", 0)
+    assert steps.get_suptitle() == "Steps"
+
+
+def test_the_axes_of_outcomes_say_what_they_are(experiment: Experiment) -> None:
+    for axes in draw(experiment, modes=True).axes:
+        assert axes.get_xlabel() == "battery"
+        assert axes.get_ylim() == (0, 1)
+        low, high = axes.get_xlim()
+        assert -1 < low < -0.4
+        assert high > len(axes.get_xticks()) - 0.6
+    assert axes.yaxis.get_major_formatter()(0.5) == "50%"
+    assert list(axes.get_xticks()) == [0, 1]
+    with experiment_of([({}, outcomes("dw"))]) as one:
+        [axes] = modes_chart(one, "").axes
+    assert axes.get_xlabel() == ""
+
+
+def test_a_share_is_written_into_the_middle_of_its_part_where_there_is_room() -> None:
+    words = "d" * 11 + "o" + "w" * 2
+    with experiment_of([({}, outcomes(words))]) as experiment:
+        [axes] = modes_chart(experiment, "").axes
+    written = {text.get_text(): text.get_position() for text in axes.texts}
+    assert written == {"79%": (0, pytest.approx(11 / 28)), "14%": (0, pytest.approx(13 / 14))}
+    assert all((text.get_ha(), text.get_va()) == ("center",) * 2 for text in axes.texts)
+    batteries = [({"battery": battery}, outcomes("d")) for battery in range(1, 13)]
+    with experiment_of(batteries) as experiment:
+        [wide], [phone] = (modes_chart(experiment, "", sheet).axes for sheet in (WIDE, PHONE))
+    assert (len(wide.texts), len(phone.texts)) == (12, 0)
+
+
+def test_a_line_without_values_along_the_axis_has_a_band_of_its_interval() -> None:
+    cases = [({"memory": memory}, outcomes("dw" * 20)) for memory in (2, 9)]
+    cases.append(({"escape": False}, outcomes("dooo" * 20)))
+    with experiment_of(cases) as experiment:
+        [axes] = draw(experiment).axes
+        interval = experiment.results(3).interval(SUCCESS)
+    assert interval is not None
+    [band] = [patch for patch in axes.patches if isinstance(patch, Rectangle)]
+    assert (band.get_y(), band.get_y() + band.get_height()) == pytest.approx(interval[1:])
+    assert 0 < (band.get_alpha() or 1) < 0.5
+    [line] = [each for each in axes.lines if each.get_linestyle() == "--"]
+    assert to_rgb(band.get_facecolor()) == to_rgb(line.get_color())
+
+
+def test_lines_differ_in_colour_and_marker_and_stand_side_by_side() -> None:
+    cases = [
+        ({"battery": battery, "view_radius": radius}, outcomes("dw" * 20))
+        for battery in (100, 200, 300, 400)
+        for radius in (1, 2, 3)
+    ]
+    with experiment_of(cases) as experiment:
+        [axes] = draw(experiment).axes
+    lines = [each.lines[0] for each in axes.containers]
+    assert len({line.get_color() for line in lines}) == 3
+    assert len({line.get_marker() for line in lines}) == 3
+    first, middle, last = (np.asarray(line.get_xdata()) for line in lines)
+    assert middle.tolist() == [0, 100, 200, 300]
+    assert (last - middle).tolist() == pytest.approx((middle - first).tolist())
+    assert 0 < last[0] < 10
+    for line, container in zip(lines, axes.containers, strict=True):
+        [segments] = [each.get_segments() for each in container.lines[2]]
+        assert [segment[0, 0] for segment in segments] == list(line.get_xdata())
+
+
+@pytest.mark.parametrize(
+    ("sheet", "count", "columns", "lines"),
+    [(WIDE, 1, 1, 1), (WIDE, 3, 3, 1), (WIDE, 4, 3, 2), (PHONE, 2, 1, 2)],
+)
+def test_panels_are_in_lines_below_a_title_and_a_legend(
+    sheet: Sheet, count: int, columns: int, lines: int
+) -> None:
+    keys = [f"a key {number}" for number in range(8)]
+    panels = make_panels(sheet, "A title", count, keys)
+    figure, height = panels.figure, panels.figure.get_figheight()
+    assert len(panels.axes) == len(figure.axes) == count
+    boxes = [each.get_position() for each in panels.axes]
+    assert len({round(box.x0, 6) for box in boxes}) == columns
+    assert len({round(box.y0, 6) for box in boxes}) == lines
+    assert min(box.height for box in boxes) * height > 2
+    more = make_panels(sheet, "A title", count, [*keys, *keys]).figure.get_figheight() - height
+    two = make_panels(sheet, "a word " * 20, count, keys[:1])
+    one = make_panels(sheet, "A title", count, keys[:1]).figure.get_figheight()
+    per_row = panels.legend[0]
+    rows = math.ceil(16 / per_row) - math.ceil(8 / per_row)
+    assert 0.2 * rows < more < 0.3 * rows, "as many rows of the legend again"
+    titles = two.figure.get_suptitle().count("\n")
+    assert titles >= 1
+    assert 0.2 * titles < two.figure.get_figheight() - one < 0.3 * titles
+    draw_legend(panels, [(key, Line2D([], [])) for key in keys])
+    figure.pixels()
+    [legend] = figure.legends
+    below = legend.get_window_extent()
+    assert below.x1 < figure.bbox.x1
+    assert below.y0 > max(each.get_window_extent().y1 for each in panels.axes)
+    title = figure._suptitle.get_window_extent()  # type: ignore[attr-defined]
+    assert figure.bbox.y1 > title.y1 > title.y0 > below.y1
+
+
+def test_names_that_are_too_long_lose_their_middles_and_then_some_are_left_out() -> None:
+    assert fitting(["a" * 80], 81) == (1, ["a" * 80])
+    assert fitting(["a" * 40 + "b" * 41], 81) == (1, ["a" * 40 + "…" + "b" * 39])
+    assert fitting(["a" * 20 + "b" * 20, "c"], 42) == (1, ["a" * 10 + "…" + "b" * 9, "c"])
+    assert fitting(["abcdefgh"] * 12, 108) == (1, ["abcdefgh"] * 12)
+    assert fitting(["abcdefgh"] * 12, 107) == (1, ["abc…fgh"] * 12)
+    assert fitting(["abcdefgh"] * 12, 40) == (2, ["ab…gh"] * 6)
+    assert fitting([*map(str, range(40))], 81) == (4, [*map(str, range(0, 40, 4))])
+    assert fitting(["abcdefgh"] * 3, 2) == (3, ["ab…gh"])
+
+
+def test_places_are_numbers_from_the_first_or_else_one_after_the_other() -> None:
+    design = make_design(dict(enumerate(make_plan({"battery": [20, 60, 200]}, 1, 0).cases)))
+    assert places_of(roles_of(design).axis) == {20: 0, 60: 40, 200: 180}  # type: ignore[arg-type]
+    design = make_design(dict(enumerate(make_plan({"escape": [True, False]}, 1, 0).cases)))
+    axis = roles_of(design).axis
+    assert axis is not None
+    places = places_of(axis)
+    assert [*places.values()] == [0, 1]
+    [axes] = make_panels(WIDE, "", 1, []).axes
+    prepare_axis(axes, axis, places, 80)
+    assert axes.get_xlim() == (-0.5, 1.5)

@@ -1,0 +1,219 @@
+"""Tracks as one animated drawing, for pages that allow no script, such as a README.
+
+It looks as the player does and follows the reader's colour scheme. Where less motion is preferred,
+it shows the moment of a picture that does not move.
+"""
+
+from __future__ import annotations
+
+import html
+import re
+import textwrap
+from collections.abc import Iterator, Sequence
+
+from warehouse_core.arguments import real_number
+from warehouse_core.errors import FormatError
+from warehouse_core.render.palette import PALETTE
+from warehouse_core.viz.svg.bodies import bodies_of
+from warehouse_core.viz.svg.change import Beat, growing, shown, spans_of
+from warehouse_core.viz.svg.floor import UNIT, ends_of, floor_of
+from warehouse_core.viz.tracks.timeline import Timeline
+from warehouse_core.viz.tracks.track import (
+    CONTINUOUS_FRAMES,
+    INTERVAL_MS,
+    MAX_PACE,
+    MIN_PACE,
+    Track,
+)
+from warehouse_core.wording import printable, seconds_of
+
+MAX_SVG_BYTES = 2_000_000
+"""Size of the largest drawing; a page plays more, and jumps."""
+
+REST_SECONDS = 2.0
+"""Time for which the end is shown before a round begins again."""
+
+MAX_WIDTH, MAX_HEIGHT, MAX_CELL, MIN_WIDTH = 960, 640, 48, 420
+"""Most pixels of a floor and of a cell, and least pixels of the words around it."""
+
+EDGE, HEAD, FOOT, GAP, MAX_ROW = 16, 76, 34, 28, 1100
+"""Room around floors, above them for words, below them for batteries, and between them; most width
+of several floors side by side."""
+
+LETTER = 0.54
+"""Mean width of a letter, as a share of its size."""
+
+CAPTION, SMALL = 17, 13
+"""Sizes of words, in pixels."""
+
+BAR = 130
+"""Width of a full battery, in pixels."""
+
+LOW_BATTERY = 0.2
+
+SHAPES = """
+text{font-family:system-ui,-apple-system,"Segoe UI",Roboto,"Noto Sans",sans-serif;font-weight:700}
+text{text-anchor:middle}.words{text-anchor:start}.count{text-anchor:end}.small{font-weight:400}
+.of-rim{stroke-width:4}.shadow{fill-rule:evenodd}.visited{opacity:.12}
+.trail,.plan{fill:none;stroke-width:9;stroke-linecap:round;stroke-linejoin:round;opacity:.55}
+.plan{opacity:1}.dots{stroke-dasharray:1 22}
+[class^=of-]{fill:none}
+.rests{display:none}
+@media (prefers-reduced-motion:reduce){.moves{display:none}.rests{display:inline}}
+"""
+
+
+def animated_svg(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0) -> str:
+    """Return some tracks, side by side, as an animated drawing that is played again and again.
+
+    Args:
+        tracks: tracks, at least one, shown as in ``Timeline``.
+        title: title of the drawing; by default the titles of the tracks.
+        speed: factor on the playing speed.
+
+    Raises:
+        FormatError: the drawing would have more than ``MAX_SVG_BYTES``.
+        ValueError: ``speed`` is not within ``MIN_PACE`` and ``MAX_PACE``.
+    """
+    speed = real_number("speed", speed, MIN_PACE, MAX_PACE)
+    timeline = Timeline(tracks)
+    is_continuous = any(track.is_continuous for track in tracks)
+    seconds = INTERVAL_MS / 1000 / speed / (CONTINUOUS_FRAMES if is_continuous else 1)
+    moments = range(len(timeline.moments))
+    still = tracks[0].still if len(tracks) == 1 else moments[-1]
+    sizes = [_size_of(track) for track in tracks]
+    across, down = (max(size[axis] for size in sizes) for axis in (0, 1))
+    columns = max(min(len(tracks), int((MAX_ROW + GAP) / (across + GAP))), 1)
+    steps = across + GAP, HEAD + down + FOOT
+    corners = [
+        (EDGE + steps[0] * (place % columns), steps[1] * (place // columns))
+        for place in range(len(tracks))
+    ]
+    width, height = corners[columns - 1][0] + across + EDGE, corners[-1][1] + steps[1] + EDGE
+    title = printable(title or " / ".join(filter(None, (t.title for t in tracks))) or "Replay")
+    parts: list[str] = []
+    room = MAX_SVG_BYTES
+    for look, shown_moments in (("moves", moments), ("rests", range(still, still + 1))):
+        beat = Beat(len(shown_moments), round(REST_SECONDS / seconds), seconds)
+        parts.append(f'<g class="{look}">')
+        for part in _panels(tracks, timeline, shown_moments, beat, corners):
+            parts.append(part)
+            room -= len(part)
+            if room < 0:
+                raise FormatError(
+                    f"the animation has more than MAX_SVG_BYTES = {MAX_SVG_BYTES:,} bytes: it has "
+                    f"{len(moments):,} frames; save the replay as .html, or as one picture"
+                )
+        parts.append("</g>")
+    body, box = "".join(parts), f'width="{width:g}" height="{height:g}"'
+    return (
+        f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" {box} '
+        f'font-size="{SMALL}" role="img"><title>{html.escape(title)}</title>'
+        f'<style>{_style_of(body)}</style><rect {box} class="paper"/>{body}</svg>\n'
+    )
+
+
+def _size_of(track: Track) -> tuple[float, float, float]:
+    """Return width and height of a floor with its words, and the side of a cell, in pixels."""
+    columns, rows = track.shown_size
+    cell = min(MAX_CELL, MAX_WIDTH / columns, MAX_HEIGHT / rows)
+    return max(round(cell * columns), MIN_WIDTH), round(cell * rows), cell
+
+
+def _panels(
+    tracks: Sequence[Track],
+    timeline: Timeline,
+    moments: Sequence[int],
+    beat: Beat,
+    corners: Sequence[tuple[float, float]],
+) -> Iterator[str]:
+    """Yield each track with its words, of which the top left corner is given."""
+    frames_of = zip(*map(timeline.frames_at, moments), strict=True)
+    for place, (track, numbers) in enumerate(zip(tracks, frames_of, strict=True)):
+        wide, high, cell = _size_of(track)
+        (left, top), frames = corners[place], [track.frames[number] for number in numbers]
+        columns, rows = track.shown_size
+        outer, scale = UNIT * track.outer, cell / UNIT
+        name = f"floor-{beat.frames}-{place}"
+        shape = f'x="{outer:g}" y="{outer:g}" width="{UNIT * columns:g}" height="{UNIT * rows:g}"'
+        yield f'<clipPath id="{name}"><rect {shape}/></clipPath>'
+        move = f"translate({-scale * outer:g} {HEAD - scale * outer:g}) scale({scale:.5g})"
+        # No nested drawing: it would have a clock of its own.
+        yield f'<g transform="translate({left:g} {top:g})"><g transform="{move}" '
+        yield f'clip-path="url(#{name})">'
+        yield from floor_of(track, frames, beat, cell)
+        yield from bodies_of(track, frames, beat, cell)
+        yield from ends_of(track)
+        yield "</g>"
+        yield from _words(track, numbers, beat, wide, HEAD + high + 19)
+        if "battery" in track.metrics:
+            yield from _battery(track, numbers, beat, HEAD + high + 8)
+        yield "</g>"
+
+
+def _words(
+    track: Track, numbers: Sequence[int], beat: Beat, width: float, foot: float
+) -> Iterator[str]:
+    """Yield the title of a track, its counter and captions, and at its foot how it ends."""
+    frames = [track.frames[number] for number in numbers]
+    steps = track.steps
+    counter = [f"step {frame.progress:.0f} of {steps}" for frame in frames]
+    if track.is_continuous:
+        counter = [f"{seconds_of(frame.clock)} s" for frame in frames]
+    room = width - LETTER * SMALL * (max(map(len, counter)) + 2)
+    title = textwrap.shorten(track.title, max(int(room / LETTER / SMALL), 8), placeholder="…")
+    yield f'<text x="0" y="22" class="words small quiet">{html.escape(printable(title))}</text>'
+    for words, spans in spans_of(counter).items():
+        at = f'x="{width:g}" y="22" class="count small quiet"'
+        yield shown(f"<text {at}>{words}</text>", spans, beat)
+    letters = int(width / LETTER / CAPTION)
+    for caption, spans in spans_of(frame.caption for frame in frames).items():
+        lines = textwrap.wrap(printable(caption), letters, max_lines=2, placeholder=" …")
+        rows = "".join(
+            f'<tspan x="0" dy="{19 * bool(number)}">{html.escape(line)}</tspan>'
+            for number, line in enumerate(lines)
+        )
+        if rows:
+            at = f'y="46" font-size="{CAPTION}" class="words ink"'
+            yield shown(f"<text {at}>{rows}</text>", spans, beat)
+    ended = spans_of(number == len(track) - 1 for number in numbers).get(True, [])
+    if track.ending and ended:
+        at = f'x="{width:g}" y="{foot:g}" class="count ink"'
+        yield shown(f"<text {at}>{html.escape(track.ending.upper())}</text>", ended, beat)
+
+
+def _battery(track: Track, numbers: Sequence[int], beat: Beat, top: float) -> Iterator[str]:
+    """Yield the bar of a battery, and its level in words."""
+    levels = [track.metrics["battery"][track.step_at(number)] for number in numbers]
+    levels = [0.0 if level != level else level for level in levels]  # NaN is unknown
+    full = track.full_battery
+    lengths = [round(BAR * min(level / full, 1)) for level in levels]
+    width, animation = growing("width", lengths, beat)
+    bar = f'<rect x="0" y="{top:g}" height="12" {width} class="{{look}}">{animation}</rect>'
+    yield f'<rect x="0" y="{top:g}" width="{BAR}" height="12" class="shade of-ink"/>'
+    for is_low, spans in spans_of(level < LOW_BATTERY * full for level in levels).items():
+        yield shown(bar.format(look="warning" if is_low else "battery"), spans, beat)
+    for level, spans in spans_of(levels).items():
+        words = f"battery {level:.10g} of {full:.10g}"
+        at = f'x="{BAR + 10}" y="{top + 11:g}"'
+        yield shown(f'<text {at} class="words small ink">{words}</text>', spans, beat)
+
+
+def _style_of(body: str) -> str:
+    """Return the rules of the classes in a drawing, which need no custom properties.
+
+    A class ``ink`` fills with the colour of that name, a class ``of-ink`` draws lines in it.
+    """
+    classes = {name for names in re.findall(r'class="([^"]*)"', body) for name in names.split()}
+
+    classes.add("paper")
+
+    def rules(colors: dict[str, str]) -> str:
+        fills = [f".{name}{{fill:{color}}}" for name, color in colors.items() if name in classes]
+        lines = {f"of-{name}": color for name, color in colors.items()}
+        strokes = [f".{name}{{stroke:{color}}}" for name, color in lines.items() if name in classes]
+        return "".join(fills + strokes)
+
+    light, dark = PALETTE["light"] | PALETTE["both"], PALETTE["dark"]
+    colors = f"{rules(light)}@media (prefers-color-scheme:dark){{{rules(dark)}}}"
+    return f"{colors}{SHAPES.strip()}"

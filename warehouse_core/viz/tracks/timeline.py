@@ -1,0 +1,54 @@
+"""The moments that a picture of some tracks shows."""
+
+from __future__ import annotations
+
+import math
+from bisect import bisect_right
+from collections.abc import Sequence
+
+from warehouse_core.viz.tracks.track import Track
+from warehouse_core.wording import seconds_of
+
+
+class Timeline:
+    """The moments that a picture of some tracks shows.
+
+    A single track is shown frame by frame. If a motion of several tracks is continuous and all have
+    clocks, they are shown at the same simulated time, else after the same number of steps; the
+    shorter one waits at its end.
+
+    Attributes:
+        in_seconds: true if moments are simulated seconds, false if they are steps.
+        moments: moments in order; the last one is the end.
+    """
+
+    def __init__(self, tracks: Sequence[Track]) -> None:
+        has_bodies = any(track.is_continuous for track in tracks)
+        self.in_seconds = has_bodies and all(track.frames[-1].clock for track in tracks)
+        self._times = [
+            [frame.clock if self.in_seconds else frame.progress for frame in track.frames]
+            for track in tracks
+        ]
+        self.moments = self._times[0] if len(tracks) == 1 else self._find_moments(tracks)
+
+    def frames_at(self, number: int) -> list[int]:
+        """Return the frame of each track at a moment."""
+        if len(self._times) == 1:
+            return [number]
+        moment = self.moments[number]
+        return [bisect_right(times, moment + 1e-9) - 1 for times in self._times]
+
+    def words(self, number: int) -> str:
+        """Return a moment in words."""
+        moment = self.moments[number]
+        return f"{seconds_of(moment)} s" if self.in_seconds else f"step {moment:g}"
+
+    def _find_moments(self, tracks: Sequence[Track]) -> list[float]:
+        """Return each step, or times as close as the frames of a motion."""
+        end = max(times[-1] for times in self._times)
+        if not self.in_seconds:
+            return sorted({moment for times in self._times for moment in times})
+        apart = min(
+            track.frames[-1].clock / (len(track) - 1) for track in tracks if track.is_continuous
+        )
+        return [*(apart * number for number in range(math.ceil(end / apart - 1e-6))), end]
