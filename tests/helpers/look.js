@@ -59,7 +59,7 @@
   /** Return the texts of a canvas and of those that are drawn on it. */
   function writtenOn(canvas) {
     const { texts, drawn } = recorded.get(canvas) ?? { texts: [], drawn: [] };
-    return [...texts, ...[...drawn].flatMap(writtenOn)];
+    return [...texts.map((text) => ({ ...text, on: canvas })), ...[...drawn].flatMap(writtenOn)];
   }
 
   function placeOf(context, words, x, y) {
@@ -180,11 +180,11 @@
       const density = canvas.width / canvas.clientWidth;
       const page = paperOf(canvas);
       const whole = { left: 0, top: 0, right: canvas.clientWidth, bottom: canvas.clientHeight };
-      for (const { words, box, size, isBold, color, alpha, behind } of writtenOn(canvas)) {
+      for (const { words, box, size, isBold, color, alpha, behind, on } of writtenOn(canvas)) {
         if (!color || isAway(box, canvas)) continue;
         const below = over(behind, page);
         yield {
-          words, box: scaled(box, 1 / density), size: size / density, isBold, whole, canvas,
+          words, box: scaled(box, 1 / density), size: size / density, isBold, whole, canvas: on,
           color: over([...color.slice(0, 3), color[3] * alpha], below), behind: below,
         };
       }

@@ -38,6 +38,10 @@ SETTLED = """
 """
 
 
+HARNESS = "Canvas2D: Multiple readback operations"
+"""Start of a warning about how ``look.js`` reads the colours behind text."""
+
+
 class Screen(NamedTuple):
     """A size of a window, a colour scheme, and whether a page is printed on it."""
 
@@ -69,7 +73,7 @@ class Reader:
         self._page = page
         self._faults: Faults = {}
         page.on("pageerror", lambda error: self._add([f"console: {error}"], "script"))
-        page.on("console", lambda message: self._add([f"console: {message.text}"], "script"))
+        page.on("console", lambda message: self._say(message.text))
 
     def faults_of_page(self, file: Path, screens: Sequence[Screen] = SCREENS) -> Faults:
         """Return the faults of a page on each screen, at the start and the end of its replays."""
@@ -112,6 +116,10 @@ class Reader:
             read += seen["texts"]
             self._add(seen["faults"], place)
         assert read > 0, f"{where}: there is no text"
+
+    def _say(self, message: str) -> None:
+        if not message.startswith(HARNESS):
+            self._add([f"console: {message}"], "script")
 
     def _frames(self, where: str) -> Iterator[tuple[str, Any]]:
         """Yield each frame with its name; a browser does not draw those that are not in view."""

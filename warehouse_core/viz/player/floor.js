@@ -28,7 +28,7 @@ export function drawFloor(context, track, tiles, view, theme) {
   drawRuns(context, track, tiles, view, WALL, theme.shelf);
   if (view.scale >= MIN_TEXTURE) drawShelves(context, track, tiles, view, theme);
   drawBorder(context, track, tiles, view, theme);
-  drawNumbers(context, track, view, theme);
+  drawNumbers(context, track, tiles, view, theme);
   for (const place of placesOf(track, tiles, Object.keys(STATIONS))) drawStation(context, place, view, theme);
 }
 
@@ -114,18 +114,21 @@ function drawBorder(context, track, tiles, view, theme) {
 }
 
 /** Write the numbers of columns and rows on a thin border that has room for them. */
-function drawNumbers(context, track, view, theme) {
+function drawNumbers(context, track, tiles, view, theme) {
   const middle = (1 + outerOf(track)) / 2;
   const thick = (1 - outerOf(track)) * view.scale;
   const size = Math.max(0.75 * thick, MIN_TEXT * theme.density);
   if (!outerOf(track) || size > thick) return;
-  context.fillStyle = theme.paper;
   centerText(context, size, "normal");
+  const write = (number, cell, x, y) => {
+    context.fillStyle = tiles[cell] === UNSEEN ? theme.dark : theme.paper;
+    context.fillText(String(number), view.x(x), view.y(y));
+  };
   for (let column = 1; column < track.width - 1; column++) {
-    context.fillText(String(column), view.x(column + 0.5), view.y(middle));
+    write(column, column, column + 0.5, middle);
   }
   for (let row = 1; row < track.height - 1; row++) {
-    context.fillText(String(row), view.x(middle), view.y(row + 0.5));
+    write(row, row * track.width, middle, row + 0.5);
   }
 }
 
