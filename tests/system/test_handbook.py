@@ -137,9 +137,7 @@ def test_the_two_install_commands_are_the_ones_that_ci_runs() -> None:
 
 
 def test_the_animation_on_the_first_screen_moves() -> None:
-    from PIL import Image
-
     picture = re.search(r"!\[.*?\]\((.*?)\)", TEXTS[README])
     assert picture is not None
-    with Image.open(ROOT / picture.group(1)) as image:
-        assert image.n_frames > 10
+    drawing = (ROOT / picture.group(1)).read_text(encoding="utf-8")
+    assert drawing.count("<animate") > 10

@@ -40,8 +40,11 @@ EDGE, HEAD, FOOT, GAP, MAX_ROW = 16, 76, 34, 28, 1100
 """Room around floors, above them for words, below them for batteries, and between them; most width
 of several floors side by side."""
 
-LETTER = 0.54
-"""Mean width of a letter, as a share of its size."""
+MANY, MANY_ROW = 5, 3 * MIN_WIDTH + 2 * GAP
+"""Floors from which on each is only as wide as its words, and most width of three of them."""
+
+LETTER, BOLD_LETTER = 0.54, 0.6
+"""Mean widths of a letter of small words and of a caption, as shares of their sizes."""
 
 CAPTION, SMALL = 17, 13
 """Sizes of words, in pixels."""
@@ -81,9 +84,10 @@ def animated_svg(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0
     seconds = INTERVAL_MS / 1000 / speed / (CONTINUOUS_FRAMES if is_continuous else 1)
     moments = range(len(timeline.moments))
     still = tracks[0].still if len(tracks) == 1 else moments[-1]
-    sizes = [_size_of(track) for track in tracks]
+    most, row = (MIN_WIDTH, MANY_ROW) if len(tracks) >= MANY else (MAX_WIDTH, MAX_ROW)
+    sizes = [_size_of(track, most) for track in tracks]
     across, down = (max(size[axis] for size in sizes) for axis in (0, 1))
-    columns = max(min(len(tracks), int((MAX_ROW + GAP) / (across + GAP))), 1)
+    columns = max(min(len(tracks), int((row + GAP) / (across + GAP))), 1)
     steps = across + GAP, HEAD + down + FOOT
     corners = [
         (EDGE + steps[0] * (place % columns), steps[1] * (place // columns))
@@ -96,7 +100,7 @@ def animated_svg(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0
     for look, shown_moments in (("moves", moments), ("rests", range(still, still + 1))):
         beat = Beat(len(shown_moments), round(REST_SECONDS / seconds), seconds)
         parts.append(f'<g class="{look}">')
-        for part in _panels(tracks, timeline, shown_moments, beat, corners):
+        for part in _panels(tracks, timeline, shown_moments, beat, corners, most):
             parts.append(part)
             room -= len(part)
             if room < 0:
@@ -113,10 +117,13 @@ def animated_svg(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0
     )
 
 
-def _size_of(track: Track) -> tuple[float, float, float]:
-    """Return width and height of a floor with its words, and the side of a cell, in pixels."""
+def _size_of(track: Track, most: float) -> tuple[float, float, float]:
+    """Return width and height of a floor with its words, and the side of a cell, in pixels.
+
+    The floor has at most a width ``most``.
+    """
     columns, rows = track.shown_size
-    cell = min(MAX_CELL, MAX_WIDTH / columns, MAX_HEIGHT / rows)
+    cell = min(MAX_CELL, most / columns, MAX_HEIGHT / rows)
     return max(round(cell * columns), MIN_WIDTH), round(cell * rows), cell
 
 
@@ -126,11 +133,12 @@ def _panels(
     moments: Sequence[int],
     beat: Beat,
     corners: Sequence[tuple[float, float]],
+    most: float,
 ) -> Iterator[str]:
-    """Yield each track with its words, of which the top left corner is given."""
+    """Yield each track with its words; top left corners and the most width of floors are given."""
     frames_of = zip(*map(timeline.frames_at, moments), strict=True)
     for place, (track, numbers) in enumerate(zip(tracks, frames_of, strict=True)):
-        wide, high, cell = _size_of(track)
+        wide, high, cell = _size_of(track, most)
         (left, top), frames = corners[place], [track.frames[number] for number in numbers]
         columns, rows = track.shown_size
         outer, scale = UNIT * track.outer, cell / UNIT
@@ -166,7 +174,7 @@ def _words(
     for words, spans in spans_of(counter).items():
         at = f'x="{width:g}" y="22" class="count small quiet"'
         yield shown(f"<text {at}>{words}</text>", spans, beat)
-    letters = int(width / LETTER / CAPTION)
+    letters = int(width / BOLD_LETTER / CAPTION)
     for caption, spans in spans_of(frame.caption for frame in frames).items():
         lines = textwrap.wrap(printable(caption), letters, max_lines=2, placeholder=" …")
         rows = "".join(
