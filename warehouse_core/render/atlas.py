@@ -14,7 +14,18 @@ from itertools import product
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.render.palette import COLORS, FAINT, INK, ITEM, PAPER, UNKNOWN, Color, blend
+from warehouse_core.render.palette import (
+    BOARD,
+    COLORS,
+    FAINT,
+    INK,
+    ITEM,
+    PAPER,
+    SHELF,
+    UNKNOWN,
+    Color,
+    blend,
+)
 from warehouse_core.world.tiles import (
     CELL_CODES,
     CHARGER,
@@ -40,12 +51,16 @@ NO_ROBOT, UNSEEN, WAITING_ITEM = "", "?", "item"
 
 STATIONS = (PICKUP, DROPOFF, CHARGER)
 
+SHELVES, BORDERS = "shelf", ("N", "S", "W", "E", "NW", "NE", "SW", "SE")
+"""Sign on a wall that is a shelf, and signs on walls of a border: its sides of the layout."""
+
 CELLS = (
     *((sign, NO_ROBOT) if sign in TILES else (EMPTY, sign) for sign in CELL_CODES),
     (UNSEEN, NO_ROBOT),
     *product(STATIONS, (ROBOT_EMPTY, ROBOT_LOADED)),
     *product(STATIONS, (PERSON,)),
     (PICKUP, WAITING_ITEM),
+    *product((WALL,), (SHELVES, *BORDERS)),
 )
 """Everything that can be painted: a tile and what is on it, such as a robot. The index is its code.
 
@@ -66,7 +81,7 @@ ROBOT_CODES = np.array(
 """The code with a robot, by whether it is loaded and the code without; 255 for walls."""
 ROBOT_CODES.setflags(write=False)
 
-INSET, CORNER = 0.06, 0.1
+INSET, CORNER = 0.06, 0.07
 """Distances of a station's square and of its letter from the edge, in cells."""
 
 ROBOT_RADIUS, OUTLINE = 0.31, 1 / 22
@@ -75,7 +90,11 @@ ROBOT_RADIUS, OUTLINE = 0.31, 1 / 22
 BOX, STATION_BOX = 0.174, 0.73
 """Half a side of an item, and the middle of one at a station from the left and top, in cells."""
 
-CORNER_LETTER, ROBOT_LETTER = 0.175, 0.306
+BAND, BOARDS, BOARD_INSET = 0.3, ((0.3, 0.38), (0.62, 0.7)), 0.12
+"""Thickness of a border; top and bottom of the boards of a shelf, and their distance from its
+sides; in cells."""
+
+CORNER_LETTER, ROBOT_LETTER = 0.22, 0.306
 """Heights of capital letters, in cells."""
 
 MIN_RADIUS, MIN_CORNER_LETTER, MIN_ROBOT_LETTER = 3.0, 5, 6
@@ -111,7 +130,9 @@ def _draw_cell(tile: str, robot: str, side: int) -> Pixels:
     x, y = along[None, :], along[:, None]
     if tile == UNSEEN:
         _fill(points, (x + y) % (side / 2) < side / 8, blend(UNKNOWN, COLORS[EMPTY], 0.3))
-    elif tile != WALL:
+    elif tile == WALL:
+        _draw_wall(points, x / side, y / side, robot, with_boards=side >= MIN_OUTLINED)
+    else:
         # Lines are one pixel wide; they are paler on small tiles instead of narrower.
         _fill(points, (x < 1) | (y < 1), blend(COLORS[EMPTY], FAINT, min(1.0, side / 24)))
     if tile in STATIONS:
@@ -119,11 +140,23 @@ def _draw_cell(tile: str, robot: str, side: int) -> Pixels:
         _draw_station(points, x, y, side, tile, lettered)
     if robot == WAITING_ITEM:
         _draw_item(points, x - STATION_BOX * side, y - STATION_BOX * side, side)
-    elif robot:
+    elif robot and tile != WALL:
         _draw_robot(points, x - side / 2, y - side / 2, side, robot)
     mixed = points.reshape(side, SAMPLES, side, SAMPLES, 3).mean(axis=(1, 3))
     pixels: Pixels = np.rint(mixed).astype(np.uint8)
     return pixels
+
+
+def _draw_wall(points: Pixels, x: Places, y: Places, sign: str, *, with_boards: bool) -> None:
+    """Draw a shelf, or clear what is outside of the border; places are in cells."""
+    if sign == SHELVES:
+        points[:] = color_bytes(SHELF)
+        for top, bottom in BOARDS if with_boards else ():
+            _fill(points, _within(BOARD_INSET, x, 1 - BOARD_INSET) & _within(top, y, bottom), BOARD)
+        return
+    outside = {"N": y < 1 - BAND, "S": y > BAND, "W": x < 1 - BAND, "E": x > BAND}
+    for side in sign:
+        _fill(points, outside[side], PAPER)
 
 
 def _draw_station(

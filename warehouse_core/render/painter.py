@@ -10,14 +10,22 @@ from __future__ import annotations
 from collections.abc import Iterable
 
 import numpy as np
-from numpy.typing import ArrayLike
+from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.arguments import whole_number
-from warehouse_core.render.atlas import CODES, WAITING_ITEM, Pixels, atlas, color_bytes
+from warehouse_core.render.atlas import (
+    CODES,
+    NO_ROBOT,
+    SHELVES,
+    WAITING_ITEM,
+    Pixels,
+    atlas,
+    color_bytes,
+)
 from warehouse_core.render.palette import BATTERY, FAINT, Color
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import tile_codes
-from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED, Cell
+from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED, WALL, Cell
 
 MAX_TILE_PIXELS = 256
 
@@ -96,12 +104,32 @@ class TilePainter:
 
     def _picture(self, layout: Layout, placed: Iterable[tuple[Cell, str]]) -> Pixels:
         if layout is not self._layout:
-            self._background, self._layout = self.paint(tile_codes(layout)), layout
+            self._background, self._layout = self.paint(layout_codes(layout)), layout
         picture, side = self._background.copy(), self.tile_pixels
         for (row, col), sign in placed:
             tile = self._atlas[CODES[layout.rows[row][col], sign]]
             picture[row * side : (row + 1) * side, col * side : (col + 1) * side] = tile
         return picture
+
+
+def layout_codes(layout: Layout) -> NDArray[np.uint8]:
+    """Return the codes of the tiles of a layout: of its walls shelves, and a border if it has one.
+
+    A border is as thin as in a replay.
+    """
+    codes = tile_codes(layout).reshape(layout.height, layout.width).copy()
+    is_wall = codes == CODES[WALL, NO_ROBOT]
+    codes[is_wall] = CODES[WALL, SHELVES]
+    inside = np.zeros_like(is_wall)
+    inside[1:-1, 1:-1] = True
+    if not is_wall[~inside].all() or not inside.any():
+        codes[is_wall & ~inside] = CODES[WALL, NO_ROBOT]
+        return codes
+    for side, line in (("N", codes[0]), ("S", codes[-1]), ("W", codes[:, 0]), ("E", codes[:, -1])):
+        line[:] = CODES[WALL, side]
+    for corner in ("NW", "NE", "SW", "SE"):
+        codes[-("S" in corner), -("E" in corner)] = CODES[WALL, corner]
+    return codes
 
 
 def bar(share: ArrayLike, width: int, height: int, color: Color = BATTERY) -> Pixels:

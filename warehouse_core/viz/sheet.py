@@ -26,8 +26,9 @@ MAX_CELL = 1.05
 BAR = 0.2
 """Height of a battery."""
 
-GRID, FLEET_GRID = (6.4, 4.6), (10.0, 6.4)
-"""Most width and height of the map of a single track; a fleet's has room for numbers on robots."""
+GRID, FLEET_GRID = (6.4, 4.6), (9.0, 4.2)
+"""Most width and height of the map of a single track; with its charts a fleet's is as wide as
+``WIDTH``, and its window as high as a screen of 768 pixels allows."""
 
 EDGE, HEAD, BAR_GAP, MIN_LEFT = 0.3, 1.0, 0.12, 4.8
 """Room around a single track, above its map and above its battery; least width of its words."""
@@ -152,16 +153,20 @@ def _single(track: Track, steps: int, *, legend: bool) -> Sheet:
         slots.append(Slot(BatteryBar, (EDGE, HEAD + height + BAR_GAP, left_width, BAR)))
     # Without a battery there are only the words below charts.
     foot = EDGE if has_battery or not legend else CHARTS_FOOT
+    # The legend of a fleet with charts is below, where there is room.
+    is_below = legend and track.is_fleet and bool(kinds)
     beside = EDGE + left_width + (CHARTS_LEFT + CHARTS_WIDTH if kinds else 0.0)
-    width = beside + EDGE + (LEGEND_WIDTH if legend else 0.0)
+    width = beside + EDGE + (LEGEND_WIDTH if legend and not is_below else 0.0)
     lines: list[SheetLine] = [
         (EDGE, 0.2, partial(title_of, 9), {}),
         (width - EDGE, 0.2, partial(counter_of, steps), {"ha": "right"}),
         (EDGE, 0.56, partial(fitted_caption, width - 2 * EDGE), BOLD),
         (width / 2, 0.2, ending_of, BOLD | {"ha": "center"}),
     ]
+    foot += FLEET_FOOT if is_below else 0.0
     size = (width, HEAD + height + (BAR + BAR_GAP if has_battery else 0.0) + foot)
-    return Sheet(size, [TrackPlace(cell, map_box, slots, lines)], 0, MOTION_PARTS)
+    columns = LEGEND_COLUMNS if is_below else 0
+    return Sheet(size, [TrackPlace(cell, map_box, slots, lines)], columns, MOTION_PARTS)
 
 
 def _rows(tracks: Sequence[Track]) -> tuple[list[TrackPlace], float]:

@@ -92,6 +92,9 @@ FLEET_RADIUS, MAX_RADIUS, GOOD_POINTS, MIN_POINTS = 0.36, 0.45, 9.0, 2.5
 MIN_NUMBER_POINTS, MIN_BOX_POINTS, DIGIT = 5.0, 7.0, 0.7
 """Least sizes of the numbers of robots and of orders; width of a digit as a share of its size."""
 
+WAITING_AT = 0.26, 0.3
+"""Place of the number of orders at a pickup, from the middle of its cell: beside its letter."""
+
 NUMBER_BOX: dict[str, Any] = {"boxstyle": "square,pad=0.12", "linewidth": 0.8}
 """Style of the box around the number of orders at a pickup."""
 
@@ -434,7 +437,7 @@ class FleetView:
 
     def _show_waiting(self, waiting: tuple[Waiting, ...]) -> None:
         """Write the number of orders at each pickup into a box of the colour of their age."""
-        size = max(MIN_BOX_POINTS, 0.36 * self._cell_points)
+        size = max(MIN_BOX_POINTS, 0.3 * self._cell_points)
         while len(self._waiting) < len(waiting):
             text = self._axes.text(
                 0, 0, "", fontsize=size, fontweight="bold", ha="center", va="center_baseline",
@@ -448,7 +451,7 @@ class FleetView:
             x, y = orders.at
             text.set(
                 visible=True,
-                position=(x + 0.4, y + 0.5),
+                position=(x + WAITING_AT[0], y + WAITING_AT[1]),
                 text=f"{orders.number}{'!' * (orders.age == LATE)}",
                 color=_ink_on(orders.age),
             )

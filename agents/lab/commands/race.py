@@ -33,6 +33,7 @@ from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.task.starts import START
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
+from warehouse_core.world.actions import WAIT, action_index
 from warehouse_core.world.named_layouts import BAY
 
 LEARNER = "q"
@@ -134,10 +135,10 @@ def states_of(record: Episode) -> Iterator[str]:
     """Yield for each step in a word or two what a robot that has not arrived is doing."""
     states = list(zip(record.cells, record.loaded, strict=True))
     visits = Counter(states[:1])
-    for before, here in pairwise(states):
+    for action, (before, here) in zip(record.actions, pairwise(states), strict=True):
         visits[here] += here != before
         if here == before:
-            yield "waits"
+            yield "waits" if action_index(action) == WAIT else "gets nowhere"
         elif visits[here] >= CIRCLES:
             yield "goes in circles"
         else:

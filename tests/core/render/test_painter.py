@@ -11,21 +11,32 @@ from numpy.typing import NDArray
 from warehouse_core import DEFAULT_LAYOUT, Layout
 from warehouse_core.render import atlas as tile_atlas
 from warehouse_core.render.atlas import (
+    BORDERS,
     CELLS,
     CODES,
     NO_ROBOT,
     ROBOT_CODES,
+    SHELVES,
     UNSEEN,
     WAITING_ITEM,
     atlas,
 )
-from warehouse_core.render.painter import TilePainter, bar, tile_pixels_for
-from warehouse_core.render.palette import BATTERY, COLORS, FAINT, INK, PAPER, UNKNOWN, WARNING
+from warehouse_core.render.painter import TilePainter, bar, layout_codes, tile_pixels_for
+from warehouse_core.render.palette import (
+    BATTERY,
+    BOARD,
+    COLORS,
+    FAINT,
+    INK,
+    PAPER,
+    SHELF,
+    UNKNOWN,
+    WARNING,
+)
 from warehouse_core.viz import view
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.tracks.track import Frame, Pose, Track
 from warehouse_core.viz.view import View
-from warehouse_core.world.tables import tile_codes
 from warehouse_core.world.tiles import CELL_CODES
 
 YARD = Layout(["#####", "#P.D#", "#.PC#", "#####"])
@@ -77,7 +88,7 @@ def test_the_codes_of_a_window_can_be_painted_as_they_are() -> None:
 
 def test_each_cell_has_one_code() -> None:
     robots = {*itertools.product(".PDC", "RrH"), *itertools.product(".", "Oo")}
-    robots.add(("P", WAITING_ITEM))
+    robots |= {("P", WAITING_ITEM), ("#", SHELVES), *itertools.product("#", BORDERS)}
     assert set(CELLS) == robots | {(tile, NO_ROBOT) for tile in ".#PDC?"}
     assert len(set(CELLS)) == len(CELLS)
     assert [CODES[cell] for cell in CELLS] == list(range(len(CELLS)))
@@ -181,7 +192,7 @@ def test_stations_have_a_letter_in_the_top_left_corner(side: int) -> None:
         rows, columns = np.nonzero(where(atlas(side)[CODES[tile, NO_ROBOT]], INK))
         assert 0.06 * side <= rows.min() <= 0.15 * side
         assert 0.06 * side <= columns.min() <= 0.15 * side
-        assert rows.max() - rows.min() + 1 == max(5, round(0.175 * side))
+        assert rows.max() - rows.min() + 1 == max(5, round(0.22 * side))
         assert columns.max() < 0.45 * side
 
 
@@ -219,7 +230,8 @@ def test_a_tile_shows_two_letters_only_if_there_is_room() -> None:
 @pytest.mark.parametrize("side", SIDES)
 def test_any_two_cells_have_different_colours(side: int) -> None:
     tiles = atlas(side).astype(int)
-    for one, other in itertools.combinations(range(len(CELLS)), 2):
+    known = [code for code, (_, sign) in enumerate(CELLS) if sign not in BORDERS]
+    for one, other in itertools.combinations(known, 2):
         differences = np.abs(tiles[one] - tiles[other]).mean(axis=(0, 1))
         assert differences.max() > 15, (CELLS[one], CELLS[other])
 
@@ -231,6 +243,39 @@ def test_unseen_cells_are_hatched_grey_without_seams() -> None:
     for axis in (0, 1):
         assert np.array_equal(np.roll(tile, 20, axis), tile)
     assert np.ptp(tile.astype(int), axis=-1).max() <= 12
+
+
+# Walls.
+
+
+def test_walls_inside_a_border_are_shelves_and_the_border_is_a_band() -> None:
+    layout = Layout(["#####", "#.#P#", "#..D#", "#####"])
+    picture = TilePainter(40).picture(layout, (1, 1), loaded=False)
+    for row, col in itertools.product(range(4), range(5)):
+        if layout.rows[row][col] != "#":
+            continue
+        tile = picture[40 * row : 40 * row + 40, 40 * col : 40 * col + 40]
+        walls = where(tile, COLORS["#"])
+        is_corner = row in (0, 3) and col in (0, 4)
+        share = 0.0 if (row, col) == (1, 2) else 0.09 if is_corner else 0.3
+        assert walls.mean() == share, (row, col)
+        assert (where(tile, PAPER) | walls).all() == (share > 0)
+    # The band is next to the inside.
+    assert where(picture[28:40, 28:172], COLORS["#"]).all()
+    assert where(picture[120:132, 28:172], COLORS["#"]).all()
+    assert where(picture[28:132, 28:40], COLORS["#"]).all()
+    assert where(picture[28:132, 160:172], COLORS["#"]).all()
+    shelf = picture[40:80, 80:120]
+    boards = np.flatnonzero(where(shelf, BOARD)[:, 20])
+    assert boards.tolist() == [12, 13, 14, 25, 26, 27]
+    assert where(shelf[:, :4], SHELF).all(), "boards end before the sides"
+
+
+@pytest.mark.parametrize("rows", [["##", "##"], ["#.#"], ["###", "#..", "###"]])
+def test_walls_of_a_layout_without_a_whole_border_are_whole(rows: list[str]) -> None:
+    layout = Layout(rows)
+    picture = TilePainter(10).fleet_picture(layout, [])
+    assert where(picture, COLORS["#"]).sum() == 100 * sum(line.count("#") for line in rows)
 
 
 # Likeness to the replay.
@@ -310,7 +355,7 @@ def test_the_fast_path_paints_the_same(side: int) -> None:
         (Layout(other.rows), (5, 10), True),
         (YARD, (2, 1), False),
     ):
-        codes = tile_codes(layout)
+        codes = layout_codes(layout)
         codes[robot] = ROBOT_CODES[int(loaded), codes[robot]]
         if not loaded:
             codes[codes == CODES["P", NO_ROBOT]] = CODES["P", WAITING_ITEM]
@@ -320,13 +365,13 @@ def test_the_fast_path_paints_the_same(side: int) -> None:
 def test_a_fleet_and_people_are_painted_on_what_they_stand_on() -> None:
     robots, people = [((1, 1), False), ((2, 1), True), ((1, 3), True)], [(2, 3), (1, 2), (2, 2)]
     signs = {(1, 1): "R", (2, 1): "r", (1, 3): "r", (2, 3): "H", (1, 2): "H", (2, 2): "H"}
-    codes = tile_codes(YARD)
+    codes = layout_codes(YARD)
     for (row, col), sign in signs.items():
         codes[row, col] = CODES[YARD.rows[row][col], sign]
     painter = TilePainter(20)
     painted = painter.fleet_picture(YARD, robots, people)
     assert np.array_equal(painted, painter.paint(codes))
-    assert np.array_equal(painter.fleet_picture(YARD, []), painter.paint(tile_codes(YARD)))
+    assert np.array_equal(painter.fleet_picture(YARD, []), painter.paint(layout_codes(YARD)))
 
 
 def test_a_picture_is_a_new_array() -> None:
@@ -334,7 +379,7 @@ def test_a_picture_is_a_new_array() -> None:
     first = painter.picture(YARD, (1, 1), False)
     kept = first.copy()
     first[:] = 0
-    painter.paint(tile_codes(YARD))[:] = 0
+    painter.paint(layout_codes(YARD))[:] = 0
     assert np.array_equal(painter.picture(YARD, (1, 1), False), kept)
     assert np.array_equal(TilePainter(8).picture(YARD, (1, 1), False), kept)
 

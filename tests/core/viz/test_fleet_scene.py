@@ -181,16 +181,41 @@ def test_the_legend_explains_what_a_fleet_has(episode: FleetEpisode) -> None:
     (4, SHELVES),
     (2, Layout(["P.D.C"])),
 ])  # fmt: skip
-def test_the_legend_has_room_beside_the_charts(robots: int, layout: Layout) -> None:
+def test_a_fleet_fits_a_small_screen_and_its_legend_has_room_below(
+    robots: int, layout: Layout
+) -> None:
     replay = replay_of(fleet_episode(layout=layout, robots=robots, max_steps=2, people=0))
     replay.figure.pixels()
+    assert replay.figure.bbox.width <= 1366
+    assert replay.figure.bbox.height <= 660, "a screen of 768 pixels has bars of its own"
     (legend,) = replay.figure.legends
     below = legend.get_window_extent()
     assert replay.figure.bbox.x0 < below.x0 < below.x1 <= replay.figure.bbox.x1 + 1
     for axes in replay.figure.axes:
-        box = axes.get_tightbbox()
+        # Numbers of robots, which are shapes, would count as far outside of the map.
+        box = axes.get_tightbbox() if axes.get_title(loc="left") else axes.bbox
         assert box is not None
         assert not box.overlaps(below), axes.get_title(loc="left")
+
+
+def test_the_number_of_orders_covers_neither_the_letter_of_its_pickup_nor_what_is_around() -> None:
+    replay = replay_of(fleet_episode(layout=Layout(["P.D.C", "....."]), robots=2, people=0))
+    shown = 0
+    for frame in range(0, 40, 8):
+        replay.go_to(frame)
+        pixels(replay)
+        for text in (text for text in replay.figure.axes[0].texts if text.get_visible()):
+            if (box := text.get_bbox_patch()) is None or not text.get_text().strip("!").isdigit():
+                continue
+            inside = box.get_window_extent().transformed(replay.figure.axes[0].transData.inverted())
+            left, right = sorted((inside.x0, inside.x1))
+            top, bottom = sorted((inside.y0, inside.y1))
+            assert top > 0.37, "the letter is in the uppermost part"
+            assert left > 0.25
+            assert right < 1.3
+            assert bottom < 1.15
+            shown += 1
+    assert shown
 
 
 def test_the_legend_is_a_file_of_its_own(episode: FleetEpisode, tmp_path: Path) -> None:

@@ -35,7 +35,7 @@ INSET, MIN_STATION_POINTS = 0.06, 6.5
 MIN_BOARDS, MIN_WAVES = 7.0, 9.0
 """Least sides of cells, in points, that show the boards of shelves and waves."""
 
-LETTER, MIN_LETTER_POINTS = 0.24, 6.0
+LETTER, MIN_LETTER_POINTS = 0.3, 6.0
 """Size of the letter of a station, in cells, and its minimum."""
 
 TileBounds = tuple[float, float, float, float]
@@ -138,5 +138,5 @@ def _ice(axes: Axes, cells: Sequence[Cell], cell_points: float) -> Iterator[Arti
 def _letter(axes: Axes, cell_points: float, tile: str, cell: Cell) -> Artist:
     row, col = cell
     size = max(LETTER, MIN_LETTER_POINTS / cell_points)
-    path = letter_path(tile, size, (col + 0.085, row + 0.075), (0.0, 0.0))
+    path = letter_path(tile, size, (col + 0.07, row + 0.06), (0.0, 0.0))
     return axes.add_patch(PathPatch(path, facecolor=INK, linewidth=0, zorder=2))

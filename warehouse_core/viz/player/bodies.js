@@ -1,6 +1,6 @@
 // Draws robots and people, their batteries, and hits.
 
-import { centerText, drawLabel, fillOutlined, MIN_TEXT } from "./canvas.js";
+import { centerText, drawLabel, fillOutlined, LARGE_TEXT, MIN_TEXT, writeOutlined } from "./canvas.js";
 import { drawBox } from "./items.js";
 
 const RADIUS = 0.34;
@@ -139,19 +139,17 @@ function radiusAround(context, track, size) {
   return Math.hypot(context.measureText(longestName(track)).width, 0.75 * size) / 2 + 1;
 }
 
-/** Size in pixels of text for which the contrast of white on red is enough, by WCAG. */
-const LARGE = 19;
-
 function drawNames(context, shown, track, size, theme) {
+  const isLarge = size >= LARGE_TEXT * theme.density;
   centerText(context, size);
-  Object.assign(context, { strokeStyle: theme.dark, lineWidth: 0.22 * size, lineJoin: "round" });
   for (const { body, x, y, load } of shown) {
     const isPerson = body >= track.robots;
     const name = isPerson ? "H" : track.robots > 1 ? String(body) : load > 0 ? "r" : "R";
+    const place = [name, x, y + 0.06 * size];
     const isDark = !isPerson && load > 0;
-    if (!isDark && size < LARGE * theme.density) context.strokeText(name, x, y + 0.06 * size);
     context.fillStyle = isDark ? theme.dark : theme.light;
-    context.fillText(name, x, y + 0.06 * size);
+    if (isDark || isLarge) context.fillText(...place);
+    else writeOutlined(context, ...place, [theme.light, theme.dark], theme.density);
   }
 }
 

@@ -1,6 +1,6 @@
 // Draws what stands still: floor, walls, shelves, stations, and what is not seen yet.
 
-import { centerText, MIN_TEXT } from "./canvas.js";
+import { centerText, MIN_TEXT, writeOutlined } from "./canvas.js";
 
 const WALL = "#";
 const UNSEEN = "?";
@@ -28,7 +28,7 @@ export function drawFloor(context, track, tiles, view, theme) {
   drawRuns(context, track, tiles, view, WALL, theme.shelf);
   if (view.scale >= MIN_TEXTURE) drawShelves(context, track, tiles, view, theme);
   drawBorder(context, track, tiles, view, theme);
-  drawNumbers(context, track, tiles, view, theme);
+  drawNumbers(context, track, view, theme);
   for (const place of placesOf(track, tiles, Object.keys(STATIONS))) drawStation(context, place, view, theme);
 }
 
@@ -114,21 +114,20 @@ function drawBorder(context, track, tiles, view, theme) {
 }
 
 /** Write the numbers of columns and rows on a thin border that has room for them. */
-function drawNumbers(context, track, tiles, view, theme) {
+function drawNumbers(context, track, view, theme) {
   const middle = (1 + outerOf(track)) / 2;
   const thick = (1 - outerOf(track)) * view.scale;
   const size = Math.max(0.75 * thick, MIN_TEXT * theme.density);
   if (!outerOf(track) || size > thick) return;
   centerText(context, size, "normal");
-  const write = (number, cell, x, y) => {
-    context.fillStyle = tiles[cell] === UNSEEN ? theme.dark : theme.paper;
-    context.fillText(String(number), view.x(x), view.y(y));
-  };
+  // The border may be one that is not seen yet.
+  const write = (number, x, y) =>
+    writeOutlined(context, String(number), x, y, [theme.paper, theme.wall], theme.density);
   for (let column = 1; column < track.width - 1; column++) {
-    write(column, column, column + 0.5, middle);
+    write(column, view.x(column + 0.5), view.y(middle));
   }
   for (let row = 1; row < track.height - 1; row++) {
-    write(row, row * track.width, middle, row + 0.5);
+    write(row, view.x(middle), view.y(row + 0.5));
   }
 }
 
@@ -150,14 +149,46 @@ function drawStation(context, [row, column, tile], view, theme) {
   context.fillStyle = theme[STATIONS[tile]];
   context.fillRect(x, y, width, height);
   context.fillStyle = theme.dark;
-  const size = Math.max(0.3 * view.scale, MIN_TEXT * theme.density);
-  if (size > width) {
-    fillShape(context, SHAPES[tile], x, y, width, height);
-    return;
-  }
+  if (!letterSize(view, theme)) fillShape(context, SHAPES[tile], x, y, width, height);
+}
+
+/** The size of a letter that a robot leaves free, as a share of a cell, and where it is. */
+const [LETTER, CORNER] = [0.22, 0.11];
+
+/** Return the size of the letters of stations, or 0 if there is no room for them. */
+function letterSize(view, theme) {
+  const size = Math.max(LETTER * view.scale, MIN_TEXT * theme.density);
+  return 1.3 * size > view.scale ? 0 : size;
+}
+
+/** Write the letters of stations where there is room: larger ones not under robots and people. */
+export function drawLetters(context, track, moment, view, theme) {
+  const size = letterSize(view, theme);
+  if (!size) return;
+  const isCovered = size > LETTER * view.scale ? coveredCells(track, moment) : new Set();
   centerText(context, size);
   context.textAlign = "left";
-  context.fillText(tile, x + 0.06 * width, y + 0.55 * size);
+  for (const [row, column, tile] of stationsOf(track, track.tileAt[moment.frame])) {
+    if (!view.shows(column, row, 1) || isCovered.has(row * track.width + column)) continue;
+    const [x, y] = [view.x(column + CORNER), view.y(row + CORNER) + 0.45 * size];
+    writeOutlined(context, tile, x, y, [theme.light, theme.dark], theme.density);
+  }
+}
+
+function coveredCells(track, moment) {
+  const cells = new Set();
+  for (let body = 0; body < track.bodies; body++) {
+    const pose = track.pose(body, moment);
+    if (pose) cells.add(Math.floor(pose.y) * track.width + Math.floor(pose.x));
+  }
+  return cells;
+}
+
+/** Return the row, the column and the tile of each station. */
+function stationsOf(track, index) {
+  track.stations ??= [];
+  track.stations[index] ??= [...placesOf(track, track.tiles[index], Object.keys(STATIONS))];
+  return track.stations[index];
 }
 
 /** Fill a shape, whose corners are shares of a box. */

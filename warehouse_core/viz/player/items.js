@@ -23,7 +23,7 @@ export function drawWaiting(context, track, moment, view, theme) {
 function drawCount(context, count, x, y, side, age, theme) {
   const size = Math.max(0.7 * side, MIN_TEXT * theme.density);
   centerText(context, size);
-  if (context.measureText(String(count)).width > side) return;
+  if (Math.max(context.measureText(String(count)).width, size) > side) return;
   context.fillStyle = age === LATE ? theme.light : theme.dark;
   context.fillText(String(count), x, y + 0.06 * size);
 }

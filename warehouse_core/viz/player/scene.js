@@ -1,6 +1,7 @@
 // Draws all that moves, in order, over a floor.
 
 import { drawHits, drawRobots } from "./bodies.js";
+import { drawLetters } from "./floor.js";
 import { drawHeat } from "./heat.js";
 import { drawItem, drawWaiting } from "./items.js";
 import { drawEnds, drawMarks, drawSight, drawVisits } from "./layers.js";
@@ -18,6 +19,7 @@ export function drawScene(context, track, moment, view, theme, { chosen, hasHeat
   if (track.marks) drawEnds(context, track, view, theme);
   if (chosen !== null) drawWayAhead(context, track, chosen, moment, view, theme);
   if (watched !== null) drawTrail(context, track, watched, moment, view, theme);
+  drawLetters(context, track, moment, view, theme);
   if (track.fleet) drawWaiting(context, track, moment, view, theme);
   drawRobots(context, track, moment, view, theme, chosen, hovered);
   if (track.robots === 1) drawItem(context, track, moment, view, theme);

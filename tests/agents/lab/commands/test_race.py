@@ -69,7 +69,7 @@ def test_a_state_is_told_for_each_step() -> None:
         recorder.step(action)
     fetches, brings, circles = "fetches the item", "brings the item", "goes in circles"
     assert list(states_of(recorder.episode)) == [
-        fetches, fetches, "waits", fetches, fetches, fetches,
+        fetches, fetches, "gets nowhere", fetches, fetches, fetches,
         brings, "waits", brings, brings, brings, circles, circles,
     ]  # fmt: skip
 
