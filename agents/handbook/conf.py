@@ -35,8 +35,8 @@ os.environ["TTY_COMPATIBLE"] = "0"
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 
 
-SCROLLING = '<pre tabindex="0" role="group" aria-label="Lines of text">'
-"""Start of a block of code or output, which may scroll sideways, so that keys reach it."""
+SCROLLING = 'tabindex="0" role="group" aria-label="Lines"'
+"""Attributes of code, output and tables, which may scroll sideways, so that keys reach them."""
 
 
 def setup(app: Any) -> None:
@@ -49,7 +49,10 @@ def setup(app: Any) -> None:
         _app: Any, _page: str, _template: str, context: dict[str, Any], _tree: Any
     ) -> None:
         if "body" in context:
-            body = context["body"].replace("<pre>", SCROLLING)
+            body = context["body"].replace("<pre>", f"<pre {SCROLLING}>")
+            body = body.replace(
+                '<div class="table-wrapper', f'<div {SCROLLING} class="table-wrapper'
+            )
             # The text of the summary is its name.
             context["body"] = body.replace(
                 '<summary aria-label="Toggle hidden content">', "<summary>"

@@ -8,6 +8,7 @@
   const [LARGE, LARGE_BOLD] = [24, 18.66]; // CSS pixels, of WCAG's 18 and 14 points
   const SLACK = 1.5; // CSS pixels that a box may reach into another
   const GLYPH_UNITS = 100; // of Matplotlib, whose letters are paths of this height
+  const CAPITAL = 0.73; // height of capital letters as a share of the size
   const MAX_WORDS = 40;
 
   // Canvases: what is written on each is recorded, and which others are drawn on it.
@@ -209,12 +210,16 @@
       const box = text.getBoundingClientRect();
       if (!isSeen(text) || !box.width || text.closest("defs")) continue;
       const isDrawn = text.matches("g");
-      const glyphs = isDrawn ? text.querySelector("g") : text;
+      // Text with an outline is two paths, that of the outline first.
+      const glyphs = isDrawn ? (text.querySelector("g") ?? text.lastElementChild) : text;
       const style = getComputedStyle(glyphs);
       const { c, d } = glyphs.getScreenCTM();
-      const size = Math.hypot(c, d) * (isDrawn ? GLYPH_UNITS : Number.parseFloat(style.fontSize));
+      const units = isDrawn ? GLYPH_UNITS : Number.parseFloat(style.fontSize);
+      const size = glyphs.matches("path") ? box.height / CAPITAL : Math.hypot(c, d) * units;
       const comment = [...text.childNodes].find((each) => each.nodeType === Node.COMMENT_NODE);
-      const below = behindOf(text, box, shapes, paperOf(picture.getRootNode().host ?? picture));
+      const isOutlined = style.paintOrder.startsWith("stroke") && style.stroke !== "none";
+      const paper = paperOf(picture.getRootNode().host ?? picture);
+      const below = isOutlined ? parse(style.stroke) : behindOf(text, box, shapes, paper);
       const color = over(withOpacity(parse(style.fill), glyphs), below);
       yield {
         words: (isDrawn ? comment?.data : text.textContent)?.trim() ?? "", size, color, behind: below, whole,
