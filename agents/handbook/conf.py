@@ -38,6 +38,14 @@ os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.envir
 SCROLLING = 'tabindex="0" role="group" aria-label="Lines"'
 """Attributes of code, output and tables, which may scroll sideways, so that keys reach them."""
 
+ACCESSIBLE = {
+    "<pre>": f"<pre {SCROLLING}>",
+    '<div class="table-wrapper': f'<div {SCROLLING} class="table-wrapper',
+    # The text of a summary is its name.
+    '<summary aria-label="Toggle hidden content">': "<summary>",
+}
+"""What is replaced in pages by what."""
+
 
 def setup(app: Any) -> None:
     """Leave the fields of named tuples to the docstrings of their classes, and help readers."""
@@ -48,15 +56,8 @@ def setup(app: Any) -> None:
     def make_accessible(
         _app: Any, _page: str, _template: str, context: dict[str, Any], _tree: Any
     ) -> None:
-        if "body" in context:
-            body = context["body"].replace("<pre>", f"<pre {SCROLLING}>")
-            body = body.replace(
-                '<div class="table-wrapper', f'<div {SCROLLING} class="table-wrapper'
-            )
-            # The text of the summary is its name.
-            context["body"] = body.replace(
-                '<summary aria-label="Toggle hidden content">', "<summary>"
-            )
+        for start, better in ACCESSIBLE.items():
+            context["body"] = context.get("body", "").replace(start, better)
 
     app.connect("autodoc-skip-member", is_field)
     app.connect("html-page-context", make_accessible)

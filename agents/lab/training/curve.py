@@ -15,17 +15,16 @@ from agents.lab.training.exams import ExamPoint
 from agents.lab.trials.interval import Interval
 from agents.lab.trials.scores import FleetScores, Scores
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.render.palette import COLORS, INK, PAPER, WARNING
+from warehouse_core.render.palette import INK, PAPER, WARNING, color_named
 from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure, make_figure
-from warehouse_core.world.tiles import PICKUP
 
 SIZE, DPI = (9.0, 3.8), 150
 STEP_TICKS = [digit * 10**power for power in range(9) for digit in (1, 2, 5)]
 ROOM = 1.5
 """Factor of space for the names of the lines, above the highest and below the lowest."""
 
-LEARNER, GREEDY = COLORS[PICKUP], WARNING
+LEARNER, GREEDY = color_named("accent"), WARNING
 
 
 def save_learning_curve(
