@@ -44,7 +44,7 @@ ACCESSIBLE = {
     # The text of a summary is its name.
     '<summary aria-label="Toggle hidden content">': "<summary>",
 }
-"""What is replaced in pages by what."""
+"""Better markup by the markup that it replaces."""
 
 
 def setup(app: Any) -> None:
