@@ -236,6 +236,17 @@ def test_the_map_beside_a_fleet_has_the_cells_in_which_robots_were_held_up(
     )
 
 
+def test_held_up_robots_of_several_fleets_are_shown_on_all_floors_or_none(
+    opened: Open, files: Files
+) -> None:
+    one = simple(list(fleet_frames()), held_up=[(1, (0, 2))], title="one")
+    page = opened(files("maps", lambda: [one, dataclasses.replace(one, title="other")]))
+    boxes = page.page.get_by_role("checkbox")
+    boxes.first.check()
+    assert [box.is_checked() for box in boxes.all()] == [True, True]
+    assert page.page.get_by_role("region", name="Fleet: other").is_visible()
+
+
 def test_marks_have_the_colour_of_their_time(opened: Open, files: Files) -> None:
     rows = ("......",) * 3
     frames = [Frame(rows, (), float(step)) for step in range(4)]

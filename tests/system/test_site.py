@@ -19,10 +19,13 @@ FAULTS = """
   const faults = [];
   for (const each of document.querySelectorAll("article img")) {
     if (each.loading !== "lazy" && !each.naturalWidth) faults.push(`empty picture ${each.src}`);
+    const isDark = matchMedia("(prefers-color-scheme: dark)").matches && !each.src.endsWith(".svg");
+    if (isDark && getComputedStyle(each).filter === "none") faults.push(`white ${each.src}`);
   }
   for (const each of document.querySelectorAll(".cell_output")) {
     if (/^warehouse: |not found|Traceback/m.test(each.innerText)) faults.push(each.innerText);
   }
+  if (/Show code cell/.test(document.body.innerText)) faults.push("code is folded");
   const wide = document.documentElement.scrollWidth - innerWidth;
   if (wide > 0) faults.push(`${wide} pixels too wide`);
   return faults;

@@ -113,7 +113,7 @@ def run_racer(name: str, task: Task, seed: int) -> Episode:
 def practised(floor: Layout, seed: int) -> QAgent:
     """Return an agent that has learned on the grid to deliver from anywhere on a floor."""
     table, steps = QTable(), min(PRACTICE * len(floor.open_cells), MAX_PRACTICE)
-    for _ in learn(table, WarehouseEnv(floor), steps, seed, START):
+    for _ in learn(table, WarehouseEnv(floor, None), steps, seed, START):
         pass
     return QAgent(table, seed)
 

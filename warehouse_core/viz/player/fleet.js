@@ -15,10 +15,12 @@ export class FleetPanel {
     this.find = (name) => partOf(this.element, name);
     this.number = this.find("number");
     this.find("name").textContent = track.title;
+    this.element.ariaLabel = `Fleet: ${track.title}`;
     this.number.max = track.robots - 1;
     this.number.addEventListener("input", () => player.choose(Number.parseInt(this.number.value, 10)));
     this.find("heat").addEventListener("change", (event) => {
-      player.hasHeat = event.target.checked;
+      player.hasHeat = event.target.checked; // on all floors
+      for (const fleet of player.fleets) fleet.find("heat").checked = player.hasHeat;
       player.draw();
     });
     this.heat = new HeatMap(track, this.find("heat-map"));

@@ -11,7 +11,7 @@ import re
 import textwrap
 from collections.abc import Iterator, Sequence
 
-from warehouse_core.arguments import real_number
+from warehouse_core.arguments import instance_of, real_number
 from warehouse_core.errors import FormatError
 from warehouse_core.render.palette import PALETTE
 from warehouse_core.viz.svg.bodies import bodies_of
@@ -94,7 +94,11 @@ def animated_svg(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0
         for place in range(len(tracks))
     ]
     width, height = corners[columns - 1][0] + across + EDGE, corners[-1][1] + steps[1] + EDGE
-    title = printable(title or " / ".join(filter(None, (t.title for t in tracks))) or "Replay")
+    title = printable(
+        instance_of("title", title, str)
+        or " / ".join(filter(None, (t.title for t in tracks)))
+        or "Replay"
+    )
     parts: list[str] = []
     room = MAX_SVG_BYTES
     for look, shown_moments in (("moves", moments), ("rests", range(still, still + 1))):

@@ -24,6 +24,7 @@ from helpers.sweeps import (
 
 from agents.lab.experiments import sweep as sweep_command
 from agents.lab.experiments.case import make_case
+from agents.lab.experiments.plan import SweepPlan
 from agents.lab.experiments.store import Store
 from agents.lab.parameters import PARAMETERS
 from agents.lab.runs.programs import program_for
@@ -64,6 +65,21 @@ def test_a_sweep_counts_stored_episodes_and_adds_missing_ones(
     assert path.read_bytes() == before
     assert "5 episodes each, 12 done\n20 episodes" in warehouse(*words(path, 5)).out
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", 5)
+
+
+def test_all_combinations_are_in_the_file_in_order_before_the_first_episode(
+    warehouse: Warehouse, path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    found = []
+
+    def interrupted(plan: SweepPlan, store: Store, *_: object) -> None:
+        found.append((plan.cases, [*store.cases().values()]))
+        raise KeyboardInterrupt
+
+    monkeypatch.setattr(sweep_command, "run_missing", interrupted)
+    assert warehouse(*words(path, 3)).code == 130
+    [(planned, stored)] = found
+    assert stored == [*planned]
 
 
 def test_programs_are_mixed_only_with_the_option_and_a_warning(
