@@ -35,8 +35,16 @@ os.environ["TTY_COMPATIBLE"] = "0"
 os.environ["PATH"] = os.pathsep.join([str(Path(sys.executable).parent), os.environ["PATH"]])
 
 
-SCROLLING = '<pre tabindex="0" role="group" aria-label="Lines of text">'
-"""Start of a block of code or output, which may scroll sideways, so that keys reach it."""
+SCROLLING = 'tabindex="0" role="group" aria-label="Lines"'
+"""Attributes of code, output and tables, which may scroll sideways, so that keys reach them."""
+
+ACCESSIBLE = {
+    "<pre>": f"<pre {SCROLLING}>",
+    '<div class="table-wrapper': f'<div {SCROLLING} class="table-wrapper',
+    # The text of a summary is its name.
+    '<summary aria-label="Toggle hidden content">': "<summary>",
+}
+"""Better markup by the markup that it replaces."""
 
 
 def setup(app: Any) -> None:
@@ -48,12 +56,8 @@ def setup(app: Any) -> None:
     def make_accessible(
         _app: Any, _page: str, _template: str, context: dict[str, Any], _tree: Any
     ) -> None:
-        if "body" in context:
-            body = context["body"].replace("<pre>", SCROLLING)
-            # The text of the summary is its name.
-            context["body"] = body.replace(
-                '<summary aria-label="Toggle hidden content">', "<summary>"
-            )
+        for start, better in ACCESSIBLE.items():
+            context["body"] = context.get("body", "").replace(start, better)
 
     app.connect("autodoc-skip-member", is_field)
     app.connect("html-page-context", make_accessible)

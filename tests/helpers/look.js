@@ -8,6 +8,7 @@
   const [LARGE, LARGE_BOLD] = [24, 18.66]; // CSS pixels, of WCAG's 18 and 14 points
   const SLACK = 1.5; // CSS pixels that a box may reach into another
   const GLYPH_UNITS = 100; // of Matplotlib, whose letters are paths of this height
+  const CAPITAL = 0.73; // height of capital letters as a share of the size
   const MAX_WORDS = 40;
 
   // Canvases: what is written on each is recorded, and which others are drawn on it.
@@ -59,7 +60,7 @@
   /** Return the texts of a canvas and of those that are drawn on it. */
   function writtenOn(canvas) {
     const { texts, drawn } = recorded.get(canvas) ?? { texts: [], drawn: [] };
-    return [...texts, ...[...drawn].flatMap(writtenOn)];
+    return [...texts.map((text) => ({ ...text, on: canvas })), ...[...drawn].flatMap(writtenOn)];
   }
 
   function placeOf(context, words, x, y) {
@@ -180,11 +181,11 @@
       const density = canvas.width / canvas.clientWidth;
       const page = paperOf(canvas);
       const whole = { left: 0, top: 0, right: canvas.clientWidth, bottom: canvas.clientHeight };
-      for (const { words, box, size, isBold, color, alpha, behind } of writtenOn(canvas)) {
+      for (const { words, box, size, isBold, color, alpha, behind, on } of writtenOn(canvas)) {
         if (!color || isAway(box, canvas)) continue;
         const below = over(behind, page);
         yield {
-          words, box: scaled(box, 1 / density), size: size / density, isBold, whole, canvas,
+          words, box: scaled(box, 1 / density), size: size / density, isBold, whole, canvas: on,
           color: over([...color.slice(0, 3), color[3] * alpha], below), behind: below,
         };
       }
@@ -209,12 +210,16 @@
       const box = text.getBoundingClientRect();
       if (!isSeen(text) || !box.width || text.closest("defs")) continue;
       const isDrawn = text.matches("g");
-      const glyphs = isDrawn ? text.querySelector("g") : text;
+      // Text with an outline is two paths, that of the outline first.
+      const glyphs = isDrawn ? (text.querySelector("g") ?? text.lastElementChild) : text;
       const style = getComputedStyle(glyphs);
       const { c, d } = glyphs.getScreenCTM();
-      const size = Math.hypot(c, d) * (isDrawn ? GLYPH_UNITS : Number.parseFloat(style.fontSize));
+      const units = isDrawn ? GLYPH_UNITS : Number.parseFloat(style.fontSize);
+      const size = glyphs.matches("path") ? box.height / CAPITAL : Math.hypot(c, d) * units;
       const comment = [...text.childNodes].find((each) => each.nodeType === Node.COMMENT_NODE);
-      const below = behindOf(text, box, shapes, paperOf(picture.getRootNode().host ?? picture));
+      const isOutlined = style.paintOrder.startsWith("stroke") && style.stroke !== "none";
+      const paper = paperOf(picture.getRootNode().host ?? picture);
+      const below = isOutlined ? parse(style.stroke) : behindOf(text, box, shapes, paper);
       const color = over(withOpacity(parse(style.fill), glyphs), below);
       yield {
         words: (isDrawn ? comment?.data : text.textContent)?.trim() ?? "", size, color, behind: below, whole,
@@ -248,7 +253,18 @@
     const used = isCopy ? shape.getRootNode().querySelector(shape.getAttribute("xlink:href")) : shape;
     const moved = isCopy ? [shape.x.baseVal.value, shape.y.baseVal.value] : [0, 0];
     const transform = shape.getScreenCTM().translate(...moved);
-    return used.isPointInFill(at.matrixTransform(transform.inverse()));
+    return used.isPointInFill(at.matrixTransform(transform.inverse())) && !isClipped(shape, at);
+  }
+
+  function isClipped(shape, at) {
+    for (let each = shape; each; each = each.parentElement) {
+      const [, id] = getComputedStyle(each).clipPath.match(/^url\("#(.+)"\)$/) ?? [];
+      if (!id) continue;
+      const inside = at.matrixTransform(each.getScreenCTM().inverse());
+      const parts = [...shape.getRootNode().getElementById(id).children];
+      if (!parts.some((part) => part.isPointInFill(inside))) return true;
+    }
+    return false;
   }
 
   /** Return the pictures of the page as SVG: a page of its own, inline, or loaded by an image. */

@@ -8,8 +8,12 @@ from typing import Any
 
 import pytest
 from helpers.command_line import in_a_process
+from helpers.handbook import PAGES as HANDBOOK_PAGES
 from helpers.looks import SCREENS, SHEET, Reader, reading
+from helpers.results_files import BAD, GOOD, scores_of
 
+from agents.lab.training.curve import learning_curve
+from agents.lab.training.exams import ExamPoint
 from warehouse_core.viz.figure import make_figure, save_svg
 
 pytestmark = pytest.mark.browser
@@ -22,10 +26,58 @@ def reader(browser: Any) -> Iterator[Reader]:
         yield one
 
 
+PAGES = {
+    "grid": "run --seed 12",
+    "physics": "run --seed 12 --backend physics",
+    "fleet of 8": "fleet --seed 3 --max-steps 60 --people 2",
+    "fleet of 50": "fleet --seed 3 --max-steps 40 -r 50 --planner pibt",
+    "driving": "fleet --seed 3 --max-steps 25 -r 6 --planner pibt --backend driving",
+    "gap": "gap -r 4 --count 4 -n 1 -j 1",
+    "compare backends": "compare backends --seed 12 --max-steps 40",
+    "explore": "explore --seed 3 --max-steps 60",
+    "search": "search",
+    "race": "race",
+    **{
+        f"demo {name}": f"demo {name}"
+        for name in ("delivery", "bump", "load", "slip", "head-on", "ring", "pibt")
+    },
+}
+"""Commands that save a page, by what it shows."""
+
+PICTURES = {
+    "run": "run --seed 12",
+    "fleet": "fleet --seed 3 --max-steps 20",
+    "compare backends": "compare backends --seed 12 --max-steps 20",
+    "explore": "explore --seed 3 --max-steps 30",
+    "search": "search",
+    "race": "race",
+    "demo cbs": "demo cbs",
+    "demo lanes": "demo lanes",
+    "compare agents": "compare agents -n 3",
+    "compare planners": "compare planners -n 1 -r 32,64 --planner pibt --planner pibt-lanes "
+    "--lifelong 60 -j 1",
+}
+"""Commands that save a picture as SVG."""
+
+
 def save(folder: Path, *words: object) -> None:
     """Run a command that saves a file, in its own process: it may start others."""
     done = in_a_process("-m", "agents", *words, folder=folder)
     assert done.code == 0, done.err
+
+
+@pytest.mark.parametrize("name", PAGES)
+def test_a_page_is_legible(reader: Reader, tmp_path: Path, name: str) -> None:
+    save(tmp_path, *PAGES[name].split(), "--save", "page.html")
+    assert reader.faults_of_page(tmp_path / "page.html") == {}
+
+
+def test_a_report_is_legible(reader: Reader, tmp_path: Path) -> None:
+    sets = ["agent=greedy,astar", "battery=20:120:20", "backend=grid,physics"]
+    words = [word for each in sets for word in ("--set", each)]
+    save(tmp_path, "sweep", *words, "-n", 6, "-j", 1, "--save", "results.sqlite")
+    save(tmp_path, "report", "results.sqlite", "--save", "page.html")
+    assert reader.faults_of_page(tmp_path / "page.html", [*SCREENS, SHEET]) == {}
 
 
 def test_a_page_of_grades_is_legible(reader: Reader, tmp_path: Path) -> None:
@@ -33,6 +85,24 @@ def test_a_page_of_grades_is_legible(reader: Reader, tmp_path: Path) -> None:
     (tmp_path / "agent.py").write_text("\n    ".join(["class Agent:", *methods]))
     save(tmp_path, "grade", "agent.py", "--trust", "--save", "page.html")
     assert reader.faults_of_page(tmp_path / "page.html", [*SCREENS, SHEET]) == {}
+
+
+@pytest.mark.parametrize("name", PICTURES)
+def test_a_picture_is_legible(reader: Reader, tmp_path: Path, name: str) -> None:
+    save(tmp_path, *PICTURES[name].split(), "--save", "picture.svg")
+    assert reader.faults_of_picture(tmp_path / "picture.svg") == {}
+
+
+def test_a_learning_curve_is_legible(reader: Reader, tmp_path: Path) -> None:
+    points = [ExamPoint(60_000 * n, scores_of([GOOD] * n + [BAD] * (5 - n))) for n in range(1, 6)]
+    figure = learning_curve("PPO", "PPO learns to deliver", points, scores_of([GOOD, BAD]))
+    save_svg(figure, tmp_path / "picture.svg")
+    assert reader.faults_of_picture(tmp_path / "picture.svg") == {}
+
+
+@pytest.mark.parametrize("name", [page.stem for page in HANDBOOK_PAGES])
+def test_the_handbook_is_legible(reader: Reader, site: Path, name: str) -> None:
+    assert reader.faults_of_page(site / f"{name}.html") == {}
 
 
 CANVAS = """
@@ -72,7 +142,7 @@ def by_matplotlib(*texts: tuple[str, float, str, float]) -> str:
     return f'<img alt="words" src="data:image/svg+xml;base64,{data}">'
 
 
-GOOD = {
+RIGHT = {
     "text": '<p>Words.</p><p style="color: #767676">Quiet.</p><p style="font: 24px serif; '
     'color: #949494">Large.</p><details><summary>More</summary><p>Hidden.</p></details>',
     "box": '<div role="region" aria-label="Long" tabindex="0" style="overflow-x: auto">'
@@ -129,8 +199,8 @@ def page_of(folder: Path, body: str) -> Path:
     return path
 
 
-@pytest.mark.parametrize("body", GOOD.values(), ids=GOOD)
-def test_a_good_page_has_no_faults(reader: Reader, tmp_path: Path, body: str) -> None:
+@pytest.mark.parametrize("body", RIGHT.values(), ids=RIGHT)
+def test_a_page_without_faults_has_none(reader: Reader, tmp_path: Path, body: str) -> None:
     assert reader.faults_of_page(page_of(tmp_path, body), [SMALL_SCREEN]) == {}
 
 

@@ -51,7 +51,7 @@ def is_in_notebook() -> bool:
     return getattr(shell, "kernel", None) is not None
 
 
-class PictureWindow:  # pragma: no cover - opened by tests/system/test_picture_window.py
+class PictureWindow:
     """A window for pictures. Once closed, by the program or by hand, it stays closed.
 
     Pyplot does not know it: ``plt.plot`` does not draw into it, ``plt.show`` does not wait for it,

@@ -24,6 +24,7 @@ from warehouse_core.render.palette import (
     LineStyle,
 )
 from warehouse_core.viz.axes import style_chart
+from warehouse_core.viz.axes.look import SMALLEST
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.tracks.track import Frame, Track
 from warehouse_core.world.tiles import DROPOFF, PICKUP, TILES
@@ -86,7 +87,7 @@ class Chart:
     def label_time(self) -> None:
         """Write below the chart what its horizontal axis counts."""
         label = "seconds" if self._time.in_seconds else "step"
-        self._axes.set_xlabel(label, fontsize=8, labelpad=1)
+        self._axes.set_xlabel(label, fontsize=SMALLEST, labelpad=1)
 
     def show(self, track: Track, frame: int) -> None:
         """Draw everything up to the last complete step of a frame."""
@@ -179,7 +180,7 @@ class DistanceChart(Chart):
     def _letter(self, tile: str) -> Text:
         disc = {"boxstyle": "circle,pad=0.15", "facecolor": COLORS[tile], "linewidth": 0}
         letter = self._axes.text(
-            0, 0, tile, fontsize=8, fontweight="bold", ha="center", va="center", bbox=disc
+            0, 0, tile, fontsize=SMALLEST, fontweight="bold", ha="center", va="center", bbox=disc
         )
         self._figure.add_mover(letter)
         return letter
@@ -209,7 +210,7 @@ class MotionChart(Chart):
 
     def _begin(self, track: Track) -> None:
         self._axes.yaxis.set_visible(track.is_continuous)
-        self._energy = self._area(labelsize=8, labelcolor="0.35", pad=3)
+        self._energy = self._area(labelsize=SMALLEST, labelcolor="0.35", pad=3)
         self.scales[1].yaxis.set_major_formatter(EngFormatter(unit="J"))
         self._speed = self._line(color=BATTERY, linewidth=1.2)
         for scale in self.scales:
@@ -271,7 +272,7 @@ class EnergyChart(Chart):
     metrics = ("battery_mean", "battery_lowest")
 
     def _begin(self, track: Track) -> None:
-        self._energy = self._area(labelsize=7, labelcolor="0.45", pad=1)
+        self._energy = self._area(labelsize=SMALLEST, labelcolor="0.45", pad=1)
         looks = ((BATTERY, 2.2), (WARNING, 0.9))
         self._lines = {
             name: self._line(color=color, linewidth=width)

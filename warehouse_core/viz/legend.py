@@ -33,6 +33,7 @@ from warehouse_core.render.palette import (
     WARNING,
     Color,
 )
+from warehouse_core.viz.axes.look import SMALLEST
 from warehouse_core.viz.axes.plans import WISH_STYLE
 from warehouse_core.viz.axes.tiles import cells_of, is_on_border
 from warehouse_core.viz.figure import SceneFigure
@@ -61,7 +62,7 @@ def draw_legend(figure: SceneFigure, tracks: Sequence[Track], columns: int = 0) 
     if columns:
         place = {"loc": "lower center", "ncols": columns}
     return figure.legend(
-        [*signs.values()], [*signs], fontsize=8, frameon=False, handlelength=2.0,
+        [*signs.values()], [*signs], fontsize=SMALLEST, frameon=False, handlelength=2.0,
         columnspacing=1.4, handletextpad=0.5, **place,
     )  # fmt: skip
 

@@ -15,23 +15,31 @@ from agents.lab.training.exams import ExamPoint
 from agents.lab.trials.interval import Interval
 from agents.lab.trials.scores import FleetScores, Scores
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.render.palette import COLORS, INK, PAPER, WARNING
+from warehouse_core.render.palette import INK, PAPER, WARNING, color_named
 from warehouse_core.viz.axes import style_chart
-from warehouse_core.viz.figure import make_figure
-from warehouse_core.world.tiles import PICKUP
+from warehouse_core.viz.figure import SceneFigure, make_figure
 
 SIZE, DPI = (9.0, 3.8), 150
 STEP_TICKS = [digit * 10**power for power in range(9) for digit in (1, 2, 5)]
 ROOM = 1.5
 """Factor of space for the names of the lines, above the highest and below the lowest."""
 
-LEARNER, GREEDY = COLORS[PICKUP], WARNING
+LEARNER, GREEDY = color_named("accent"), WARNING
 
 
 def save_learning_curve(
     path: Path, name: str, title: str, points: Sequence[ExamPoint], greedy: Scores | FleetScores
 ) -> None:
     """Write the picture of at least one point as PNG, whole or not at all."""
+    figure = learning_curve(name, title, points, greedy)
+    with atomic_path(path) as part:
+        figure.pixels().save(part, format="PNG")
+
+
+def learning_curve(
+    name: str, title: str, points: Sequence[ExamPoint], greedy: Scores | FleetScores
+) -> SceneFigure:
+    """Draw at least one point."""
     figure = make_figure(SIZE, DPI)
     left, right = figure.subplots(1, 2)
     figure.subplots_adjust(left=0.065, right=0.975, top=0.82, bottom=0.21, wspace=0.16)
@@ -58,9 +66,8 @@ def save_learning_curve(
         f"each point: {count:,} random starts, the same ones every time, band: 95% ({method});  "
         f"greedy: {len(greedy.rows):,} random starts"
     )
-    figure.text(0.065, 0.03, caption, fontsize=8, color="0.4")
-    with atomic_path(path) as part:
-        figure.pixels().save(part, format="PNG")
+    figure.text(0.065, 0.03, caption, fontsize=8.5, color="0.4")
+    return figure
 
 
 def mean_length(scores: Scores) -> float:

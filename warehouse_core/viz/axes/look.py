@@ -13,6 +13,9 @@ from warehouse_core.world.tiles import EMPTY
 POINTS = 72
 """Points in an inch."""
 
+SMALLEST = 8.5
+"""Size of the smallest text, in points: at least 11 CSS pixels."""
+
 
 def draw_grid(
     axes: Axes,
@@ -21,7 +24,7 @@ def draw_grid(
     line_width: float,
     *,
     zorder: float = 0.5,
-    label_size: float = 7.0,
+    label_size: float = SMALLEST,
     pad: float = 1.0,
 ) -> None:
     """Prepare axes for a layout of ``size`` rows and columns, in units of cells, row 0 on top.
@@ -60,7 +63,7 @@ def box_in(
 def style_chart(axes: Axes, lines: Literal["both", "x", "y"] | None = "both") -> None:
     """Give a chart its look: no frame, small numbers, and faint grid lines behind the rest."""
     axes.spines[["top", "right"]].set_visible(False)
-    axes.tick_params(labelsize=8)
+    axes.tick_params(labelsize=SMALLEST)
     if lines:
         axes.grid(axis=lines, color=FAINT, linewidth=0.5)
     axes.set_axisbelow(True)

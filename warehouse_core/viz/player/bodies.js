@@ -26,7 +26,7 @@ export function drawRobots(context, track, moment, view, theme, chosen, hovered)
     if (!pose || !view.shows(pose.x, pose.y, 1)) continue;
     const color = colorOf(track, body, pose, moment, theme);
     const [x, y] = [view.x(pose.x), view.y(pose.y)];
-    const item = { body, x, y, heading: pose.heading, load: pose.load };
+    const item = { body, x, y, color, heading: pose.heading, load: pose.load };
     shown.push(item);
     if (!groups.has(color)) groups.set(color, []);
     groups.get(color).push(item);
@@ -142,11 +142,11 @@ function radiusAround(context, track, size) {
 function drawNames(context, shown, track, size, theme) {
   const isLarge = size >= LARGE_TEXT * theme.density;
   centerText(context, size);
-  for (const { body, x, y, load } of shown) {
+  for (const { body, x, y, color, load } of shown) {
     const isPerson = body >= track.robots;
     const name = isPerson ? "H" : track.robots > 1 ? String(body) : load > 0 ? "r" : "R";
     const place = [name, x, y + 0.06 * size];
-    const isDark = !isPerson && load > 0;
+    const isDark = color === theme.loaded;
     context.fillStyle = isDark ? theme.dark : theme.light;
     if (isDark || isLarge) context.fillText(...place);
     else writeOutlined(context, ...place, [theme.light, theme.dark], theme.density);

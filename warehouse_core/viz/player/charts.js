@@ -5,7 +5,7 @@ import { extent, shown, ticks } from "./scale.js";
 import { indexAt } from "./track.js";
 
 const HEIGHT = 110;
-const [LEFT, RIGHT, TOP, BOTTOM] = [46, 10, 8, 20];
+const [LEFT, RIGHT, TOP, BOTTOM] = [50, 10, 8, 20];
 const PALE = 0.25;
 
 /** Times of charts have single precision. */

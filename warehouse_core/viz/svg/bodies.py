@@ -161,7 +161,8 @@ def _name(text: str, digits: int, look: str) -> str:
     if not text:
         return ""
     size = round(RADIUS * min(1.1, 2 / digits))
-    return f'<text y="{0.36 * size:.0f}" font-size="{size}" class="{look}">{text}</text>'
+    rim = " of-dark" if look == "light" else ""
+    return f'<text y="{0.36 * size:.0f}" font-size="{size}" class="{look}{rim}">{text}</text>'
 
 
 def item(x: int, y: int, side: int, look: str) -> str:
