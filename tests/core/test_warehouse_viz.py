@@ -5,6 +5,7 @@ import subprocess
 import sys
 from itertools import count
 from pathlib import Path
+from types import SimpleNamespace
 from typing import Any
 from xml.etree import ElementTree
 
@@ -165,6 +166,22 @@ def test_a_replay_can_be_saved_after_its_window_was_closed(
     replay.save(tmp_path / "replay.png")
     replay.show()
     assert (tmp_path / "replay.png").stat().st_size > 1000
+    still_open = replay_animation(short_episode(), window=True)
+    assert still_open is not None
+    canvas = still_open.figure.canvas
+    still_open.save(tmp_path / "open.png")
+    assert still_open.figure.canvas is canvas
+    plt.close("all")
+
+
+def test_in_a_notebook_frames_are_neither_shown_nor_told_of(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("warehouse_core.viz.replay.has_display", lambda: False)
+    shell = SimpleNamespace(kernel=object())
+    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    assert isinstance(replay_animation(short_episode().frames), FuncAnimation)
+    assert capsys.readouterr().out == ""
 
 
 def test_a_window_is_closed_by_q_and_opened_by_show(monkeypatch: pytest.MonkeyPatch) -> None:

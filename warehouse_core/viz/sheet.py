@@ -33,7 +33,7 @@ GRID, FLEET_GRID = (6.4, 4.6), (9.0, 4.2)
 EDGE, HEAD, BAR_GAP, MIN_LEFT = 0.3, 1.0, 0.12, 4.8
 """Room around a single track, above its map and above its battery; least width of its words."""
 
-CHARTS_LEFT, CHARTS_WIDTH, CHARTS_GAP, CHARTS_FOOT, LEGEND_WIDTH = 0.75, 3.3, 0.55, 0.5, 1.75
+CHARTS_LEFT, CHARTS_WIDTH, CHARTS_GAP, CHARTS_FOOT, LEGEND_WIDTH = 0.75, 3.3, 0.55, 0.5, 1.95
 """Room left of charts beside a map, their width, room between and below them; then the legend."""
 
 MIN_CHARTS, MIN_TALL_CHARTS = 3.2, 4.2
