@@ -107,6 +107,10 @@ def test_the_floor_has_walls_starts_and_goals_with_the_numbers_of_their_robots()
     for line, text in zip(floor.lines, floor.texts, strict=True):
         assert list(text.get_position()) == line.get_xydata()[0].tolist()
     assert [text.get_text() for text in floor.texts] == ["0", "0", "1", "1"]
+    cell = 72 * floor.get_position().width * floor.get_figure().get_figwidth() / 5  # type: ignore
+    for line, text in zip(floor.lines, floor.texts, strict=True):
+        assert 0.3 * cell < line.get_markersize() < 0.6 * cell
+        assert 0.5 < text.get_fontsize() / line.get_markersize() < 0.8
     assert (floor.get_xlim(), floor.get_ylim()) == ((0, 5), (3, 0))
 
 

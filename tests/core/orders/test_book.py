@@ -1,3 +1,4 @@
+import random
 from typing import Any
 
 import numpy as np
@@ -113,6 +114,22 @@ def test_a_robot_is_assigned_another_of_the_orders_reserved_for_it() -> None:
     assert book.order_of[1] == NONE
     with pytest.raises(OrderError, match="order 2 cannot be assigned to robot 1: robot 1 has"):
         book.assign(1, 2)
+
+
+def test_reserved_orders_keep_their_turns_whichever_is_assigned_first() -> None:
+    stream = random.Random(0)
+    for _ in range(30):
+        dues = stream.sample(range(100), 8)
+        book = book_of(*(order(due=due, robot=0) for due in dues))
+        chosen = stream.sample(range(8), 3)
+        for number in chosen:
+            book.assign(0, number)
+        done = []
+        while book.order_of[0] != NONE:
+            assert book.take(0, AT_A, step=1)
+            done.append(dues[book.deliver(0, step=2)])
+        last = dues[chosen[-1]]
+        assert done == [last, *sorted({*dues} - {last})]
 
 
 def test_assigned_orders_wait_for_their_robot_only() -> None:

@@ -165,6 +165,16 @@ def test_batteries_are_in_percent_and_energy_in_kilojoules() -> None:
     assert behind.get_ylim() == (0, 1)
 
 
+def test_energy_and_speed_are_drawn_up_to_the_frame(physics: Track) -> None:
+    frames = physics.frames[:10]
+    clocks = [each.clock for each in frames]
+    chart, _, [line] = drawn(MotionChart, physics, 9, in_seconds=True)
+    [area] = chart.scales[1].patches
+    edge = [*zip(clocks, [each.energy for each in frames], strict=True)]
+    assert [*map(tuple, area.get_xy())][:-1] == [(0, 0), *edge, (clocks[-1], 0)]
+    assert line == (clocks, [each.speed for each in frames])
+
+
 @pytest.mark.parametrize(
     ("values", "low", "high"),
     [

@@ -21,6 +21,7 @@ from agents.lab.reports.figures import roles as roles_module
 from agents.lab.reports.figures.measure import measure_chart
 from agents.lab.reports.figures.modes import MODE_COLORS, modes_chart
 from agents.lab.reports.figures.panels import (
+    LETTERS,
     MAX_TICKS,
     PHONE,
     WIDE,
@@ -343,6 +344,7 @@ def test_panels_are_in_lines_below_a_title_and_a_legend(
     assert len({round(box.x0, 6) for box in boxes}) == columns
     assert len({round(box.y0, 6) for box in boxes}) == lines
     assert min(box.height for box in boxes) * height > 2
+    assert boxes[0].width * sheet.width == pytest.approx(panels.letters / LETTERS, abs=0.3)
     more = make_panels(sheet, "A title", count, [*keys, *keys]).figure.get_figheight() - height
     two = make_panels(sheet, "a word " * 20, count, keys[:1])
     one = make_panels(sheet, "A title", count, keys[:1]).figure.get_figheight()
@@ -360,6 +362,7 @@ def test_panels_are_in_lines_below_a_title_and_a_legend(
     assert below.y0 > max(each.get_window_extent().y1 for each in panels.axes)
     title = figure._suptitle.get_window_extent()  # type: ignore[attr-defined]
     assert figure.bbox.y1 > title.y1 > title.y0 > below.y1
+    assert 0 < title.x0 < 0.3 * figure.dpi
 
 
 def test_names_that_are_too_long_lose_their_middles_and_then_some_are_left_out() -> None:
