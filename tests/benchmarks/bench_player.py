@@ -34,6 +34,27 @@ MAX_MS = {200: 6.0, 1_000: 16.0}
 MAX_SECONDS = 3.0
 """Seconds from a request to the first picture, of 1,000 robots and 1,000 steps."""
 
+MIN_RATE = 30.0
+"""Frames that a page of 1,000 robots plays in a second, at any zoom."""
+
+ZOOMS = (1, 4, 8, 16)
+
+PLAY = """
+async ([zoom, seconds]) => {
+  const stamps = [];
+  player.fit();
+  player.zoom(zoom);
+  player.seek(20);
+  player.listeners.push(() => stamps.push(performance.now()));
+  player.play();
+  await new Promise((resolve) => setTimeout(resolve, 1000 * seconds));
+  player.pause();
+  player.listeners.pop();
+  return (1000 * (stamps.length - 1)) / (stamps.at(-1) - stamps[0]);
+}
+"""
+"""Plays as a reader sees it, composed and on a screen, and returns the frames in a second."""
+
 DRAW = """
 ([frames, setting]) => {
   Object.assign(player, {chosen: null, hasHeat: false, isPlaying: true}, setting);
@@ -56,10 +77,10 @@ Measured = Callable[[str, object], None]
 
 
 @cache
-def shift_of(robots: int) -> Episode:
+def shift_of(robots: int, steps: int = STEPS) -> Episode:
     layout = big_warehouse()
     env = FleetEnv(
-        layout, robots, orders=OrderStream(robots / 250), max_steps=STEPS, battery=10 * STEPS,
+        layout, robots, orders=OrderStream(robots / 250), max_steps=steps, battery=10 * steps,
         dispatch=False,
     )  # fmt: skip
     agent = PlannedFleet(PIBT(Graph(layout)), "nearest", seconds=60.0)
@@ -107,14 +128,19 @@ def test_a_page_of_bodies(seed: int, most: int, tmp_path: Path, measured: Measur
         assert spent <= MAX_WRITING_SECONDS
 
 
-@pytest.mark.parametrize(("robots", "most"), [(200, 3_000_000), (1_000, 12_000_000)])
-def test_a_page_of_a_fleet(robots: int, most: int, tmp_path: Path, measured: Measured) -> None:
-    path, episode = tmp_path / "page.html", shift_of(robots)
+@pytest.mark.parametrize(
+    ("robots", "steps", "most"),
+    [(200, STEPS, 3_000_000), (1_000, STEPS, 12_000_000), (1_000, 200, 2_000_000)],
+)
+def test_a_page_of_a_fleet(
+    robots: int, steps: int, most: int, tmp_path: Path, measured: Measured
+) -> None:
+    path, episode = tmp_path / "page.html", shift_of(robots, steps)
     spent = seconds(lambda: replay_or_save(episode, [path], None))
     size, done = path.stat().st_size, episode.measures.delivered
-    what = f"page of {robots:,} robots x {STEPS:,} steps, {done:,} deliveries"
+    what = f"page of {robots:,} robots x {steps:,} steps, {done:,} deliveries"
     measured(what, f"{size / 1e6:.2f} MB, written in {spent:.1f} s")
-    assert (episode.robots, episode.steps) == (robots, STEPS)
+    assert (episode.robots, episode.steps) == (robots, steps)
     assert size <= most
 
 
@@ -138,3 +164,14 @@ def test_a_thousand_robots_and_steps_open_in_time(
     spent = median(seconds(lambda: load(browser, path).close()) for _ in range(3))
     measured("opening 1,000 robots x 1,000 steps", f"{spent:.1f} s")
     assert spent <= MAX_SECONDS
+
+
+def test_a_page_of_a_thousand_robots_plays_smoothly(
+    browser: Any, files: Files, measured: Measured
+) -> None:
+    page = load(browser, files("1000", lambda: [large_fleet(1_000)]))
+    for zoom in ZOOMS:
+        rate = page.evaluate(PLAY, [zoom, 5])
+        measured(f"1,000 robots on 140 x 500 cells, zoom {zoom}", f"{rate:.0f} frames a second")
+        assert rate >= MIN_RATE
+    page.close()

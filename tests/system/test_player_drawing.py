@@ -321,10 +321,14 @@ def wide_fleet() -> Track:
     return simple([Frame(WIDE_ROWS, poses, float(step), fleet=fleet) for step in range(2)])
 
 
+def texts(page: Shown) -> dict[str, float]:
+    """Return what is written on the floors of a page once it is drawn, and its sizes."""
+    return dict(page.read(f"({RECORD_TEXTS})() ?? player.draw() ?? written"))
+
+
 def numbers(page: Shown) -> dict[str, float]:
-    """Return the numbers that the canvases of a page have once it is drawn, and their sizes."""
-    written = page.read(f"({RECORD_TEXTS})() ?? player.draw() ?? written")
-    return {text: size for text, size in written if text.isdecimal()}
+    """Return the numbers among what is written."""
+    return {text: size for text, size in texts(page).items() if text.isdecimal()}
 
 
 def test_robots_of_a_fleet_have_numbers_where_they_fit(opened: Open, files: Files) -> None:
@@ -370,6 +374,19 @@ def test_an_order_that_waits_leaves_the_letter_of_its_pickup(
     (before, nothing), (after, box) = shares
     assert before == after > 0.02
     assert nothing == 0 < box
+
+
+def test_a_small_letter_is_not_written_under_a_robot(opened: Open, files: Files) -> None:
+    rows = ("P" + "." * 10 + "D", *["." * 12] * 5)
+    frames = [Frame(rows, (Pose((0.5 + step, 0.5), None, False),), float(step)) for step in (0, 1)]
+    path = files("letters", lambda: [simple(frames)])
+    for width, found in ((360, [{"D", "R"}, {"P", "D", "R"}]), (1366, [{"P", "D", "R"}] * 2)):
+        page = opened(path, viewport={"width": width, "height": 768})
+        for step, letters in enumerate(found):
+            page.seek(step)
+            written = texts(page)
+            assert {*written} == letters
+            assert min(written.values()) >= 11
 
 
 def test_charts_are_under_a_wide_floor_and_beside_another(

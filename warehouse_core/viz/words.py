@@ -22,9 +22,6 @@ LETTER_WIDTH = 0.66
 LETTER = 0.118
 """Mean width of a letter of a caption in a column, in inches."""
 
-LONG_SECONDS = 100
-"""Seconds of the longest episode whose clock shows tenths."""
-
 Words = tuple[str, float]
 
 
@@ -36,8 +33,7 @@ def title_of(size: float, track: Track, _frame: int) -> Words:
 def counter_of(steps: int, track: Track, frame: int) -> Words:
     """Return how many of a number of steps were taken, and the clock of a continuous motion."""
     now = track.frames[frame]
-    digits = 0 if track.frames[-1].clock > LONG_SECONDS else 1
-    clock = f"   {seconds_of(now.clock, digits)} s" if track.is_continuous else ""
+    clock = f"   {seconds_of(now.clock, track.clock_digits)} s" if track.is_continuous else ""
     return f"step {math.ceil(now.progress)} of {steps}{clock}", 9
 
 

@@ -53,6 +53,7 @@ BAR = 130
 """Width of a full battery, in pixels."""
 
 LOW_BATTERY = 0.2
+"""Share of a full battery below which its bar warns."""
 
 SHAPES = """
 text{font-family:system-ui,-apple-system,"Segoe UI",Roboto,"Noto Sans",sans-serif;font-weight:700}
@@ -171,7 +172,7 @@ def _words(
     steps = track.steps
     counter = [f"step {frame.progress:.0f} of {steps}" for frame in frames]
     if track.is_continuous:
-        counter = [f"{seconds_of(frame.clock)} s" for frame in frames]
+        counter = [f"{seconds_of(frame.clock, track.clock_digits)} s" for frame in frames]
     room = width - LETTER * SMALL * (max(map(len, counter)) + 2)
     title = textwrap.shorten(track.title, max(int(room / LETTER / SMALL), 8), placeholder="…")
     yield f'<text x="0" y="22" class="words small quiet">{html.escape(printable(title))}</text>'

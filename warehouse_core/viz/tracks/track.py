@@ -27,6 +27,9 @@ INTERVAL_MS = 150
 CONTINUOUS_FRAMES = 3
 """Frames of continuous motions that are shown in the time of one step of a grid."""
 
+LONG_SECONDS = 100
+"""Seconds of the longest episode whose clock shows tenths."""
+
 MIN_PACE, MAX_PACE = 1e-6, 1e9
 """Limits on the playing speed, and on the milliseconds between frames."""
 
@@ -186,6 +189,11 @@ class Track:
     def ends(self) -> list[int]:
         """``[S]`` the frame in which each step is complete."""
         return [n for n, frame in enumerate(self.frames) if frame.progress.is_integer()]
+
+    @property
+    def clock_digits(self) -> int:
+        """The decimals that the clock of the track shows."""
+        return 0 if self.frames[-1].clock > LONG_SECONDS else 1
 
     @property
     def clocks(self) -> list[float]:

@@ -99,7 +99,7 @@ def track_of(record: FleetEpisode, world: str) -> Track:
     track = track_of_record(record, FRAME_SECONDS)
     track.title = world
     for frame in track.frames:
-        frame.energy = 0.0  # it is that of one robot
+        frame.energy = 0.0  # the chart of all worlds has it
     track.lateness = ()  # in steps, which last differently long
     return track
 
