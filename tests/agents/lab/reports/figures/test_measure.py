@@ -387,3 +387,11 @@ def test_places_are_numbers_from_the_first_or_else_one_after_the_other() -> None
     [axes] = make_panels(WIDE, "", 1, []).axes
     prepare_axis(axes, axis, places, 80)
     assert axes.get_xlim() == (-0.5, 1.5)
+
+
+@pytest.mark.parametrize("letters", [20, 26, 80])
+@pytest.mark.parametrize("names", [range(20, 260, 20), range(10**6, 10**6 + 9), range(1, 500)])
+def test_names_along_an_axis_have_room_beside_each_other(names: range, letters: int) -> None:
+    step, shown = fitting(list(map(str, names)), letters)
+    assert 1 <= len(shown) == len(names[::step])
+    assert sum(len(name) + 1 for name in shown) <= letters
