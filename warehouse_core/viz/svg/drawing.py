@@ -58,7 +58,7 @@ LOW_BATTERY = 0.2
 SHAPES = """
 text{font-family:system-ui,-apple-system,"Segoe UI",Roboto,"Noto Sans",sans-serif;font-weight:700}
 text{text-anchor:middle}.words{text-anchor:start}.count{text-anchor:end}.small{font-weight:400}
-text.of-dark{paint-order:stroke;stroke-width:9;stroke-linejoin:round}.of-rim{stroke-width:4}.shadow{fill-rule:evenodd}.visited{opacity:.12}
+text.of-dark{paint-order:stroke;stroke-width:9;stroke-linejoin:round}.of-rim{stroke-width:4}.shadow{fill-rule:evenodd}.wall,.shelf{shape-rendering:crispEdges}.visited{opacity:.12}
 .trail,.plan{fill:none;stroke-width:9;stroke-linecap:round;stroke-linejoin:round;opacity:.55}
 .plan{opacity:1}.dots{stroke-dasharray:1 22}
 [class^=of-]{fill:none}
