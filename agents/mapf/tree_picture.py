@@ -9,7 +9,7 @@ from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
 from agents.mapf.cbs import Conflict, ConflictNode, ConflictTree, Constraint
-from warehouse_core.render.palette import COLORS, FAINT, INK, PAPER
+from warehouse_core.render.palette import COLORS, FAINT, INK, PAPER, SHELF
 from warehouse_core.viz.axes import box_in, draw_grid
 from warehouse_core.viz.figure import SceneFigure, make_figure
 from warehouse_core.wording import counted
@@ -167,7 +167,7 @@ def _draw_floor(axes: Axes, tree: ConflictTree, cell_points: float) -> None:
     for row, line in enumerate(layout.rows):
         for col, tile in enumerate(line):
             if tile == WALL:
-                axes.add_patch(Rectangle((col, row), 1, 1, color=COLORS[WALL]))
+                axes.add_patch(Rectangle((col, row), 1, 1, color=SHELF))
     for robot, ends in enumerate(zip(tree.problem.starts, tree.problem.goals, strict=True)):
         for cell, shape, share, at in zip(ends, "os", (0.56, 0.36), (0.64, 0.22), strict=True):
             row, col = layout.cell(cell)

@@ -25,7 +25,7 @@ from agents.search.trace import (
     SearchCourse,
     track_of_course,
 )
-from warehouse_core.render.palette import COLORS, INK, PAPER, WARNING, Color
+from warehouse_core.render.palette import COLORS, INK, PAPER, SHELF, WARNING, Color
 from warehouse_core.viz.axes import box_in, draw_grid
 from warehouse_core.viz.figure import DPI, SceneFigure, make_figure, make_window
 from warehouse_core.viz.replay import Replay
@@ -49,7 +49,7 @@ PATH: Color = WARNING
 
 _FLOOR, _WALL, _FRONTIER, _FIRST_SHADE = range(4)
 _COLORS = np.array(
-    [np.round(255 * np.array(c)) for c in (COLORS[EMPTY], COLORS[WALL], FRONTIER, *SHADES)],
+    [np.round(255 * np.array(c)) for c in (COLORS[EMPTY], SHELF, FRONTIER, *SHADES)],
     dtype=np.uint8,
 )
 
@@ -239,7 +239,7 @@ def draw_search_legend(figure: SceneFigure) -> None:
     signs: dict[str, Any] = {
         "start": (disc, Line2D([], [], marker="$\\mathbf{S}$", **letter)),
         "goal": (disc, Line2D([], [], marker="$\\mathbf{G}$", **letter)),
-        "wall": Line2D([], [], color=COLORS[WALL], **square),
+        "wall": Line2D([], [], color=SHELF, **square),
         "expanded first": Line2D([], [], color=SHADES[0], **square),
         "expanded last": Line2D([], [], color=SHADES[-1], **square),
         "frontier": Line2D([], [], color=FRONTIER, **square),

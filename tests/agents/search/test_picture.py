@@ -30,7 +30,7 @@ from agents.search.trace import (
     track_of_course,
 )
 from warehouse_core import DEFAULT_LAYOUT, Layout
-from warehouse_core.render.palette import COLORS, WARNING
+from warehouse_core.render.palette import COLORS, SHELF, WARNING
 from warehouse_core.viz.figure import DPI
 from warehouse_core.viz.replay import Replay
 from warehouse_core.wording import printable
@@ -195,7 +195,7 @@ def test_wall_floor_frontier_and_expanded_cells_have_their_colours() -> None:
     for cell in np.ndindex(*marks.shape):
         color = corner_of(shown, cell, image)
         if HALL.rows[cell[0]][cell[1]] == WALL:
-            assert is_color(color, COLORS[WALL])
+            assert is_color(color, SHELF)
         elif marks[cell] == WAITS:
             assert is_color(color, FRONTIER)
         elif marks[cell] == UNTOUCHED:
@@ -209,7 +209,7 @@ def test_lines_separate_floor_cells_and_not_walls() -> None:
     image = pixels(shown)
     floor, wall = (patch(shown, image, 2.6, row, 3.4, row + 1).reshape(-1, 3) for row in (3, 2))
     assert len({*map(tuple, floor)}) > 1
-    assert all(is_color(color, COLORS[WALL]) for color in wall[len(wall) // 9 : -len(wall) // 9])
+    assert all(is_color(color, SHELF) for color in wall[len(wall) // 9 : -len(wall) // 9])
 
 
 def test_at_the_end_the_path_is_drawn_and_the_last_cell_has_another_shade() -> None:
@@ -301,7 +301,7 @@ def test_the_legend_has_the_colours_of_what_it_names() -> None:
         if isinstance(handle, Line2D) and word not in ("start", "goal")
     }
     assert colors == {
-        "wall": COLORS[WALL],
+        "wall": SHELF,
         "expanded first": SHADES[0],
         "expanded last": SHADES[-1],
         "frontier": FRONTIER,

@@ -21,7 +21,7 @@ from numpy.typing import NDArray
 from warehouse_core.motion.batch import NOTHING
 from warehouse_core.motion.batch import WALL as WALL_STOPS
 from warehouse_core.records.episode import FleetEpisode
-from warehouse_core.render.palette import COLORS, INK, PALETTE, PAPER, Color
+from warehouse_core.render.palette import COLORS, INK, PALETTE, PAPER, SHELF, Color
 from warehouse_core.viz.axes.look import POINTS, box_in, draw_grid
 from warehouse_core.wording import counted
 from warehouse_core.world.tiles import DROPOFF, PICKUP, WALL, runs_of
@@ -143,7 +143,7 @@ def draw_heat(
         for left, right in runs_of(WALL, line)
     ]
     # A thin edge and no smoothing leave no seam between the walls of neighbouring rows.
-    wall: dict[str, Any] = {"facecolor": COLORS[WALL], "edgecolor": COLORS[WALL]}
+    wall: dict[str, Any] = {"facecolor": SHELF, "edgecolor": SHELF}
     axes.add_collection(PatchCollection(walls, linewidth=0.4, antialiased=False, **wall))
     size = min(0.42, 1.45 / len(f"{counts.max()}")) * cell_points
     if digits and size >= MIN_SIZE:

@@ -10,7 +10,7 @@ from matplotlib.patches import Rectangle
 
 from warehouse_core import FleetEnv
 from warehouse_core.records import FleetRecorder
-from warehouse_core.render.palette import COLORS, INK, PAPER
+from warehouse_core.render.palette import COLORS, INK, PAPER, SHELF
 from warehouse_core.viz.axes.heat_map import (
     MIN_SIZE,
     TICK_ROOM,
@@ -79,7 +79,7 @@ def test_cells_with_counts_have_heat_and_walls_are_drawn() -> None:
     assert (axes.get_xlim(), axes.get_ylim()) == ((0, 5), (2, 0))
     walls = axes.collections[-1]
     assert boxes_of(walls) == [(3, 0, 5, 1), (2, 1, 3, 2)]
-    assert tuple(walls.get_facecolor()[0][:3]) == COLORS["#"]
+    assert tuple(walls.get_facecolor()[0][:3]) == SHELF
     grid = {tuple(map(tuple, line)) for line in axes.collections[0].get_segments()}
     assert grid == {((x, 0), (x, 2)) for x in range(6)} | {((0, y), (5, y)) for y in range(3)}
 

@@ -19,7 +19,7 @@ from agents.lab.reports.figures.heat_map import stuck_cells, stuck_heat_map
 from agents.lab.reports.figures.panels import SHEETS, Sheet
 from warehouse_core import DEFAULT_LAYOUT, random_layout
 from warehouse_core.records.failure_modes import MODES
-from warehouse_core.render.palette import COLORS
+from warehouse_core.render.palette import COLORS, SHELF
 from warehouse_core.viz.axes.heat_map import HEAT
 
 ROWS = ("######", "#....#", "#..#.#", "#....#", "######")
@@ -100,7 +100,7 @@ def test_more_episodes_have_a_hotter_colour_and_none_the_colour_of_the_floor() -
     np.testing.assert_allclose(hot, HEAT(1.0)[:3], atol=0.01)
     np.testing.assert_allclose(warm, HEAT(0.1)[:3], atol=0.02)
     assert hot.sum() < warm.sum()
-    np.testing.assert_allclose(color_in(figure, axes, 3.5, 2.5), COLORS["#"], atol=0.01)
+    np.testing.assert_allclose(color_in(figure, axes, 3.5, 2.5), SHELF, atol=0.01)
     floor = color_in(figure, axes, 1.5, 2.5)
     np.testing.assert_allclose(floor, COLORS["."], atol=0.01)
     assert floor.sum() > warm.sum()
