@@ -6,7 +6,7 @@ from collections.abc import Generator, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Protocol
 
-from matplotlib.animation import FuncAnimation, adjusted_figsize
+from matplotlib.animation import FuncAnimation
 from matplotlib.backend_bases import Event, KeyEvent
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 
@@ -193,16 +193,14 @@ class Replay(FuncAnimation):
 
     def _write_mp4(self, path: Path) -> None:
         figure, count = self.figure, len(self._scene)
-        wide, high = figure.get_size_inches()
-        figure.set_size_inches(adjusted_figsize(wide, high, figure.dpi, 2))
-        height, width = figure.rgba().shape[:2]
+        height, width = (side // 2 * 2 for side in figure.rgba().shape[:2])
         with (
             progress_bar(count, "Drawing") as report,
             mp4_frames(path, self.fps, width, height) as add,
         ):
             for frame in range(count):
                 self._scene.show(frame)
-                add(figure.rgba().tobytes())
+                add(figure.rgba()[:height, :width].tobytes())
                 report(frame, None)
 
     def _repr_html_(self) -> str:
