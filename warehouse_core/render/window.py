@@ -137,8 +137,10 @@ class PictureWindow:
         """
         scale = max(1, round(ratio)) / ratio / DPI
         self._image.set_extent((0, width, height, 0))
-        # A hundredth of a pixel more, because sizes are rounded down.
-        self._canvas.figure.set_size_inches((width + 0.01) * scale, (height + 0.01) * scale)
+        # Sizes of figures are rounded down to whole pixels, those of axes up by Matplotlib 3.10.
+        wide, high = width + 0.01, height + 0.01
+        self._canvas.figure.set_size_inches(wide * scale, high * scale)
+        self._image.axes.set_position((0, 0, (width - 0.001) / wide, (height - 0.001) / high))
         self._fitted = (height, width, channels, ratio)
 
     def _wait_until(self, due: float) -> None:
