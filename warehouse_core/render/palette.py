@@ -36,13 +36,13 @@ PALETTE: dict[str, Any] = json.loads(
 """Colours by name as ``#rrggbb``: ``light``, ``dark``, ``both``; lists: ``series``, ``heat``."""
 
 
-def color_named(name: str, scheme: Literal["light", "dark"] = "light") -> Color:
-    """Return a colour of the palette by its name.
+def color_named(name: str) -> Color:
+    """Return a colour of a light page by its name in the palette.
 
     Raises:
         KeyError: the palette has no such name.
     """
-    return rgb((PALETTE["both"] | PALETTE[scheme])[name])
+    return rgb((PALETTE["both"] | PALETTE["light"])[name])
 
 
 def rgb(text: str) -> Color:

@@ -47,9 +47,7 @@ class Scene:
         self.root = make_figure(sheet.size)
         page = SheetFigure(self.root, sheet)
         self._panels = [
-            Panel(
-                page, place, track, self._axis_of(track, None if length is None else steps), steps
-            )
+            Panel(page, place, track, TimeAxis(steps) if length else self._axis_of(track), steps)
             for place, track in zip(sheet.places, tracks, strict=True)
         ]
         self._clock: Text | None = None
@@ -63,17 +61,15 @@ class Scene:
     def __len__(self) -> int:
         return len(self._timeline.moments)
 
-    def _axis_of(self, track: Track, steps: int | None) -> TimeAxis:
-        """Return the horizontal axis of the charts of a track, which may still grow to steps."""
-        if steps is not None:
-            return TimeAxis(steps)
+    def _axis_of(self, track: Track) -> TimeAxis:
+        """Return the horizontal axis of the charts of a track."""
         timeline = self._timeline
         return TimeAxis(timeline.moments[-1], track.clocks if timeline.in_seconds else None)
 
     @property
     def still(self) -> int:
-        """The moment of a picture that does not move: of several tracks the end."""
-        return self._panels[0].track.still if len(self._panels) == 1 else len(self) - 1
+        """The moment of a picture that does not move."""
+        return self._timeline.still
 
     def show(self, number: int, grown: Track | None = None) -> None:
         """Move everything that moves to its place at a moment, of a track that may have grown."""

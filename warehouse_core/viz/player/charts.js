@@ -83,7 +83,7 @@ export class Chart {
       ...words.map(({ series, text: value }) => {
         const className = `key ${series.kind} ${series.track ? "other" : ""}`;
         const span = element("span", { className }, value);
-        span.style.setProperty("--key", seriesColor(series, theme));
+        span.style.setProperty("--key", theme[series.color]);
         return span;
       }),
     );
@@ -131,7 +131,7 @@ export class Chart {
   }
 
   drawSeries(context, series, theme) {
-    const color = seriesColor(series, theme);
+    const color = theme[series.color];
     context.strokeStyle = color;
     context.fillStyle = color;
     context.lineWidth = (series.kind === "thin" ? 1 : 2) * theme.density;
@@ -180,8 +180,4 @@ export class Chart {
     }
     context.fill();
   }
-}
-
-function seriesColor(series, theme) {
-  return theme[series.color];
 }

@@ -13,7 +13,6 @@ SeriesKind = Literal["line", "thin", "steps", "bars", "dots"]
 INK, WARNING = "ink", "warning"
 """Names of colours of the palette."""
 
-
 MAX_TRACKS = 4
 """Tracks of the largest page with charts: as many as ``charts.js`` has kinds of lines."""
 

@@ -83,8 +83,7 @@ def animated_svg(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0
     timeline = Timeline(tracks)
     is_continuous = any(track.is_continuous for track in tracks)
     seconds = INTERVAL_MS / 1000 / speed / (CONTINUOUS_FRAMES if is_continuous else 1)
-    moments = range(len(timeline.moments))
-    still = tracks[0].still if len(tracks) == 1 else moments[-1]
+    moments, still = range(len(timeline.moments)), timeline.still
     most, row = (MIN_WIDTH, MANY_ROW) if len(tracks) >= MANY else (MAX_WIDTH, MAX_ROW)
     sizes = [_size_of(track, most) for track in tracks]
     across, down = (max(size[axis] for size in sizes) for axis in (0, 1))
@@ -218,7 +217,6 @@ def _style_of(body: str) -> str:
     A class ``ink`` fills with the colour of that name, a class ``of-ink`` draws lines in it.
     """
     classes = {name for names in re.findall(r'class="([^"]*)"', body) for name in names.split()}
-
     classes.add("paper")
 
     def rules(colors: dict[str, str]) -> str:

@@ -23,6 +23,7 @@ class Timeline:
     """
 
     def __init__(self, tracks: Sequence[Track]) -> None:
+        self._tracks = tracks
         has_bodies = any(track.is_continuous for track in tracks)
         self.in_seconds = has_bodies and all(track.frames[-1].clock for track in tracks)
         self._times = [
@@ -30,6 +31,11 @@ class Timeline:
             for track in tracks
         ]
         self.moments = self._times[0] if len(tracks) == 1 else self._find_moments(tracks)
+
+    @property
+    def still(self) -> int:
+        """The moment of a picture that does not move: of several tracks the end."""
+        return self._tracks[0].still if len(self._tracks) == 1 else len(self.moments) - 1
 
     def frames_at(self, number: int) -> list[int]:
         """Return the frame of each track at a moment."""
