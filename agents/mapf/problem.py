@@ -72,6 +72,7 @@ class Plan:
     """Cells of the robots before each joint step and after the last, ``[T + 1, R]``."""
 
     cells: Integers
+    bound: int | None = None
 
     @classmethod
     def of(cls, ways: Sequence[Sequence[int]]) -> Plan:
