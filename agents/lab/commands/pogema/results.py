@@ -123,5 +123,5 @@ def _parsed(line: list[str]) -> tuple[Key, str, Outcome]:
     if collection not in SETS:
         raise ValueError(f"no set is called {collection!r}; allowed: {', '.join(SETS)}")
     key = Key(Kind(kind), collection, int(robots), int(episode), planner, float(limit))
-    steps, costs, bound, goals, late = map(int, rest[:-1])
-    return key, program, Outcome(steps, costs, bound, goals, late, float(rest[-1]))
+    steps, costs, bound, proved, goals, late = map(int, rest[:-1])
+    return key, program, Outcome(steps, costs, bound, proved, goals, late, float(rest[-1]))

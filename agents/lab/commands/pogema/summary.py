@@ -30,11 +30,13 @@ class Score(NamedTuple):
             of steps, or goals a step; NaN where it was not run.
         seconds: mean seconds of an episode: processor time of planners, and by the clock of
             published algorithms.
+        proved: episodes whose costs the planner has proved to be the lowest.
         late: steps that took too long, of all episodes.
     """
 
     values: Numbers
     seconds: float
+    proved: int = 0
     late: int = 0
 
     @property
@@ -105,8 +107,11 @@ def _group(kind: Kind, collection: str, robots: int, mine: dict[Key, Outcome]) -
             for episode in episodes
         ]
         seconds = float(np.mean([each.seconds for each in outcomes.values()]))
-        late = sum(each.late for each in outcomes.values())
-        scores[planner] = Score(np.array(values), seconds, late)
+        proved, late = (
+            sum(each)
+            for each in zip(*((one.proved, one.late) for one in outcomes.values()), strict=True)
+        )
+        scores[planner] = Score(np.array(values), seconds, proved, late)
     bound = np.array([bounds[episode] for episode in episodes])
     return Group(kind, collection, robots, bound, scores)
 
@@ -158,6 +163,8 @@ def cell(group: Group, name: str) -> str:
         lines.append(f"{score.solved} of {score.episodes}")
         if score.solved:
             lines.append(f"{score.mean(group.bound):.3f}")
+        if score.proved:
+            lines.append(f"{score.proved} optimal")
     else:
         lines.append(f"{score.mean():.2f}")
     if group.reference is not None and name != REFERENCE[group.kind]:

@@ -25,6 +25,7 @@ class Outcome(NamedTuple):
         steps: makespan of the plan, -1 without one, or the steps of a lifelong episode.
         costs: sum of the costs of the robots, 0 without a plan.
         bound: sum of the shortest ways from starts to goals, 0 in a lifelong episode.
+        proved: 1 if the planner has proved that no plan has lower costs, otherwise 0.
         goals: goals that were reached in a lifelong episode.
         late: steps that took longer than ``--plan-seconds``.
         seconds: processor time of the planner.
@@ -33,6 +34,7 @@ class Outcome(NamedTuple):
     steps: int
     costs: int
     bound: int
+    proved: int
     goals: int
     late: int
     seconds: float
@@ -46,14 +48,14 @@ def run_instance(instance: Instance, planner: str, seconds: float) -> Outcome:
         starts, goals = np.array(instance.starts), np.array(instance.goals)
         run = lead(stepper, starts, goals, instance.new_goals(), instance.steps)
         took = float(run.seconds.sum())
-        return Outcome(instance.steps, 0, 0, run.reached, len(stepper.lost), took)
+        return Outcome(instance.steps, 0, 0, 0, run.reached, len(stepper.lost), took)
     problem = Problem(graph, instance.starts, instance.goals)
-    ends = zip(problem.starts, problem.goals, strict=True)
-    bound = int(sum(graph.distances(goal)[start] for start, goal in ends))
+    bound = problem.lower_bound
     solve = make_solver(planner, SEED, problem, seconds)
     begin = time.process_time()
     try:
         plan, _, took = solve_checked(planner, solve, problem, seconds)
     except PlanError:
-        return Outcome(-1, 0, bound, 0, 0, time.process_time() - begin)
-    return Outcome(plan.makespan, plan.sum_of_costs, bound, 0, 0, took)
+        return Outcome(-1, 0, bound, 0, 0, 0, time.process_time() - begin)
+    costs = plan.sum_of_costs
+    return Outcome(plan.makespan, costs, bound, int(plan.bound == costs), 0, 0, took)
