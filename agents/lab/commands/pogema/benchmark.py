@@ -1,10 +1,10 @@
 """The episodes of POGEMA's benchmark: its sets of maps, and the starts and goals on each.
 
-All of them follow from a map and a seed. This module draws as pogema does, so that starts and goals
-are those of the published results.
+They follow from a map and a seed. This module draws as pogema does, so that starts and goals equal
+the published ones.
 
-The benchmark's files ``03-warehouse-*.yaml`` list starts and goals of the warehouse as well, but
-not those of its published results: costs in these are lower than the shortest ways there.
+The scenarios in the benchmark's files ``03-warehouse-*.yaml`` have other starts and goals in the
+warehouse than its published results, whose costs are lower than the shortest ways there.
 
 Source: pogema, ``generator.py`` and ``envs.py``, github.com/Cognitive-AI-Systems/pogema.
 """
@@ -189,7 +189,7 @@ def instances(
 
 
 def layouts_of(chosen: MapSet, count: int, data: Path | None) -> list[Layout]:
-    """Return the first maps of a set, at most so many; errors are those of ``instances``."""
+    """Return the first maps of a set, at most so many, or raise as ``instances`` does."""
     names = chosen.maps[:count]
     if chosen.draw is not None:
         return [chosen.draw(number) for number in range(len(names))]

@@ -5,7 +5,7 @@ The puzzles and the parts of cities of MovingAI were made by other means: they a
 ``maps.yaml`` of github.com/Cognitive-AI-Systems/pogema-benchmark.
 
 Source: Skrynnik et al. (2025), POGEMA: a benchmark platform for cooperative multi-agent
-pathfinding, ICLR; the draws are those of pogema-toolbox.
+pathfinding, ICLR; pogema-toolbox has the draws.
 """
 
 from __future__ import annotations

@@ -24,7 +24,6 @@ from agents.lab.console.table import print_table
 from agents.lab.console.terminal import print_error, say
 from agents.lab.experiments.cluster import cluster
 from agents.lab.experiments.running import TASKS_PER_WORKER, TICK
-from agents.lab.parameters import MAX_VALUE, Number
 from agents.lab.trials.workers import deferred_interrupts, process_pool
 from warehouse_core import DEFAULT_LAYOUT
 from warehouse_core.wording import counted, listed
@@ -76,14 +75,7 @@ def pogema(
             f"Copy of {SITE}, for the maps of movingai and puzzles; the other sets need none.",
         ),
     ] = None,
-    plan_seconds: Annotated[
-        float,
-        option(
-            "--plan-seconds S",
-            "Seconds for a plan, or for a step of a lifelong episode, after which all robots wait.",
-            Number(0.001, MAX_VALUE),
-        ),
-    ] = 2.0,
+    plan_seconds: options.PlanSeconds = 2.0,
     jobs: options.Jobs = None,
     address: options.Cluster = None,
     *,
@@ -99,9 +91,8 @@ def pogema(
 ) -> None:
     """Compare planners with the published results of POGEMA's benchmark.
 
-    The maps, starts and goals are those of the published episodes. Run the same
-    command with the same .csv again to resume, or with more episodes or planners
-    to add those.
+    Maps, starts and goals equal the published ones. Run the same command with the
+    same .csv again to resume, or with more episodes or planners to add those.
 
     All sets with 20 episodes take about 40 minutes of processor time for a
     planner that uses up 2 s for a plan.
@@ -163,7 +154,7 @@ def plan(
 
 
 def planners_of(planners: Sequence[str], kind: Kind) -> list[str]:
-    """Return those of some planners that run episodes of a kind; a wrong name is an error."""
+    """Return the planners among some that run episodes of a kind; a wrong name is an error."""
     fits = is_solver if kind is Kind.ONE_SHOT else is_stepper
     found = [name for name in dict.fromkeys(planners) if fits(name)]
     for name in found if kind is Kind.LIFELONG else ():

@@ -35,8 +35,8 @@ class Published(NamedTuple):
 
     Attributes:
         seconds: mean seconds of an episode, by the clock.
-        values: for each episode the sum of costs or the goals a step; infinite costs if not all
-            robots were at their goals in time, NaN if the episode was not run.
+        values: sum of costs or goals a step of each episode; infinite costs if not all robots
+            were at their goals in time, NaN if the episode was not run.
     """
 
     seconds: float
