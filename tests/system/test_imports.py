@@ -92,8 +92,7 @@ MAY_IMPORT = {
     "agents/lab/training": "lab/trials learning",
     "agents/lab/commands/export": "errors lab/console lab/experiments lab/trials",
     "agents/lab/commands/pogema": (
-        "errors lab lab/commands/planners lab/console lab/experiments lab/runs lab/trials mapf "
-        "registry"
+        "errors lab/commands/planners lab/console lab/experiments lab/runs lab/trials mapf registry"
     ),
     "agents/lab/reports/analysis": "lab lab/experiments lab/trials",
     "agents/lab/reports/figures": "errors lab lab/experiments lab/reports/analysis lab/trials",
