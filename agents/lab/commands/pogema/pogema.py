@@ -19,7 +19,6 @@ from agents.lab.commands.pogema.summary import groups_of, late_steps, tables
 from agents.lab.commands.pogema.trial import Outcome, run_instance
 from agents.lab.console import options
 from agents.lab.console.options import MANY, one_of, option, writable
-from agents.lab.console.progress import progress_bar
 from agents.lab.console.table import print_table
 from agents.lab.console.terminal import print_error, say
 from agents.lab.experiments.cluster import cluster
@@ -89,7 +88,7 @@ def pogema(
         ),
     ],
 ) -> None:
-    """Compare planners with the published results of POGEMA's benchmark.
+    """Compare planners with the results of POGEMA.
 
     Maps, starts and goals equal the published ones. Run the same command with the
     same .csv again to resume, or with more episodes or planners to add those.
@@ -166,6 +165,8 @@ def run_all(
     tasks: Sequence[Task], seconds: float, results: Results, jobs: int | None, address: str | None
 ) -> None:
     """Run episodes on this machine or a cluster, and add their results as they finish."""
+    from agents.lab.console.progress import progress_bar  # imports rich
+
     if not tasks:
         return
     count = min(jobs or os.cpu_count() or 1, len(tasks))
