@@ -14,7 +14,7 @@ from agents.lab.commands.planners.compare_planners import parse_sizes
 from agents.lab.commands.planners.mapf import PLANNER
 from agents.lab.commands.planners.runs import SOLVERS, is_solver, is_stepper, make_stepper
 from agents.lab.commands.pogema.benchmark import SETS, SITE, Instance, Kind, instances
-from agents.lab.commands.pogema.results import Results, key_of
+from agents.lab.commands.pogema.results import Results, key_of, program_of
 from agents.lab.commands.pogema.summary import groups_of, late_steps, tables
 from agents.lab.commands.pogema.trial import Outcome, run_instance
 from agents.lab.console import options
@@ -82,8 +82,9 @@ def pogema(
         list[Path],
         option(
             "--save -o FILE",
-            f"{options.SAVE} Each episode as .csv; results that it has are kept.",
-            callback=writable(VALUES),
+            f"{options.SAVE} Each episode as .csv, whose results are kept; a page with curves and "
+            "tables as .html; may be repeated.",
+            callback=writable(VALUES, PAGE),
             **MANY,
         ),
     ],
@@ -107,6 +108,21 @@ def pogema(
     run_all(missing, plan_seconds, results, jobs, address)
     wanted = [key_of(*task, plan_seconds) for task in tasks]
     groups = groups_of({key: results.outcomes[key] for key in wanted})
+    # The page first, because the reader of standard output may leave, as ``head`` does.
+    for path in save:
+        if path.suffix == PAGE:
+            from agents.lab.commands.pogema.page import write_pogema_page  # imports matplotlib
+
+            programs = dict.fromkeys(program_of(name) for _, name in tasks)
+            write_pogema_page(
+                path,
+                groups,
+                [
+                    ("episodes", f"{episodes:,} for each number of robots, or all there are"),
+                    ("seconds for a plan or a step", f"{plan_seconds:g}"),
+                    ("program", listed(programs)),
+                ],
+            )
     for table in tables(groups):
         print_table(table)
     for warning in late_steps(groups):
