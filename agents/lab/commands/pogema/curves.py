@@ -26,7 +26,7 @@ from agents.lab.reports.figures.panels import (
     prepare_axis,
 )
 from agents.lab.reports.figures.pictures import Picture
-from agents.lab.trials.interval import Interval, mean_interval, share_interval
+from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval, share_interval
 from warehouse_core.render.palette import FAINT, SERIES
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.wording import printable
@@ -41,6 +41,7 @@ class Curve(NamedTuple):
     Attributes:
         of: function that returns it for a score of a group; ``None`` where it is unknown.
         unit: what its axis says; ``%`` for shares.
+        least: lower end of its axis; ``None`` for a logarithmic one.
     """
 
     kind: Kind
@@ -49,11 +50,13 @@ class Curve(NamedTuple):
     caption: str
     of: Callable[[Group, Score], Interval | None]
     unit: str
-    is_log: bool = False
+    least: float | None = 0.0
 
 
 def _solved(group: Group, score: Score) -> Interval | None:
-    return share_interval(score.solved, score.episodes) if score.episodes else None
+    if score.episodes < MIN_VALUES:
+        return Interval(score.solved / score.episodes)
+    return share_interval(score.solved, score.episodes)
 
 
 def _over_bound(group: Group, score: Score) -> Interval | None:
@@ -65,7 +68,7 @@ def _rate(group: Group, score: Score) -> Interval | None:
 
 
 def _seconds(group: Group, score: Score) -> Interval | None:
-    return Interval(score.seconds) if score.episodes and score.seconds > 0 else None
+    return Interval(score.seconds) if score.seconds > 0 else None
 
 
 CLOCK = "Seconds of an episode: processor time here, by the clock of published algorithms (dashed)."
@@ -74,23 +77,24 @@ CURVES = (
     Curve(
         Kind.ONE_SHOT, "solved", "Episodes solved",
         "Episodes in which all robots reach their goals within the benchmark's limit of steps, "
-        "with Wilson's 95% intervals. Published algorithms are dashed, on the same episodes.",
+        "with Wilson's 95% intervals from 20 episodes on. Published algorithms are dashed, on the "
+        "same episodes.",
         _solved, "%",
     ),
     Curve(
         Kind.ONE_SHOT, "costs", "Costs over the sum of the shortest ways",
         "Sum of costs over the lower bound: means over the episodes that each solves itself, which "
         "are the easier ones where it solves few.",
-        _over_bound, "times the bound",
+        _over_bound, "times the bound", 1.0,
     ),
-    Curve(Kind.ONE_SHOT, "seconds", "Seconds for a plan", CLOCK, _seconds, "s", is_log=True),
+    Curve(Kind.ONE_SHOT, "seconds", "Seconds for a plan", CLOCK, _seconds, "s", None),
     Curve(
         Kind.LIFELONG, "throughput", "Goals reached in a step",
-        "Goals that all robots together reach in a step, means with 95% intervals where there are "
-        "20 episodes. Published algorithms are dashed, on the same episodes.",
+        "Goals that all robots together reach in a step, means with 95% intervals from 20 "
+        "episodes on. Published algorithms are dashed, on the same episodes.",
         _rate, "goals a step",
     ),
-    Curve(Kind.LIFELONG, "time", "Seconds for an episode", CLOCK, _seconds, "s", is_log=True),
+    Curve(Kind.LIFELONG, "time", "Seconds for an episode", CLOCK, _seconds, "s", None),
 )  # fmt: skip
 
 
@@ -124,15 +128,18 @@ def curves_figure(curve: Curve, groups: Sequence[Group], sheet: Sheet) -> SceneF
         prepare_axis(axes, axis, places, panels.letters)
         axes.set_title(collection, loc="left", **SMALL)
         axes.grid(axis="y", color=FAINT, linewidth=0.5)
-        if curve.is_log:
-            axes.set_yscale("log")
-        elif curve.unit == "%":
+        if curve.unit == "%":
             axes.yaxis.set_major_formatter(PercentFormatter(1))
-            axes.set_ylim(-0.02, 1.04)
+    # All panels share this axis, so that its limits are known when all lines are drawn.
+    first = panels.axes[0]
+    if curve.unit == "%":
+        first.set_ylim(-0.02, 1.04)
+    else:
+        first.set_ylabel(curve.unit, **SMALL)
+        if curve.least is None:
+            first.set_yscale("log")
         else:
-            axes.set_ylim(bottom=0)
-    if curve.unit != "%":
-        panels.axes[0].set_ylabel(curve.unit, **SMALL)
+            first.set_ylim(bottom=curve.least)
     draw_legend(panels, list(keys.items()))
     return panels.figure
 

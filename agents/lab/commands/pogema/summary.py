@@ -156,7 +156,8 @@ def measures(group: Group, name: str) -> tuple[str, ...]:
     bound = f"{score.ratios(group.bound).mean():.3f}" if score.solved else ""
     proved = f"{score.proved}" if score.proved else ""
     solved = f"{score.solved} of {score.episodes}"
-    return solved, proved, bound, mean, worst, f"{score.seconds:.2f}"
+    digits = 3 if score.seconds < 1 else 1
+    return solved, proved, bound, mean, worst, f"{score.seconds:.{digits}f}"
 
 
 def tables(groups: Sequence[Group]) -> Iterator[TextTable]:
