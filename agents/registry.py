@@ -30,7 +30,7 @@ from agents.mapf.assignment import ASSIGNMENTS
 from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Planner
-from agents.mapf.prioritised import WindowedPlanner
+from agents.mapf.windows import WindowedPlanner
 from agents.mapf.problem import Solver
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent

@@ -14,7 +14,7 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.mapf.kernels.buffers import IS_COMPILED, Table, buffer, buffer_of, table_of
+from agents.mapf.kernels.buffers import IS_COMPILED, Table, buffer, buffer_of, prepare, table_of
 from agents.mapf.kernels.floor import FAR, Floor, measure
 from warehouse_core.arguments import instance_of, real_number
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
@@ -201,6 +201,7 @@ class Fields:
         self._row_of = np.full(graph.size, NO_ROW)
         self._free: list[int] = []
         self._closed = graph.closed
+        prepare(measure)
 
     @property
     def table(self) -> Table:

@@ -15,7 +15,7 @@ import numpy as np
 from agents.errors import PlanError
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels import configurations as kernels
-from agents.mapf.kernels.buffers import buffer_of
+from agents.mapf.kernels.buffers import buffer_of, prepare
 from agents.mapf.kernels.rounds import team_of
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.wording import counted
@@ -61,6 +61,7 @@ class LaCAM:
     """
 
     def __init__(self, problem: Problem, seed: int = 0) -> None:
+        prepare(kernels.explore, kernels.add, kernels.fill_table)
         self.problem, self.is_done = problem, False
         graph, goals = problem.graph, np.array(problem.goals, np.intp)
         fields = Fields(graph)

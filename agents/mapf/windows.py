@@ -17,7 +17,7 @@ from time import perf_counter
 import numpy as np
 
 from agents.mapf.graph import EAST, Fields, Graph
-from agents.mapf.kernels.buffers import buffer_of
+from agents.mapf.kernels.buffers import buffer_of, prepare
 from agents.mapf.kernels.groups import improve, new_groups
 from agents.mapf.kernels.rollouts import prices, roll
 from agents.mapf.kernels.rounds import team_of
@@ -71,6 +71,7 @@ class WindowedPlanner:
         self.seconds = real_number("seconds", seconds, finite=False)
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
         self._fields = Fields(graph)
+        prepare(roll, prices, improve)
         self.reset()
 
     def reset(self) -> None:

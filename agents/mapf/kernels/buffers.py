@@ -1,7 +1,7 @@
 """Flat buffers, and functions on them that Numba compiles where it is installed.
 
-With Numba, buffers are arrays and kernels are compiled when their module is imported, for exactly
-these types. Without it, buffers are lists, which plain Python reads faster. Kernels have whole
+With Numba, buffers are arrays, and kernels are compiled for exactly these types when they are first
+needed, and kept for other processes. Without it, buffers are lists, which plain Python reads faster. Kernels have whole
 numbers only, so that both give the same results bit for bit. ``WAREHOUSE_FAST=0`` in the environment
 leaves Numba out.
 """
@@ -10,6 +10,7 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from functools import cached_property, update_wrapper
 from importlib.util import find_spec
 from typing import Any, TypeAlias, TypeVar, cast, get_type_hints
 
@@ -54,20 +55,48 @@ def enlarged(old: Buffer, size: int, value: int = 0) -> Buffer:
     return cast(Buffer, new)
 
 
+class CompiledKernel:
+    """A kernel that Numba compiles when it is first called, and those that it calls with it."""
+
+    def __init__(self, function: Callable[..., Any]) -> None:
+        self._function = function
+        update_wrapper(self, function)
+
+    @cached_property
+    def compiled(self) -> Any:
+        """Compile the kernel for the types that its annotations name, unless it is done."""
+        from numba import njit
+
+        hints = get_type_hints(self._function)
+        result = _type_of(hints.pop("return"))
+        types = result(*map(_type_of, hints.values()))
+        # Kernels allocate nothing, and without counts of references they are several times as fast.
+        return njit(types, cache=True, error_model="numpy", _nrt=False)(self._function)
+
+    @property
+    def _numba_type_(self) -> Any:
+        """Numba's type of this kernel where another calls it."""
+        from numba import types
+
+        return types.Dispatcher(self.compiled)
+
+    def __call__(self, *arguments: Any) -> Any:
+        return self.compiled(*arguments)
+
+
 def kernel(function: Kernel) -> Kernel:
-    """Return a function on buffers, tables and whole numbers, compiled where Numba is installed.
+    """Return a function on buffers, tables and whole numbers, to be compiled if Numba is there.
 
     Its annotations are the types that it is compiled for; named tuples of these are allowed too.
     """
-    if not IS_COMPILED:
-        return function
-    from numba import njit
+    return cast(Kernel, CompiledKernel(function)) if IS_COMPILED else function
 
-    hints = get_type_hints(function)
-    result = _type_of(hints.pop("return"))
-    taken = tuple(_type_of(hint) for hint in hints.values())
-    # Kernels allocate nothing, and without counts of references they are several times as fast.
-    return cast(Kernel, njit(result(*taken), cache=True, error_model="numpy", _nrt=False)(function))
+
+def prepare(*kernels: Callable[..., Any]) -> None:
+    """Compile kernels now, so that the first call takes no longer than others."""
+    for each in kernels:
+        if isinstance(each, CompiledKernel):
+            each.compiled  # noqa: B018
 
 
 def _type_of(hint: Any) -> Any:
