@@ -189,7 +189,9 @@ class Fields:
     Attributes:
         step: distance of a step without lanes and turns: 1 or ``PARTS``.
         matrix: ``[n, places]`` int32, a row for each goal.
-        floor: places and steps of the graph with such costs.
+        near: ``[places, 5]``, place that each action leads to from each place, or ``places``.
+        prices: ``[places, 5]``, costs of these steps.
+        floor: the same for kernels.
     """
 
     def __init__(self, graph: Graph) -> None:
@@ -239,11 +241,15 @@ class Fields:
         )
         near[np.isin(graph.neighbours[here], list(graph.closed))] = graph.places
         near[:, WAIT] = np.arange(graph.places)
+        self.near = near
         costs = np.ones((graph.size, WAIT)) if graph.costs is None else graph.costs
         price = np.pad(costs, ((0, 0), (0, 1)), constant_values=1)[here] + graph.turns[facing]
-        degree = (near[: graph.size, :WAIT] != graph.places).sum(axis=1)
-        price = np.rint(price * self.step).astype(np.int64)
-        buffers = map(buffer_of, (near, price, degree))
+        beside = near[: graph.size, :WAIT] % graph.size
+        is_open = near[: graph.size, :WAIT] != graph.places
+        degree = is_open.sum(axis=1)
+        through = (is_open & (degree[beside] > 1)).sum(axis=1)
+        self.prices = np.rint(price * self.step).astype(np.int64)
+        buffers = map(buffer_of, (near, self.prices, degree, through))
         return Floor(graph.size, graph.places, *buffers, self.step)
 
     def _free_rows(self, goals: Integers, number: int) -> None:

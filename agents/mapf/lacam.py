@@ -69,7 +69,7 @@ class LaCAM:
         steps = fields if fields.step == 1 else Fields(Graph(graph.layout))
         step_rows = steps.rows(goals) * graph.size
         self._floor, self._fields, self._steps = fields.floor, fields.table, steps.table
-        self._team = team_of(graph.size, problem.robots, seed)
+        self._team = team_of(graph.size, problem.robots, seed, is_final=True)
         self._team.goals[:], self._team.rows[:] = buffer_of(goals), buffer_of(rows)
         starts = np.array(problem.starts, np.intp)
         ranks = np.argsort(-steps.matrix.ravel()[step_rows + starts], kind="stable")

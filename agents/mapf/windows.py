@@ -18,10 +18,11 @@ import numpy as np
 
 from agents.mapf.graph import EAST, Fields, Graph
 from agents.mapf.kernels.buffers import buffer_of, prepare
+from agents.mapf.kernels.floor import FAR
 from agents.mapf.kernels.groups import improve, new_groups
 from agents.mapf.kernels.rollouts import prices, roll
 from agents.mapf.kernels.rounds import team_of
-from agents.mapf.kernels.ways import NONE, new_frontier, new_ways
+from agents.mapf.kernels.ways import CLOSED_STEPS, NONE, find_way, new_frontier, new_ways, reserve
 from agents.mapf.planner import Situation
 from warehouse_core.arguments import instance_of, real_number, seed_number, whole_number
 from warehouse_core.world.tables import Integers
@@ -31,9 +32,6 @@ WINDOW = 15
 
 GROUPS = 40
 """Default groups of robots that are planned anew in a step."""
-
-CLOSED_STEPS = 5
-"""Steps for which closed cells are expected to stay closed."""
 
 PORTION = 10
 """Groups between two looks at the clock."""
@@ -71,7 +69,7 @@ class WindowedPlanner:
         self.seconds = real_number("seconds", seconds, finite=False)
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
         self._fields = Fields(graph)
-        prepare(roll, prices, improve)
+        prepare(roll, prices, improve, reserve)
         self.reset()
 
     def reset(self) -> None:
@@ -86,12 +84,14 @@ class WindowedPlanner:
             self._begin(len(situation.cells))
         self._read(situation)
         self._continue(situation)
-        self._refine(situation.closed, deadline)
+        self._refine(deadline)
         self._expected = self._places[:, 1].copy()
         return (self._expected % self.graph.size).astype(situation.cells.dtype)
 
     def plan_of(self, robot: int) -> list[int]:
         """Return the cells of a robot from the end of the step just chosen on; see ``Planner``."""
+        if robot >= len(self._ages):
+            return []
         found: list[int] = (self._places[robot, 1:] % self.graph.size).tolist()
         return found
 
@@ -102,7 +102,7 @@ class WindowedPlanner:
         self._ways = new_ways(floor, robots, times, True)
         self._frontier = new_frontier(floor, self._ways)
         self._groups = new_groups(robots, times, self.seed)
-        self._ages = np.zeros(robots, np.intp)
+        self._ages, self._goals = np.zeros(robots, np.intp), np.full(robots, NONE)
         self._ranks = np.random.default_rng(self.seed).permutation(robots) / robots
         self._places = np.asarray(self._ways.places).reshape(robots, times)
         self._places[:] = NONE
@@ -118,54 +118,94 @@ class WindowedPlanner:
             turned = graph.headings(np.where(known, self._cells, cells), cells, self._headings)
             self._headings, self._cells = turned, cells.copy()
             self._here = turned * graph.size + cells
-        rows = self._fields.rows(goals) * graph.places
+        rows = self._fields.rows(goals)
+        is_away = self._fields.matrix[rows, self._here] == FAR
+        if is_away.any():  # a goal that no way leads to is as none
+            goals = np.where(is_away, cells, goals)
+            rows = self._fields.rows(goals)
         self._table = self._fields.table
-        self._ages = np.where(cells == goals, 0, self._ages + 1)
+        is_there = (cells == goals) | (cells == self._goals)
+        self._ages, self._goals = np.where(is_there, 0, self._ages + 1), goals.copy()
         priorities = self._ages + self._ranks
         priorities[situation.urgent] += self._ages.max(initial=0) + 1
         self._order = buffer_of(np.argsort(-priorities, kind="stable"))
         for buffers in (self._team, self._ways):
-            buffers.goals[:], buffers.rows[:] = buffer_of(goals), buffer_of(rows)
-        self._ways.stays[:] = buffer_of(situation.stays.astype(np.intp))
+            buffers.goals[:], buffers.rows[:] = buffer_of(goals), buffer_of(rows * graph.places)
+        ways = self._ways
+        ways.stays[:] = buffer_of(situation.stays.astype(np.intp))
+        for cell in ways.closed:
+            ways.is_closed[cell] = 0
+        self._ways = ways._replace(closed=buffer_of(situation.closed))
+        for cell in self._ways.closed:
+            ways.is_closed[cell] = 1
 
     def _continue(self, situation: Situation) -> None:
         """Continue the last plan, or make a new one if that is better."""
         floor, ways, team, table = self._fields.floor, self._ways, self._team, self._table
-        closed, last, places = buffer_of(situation.closed), self.window, self._places
-        holds = self._holds(situation)
+        last, places = self.window, self._places
+        holds = self._mend(situation)
         if holds:
-            places[:, :-1] = places[:, 1:]
             team.order[:] = self._order
-            roll(floor, ways, team, table, closed, last - 1, last)
-            shifted = places.copy()
+            roll(floor, ways, team, table, last - 1, last)
+            continued = places.copy()
         self.fresh += not holds
         places[:, 0] = self._here
         team.order[:] = self._order
-        roll(floor, ways, team, table, closed, 0, last)
+        roll(floor, ways, team, table, 0, last)
         cost = prices(floor, ways, table)
         if holds:
             fresh = places.copy()
-            places[:] = shifted
+            places[:] = continued
             if prices(floor, ways, table) > cost:
                 places[:] = fresh
                 prices(floor, ways, table)
 
-    def _holds(self, situation: Situation) -> bool:
-        """Return whether the plan goes on where the robots are, and its next step can be taken."""
-        there = self._places[:, 2]
-        moves = there != self._here
-        enters = np.isin(there % self.graph.size, situation.closed)
-        lasts = (self._expected == self._here) & ~(moves & (situation.stays | enters))
-        return bool(lasts.all())
+    def _mend(self, situation: Situation) -> bool:
+        """Move the plan on by a step, with new ways for robots that cannot go on as planned.
 
-    def _refine(self, closed: Integers, deadline: float) -> None:
-        """Plan groups anew until they or the time are over."""
-        floor, ways, size = self._fields.floor, self._ways, self.graph.size
-        robots, times = self._places.shape
-        reserved = np.asarray(ways.reserved).reshape(times, size)
+        Returns:
+            False if one of these has no way.
+        """
+        places, size = self._places, self.graph.size
+        places[:, :-1] = places[:, 1:]
+        there, soon = places[:, 1], places[:, : CLOSED_STEPS + 1] % size
+        is_closed = np.zeros(size, np.bool_)
+        is_closed[situation.closed] = True
+        enters = is_closed[soon[:, 1:]] & (soon[:, 1:] != soon[:, :-1])
+        is_lost = (places[:, 0] != self._here) | enters.any(axis=1)
+        is_lost |= situation.stays & (there != self._here)
+        if not is_lost.any():
+            return True
+        places[:, 0] = self._here
+        robot_in = np.full(size, NONE)
+        robot_in[self._here % size] = np.arange(len(places))
+        # Whoever was to enter the cell of one of these cannot go on either.
+        follows = robot_in[there % size]
+        while True:
+            more = ~is_lost & (follows != NONE) & is_lost[follows] & (there != self._here)
+            if not more.any():
+                break
+            is_lost |= more
+        self._reserve(np.flatnonzero(~is_lost))
+        for robot in self._order:
+            if is_lost[robot]:
+                floor, ways = self._fields.floor, self._ways
+                if find_way(floor, ways, self._frontier, self._table, robot, FAR, 0) == NONE:
+                    return False
+                reserve(floor, ways, robot, robot + 1)
+        return True
+
+    def _reserve(self, robots: Integers) -> None:
+        """Reserve the ways of some robots, and nothing else."""
+        reserved = np.asarray(self._ways.reserved).reshape(-1, self.graph.size)
+        cells = self._places[robots] % self.graph.size
         reserved[:] = 0
-        reserved[1 : 1 + CLOSED_STEPS, closed] = robots + 1
-        reserved[np.arange(times), self._places % size] = np.arange(1, robots + 1)[:, None]
+        reserved[np.arange(cells.shape[1]), cells] = robots[:, None] + 1
+
+    def _refine(self, deadline: float) -> None:
+        """Plan groups anew until they or the time are over."""
+        floor, ways = self._fields.floor, self._ways
+        self._reserve(np.arange(len(self._places)))
         left = self.groups
         while left > 0 and perf_counter() < deadline:
             trials = min(left, PORTION)

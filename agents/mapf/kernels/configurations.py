@@ -18,7 +18,7 @@ from typing import NamedTuple
 
 from agents.mapf.kernels.buffers import Buffer, Table, buffer, enlarged, kernel
 from agents.mapf.kernels.floor import ACTIONS, Floor
-from agents.mapf.kernels.rounds import NOBODY, UNDECIDED, Team, choose, draw
+from agents.mapf.kernels.rounds import CHOSEN, NOBODY, UNDECIDED, Team, choose, draw
 
 NONE = -1
 """Number in place of a configuration, or of an edge, where there is none."""
@@ -250,7 +250,7 @@ def constrain(search: Search, team: Team, floor: Floor, node: int) -> int:
         swaps = other not in (NOBODY, robot) and team.chosen[other] != UNDECIDED
         if team.is_taken[to % size] or (swaps and team.chosen[other] % size == place % size):
             return 0
-        team.chosen[robot], team.is_taken[to % size] = to, 1
+        team.chosen[robot], team.is_taken[to % size] = to, CHOSEN
     return 1
 
 

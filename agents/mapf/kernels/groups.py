@@ -14,7 +14,7 @@ from typing import NamedTuple
 
 from agents.mapf.kernels.buffers import Buffer, Table, buffer, kernel
 from agents.mapf.kernels.floor import ACTIONS, FAR, STAY, Floor
-from agents.mapf.kernels.rounds import draw
+from agents.mapf.kernels.rounds import draw, first_random
 from agents.mapf.kernels.ways import NONE, Frontier, Ways, find_way, reserve
 
 AT_RANDOM, LATE, NEAR = range(3)
@@ -55,11 +55,11 @@ class Groups(NamedTuple):
     random: Buffer
 
 
-def new_groups(robots: int, times: int, seed: int) -> Groups:
+def new_groups(robots: int, times: int, seed: int | None) -> Groups:
     """Return the buffers of a search."""
     return Groups(
         buffer(MOST + 1), buffer(robots), buffer(MOST * times), buffer(MOST), buffer(KINDS * SIZES, WEIGHT),
-        buffer(2), buffer(1, seed * 2 % 0xFFFFFFFF + 1),
+        buffer(2), first_random(seed),
     )  # fmt: skip
 
 

@@ -5,10 +5,10 @@ A robot that reaches its goal gives way from then on, since its next goal is not
 
 from __future__ import annotations
 
-from agents.mapf.kernels.buffers import Buffer, Table, kernel
-from agents.mapf.kernels.floor import FAR, Floor
-from agents.mapf.kernels.rounds import NOBODY, UNDECIDED, Team, choose
-from agents.mapf.kernels.ways import Ways
+from agents.mapf.kernels.buffers import Table, kernel
+from agents.mapf.kernels.floor import ACTIONS, FAR, Floor
+from agents.mapf.kernels.rounds import CHOSEN, CLOSED, NOBODY, UNDECIDED, Team, choose
+from agents.mapf.kernels.ways import CLOSED_STEPS, Ways
 
 
 @kernel
@@ -22,22 +22,20 @@ def price_of_way(floor: Floor, ways: Ways, fields: Table, robot: int) -> int:
         if place % floor.size == goal:
             return cost
         after = ways.places[first + time] + 0
-        for action in range(5):
-            if floor.near[place * 5 + action] == after:
-                cost += floor.price[place * 5 + action]
+        for action in range(ACTIONS):
+            if floor.near[place * ACTIONS + action] == after:
+                cost += floor.price[place * ACTIONS + action]
                 break
         place = after
     return cost + fields[row + place]
 
 
 @kernel
-def roll(
-    floor: Floor, ways: Ways, team: Team, fields: Table, closed: Buffer, first: int, last: int
-) -> None:
+def roll(floor: Floor, ways: Ways, team: Team, fields: Table, first: int, last: int) -> None:
     """Write the places at the times after ``first`` to ``last``, by a round of PIBT each.
 
-    In the first step of all, robots stay that have to, and nobody enters a closed cell. The order
-    of the team is that of its priorities at the time ``first``.
+    In the first step of all, robots stay that have to. The order of the team is that of its
+    priorities at the time ``first``.
     """
     robots, times, size = len(team.goals), ways.times, floor.size
     order, here = team.order, team.places
@@ -47,15 +45,15 @@ def roll(
         for robot in range(robots):
             team.robot_in[here[robot] % size] = robot
             team.chosen[robot] = UNDECIDED
-        if time == 0:
-            for cell in closed:
-                team.is_taken[cell] = 1
-            for robot in range(robots):
-                if ways.stays[robot] == 1:
-                    team.chosen[robot] = here[robot]
-                    team.is_taken[here[robot] % size] = 1
+        if time < CLOSED_STEPS:
+            for cell in ways.closed:
+                team.is_taken[cell] = CLOSED
+        for robot in range(robots):
+            if time == 0 and ways.stays[robot] == 1:
+                team.chosen[robot] = here[robot]
+                team.is_taken[here[robot] % size] = CHOSEN
         choose(floor, team, fields)
-        for cell in closed:
+        for cell in ways.closed:
             team.is_taken[cell] = 0
         for robot in range(robots):
             team.robot_in[here[robot] % size] = NOBODY

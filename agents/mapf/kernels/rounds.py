@@ -15,16 +15,24 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
+import numpy as np
+
 from agents.mapf.kernels.buffers import Buffer, Table, buffer, kernel
 from agents.mapf.kernels.floor import ACTIONS, FAR, STAY, Floor
 
 NOBODY = -1
 UNDECIDED = -1
 
+CHOSEN, CLOSED = 1, 2
+"""Marks of a cell that is somebody's next, and of one that only who is in it can have."""
+
 WAIT_KEY, OCCUPIED_KEY, CHANCE_KEY = 20, 20, 7
 """What makes a choice worse, in fortieths of a step: waiting, somebody in the cell, and at most
 chance. Together they are less than a step, so that no robot waits behind one that it could push.
 """
+
+SPREAD = 0x9E3779B9
+"""Factor that makes the chance of one robot differ from that of the next."""
 
 STEP_KEY = 40
 """A step in the units of these keys."""
@@ -41,14 +49,16 @@ class Team(NamedTuple):
         chosen: next places, or ``UNDECIDED``.
         pushers: robot that made each choose before its turn, or ``NOBODY``.
         robot_in: ``[size]``, robot in each cell, or ``NOBODY``.
-        is_taken: ``[size]``, 1 for cells that are closed or chosen.
+        is_taken: ``[size]``, ``CHOSEN``, ``CLOSED``, or 0.
         choices: ``[R * 5]``, places that each can go to, the best first.
         count: number of these.
         tried: number of choices that each has tried.
         partner: robot that each swaps with, or ``NOBODY``.
         stack: robots that wait for one that they push.
         keys: ``[5]``, used while choices are sorted.
-        random: ``[1]``, state of the random numbers, not 0.
+        random: ``[1]``, state of the random numbers, not 0; each round draws one.
+        is_sorted: ``[1]``, 1 if all choices are in order before a round.
+        is_final: ``[1]``, 1 if robots stay at their goals for good; others leave them again.
     """
 
     places: Buffer
@@ -66,16 +76,22 @@ class Team(NamedTuple):
     stack: Buffer
     keys: Buffer
     random: Buffer
+    is_sorted: Buffer
+    is_final: Buffer
 
 
-def team_of(size: int, robots: int, seed: int) -> Team:
+def first_random(seed: int | None) -> Buffer:
+    """Return the state of the random numbers of a seed."""
+    return buffer(1, int(np.random.default_rng(seed).integers(1, 1 << 32)))
+
+
+def team_of(size: int, robots: int, seed: int | None, is_final: bool = False) -> Team:
     """Return the buffers of a team on so many cells, with nothing in them."""
     each = [buffer(robots) for _ in range(4)]
     undecided, nobody = buffer(robots, UNDECIDED), buffer(robots, NOBODY)
     more = [buffer(robots) for _ in range(4)]
     return Team(
-        *each, undecided, nobody, buffer(size, NOBODY), buffer(size), buffer(robots * ACTIONS),
-        *more, buffer(ACTIONS), buffer(1, seed * 2 % 0xFFFFFFFF + 1),
+        *each, undecided, nobody, buffer(size, NOBODY), buffer(size), buffer(robots * ACTIONS), *more, buffer(ACTIONS), first_random(seed), buffer(1), buffer(1, int(is_final)),
     )  # fmt: skip
 
 
@@ -91,12 +107,21 @@ def draw(random: Buffer) -> int:
 
 
 @kernel
+def mix(number: int) -> int:
+    """Return 32 bits that look like chance, and that a number decides; arrays are taken too."""
+    number = ((number ^ (number >> 16)) * 0x45D9F3B) & 0xFFFFFFFF
+    number = ((number ^ (number >> 16)) * 0x45D9F3B) & 0xFFFFFFFF
+    return number ^ (number >> 16)
+
+
+@kernel
 def sort_choices(floor: Floor, team: Team, fields: Table, robot: int) -> None:
     """Write the places that a robot can go to into its choices, the best first."""
     size, near, price, closed = floor.size, floor.near, floor.price, floor.closed
     robot_in, choices, keys = team.robot_in, team.choices, team.keys
     place, row, first = team.places[robot], team.rows[robot], robot * ACTIONS
-    base, bits, unit = place * ACTIONS, draw(team.random), STEP_KEY // floor.step
+    base, unit = place * ACTIONS, STEP_KEY // floor.step
+    bits = mix(team.random[0] + robot * SPREAD)
     stays = place % size == team.goals[robot] or fields[row + place] == FAR
     count = 0
     for action in range(ACTIONS):
@@ -145,15 +170,20 @@ def needs_swap(
     floor: Floor, team: Team, fields: Table, pusher: int, puller: int, behind: int, ahead: int
 ) -> bool:
     """Return whether two robots have to change places, since pushing on leads nowhere."""
-    push, pull = team.rows[pusher], team.rows[puller]
+    push, pull, is_dead_end = team.rows[pusher], team.rows[puller], False
     while fields[push + ahead] < fields[push + behind]:
         found = exits(floor, team, ahead, behind)
         if found >= 2 * floor.size:
             return False
         if found < floor.size:
+            is_dead_end = True
             break
         behind, ahead = ahead, found - floor.size
+    if not is_dead_end and team.is_final[0] == 0:
+        return False  # the pusher gets to its goal, and leaves it again
     is_back = fields[pull + behind] < fields[pull + ahead]
+    # Who rests where the other wants to go has to come out.
+    is_back = is_back or (fields[push + ahead] == 0 and team.goals[puller] == ahead)
     at_goal = behind == team.goals[pusher]
     return is_back and (at_goal or fields[push + ahead] < fields[push + behind])
 
@@ -177,11 +207,14 @@ def swap_partner(floor: Floor, team: Team, fields: Table, robot: int) -> int:
     """Return the undecided robot that has to pass a robot, or ``NOBODY``.
 
     It is the one ahead, or, to clear the way for it, one beside that wants to go on as this does.
+    Robots with headings do not swap.
     """
-    size, near, robot_in = floor.size, floor.near, team.robot_in
+    size, near, robot_in, row = floor.size, floor.near, team.robot_in, team.rows[robot]
     here, ahead = team.places[robot] % size, team.choices[robot * ACTIONS] % size
-    if ahead == here:
+    if ahead == here or floor.closed != size:
         return NOBODY
+    if floor.through[ahead] > 2 and fields[row + ahead] < fields[row + here]:
+        return NOBODY  # they can pass each other there, which is found sooner so
     other = robot_in[ahead]
     if (
         other != NOBODY
@@ -207,7 +240,8 @@ def swap_partner(floor: Floor, team: Team, fields: Table, robot: int) -> int:
 @kernel
 def begin(floor: Floor, team: Team, fields: Table, robot: int) -> None:
     """Let a robot begin to choose: the best place first, or the worst if it backs off."""
-    sort_choices(floor, team, fields, robot)
+    if team.is_sorted[0] == 0:
+        sort_choices(floor, team, fields, robot)
     team.tried[robot] = 0
     partner = swap_partner(floor, team, fields, robot)
     team.partner[robot] = partner
@@ -231,7 +265,7 @@ def pull(floor: Floor, team: Team, robot: int) -> None:
         to = floor.near[team.places[partner] * ACTIONS + action]
         if to != floor.closed and to % floor.size == here:
             team.chosen[partner] = to
-            team.is_taken[here] = 1
+            team.is_taken[here] = CHOSEN
 
 
 @kernel
@@ -248,6 +282,8 @@ def choose(floor: Floor, team: Team, fields: Table) -> bool:
     size, places, chosen, is_taken = floor.size, team.places, team.chosen, team.is_taken
     robot_in, choices, count, tried = team.robot_in, team.choices, team.count, team.tried
     is_complete = True
+    if team.is_sorted[0] == 0:
+        draw(team.random)
     for at in range(len(team.order)):
         robot, depth = team.order[at], 0
         if chosen[robot] != UNDECIDED:
@@ -260,14 +296,14 @@ def choose(floor: Floor, team: Team, fields: Table) -> bool:
                 tried[robot] += 1
                 cell = place % size
                 other = robot_in[cell]
-                if is_taken[cell] or (
+                if (is_taken[cell] and (cell != here or is_taken[cell] == CHOSEN)) or (
                     other != NOBODY
                     and other != robot
                     and chosen[other] != UNDECIDED
                     and chosen[other] % size == here
                 ):
                     continue  # somebody else will be there, or they would change places
-                chosen[robot], is_taken[cell], is_found = place, 1, True
+                chosen[robot], is_taken[cell], is_found = place, CHOSEN, True
             if is_found and other not in (NOBODY, robot) and chosen[other] == UNDECIDED:
                 team.stack[depth] = robot
                 depth += 1
@@ -284,8 +320,8 @@ def choose(floor: Floor, team: Team, fields: Table) -> bool:
             # Nothing is left to try: it stays, and who pushed it tries another cell.
             chosen[robot] = places[robot]
             team.pushers[robot] = NOBODY
-            is_complete = is_complete and (depth > 0 or not is_taken[here])
-            is_taken[here] = 1
+            is_complete = is_complete and (depth > 0 or is_taken[here] != CHOSEN)
+            is_taken[here] = CHOSEN
             if depth == 0:
                 break
             depth -= 1

@@ -20,6 +20,9 @@ from agents.mapf.kernels.floor import ACTIONS, FAR, STAY, Floor
 NONE = -1
 """Cost where there is no way; end of a list of states."""
 
+CLOSED_STEPS = 5
+"""Steps for which closed cells are expected to stay closed."""
+
 BUCKETS = 4_000
 """Costs above the least possible one that a way may have."""
 
@@ -37,6 +40,8 @@ class Ways(NamedTuple):
         goals: ``[R]``, goal cells.
         rows: ``[R]``, index of the distance field of each goal in the table of fields.
         stays: ``[R]``, 1 for robots that have to stay in the first step.
+        closed: cells that nobody can enter in the first ``CLOSED_STEPS`` steps.
+        is_closed: ``[size]``, 1 for these.
     """
 
     times: int
@@ -47,6 +52,8 @@ class Ways(NamedTuple):
     goals: Buffer
     rows: Buffer
     stays: Buffer
+    closed: Buffer
+    is_closed: Buffer
 
 
 class Frontier(NamedTuple):
@@ -75,7 +82,7 @@ def new_ways(floor: Floor, robots: int, times: int, is_open: bool) -> Ways:
     """Return the buffers of ways, with nothing reserved."""
     return Ways(
         times, int(is_open), new_table(robots * times), new_table(times * floor.size),
-        *(buffer(robots) for _ in range(4)),
+        *(buffer(robots) for _ in range(4)), buffer(0), buffer(floor.size),
     )  # fmt: skip
 
 
@@ -186,6 +193,8 @@ def find_way(
                 continue
             there = to % size
             if reserved[after + there] != 0:
+                continue
+            if ways.is_closed[there] and time < CLOSED_STEPS and there != cell:
                 continue
             other = reserved[time * size + there]
             if other != 0 and other == reserved[after + cell]:
