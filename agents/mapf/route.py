@@ -176,9 +176,7 @@ class Route:
                 if step(sets, before, rules.into.get(time)) & goal:
                     return [*layers[:-2], before, cells]
             if last is None and (
-                time >= rules.most
-                or not cells
-                or (time > max(first, rules.latest) and cells == layers[-2])
+                time >= rules.most or not cells or (time > rules.latest and cells == layers[-2])
             ):
                 return []
             time += 1
