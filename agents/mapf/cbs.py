@@ -132,7 +132,7 @@ class ConflictTree:
         self._deadline = perf_counter() + seconds
         try:
             self.solution = self._grow()
-            return Plan.of(self.solution.ways)
+            return Plan.of(self.solution.ways, self.solution.cost)
         except TimeoutError:
             nodes = counted(len(self.nodes), "node")
             raise PlanError(f"no plan in {seconds:g} s and {nodes} of the conflict tree") from None

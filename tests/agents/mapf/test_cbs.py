@@ -20,7 +20,8 @@ def test_costs_are_the_smallest() -> None:
         rows = problem.graph.layout.rows
         smallest = smallest_cost(rows, problem.starts, problem.goals)
         if smallest is not None:
-            assert solve_cbs(problem, SECONDS).sum_of_costs == smallest, (rows, problem.starts)
+            plan = solve_cbs(problem, SECONDS)
+            assert plan.sum_of_costs == plan.bound == smallest, (rows, problem.starts)
             solved += 1
     assert solved > 40
 
@@ -58,6 +59,7 @@ def test_lanes_do_not_change_the_cost() -> None:
     costs = Graph(layout).neighbours[:, :4].astype("float32") * 0 + 5
     problem = Problem(Graph(layout, costs), [0, 3], [3, 0])
     assert solve_cbs(problem, SECONDS).sum_of_costs == 8
+    assert problem.lower_bound == 6
 
 
 @pytest.mark.parametrize("seconds", [0, 0.05])

@@ -30,6 +30,7 @@ from agents.lab.commands.planners.runs import (
     Unhindered,
     make_solver,
     make_stepper,
+    solve_checked,
 )
 from agents.lab.console import options
 from agents.lab.console.options import option, writable
@@ -215,12 +216,12 @@ def solve_all(problem: Problem, planners: Sequence[str] | None, trials: Trials, 
     for name, solve in zip(names, solvers, strict=True):
         begin = time.perf_counter()
         try:
-            plan = solve(problem, trials.seconds)
+            plan, seconds, _ = solve_checked(name, solve, problem, trials.seconds)
         except PlanError as error:
             trials.notes.append(f"{name}: {error}")
             trials.rows.append((name, *["none"] * 3, f"{time.perf_counter() - begin:.3f}"))
             continue
-        seconds, cost = time.perf_counter() - begin, plan.sum_of_costs
+        cost = plan.sum_of_costs
         ratio = cost / total if total else 1.0
         measures = str(plan.makespan), str(cost), f"{ratio:.3f}", f"{seconds:.3f}"
         trials.add(name, measures, graph, plan.cells, record_of_plan(plan), cost, [seconds])
