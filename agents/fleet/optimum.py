@@ -28,7 +28,7 @@ from warehouse_core.world.tables import Integers
 MAX_MOVES = 100_000
 """Moves of a flow beyond which its time is counted in units of several steps."""
 
-MAX_EXACT = 10_000
+MAX_EXACT = 6_000
 """Moves of a flow up to which whole numbers of robots are looked for."""
 
 MAX_NODES = 100

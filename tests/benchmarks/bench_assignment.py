@@ -127,10 +127,10 @@ def test_no_robot_runs_empty_where_chargers_suffice(planner: str, measured) -> N
 SHIFTS = [
     # more orders than the fleet can carry out, but for the last
     (find_layout(Path(DEPOT)), 2, 0.15, 150, 20),
-    (find_layout(Path(DEPOT)), 4, 0.2, 200, 20),
+    (find_layout(Path(DEPOT)), 4, 0.2, 150, 20),
     (find_layout(Path(DEPOT)), 8, 0.3, 200, 20),
-    (find_layout(Path(DEPOT)), 8, 0.06, 1000, 10),
-    (LAYOUT, 96, 1.8, 200, 5),
+    (find_layout(Path(DEPOT)), 8, 0.06, 1000, 5),
+    (LAYOUT, 96, 1.8, 200, 3),
 ]
 
 
