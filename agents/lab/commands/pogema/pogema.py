@@ -10,7 +10,6 @@ from typing import Annotated
 
 import typer
 
-from agents.lab.commands.planners.compare_planners import parse_sizes
 from agents.lab.commands.planners.mapf import PLANNER
 from agents.lab.commands.planners.runs import SOLVERS, is_solver, is_stepper, make_stepper
 from agents.lab.commands.pogema.benchmark import SETS, SITE, Instance, Kind, instances
@@ -21,6 +20,7 @@ from agents.lab.console import options
 from agents.lab.console.options import MANY, one_of, option, writable
 from agents.lab.console.table import print_table
 from agents.lab.console.terminal import print_error, say
+from agents.lab.console.values import parse_sizes
 from agents.lab.experiments.cluster import cluster
 from agents.lab.experiments.running import TASKS_PER_WORKER, TICK
 from agents.lab.trials.workers import deferred_interrupts, process_pool
