@@ -49,7 +49,9 @@ def curves_figure(
     if len(sizes) < 12:
         axes.set_xticks(sizes)
     style_chart(axes)
-    legend = axes.legend(loc="upper left", fontsize=9, framealpha=1, edgecolor="none")
+    legend = axes.legend(
+        loc="upper left" if bound else "lower left", fontsize=9, framealpha=1, edgecolor="none"
+    )
     for text in legend.get_texts():
         text.set_parse_math(False)
     return figure

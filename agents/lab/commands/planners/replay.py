@@ -20,10 +20,7 @@ HEADINGS = (-math.pi / 2, 0.0, math.pi / 2, math.pi)
 
 
 def track_of_plan(graph: Graph, cells: Integers, title: str) -> Track:
-    """Return the track of the cells of robots ``[T + 1, R]``, with the ways of the last to arrive.
-
-    A robot is drawn as loaded until it is in its last cell for good.
-    """
+    """Return the track of cells of robots ``[T + 1, R]``, with the ways of the last to arrive."""
     layout, robots = graph.layout, cells.shape[1]
     is_there = np.logical_and.accumulate((cells == cells[-1])[::-1])[::-1]
     last = np.argsort(is_there.sum(axis=0), kind="stable")[:SHOWN_WAYS].tolist()
@@ -39,13 +36,11 @@ def track_of_plan(graph: Graph, cells: Integers, title: str) -> Track:
                 for move, before in zip(moves, headings, strict=True)
             ]
         poses = tuple(
-            Pose(middle(cell), heading, not there)
-            for cell, heading, there in zip(
-                layout.cells(row), headings, is_there[step].tolist(), strict=True
-            )
+            Pose(middle(cell), heading, loaded=False)
+            for cell, heading in zip(layout.cells(row), headings, strict=True)
         )
         plans = StepPlans({robot: way[step:] for robot, way in ways.items()})
-        arrived = f"{is_there[step].sum()} of {counted(robots, 'robot')} at their goals"
+        arrived = f"{is_there[step].sum()} of {counted(robots, 'robot')} in their last cells"
         fleet = FleetFrame((), items, battery, plans)
         frames.append(
             Frame(layout.rows, poses, float(step), arrived, clock=float(step), fleet=fleet)

@@ -18,7 +18,7 @@ from agents.lab.console.options import PICTURES
 from agents.lab.console.output import save_picture
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
-from agents.lab.trials.interval import Interval, share_interval
+from agents.lab.trials.interval import MIN_VALUES, Interval, share_interval
 from agents.lab.trials.workers import run_trials
 from warehouse_core.files.atomic import check_suffix
 from warehouse_core.wording import counted
@@ -150,7 +150,10 @@ def shares(attempts: Attempts) -> dict[str, dict[int, Interval]]:
     found: dict[str, dict[int, Interval]] = {}
     for (planner, size), each in attempts.items():
         solved = sum(one.costs is not None for one in each)
-        found.setdefault(planner, {})[size] = share_interval(solved, len(each))
+        share = Interval(solved / len(each))
+        if len(each) >= MIN_VALUES:
+            share = share_interval(solved, len(each))
+        found.setdefault(planner, {})[size] = share
     return found
 
 

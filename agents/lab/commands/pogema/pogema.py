@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Annotated
 
@@ -23,7 +24,7 @@ from agents.lab.console.terminal import print_error, say
 from agents.lab.console.values import parse_sizes
 from agents.lab.experiments.cluster import cluster
 from agents.lab.experiments.running import TASKS_PER_WORKER, TICK
-from agents.lab.trials.workers import deferred_interrupts, process_pool
+from agents.lab.trials.workers import Here, deferred_interrupts, process_pool
 from warehouse_core import DEFAULT_LAYOUT
 from warehouse_core.wording import counted, listed
 
@@ -186,7 +187,11 @@ def run_all(
     if not tasks:
         return
     count = min(jobs or os.cpu_count() or 1, len(tasks))
-    pool = process_pool(count) if address is None else cluster(address)
+    pool: AbstractContextManager[tuple[Executor, int]] = nullcontext((Here(), 1))
+    if address is not None:
+        pool = cluster(address)
+    elif count > 1:
+        pool = process_pool(count)
     done, waiting = 0, iter(tasks)
     with (
         deferred_interrupts() as check,
@@ -200,7 +205,8 @@ def run_all(
                     running[executor.submit(run_instance, *task, seconds)] = task
                 if not running:
                     return
-                for future in wait(running, TICK, return_when=FIRST_COMPLETED)[0]:
+                ended, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
+                for future in [each for each in running if each in ended]:
                     results.add(*running.pop(future), seconds, future.result())
                     done += 1
                     advance(done)
