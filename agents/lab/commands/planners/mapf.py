@@ -251,23 +251,25 @@ def solve_all(problem: Problem, planners: Sequence[str] | None, trials: Trials, 
     ends = zip(problem.starts, problem.goals, strict=True)
     ways = [float(graph.distances(goal)[start]) for start, goal in ends]
     shortest, total = max(ways, default=0.0), sum(ways)
-    trials.rows.append(("lower bound", f"{shortest:.0f}", f"{total:.0f}", "1.000", ""))
+    trials.rows.append(("lower bound", f"{shortest:.0f}", f"{total:.0f}", "1.000", "", ""))
     for name, solve in zip(names, solvers, strict=True):
         begin = time.perf_counter()
         try:
             plan, seconds, _ = solve_checked(name, solve, problem, trials.seconds)
         except PlanError as error:
             trials.notes.append(f"{name}: {error}")
-            trials.rows.append((name, *["none"] * 3, f"{time.perf_counter() - begin:.3f}"))
+            trials.rows.append((name, *["none"] * 3, "", f"{time.perf_counter() - begin:.3f}"))
             continue
         cost = plan.sum_of_costs
         ratio = cost / total if total else 1.0
-        measures = str(plan.makespan), str(cost), f"{ratio:.3f}", f"{seconds:.3f}"
+        proved = "" if plan.bound is None else str(plan.bound)
+        measures = str(plan.makespan), str(cost), f"{ratio:.3f}", proved, f"{seconds:.3f}"
         trials.add(name, measures, graph, plan.cells, record_of_plan(plan), cost, [seconds])
     trials.show(
-        ("planner", "makespan", "sum of costs", "times the bound", "seconds"),
+        ("planner", "makespan", "sum of costs", "times the bound", "proved bound", "seconds"),
         f"{counted(problem.robots, 'robot')}, {title}",
-        "lower bound: the longest of the shortest ways, and their sum",
+        "lower bound: the longest of the shortest ways, and their sum; "
+        "proved bound: no plan has a lower sum of costs",
     )
     if len(trials.notes) == len(names):
         raise typer.Exit(1)

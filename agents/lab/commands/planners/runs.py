@@ -12,6 +12,7 @@ import numpy as np
 from agents import registry
 from agents.errors import AgentError, PlanError, reason_of
 from agents.mapf.cbs import solve_cbs
+from agents.mapf.eecbs import solve_eecbs
 from agents.mapf.graph import CLOSED, FAR, Fields, Graph
 from agents.mapf.lacam import lacam
 from agents.mapf.pibt import pibt
@@ -29,6 +30,7 @@ SOLVERS: dict[str, Solver] = {
     "lacam": lacam,
     "prioritised": solve_prioritised,
     "cbs": solve_cbs,
+    "ecbs": solve_eecbs,
 }
 """Planners of robots that go to their goals once, by name."""
 
