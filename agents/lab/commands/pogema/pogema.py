@@ -144,6 +144,13 @@ def plan(
     names = list(dict.fromkeys(sets or SETS))
     if unknown := [name for name in names if name not in SETS]:
         raise typer.BadParameter(f"no set is called {unknown[0]!r}; allowed: {', '.join(SETS)}")
+    by_kind = {
+        each: planners_of(planners, each) if planners else DEFAULTS[each]
+        for each in Kind
+        if kind in (None, each)
+    }
+    if not any(by_kind.values()):
+        raise typer.BadParameter(f"no planner of --planner runs episodes that are {kind}")
     if data is None and not sets:
         left_out = [name for name in names if SETS[name].draw is None]
         names = [name for name in names if name not in left_out]
@@ -154,13 +161,6 @@ def plan(
         raise typer.BadParameter(
             f"--robots has {wrong[0]}; allowed: {', '.join(map(str, known))}, as in the benchmark"
         )
-    by_kind = {
-        each: planners_of(planners, each) if planners else DEFAULTS[each]
-        for each in Kind
-        if kind in (None, each)
-    }
-    if not any(by_kind.values()):
-        raise typer.BadParameter(f"no planner of --planner runs episodes that are {kind}")
     return [
         (instance, name)
         for each, chosen in by_kind.items()
