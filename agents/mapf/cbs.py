@@ -310,6 +310,7 @@ class ConflictTree:
             if other != robot
         }
         for pair in sorted(pairs):
+            self._look_at_clock()
             found = _conflicts(pair, node.ways[pair[0]], traces, 8 * self._sets.bytes)
             if found:
                 node.conflicts[pair] = found

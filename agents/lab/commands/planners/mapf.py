@@ -77,7 +77,8 @@ def mapf(
         list[str] | None,
         option(
             "--planner NAME",
-            f"{PLANNER} Where each robot has one goal, also {ONCE}.",
+            f"{PLANNER} Where each robot has one goal, also {ONCE}; ecbs:w=1.2 costs at most "
+            "1.2 times the optimum.",
             show_default=False,
         ),
     ] = None,
@@ -248,10 +249,9 @@ def solve_all(problem: Problem, planners: Sequence[str] | None, trials: Trials, 
     """Print the plans of planners for a problem."""
     names, graph = planners or list(SOLVERS), problem.graph
     solvers = [make_solver(name, trials.seed, problem, trials.seconds) for name in names]
-    ends = zip(problem.starts, problem.goals, strict=True)
-    ways = [float(graph.distances(goal)[start]) for start, goal in ends]
-    shortest, total = max(ways, default=0.0), sum(ways)
-    trials.rows.append(("lower bound", f"{shortest:.0f}", f"{total:.0f}", "1.000", "", ""))
+    ends, total = zip(problem.starts, problem.goals, strict=True), problem.lower_bound
+    longest = max((graph.distances(goal)[start] for start, goal in ends), default=0)
+    trials.rows.append(("lower bound", f"{longest:.0f}", str(total), "1.000", "", ""))
     for name, solve in zip(names, solvers, strict=True):
         begin = time.perf_counter()
         try:

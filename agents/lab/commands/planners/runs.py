@@ -99,6 +99,8 @@ def solve_checked(name: str, solve: Solver, problem: Problem, seconds: float) ->
     except PlanError:
         raise
     except Exception as error:  # the solver of a user may raise anything
+        if isinstance(error, ValueError) and name.partition(":")[0] in SOLVERS:
+            raise AgentError(f"planner {name!r}: {error}") from error  # an argument is not allowed
         reason = reason_of(error, agent_file(name))
         raise AgentError(f"planner {name!r} failed: {reason}") from error
     took = time.perf_counter() - begin[0], time.process_time() - begin[1]
