@@ -49,16 +49,17 @@ class Score(NamedTuple):
         """Number of episodes that it solved."""
         return int(np.isfinite(self.values).sum())
 
-    def mean(self, over: Numbers | float = 1.0) -> float:
-        """Return the mean of the values over others where both are known; NaN if none are."""
-        shares = self.ratios(over)
-        return float(shares.mean()) if shares.size else math.nan
-
-    def ratios(self, over: Numbers | float) -> Numbers:
+    def ratios(self, over: Numbers) -> Numbers:
         """Return the values over others, where both are known and the others are above 0."""
-        both = np.isfinite(self.values) & np.isfinite(over) & (np.asarray(over) > 0)
-        found: Numbers = self.values[both] / np.broadcast_to(over, both.shape)[both]
+        both = np.isfinite(self.values) & np.isfinite(over) & (over > 0)
+        found: Numbers = self.values[both] / over[both]
         return found
+
+    def share(self, other: Score) -> float:
+        """Return the sum of the values over another's, where both are known; NaN without any."""
+        both = np.isfinite(self.values) & np.isfinite(other.values)
+        total = float(other.values[both].sum())
+        return float(self.values[both].sum()) / total if total else math.nan
 
 
 class Group(NamedTuple):
@@ -73,11 +74,6 @@ class Group(NamedTuple):
     robots: int
     bound: Numbers
     scores: dict[str, Score]
-
-    @property
-    def reference(self) -> Score | None:
-        """The score that ratios are over, if that algorithm was run."""
-        return self.scores.get(REFERENCE[self.kind])
 
 
 def groups_of(results: dict[Key, Outcome]) -> list[Group]:
@@ -96,22 +92,25 @@ def groups_of(results: dict[Key, Outcome]) -> list[Group]:
 def _group(kind: Kind, collection: str, robots: int, mine: dict[Key, Outcome]) -> Group:
     episodes = sorted({key.episode for key in mine})
     bounds = {key.episode: float(each.bound) for key, each in mine.items()}
-    scores = {
-        name: Score(np.array(each.values)[episodes], each.seconds)
-        for name, each in published().get((kind, collection, robots), {}).items()
-    }
+    scores = dict[str, Score]()
+    for name, each in published().get((kind, collection, robots), {}).items():
+        values = np.array(each.values)[episodes]
+        if not np.isnan(values).all():
+            scores[name] = Score(values, each.seconds)
     for planner in dict.fromkeys(key.planner for key in mine):
         outcomes = {key.episode: each for key, each in mine.items() if key.planner == planner}
-        values = [
-            _value(kind, collection, outcomes[episode]) if episode in outcomes else math.nan
-            for episode in episodes
-        ]
+        values = np.array(
+            [
+                _value(kind, collection, outcomes[episode]) if episode in outcomes else math.nan
+                for episode in episodes
+            ]
+        )
         seconds = float(np.mean([each.seconds for each in outcomes.values()]))
         proved, late = (
             sum(each)
             for each in zip(*((one.proved, one.late) for one in outcomes.values()), strict=True)
         )
-        scores[planner] = Score(np.array(values), seconds, proved, late)
+        scores[planner] = Score(values, seconds, proved, late)
     bound = np.array([bounds[episode] for episode in episodes])
     return Group(kind, collection, robots, bound, scores)
 
@@ -124,18 +123,55 @@ def _value(kind: Kind, collection: str, outcome: Outcome) -> float:
     return outcome.costs if is_solved else math.inf
 
 
+COLUMNS = {
+    Kind.ONE_SHOT: ("solved", "optimal", "times the bound", "times LaCAM3", "worst", "seconds"),
+    Kind.LIFELONG: ("goals a step", "times RHCR", "worst", "ms a step"),
+}
+"""Names of the measures of an algorithm, which ``CAPTION`` explains."""
+
+CAPTION = {
+    Kind.ONE_SHOT: "Episodes solved within the benchmark's limit of steps, and those in which the "
+    "planner has proved that no plan costs less; costs over the sum of the shortest ways, mean; "
+    "costs over LaCAM3's where both solve, mean and worst; seconds of an episode: processor time "
+    "of planners here, by the clock of published algorithms.",
+    Kind.LIFELONG: "Goals reached in a step, mean; their sum over RHCR's, and the worst episode's "
+    "share; milliseconds a step: processor time of planners here, by the clock of published "
+    "algorithms.",
+}
+
+
+def measures(group: Group, name: str) -> tuple[str, ...]:
+    """Return what is measured of an algorithm as texts, empty where nothing is known."""
+    score = group.scores[name]
+    is_once = group.kind is Kind.ONE_SHOT
+    mean = worst = ""
+    if name != REFERENCE[group.kind] and (other := group.scores.get(REFERENCE[group.kind])):
+        ratios = score.ratios(other.values)
+        if ratios.size:
+            mean = f"{ratios.mean() if is_once else score.share(other):.3f}"
+            worst = f"{ratios.max() if is_once else ratios.min():.2f}"
+    if not is_once:
+        milliseconds = 1000 * score.seconds / SETS[group.collection].steps[1]
+        return f"{np.nanmean(score.values):.2f}", mean, worst, f"{milliseconds:.1f}"
+    bound = f"{score.ratios(group.bound).mean():.3f}" if score.solved else ""
+    proved = f"{score.proved}" if score.proved else ""
+    solved = f"{score.solved} of {score.episodes}"
+    digits = 3 if score.seconds < 1 else 1
+    return solved, proved, bound, mean, worst, f"{score.seconds:.{digits}f}"
+
+
 def tables(groups: Sequence[Group]) -> Iterator[TextTable]:
     """Yield a table for each kind of episodes: a row for each number of robots of each set."""
     for kind in Kind:
         rows = [group for group in groups if group.kind is kind]
-        names = list(dict.fromkeys(name for group in rows for name in group.scores))
+        names = names_of(rows)
         if rows:
             yield TextTable(
                 ("set, robots", *names),
                 [
                     (
                         f"{group.collection}, {group.robots}",
-                        *(cell(group, name) for name in names),
+                        *(cell(group, name) if name in group.scores else "" for name in names),
                     )
                     for group in rows
                 ],
@@ -144,40 +180,21 @@ def tables(groups: Sequence[Group]) -> Iterator[TextTable]:
             )
 
 
-CAPTION = {
-    Kind.ONE_SHOT: "Episodes solved within the benchmark's limit of steps; costs over the sum of "
-    "the shortest ways, mean; costs over LaCAM3's where both solve, mean (worst); seconds of an "
-    "episode: processor time of planners here, by the clock of published algorithms.",
-    Kind.LIFELONG: "Goals reached in a step, mean; times RHCR's, mean (worst); milliseconds a "
-    "step: processor time of planners here, by the clock of published algorithms.",
-}
-
-
 def cell(group: Group, name: str) -> str:
-    """Return what an algorithm reaches, in lines; empty if it was not run."""
-    score = group.scores.get(name)
-    if score is None or not score.episodes:
-        return "-"
-    lines = []
+    """Return what is measured of an algorithm, in lines."""
+    first, *more = measures(group, name)
     if group.kind is Kind.ONE_SHOT:
-        lines.append(f"{score.solved} of {score.episodes}")
-        if score.solved:
-            lines.append(f"{score.mean(group.bound):.3f}")
-        if score.proved:
-            lines.append(f"{score.proved} optimal")
-    else:
-        lines.append(f"{score.mean():.2f}")
-    if group.reference is not None and name != REFERENCE[group.kind]:
-        ratios = score.ratios(group.reference.values)
-        if ratios.size:
-            worst = ratios.max() if group.kind is Kind.ONE_SHOT else ratios.min()
-            lines.append(f"x {ratios.mean():.3f} ({worst:.2f})")
-    if group.kind is Kind.ONE_SHOT:
-        lines.append(f"{score.seconds:.2f} s")
-    else:
-        steps = SETS[group.collection].steps[1]
-        lines.append(f"{1000 * score.seconds / steps:.1f} ms")
-    return "\n".join(lines)
+        proved, bound, *more = more
+        first = "\n".join(filter(None, [first, proved and f"{proved} optimal", bound]))
+    mean, worst, time = more
+    ratio = f"x {mean} ({worst})" if mean else ""
+    unit = "s" if group.kind is Kind.ONE_SHOT else "ms"
+    return "\n".join(filter(None, [first, ratio, f"{time} {unit}"]))
+
+
+def names_of(groups: Sequence[Group]) -> list[str]:
+    """Return the names of the algorithms of some groups, published ones first."""
+    return list(dict.fromkeys(name for group in groups for name in group.scores))
 
 
 def late_steps(groups: Sequence[Group]) -> Iterator[str]:
