@@ -148,10 +148,9 @@ def make_solver(name: str, known: Mapping[str, Solver]) -> Solver | None:
     try:
         rest = partial(solve, None, 0.0)  # type: ignore[arg-type]
         inspect.signature(rest)
-    except TypeError:
+    except ValueError:
         raise AgentError(
-            f"function {source!r} takes no problem and seconds; needed: these two arguments, and "
-            "a default for any other"
+            f"function {source!r} takes no problem and seconds; needed: these two arguments"
         ) from None
     return partial(solve, **_options(f"planner {source!r}", rest, options))
 

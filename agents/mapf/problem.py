@@ -59,7 +59,7 @@ class Problem:
         """The sum of the fewest steps from starts to goals; no plan has a lower sum of costs."""
         graph = self.graph if self.graph.costs is None else Graph(self.graph.layout)
         ends = zip(self.starts, self.goals, strict=True)
-        return int(sum(graph.distances(goal)[start] for start, goal in ends))
+        return sum(int(graph.distances(goal)[start]) for start, goal in ends)
 
     def _check(self, name: str, cells: Sequence[int]) -> None:
         layout, first = self.graph.layout, dict[int, int]()

@@ -91,9 +91,6 @@ MAY_IMPORT = {
     "agents/lab/grading": "errors lab lab/runs lab/trials registry warehouse_agent_greedy",
     "agents/lab/training": "lab/trials learning",
     "agents/lab/commands/export": "errors lab/console lab/experiments lab/trials",
-    "agents/lab/commands/pogema": (
-        "errors lab/commands/planners lab/console lab/experiments lab/runs lab/trials mapf registry"
-    ),
     "agents/lab/reports/analysis": "lab lab/experiments lab/trials",
     "agents/lab/reports/figures": "errors lab lab/experiments lab/reports/analysis lab/trials",
     "agents/lab/reports": (
@@ -104,6 +101,10 @@ MAY_IMPORT = {
         "errors fleet lab lab/console lab/reports lab/runs lab/trials registry"
     ),
     "agents/lab/commands/grade": "errors lab/console lab/grading lab/reports lab/trials",
+    "agents/lab/commands/pogema": (
+        "errors lab/commands/planners lab/console lab/experiments lab/reports "
+        "lab/reports/analysis lab/reports/figures lab/runs lab/trials mapf registry"
+    ),
     "agents/lab/commands": (
         "errors fleet lab lab/commands/export lab/commands/fleet lab/commands/gap "
         "lab/commands/grade lab/commands/planners lab/commands/pogema lab/console lab/experiments "

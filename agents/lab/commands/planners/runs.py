@@ -12,6 +12,7 @@ import numpy as np
 from agents import registry
 from agents.errors import AgentError, PlanError, reason_of
 from agents.mapf.cbs import solve_cbs
+from agents.mapf.eecbs import solve_eecbs
 from agents.mapf.graph import CLOSED, FAR, Fields, Graph
 from agents.mapf.lacam import lacam
 from agents.mapf.pibt import pibt
@@ -29,6 +30,7 @@ SOLVERS: dict[str, Solver] = {
     "lacam": lacam,
     "prioritised": solve_prioritised,
     "cbs": solve_cbs,
+    "ecbs": solve_eecbs,
 }
 """Planners of robots that go to their goals once, by name."""
 
@@ -97,6 +99,8 @@ def solve_checked(name: str, solve: Solver, problem: Problem, seconds: float) ->
     except PlanError:
         raise
     except Exception as error:  # the solver of a user may raise anything
+        if isinstance(error, ValueError) and name.partition(":")[0] in SOLVERS:
+            raise AgentError(f"planner {name!r}: {error}") from error  # an argument is not allowed
         reason = reason_of(error, agent_file(name))
         raise AgentError(f"planner {name!r} failed: {reason}") from error
     took = time.perf_counter() - begin[0], time.process_time() - begin[1]

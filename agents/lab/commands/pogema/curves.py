@@ -40,7 +40,7 @@ class Curve(NamedTuple):
 
     Attributes:
         of: function that returns it for a score of a group; ``None`` where it is unknown.
-        unit: what its axis says; ``%`` for shares.
+        unit: name of its axis; ``%`` for shares.
         least: lower end of its axis; ``None`` for a logarithmic one.
     """
 

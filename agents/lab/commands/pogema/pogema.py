@@ -4,13 +4,13 @@ from __future__ import annotations
 
 import os
 from collections.abc import Sequence
-from concurrent.futures import FIRST_COMPLETED, Future, wait
+from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
+from contextlib import AbstractContextManager, nullcontext
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
-from agents.lab.commands.planners.compare_planners import parse_sizes
 from agents.lab.commands.planners.mapf import PLANNER
 from agents.lab.commands.planners.runs import SOLVERS, is_solver, is_stepper, make_stepper
 from agents.lab.commands.pogema.benchmark import SETS, SITE, Instance, Kind, instances
@@ -21,9 +21,10 @@ from agents.lab.console import options
 from agents.lab.console.options import MANY, one_of, option, writable
 from agents.lab.console.table import print_table
 from agents.lab.console.terminal import print_error, say
+from agents.lab.console.values import parse_sizes
 from agents.lab.experiments.cluster import cluster
 from agents.lab.experiments.running import TASKS_PER_WORKER, TICK
-from agents.lab.trials.workers import deferred_interrupts, process_pool
+from agents.lab.trials.workers import Here, deferred_interrupts, process_pool
 from warehouse_core import DEFAULT_LAYOUT
 from warehouse_core.wording import counted, listed
 
@@ -143,6 +144,13 @@ def plan(
     names = list(dict.fromkeys(sets or SETS))
     if unknown := [name for name in names if name not in SETS]:
         raise typer.BadParameter(f"no set is called {unknown[0]!r}; allowed: {', '.join(SETS)}")
+    by_kind = {
+        each: planners_of(planners, each) if planners else DEFAULTS[each]
+        for each in Kind
+        if kind in (None, each)
+    }
+    if not any(by_kind.values()):
+        raise typer.BadParameter(f"no planner of --planner runs episodes that are {kind}")
     if data is None and not sets:
         left_out = [name for name in names if SETS[name].draw is None]
         names = [name for name in names if name not in left_out]
@@ -153,13 +161,6 @@ def plan(
         raise typer.BadParameter(
             f"--robots has {wrong[0]}; allowed: {', '.join(map(str, known))}, as in the benchmark"
         )
-    by_kind = {
-        each: planners_of(planners, each) if planners else DEFAULTS[each]
-        for each in Kind
-        if kind in (None, each)
-    }
-    if not any(by_kind.values()):
-        raise typer.BadParameter(f"no planner of --planner runs episodes that are {kind}")
     return [
         (instance, name)
         for each, chosen in by_kind.items()
@@ -186,7 +187,11 @@ def run_all(
     if not tasks:
         return
     count = min(jobs or os.cpu_count() or 1, len(tasks))
-    pool = process_pool(count) if address is None else cluster(address)
+    pool: AbstractContextManager[tuple[Executor, int]] = nullcontext((Here(), 1))
+    if address is not None:
+        pool = cluster(address)
+    elif count > 1:
+        pool = process_pool(count)
     done, waiting = 0, iter(tasks)
     with (
         deferred_interrupts() as check,
@@ -200,7 +205,8 @@ def run_all(
                     running[executor.submit(run_instance, *task, seconds)] = task
                 if not running:
                     return
-                for future in wait(running, TICK, return_when=FIRST_COMPLETED)[0]:
+                ended, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
+                for future in [each for each in running if each in ended]:
                     results.add(*running.pop(future), seconds, future.result())
                     done += 1
                     advance(done)

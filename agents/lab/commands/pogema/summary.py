@@ -127,7 +127,7 @@ COLUMNS = {
     Kind.ONE_SHOT: ("solved", "optimal", "times the bound", "times LaCAM3", "worst", "seconds"),
     Kind.LIFELONG: ("goals a step", "times RHCR", "worst", "ms a step"),
 }
-"""What is measured of an algorithm; see ``CAPTION``."""
+"""Names of the measures of an algorithm, which ``CAPTION`` explains."""
 
 CAPTION = {
     Kind.ONE_SHOT: "Episodes solved within the benchmark's limit of steps, and those in which the "
