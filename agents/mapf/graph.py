@@ -183,8 +183,8 @@ class Fields:
     """The distance fields of the goals that many robots have now, as rows of a matrix.
 
     Distances are whole numbers of steps, or of a tenth of a step where moves or turns have costs,
-    which are rounded to tenths. ``FAR`` stands for infinite. Once the rows take ``MAX_BYTES``,
-    those of goals that nobody has are used again.
+    which are rounded to tenths. ``FAR`` stands for infinite. Rows of goals that nobody has are used
+    again once all rows take ``MAX_BYTES``.
 
     Attributes:
         step: distance of a step without lanes and turns: 1 or ``PARTS``.
@@ -242,18 +242,23 @@ class Fields:
         near[np.isin(graph.neighbours[here], list(graph.closed))] = graph.places
         near[:, WAIT] = np.arange(graph.places)
         self.near = near
-        costs = np.ones((graph.size, WAIT)) if graph.costs is None else graph.costs
-        price = np.pad(costs, ((0, 0), (0, 1)), constant_values=1)[here] + graph.turns[facing]
+        costs = np.ones((graph.size, WAIT + 1))
+        if graph.costs is not None:
+            costs[:, :WAIT] = graph.costs
+        price = costs[here] + graph.turns[facing]
         beside = near[: graph.size, :WAIT] % graph.size
         is_open = near[: graph.size, :WAIT] != graph.places
         degree = is_open.sum(axis=1)
         through = (is_open & (degree[beside] > 1)).sum(axis=1)
         self.prices = np.rint(price * self.step).astype(np.int64)
-        buffers = map(buffer_of, (near, self.prices, degree, through))
-        return Floor(graph.size, graph.places, *buffers, self.step)
+        return Floor(
+            size=graph.size, closed=graph.places, near=buffer_of(near),
+            price=buffer_of(self.prices), degree=buffer_of(degree), through=buffer_of(through),
+            step=self.step,
+        )  # fmt: skip
 
     def _free_rows(self, goals: Integers, number: int) -> None:
-        """Free at least so many rows: those of old goals, if all take too much, else new ones."""
+        """Free so many rows, of old goals if all rows take ``MAX_BYTES``, else new ones."""
         rows = len(self.matrix)
         if self.matrix.nbytes >= MAX_BYTES:
             is_old = self._row_of != NO_ROW

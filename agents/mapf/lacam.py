@@ -57,7 +57,7 @@ class LaCAM:
         seed: seed of random tie-breaks.
 
     Attributes:
-        is_done: whether all is tried, so that the plan is the best, or there is none.
+        is_done: true if all is tried, so that the plan is the best, or there is none.
     """
 
     def __init__(self, problem: Problem, seed: int = 0) -> None:

@@ -2,7 +2,10 @@
 
 from __future__ import annotations
 
+from typing import cast
+
 import numpy as np
+from numpy.typing import NDArray
 
 from agents.mapf.graph import EAST, Fields, Graph
 from agents.mapf.kernels.buffers import IS_COMPILED, buffer_of, prepare
@@ -58,7 +61,8 @@ class PIBT:
     def reset(self) -> None:
         """Forget the last episode, and begin again with the random numbers of the seed."""
         self._goals: Integers = np.empty(0, np.intp)
-        self._cells = self._headings = self._goals
+        self._cells = self._headings = self._ages = self._goals
+        self._ranks: NDArray[np.float64] = np.empty(0)
         self.pushers: Integers = np.empty(0, np.intp)
 
     def next_cells(self, situation: Situation) -> Integers:
@@ -113,7 +117,7 @@ class PIBT:
         is_step, number = near != closed, np.arange(len(places))
         to = np.where(is_step, near, places[:, None])
         draw(team.random)
-        chance = mix(team.random[0] + number * SPREAD)[:, None]
+        chance = cast(Integers, mix(cast(int, team.random[0] + number * SPREAD)))[:, None]
         chance = chance >> 3 * (is_step.cumsum(axis=1) - 1) & CHANCE_KEY
         distances = self.fields.matrix[rows[:, None], to].astype(np.int64)
         keys = (distances + self.fields.prices[places]) * (STEP_KEY // self.fields.step) + chance
@@ -123,7 +127,7 @@ class PIBT:
         keys[~is_step] = np.iinfo(np.int64).max
         best = np.argsort(keys, axis=1, kind="stable")
         team.choices[:] = buffer_of(np.take_along_axis(to, best, 1))
-        team.count[:] = buffer_of(is_step.sum(axis=1))
+        team.options[:] = buffer_of(is_step.sum(axis=1))
         team.is_sorted[0] = 1
 
 

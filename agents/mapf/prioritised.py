@@ -15,6 +15,7 @@ from agents.mapf.reservations import Reservations
 from agents.mapf.space_time import find_way, moves_of
 from warehouse_core.wording import counted
 
+
 def solve_prioritised(problem: Problem, seconds: float) -> Plan:
     """Return a plan by cooperative A*; see ``problem.Solver``.
 

@@ -1,9 +1,9 @@
 """Flat buffers, and functions on them that Numba compiles where it is installed.
 
-With Numba, buffers are arrays, and kernels are compiled for exactly these types when they are first
-needed, and kept for other processes. Without it, buffers are lists, which plain Python reads faster. Kernels have whole
-numbers only, so that both give the same results bit for bit. ``WAREHOUSE_FAST=0`` in the environment
-leaves Numba out.
+With Numba, buffers are arrays, and kernels are compiled for exactly these types when they are
+first needed, and kept for other processes. Without it, buffers are lists, which plain Python reads
+faster. Kernels have whole numbers only, so that both give the same results bit for bit.
+``WAREHOUSE_FAST=0`` in the environment leaves Numba out.
 """
 
 from __future__ import annotations
@@ -11,6 +11,7 @@ from __future__ import annotations
 import os
 from collections.abc import Callable
 from functools import cached_property, update_wrapper
+from importlib import import_module
 from importlib.util import find_spec
 from typing import Any, TypeAlias, TypeVar, cast, get_type_hints
 
@@ -18,13 +19,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 IS_COMPILED = os.environ.get("WAREHOUSE_FAST") != "0" and find_spec("numba") is not None
-"""Whether kernels are compiled."""
+"""True if kernels are compiled."""
 
 Buffer: TypeAlias = list[int]
 """Buffer of numbers of 64 bits: a list, or an array where kernels are compiled."""
 
 Table: TypeAlias = memoryview
-"""Large buffer of numbers of 32 bits: a view of an array, or the array where kernels are compiled."""
+"""Large buffer of numbers of 32 bits: a view of an array, or the array itself if compiled."""
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
@@ -43,7 +44,7 @@ def buffer_of(numbers: NDArray[np.integer]) -> Buffer:
 def table_of(numbers: NDArray[np.int32]) -> Table:
     """Return a table that shares the memory of a contiguous array."""
     flat = numbers.reshape(-1)
-    return cast(Table, flat) if IS_COMPILED else memoryview(flat)
+    return cast(Table, flat) if IS_COMPILED else memoryview(cast(Any, flat))
 
 
 def enlarged(old: Buffer, size: int, value: int = 0) -> Buffer:
@@ -65,22 +66,21 @@ class CompiledKernel:
     @cached_property
     def compiled(self) -> Any:
         """Compile the kernel for the types that its annotations name, unless it is done."""
-        from numba import njit
-
+        numba: Any = import_module("numba")
         hints = get_type_hints(self._function)
         result = _type_of(hints.pop("return"))
         types = result(*map(_type_of, hints.values()))
         # Kernels allocate nothing, and without counts of references they are several times as fast.
-        return njit(types, cache=True, error_model="numpy", _nrt=False)(self._function)
+        return numba.njit(types, cache=True, error_model="numpy", _nrt=False)(self._function)
 
     @property
     def _numba_type_(self) -> Any:
         """Numba's type of this kernel where another calls it."""
-        from numba import types
-
+        types: Any = import_module("numba").types
         return types.Dispatcher(self.compiled)
 
     def __call__(self, *arguments: Any) -> Any:
+        """Call the kernel with buffers, tables and whole numbers."""
         return self.compiled(*arguments)
 
 
@@ -101,8 +101,7 @@ def prepare(*kernels: Callable[..., Any]) -> None:
 
 def _type_of(hint: Any) -> Any:
     """Return Numba's type for an annotation."""
-    from numba import types
-
+    types: Any = import_module("numba").types
     if hint == Buffer:
         return types.int64[::1]
     if hint is memoryview:

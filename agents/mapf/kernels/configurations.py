@@ -80,14 +80,17 @@ ROOM = 64
 """Configurations for which there is room at first."""
 
 PER_NODE = ("parent", "cost", "left", "tried", "edges", "entries", "queue", "is_queued")
+"""Buffers with a number for each configuration."""
 
 
 def new_search(robots: int) -> Search:
     """Return the buffers of a search that knows nothing yet."""
     search = Search(
-        buffer(ROOM * robots), buffer(ROOM * robots), *[buffer(ROOM) for _ in range(7)],
-        buffer(4 * ROOM), buffer(4 * ROOM), buffer(ROOM), buffer(ROOM + 1), buffer(ROOM),
-        buffer(robots), buffer(robots), buffer(5),
+        places=buffer(ROOM * robots), orders=buffer(ROOM * robots), parent=buffer(ROOM),
+        cost=buffer(ROOM), left=buffer(ROOM), tried=buffer(ROOM), edges=buffer(ROOM),
+        edge_to=buffer(ROOM), edge_next=buffer(ROOM), table=buffer(4 * ROOM),
+        opened=buffer(4 * ROOM), entries=buffer(ROOM), queue=buffer(ROOM + 1),
+        is_queued=buffer(ROOM), ranks=buffer(robots), rows=buffer(robots), counts=buffer(5),
     )  # fmt: skip
     search.counts[BEST] = NONE
     return search
@@ -293,7 +296,7 @@ def explore(
     """Search on for some rounds of PIBT.
 
     Args:
-        search: what is known so far.
+        search: known configurations.
         team: robots of any configuration.
         floor: floor of the robots.
         fields: distances that guide the robots.

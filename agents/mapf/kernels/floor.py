@@ -28,7 +28,7 @@ class Floor(NamedTuple):
         near: ``[places * 5]``, place that each action leads to from each place, or ``closed``.
         price: ``[places * 5]``, cost of each of these steps.
         degree: ``[size]``, cells beside each cell.
-        through: ``[size]``, those of these that are no dead ends.
+        through: ``[size]``, cells beside each cell that are no dead ends.
         step: cost of a step without lanes and turns, 1 or more.
     """
 

@@ -58,8 +58,9 @@ class Groups(NamedTuple):
 def new_groups(robots: int, times: int, seed: int | None) -> Groups:
     """Return the buffers of a search."""
     return Groups(
-        buffer(MOST + 1), buffer(robots), buffer(MOST * times), buffer(MOST), buffer(KINDS * SIZES, WEIGHT),
-        buffer(2), first_random(seed),
+        members=buffer(MOST + 1), is_in=buffer(robots), saved=buffer(MOST * times),
+        costs=buffer(MOST), weights=buffer(KINDS * SIZES, WEIGHT), counts=buffer(2),
+        random=first_random(seed),
     )  # fmt: skip
 
 
@@ -93,9 +94,7 @@ def late_robot(ways: Ways, groups: Groups, fields: Table) -> int:
 
 
 @kernel
-def gather_late(
-    floor: Floor, ways: Ways, groups: Groups, fields: Table, size: int
-) -> None:
+def gather_late(floor: Floor, ways: Ways, groups: Groups, fields: Table, size: int) -> None:
     """Gather a late robot and those whom it meets on walks that would bring it there sooner."""
     times, random, near = ways.times, groups.random, floor.near
     robot = late_robot(ways, groups, fields)
@@ -150,9 +149,7 @@ def gather_near(floor: Floor, ways: Ways, groups: Groups, size: int) -> None:
 
 
 @kernel
-def gather(
-    floor: Floor, ways: Ways, groups: Groups, fields: Table, kind: int, size: int
-) -> None:
+def gather(floor: Floor, ways: Ways, groups: Groups, fields: Table, kind: int, size: int) -> None:
     """Gather a group of at most so many robots in a random order."""
     members, random, robots = groups.members, groups.random, len(ways.costs)
     members[MOST] = 0

@@ -34,11 +34,11 @@ def price_of_way(floor: Floor, ways: Ways, fields: Table, robot: int) -> int:
 def roll(floor: Floor, ways: Ways, team: Team, fields: Table, first: int, last: int) -> None:
     """Write the places at the times after ``first`` to ``last``, by a round of PIBT each.
 
-    In the first step of all, robots stay that have to. The order of the team is that of its
-    priorities at the time ``first``.
+    The robots of ``ways.stays`` stay in the step from the time 0. The order of the team is that at
+    the time ``first``.
     """
     robots, times, size = len(team.goals), ways.times, floor.size
-    order, here = team.order, team.places
+    here = team.places
     for robot in range(robots):
         here[robot] = ways.places[robot * times + first]
     for time in range(first, last):

@@ -27,12 +27,13 @@ CHOSEN, CLOSED = 1, 2
 """Marks of a cell that is somebody's next, and of one that only who is in it can have."""
 
 WAIT_KEY, OCCUPIED_KEY, CHANCE_KEY = 20, 20, 7
-"""What makes a choice worse, in fortieths of a step: waiting, somebody in the cell, and at most
-chance. Together they are less than a step, so that no robot waits behind one that it could push.
+"""Keys of a choice in fortieths of a step: waiting, somebody in the cell, and the most of chance.
+
+Together they are less than two steps, so that no robot waits behind one that it could push.
 """
 
 SPREAD = 0x9E3779B9
-"""Factor that makes the chance of one robot differ from that of the next."""
+"""Multiplier of the number of a robot, so that each has another chance."""
 
 STEP_KEY = 40
 """A step in the units of these keys."""
@@ -51,7 +52,7 @@ class Team(NamedTuple):
         robot_in: ``[size]``, robot in each cell, or ``NOBODY``.
         is_taken: ``[size]``, ``CHOSEN``, ``CLOSED``, or 0.
         choices: ``[R * 5]``, places that each can go to, the best first.
-        count: number of these.
+        options: number of these.
         tried: number of choices that each has tried.
         partner: robot that each swaps with, or ``NOBODY``.
         stack: robots that wait for one that they push.
@@ -70,7 +71,7 @@ class Team(NamedTuple):
     robot_in: Buffer
     is_taken: Buffer
     choices: Buffer
-    count: Buffer
+    options: Buffer
     tried: Buffer
     partner: Buffer
     stack: Buffer
@@ -87,11 +88,13 @@ def first_random(seed: int | None) -> Buffer:
 
 def team_of(size: int, robots: int, seed: int | None, is_final: bool = False) -> Team:
     """Return the buffers of a team on so many cells, with nothing in them."""
-    each = [buffer(robots) for _ in range(4)]
-    undecided, nobody = buffer(robots, UNDECIDED), buffer(robots, NOBODY)
-    more = [buffer(robots) for _ in range(4)]
     return Team(
-        *each, undecided, nobody, buffer(size, NOBODY), buffer(size), buffer(robots * ACTIONS), *more, buffer(ACTIONS), first_random(seed), buffer(1), buffer(1, int(is_final)),
+        places=buffer(robots), goals=buffer(robots), rows=buffer(robots), order=buffer(robots),
+        chosen=buffer(robots, UNDECIDED), pushers=buffer(robots, NOBODY),
+        robot_in=buffer(size, NOBODY), is_taken=buffer(size), choices=buffer(robots * ACTIONS),
+        options=buffer(robots), tried=buffer(robots), partner=buffer(robots),
+        stack=buffer(robots), keys=buffer(ACTIONS), random=first_random(seed),
+        is_sorted=buffer(1), is_final=buffer(1, int(is_final)),
     )  # fmt: skip
 
 
@@ -142,7 +145,7 @@ def sort_choices(floor: Floor, team: Team, fields: Table, robot: int) -> None:
         keys[at] = key
         choices[first + at] = to
         count += 1
-    team.count[robot] = count
+    team.options[robot] = count
 
 
 @kernel
@@ -246,7 +249,7 @@ def begin(floor: Floor, team: Team, fields: Table, robot: int) -> None:
     partner = swap_partner(floor, team, fields, robot)
     team.partner[robot] = partner
     if partner != NOBODY:
-        first, last = robot * ACTIONS, robot * ACTIONS + team.count[robot] - 1
+        first, last = robot * ACTIONS, robot * ACTIONS + team.options[robot] - 1
         choices = team.choices
         while first < last:
             choices[first], choices[last] = choices[last], choices[first]
@@ -280,7 +283,7 @@ def choose(floor: Floor, team: Team, fields: Table) -> bool:
         robot was taken before.
     """
     size, places, chosen, is_taken = floor.size, team.places, team.chosen, team.is_taken
-    robot_in, choices, count, tried = team.robot_in, team.choices, team.count, team.tried
+    robot_in, choices, options, tried = team.robot_in, team.choices, team.options, team.tried
     is_complete = True
     if team.is_sorted[0] == 0:
         draw(team.random)
@@ -291,7 +294,7 @@ def choose(floor: Floor, team: Team, fields: Table) -> bool:
         begin(floor, team, fields, robot)
         while True:
             here, other, is_found = places[robot] % size, NOBODY, False
-            while tried[robot] < count[robot] and not is_found:
+            while tried[robot] < options[robot] and not is_found:
                 place = choices[robot * ACTIONS + tried[robot]]
                 tried[robot] += 1
                 cell = place % size

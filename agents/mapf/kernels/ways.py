@@ -26,6 +26,9 @@ CLOSED_STEPS = 5
 BUCKETS = 4_000
 """Costs above the least possible one that a way may have."""
 
+MAX_ENTRIES = 4_000_000
+"""States that a search may put into buckets."""
+
 
 class Ways(NamedTuple):
     """The ways of ``R`` robots through ``T`` times.
@@ -81,19 +84,20 @@ class Frontier(NamedTuple):
 def new_ways(floor: Floor, robots: int, times: int, is_open: bool) -> Ways:
     """Return the buffers of ways, with nothing reserved."""
     return Ways(
-        times, int(is_open), new_table(robots * times), new_table(times * floor.size),
-        *(buffer(robots) for _ in range(4)), buffer(0), buffer(floor.size),
+        times=times, is_open=int(is_open), places=new_table(robots * times),
+        reserved=new_table(times * floor.size), costs=buffer(robots), goals=buffer(robots),
+        rows=buffer(robots), stays=buffer(robots), closed=buffer(0), is_closed=buffer(floor.size),
     )  # fmt: skip
 
 
 def new_frontier(floor: Floor, ways: Ways) -> Frontier:
     """Return the buffers of searches for such ways."""
     states = ways.times * floor.closed * (1 + ways.is_open)
-    tables = [new_table(states) for _ in range(3)]
-    entries = min(2 * states, 4_000_000) + ACTIONS
+    room = min(2 * states, MAX_ENTRIES) + ACTIONS
     return Frontier(
-        buffer(2), *tables, buffer(BUCKETS, NONE), new_table(entries), new_table(entries)
-    )
+        serial=buffer(2), seen=new_table(states), spent=new_table(states), came=new_table(states),
+        heads=buffer(BUCKETS, NONE), entries=new_table(room), below=new_table(room),
+    )  # fmt: skip
 
 
 def new_table(size: int) -> Table:
@@ -169,11 +173,7 @@ def find_way(
         left = 0 if has_arrived else fields[row + place]
         if max(cost + left, free) != least + bucket:
             continue  # a cheaper way there was found since
-        if ways.is_open == 0:
-            is_end = cell == goal and cost >= free
-        else:
-            is_end = time == times - 1
-        if is_end:
+        if time == times - 1 if ways.is_open == 1 else cell == goal and cost >= free:
             found = state
             break
         if time == times - 1 or count + ACTIONS > len(entries):

@@ -7,13 +7,14 @@ import pytest
 
 from agents.errors import AgentError, PlanError
 from agents.mapf import graph as module
-from agents.mapf.graph import CLOSED, FAR, Fields, Graph
+from agents.mapf.graph import CLOSED, Fields, Graph
+from agents.mapf.kernels.floor import FAR
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import NO_CELLS, Planner, Situation, check_step
-from agents.mapf.windows import WindowedPlanner
 from agents.mapf.problem import Problem
+from agents.mapf.windows import WindowedPlanner
 from agents.registry import make_planner
 from warehouse_core import Layout, random_layout
 from warehouse_core.world.actions import DISPLACEMENTS

@@ -5,9 +5,7 @@ from helpers.mapf_problems import problem_of, random_problems
 from helpers.mapf_runs import check_solver
 
 from agents.errors import PlanError
-from agents.mapf.graph import Graph
 from agents.mapf.prioritised import solve_prioritised
-from warehouse_core import Layout, random_layout
 
 BAY = ["....", "#.##"]
 """Cells 0 to 3 in a row, and the bay 5 below 1."""

@@ -82,9 +82,7 @@ def test_only_distance_counts_beyond_the_window() -> None:
     """A robot at the end of the window is in nobody's way, however long it stays there."""
     layout, stays = Layout(["." * 8, "." * 8]), [1]
     steps = {
-        window: WindowedPlanner(Graph(layout), window).next_cells(
-            situation([0, 3], [7, 3], stays)
-        )
+        window: WindowedPlanner(Graph(layout), window).next_cells(situation([0, 3], [7, 3], stays))
         for window in (2, 7)
     }
     assert steps[2].tolist() == [1, 3]
