@@ -57,7 +57,7 @@ def measures_of(kind: Kind, planner: str, place: tuple[str, int, int], measured)
     return figures[planner]
 
 
-@pytest.mark.parametrize("place", ONE_SHOT)
+@pytest.mark.parametrize("place", ONE_SHOT, ids=str)
 def test_plans(place: tuple[str, int, int], measured) -> None:
     solved, ratio = ONE_SHOT[place]
     found = measures_of(Kind.ONE_SHOT, "lacam", place, measured)
@@ -65,7 +65,7 @@ def test_plans(place: tuple[str, int, int], measured) -> None:
     assert float(found["times LaCAM3"]) <= ratio
 
 
-@pytest.mark.parametrize("place", LIFELONG)
+@pytest.mark.parametrize("place", LIFELONG, ids=str)
 def test_lifelong_windows(place: tuple[str, int, int], measured) -> None:
     found = measures_of(Kind.LIFELONG, "windowed", place, measured)
     assert float(found["goals a step"]) >= LIFELONG[place]
