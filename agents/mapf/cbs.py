@@ -49,6 +49,9 @@ NO_PLAN = "there is no plan: some robot has no way that keeps clear of the other
 MAX_BYTES = 500_000_000
 """Memory of layers and traces, about, beyond which they are forgotten."""
 
+LEAST_KEPT = 4
+"""Number of layers and traces per robot that are kept in any case."""
+
 
 class Conflict(NamedTuple):
     """Two robots in one cell, two that change places, or two that clash.
@@ -159,7 +162,7 @@ class ConflictTree:
             node.ways.append(self._way(robot, node))
         self._find_conflicts(node, set(range(self.problem.robots)))
         most = self._sets.bytes * _horizon(way.cost for way in node.ways)
-        self._most_kept = max(MAX_BYTES // most, 4 * self.problem.robots)
+        self._most_kept = max(MAX_BYTES // most, LEAST_KEPT * self.problem.robots)
         self.nodes = [node]
         return node
 
@@ -251,24 +254,20 @@ class ConflictTree:
         """Return the other robots whose cheapest ways, or whose way, a constraint forbids."""
         if not constraint.holds:
             return
-        rules, own, last = Rules(), constraint.robot, _horizon(way.cost for way in node.ways)
-        rules.add(self._sets, constraint, False, self._goals[own])
-        closed = [*rules.closed.items()]
-        for begin, cells in rules.ends.items():
-            closed += [(time, cells) for time in range(begin, last)]
+        rules, bits = Rules(), self._sets.bits
+        rules.add(self._sets, constraint, False, self._goals[constraint.robot])
         for robot, (route, way) in enumerate(zip(node.routes, node.ways, strict=True)):
-
-            def cells_at(time: int, route: Route = route, way: TracedWay = way) -> int:
-                return route.layer(time) | self._sets.bits[way.at(time)]
-
-            if robot != own and (
-                any(cells & cells_at(time) for time, cells in closed)
-                or any(
-                    cell & cells_at(time) and before & cells_at(time - 1)
-                    for time, barred in rules.into.items()
-                    for cell, before in barred.items()
-                )
-            ):
+            if robot == constraint.robot:
+                continue
+            end = max(route.cost, way.cost) + 1  # from then on it is in its own goal
+            closed = [*rules.closed.items()]
+            for begin, cells in rules.ends.items():
+                closed += [(time, cells) for time in range(begin, end)]
+            for time, barred in rules.into.items():
+                for cell, before in barred.items():
+                    if before & (route.layer(time - 1) | bits[way.at(time - 1)]):
+                        closed.append((time, cell))
+            if any(cells & (route.layer(time) | bits[way.at(time)]) for time, cells in closed):
                 yield robot
 
     def _route(self, robot: int, node: ConflictNode | None) -> Route:
@@ -303,17 +302,16 @@ class ConflictTree:
         node.conflicts = {
             pair: found for pair, found in node.conflicts.items() if changed.isdisjoint(pair)
         }
-        pairs = {
-            (min(robot, other), max(robot, other))
-            for robot in changed
-            for other in range(len(traces))
-            if other != robot
-        }
-        for pair in sorted(pairs):
+        layer = 8 * self._sets.bytes
+        for robot in sorted(changed):
             self._look_at_clock()
-            found = _conflicts(pair, node.ways[pair[0]], traces, 8 * self._sets.bytes)
-            if found:
-                node.conflicts[pair] = found
+            near = traces[robot] | traces[robot] << layer  # who swaps enters where it was before
+            for other, trace in enumerate(traces):
+                if near & trace and other != robot:
+                    pair = (robot, other) if robot < other else (other, robot)
+                    found = _conflicts(pair, node.ways[pair[0]], traces, layer)
+                    if found:
+                        node.conflicts[pair] = found
 
     def _look_at_clock(self) -> None:
         if perf_counter() > self._deadline:

@@ -102,7 +102,7 @@ class Route:
             new, swap = [0] * (len(counts[-1]) + 2), dict[int, int]()
             for number, cells in enumerate(counts[-1]):
                 reached = step(sets, cells, self.rules.into.get(time)) & allowed
-                if cells & busy and reached & left:
+                if cells & busy and sets.spread(cells & busy) & reached & left:
                     for cell, before in self._swaps(others, time, cells & busy, reached & left):
                         swap[cell] = swap.get(cell, 0) | before
                         if reached & cell and not self._before(time, cell) & cells & ~swap[cell]:
@@ -176,9 +176,7 @@ class Route:
                 if step(sets, before, rules.into.get(time)) & goal:
                     return [*layers[:-2], before, cells]
             if last is None and (
-                time >= rules.most
-                or not cells
-                or (time > max(first, rules.latest) and cells == layers[-2])
+                time >= rules.most or not cells or (time > rules.latest and cells == layers[-2])
             ):
                 return []
             time += 1

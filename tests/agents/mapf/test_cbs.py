@@ -5,7 +5,8 @@ from helpers.mapf_problems import problem_of, random_problem, random_problems, s
 from helpers.mapf_runs import check_solver
 
 from agents.errors import PlanError
-from agents.mapf.cbs import ConflictTree, solve_cbs
+from agents.mapf import cbs
+from agents.mapf.cbs import ConflictTree, separate_delays, solve_cbs
 from agents.mapf.graph import Graph
 from agents.mapf.problem import Problem
 from agents.mapf.rules import Constraint
@@ -62,6 +63,27 @@ def test_a_robot_in_its_goal_lets_another_pass() -> None:
     assert {node.parent for node in others} <= set(tree.nodes)
     assert all(node.cost >= node.parent.cost for node in others if node.parent is not None)
     assert all(isinstance(rule, Constraint) for node in others for rule in node.constraints)
+
+
+def test_no_robot_counts_in_two_pairs_of_a_bound() -> None:
+    assert separate_delays({(0, 1): (2, 3), (1, 2): (5, 1), (2, 3): (1, 4), (3, 4): (1, 1)}) == 3
+    assert separate_delays({}) == 0
+
+
+def test_closed_cells_are_kept_out_of() -> None:
+    problem = problem_of(["...", "...", "..."], [0, 2], [2, 0])
+    problem.graph.close(frozenset({1}))
+    plan = solve_cbs(problem, SECONDS)
+    assert plan.sum_of_costs == smallest_cost([".#.", "...", "..."], [0, 2], [2, 0])
+
+
+def test_sets_that_were_forgotten_are_made_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = random_problem(random_layout(16, 16, 0.2, 3), 12, 3)
+    plan = solve_cbs(problem, SECONDS)
+    assert plan.sum_of_costs > problem.lower_bound
+    monkeypatch.setattr(cbs, "MAX_BYTES", 0)
+    monkeypatch.setattr(cbs, "LEAST_KEPT", 1)
+    assert solve_cbs(problem, SECONDS).cells.tolist() == plan.cells.tolist()
 
 
 def test_lanes_do_not_change_the_cost() -> None:
