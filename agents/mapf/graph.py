@@ -160,6 +160,17 @@ class Graph:
         return way
 
     @cached_property
+    def parts(self) -> Integers:
+        """Return a number for each place, equal for places between which a way leads, ``[places]``.
+
+        Cells that are closed are not taken into account.
+        """
+        from scipy.sparse.csgraph import connected_components
+
+        found: Integers = connected_components(self._edges, directed=False)[1]
+        return found
+
+    @cached_property
     def _edges(self) -> csr_array:
         """Return the moves from where they lead to where they start, so that goals are sources."""
         from scipy.sparse import csr_array

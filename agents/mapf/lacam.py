@@ -58,6 +58,7 @@ class LaCAM:
 
     Attributes:
         is_done: true if all is tried, so that the plan is the best, or there is none.
+        steps: distances in steps.
     """
 
     def __init__(self, problem: Problem, seed: int = 0) -> None:
@@ -66,13 +67,13 @@ class LaCAM:
         graph, goals = problem.graph, np.array(problem.goals, np.intp)
         fields = Fields(graph)
         rows = fields.rows(goals) * graph.places
-        steps = fields if fields.step == 1 else Fields(Graph(graph.layout))
-        step_rows = steps.rows(goals) * graph.size
-        self._floor, self._fields, self._steps = fields.floor, fields.table, steps.table
+        self.steps = fields if fields.step == 1 else Fields(Graph(graph.layout))
+        step_rows = self.steps.rows(goals) * graph.size
+        self._floor, self._fields, self._steps = fields.floor, fields.table, self.steps.table
         self._team = team_of(graph.size, problem.robots, seed, is_final=True)
         self._team.goals[:], self._team.rows[:] = buffer_of(goals), buffer_of(rows)
         starts = np.array(problem.starts, np.intp)
-        ranks = np.argsort(-steps.matrix.ravel()[step_rows + starts], kind="stable")
+        ranks = np.argsort(-self.steps.matrix.ravel()[step_rows + starts], kind="stable")
         self._search = search = kernels.new_search(problem.robots)
         search.ranks[:], search.rows[:] = buffer_of(ranks), buffer_of(step_rows)
         self._team.chosen[:] = buffer_of(starts)

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 
 from agents.errors import PlanError
-from agents.mapf.graph import Graph
+from agents.mapf.graph import Fields, Graph
 from warehouse_core.world.tables import Integers
 
 
@@ -43,8 +43,9 @@ class Problem:
             )
         self._check("start", self.starts)
         self._check("goal", self.goals)
+        parts = self.graph.parts
         for robot, (start, goal) in enumerate(zip(self.starts, self.goals, strict=True)):
-            if not np.isfinite(self.graph.distances(goal)[start]):
+            if parts[start] != parts[goal]:
                 raise PlanError(
                     f"robot {robot}: no way leads from {self._cell(start)} to {self._cell(goal)}"
                 )
@@ -57,9 +58,9 @@ class Problem:
     @cached_property
     def lower_bound(self) -> int:
         """The sum of the fewest steps from starts to goals; no plan has a lower sum of costs."""
-        graph = self.graph if self.graph.costs is None else Graph(self.graph.layout)
-        ends = zip(self.starts, self.goals, strict=True)
-        return sum(int(graph.distances(goal)[start]) for start, goal in ends)
+        fields = Fields(Graph(self.graph.layout))
+        rows = fields.rows(np.array(self.goals, np.intp))
+        return int(fields.matrix[rows, list(self.starts)].sum())
 
     def _check(self, name: str, cells: Sequence[int]) -> None:
         layout, first = self.graph.layout, dict[int, int]()

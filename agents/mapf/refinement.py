@@ -8,12 +8,12 @@ from time import perf_counter
 import numpy as np
 
 from agents.mapf.graph import Fields, Graph
-from agents.mapf.kernels.buffers import buffer_of
+from agents.mapf.kernels.buffers import buffer_of, prepare
 from agents.mapf.kernels.groups import improve, new_groups
 from agents.mapf.kernels.ways import new_frontier, new_ways, reserve
 from agents.mapf.problem import Plan, Problem
 
-TRIALS = 100
+PORTION = 10
 """Groups between two looks at the clock."""
 
 SLACK = 8
@@ -25,40 +25,40 @@ class Refinement:
 
     Args:
         problem: problem that the plan solves.
-        plan: any plan without conflicts.
+        plan: any plan without conflicts, which solves the problem.
         seed: seed of the groups.
+        steps: distances in steps, if they are known.
     """
 
-    def __init__(self, problem: Problem, plan: Plan, seed: int = 0) -> None:
-        self.problem = problem
-        fields = Fields(Graph(problem.graph.layout))
-        self._rows = fields.rows(np.array(problem.goals, np.intp)) * problem.graph.size
+    def __init__(
+        self, problem: Problem, plan: Plan, seed: int | None = 0, steps: Fields | None = None
+    ) -> None:
+        prepare(improve, reserve)
+        fields = steps or Fields(Graph(problem.graph.layout))
+        goals, robots = np.array(problem.goals, np.intp), problem.robots
+        rows = fields.rows(goals) * problem.graph.size
         self._floor, self._fields = fields.floor, fields.table
-        self._groups_seed = seed
-        self._begin(plan)
-
-    def _begin(self, plan: Plan) -> None:
-        floor, robots, times = self._floor, self.problem.robots, plan.makespan + 1 + SLACK
-        self._ways = ways = new_ways(floor, robots, times, False)
+        times = plan.makespan + 1 + SLACK
+        self._ways = ways = new_ways(self._floor, robots, times, is_open=False)
         cells = np.concatenate([plan.cells, np.repeat(plan.cells[-1:], SLACK, axis=0)])
         np.asarray(ways.places)[:] = cells.T.ravel()
-        ways.goals[:], ways.rows[:] = buffer_of(plan.cells[-1]), buffer_of(self._rows)
-        ways.costs[:] = buffer_of(plan.costs)
+        for kept, new in (ways.goals, goals), (ways.rows, rows), (ways.costs, plan.costs):
+            kept[:] = buffer_of(new)
         for robot in range(robots):
-            reserve(floor, ways, robot, robot + 1)
-        self._frontier = new_frontier(floor, ways)
-        self._groups = new_groups(robots, times, self._groups_seed)
+            reserve(self._floor, ways, robot, robot + 1)
+        self._frontier = new_frontier(self._floor, ways)
+        self._groups = new_groups(robots, times, seed)
 
-    def run(self, deadline: float, trials: float = inf) -> None:
-        """Try groups until the deadline of ``perf_counter``, or so many."""
-        portion = 10
-        while trials > 0 and perf_counter() < deadline:
-            number = int(min(portion, trials))
-            trials -= number
+    def run(self, deadline: float, trials: float = inf) -> int:
+        """Try groups until the deadline of ``perf_counter``, or so many; return their number."""
+        tried = 0
+        while tried < trials and perf_counter() < deadline:
+            number = int(min(PORTION, trials - tried))
             improve(self._floor, self._ways, self._frontier, self._groups, self._fields, number)
+            tried += number
+        return tried
 
     def plan(self) -> Plan:
         """Return the plan so far."""
-        places = np.asarray(self._ways.places).reshape(self.problem.robots, -1).T
-        costs = np.asarray(self._ways.costs)
-        return Plan(places[: costs.max(initial=0) + 1].astype(np.int64))
+        places = np.asarray(self._ways.places, np.int64).reshape(len(self._ways.costs), -1).T
+        return Plan(places[: max(self._ways.costs, default=0) + 1])

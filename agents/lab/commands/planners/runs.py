@@ -11,11 +11,13 @@ import numpy as np
 
 from agents import registry
 from agents.errors import AgentError, PlanError, reason_of
+from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import solve_cbs
 from agents.mapf.eecbs import solve_eecbs
 from agents.mapf.graph import CLOSED, Fields, Graph
 from agents.mapf.kernels.floor import FAR
-from agents.mapf.lacam import lacam
+from agents.mapf.kernels.prepare import prepare_solvers
+from agents.mapf.lacam import lacam, lacam_star
 from agents.mapf.pibt import pibt
 from agents.mapf.planner import Planner, Situation, check_step, solve_by_steps
 from agents.mapf.prioritised import solve_prioritised
@@ -29,6 +31,8 @@ from warehouse_core.world.tables import Integers
 SOLVERS: dict[str, Solver] = {
     "pibt": pibt,
     "lacam": lacam,
+    "lacam-star": lacam_star,
+    "anytime": solve_anytime,
     "prioritised": solve_prioritised,
     "cbs": solve_cbs,
     "ecbs": solve_eecbs,
@@ -73,6 +77,7 @@ def make_stepper(
 
 def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solver:
     """Return a solver by name, or one that asks a planner of the registry for each step."""
+    prepare_solvers()
     solver = registry.make_solver(name, SOLVERS)
     if solver is not None:
         return solver

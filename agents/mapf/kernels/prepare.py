@@ -1,0 +1,16 @@
+"""What has to be compiled before a solver of whole problems begins.
+
+Compiling takes some seconds once on a machine, which must not count against a limit of time.
+"""
+
+from __future__ import annotations
+
+from agents.mapf.kernels.buffers import prepare
+from agents.mapf.kernels.configurations import add, explore, fill_table
+from agents.mapf.kernels.floor import measure
+from agents.mapf.kernels.groups import improve
+
+
+def prepare_solvers() -> None:
+    """Compile the kernels of LaCAM, LaCAM* and refinement, unless this is done."""
+    prepare(measure, add, explore, fill_table, improve)
