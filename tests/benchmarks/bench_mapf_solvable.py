@@ -3,11 +3,11 @@
 import time
 
 import numpy as np
+from helpers.mapf_problems import random_problems
 
 from agents.errors import PlanError
 from agents.mapf.lacam import lacam
 from agents.mapf.solvable import check_solvable
-from helpers.mapf_problems import random_problems
 
 SECONDS = 2.0
 
