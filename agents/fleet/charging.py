@@ -42,7 +42,7 @@ HALF = 0.5
 QUEUE_DISTANCE = 3
 """Cells from its charger at which the robot that comes next waits."""
 
-INTO_CHARGER = 10.0
+INTO_CHARGER = 25.0
 """Additional cost of a move into a charger, where somebody may charge for long.
 
 Fleets do the same with 5 and with 20; without it, ways lead through chargers that are in use.
@@ -102,14 +102,18 @@ class Chargers:
     def __init__(self, env: FleetEnv, graph: Graph) -> None:
         battery, layout = env.settings.battery, env.layout
         self.cells = layout.numbers(layout.chargers)
-        ways = [graph.distances(cell) for cell in self.cells.tolist()]
+        ways = [graph.distances(cell, keep=False) for cell in self.cells.tolist()]
         self._ways = np.array(ways, np.float64).reshape(-1, graph.size)
+        if graph.costs is not None:
+            self._ways = np.maximum(self._ways - INTO_CHARGER, 0)
         self.home = self._ways.min(axis=0, initial=np.inf)
         self._capacity, self._cost = battery.capacity, battery.step_cost(env.cell_size)
         charge = battery.step_charge(env.cell_size)
         self._gain = max(charge - self._cost, 0.0) or self._cost
         self._full = max(battery.capacity - charge, ENOUGH * battery.capacity)
         self.turn = np.full(env.settings.robots, NONE)
+        self._first = np.full(len(self.cells), NONE)
+        self._leaves = np.full(len(self.cells), NONE)
 
     def lasts(self, battery: NDArray[np.float64], ways: NDArray[np.floating]) -> NDArray[np.bool_]:
         """Return whether batteries last for ways of so many steps that end at a charger.
@@ -128,7 +132,7 @@ class Chargers:
         is_blocked = self._are_there(needs.cells[empty])
         self.turn[(needs.battery >= self._full) | empty | is_blocked[self.turn]] = NONE
         self._give_way(needs)
-        holder = self._holders(needs.cells)
+        holder = self._choose_first(needs.cells)
         until = self._until(holder, needs)
         may_go = needs.may_go & np.isfinite(self.home[needs.cells])
         for low, most in (self._low(holder, until, needs), 1), (needs.battery < needs.limits, 0):
@@ -143,7 +147,8 @@ class Chargers:
         goals = np.full(len(cells), NONE)
         robots = np.flatnonzero(self.turn != NONE)
         chargers, here = self.turn[robots], cells[robots]
-        is_used = self._are_there(cells)[chargers] | (self._holders(cells)[chargers] != robots)
+        is_left = self._leaving(cells) == NONE
+        is_used = ~is_left[chargers] | (self._first[chargers] != robots)
         waits = is_used & (self._ways[chargers, here] <= QUEUE_DISTANCE)
         waits &= here != self.cells[chargers]
         goals[robots] = np.where(waits, here, self.cells[chargers])
@@ -154,6 +159,13 @@ class Chargers:
         found: NDArray[np.bool_] = self.turn != NONE
         found[found] = self.cells[self.turn[found]] == cells[found]
         return found
+
+    def _leaving(self, cells: Integers) -> NDArray[np.intp]:
+        """Return the robot that has charged at each charger and is still there, or ``NONE``."""
+        found = np.flatnonzero(self._leaves != NONE)
+        robots = self._leaves[found]
+        self._leaves[found[(cells[robots] != self.cells[found]) | (self.turn[robots] == found)]] = NONE
+        return self._leaves
 
     def _are_there(self, cells: Integers) -> NDArray[np.bool_]:
         """Return whether each charger is one of some cells, ``[C]``; faster than ``isin``."""
@@ -168,7 +180,7 @@ class Chargers:
         next but would not run empty give theirs back.
         """
         spare, has_turn = self._spare(needs), self.turn != NONE
-        is_first = self._holders(needs.cells)[self.turn] == np.arange(len(spare))
+        is_first = self._choose_first(needs.cells)[self.turn] == np.arange(len(spare))
         is_next = has_turn & ~is_first
         hurries = np.bincount(self.turn[is_next & (spare < GAP)], minlength=len(self.cells)) > 0
         charged = has_turn & is_first & (needs.battery >= HALF * self._capacity)
@@ -177,13 +189,21 @@ class Chargers:
         if (in_need & ~has_turn).any():
             self.turn[is_next & ~in_need] = NONE
 
-    def _holders(self, cells: Integers) -> NDArray[np.intp]:
-        """Return the robot that has each charger, ``[C]``: the nearest of those with a turn."""
+    def _choose_first(self, cells: Integers) -> NDArray[np.intp]:
+        """Return the robot whose turn it is at each charger, ``[C]``, or ``NONE``.
+
+        It stays the same until its turn has ended, unless another is nearer by ``GAP``.
+        """
         robots = np.flatnonzero(self.turn != NONE)
-        ways = self._ways[self.turn[robots], cells[robots]]
-        holder, by_way = np.full(len(self.cells), NONE), robots[np.argsort(-ways, kind="stable")]
-        holder[self.turn[by_way]] = by_way
-        return holder
+        chargers, first = self.turn[robots], self._first
+        has_ended = (first != NONE) & (self.turn[first] != np.arange(len(first)))
+        there = has_ended & (cells[first] == self.cells)
+        self._leaves[there] = first[there]
+        first[has_ended] = NONE
+        ways = self._ways[chargers, cells[robots]] - GAP * (first[chargers] == robots)
+        by_way = np.argsort(-ways, kind="stable")
+        first[chargers[by_way]] = robots[by_way]
+        return first
 
     def _until(self, holder: Integers, needs: Needs) -> NDArray[np.float64]:
         """Return the steps until each charger is free, ``[C]``."""

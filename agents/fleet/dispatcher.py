@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.fleet.charging import Chargers, Needs
+from agents.fleet.detours import Detours
 from agents.mapf.assignment import ASSIGNMENTS, NONE, REASSIGNING, Tasks
 from agents.mapf.graph import FAR, Fields, Graph
 from agents.mapf.planner import Situation
@@ -44,16 +45,17 @@ class RobotStates(NamedTuple):
 class Dispatcher:
     """Gives the robots of a fleet, after its reset, orders, turns at chargers, and goals."""
 
-    def __init__(self, env: FleetEnv, assignment: str) -> None:
+    def __init__(self, env: FleetEnv, assignment: str, roads: Graph | None = None) -> None:
         self.graph = Graph(env.layout)
         self._fields = Fields(self.graph)
-        self.chargers = Chargers(env, self.graph)
+        self.chargers = Chargers(env, roads or self.graph)
         self._assign, self._reassigns = ASSIGNMENTS[assignment], assignment in REASSIGNING
         self._capacity = env.settings.battery.capacity
         self._parking = parking_of(env.layout)
         self._trips = self._homes = np.empty(0)
         self._assigned = (b"", b"")
         self._is_idle = np.zeros(env.settings.robots, np.bool_)
+        self._detours = Detours(roads or self.graph, env.settings.robots)
 
     def situation(self, env: FleetEnv) -> tuple[Situation, NDArray[np.intp]]:
         """Return the situation before the next step, and the actions of robots that stay.
@@ -80,7 +82,11 @@ class Dispatcher:
         people = np.array(closed, np.intp).reshape(-1, 2) @ np.array([env.layout.width, 1])
         at_rest = at_work & np.array(ways.at_rest[:count])
         actions = np.where(at_rest, np.where(robots.loaded, DROP, PICK), WAIT)
-        urgent = np.flatnonzero((self.chargers.turn != NONE) & (goals != robots.cells))
+        stay_long = robots.ended | self.chargers.charging(robots.cells)
+        aims = self._detours.goals(robots.cells, goals, stay_long, people)
+        goals = np.where(aims == NONE, goals, aims)
+        hurries = (self.chargers.turn != NONE) | (aims != NONE)
+        urgent = np.flatnonzero(hurries & (goals != robots.cells))
         return Situation(robots.cells, goals, stays, people, urgent), actions
 
     def _close(self, cells: frozenset[int]) -> None:
