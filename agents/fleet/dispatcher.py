@@ -83,9 +83,9 @@ class Dispatcher:
         at_rest = at_work & np.array(ways.at_rest[:count])
         actions = np.where(at_rest, np.where(robots.loaded, DROP, PICK), WAIT)
         stay_long = robots.ended | self.chargers.charging(robots.cells)
-        aims = self._detours.goals(robots.cells, goals, stay_long, people)
-        goals = np.where(aims == NONE, goals, aims)
-        hurries = (self.chargers.turn != NONE) | (aims != NONE)
+        hurries = self.chargers.turn != NONE
+        for robot, aim in self._detours.goals(robots.cells, goals, stay_long, people).items():
+            goals[robot], hurries[robot] = aim, True
         urgent = np.flatnonzero(hurries & (goals != robots.cells))
         return Situation(robots.cells, goals, stays, people, urgent), actions
 
