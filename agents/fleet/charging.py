@@ -156,8 +156,10 @@ class Chargers:
 
     def charging(self, cells: Integers) -> NDArray[np.bool_]:
         """Return whether each robot is at the charger where it has a turn, ``[R]``."""
-        found: NDArray[np.bool_] = self.turn != NONE
-        found[found] = self.cells[self.turn[found]] == cells[found]
+        found = np.zeros(len(cells), np.bool_)
+        used = np.flatnonzero(self._first != NONE)
+        first = self._first[used]
+        found[first] = (cells[first] == self.cells[used]) & (self.turn[first] == used)
         return found
 
     def _leaving(self, cells: Integers) -> NDArray[np.intp]:
@@ -192,7 +194,7 @@ class Chargers:
     def _choose_first(self, cells: Integers) -> NDArray[np.intp]:
         """Return the robot whose turn it is at each charger, ``[C]``, or ``NONE``.
 
-        It stays the same until its turn has ended, unless another is nearer by ``GAP``.
+        It stays the same until its turn has ended; then it is the nearest of the others.
         """
         robots = np.flatnonzero(self.turn != NONE)
         chargers, first = self.turn[robots], self._first
@@ -200,8 +202,8 @@ class Chargers:
         there = has_ended & (cells[first] == self.cells)
         self._leaves[there] = first[there]
         first[has_ended] = NONE
-        ways = self._ways[chargers, cells[robots]] - GAP * (first[chargers] == robots)
-        by_way = np.argsort(-ways, kind="stable")
+        by_way = np.argsort(-self._ways[chargers, cells[robots]], kind="stable")
+        by_way = by_way[first[chargers[by_way]] == NONE]
         first[chargers[by_way]] = robots[by_way]
         return first
 
