@@ -17,8 +17,15 @@ from warehouse_core import FleetEnv, Layout
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.tables import Integers
 
-DETOUR, SPARE_STEPS = 2.0, 20.0
-"""A robot counts on ``DETOUR`` times the shortest way, and keeps ``SPARE_STEPS`` more."""
+DETOUR = 2.0
+"""Factor by which a way may be longer than the shortest."""
+
+SPARE_STEPS, SPARE_SHARE = 60.0, 0.25
+"""Steps for which the battery of a robot lasts beyond ``DETOUR`` times its way to a charger when it
+goes there, unless they take more than this share of a full battery.
+
+With 20 steps two robots in a narrow aisle that give way to each other may run empty.
+"""
 
 MARGIN = 1.2
 """Factor by which the time until its turn may be longer than a robot counts on."""
@@ -109,6 +116,7 @@ class Chargers:
         self.home = self._ways.min(axis=0, initial=np.inf)
         self._capacity, self._cost = battery.capacity, battery.step_cost(env.cell_size)
         charge = battery.step_charge(env.cell_size)
+        self._reserve = min(SPARE_STEPS, SPARE_SHARE * battery.capacity / self._cost)
         self._gain = max(charge - self._cost, 0.0) or self._cost
         self._full = max(battery.capacity - charge, ENOUGH * battery.capacity)
         self.turn = np.full(env.settings.robots, NONE)
@@ -120,7 +128,7 @@ class Chargers:
 
         One with ``ENOUGH`` is said to last for all: it can be charged on the way.
         """
-        needed = self._cost * (DETOUR * ways + SPARE_STEPS)
+        needed = self._cost * (DETOUR * ways + self._reserve)
         found: NDArray[np.bool_] = battery >= np.minimum(needed, ENOUGH * self._capacity)
         return found
 
@@ -141,6 +149,7 @@ class Chargers:
             chargers = np.flatnonzero((counts <= most) & ~is_blocked)
             if len(robots) and len(chargers):
                 self._give_turns(robots, chargers, until[chargers], needs)
+        self._choose_first(needs.cells)
 
     def goals(self, cells: Integers) -> NDArray[np.intp]:
         """Return the cell that each robot with a turn is to go to, ``[R]``, or ``NONE``."""
@@ -187,7 +196,7 @@ class Chargers:
         hurries = np.bincount(self.turn[is_next & (spare < GAP)], minlength=len(self.cells)) > 0
         charged = has_turn & is_first & (needs.battery >= HALF * self._capacity)
         self.turn[charged & hurries[self.turn]] = NONE
-        in_need = needs.may_go & (needs.battery > 0) & (spare < SPARE_STEPS)
+        in_need = needs.may_go & (needs.battery > 0) & (spare < self._reserve)
         if (in_need & ~has_turn).any():
             self.turn[is_next & ~in_need] = NONE
 
@@ -227,7 +236,7 @@ class Chargers:
         growth = (1 + self._cost / self._gain / len(self.cells)) ** np.arange(len(robots))
         before = np.cumsum(np.append(0.0, (turns[robots] / growth)[:-1]))
         waiting = growth * (until.sum() + turns[coming].sum() + before) / len(self.cells)
-        late = np.flatnonzero(spare[robots] < MARGIN * waiting + SPARE_STEPS)
+        late = np.flatnonzero(spare[robots] < MARGIN * waiting + self._reserve)
         low = np.zeros(len(spare), np.bool_)
         low[robots[: late[-1] + 1 if len(late) else 0]] = True
         return low
@@ -242,7 +251,7 @@ class Chargers:
         waits, spare = np.maximum(until - DETOUR * ways, 0), self._spare(needs)[robots, None]
         near = ways <= self.home[needs.cells[robots], None] + NEARBY
         reached = self._cost * ways <= needs.battery[robots, None]
-        allowed = reached & ((spare < SPARE_STEPS) | near & (waits <= PATIENCE))
+        allowed = reached & ((spare < self._reserve) | near & (waits <= PATIENCE))
         costs = np.where(allowed, ways + waits + HASTE * spare, OUT_OF_REACH)
         rows, columns = linear_sum_assignment(costs)
         given = allowed[rows, columns]

@@ -63,7 +63,8 @@ class Dispatcher:
         Orders are assigned. A robot does ``PICK`` or ``DROP``, or ``WAIT`` if it moves or waits.
         """
         ways, count = env.ways, env.settings.robots
-        self._close(frozenset(map(env.layout.number, ways.closed)))
+        dead = [cell for cell, units in zip(env.cells, env.battery, strict=True) if units <= 0]
+        self._close(frozenset(map(env.layout.number, [*ways.closed, *dead])))
         robots = self._look(env, ways.ends[:count])
         self._send_to_chargers(robots)
         if env.settings.orders is not None:
