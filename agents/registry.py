@@ -31,6 +31,7 @@ from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Planner
 from agents.mapf.prioritised import WindowedPlanner
+from agents.mapf.problem import Solver
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, Motion, RecordError
@@ -127,6 +128,31 @@ def make_planner(
     """
     [planner] = _make(PLANNER, name, [seed], layout, robots)
     return cast("Planner | FleetAgent", planner)
+
+
+def make_solver(name: str, known: Mapping[str, Solver]) -> Solver | None:
+    """Return a solver of whole problems by name, or ``None`` if the name is of something else.
+
+    Args:
+        name: one of ``known``, or ``file.py:function`` or ``package.module:function``. Arguments
+            behind the problem and the seconds may follow, as in ``ecbs:w=1.2``.
+        known: solvers by name.
+
+    Raises:
+        AgentError: its file or module cannot be imported, or it does not take the arguments.
+    """
+    source, options = _split(name)
+    solve = known.get(source) or _load_function(source)
+    if solve is None:
+        return None
+    try:
+        rest = partial(solve, None, 0.0)  # type: ignore[arg-type]
+        inspect.signature(rest)
+    except ValueError:
+        raise AgentError(
+            f"function {source!r} takes no problem and seconds; needed: these two arguments"
+        ) from None
+    return partial(solve, **_options(f"planner {source!r}", rest, options))
 
 
 def make_backend(name: str) -> Backend:
@@ -314,6 +340,15 @@ def _load_class(sort: Sort, name: str) -> type[Any]:
         fewest = min(missing, key=lambda names: len(names))
         raise AgentError(f"class {name!r} has no {' and no '.join(fewest)}; needed: {needed}")
     return kind
+
+
+def _load_function(name: str) -> Callable[..., Any] | None:
+    """Return the function of a user that a name stands for; ``None`` if it is none."""
+    source, function = _split_class(name)
+    if source is None or function is None:
+        return None
+    found = getattr(_load_module(source), function, None)
+    return found if inspect.isfunction(found) else None
 
 
 def _split_class(name: str) -> tuple[str | None, str | None]:

@@ -1,265 +1,329 @@
 """Conflict-based search: optimal plans, by a tree of constraints on single robots.
 
-The root has the cheapest way of each robot. Where two are in conflict, one child forbids it to the
-one robot and one child to the other, and only that robot is planned again. The cheapest leaf is
-first; if its ways have no conflict they are an optimal plan.
+The root has a cheapest way of each robot. A node with a conflict asks for a statement on one of its
+two robots, such as whether it is in a cell at a time. In the one child it is not; in the other it
+is, and other robots keep out of its way. Only robots whose ways this forbids are planned again.
+The children share no plan, and together they have all plans of their parent (*disjoint splitting*).
+The cheapest leaf is first; if its ways have no conflict they are an optimal plan.
 
-Conflicts are prioritised. The *MDD* of a robot holds all its cheapest ways. A conflict is cardinal
-if it raises the costs of both robots, and is split first, and semi-cardinal if of one: where a
-robot's MDD has one cell only. Two robots are dependent, too, if every pair of ways in their MDDs
-has a conflict somewhere; then the one or the other takes longer, which is what the children say.
-Separate pairs of dependent robots bound the cost below a node. A child of no more cost and fewer
-conflicts than its parent takes the place of the parent's ways (a *bypass*).
+Two robots *clash* if each pair of their cheapest ways has a conflict, as in corridors, rectangles
+and at goals. Then the question is whether one of them arrives as late as it must where the other
+does not: both children cost more, however long the corridor. Pairs that share no robot bound the
+cost below a node. Other conflicts are asked for in the order of the number of cells that one of the
+robots could have been in at the time, fewest first; who rests in its goal is asked whether it has
+arrived.
 
 Sources: Sharon et al. (2015), Conflict-based search for optimal multi-agent pathfinding, Artificial
-Intelligence 219. Boyarski et al. (2015), ICBS, IJCAI. Felner et al. (2018), Adding heuristics to
-conflict-based search, ICAPS, and Li et al. (2019), Improved heuristics, IJCAI: dependent pairs.
-Sharon et al. (2013), The increasing cost tree search, Artificial Intelligence 195: their split.
+Intelligence 219. Boyarski et al. (2015), ICBS, IJCAI: which conflict comes first; bypasses. Felner
+et al. (2018), Adding heuristics to conflict-based search, ICAPS. Li et al. (2019), Disjoint
+splitting for multi-agent path finding with conflict-based search, ICAPS. Li et al. (2021), Pairwise
+symmetry reasoning for multi-agent path finding search, Artificial Intelligence 301.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable, Iterator, Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass
 from heapq import heappop, heappush
-from itertools import combinations, count
+from itertools import count
+from math import inf
 from time import perf_counter
 from typing import NamedTuple
 
 from agents.errors import PlanError
-from agents.mapf.graph import Graph
+from agents.mapf.cell_sets import CellSets, bits_of
+from agents.mapf.clash import delays_of
 from agents.mapf.problem import Plan, Problem
-from agents.mapf.reservations import Reservations
-from agents.mapf.space_time import find_way, moves_of
+from agents.mapf.route import Route, TracedWay
+from agents.mapf.rules import Constraint, Rules
 from warehouse_core.wording import counted
 
-TOLL = 2.0**-12
-"""Cost of a conflict with another robot's way, so that among ways of equal length one with few
-conflicts is taken. A power of two below any sum of conflicts keeps the costs exact.
-"""
+Pair = tuple[int, int]
+"""Numbers of two robots, the smaller first."""
 
-CARDINAL = 2
-"""Robots of a cardinal conflict whose costs it raises: both."""
+ROUND = 16
+"""Horizons are multiples of this, so that traces seldom have to be made again."""
 
-MAX_PAIRS = 10_000
-"""Pairs of cells at one time up to which two robots are compared; beyond it they count as
-independent, which weakens the bound but never makes it wrong.
-"""
+NO_PLAN = "there is no plan: some robot has no way that keeps clear of the others"
+
+MAX_BYTES = 500_000_000
+"""Memory of layers and traces, about, beyond which they are forgotten."""
+
+LEAST_KEPT = 4
+"""Number of layers and traces per robot that are kept in any case."""
 
 
-class Constraint(NamedTuple):
-    """What a robot must not do in a joint step.
+class Conflict(NamedTuple):
+    """Two robots in one cell, two that change places, or two that clash.
 
     Attributes:
-        cell: cell that the robot must not be in at the time; ``None`` forbids the robot to be in
-            its goal for good by then.
-        before: cell that the robot must not come from; ``None`` forbids the cell altogether.
+        robots: the two.
+        time: number of the joint step.
+        cell: cell of the first robot after the step; ``None`` for a clash.
+        before: cell of the first robot before the step, if they change places.
     """
 
-    robot: int
+    robots: Pair
     time: int
     cell: int | None
     before: int | None = None
 
 
-class Conflict(NamedTuple):
-    """Two constraints, one of which every plan without this conflict keeps."""
-
-    one: Constraint
-    other: Constraint
-
-
-Judged = tuple[int, Conflict]
-"""Number of its robots whose cost a conflict raises, and the conflict to split."""
-
-MDD = list[dict[int, list[int]]]
-"""Multi-valued decision diagram: by time, the cells of a robot's cheapest ways, each with the cells
-that follow it.
-"""
-
-
 @dataclass(eq=False)
 class ConflictNode:
-    """A node of the conflict tree: the cheapest way of each robot, and all conflicts between them.
+    """A node of a conflict tree.
 
-    ``constraint`` is what it adds to its parent's, and ``split`` the conflict that its children
-    forbid. The root has no parent and no constraint, and a leaf no split.
+    Attributes:
+        parent: parent of the node; the root has none.
+        constraints: constraints that hold in the node and not in its parent.
+        routes: route of each robot.
+        ways: way of each robot, one of its route.
+        conflicts: conflicts of the ways by pair.
+        split: conflict for which the node has children; ``None`` for leaves.
     """
 
     parent: ConflictNode | None
-    constraint: Constraint | None
-    ways: Sequence[list[int]]
-    conflicts: list[Conflict]
-    cost: int = field(init=False)
+    constraints: tuple[Constraint, ...]
+    routes: list[Route]
+    ways: list[TracedWay]
+    conflicts: dict[Pair, list[Conflict]]
     split: Conflict | None = None
 
-    def __post_init__(self) -> None:
-        self.cost = sum(len(way) - 1 for way in self.ways)
+    @property
+    def cost(self) -> int:
+        """The sum of the costs of the ways."""
+        return sum(way.cost for way in self.ways)
 
-    def constraints(self, robot: int) -> frozenset[Constraint]:
-        """Return the constraints on a robot, from here up to the root."""
-        found, node = set(), self
-        while node.parent is not None and node.constraint is not None:
-            if node.constraint.robot == robot:
-                found.add(node.constraint)
-            node = node.parent
-        return frozenset(found)
+    @property
+    def least(self) -> int:
+        """The sum of the costs of the cheapest ways."""
+        return sum(route.cost for route in self.routes)
 
 
 class ConflictTree:
-    """The tree of a problem, which grows until it has a plan; the cost of a way is its length.
+    """The conflict tree of a problem; the cost of a way is its number of steps.
+
+    Args:
+        problem: problem to solve.
+        w: number that the cost of a robot's way is at most times the cost of its cheapest.
 
     Attributes:
+        problem: problem to solve.
         nodes: all nodes so far, the root first.
-        solution: node whose ways are an optimal plan, once there is one.
+        solution: node whose ways are the plan, once there is one.
     """
 
-    def __init__(self, problem: Problem) -> None:
-        graph = problem.graph if problem.graph.costs is None else Graph(problem.graph.layout)
-        self.problem, self.nodes = problem, list[ConflictNode]()
+    def __init__(self, problem: Problem, w: float = 1.0) -> None:
+        self.problem, self.w, self.nodes = problem, w, list[ConflictNode]()
         self.solution: ConflictNode | None = None
-        self._size, self._moves = graph.size, moves_of(graph)
-        self._fields = [graph.distances(goal).tolist() for goal in problem.goals]
-        self._mdds: dict[tuple[int, frozenset[Constraint]], MDD] = {}
-        self._dependent: dict[tuple[int, int], bool] = {}
+        self._sets, self._deadline = CellSets(problem.graph), inf
+        self._starts = [self._sets.bits[cell] for cell in problem.starts]
+        self._goals = [self._sets.bits[cell] for cell in problem.goals]
+        self._delays: dict[tuple[Route, Route], Pair | None] = {}
+        self._kept: list[Route | TracedWay] = []
+        self._most_kept: float = inf
 
     def solve(self, seconds: float) -> Plan:
-        """Return an optimal plan.
+        """Return a plan.
 
         Raises:
-            PlanError: none was found in time; without a plan the tree has no end.
+            PlanError: none was found in time; without a plan the tree need not have an end.
         """
         self._deadline = perf_counter() + seconds
         try:
-            self.solution = self._grow()
-            return Plan.of(self.solution.ways)
+            self.solution, bound = self._grow()
+            return Plan.of([way.cells for way in self.solution.ways], bound)
         except TimeoutError:
             nodes = counted(len(self.nodes), "node")
             raise PlanError(f"no plan in {seconds:g} s and {nodes} of the conflict tree") from None
 
-    def _grow(self) -> ConflictNode:
-        """Return the first leaf without conflicts."""
-        root = self._root()
-        self.nodes, numbers = [root], count()
+    def _grow(self) -> tuple[ConflictNode, int]:
+        """Return a leaf without conflicts, and a bound on the costs of all plans."""
+        root, numbers = self._root(), count()
         heap = [(root.cost, len(root.conflicts), next(numbers), root)]
         while heap:
             bound, _, _, node = heappop(heap)
-            if perf_counter() > self._deadline:
-                raise TimeoutError
             if not node.conflicts:
-                return node
-            judged = [self._judge(node, conflict) for conflict in node.conflicts]
-            lowest = node.cost + _separate_pairs(judged)
+                return node, bound
+            delays = self._late(node)
+            lowest = node.least + separate_delays(delays)
             # A node whose bound turns out to be higher waits for its turn.
-            grown = [node] if lowest > bound else self._split(node, judged)
+            grown = [node] if lowest > bound else self._split(node, delays, node.cost)
             for each in grown:
                 key = max(bound, lowest, each.cost), len(each.conflicts), next(numbers)
                 heappush(heap, (*key, each))
-        raise PlanError("there is no plan: some robot has no way that keeps clear of the others")
+        raise PlanError(NO_PLAN)
 
     def _root(self) -> ConflictNode:
-        ways: list[list[int]] = []
+        """Return the root, with which the tree begins anew."""
+        node = ConflictNode(None, (), [], [], {})
         for robot in range(self.problem.robots):
-            way = self._find(robot, frozenset(), dict(enumerate(ways)))
-            ways.append(way or [])  # never empty: a problem has a way for each robot
-        pairs = combinations(range(len(ways)), 2)
-        return ConflictNode(
-            None, None, ways, [each for pair in pairs for each in _conflicts(ways, *pair)]
-        )
+            node.routes.append(self._route(robot, node))
+            node.ways.append(self._way(robot, node))
+        self._find_conflicts(node, set(range(self.problem.robots)))
+        most = self._sets.bytes * _horizon(way.cost for way in node.ways)
+        self._most_kept = max(MAX_BYTES // most, LEAST_KEPT * self.problem.robots)
+        self.nodes = [node]
+        return node
 
-    def _split(self, node: ConflictNode, judged: list[Judged]) -> list[ConflictNode]:
-        """Return the children of a node, or the node itself with other ways: a bypass."""
-        _, split = max(judged, key=lambda each: (each[0], -each[1].one.time))
+    def _late(self, node: ConflictNode) -> dict[Pair, Pair]:
+        """Return the delays of each pair that clashes; see ``delays_of``."""
+        found = {}
+        for pair in node.conflicts:
+            self._look_at_clock()
+            one, other = routes = node.routes[pair[0]], node.routes[pair[1]]
+            if routes not in self._delays:
+                self._delays[routes] = delays_of(self._sets, one, other)
+            delays = self._delays[routes]
+            if delays is not None:
+                found[pair] = delays
+        return found
+
+    def _split(
+        self, node: ConflictNode, delays: dict[Pair, Pair], most: float
+    ) -> list[ConflictNode]:
+        """Return the children of a node, or the node itself with other ways: a bypass.
+
+        A child that has fewer conflicts at a cost of at most ``most``, and no higher bound, takes
+        the place of its parent.
+        """
+        conflict, statement, follows = self._question(node, delays)
         found = []
-        for constraint in split:
-            child = self._child(node, constraint)
+        for constraints in ((statement,), (statement._replace(holds=True), *follows)):
+            child = self._child(node, constraints)
             if child is None:
                 continue
-            if child.cost == node.cost and len(child.conflicts) < len(node.conflicts):
+            is_quieter = len(child.conflicts) < len(node.conflicts)
+            if is_quieter and child.least == node.least and child.cost <= most:
                 node.ways, node.conflicts = child.ways, child.conflicts
                 return [node]
             found.append(child)
-        node.split = split
+        node.split = conflict
         self.nodes += found
         return found
 
-    def _child(self, node: ConflictNode, constraint: Constraint) -> ConflictNode | None:
-        """Return the node in which one more constraint holds, or ``None`` if it has no way."""
-        robot, ways = constraint.robot, list(node.ways)
-        others = {other: way for other, way in enumerate(ways) if other != robot}
-        way = self._find(robot, node.constraints(robot) | {constraint}, others)
-        if way is None:
-            return None
-        ways[robot] = way
-        kept = [each for each in node.conflicts if robot not in (each.one.robot, each.other.robot)]
-        new = [each for other in others for each in _conflicts(ways, *sorted((robot, other)))]
-        return ConflictNode(node, constraint, ways, kept + new)
+    def _question(
+        self, node: ConflictNode, delays: dict[Pair, Pair]
+    ) -> tuple[Conflict, Constraint, list[Constraint]]:
+        """Return the conflict to split, the statement that decides it, and what follows from it."""
+        if delays:
+            pair = max(delays, key=lambda each: min(delays[each]))
+            late = [
+                Constraint(robot, node.routes[robot].cost + delay - 1, None)
+                for robot, delay in zip(pair, delays[pair], strict=True)
+            ]
+            if delays[pair][0] < delays[pair][1]:  # the one that would be later is asked
+                late.reverse()
+            return Conflict(pair, late[0].time, None), late[0], late[1:]
+        conflict = min(
+            (each for found in node.conflicts.values() for each in found),
+            key=lambda each: (_resting(node, each) is None, min(_widths(node, each)), each.time),
+        )
+        _, time, cell, before = conflict
+        robot = _resting(node, conflict)
+        if robot is not None:
+            return conflict, Constraint(robot, time, None), []
+        one, other = _widths(node, conflict)
+        if one >= other:  # the robot that has more cells to choose from is asked
+            return conflict, Constraint(conflict.robots[0], time, cell, before), []
+        cell, before = (cell, None) if before is None else (before, cell)
+        return conflict, Constraint(conflict.robots[1], time, cell, before), []
 
-    def _find(
-        self, robot: int, constraints: frozenset[Constraint], others: dict[int, list[int]]
-    ) -> list[int] | None:
-        """Return the cheapest way of a robot, of equal ones one with few conflicts with others."""
-        start, goal = self.problem.starts[robot], self.problem.goals[robot]
-        taken, end = Reservations(self._size), 0
-        longest = max(map(len, others.values()), default=0)
-        for other, way in others.items():
-            taken.add(other, way + [way[-1]] * (longest - len(way)))
-        for _, time, cell, before in constraints:
-            taken.latest = max(taken.latest, time)
-            if cell is None:
-                end = max(end, time + 1)
+    def _child(
+        self, node: ConflictNode, constraints: tuple[Constraint, ...]
+    ) -> ConflictNode | None:
+        """Return the node in which some more constraints hold, or ``None`` if it has no plan."""
+        child = ConflictNode(node, constraints, [*node.routes], [*node.ways], node.conflicts)
+        robots = dict.fromkeys([rule.robot for rule in constraints])
+        robots |= dict.fromkeys(self._others(child, constraints[0]))
+        for robot in robots:
+            child.routes[robot] = self._route(robot, child)
+            if child.routes[robot].cost < 0:
+                return None
+        changed = set()
+        new = {rule.robot for rule in constraints if not rule.holds}
+        for robot in robots:
+            route = child.routes[robot]
+            if robot in new or not route.allows(child.ways[robot], self._slack(route)):
+                child.ways[robot] = self._way(robot, child)
+                changed.add(robot)
+        self._find_conflicts(child, changed)
+        return child
+
+    def _others(self, node: ConflictNode, constraint: Constraint) -> Iterator[int]:
+        """Return the other robots whose cheapest ways, or whose way, a constraint forbids."""
+        if not constraint.holds:
+            return
+        rules, bits = Rules(), self._sets.bits
+        rules.add(self._sets, constraint, False, self._goals[constraint.robot])
+        for robot, (route, way) in enumerate(zip(node.routes, node.ways, strict=True)):
+            if robot == constraint.robot:
                 continue
-            state = time * self._size + cell
-            if before is None:
-                taken.closed.add(state)
-                end = max(end, time + 1) if cell == goal else end
-            else:
-                taken.closed_moves.add((state - cell - self._size + before) * self._size + cell)
-        found = find_way(
-            self._moves, self._fields[robot], start, goal, taken,
-            end=end, toll=TOLL, deadline=self._deadline,
-        )  # fmt: skip
-        return None if found is None else found.cells
+            end = max(route.cost, way.cost) + 1  # from then on it is in its own goal
+            closed = [*rules.closed.items()]
+            for begin, cells in rules.ends.items():
+                closed += [(time, cells) for time in range(begin, end)]
+            for time, barred in rules.into.items():
+                for cell, before in barred.items():
+                    if before & (route.layer(time - 1) | bits[way.at(time - 1)]):
+                        closed.append((time, cell))
+            if any(cells & (route.layer(time) | bits[way.at(time)]) for time, cells in closed):
+                yield robot
 
-    def _judge(self, node: ConflictNode, conflict: Conflict) -> Judged:
-        """Return how many of its robots a conflict costs more, and the conflict to split."""
-        one, other = (self._mdd(node, each.robot) for each in conflict)
-        forced = _is_forced(one, conflict.one) + _is_forced(other, conflict.other)
-        if forced == CARDINAL:
-            return forced, conflict
-        key = id(one), id(other)  # the MDDs live as long as the tree
-        if key not in self._dependent:
-            self._dependent[key] = _meet(one, other)
-        if not self._dependent[key]:
-            return forced, conflict
-        ends = (Constraint(each.robot, len(node.ways[each.robot]) - 1, None) for each in conflict)
-        return CARDINAL, Conflict(*ends)
+    def _route(self, robot: int, node: ConflictNode | None) -> Route:
+        """Return the route of a robot by the constraints of a node and of those above it."""
+        self._look_at_clock()
+        rules = Rules()
+        while node is not None:
+            for rule in node.constraints:
+                if rule.robot == robot or rule.holds:
+                    rules.add(self._sets, rule, rule.robot == robot, self._goals[rule.robot])
+            node = node.parent
+        route = Route(self._sets, rules, self._starts[robot], self._goals[robot])
+        self._keep(route)
+        return route
 
-    def _mdd(self, node: ConflictNode, robot: int) -> MDD:
-        """Return all ways of a robot that cost as much as its way in a node."""
-        constraints, cost = node.constraints(robot), len(node.ways[robot]) - 1
-        if (robot, constraints) in self._mdds:
-            return self._mdds[robot, constraints]
-        closed = {(each.time, each.cell, each.before) for each in constraints}
-        field, goal = self._fields[robot], self.problem.goals[robot]
-        layer, moves = {self.problem.starts[robot]}, MDD()
-        for time in range(1, cost + 1):
-            moves.append({
-                cell: [
-                    to
-                    for to, *_ in self._moves[cell]
-                    if field[to] <= cost - time
-                    and not {(time, to, None), (time, to, cell)} & closed
-                ]
-                for cell in layer
-            })  # fmt: skip
-            layer = {to for reached in moves[-1].values() for to in reached}
-        after: dict[int, list[int]] = {goal: [goal]}
-        for time in reversed(range(cost)):
-            kept = {cell: [to for to in ways if to in after] for cell, ways in moves[time].items()}
-            after = moves[time] = {cell: ways for cell, ways in kept.items() if ways}
-        self._mdds[robot, constraints] = [*moves, {goal: [goal]}]
-        return self._mdds[robot, constraints]
+    def _way(self, robot: int, node: ConflictNode) -> TracedWay:
+        """Return a way of a robot with few conflicts with the others that have one."""
+        route, others = node.routes[robot], node.ways[:robot] + node.ways[robot + 1 :]
+        slack = self._slack(route)
+        horizon = _horizon([*(way.cost for way in others), route.cost + slack])
+        way = route.quietest(others, horizon, slack)
+        self._keep(way)
+        return way
+
+    def _slack(self, route: Route) -> int:
+        return int(self.w * route.cost) - route.cost
+
+    def _find_conflicts(self, node: ConflictNode, changed: set[int]) -> None:
+        """Take over the conflicts of the ways of robots that have changed."""
+        horizon = _horizon(way.cost for way in node.ways)
+        traces = [way.trace(self._sets, horizon) for way in node.ways]
+        node.conflicts = {
+            pair: found for pair, found in node.conflicts.items() if changed.isdisjoint(pair)
+        }
+        layer = 8 * self._sets.bytes
+        for robot in sorted(changed):
+            self._look_at_clock()
+            near = traces[robot] | traces[robot] << layer  # who swaps enters where it was before
+            for other, trace in enumerate(traces):
+                if near & trace and other != robot:
+                    pair = (robot, other) if robot < other else (other, robot)
+                    found = _conflicts(pair, node.ways[pair[0]], traces, layer)
+                    if found:
+                        node.conflicts[pair] = found
+
+    def _look_at_clock(self) -> None:
+        if perf_counter() > self._deadline:
+            raise TimeoutError
+
+    def _keep(self, thing: Route | TracedWay) -> None:
+        """Take a route or a way that keeps sets, and let all forget them if they take too much."""
+        self._kept.append(thing)
+        if len(self._kept) > self._most_kept:
+            for each in self._kept:
+                each.forget()
+            self._kept = [thing]
 
 
 def solve_cbs(problem: Problem, seconds: float) -> Plan:
@@ -267,47 +331,56 @@ def solve_cbs(problem: Problem, seconds: float) -> Plan:
     return ConflictTree(problem).solve(seconds)
 
 
-def _conflicts(ways: Sequence[list[int]], one: int, other: int) -> Iterator[Conflict]:
-    """Return all conflicts of the ways of two robots."""
-    steps = max(len(ways[one]), len(ways[other]))
-    ours, theirs = (way + way[-1:] * (steps - len(way)) for way in (ways[one], ways[other]))
-    for time in range(1, steps):
-        here, there = ours[time], theirs[time]
-        if here == there:
-            yield Conflict(Constraint(one, time, here), Constraint(other, time, here))
-        elif here == theirs[time - 1] and there == ours[time - 1]:
-            first = Constraint(one, time, here, there)
-            yield Conflict(first, Constraint(other, time, there, here))
+def _horizon(times: Iterable[int]) -> int:
+    """Return a time after some times."""
+    return (max(times, default=0) // ROUND + 1) * ROUND
 
 
-def _is_forced(mdd: MDD, constraint: Constraint) -> bool:
-    """Return whether all ways of an MDD break a constraint that one of them breaks."""
-    first = constraint.time - (constraint.before is not None)
-    times = range(first, constraint.time + 1)
-    return all(len(mdd[min(time, len(mdd) - 1)]) == 1 for time in times)
+def _widths(node: ConflictNode, conflict: Conflict) -> list[int]:
+    """Return how many cells the cheapest ways of both robots have where they are in conflict."""
+    times = range(conflict.time - (conflict.before is not None), conflict.time + 1)
+    return [
+        max(node.routes[robot].layer(time).bit_count() for time in times)
+        for robot in conflict.robots
+    ]
 
 
-def _meet(one: MDD, other: MDD) -> bool:
-    """Return whether every pair of ways has a conflict, as far as ``MAX_PAIRS`` allow to say."""
-    pairs = {(ours, theirs) for ours in one[0] for theirs in other[0]}
-    for time in range(max(len(one), len(other)) - 1):
-        our, their = (mdd[min(time, len(mdd) - 1)] for mdd in (one, other))
-        pairs = {
-            (to, there)
-            for ours, theirs in pairs
-            for to in our[ours]
-            for there in their[theirs]
-            if to != there and not (to == theirs and there == ours)
-        }
-        if len(pairs) > MAX_PAIRS:
-            return False
-    return not pairs
+def _resting(node: ConflictNode, conflict: Conflict) -> int | None:
+    """Return the robot that is in conflict where it has arrived, or ``None``."""
+    arrived = [robot for robot in conflict.robots if conflict.time >= node.ways[robot].cost]
+    return arrived[0] if arrived and conflict.before is None else None
 
 
-def _separate_pairs(judged: Iterable[Judged]) -> int:
-    """Return a number of pairs of dependent robots, where no robot is in two."""
-    paired = set[int]()
-    for kind, (one, other) in judged:
-        if kind == CARDINAL and not {one.robot, other.robot} & paired:
-            paired |= {one.robot, other.robot}
-    return len(paired) // 2
+def separate_delays(delays: dict[Pair, Pair]) -> int:
+    """Return what pairs of robots cost more, where no robot is in two; dear pairs come first."""
+    paired, total = set[int](), 0
+    for pair, both in sorted(delays.items(), key=lambda each: -min(each[1])):
+        if paired.isdisjoint(pair):
+            paired.update(pair)
+            total += min(both)
+    return total
+
+
+def _conflicts(pair: Pair, one: TracedWay, traces: Sequence[int], layer: int) -> list[Conflict]:
+    """Return all conflicts of two robots.
+
+    Args:
+        pair: numbers of the robots.
+        one: way of the first robot.
+        traces: traces of all robots.
+        layer: number of bits of a trace for each time.
+    """
+    ours, theirs = (traces[robot] for robot in pair)
+    times = _times(ours & theirs, layer)
+    found = [Conflict(pair, time, one.at(time)) for time in times]
+    left, entered = ours & theirs >> layer, theirs & ours >> layer
+    if left and entered:
+        for time in set(_times(left, layer)).intersection(_times(entered, layer)):
+            if one.at(time) != one.at(time + 1):
+                found.append(Conflict(pair, time + 1, one.at(time + 1), one.at(time)))
+    return found
+
+
+def _times(trace: int, layer: int) -> list[int]:
+    """Return the times at which a trace has cells."""
+    return [(bit.bit_length() - 1) // layer for bit in bits_of(trace)]

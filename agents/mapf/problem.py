@@ -9,6 +9,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
+from functools import cached_property
 
 import numpy as np
 
@@ -53,6 +54,13 @@ class Problem:
         """``R``."""
         return len(self.starts)
 
+    @cached_property
+    def lower_bound(self) -> int:
+        """The sum of the fewest steps from starts to goals; no plan has a lower sum of costs."""
+        graph = self.graph if self.graph.costs is None else Graph(self.graph.layout)
+        ends = zip(self.starts, self.goals, strict=True)
+        return sum(int(graph.distances(goal)[start]) for start, goal in ends)
+
     def _check(self, name: str, cells: Sequence[int]) -> None:
         layout, first = self.graph.layout, dict[int, int]()
         for robot, cell in enumerate(cells):
@@ -69,16 +77,21 @@ class Problem:
 
 @dataclass(frozen=True, eq=False)
 class Plan:
-    """Cells of the robots before each joint step and after the last, ``[T + 1, R]``."""
+    """Cells of the robots before each joint step and after the last, ``[T + 1, R]``.
+
+    ``bound`` is the lower bound on the sum of costs of all plans that the solver has proved, or
+    ``None`` if it has proved none; an optimal plan has its own cost there.
+    """
 
     cells: Integers
+    bound: int | None = None
 
     @classmethod
-    def of(cls, ways: Sequence[Sequence[int]]) -> Plan:
+    def of(cls, ways: Sequence[Sequence[int]], bound: int | None = None) -> Plan:
         """Return the plan of ways of any lengths; each robot stays in its last cell."""
         steps = max(map(len, ways), default=1)
         cells = [[*way, *[way[-1]] * (steps - len(way))] for way in ways]
-        return cls(np.array(cells, np.int64).reshape(len(ways), steps).T)
+        return cls(np.array(cells, np.int64).reshape(len(ways), steps).T, bound)
 
     @property
     def makespan(self) -> int:

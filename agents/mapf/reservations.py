@@ -20,7 +20,6 @@ class Reservations:
             another, and that robot.
         ends: the state from which on a cell is occupied for good, by cell.
         closed: states that no robot can have, such as cells of people.
-        closed_moves: ``state * H * W + cell`` of moves that no robot can make.
         latest: time after which nothing is taken or closed but for good.
         ways: begin and way of each robot that was added.
     """
@@ -31,7 +30,6 @@ class Reservations:
         self.moves: dict[int, int] = {}
         self.ends: dict[int, int] = {}
         self.closed: set[int] = set()
-        self.closed_moves: set[int] = set()
         self.ways: dict[int, tuple[int, list[int]]] = {}
 
     def add(self, robot: int, way: list[int], begin: int = 0, *, stays: bool = False) -> None:

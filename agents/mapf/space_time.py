@@ -82,7 +82,7 @@ def find_way(
     """
     size, states, swaps = taken.size, taken.states, taken.moves
     places = len(moves)
-    ends, closed, closed_moves = taken.ends, taken.closed, taken.closed_moves
+    ends, closed = taken.ends, taken.closed
     free = end * places
     edge = inf if window is None else (begin + window) * places
     # Without a window all times after the latest are alike, and one layer stands for them.
@@ -115,7 +115,7 @@ def find_way(
                 if toll == inf:
                     continue
                 total += toll
-            if reached in closed or move in closed_moves or (ends and reached >= ends.get(to, inf)):
+            if reached in closed or (ends and reached >= ends.get(to, inf)):
                 continue
             reached = next_layer + there
             if total < best.get(reached, inf):

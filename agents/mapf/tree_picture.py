@@ -2,13 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Sequence
 from typing import Any
 
 from matplotlib.axes import Axes
 from matplotlib.patches import Rectangle
 
-from agents.mapf.cbs import Conflict, ConflictNode, ConflictTree, Constraint
+from agents.mapf.cbs import Conflict, ConflictNode, ConflictTree
+from agents.mapf.rules import Constraint
 from warehouse_core.render.palette import COLORS, FAINT, INK, PAPER, SHELF
 from warehouse_core.viz.axes import box_in, draw_grid
 from warehouse_core.viz.figure import SceneFigure, make_figure
@@ -21,7 +22,7 @@ CARD, GAP = (2.65, 1.3), (0.2, 0.5)
 """Width and height of a node and between nodes, in inches."""
 
 HEAD = 0.36
-"""Height of the strip with the constraint, in inches."""
+"""Height of the strip with the constraints, in inches."""
 
 TITLE, MARGIN, FLOOR_CELL, MAX_FLOOR, MIN_FLOOR = 0.85, 0.35, 0.75, 4.5, 2.9
 SMALL, LARGE, TITLE_SIZE = 13, 20, 21
@@ -29,12 +30,13 @@ SMALL, LARGE, TITLE_SIZE = 13, 20, 21
 
 HOW_TO_READ = """Discs are starts, squares are goals.
 
-Black: what one robot must
-not do in this node and below.
-Under the cost: the conflict,
-which the two children forbid
-to one of the robots each.
-Cells are (row, column)."""
+Black: what is true of a robot
+in this node and below.
+Under the cost: the conflict that
+the two children decide by what
+one robot does, or does not do.
+Not opened: no plan below it is
+cheaper. Cells are (row, column)."""
 
 SOLUTION = COLORS[DROPOFF]
 
@@ -44,8 +46,8 @@ MakeFigure = Callable[[tuple[float, float]], SceneFigure]
 def tree_picture(tree: ConflictTree, make: MakeFigure = make_figure) -> SceneFigure:
     """Return a picture of a conflict tree that has grown, beside its problem.
 
-    A node shows the constraint that its parent does not have, the cost of its ways, and the
-    conflict that its children forbid; one without children shows if it is the optimal plan. The
+    A node shows the constraints that its parent does not have, the cost of its ways, and the
+    conflict that its children decide; one without children shows if it is the optimal plan. The
     figure is made by ``make``, from its width and height in inches.
 
     Raises:
@@ -110,27 +112,28 @@ def places_of(nodes: list[ConflictNode]) -> dict[ConflictNode, tuple[float, int]
     return {node: placed[node] for node in nodes}
 
 
-def words_of(tree: ConflictTree, what: Constraint | Conflict | None) -> str:
-    """Return a constraint or a conflict in words; robots and steps are numbers, cells places."""
+def words_of(tree: ConflictTree, what: Sequence[Constraint] | Conflict) -> str:
+    """Return constraints or a conflict in words; robots and steps are numbers, cells places."""
 
     def place(cell: int | None) -> Cell:
         return tree.problem.graph.layout.cell(cell or 0)
 
-    if what is None:
-        return ""
-    if isinstance(what, Constraint):
-        robot, time, cell, before = what
+    if isinstance(what, Conflict):
+        (one, other), time, cell, before = what
         if cell is None:
-            return f"{robot} arrives after step {time}"
+            return f"{one} and {other}: shortest ways meet"
         if before is None:
-            return f"{robot} not in {place(cell)} at {time}"
-        return f"{robot} not {place(before)}→{place(cell)} at {time}"
-    one, other = what
-    if one.cell is None:
-        return f"{one.robot} and {other.robot}: all shortest ways meet"
-    if one.before is None:
-        return f"{one.robot} and {other.robot} in {place(one.cell)} at {one.time}"
-    return f"{one.robot}, {other.robot} swap {place(one.before)}, {place(one.cell)} at {one.time}"
+            return f"{one} and {other} in {place(cell)} at {time}"
+        return f"{one}, {other} swap {place(before)}, {place(cell)} at {time}"
+    words = []
+    for robot, time, cell, before, holds in what:
+        if cell is None:
+            arrives = " arrives" if len(what) == 1 else ""  # two of them must fit the strip
+            words.append(f"{robot}{arrives} {'by' if holds else 'after'} step {time}")
+        else:
+            move = f"in {place(cell)}" if before is None else f"{place(before)}→{place(cell)}"
+            words.append(f"{robot} {'' if holds else 'not '}{move} at {time}")
+    return ", ".join(words)
 
 
 def _draw_card(
@@ -141,9 +144,9 @@ def _draw_card(
     axes.add_patch(Rectangle(corner, wide, high, color=ground))
     common: dict[str, Any] = {"ha": "center", "va": "center", "parse_math": False}
     middle = x + wide / 2
-    if node.constraint is not None:
+    if node.constraints:
         axes.add_patch(Rectangle(corner, wide, HEAD, color=INK))
-        words = words_of(tree, node.constraint)
+        words = words_of(tree, node.constraints)
         axes.text(middle, y + HEAD / 2, words, fontsize=SMALL, color=PAPER, **common)
     color, width = (SOLUTION, 7.0) if is_solution else (INK, 1.4)
     axes.add_patch(
@@ -153,7 +156,7 @@ def _draw_card(
     axes.text(middle, y + HEAD + 0.3, cost, fontsize=LARGE, fontweight="bold", color=INK, **common)
     last = (
         "★ optimal plan" if is_solution
-        else words_of(tree, node.split) or "not opened"
+        else words_of(tree, node.split) if node.split else "not opened"
     )  # fmt: skip
     weight = "bold" if is_solution else "normal"
     axes.text(middle, y + high - 0.25, last, fontsize=SMALL, fontweight=weight, color=INK, **common)

@@ -1,4 +1,4 @@
-"""Task assignments compared, robots that run empty, and the time that a step takes.
+"""Task assignments compared, what was possible, robots that run empty, and the time of a step.
 
 The floor is a warehouse of 33 x 46 cells with 16 chargers; there are always two orders for each
 robot.
@@ -6,17 +6,27 @@ robot.
 
 import time
 import warnings
+from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 
+from agents.fleet.optimum import most_deliveries
 from agents.lab.trials.interval import Interval, mean_interval
 from agents.mapf.assignment import ASSIGNMENTS
 from agents.registry import make_fleet_agent
-from warehouse_core import FleetEnv, Layout, OrderQueue, shelf_layout
+from warehouse_core import (
+    FleetEnv,
+    Layout,
+    OrderQueue,
+    OrderStream,
+    record_fleet_episode,
+    shelf_layout,
+)
 from warehouse_core.fleet import FleetMeasures
 from warehouse_core.world.generators import benchmark_warehouse
+from warehouse_core.world.named_layouts import DEPOT, find_layout
 from warehouse_core.world.tiles import WALL
 
 ROBOTS, STEPS, SEEDS = 96, 1000, range(20)
@@ -112,6 +122,49 @@ def test_no_robot_runs_empty_where_chargers_suffice(planner: str, measured) -> N
         f"{hourly.estimate:,.0f} deliveries an hour",
     )
     assert sum(stranded) == 0 or planner != PLANNER
+
+
+SHIFTS = [
+    # more orders than the fleet can carry out, but for the last
+    (find_layout(Path(DEPOT)), 2, 0.15, 150, 20),
+    (find_layout(Path(DEPOT)), 4, 0.2, 150, 20),
+    (find_layout(Path(DEPOT)), 8, 0.3, 200, 20),
+    (find_layout(Path(DEPOT)), 8, 0.06, 1000, 5),
+    (LAYOUT, 96, 1.8, 200, 3),
+]
+
+
+@pytest.mark.parametrize(("layout", "robots", "rate", "steps", "shifts"), SHIFTS)
+def test_share_of_what_was_possible(
+    layout: Layout, robots: int, rate: float, steps: int, shifts: int, measured
+) -> None:
+    """Batteries do not get empty here: the optimum has none."""
+    proved, seconds, most = 0, list[float](), np.zeros(2)
+    made = {name: np.zeros(2) for name in ASSIGNMENTS}
+    for seed in range(shifts):
+        for name, counts in made.items():
+            settings: Any = {"max_steps": steps, "battery": 100 * steps, "dispatch": False}
+            env = FleetEnv(layout, robots, orders=OrderStream(rate, DUE), **settings)
+            agent = make_fleet_agent("pibt", name, seed, layout)
+            shift = record_fleet_episode(env, agent, seed=seed)
+            late = [order.delivered > order.due for order in shift.orders if order.delivered]
+            counts += len(late), late.count(False)
+        start = time.process_time()
+        found = most_deliveries(shift), most_deliveries(shift, on_time=True)
+        seconds.append((time.process_time() - start) / 2)
+        most += [each.most for each in found]
+        proved += sum(each.is_exact for each in found)
+    shares = {name: 100 * counts / most for name, counts in made.items()}
+    measured(
+        f"share of the possible deliveries, {robots} robots, {rate} orders a step, {steps} steps",
+        ", ".join(f"{name} {every:.1f}%" for name, (every, _) in shares.items())
+        + "; on time "
+        + ", ".join(f"{name} {on_time:.1f}%" for name, (_, on_time) in shares.items())
+        + f"; {most[0] / shifts:.1f} deliveries possible, {most[1] / shifts:.1f} on time; "
+        f"{proved} of {2 * shifts} proved to be the optimum, the others bounds; one takes "
+        f"{np.median(seconds):.1f} s, at most {max(seconds):.1f} s",
+    )
+    assert all((share <= 100).all() for share in shares.values())
 
 
 @pytest.mark.parametrize("robots", [100, 1000])

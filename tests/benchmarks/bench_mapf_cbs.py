@@ -6,12 +6,14 @@ Source: pymapf, https://pypi.org/project/pymapf/.
 import time
 from statistics import median
 
-from helpers.mapf_problems import random_problem, random_problems
+import pytest
+from helpers.mapf_problems import problem_of, random_problem, random_problems
 from helpers.mapf_runs import check_solver
 from pymapf import Agent, ConflictBasedSearch, GridMap, MAPFProblem
 
 from agents.errors import PlanError
 from agents.mapf.cbs import ConflictTree, solve_cbs
+from agents.mapf.eecbs import solve_eecbs
 from agents.mapf.problem import Problem
 from warehouse_core import random_layout
 
@@ -47,11 +49,12 @@ def test_costs_are_those_of_another_solver(measured) -> None:
     measured(what, f"{equal} of {equal}; {undecided} more that pymapf did not solve in 5 s")
 
 
-def test_seconds_for_20_robots(measured) -> None:
-    """32 x 32 cells inside a border, 10% walls, connected; ours and pymapf's on the same."""
+@pytest.mark.parametrize(("robots", "walls"), [(20, 10), (40, 20)])
+def test_seconds_of_conflict_based_search(robots: int, walls: int, measured) -> None:
+    """32 x 32 cells inside a border, connected, some walls."""
     times, nodes, late = [], [], 0
     for seed in range(25):
-        problem = random_problem(random_layout(34, 34, 0.1, seed), 20, seed)
+        problem = random_problem(random_layout(34, 34, walls / 100, seed), robots, seed)
         tree, start = ConflictTree(problem), time.process_time()
         try:
             tree.solve(SECONDS)
@@ -60,10 +63,38 @@ def test_seconds_for_20_robots(measured) -> None:
         times.append(time.process_time() - start)
         nodes.append(len(tree.nodes))
     measured(
-        "seconds of conflict-based search, 20 robots on 25 floors like random-32-32-10",
+        f"CPU seconds of conflict-based search, {robots} robots on 25 floors like "
+        f"random-32-32-{walls}",
         f"median {median(times):.3f}, worst {max(times):.2f}; worst {max(nodes)} nodes; "
         f"{late} without a plan in {SECONDS:g} s",
     )
+
+
+def test_seconds_for_two_robots_in_a_corridor(measured) -> None:
+    rows = ["...." + wall * 22 + "...." for wall in "#.#"]
+    problem = problem_of(rows, [30, 59], [59, 30])
+    tree, start = ConflictTree(problem), time.process_time()
+    plan = tree.solve(SECONDS)
+    took = time.process_time() - start
+    figure = f"{took:.3f}, {len(tree.nodes)} nodes, cost {plan.sum_of_costs}"
+    measured("CPU seconds of conflict-based search, two robots in a corridor of 22 cells", figure)
+
+
+def test_costs_within_a_bound(measured) -> None:
+    for robots in (60, 100):
+        times, shares = [], []
+        for seed in range(10):
+            problem = random_problem(random_layout(34, 34, 0.2, seed), robots, seed)
+            start = time.process_time()
+            plan = solve_eecbs(problem, SECONDS, 1.2)
+            times.append(time.process_time() - start)
+            assert plan.bound is not None
+            shares.append(plan.sum_of_costs / plan.bound)
+        measured(
+            f"ecbs:w=1.2, {robots} robots on 10 floors like random-32-32-20",
+            f"CPU seconds: median {median(times):.2f}, worst {max(times):.2f}; cost over the "
+            f"proved bound: median {median(shares):.3f}, worst {max(shares):.3f}",
+        )
 
 
 def test_robots_solved_in_ten_seconds(measured) -> None:

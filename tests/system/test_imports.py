@@ -101,10 +101,15 @@ MAY_IMPORT = {
         "errors fleet lab lab/console lab/reports lab/runs lab/trials registry"
     ),
     "agents/lab/commands/grade": "errors lab/console lab/grading lab/reports lab/trials",
+    "agents/lab/commands/pogema": (
+        "errors lab/commands/planners lab/console lab/experiments lab/reports "
+        "lab/reports/analysis lab/reports/figures lab/runs lab/trials mapf registry"
+    ),
     "agents/lab/commands": (
         "errors fleet lab lab/commands/export lab/commands/fleet lab/commands/gap "
-        "lab/commands/grade lab/commands/planners lab/console lab/experiments lab/reports "
-        "lab/runs lab/training lab/trials learning mapf registry search warehouse_agent_greedy"
+        "lab/commands/grade lab/commands/planners lab/commands/pogema lab/console lab/experiments "
+        "lab/reports lab/runs lab/training lab/trials learning mapf registry search "
+        "warehouse_agent_greedy"
     ),
     "agents/__main__": "lab/commands",
     "agents/run_episode": "lab/commands lab/console",

@@ -21,6 +21,7 @@ from agents.lab.commands.grade.grade import grade
 from agents.lab.commands.planners.compare_planners import compare_planners
 from agents.lab.commands.planners.mapf import mapf
 from agents.lab.commands.play import play
+from agents.lab.commands.pogema.pogema import pogema
 from agents.lab.commands.race import race
 from agents.lab.commands.run import report_episode, run
 from agents.lab.commands.search import search
@@ -95,7 +96,7 @@ GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
         "search": search,
         "explore": explore,
     },
-    "Several robots": {"fleet": fleet, "mapf": mapf, "gap": gap},
+    "Several robots": {"fleet": fleet, "mapf": mapf, "pogema": pogema, "gap": gap},
     "Study": {
         "compare": comparing,
         "train": training,

@@ -169,9 +169,8 @@ def pibt() -> Demo:
 
 
 def cbs() -> DemoPicture:
-    """The conflict tree of two robots that want to pass through one gap."""
-    width = len(GAP[0])
-    tree = ConflictTree(Problem(Graph(Layout(GAP)), [width, 2 * width - 1], [2 * width - 1, width]))
+    """The conflict tree of three robots at one gap."""
+    tree = ConflictTree(Problem(Graph(Layout(GAP)), [7, 11, 1], [11, 4, 5]))
     tree.solve(CBS_SECONDS)
     assert tree.solution is not None, "the tree has grown"
     alone, together = tree.nodes[0].cost, tree.solution.cost

@@ -72,3 +72,14 @@ def parse_battery(text: str) -> Battery:
             f"--battery is {text!r}; it must be 1..{MAX_STEPS} steps or joules, as in 400steps"
         )
     return Battery(int(battery[1]), battery[2] or STEPS)
+
+
+def parse_sizes(text: str) -> list[int]:
+    """Return the fleet sizes in a text such as ``32,64``, in ascending order."""
+    parts = [part.strip() for part in text.split(",")]
+    for part in parts:
+        if not (part.isascii() and part.isdecimal() and len(part) < 10 and int(part) > 0):
+            raise typer.BadParameter(
+                f"--robots has {part!r}; it must be whole numbers, at least 1, as in 32,64"
+            )
+    return sorted(set(map(int, parts)))

@@ -117,13 +117,7 @@ def sweep(
         Path, option("--save -o FILE", f"{options.SAVE} Results that it has are kept.")
     ] = Path("results.sqlite"),
     jobs: options.Jobs = None,
-    address: Annotated[
-        str | None,
-        option(
-            "--cluster tcp://HOST:PORT",
-            "Run on the Dask cluster of this scheduler; needs the extra 'cluster'.",
-        ),
-    ] = None,
+    address: options.Cluster = None,
     mix: Annotated[
         bool,
         option(

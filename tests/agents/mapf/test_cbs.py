@@ -5,9 +5,11 @@ from helpers.mapf_problems import problem_of, random_problem, random_problems, s
 from helpers.mapf_runs import check_solver
 
 from agents.errors import PlanError
-from agents.mapf.cbs import ConflictTree, Constraint, solve_cbs
+from agents.mapf import cbs
+from agents.mapf.cbs import ConflictTree, separate_delays, solve_cbs
 from agents.mapf.graph import Graph
 from agents.mapf.problem import Problem
+from agents.mapf.rules import Constraint
 from warehouse_core import Layout, random_layout
 from warehouse_physics import RigidBodyMotion
 
@@ -20,7 +22,8 @@ def test_costs_are_the_smallest() -> None:
         rows = problem.graph.layout.rows
         smallest = smallest_cost(rows, problem.starts, problem.goals)
         if smallest is not None:
-            assert solve_cbs(problem, SECONDS).sum_of_costs == smallest, (rows, problem.starts)
+            plan = solve_cbs(problem, SECONDS)
+            assert plan.sum_of_costs == plan.bound == smallest, (rows, problem.starts)
             solved += 1
     assert solved > 40
 
@@ -40,6 +43,15 @@ def test_robots_that_cross_a_wide_floor_take_few_nodes() -> None:
     assert len(tree.nodes) < 10
 
 
+def test_robots_that_meet_in_a_long_corridor_take_two_children() -> None:
+    """One waits for the other at its end: without clashes there are as many nodes as delays."""
+    rows = ["#..." + "#" * 22 + "...#", "#..." + "." * 22 + "...#", "#..." + "#" * 22 + "...#"]
+    width = len(rows[0])
+    tree = ConflictTree(problem_of(rows, [width + 1, 2 * width - 2], [2 * width - 2, width + 1]))
+    assert tree.solve(SECONDS).sum_of_costs == 2 * 27 + 24
+    assert len(tree.nodes) == 3
+
+
 def test_a_robot_in_its_goal_lets_another_pass() -> None:
     """Robot 1 is in its goal at first, but leaves it; it must not end there before."""
     tree = ConflictTree(problem_of([".....", "##.##"], [0, 2], [4, 2]))
@@ -50,7 +62,28 @@ def test_a_robot_in_its_goal_lets_another_pass() -> None:
     assert root.split is not None
     assert {node.parent for node in others} <= set(tree.nodes)
     assert all(node.cost >= node.parent.cost for node in others if node.parent is not None)
-    assert all(isinstance(node.constraint, Constraint) for node in others)
+    assert all(isinstance(rule, Constraint) for node in others for rule in node.constraints)
+
+
+def test_no_robot_counts_in_two_pairs_of_a_bound() -> None:
+    assert separate_delays({(0, 1): (2, 3), (1, 2): (5, 1), (2, 3): (1, 4), (3, 4): (1, 1)}) == 3
+    assert separate_delays({}) == 0
+
+
+def test_closed_cells_are_kept_out_of() -> None:
+    problem = problem_of(["...", "...", "..."], [0, 2], [2, 0])
+    problem.graph.close(frozenset({1}))
+    plan = solve_cbs(problem, SECONDS)
+    assert plan.sum_of_costs == smallest_cost([".#.", "...", "..."], [0, 2], [2, 0])
+
+
+def test_sets_that_were_forgotten_are_made_again(monkeypatch: pytest.MonkeyPatch) -> None:
+    problem = random_problem(random_layout(16, 16, 0.2, 3), 12, 3)
+    plan = solve_cbs(problem, SECONDS)
+    assert plan.sum_of_costs > problem.lower_bound
+    monkeypatch.setattr(cbs, "MAX_BYTES", 0)
+    monkeypatch.setattr(cbs, "LEAST_KEPT", 1)
+    assert solve_cbs(problem, SECONDS).cells.tolist() == plan.cells.tolist()
 
 
 def test_lanes_do_not_change_the_cost() -> None:
@@ -58,6 +91,7 @@ def test_lanes_do_not_change_the_cost() -> None:
     costs = Graph(layout).neighbours[:, :4].astype("float32") * 0 + 5
     problem = Problem(Graph(layout, costs), [0, 3], [3, 0])
     assert solve_cbs(problem, SECONDS).sum_of_costs == 8
+    assert problem.lower_bound == 6
 
 
 @pytest.mark.parametrize("seconds", [0, 0.05])

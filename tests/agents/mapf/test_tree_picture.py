@@ -5,9 +5,10 @@ from itertools import pairwise
 import pytest
 from matplotlib.patches import Rectangle
 
-from agents.mapf.cbs import Conflict, ConflictTree, Constraint
+from agents.mapf.cbs import Conflict, ConflictTree
 from agents.mapf.graph import Graph
 from agents.mapf.problem import Problem
+from agents.mapf.rules import Constraint
 from agents.mapf.tree_picture import CARD, SOLUTION, places_of, tree_picture, words_of
 from warehouse_core import Layout
 
@@ -21,7 +22,7 @@ def grown(starts: list[int], goals: list[int], layout: Layout = GAP) -> Conflict
 
 
 def test_the_tree_has_a_card_for_each_node_and_marks_the_solution() -> None:
-    tree = grown([5, 9], [9, 5])
+    tree = grown([7, 11, 1], [11, 4, 5])
     assert tree.solution is not None
     assert not tree.solution.conflicts
     axes = tree_picture(tree).axes[1]
@@ -44,13 +45,13 @@ def test_the_tree_has_a_card_for_each_node_and_marks_the_solution() -> None:
     assert said[said.index("★ optimal plan") - 1] == f"cost {tree.solution.cost}"
     assert len(axes.lines) == len(tree.nodes) - 1
     for node in tree.nodes[1:]:
-        assert words_of(tree, node.constraint) in said
+        assert words_of(tree, node.constraints) in said
     opened = [words_of(tree, node.split) for node in tree.nodes if node.split]
     assert [words for words in said if words in opened] == opened
 
 
 def test_lines_lead_from_parents_to_children_and_no_cards_overlap() -> None:
-    tree = grown([5, 9], [9, 5])
+    tree = grown([7, 11, 1], [11, 4, 5])
     places = places_of(tree.nodes)
     for node, (column, level) in places.items():
         children = [places[each] for each in tree.nodes if each.parent is node]
@@ -64,7 +65,7 @@ def test_lines_lead_from_parents_to_children_and_no_cards_overlap() -> None:
 
 
 def test_cards_have_their_words_inside_and_lines_join_parents_and_children() -> None:
-    tree = grown([5, 9], [9, 5])
+    tree = grown([7, 11, 1], [11, 4, 5])
     places = places_of(tree.nodes)
     axes = tree_picture(tree).axes[1]
     frames = [patch for patch in axes.patches if isinstance(patch, Rectangle)]
@@ -78,9 +79,10 @@ def test_cards_have_their_words_inside_and_lines_join_parents_and_children() -> 
         assert all((card.y1 < each.y0) == (level < y) for each, (_, y) in others)
         words = [text for text in axes.texts if card.contains(*text.get_position())]
         lines = [text.get_text() for text in sorted(words, key=lambda text: text.get_position()[1])]
-        last = "★ optimal plan" if node is tree.solution else words_of(tree, node.split)
-        first = [words_of(tree, node.constraint)] if node.constraint else []
-        assert lines == [*first, f"cost {node.cost}", last or "not opened"]
+        last = "★ optimal plan" if node is tree.solution else "not opened"
+        first = [words_of(tree, node.constraints)] if node.constraints else []
+        last = words_of(tree, node.split) if node.split else last
+        assert lines == [*first, f"cost {node.cost}", last]
         middle = (card.x0 + card.x1) / 2
         assert [text.get_position()[0] for text in words] == pytest.approx([middle] * len(words))
     joined = [line.get_xydata().ravel() for line in axes.lines]
@@ -115,7 +117,7 @@ def test_the_floor_has_walls_starts_and_goals_with_the_numbers_of_their_robots()
 
 
 def test_nothing_in_the_picture_of_a_tree_overlaps_or_leaves_it() -> None:
-    figure = tree_picture(grown([5, 9], [9, 5]))
+    figure = tree_picture(grown([7, 11, 1], [11, 4, 5]))
     figure.pixels()
     boxes = [axes.get_window_extent() for axes in figure.axes]
     boxes += [text.get_window_extent() for text in figure.texts]
@@ -124,20 +126,26 @@ def test_nothing_in_the_picture_of_a_tree_overlaps_or_leaves_it() -> None:
         assert figure.bbox.y0 <= box.y0 < box.y1 <= figure.bbox.y1
         assert not any(box.overlaps(other) for other in boxes[:number])
     title = figure.texts[0].get_text()
-    assert title == "Conflict-based search, 2 robots: cost 11 after 9 nodes"
+    assert title == "Conflict-based search, 3 robots: cost 12 after 8 nodes"
 
 
 def test_constraints_and_conflicts_are_told_in_words() -> None:
     tree = ConflictTree(Problem(Graph(GAP), [0], [1]))
-    assert words_of(tree, Constraint(3, 2, 6)) == "3 not in (1, 1) at 2"
-    assert words_of(tree, Constraint(3, 2, 7, 6)) == "3 not (1, 1)→(1, 2) at 2"
-    assert words_of(tree, Constraint(3, 4, None)) == "3 arrives after step 4"
-    meet = Conflict(Constraint(0, 1, 0), Constraint(2, 1, 0))
-    assert words_of(tree, meet) == "0 and 2 in (0, 0) at 1"
-    swap = Conflict(Constraint(0, 1, 1, 0), Constraint(2, 1, 0, 1))
-    assert words_of(tree, swap) == "0, 2 swap (0, 0), (0, 1) at 1"
-    late = Conflict(Constraint(0, 4, None), Constraint(1, 4, None))
-    assert words_of(tree, late) == "0 and 1: all shortest ways meet"
+    for rule, words in {
+        Constraint(3, 2, 6): "3 not in (1, 1) at 2",
+        Constraint(3, 2, 6, holds=True): "3 in (1, 1) at 2",
+        Constraint(3, 2, 7, 6): "3 not (1, 1)→(1, 2) at 2",
+        Constraint(3, 4, None): "3 arrives after step 4",
+    }.items():
+        assert words_of(tree, [rule]) == words
+    both = [Constraint(3, 4, None, holds=True), Constraint(0, 5, None)]
+    assert words_of(tree, both) == "3 by step 4, 0 after step 5"
+    for conflict, words in {
+        Conflict((0, 2), 1, 0): "0 and 2 in (0, 0) at 1",
+        Conflict((0, 2), 1, 1, 0): "0, 2 swap (0, 0), (0, 1) at 1",
+        Conflict((0, 1), 4, None): "0 and 1: shortest ways meet",
+    }.items():
+        assert words_of(tree, conflict) == words
 
 
 def test_a_tree_of_one_node_is_drawn_and_one_without_or_with_many_is_not() -> None:
@@ -145,5 +153,5 @@ def test_a_tree_of_one_node_is_drawn_and_one_without_or_with_many_is_not() -> No
     assert "★ optimal plan" in [text.get_text() for text in tree_picture(tree).axes[1].texts]
     with pytest.raises(ValueError, match=r"the conflict tree has 0 nodes; a picture has 1\.\.31"):
         tree_picture(ConflictTree(tree.problem))
-    with pytest.raises(ValueError, match="the conflict tree has 33 nodes"):
-        tree_picture(grown([5, 1, 13], [9, 13, 1]))
+    with pytest.raises(ValueError, match="the conflict tree has 39 nodes"):
+        tree_picture(grown([8, 13, 6, 14], [5, 14, 8, 7]))

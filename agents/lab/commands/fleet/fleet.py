@@ -91,6 +91,12 @@ def fleet(
     show_pushes: Annotated[
         bool, option("--show-pushes", "Draw which robot pushes which, of a planner by PIBT.")
     ] = False,
+    optimum: Annotated[
+        bool,
+        option(
+            "--optimum", "Say how many deliveries were possible, which takes seconds to find out."
+        ),
+    ] = False,
     layout: options.FleetLayout = Path(DEPOT),
     max_steps: options.MaxSteps = 1000,
     battery: options.FleetBattery = "400steps",
@@ -186,7 +192,7 @@ def fleet(
     results, records = list[ShiftResult](), list[Episode]()
 
     def keep(episode: Episode) -> None:
-        results.append(result_of(episode))
+        results.append(result_of(episode, optimum))
         if not records:  # all of them would take much memory
             records.append(episode)
 

@@ -11,6 +11,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.fleet.optimum import Optimum, most_deliveries
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES, mean_interval
@@ -35,12 +36,16 @@ class MeasureLine(NamedTuple):
 
 
 class ShiftResult(NamedTuple):
-    """What is printed and written of a shift."""
+    """What is printed and written of a shift.
+
+    ``possible`` is the most deliveries and the most on time, or nothing if that is not asked for.
+    """
 
     seed: int | None
     measures: FleetMeasures
     diagnosis: FleetDiagnosis
     orders: Sequence[Order]
+    possible: Sequence[Optimum] = ()
 
 
 LINES = (
@@ -64,17 +69,21 @@ LINES = (
 """The measures of a shift, see ``FleetMeasures``."""
 
 
-def result_of(episode: Episode) -> ShiftResult:
-    """Return what is printed and written of a record."""
-    return ShiftResult(episode.seed, episode.measures, diagnose_fleet(episode), episode.orders)
+def result_of(episode: Episode, optimum: bool = False) -> ShiftResult:
+    """Return what is printed and written of a record, with what was possible if so wished."""
+    possible = [most_deliveries(episode, on_time) for on_time in (False, True)] if optimum else ()
+    diagnosis = diagnose_fleet(episode)
+    return ShiftResult(episode.seed, episode.measures, diagnosis, episode.orders, possible)
 
 
 def report_shifts(results: Sequence[ShiftResult], robots: int, title: str) -> None:
     """Print the measures of shifts; several are printed as means with 95% intervals."""
     measures = [result.measures for result in results]
     print_table(measures_table(measures, title))
+    possible = [result.possible for result in results if result.possible]
     lines = [
         verdict(measures, robots),
+        *([share_of_possible(measures, possible)] if possible else []),
         f"Diagnosis: {diagnosis([each.diagnosis for each in results])}.",
     ]
     for line in lines:
@@ -131,6 +140,23 @@ def verdict(measures: Sequence[FleetMeasures], robots: int) -> str:
     if lost:
         hint += f" Orders lost with robots that cannot drive any more: {lost:,}."
     return f"{'; '.join(parts)}.{hint}"
+
+
+def share_of_possible(
+    measures: Sequence[FleetMeasures], possible: Sequence[Sequence[Optimum]]
+) -> str:
+    """Return in a sentence how much of the possible deliveries of shifts were made."""
+    delivered = sum(each.delivered for each in measures)
+    on_time = sum(round(each.on_time * each.delivered) for each in measures if each.delivered)
+    most, shares = list[str](), list[str]()
+    for made, found in zip((delivered, on_time), zip(*possible, strict=True), strict=True):
+        count, is_exact = sum(each.most for each in found), all(each.is_exact for each in found)
+        most.append(f"{'' if is_exact else 'at most '}{count:,}")
+        shares.append(percent(made / count) if count else "all")
+    return (
+        "Robots that never stop each other or charge, and know all orders, could deliver "
+        f"{most[0]}, and {most[1]} on time; these delivered {shares[0]} and {shares[1]} of that."
+    )
 
 
 def _values(measures: Sequence[FleetMeasures], line: MeasureLine) -> NDArray[np.float64]:

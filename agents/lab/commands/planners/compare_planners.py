@@ -8,7 +8,6 @@ from itertools import product
 from typing import Annotated, NamedTuple
 
 import numpy as np
-import typer
 
 from agents.errors import PlanError
 from agents.fleet.planned import PLAN_SECONDS
@@ -26,6 +25,7 @@ from agents.lab.console.options import option
 from agents.lab.console.output import save_picture
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import print_error, say
+from agents.lab.console.values import parse_sizes
 from agents.lab.parameters import Whole
 from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
 from agents.lab.trials.wording import above_interval
@@ -117,10 +117,10 @@ def compare_planners(
     )
     # The picture first, because the reader of standard output may leave, as ``head`` does.
     if save is not None:
-        from agents.lab.commands.planners.picture import throughput_figure
+        from agents.lab.commands.planners.picture import curves_figure
 
         curves = {name: {size: rates[name, size] for size in sizes} for name in (*names, BOUND)}
-        save_picture(throughput_figure(curves, BOUND, title), save)
+        save_picture(curves_figure(curves, title, "goals reached in a step", BOUND), save)
     rows = []
     for size in sizes:
         cells = [
@@ -139,14 +139,3 @@ def compare_planners(
             )
     if save is not None:
         say(f"saved {save}")
-
-
-def parse_sizes(text: str) -> list[int]:
-    """Return the fleet sizes in a text such as ``32,64``, in ascending order."""
-    parts = [part.strip() for part in text.split(",")]
-    for part in parts:
-        if not (part.isascii() and part.isdecimal() and len(part) < 10 and int(part) > 0):
-            raise typer.BadParameter(
-                f"--robots has {part!r}; it must be whole numbers, at least 1, as in {SIZES}"
-            )
-    return sorted(set(map(int, parts)))

@@ -5,6 +5,7 @@ from __future__ import annotations
 import time
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass, field
+from functools import partial
 from pathlib import Path
 from typing import Annotated, Any
 
@@ -22,6 +23,7 @@ from agents.lab.commands.planners.floors import (
     scenario_problem,
 )
 from agents.lab.commands.planners.output import Record, record_of_plan, record_of_run, write_result
+from agents.lab.commands.planners.replay import track_of_plan
 from agents.lab.commands.planners.runs import (
     BOUND,
     SOLVERS,
@@ -30,11 +32,15 @@ from agents.lab.commands.planners.runs import (
     Unhindered,
     make_solver,
     make_stepper,
+    solve_checked,
 )
+from agents.lab.commands.planners.study import SCENARIO, VALUES, find_scenarios, study
 from agents.lab.console import options
-from agents.lab.console.options import option, writable
+from agents.lab.console.options import MANY, option, writable
+from agents.lab.console.output import Film
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import print_error, warnings_printed
+from agents.lab.console.values import parse_sizes
 from agents.lab.parameters import Whole
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import LifelongRun, lead, run_lifelong
@@ -48,7 +54,7 @@ from warehouse_core.world.robot_runners import League, load_league
 from warehouse_core.world.tables import Integers
 
 ROBOTS, STEPS = 32, 1000
-SCENARIO, LEAGUE = ".scen", ".json"
+LEAGUE = ".json"
 
 
 PLANNER = f"{options.PLANNER} Arguments may follow, as in pibt:turn_cost=1; may be repeated."
@@ -58,29 +64,32 @@ LIFELONG = "Steps in which a robot that reaches its goal gets another."
 
 
 def mapf(
-    file: Annotated[
-        Path | None,
+    files: Annotated[
+        list[Path] | None,
         typer.Argument(
-            metavar="FILE",
-            help="A MovingAI scenario .scen, or a problem .json of the League of Robot Runners. "
-            "Without it starts and goals are drawn on --layout.",
+            metavar="FILE...",
+            help="A MovingAI scenario .scen, several or folders of them, or a problem .json of the "
+            "League of Robot Runners. Without it starts and goals are drawn on --layout.",
+            show_default=False,
         ),
     ] = None,
     planner: Annotated[
         list[str] | None,
         option(
             "--planner NAME",
-            f"{PLANNER} Where each robot has one goal, also {ONCE}.",
+            f"{PLANNER} Where each robot has one goal, also {ONCE}; ecbs:w=1.2 costs at most "
+            "1.2 times the optimum.",
             show_default=False,
         ),
     ] = None,
     layout: FloorOption = None,
     robots: Annotated[
-        int | None,
+        str | None,
         option(
-            "--robots -r N",
-            f"{options.ROBOTS} Default: all of the file, or {ROBOTS}.",
-            Whole(1, MAX_BODIES),
+            "--robots -r N,N",
+            f"{options.ROBOTS} Several, separated by commas, for scenarios. Default: all of the "
+            f"file, or {ROBOTS}; of several files 10, 20, 40 and so on.",
+            show_default=False,
         ),
     ] = None,
     steps: Annotated[
@@ -99,38 +108,55 @@ def mapf(
             "--drive", "Also let rigid bodies execute the plans, in joint steps and driven through."
         ),
     ] = False,
+    jobs: options.Jobs = None,
+    *,
     save: Annotated[
-        Path | None,
+        list[Path],
         option(
             "--save -o FILE",
-            f"{options.SAVE} The paths of one planner, as .json in the output format of the "
-            "League of Robot Runners.",
-            callback=writable(LEAGUE),
+            f"{options.SAVE} The paths of one planner as .json, in the output format of the League "
+            "of Robot Runners, or as a replay: .html, .gif, .mp4, .svg, .png. Of several files "
+            "each plan as .csv, and curves as .svg or .png; may be repeated.",
+            callback=writable(LEAGUE, VALUES, replays=True),
+            **MANY,
         ),
-    ] = None,
+    ],
 ) -> None:
     """Run planners on a problem of several robots.
 
     Prints makespan, sum of costs and time of plans, or the goals or tasks
-    that a lifelong run reaches in a step, each beside a bound.
+    that a lifelong run reaches in a step, each beside a bound. For several
+    scenarios or numbers of robots it prints how many are solved.
 
     Example: warehouse mapf --robots 64 --planner lacam --planner pibt --seed 1
     """
+    sizes = parse_sizes(robots) if robots is not None else []
+    if sizes and sizes[-1] > MAX_BODIES:
+        raise typer.BadParameter(f"--robots has {sizes[-1]}; allowed: 1..{MAX_BODIES}")
+    if len(files or ()) > 1 or len(sizes) > 1 or any(path.is_dir() for path in files or ()):
+        check_study(files, steps, drive=drive)
+        chosen = find_scenarios(files or [])
+        study(chosen, planner or ["lacam"], sizes, layout, seed, plan_seconds, jobs, save)
+        return
+    file, count = next(iter(files or ()), None), next(iter(sizes), None)
     kind = check_file(file, layout, steps)
     if drive:
         load_backend("driving")  # what it needs is missed here, and not after the plans
-    if save is not None and len(planner or ()) != 1:
+    for path in save:
+        if path.suffix.lower() == VALUES:
+            raise typer.BadParameter(f"{path}: one plan is saved as .json or as a replay")
+    if save and len(planner or ()) != 1:
         raise typer.BadParameter("--save takes the paths of one planner; name one by --planner")
     trials = Trials(seed, plan_seconds, save, drive)
     if file is not None and kind == LEAGUE:
         with warnings_printed():
             league = load_league(file)
-        run_league(league, planner, robots, steps or STEPS, trials, str(file))
+        run_league(league, planner, count, steps or STEPS, trials, str(file))
         return
     if file is not None:
-        solve_all(scenario_problem(file, layout, robots), planner, trials, str(file))
+        solve_all(scenario_problem(file, layout, count), planner, trials, str(file))
         return
-    name, floor, count = layout or KIVA, find_floor(layout), robots or ROBOTS
+    name, floor, count = layout or KIVA, find_floor(layout), count or ROBOTS
     if steps is None:
         title = f"layout {name}, seed {seed}"
         solve_all(random_problem(floor, count, seed), planner, trials, title)
@@ -143,6 +169,17 @@ def mapf(
 
     title = f"{counted(count, 'robot')}, {counted(steps, 'step')}, layout {name}, seed {seed}"
     run_all(graph, planner, trials, start, "goals reached", title)
+
+
+def check_study(files: Sequence[Path] | None, steps: int | None, *, drive: bool) -> None:
+    """Raise if an option does not go with several scenarios or numbers of robots."""
+    if not files:
+        raise typer.BadParameter(
+            "several numbers of --robots need scenarios; see also: warehouse compare planners"
+        )
+    for name, given in (("--lifelong", steps is not None), ("--drive", drive)):
+        if given:
+            raise typer.BadParameter(f"{name} goes with one problem, and not with several")
 
 
 def check_file(file: Path | None, layout: str | None, steps: int | None) -> str:
@@ -169,7 +206,7 @@ class Trials:
 
     seed: int
     seconds: float
-    output: Path | None
+    outputs: Sequence[Path]
     drive: bool
     rows: list[tuple[str, ...]] = field(default_factory=list)
     executed: list[tuple[str, ...]] = field(default_factory=list)
@@ -190,8 +227,12 @@ class Trials:
                 took = run(graph.layout, cells)
                 numbers = seconds_of(took.seconds), f"{took.joules:,.0f}", str(took.hits)
                 self.executed.append((name, way, *numbers))
-        if self.output is not None:
-            write_result(self.output, graph, cells, *result)
+        for path in self.outputs:
+            if path.suffix.lower() == LEAGUE:
+                write_result(path, graph, cells, *result)
+            else:
+                track = track_of_plan(graph, cells, f"{name}, {counted(cells.shape[1], 'robot')}")
+                Film(partial(list, [track])).save(path)
 
     def show(self, header: tuple[str, ...], title: str, caption: str) -> None:
         """Print the table, what plans take on bodies if they were driven, and the notes."""
@@ -208,26 +249,27 @@ def solve_all(problem: Problem, planners: Sequence[str] | None, trials: Trials, 
     """Print the plans of planners for a problem."""
     names, graph = planners or list(SOLVERS), problem.graph
     solvers = [make_solver(name, trials.seed, problem, trials.seconds) for name in names]
-    ends = zip(problem.starts, problem.goals, strict=True)
-    ways = [float(graph.distances(goal)[start]) for start, goal in ends]
-    shortest, total = max(ways, default=0.0), sum(ways)
-    trials.rows.append(("lower bound", f"{shortest:.0f}", f"{total:.0f}", "1.000", ""))
+    ends, total = zip(problem.starts, problem.goals, strict=True), problem.lower_bound
+    longest = max((graph.distances(goal)[start] for start, goal in ends), default=0)
+    trials.rows.append(("lower bound", f"{longest:.0f}", str(total), "1.000", "", ""))
     for name, solve in zip(names, solvers, strict=True):
         begin = time.perf_counter()
         try:
-            plan = solve(problem, trials.seconds)
+            plan, seconds, _ = solve_checked(name, solve, problem, trials.seconds)
         except PlanError as error:
             trials.notes.append(f"{name}: {error}")
-            trials.rows.append((name, *["none"] * 3, f"{time.perf_counter() - begin:.3f}"))
+            trials.rows.append((name, *["none"] * 3, "", f"{time.perf_counter() - begin:.3f}"))
             continue
-        seconds, cost = time.perf_counter() - begin, plan.sum_of_costs
+        cost = plan.sum_of_costs
         ratio = cost / total if total else 1.0
-        measures = str(plan.makespan), str(cost), f"{ratio:.3f}", f"{seconds:.3f}"
+        proved = "" if plan.bound is None else str(plan.bound)
+        measures = str(plan.makespan), str(cost), f"{ratio:.3f}", proved, f"{seconds:.3f}"
         trials.add(name, measures, graph, plan.cells, record_of_plan(plan), cost, [seconds])
     trials.show(
-        ("planner", "makespan", "sum of costs", "times the bound", "seconds"),
+        ("planner", "makespan", "sum of costs", "times the bound", "proved bound", "seconds"),
         f"{counted(problem.robots, 'robot')}, {title}",
-        "lower bound: the longest of the shortest ways, and their sum",
+        "lower bound: the longest of the shortest ways, and their sum; "
+        "proved bound: no plan has a lower sum of costs",
     )
     if len(trials.notes) == len(names):
         raise typer.Exit(1)

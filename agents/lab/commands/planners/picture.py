@@ -1,4 +1,4 @@
-"""The picture of throughput against robots, a line for each planner."""
+"""The picture of a measure against robots, a line for each planner."""
 
 from __future__ import annotations
 
@@ -16,11 +16,13 @@ SIZE, DPI = (8.0, 4.6), 150
 MARKERS = "osD^vPX*"
 
 Curve = Mapping[int, Interval]
-"""The throughput for each number of robots."""
+"""A measure for each number of robots."""
 
 
-def throughput_figure(curves: Mapping[str, Curve], bound: str, title: str) -> SceneFigure:
-    """Draw the throughput of planners with its 95% intervals; the line of the bound is dashed."""
+def curves_figure(
+    curves: Mapping[str, Curve], title: str, measure: str, bound: str = ""
+) -> SceneFigure:
+    """Draw a measure of planners with its 95% intervals; the line of the bound is dashed."""
     figure = make_figure(SIZE, DPI)
     axes = figure.subplots()
     figure.subplots_adjust(left=0.075, right=0.975, top=0.9, bottom=0.125)
@@ -41,13 +43,15 @@ def throughput_figure(curves: Mapping[str, Curve], bound: str, title: str) -> Sc
             axes.vlines([size for size, _ in known], low, high, color=color, linewidth=1.4)
             axes.fill_between([size for size, _ in known], low, high, color=color, alpha=0.18)
     axes.set_xlabel("robots", fontsize=9.5, color=INK)
-    axes.set_ylabel("goals reached in a step", fontsize=9.5, color=INK)
+    axes.set_ylabel(measure, fontsize=9.5, color=INK)
     axes.set_ylim(bottom=0)
     axes.xaxis.set_major_locator(MaxNLocator(integer=True))
     if len(sizes) < 12:
         axes.set_xticks(sizes)
     style_chart(axes)
-    legend = axes.legend(loc="upper left", fontsize=9, framealpha=1, edgecolor="none")
+    legend = axes.legend(
+        loc="upper left" if bound else "lower left", fontsize=9, framealpha=1, edgecolor="none"
+    )
     for text in legend.get_texts():
         text.set_parse_math(False)
     return figure

@@ -2,23 +2,27 @@
 
 from __future__ import annotations
 
+import time
 from functools import partial
 from itertools import count
 from typing import NamedTuple
 
 import numpy as np
 
+from agents import registry
 from agents.errors import AgentError, PlanError, reason_of
 from agents.mapf.cbs import solve_cbs
+from agents.mapf.eecbs import solve_eecbs
 from agents.mapf.graph import CLOSED, FAR, Fields, Graph
 from agents.mapf.lacam import lacam
 from agents.mapf.pibt import pibt
 from agents.mapf.planner import Planner, Situation, check_step, solve_by_steps
 from agents.mapf.prioritised import solve_prioritised
-from agents.mapf.problem import Problem, Solver
+from agents.mapf.problem import Plan, Problem, Solver
 from agents.mapf.time_limit import time_limit
 from agents.registry import PLANNERS, agent_file, make_planner
 from warehouse_core import Layout
+from warehouse_core.wording import brief, counted
 from warehouse_core.world.tables import Integers
 
 SOLVERS: dict[str, Solver] = {
@@ -26,6 +30,7 @@ SOLVERS: dict[str, Solver] = {
     "lacam": lacam,
     "prioritised": solve_prioritised,
     "cbs": solve_cbs,
+    "ecbs": solve_eecbs,
 }
 """Planners of robots that go to their goals once, by name."""
 
@@ -36,6 +41,16 @@ BOUND = "nobody in the way"
 """The name of ``Unhindered``."""
 
 
+def is_solver(name: str) -> bool:
+    """Return whether a name is of a solver of whole problems."""
+    return registry.make_solver(name, SOLVERS) is not None
+
+
+def is_stepper(name: str) -> bool:
+    """Return whether a name may be of a planner of step after step."""
+    return name.partition(":")[0] in PLANNERS or not is_solver(name)
+
+
 def make_stepper(
     name: str, seed: int, layout: Layout, robots: int, seconds: float
 ) -> CheckedPlanner:
@@ -44,7 +59,7 @@ def make_stepper(
     Raises:
         AgentError: as for ``make_planner``, or it is no ``Planner``.
     """
-    if name in SOLVERS and name not in PLANNERS:
+    if not is_stepper(name):
         raise AgentError(
             f"planner {name!r} plans all ways at once, for one goal a robot; lifelong runs have "
             f"{', '.join(PLANNERS)}, or your own as file.py:Class or module:Class"
@@ -57,17 +72,72 @@ def make_stepper(
 
 def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solver:
     """Return a solver by name, or one that asks a planner of the registry for each step."""
-    if name in SOLVERS:
-        return SOLVERS[name]
+    solver = registry.make_solver(name, SOLVERS)
+    if solver is not None:
+        return solver
     if ":" not in name and name not in PLANNERS:
         known = dict.fromkeys([*SOLVERS, *PLANNERS])
         raise AgentError(
             f"no planner is called {name!r}; allowed: {', '.join(known)}, or your own as "
-            "file.py:Class or module:Class"
+            "file.py:Class, or file.py:function for whole problems"
         )
     return partial(
         solve_by_steps, make_stepper(name, seed, problem.graph.layout, problem.robots, seconds)
     )
+
+
+def solve_checked(name: str, solve: Solver, problem: Problem, seconds: float) -> Solved:
+    """Return the plan of a solver, checked, with the time that it took.
+
+    Raises:
+        PlanError: it found no plan.
+        AgentError: it failed, or what it returns is no plan for the problem; the message says why.
+    """
+    begin = time.perf_counter(), time.process_time()
+    try:
+        plan = solve(problem, seconds)
+    except PlanError:
+        raise
+    except Exception as error:  # the solver of a user may raise anything
+        if isinstance(error, ValueError) and name.partition(":")[0] in SOLVERS:
+            raise AgentError(f"planner {name!r}: {error}") from error  # an argument is not allowed
+        reason = reason_of(error, agent_file(name))
+        raise AgentError(f"planner {name!r} failed: {reason}") from error
+    took = time.perf_counter() - begin[0], time.process_time() - begin[1]
+    try:
+        check_plan(problem, plan)
+    except PlanError as error:
+        raise AgentError(f"planner {name!r}: {error}") from error
+    return Solved(plan, *took)
+
+
+def check_plan(problem: Problem, plan: object) -> None:
+    """Raise ``PlanError`` if something is no plan of robots from their starts to their goals."""
+    robots = problem.robots
+    if not (isinstance(plan, Plan) and plan.cells.ndim == 2 and plan.cells.shape[1] == robots):
+        raise PlanError(f"it returned {brief(plan)}; needed: a Plan of {counted(robots, 'robot')}")
+    nobody, none = np.zeros(robots, np.bool_), np.empty(0, np.intp)
+    goals = np.array(problem.goals)
+    for what, ends, cells in (
+        ("start", problem.starts, plan.cells[0]),
+        ("goal", goals, plan.cells[-1]),
+    ):
+        for robot in np.flatnonzero(cells != np.array(ends))[:1].tolist():
+            place, wanted = (problem.graph.layout.cell(each[robot]) for each in (cells, ends))
+            raise PlanError(f"robot {robot} is in {place} and not at its {what} {wanted}")
+    for step, cells in enumerate(plan.cells[:-1]):
+        try:
+            check_step(problem.graph, Situation(cells, goals, nobody, none), plan.cells[step + 1])
+        except PlanError as error:
+            raise PlanError(f"step {step}: {error}") from None
+
+
+class Solved(NamedTuple):
+    """A plan, and the time it took: by the clock, and of the processor."""
+
+    plan: Plan
+    seconds: float
+    processor_seconds: float
 
 
 class CheckedPlanner:

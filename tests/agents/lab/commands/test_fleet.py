@@ -10,8 +10,9 @@ import pytest
 from helpers.command_line import Warehouse, write_mine
 from PIL import Image
 
+from agents.fleet.optimum import Optimum
 from agents.lab.commands.fleet.fleet import find_orders
-from agents.lab.commands.fleet.report import LINES, diagnosis, verdict
+from agents.lab.commands.fleet.report import LINES, diagnosis, share_of_possible, verdict
 from agents.lab.commands.fleet.report import measures_table as table
 from agents.lab.console.values import parse_battery, parse_due
 from agents.registry import PLANNERS
@@ -92,6 +93,18 @@ def test_several_shifts_have_means_and_the_first_is_saved(warehouse: Warehouse) 
         distances.append(FleetEpisode.load("one.npz").measures.distance)
     [row] = [row for row in out.splitlines() if "distance" in row]
     assert float(row.split("\u2502")[2]) == pytest.approx(sum(distances) / 2, rel=0.005)
+
+
+def test_shifts_are_compared_with_what_was_possible(warehouse: Warehouse) -> None:
+    save_orders("orders.csv", [Order(0, 60, (2, 5), (11, 5)), Order(0, 9, (2, 5), (11, 5))])
+    done = warehouse(*SMALL, "-n", 2, "--orders", "orders.csv", "--optimum")
+    assert done.code == 0
+    told = " ".join(done.out.split())
+    assert "could deliver 4, and 2 on time; these delivered 25% and 50% of that." in told
+    many = [(Optimum(5, True), Optimum(4, True)), (Optimum(15, False), Optimum(0, True))]
+    told = share_of_possible([measured(delivered=8), measured(delivered=2)], many)
+    assert "at most 20, and 4 on time; these delivered 50% and 125% of that" in told
+    assert "Robots that never" not in warehouse(*SMALL).out
 
 
 def test_orders_and_measures_of_all_shifts_are_written_as_tables(warehouse: Warehouse) -> None:

@@ -11,7 +11,7 @@ from agents.lab.commands.planners.compare_planners import (
     run_trial,
 )
 from agents.lab.commands.planners.floors import find_floor
-from agents.lab.commands.planners.picture import throughput_figure
+from agents.lab.commands.planners.picture import curves_figure
 from agents.lab.trials.interval import Interval
 from agents.lab.trials.workers import run_trials
 
@@ -69,7 +69,7 @@ def test_steps_that_took_too_long_are_told(warehouse: Warehouse) -> None:
 def test_the_picture_has_a_line_for_each_planner_and_its_interval() -> None:
     curve = {8: Interval(1.0, 0.9, 1.1), 16: Interval(1.5, 1.4, 1.7)}
     bound = {8: Interval(2.0), 16: Interval(4.0)}
-    figure = throughput_figure({"$a$": curve, BOUND: bound}, BOUND, "T")
+    figure = curves_figure({"$a$": curve, BOUND: bound}, "T", "goals", BOUND)
     [axes] = figure.axes
     assert [list(line.get_ydata()) for line in axes.get_lines()] == [[1.0, 1.5], [2.0, 4.0]]
     intervals = axes.collections[0].get_segments()

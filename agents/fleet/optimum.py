@@ -1,0 +1,217 @@
+"""How many orders of a shift any fleet could have delivered: the optimum, or a bound.
+
+Robots here take the shortest way between two cells, a step for each cell, and a step each to pick
+and to drop. They never meet, wait for people or charge; they know all orders from the start, and
+any of them may take any order. So no fleet on the same floor delivers more, whoever assigns its
+orders, and a fleet in which nobody is ever in the way can deliver as many.
+
+The model is a flow of robots in time. A robot at a pickup waits there, or takes an order that has
+been released, and is at its dropoff as many steps later as that takes; from there it goes to any
+pickup. Robots are alike, so the model hardly grows with their number. Each order is taken at most
+once. Whole numbers of robots make it an integer program, which is bounded by its linear relaxation.
+
+Source: Ford and Fulkerson (1958), Constructing maximal dynamic flows from static flows; the solver
+is HiGHS: Huangfu and Hall (2018), Parallelizing the dual revised simplex method.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.mapf.assignment import HANDLING
+from agents.mapf.graph import Fields, Graph
+from warehouse_core import Episode, OrderQueue
+from warehouse_core.world.tables import Integers
+
+MAX_MOVES = 100_000
+"""Moves of a flow beyond which its time is counted in units of several steps."""
+
+MAX_EXACT = 6_000
+"""Moves of a flow up to which whole numbers of robots are looked for."""
+
+MAX_NODES = 100
+"""Nodes of a search for whole numbers; a limit of seconds would not have repeatable results."""
+
+ERROR = 1e-4
+"""Error of the solver by which its maximum may be too low."""
+
+INFEASIBLE = 2
+"""Status of SciPy's solver for a program without a solution."""
+
+NO_ORDER = -1
+"""Stands for the order of a move that delivers none."""
+
+
+class Optimum(NamedTuple):
+    """The deliveries that were possible in a shift.
+
+    Attributes:
+        most: number of orders; no fleet delivers more.
+        is_exact: true if robots that never meet can deliver ``most``; false if it is a bound.
+    """
+
+    most: int
+    is_exact: bool
+
+
+class Jobs(NamedTuple):
+    """The orders of a shift and the ways between their ``P`` pickups and ``D`` dropoffs.
+
+    Attributes:
+        pickup, dropoff: ``[K]``, numbers of the stations of each of ``K`` orders.
+        first, last: ``[K]``, steps between which a robot must begin to pick each order.
+        takes: ``[K]``, steps from then until its delivery.
+        ways: ``[P, D + R]``, steps to each pickup from each dropoff and each start, or
+            ``FAR``.
+        robots: ``R``, number of robots.
+    """
+
+    pickup: Integers
+    dropoff: Integers
+    first: Integers
+    last: Integers
+    takes: Integers
+    ways: Integers
+    robots: int
+
+    @property
+    def until(self) -> Integers:
+        """``[P]``, the last step in which an order can be picked, below 0 if none can."""
+        until = np.full(len(self.ways), -1)
+        np.maximum.at(until, self.pickup, self.last)
+        return until
+
+
+class Flow(NamedTuple):
+    """The moves of robots between nodes, each a place at a time; ``M`` moves and ``N`` nodes.
+
+    Attributes:
+        tails, heads: ``[M]``, nodes that the moves lead from and to.
+        order: ``[M]``, order that each move delivers, or ``NO_ORDER``.
+        time: ``[M]``, when each move ends.
+        robots: ``[N]``, number of robots that begin in each node.
+    """
+
+    tails: Integers
+    heads: Integers
+    order: Integers
+    time: Integers
+    robots: Integers
+
+
+def most_deliveries(shift: Episode, on_time: bool = False) -> Optimum:
+    """Return how many of the orders of a shift could have been delivered in its steps.
+
+    Args:
+        shift: record of a fleet, whose robots begin in the same cells.
+        on_time: count only deliveries that are not late.
+
+    Raises:
+        ValueError: the record is of a lone robot or of a fleet without orders, or its orders are an
+            ``OrderQueue``, in which they come as others are delivered.
+    """
+    orders = shift.settings.orders if shift.is_fleet else None
+    if orders is None or isinstance(orders, OrderQueue):
+        raise ValueError(
+            f"the orders of this shift are {orders!r}; an optimum needs a list or streams, which "
+            "come whatever the fleet does"
+        )
+    jobs = _jobs(shift, on_time)
+    if (jobs.last < jobs.first).all():
+        return Optimum(0, is_exact=True)
+    moves = np.maximum(jobs.last + 1 - jobs.first, 0).sum()
+    moves += np.maximum(jobs.until[:, None] + 1 - jobs.ways[:, : -jobs.robots], 0).sum()
+    unit = 1 + int(moves) // MAX_MOVES
+    flow = _flow(jobs, unit)
+    return _solve(flow, exactly=unit == 1 and len(flow.order) <= MAX_EXACT)
+
+
+def _jobs(shift: Episode, on_time: bool) -> Jobs:
+    layout, orders, robots = shift.layout, shift.orders, shift.robots
+    fields = Fields(Graph(layout))
+    pickups, pickup = np.unique(
+        layout.numbers([order.pickup for order in orders]), return_inverse=True
+    )
+    dropoffs, dropoff = np.unique(
+        layout.numbers([order.dropoff for order in orders]), return_inverse=True
+    )
+    ways = fields.matrix[fields.rows(pickups)].astype(np.intp)
+    takes = ways[pickup, dropoffs[dropoff]] + HANDLING
+    due = [min(order.due, shift.steps) if on_time else shift.steps for order in orders]
+    return Jobs(
+        pickup,
+        dropoff,
+        np.array([order.released for order in orders], np.intp),
+        np.array(due, np.intp) - takes,
+        takes,
+        ways[:, np.concatenate([dropoffs, shift.cells[0]])],
+        robots,
+    )
+
+
+def _flow(jobs: Jobs, unit: int) -> Flow:
+    """Return the flow in which all times are rounded down to units of some steps.
+
+    Rounding makes each way shorter and each order wait longer, so that nothing possible is lost.
+    """
+    until = jobs.until // unit
+    units = int((jobs.last + jobs.takes).max(initial=0)) // unit + 1
+    places, starts = sum(jobs.ways.shape), jobs.ways.shape[1] - jobs.robots
+    moves = list[Integers]()
+
+    def add(tail: int, head: int, times: Integers, steps: int, order: int = NO_ORDER) -> None:
+        ends = times + steps // unit
+        columns = tail * units + times, head * units + ends, order, ends
+        moves.append(np.array(np.broadcast_arrays(*columns)))
+
+    for order, (pickup, dropoff, first, last, takes) in enumerate(zip(*jobs[:5], strict=True)):
+        times = np.arange(first // unit, last // unit + 1)
+        add(pickup, len(jobs.ways) + dropoff, times, takes, order)
+    for pickup, row in enumerate(jobs.ways):
+        add(pickup, pickup, np.arange(until[pickup]), unit)
+        for place, way in enumerate(row):
+            times = np.arange(until[pickup] + 1 - way // unit)
+            add(len(jobs.ways) + place, pickup, times[: 1 if place >= starts else None], way)
+    robots = np.zeros((places, units), np.intp)
+    robots[len(jobs.ways) + starts :, 0] = 1
+    tails, heads, orders, ends = np.concatenate(moves, axis=1)
+    return Flow(tails, heads, orders, ends, robots.ravel())
+
+
+def _solve(flow: Flow, exactly: bool) -> Optimum:
+    """Return the bound of the linear relaxation, or, if so wished, the optimum.
+
+    The optimum is the largest whole number up to the bound for which there are whole numbers of
+    robots; each is tried. The wish for early deliveries leaves few of many equal flows to look at.
+    """
+    from scipy.optimize import Bounds, LinearConstraint, linprog, milp
+    from scipy.sparse import csr_array, vstack
+
+    count, orders, delivers = len(flow.order), 1 + flow.order.max(), flow.order != NO_ORDER
+    each, ones = np.arange(count), np.ones(count)
+    leaving = csr_array((ones, (flow.tails, each)), (len(flow.robots), count))
+    entering = csr_array((ones, (flow.heads, each)), (len(flow.robots), count))
+    taking = csr_array((ones[delivers], (flow.order[delivers], each[delivers])), (orders, count))
+    matrix = vstack([leaving - entering, taking], format="csr")
+    limits = np.concatenate([flow.robots, np.ones(orders)])
+    is_used = np.diff(matrix.indptr) > 0
+    matrix, limits = matrix[is_used], limits[is_used]
+    bound = linprog(-1.0 * delivers, A_ub=matrix, b_ub=limits, method="highs-ipm")
+    most = int(ERROR - bound.fun) if bound.success else int(orders)
+    while exactly:
+        enough = LinearConstraint(csr_array(delivers[None].astype(float)), most, np.inf)
+        found = milp(
+            np.where(delivers, 1 + flow.time, 0),
+            integrality=delivers,
+            bounds=Bounds(0, np.inf),
+            constraints=[LinearConstraint(matrix, -np.inf, limits), enough],
+            options={"node_limit": MAX_NODES, "mip_rel_gap": 1e6},
+        )
+        if found.x is not None:
+            return Optimum(most, is_exact=True)
+        if found.status != INFEASIBLE:
+            break
+        most -= 1
+    return Optimum(most, is_exact=False)

@@ -1,0 +1,60 @@
+"""Sets of cells as whole numbers, one bit a cell: one operation moves a robot in all its cells."""
+
+from __future__ import annotations
+
+from collections.abc import Iterable, Iterator
+
+from agents.mapf.graph import Graph
+
+
+class CellSets:
+    """The sets of cells of a floor.
+
+    A column of wall is added on the right, so that no move leads from one row into the next.
+
+    Attributes:
+        bits: set of each cell alone, by the number of the cell.
+        open: set of all open cells.
+        row: distance between the bits of a cell and of the cell below it.
+        bytes: number of bytes that a set takes at most.
+    """
+
+    def __init__(self, graph: Graph) -> None:
+        layout = graph.layout
+        self.row = layout.width + 1
+        self.bits = [1 << cell + cell // layout.width for cell in range(graph.size)]
+        self.open = self.of(set(layout.open_cells.tolist()) - graph.closed)
+        self.bytes = self.row * layout.height // 8 + 1
+        self._beside: dict[int, list[int]] = {}
+
+    def of(self, cells: Iterable[int]) -> int:
+        """Return the set of some cells."""
+        found = 0
+        for cell in cells:
+            found |= self.bits[cell]
+        return found
+
+    def cell(self, bit: int) -> int:
+        """Return the number of the only cell of a set."""
+        place = bit.bit_length() - 1
+        return place - place // self.row
+
+    def spread(self, cells: int) -> int:
+        """Return where a robot in one of some cells can be after a step."""
+        row = self.row
+        return (cells | cells << 1 | cells >> 1 | cells << row | cells >> row) & self.open
+
+    def beside(self, bit: int) -> list[int]:
+        """Return where a robot in the only cell of a set can be after a step, each cell alone."""
+        key = bit.bit_length()
+        if key not in self._beside:
+            self._beside[key] = list(bits_of(self.spread(bit)))
+        return self._beside[key]
+
+
+def bits_of(cells: int) -> Iterator[int]:
+    """Return the cells of a set, each as a set of its own."""
+    while cells:
+        bit = cells & -cells
+        yield bit
+        cells ^= bit

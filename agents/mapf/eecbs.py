@@ -1,0 +1,94 @@
+"""EECBS: plans that cost at most ``w`` times the optimum, with the bound that proves it.
+
+Each way costs at most ``w`` times the cheapest of its route, and has the fewest conflicts of all
+such ways. Of the nodes whose expected cost, once their conflicts are gone, is at most ``w`` times
+the least one, that with the fewest conflicts is next; how much a conflict costs is learned from
+each node and its best child. A node that costs more than ``w`` times the lowest bound of all leaves
+gives way to the one of least expected cost, and that to the one of the lowest bound.
+
+Source: Li, Ruml and Koenig (2021), EECBS: a bounded-suboptimal search for multi-agent path finding,
+AAAI.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+
+from agents.errors import PlanError
+from agents.mapf.cbs import NO_PLAN, ConflictNode, ConflictTree, separate_delays
+from agents.mapf.problem import Plan, Problem
+from warehouse_core.arguments import real_number
+
+W = 1.2
+"""Default number that the cost is at most times the optimum."""
+
+LEAST_PROGRESS = 0.1
+"""Fewest conflicts that a step down the tree is expected to remove."""
+
+
+@dataclass(eq=False)
+class Leaf:
+    """A leaf of the tree, with a bound on the costs of the plans below it."""
+
+    node: ConflictNode
+    bound: int
+
+    def __post_init__(self) -> None:
+        self.cost, self.conflicts = self.node.cost, len(self.node.conflicts)
+
+
+class ExplicitTree(ConflictTree):
+    """A conflict tree in which the next node is chosen by expected costs, too."""
+
+    def _grow(self) -> tuple[ConflictNode, int]:
+        self._errors = [0.0, 0.0, 0.0]
+        root = self._root()
+        leaves = [Leaf(root, root.least)]
+        while leaves:
+            bound = min(leaf.bound for leaf in leaves)
+            leaf = self._choose(leaves, bound)
+            if not leaf.conflicts:
+                return leaf.node, bound
+            delays = self._late(leaf.node)
+            lowest = leaf.node.least + separate_delays(delays)
+            if lowest > leaf.bound:
+                leaf.bound = lowest  # the others may be better now
+                continue
+            grown = self._split(leaf.node, delays, self.w * bound)
+            leaves.remove(leaf)
+            new = [Leaf(node, max(node.least, leaf.bound)) for node in grown]
+            if new and new[0].node is not leaf.node:
+                self._learn(leaf, min(new, key=lambda each: (each.conflicts, each.cost)))
+            leaves += new
+        raise PlanError(NO_PLAN)
+
+    def _choose(self, leaves: list[Leaf], bound: int) -> Leaf:
+        """Return the leaf to look at next; its cost is at most ``w`` times the lowest bound."""
+        number, cost, progress = self._errors
+        price = cost / max(number - progress, LEAST_PROGRESS * number) if number else 0.0
+        costs = [leaf.cost + price * leaf.conflicts for leaf in leaves]
+        most = self.w * min(costs)
+        near = [leaf for leaf, cost in zip(leaves, costs, strict=True) if cost <= most]
+        quiet = min(near, key=lambda leaf: (leaf.conflicts, leaf.cost))
+        if quiet.cost <= self.w * bound:
+            return quiet
+        expected = leaves[costs.index(min(costs))]
+        if expected.cost <= self.w * bound:
+            return expected
+        return min(leaves, key=lambda leaf: (leaf.bound, leaf.conflicts))
+
+    def _learn(self, leaf: Leaf, child: Leaf) -> None:
+        """Add what a step down the tree has cost, and by how many conflicts it fell short of 1."""
+        number, cost, progress = self._errors
+        missing = child.conflicts - (leaf.conflicts - 1)
+        self._errors = [number + 1, cost + child.cost - leaf.cost, progress + missing]
+
+
+def solve_eecbs(problem: Problem, seconds: float, w: float = W) -> Plan:
+    """Return a plan that costs at most ``w`` times its bound; see ``problem.Solver``.
+
+    Raises:
+        ValueError: ``w`` is below 1.
+        PlanError: no plan was found in time.
+    """
+    return ExplicitTree(problem, real_number("w", w, 1.0)).solve(seconds)

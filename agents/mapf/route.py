@@ -1,0 +1,204 @@
+"""Routes: all ways of one robot that keep its rules and cost little, as sets of cells by time.
+
+The layers of the cheapest ways are a *multi-valued decision diagram* (MDD).
+
+Source: Sharon et al. (2013), The increasing cost tree search, Artificial Intelligence 195.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator, Sequence
+
+from agents.mapf.cell_sets import CellSets, bits_of
+from agents.mapf.rules import Rules, step
+
+
+class TracedWay:
+    """A way of a robot, which stays in the last cell.
+
+    Attributes:
+        cells: cell at each time.
+        cost: cost of the way, the time of arrival.
+    """
+
+    def __init__(self, cells: list[int]) -> None:
+        self.cells, self.cost = cells, len(cells) - 1
+        self._horizon, self._trace = 0, 0
+
+    def at(self, time: int) -> int:
+        """Return the cell at a time."""
+        return self.cells[min(time, self.cost)]
+
+    def trace(self, sets: CellSets, horizon: int) -> int:
+        """Return the sets of the cells at all times up to a horizon, one after the other."""
+        if self._horizon != horizon:
+            alone = [sets.bits[cell].to_bytes(sets.bytes, "little") for cell in self.cells]
+            alone += alone[-1:] * (horizon + 1 - len(alone))
+            self._horizon, self._trace = horizon, int.from_bytes(b"".join(alone), "little")
+        return self._trace
+
+    def forget(self) -> None:
+        """Forget the trace; it is made again when it is asked for."""
+        self._horizon = self._trace = 0
+
+
+class Route:
+    """The ways of a robot from its start to its goal.
+
+    Attributes:
+        rules: rules that they keep.
+        cost: cost of the cheapest way; -1 if there is none.
+    """
+
+    def __init__(self, sets: CellSets, rules: Rules, start: int, goal: int) -> None:
+        self._sets, self.rules, self._start, self._goal = sets, rules, start, goal
+        cheapest = self._forward()
+        self.cost = len(cheapest) - 1
+        self._layers = {0: self._backward(cheapest)}
+
+    def forget(self) -> None:
+        """Forget all layers; they are made again when they are asked for."""
+        self._layers.clear()
+
+    def layers(self, slack: int = 0) -> list[int]:
+        """Return the cells of all ways that cost at most ``slack`` more than the cheapest."""
+        slack = int(min(slack, self.rules.most - self.cost))
+        if slack not in self._layers:
+            last = self.cost + slack if slack else None
+            self._layers[slack] = self._backward(self._forward(last))
+        return self._layers[slack]
+
+    def layer(self, time: int) -> int:
+        """Return the cells of the cheapest ways at a time."""
+        return self.layers()[min(time, self.cost)]
+
+    def allows(self, way: TracedWay, slack: int) -> bool:
+        """Return whether a way keeps the rules and costs at most ``slack`` more than the least."""
+        bits, layers = [self._sets.bits[cell] for cell in way.cells], self.layers(slack)
+        return self.cost <= way.cost < len(layers) and all(
+            cell & layers[time] and (not time or bits[time - 1] & self._before(time, cell))
+            for time, cell in enumerate(bits)
+        )
+
+    def quietest(self, others: Sequence[TracedWay], horizon: int, slack: int) -> TracedWay:
+        """Return the way with the fewest conflicts, at most ``slack`` dearer than the cheapest.
+
+        Args:
+            others: ways of the other robots.
+            horizon: time after which all of them stay where they are.
+            slack: see above.
+        """
+        sets, size, layers = self._sets, self._sets.bytes, self.layers(slack)
+        union = 0
+        for other in others:
+            union |= other.trace(sets, horizon)
+        data = union.to_bytes((horizon + 1) * size, "little")
+        taken = [int.from_bytes(data[at : at + size], "little") for at in range(0, len(data), size)]
+        counts, swaps = [[self._start]], [dict[int, int]()]
+        for time in range(1, len(layers)):
+            allowed, busy, left = layers[time], taken[time], taken[time - 1]
+            if time == self.cost - 1:
+                allowed &= ~self._goal  # who waits there has arrived before
+            new, swap = [0] * (len(counts[-1]) + 2), dict[int, int]()
+            for number, cells in enumerate(counts[-1]):
+                reached = step(sets, cells, self.rules.into.get(time)) & allowed
+                if cells & busy and sets.spread(cells & busy) & reached & left:
+                    for cell, before in self._swaps(others, time, cells & busy, reached & left):
+                        swap[cell] = swap.get(cell, 0) | before
+                        if reached & cell and not self._before(time, cell) & cells & ~swap[cell]:
+                            reached ^= cell
+                            new[number + 1 + bool(cell & busy)] |= cell
+                new[number] |= reached & ~busy
+                new[number + 1] |= reached & busy
+            counts.append(_firsts(new))
+            swaps.append(swap)
+        return self._way(counts, swaps, taken)
+
+    def _way(
+        self, counts: list[list[int]], swaps: list[dict[int, int]], taken: list[int]
+    ) -> TracedWay:
+        """Return the cheapest of the ways with the fewest conflicts.
+
+        Args:
+            counts: cells that are reached, by time and number of conflicts.
+            swaps: cells before each cell that is reached by changing places, by time.
+            taken: cells of the other robots, by time.
+        """
+        passed = [time for time, busy in enumerate(taken) if busy & self._goal]
+        _, end, number = min(
+            (number + sum(other > time for other in passed), time, number)
+            for time in range(self.cost, len(counts))
+            for number, cells in enumerate(counts[time])
+            if cells & self._goal
+        )
+        cell, way = self._goal, [self._goal]
+        for time in range(end, 0, -1):
+            number -= bool(cell & taken[time])
+            before, swap = self._before(time, cell), swaps[time].get(cell, 0)
+            count = counts[time - 1]
+            found = before & ~swap & count[number] if number < len(count) else 0
+            if not found:
+                number -= 1
+                found = before & swap & count[number]
+            cell = found & -found
+            way.append(cell)
+        return TracedWay([self._sets.cell(cell) for cell in reversed(way)])
+
+    def _before(self, time: int, cell: int) -> int:
+        """Return the cells from which the robot may reach a cell at a time."""
+        return self._sets.spread(cell) & ~self.rules.into.get(time, {}).get(cell, 0)
+
+    def _swaps(
+        self, others: Sequence[TracedWay], time: int, cells: int, reached: int
+    ) -> Iterator[tuple[int, int]]:
+        """Return the moves, cell and cell before, that another robot makes the other way round."""
+        sets = self._sets
+        for before in bits_of(cells):
+            here = sets.cell(before)
+            for cell in bits_of(sets.spread(before) & reached & ~before):
+                there = sets.cell(cell)
+                if any(
+                    time <= way.cost and way.cells[time] == here and way.cells[time - 1] == there
+                    for way in others
+                ):
+                    yield cell, before
+
+    def _forward(self, last: int | None = None) -> list[int]:
+        """Return the cells that are reached by time, up to a last time or the first arrival."""
+        sets, rules, goal = self._sets, self.rules, self._goal
+        first, time, cells, closed = rules.arrival(goal), 0, self._start, rules.ends.get(0, 0)
+        layers = [cells]
+        while time != last:
+            if last is None and cells & goal and time >= first:
+                if time == 0:
+                    return layers
+                before = layers[-2] & ~goal  # who waits there has arrived before
+                if step(sets, before, rules.into.get(time)) & goal:
+                    return [*layers[:-2], before, cells]
+            if last is None and (
+                time >= rules.most or not cells or (time > rules.latest and cells == layers[-2])
+            ):
+                return []
+            time += 1
+            closed |= rules.ends.get(time, 0)
+            cells = step(sets, cells, rules.into.get(time)) & ~(closed | rules.closed.get(time, 0))
+            layers.append(cells)
+        return layers
+
+    def _backward(self, layers: list[int]) -> list[int]:
+        """Return layers with only the cells from which the goal is reached in time."""
+        layers = [*layers[:-1], self._goal] if layers else []
+        for time in range(len(layers) - 1, 0, -1):
+            layers[time - 1] &= step(self._sets, layers[time], self.rules.out_of.get(time))
+        return layers
+
+
+def _firsts(sets: list[int]) -> list[int]:
+    """Return sets without the cells that are in one before, up to the last with any."""
+    seen = 0
+    for number, cells in enumerate(sets):
+        sets[number] = cells & ~seen
+        seen |= cells
+    while not sets[-1]:
+        sets.pop()
+    return sets

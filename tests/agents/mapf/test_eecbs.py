@@ -1,0 +1,47 @@
+"""Plans within a bound that is proved: beside conflict-based search and brute force."""
+
+import pytest
+from helpers.mapf_problems import problem_of, random_problem, random_problems, smallest_cost
+from helpers.mapf_runs import check_solver
+
+from agents.errors import PlanError
+from agents.mapf.cbs import solve_cbs
+from agents.mapf.eecbs import solve_eecbs
+from warehouse_core import random_layout
+
+SECONDS = 30.0
+
+
+@pytest.mark.parametrize("w", [1.0, 1.3])
+def test_the_optimum_is_between_the_bound_and_the_cost(w: float) -> None:
+    solved = dearer = 0
+    for problem in random_problems(60, seed=3, max_size=4, max_robots=3):
+        rows = problem.graph.layout.rows
+        smallest = smallest_cost(rows, problem.starts, problem.goals)
+        if smallest is not None:
+            plan = solve_eecbs(problem, SECONDS, w)
+            assert plan.bound is not None
+            assert plan.bound <= smallest <= plan.sum_of_costs <= w * plan.bound, (rows, problem)
+            solved += 1
+            dearer += plan.sum_of_costs > smallest
+    assert solved > 40
+    assert (dearer > 0) == (w > 1)
+
+
+@pytest.mark.parametrize("w", [1.02, 1.2])
+def test_large_teams_stay_within_their_bound(w: float) -> None:
+    for seed in range(3):
+        problem = random_problem(random_layout(20, 20, 0.2, seed), 14, seed)
+        optimum = solve_cbs(problem, SECONDS).sum_of_costs
+        plan = solve_eecbs(problem, SECONDS, w)
+        assert plan.bound is not None
+        assert problem.lower_bound <= plan.bound <= optimum <= plan.sum_of_costs <= w * plan.bound
+        assert check_solver(lambda each, seconds: solve_eecbs(each, seconds, w), [problem], 30) == 1
+
+
+def test_what_cannot_be_done_is_said() -> None:
+    problem = problem_of(["...."], [0, 3], [3, 0])
+    with pytest.raises(ValueError, match=r"w is 0\.9; it must be at least 1"):
+        solve_eecbs(problem, SECONDS, 0.9)
+    with pytest.raises(PlanError, match=r"no plan in 0\.05 s and .* of the conflict tree"):
+        solve_eecbs(problem, 0.05)
