@@ -1,7 +1,8 @@
 """Charging as a task: which robot goes to which charger, and when.
 
-Each charger has one robot that charges there or goes there, the nearest, and at most one more that
-comes next and waits some cells away, so that nobody is in the way of the one that leaves.
+Each charger has one robot that charges there or goes there, until its turn has ended, and at most
+one more that comes next and waits some cells away, so that nobody is in the way of the one that
+leaves. Others who are pushed across the charger do not charge there, and nobody waits for them.
 """
 
 from __future__ import annotations
@@ -12,9 +13,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.assignment import NONE, OUT_OF_REACH
-from agents.mapf.graph import MOVES, Costs, Graph
+from agents.mapf.graph import CLOSED, MOVES, Costs, Graph
 from warehouse_core import FleetEnv, Layout
-from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.tables import Integers
 
 DETOUR = 2.0
@@ -99,7 +100,7 @@ class Chargers:
 
     Attributes:
         cells: ``[C]``, cells of the chargers.
-        home: ``[H * W]``, steps from each cell to the nearest charger.
+        home: ``[H * W]``, cost of the way from each cell to the nearest charger, in steps.
         turn: ``[R]``, charger where each robot charges or is to charge, or ``NONE``.
 
     Source: Liu and Layland (1973), Scheduling algorithms for multiprogramming in a hard-real-time
@@ -109,10 +110,8 @@ class Chargers:
     def __init__(self, env: FleetEnv, graph: Graph) -> None:
         battery, layout = env.settings.battery, env.layout
         self.cells = layout.numbers(layout.chargers)
-        ways = [graph.distances(cell, keep=False) for cell in self.cells.tolist()]
+        ways = [_ways_into(graph, cell) for cell in self.cells.tolist()]
         self._ways = np.array(ways, np.float64).reshape(-1, graph.size)
-        if graph.costs is not None:
-            self._ways = np.maximum(self._ways - INTO_CHARGER, 0)
         self.home = self._ways.min(axis=0, initial=np.inf)
         self._capacity, self._cost = battery.capacity, battery.step_cost(env.cell_size)
         charge = battery.step_charge(env.cell_size)
@@ -156,8 +155,8 @@ class Chargers:
         goals = np.full(len(cells), NONE)
         robots = np.flatnonzero(self.turn != NONE)
         chargers, here = self.turn[robots], cells[robots]
-        is_left = self._leaving(cells) == NONE
-        is_used = ~is_left[chargers] | (self._first[chargers] != robots)
+        is_used = self._leaving(cells)[chargers] != NONE
+        is_used |= self._first[chargers] != robots
         waits = is_used & (self._ways[chargers, here] <= QUEUE_DISTANCE)
         waits &= here != self.cells[chargers]
         goals[robots] = np.where(waits, here, self.cells[chargers])
@@ -173,9 +172,8 @@ class Chargers:
 
     def _leaving(self, cells: Integers) -> NDArray[np.intp]:
         """Return the robot that has charged at each charger and is still there, or ``NONE``."""
-        found = np.flatnonzero(self._leaves != NONE)
-        robots = self._leaves[found]
-        self._leaves[found[(cells[robots] != self.cells[found]) | (self.turn[robots] == found)]] = NONE
+        stays_on = self.turn[self._leaves] == np.arange(len(self._leaves))
+        self._leaves[stays_on | (cells[self._leaves] != self.cells)] = NONE
         return self._leaves
 
     def _are_there(self, cells: Integers) -> NDArray[np.bool_]:
@@ -268,3 +266,10 @@ class Chargers:
         """Return the steps of charging after ways of so many steps."""
         missing = self._full - battery + self._cost * ways
         return np.maximum(missing, 0) / self._gain
+
+
+def _ways_into(graph: Graph, charger: int) -> Costs:
+    """Return the cost of the way from each cell to a charger, ``[H * W]``, the last move 1."""
+    ways, sides = graph.distances(charger, keep=False), graph.neighbours[charger, :WAIT]
+    last = ways[sides[sides != CLOSED]].min(initial=np.inf)
+    return np.maximum(ways - (last - 1), 0) if np.isfinite(last) else ways

@@ -7,7 +7,6 @@ the cell of a person may be the one that the person waits for.
 from __future__ import annotations
 
 import numpy as np
-from numpy.typing import NDArray
 
 from agents.mapf.assignment import NONE
 from agents.mapf.graph import CLOSED, Graph
@@ -56,7 +55,7 @@ class Detours:
         is_in_the_way[people] = is_in_the_way[cells[stays]] = True
         has_robot[cells] = has_robot[CLOSED] = True
         enclosed = people[has_robot[self._open.neighbours[people, :WAIT]].all(axis=1)]
-        is_held = (cells == self._cells) & ~stays
+        is_held = (cells == self._cells) & ~stays & ~np.isin(goals, cells[stays])
         is_held &= (goals != cells) | np.isin(near, enclosed).any(axis=1)
         self._waits = np.where(is_held, self._waits + 1, 0)
         is_changed = stays | (goals != self._goals)
@@ -103,9 +102,9 @@ class Detours:
         """Return the nearest cell behind a junction, or the last cell of a dead end."""
         found, known = [cell], {cell, CLOSED, *self._around.closed}
         for place in found:
-            sides = self._open.neighbours[place, :WAIT]
-            new = [each for each in sides.tolist() if each not in known]
-            if new and place != cell and (sides != CLOSED).sum() > 2:
+            sides: list[int] = self._open.neighbours[place, :WAIT].tolist()
+            new = [each for each in sides if each not in known]
+            if new and place != cell and len(sides) - sides.count(CLOSED) > 2:
                 return new[0]
             found += new
             known.update(new)

@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 from agents.fleet.charging import Chargers, Needs
 from agents.fleet.detours import Detours
 from agents.mapf.assignment import ASSIGNMENTS, NONE, REASSIGNING, Tasks
-from agents.mapf.graph import FAR, Fields, Graph
+from agents.mapf.graph import FAR, Costs, Fields, Graph
 from agents.mapf.planner import Situation
 from warehouse_core import Cell, FleetEnv
 from warehouse_core.world.actions import DISPLACEMENTS, DROP, PICK, WAIT
@@ -43,19 +43,25 @@ class RobotStates(NamedTuple):
 
 
 class Dispatcher:
-    """Gives the robots of a fleet, after its reset, orders, turns at chargers, and goals."""
+    """Gives the robots of a fleet, after its reset, orders, turns at chargers, and goals.
 
-    def __init__(self, env: FleetEnv, assignment: str, roads: Graph | None = None) -> None:
-        self.graph = Graph(env.layout)
+    Args:
+        env: fleet.
+        assignment: a name of ``ASSIGNMENTS``.
+        costs: costs of moves by which robots find their ways, see ``Graph``.
+    """
+
+    def __init__(self, env: FleetEnv, assignment: str, costs: Costs | None = None) -> None:
+        self.graph, roads = Graph(env.layout), Graph(env.layout, costs)
         self._fields = Fields(self.graph)
-        self.chargers = Chargers(env, roads or self.graph)
+        self.chargers = Chargers(env, roads)
         self._assign, self._reassigns = ASSIGNMENTS[assignment], assignment in REASSIGNING
         self._capacity = env.settings.battery.capacity
         self._parking = parking_of(env.layout)
         self._trips = self._homes = np.empty(0)
         self._assigned = (b"", b"")
         self._is_idle = np.zeros(env.settings.robots, np.bool_)
-        self._detours = Detours(roads or self.graph, env.settings.robots)
+        self._detours = Detours(roads, env.settings.robots)
 
     def situation(self, env: FleetEnv) -> tuple[Situation, NDArray[np.intp]]:
         """Return the situation before the next step, and the actions of robots that stay.
