@@ -11,7 +11,8 @@ from numpy.typing import NDArray
 from agents.fleet.charging import Chargers, Needs
 from agents.fleet.detours import Detours
 from agents.mapf.assignment import ASSIGNMENTS, NONE, REASSIGNING, Tasks
-from agents.mapf.graph import FAR, Costs, Fields, Graph
+from agents.mapf.graph import Costs, Fields, Graph
+from agents.mapf.kernels.floor import FAR
 from agents.mapf.planner import Situation
 from warehouse_core import Cell, FleetEnv
 from warehouse_core.world.actions import DISPLACEMENTS, DROP, PICK, WAIT

@@ -1,10 +1,9 @@
 """Goals a step of our planners inside POGEMA, by its rules and its metric.
 
 POGEMA runs in the Python of the environment variable ``POGEMA_PYTHON``, by default this one; it
-needs pogema and SciPy. The map is of the shape and with as many starts and goals as the lifelong
-warehouse of POGEMA's benchmark, whose published figures are printed beside; that benchmark's own
-map is another one of this shape. Collisions are ``soft``, a robot that is at its goal gets another,
-and the throughput is POGEMA's.
+needs pogema and SciPy. The map is the warehouse of POGEMA's benchmark, whose published figures are
+printed beside; ``warehouse pogema`` compares with them episode by episode. Collisions are ``soft``,
+a robot that is at its goal gets another, and the throughput is POGEMA's.
 """
 
 import json

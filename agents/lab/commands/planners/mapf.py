@@ -77,8 +77,8 @@ def mapf(
         list[str] | None,
         option(
             "--planner NAME",
-            f"{PLANNER} Where each robot has one goal, also {ONCE}; ecbs:w=1.2 costs at most "
-            "1.2 times the optimum.",
+            f"{PLANNER} Where each robot has one goal, also {ONCE}, or file.py:function; "
+            "ecbs:w=1.2 costs at most 1.2 times the optimum.",
             show_default=False,
         ),
     ] = None,

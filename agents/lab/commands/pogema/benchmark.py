@@ -30,9 +30,6 @@ from warehouse_core.world.tables import Integers
 
 SITE = "github.com/Cognitive-AI-Systems/pogema-benchmark"
 
-RADIUS = 5
-"""Width of the border that pogema puts around a map; see ``Instance.new_goals``."""
-
 CITIES = (
     "Berlin_1", "Boston_0", "London_2", "Milan_0", "Moscow_0", "NewYork_1", "Paris_1", "Paris_2",
 )  # fmt: skip
@@ -130,24 +127,22 @@ class Instance(NamedTuple):
     def new_goals(self) -> NewGoals:
         """Return a function that draws the goals of a lifelong episode; see ``lead``.
 
-        Each robot has random numbers of its own. In the warehouse a goal may come twice, and never
-        the one that is five rows and columns further: pogema compares goals without its border of
-        ``RADIUS`` cells with places in it.
+        Each robot has random numbers of its own. In the warehouse a goal may come twice: pogema
+        compares it without the border of its map with the robot's place, which has the border.
         """
         layout, limit = self.layout, np.iinfo(np.int32).max
         seeds = np.random.default_rng(self.seed).integers(limit, size=self.robots)
         streams = [np.random.default_rng(seed) for seed in seeds]
-        shift, choices = RADIUS, [self.targets] * self.robots
+        choices = [self.targets] * self.robots
         if not self.targets:
             labels = parts(Graph(layout))
             cells = {part: np.flatnonzero(labels == part).tolist() for part in labels[self.starts]}
-            shift, choices = 0, [cells[labels[start]] for start in self.starts]
+            choices = [cells[labels[start]] for start in self.starts]
 
         def draw(robot: int, cell: int) -> int:
-            row, col = layout.cell(cell)
             while True:
                 goal = choices[robot][streams[robot].integers(len(choices[robot]))]
-                if layout.cell(goal) != (row + shift, col + shift):
+                if goal != cell or self.targets:
                     return goal
 
         def new_goals(cells: Integers, wanted: Integers) -> Integers:

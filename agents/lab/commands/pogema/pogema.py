@@ -50,8 +50,8 @@ def pogema(
         list[str] | None,
         option(
             "--planner NAME",
-            f"{PLANNER} Those of whole problems ({', '.join(SOLVERS)}) run one-shot episodes, the "
-            "others lifelong ones. Default: lacam and windowed.",
+            f"{PLANNER} Solvers of whole problems ({', '.join(SOLVERS)}, or file.py:function) run "
+            "one-shot episodes, planners of steps lifelong ones. Default: lacam and windowed.",
             show_default=False,
         ),
     ] = None,

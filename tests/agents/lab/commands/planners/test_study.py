@@ -10,7 +10,7 @@ from helpers.command_line import Refused, Warehouse
 from helpers.player import said_by
 
 from agents.lab.commands.planners.replay import track_of_plan
-from agents.lab.commands.planners.study import find_scenarios
+from agents.lab.commands.planners.study import Attempt, find_scenarios, shares
 from agents.mapf.graph import Graph
 from warehouse_core import Layout
 
@@ -109,6 +109,14 @@ def test_what_does_not_go_with_several_scenarios_is_named(
     assert result.err.count("\n") == 1
 
 
+def test_the_picture_has_shares() -> None:
+    solved, none = Attempt(3, 4, 4, 0.1), Attempt(None, None, 4, 0.1)
+    found = shares({("a", 5): [solved] * 20, ("a", 9): [solved, none], ("b", 5): [none] * 2})
+    assert [found["a"][size].estimate for size in (5, 9)] == [1.0, 0.5]
+    assert [found["a"][size].is_known for size in (5, 9)] == [True, False]
+    assert found["b"][5].estimate == 0
+
+
 def test_a_plan_is_saved_as_a_replay_too(folder: Path, warehouse: Warehouse) -> None:
     words = ("--planner", "cbs", "-o", "plan.html", "-o", "plan.json", "-o", "plan.svg")
     assert warehouse("mapf", folder / "hall-10.scen", *words).code == 0
@@ -118,16 +126,19 @@ def test_a_plan_is_saved_as_a_replay_too(folder: Path, warehouse: Warehouse) -> 
 
 
 def test_a_replay_shows_each_step_and_the_ways_of_the_last_to_arrive() -> None:
-    graph = Graph(Layout(["....", "...."]))
-    cells = np.array([[0, 4, 7], [1, 4, 6], [2, 5, 7], [3, 5, 7]])
+    graph = Graph(Layout(["....", "....", "...."]))
+    cells = np.array([[4, 0, 7, 8], [4, 1, 6, 8], [5, 2, 7, 8], [5, 3, 7, 8]])
     track = track_of_plan(graph, cells, "T")
     assert [frame.caption for frame in track.frames] == [
-        f"{arrived} of 3 robots in their last cells" for arrived in (0, 0, 2, 3)
+        f"{arrived} of 4 robots in their last cells" for arrived in (1, 1, 3, 4)
     ]
     second = track.frames[2]
-    assert [pose.at for pose in second.robots if pose] == [(2.5, 0.5), (1.5, 1.5), (3.5, 1.5)]
+    assert [pose.at for pose in second.robots if pose] == [
+        (1.5, 1.5), (2.5, 0.5), (3.5, 1.5), (0.5, 2.5),
+    ]  # fmt: skip
     assert second.fleet is not None
-    assert second.fleet.plans.ways[0] == [(0, 2), (0, 3)]
+    assert second.fleet.plans.ways.keys() == {0, 1, 2}
+    assert second.fleet.plans.ways[1] == [(0, 2), (0, 3)]
     poses = [frame.robots[2] for frame in track.frames]
     assert [pose and pose.heading for pose in poses] == [None, np.pi, 0.0, 0.0]
 

@@ -7,12 +7,12 @@ import numpy as np
 import pytest
 
 from agents.errors import PlanError
-from agents.lab.commands.pogema.benchmark import SETS, Instance, Kind, instances
+from agents.lab.commands.pogema.benchmark import SETS, Instance, Kind, draw_ends, instances
 from agents.lab.commands.pogema.maps import read_maps
 from agents.lab.commands.pogema.published import published
 from agents.mapf.graph import Graph
 from agents.mapf.problem import Problem
-from warehouse_core import LayoutError
+from warehouse_core import Layout, LayoutError
 from warehouse_core.world.generators import kiva_warehouse
 
 PUBLISHED_MAPS = {
@@ -105,15 +105,23 @@ def test_published_costs_in_the_warehouse_fit_its_starts_and_goals() -> None:
         assert bound <= cost < 1.03 * bound
 
 
-def test_goals_of_the_warehouse_are_its_own_and_skip_the_place_across_the_border() -> None:
-    one = some("warehouse", Kind.LIFELONG, 192)
-    assert set(one.targets) == set(kiva_warehouse()[2].tolist())
-    cells, new_goals = np.array(one.goals), one.new_goals()
-    for _ in range(40):
-        after = new_goals(cells, cells)
-        assert set(after.tolist()) <= set(one.targets)
-        assert not (after == cells + 5 * (one.layout.width + 1)).any()
-        cells = after
+def test_a_goal_comes_twice_in_the_warehouse_alone() -> None:
+    for name, robots, twice in (("warehouse", 192, True), ("random", 64, False)):
+        one = some(name, Kind.LIFELONG, robots)
+        cells, new_goals, same = np.array(one.goals), one.new_goals(), 0
+        for _ in range(40):
+            after = new_goals(cells, cells)
+            same += int((after == cells).sum())
+            cells = after
+        assert (same > 0) is twice
+        if twice:
+            assert set(cells.tolist()) <= set(kiva_warehouse()[2].tolist())
+
+
+def test_no_robot_starts_where_it_has_no_way_to_go() -> None:
+    for seed in range(20):
+        starts, goals = draw_ends(Layout([".#..", "##.."]), seed, 2)
+        assert sorted(starts + goals) == [2, 3, 6, 7]
 
 
 def test_each_set_has_published_results_for_all_its_episodes() -> None:

@@ -69,6 +69,13 @@ def test_planners_stand_beside_the_published_results_of_the_same_episodes(
     assert f"{rate:.2f}" in out
 
 
+def test_a_proved_optimum_is_told(warehouse: Warehouse) -> None:
+    out = warehouse(*SMALL, "-n", 1, "--planner", "cbs", "-o", "values.csv").out
+    [line] = lines()
+    assert (line["costs"], line["proved"]) == ("82", "1")
+    assert "1 optimal" in out
+
+
 def test_the_same_command_does_what_is_missing(warehouse: Warehouse) -> None:
     warehouse(*ONE_SHOT)
     path = Path("values.csv")
