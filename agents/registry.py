@@ -30,8 +30,8 @@ from agents.mapf.assignment import ASSIGNMENTS
 from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Planner
-from agents.mapf.prioritised import WindowedPlanner
 from agents.mapf.problem import Solver
+from agents.mapf.windows import WindowedPlanner
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, Motion, RecordError

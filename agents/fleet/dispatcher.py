@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from agents.fleet.charging import Chargers, Needs
 from agents.mapf.assignment import ASSIGNMENTS, NONE, REASSIGNING, Tasks
-from agents.mapf.graph import FAR, Fields, Graph
+from agents.mapf.graph import Fields, Graph
+from agents.mapf.kernels.floor import FAR
 from agents.mapf.planner import Situation
 from warehouse_core import Cell, FleetEnv
 from warehouse_core.world.actions import DISPLACEMENTS, DROP, PICK, WAIT

@@ -137,7 +137,8 @@ def _jobs(shift: Episode, on_time: bool) -> Jobs:
     dropoffs, dropoff = np.unique(
         layout.numbers([order.dropoff for order in orders]), return_inverse=True
     )
-    ways = fields.matrix[fields.rows(pickups)].astype(np.intp)
+    rows = fields.rows(pickups)
+    ways = fields.matrix[rows].astype(np.intp)
     takes = ways[pickup, dropoffs[dropoff]] + HANDLING
     due = [min(order.due, shift.steps) if on_time else shift.steps for order in orders]
     return Jobs(

@@ -14,6 +14,8 @@ from typing import TYPE_CHECKING
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.mapf.kernels.buffers import IS_COMPILED, Table, buffer, buffer_of, prepare, table_of
+from agents.mapf.kernels.floor import FAR, Floor, measure
 from warehouse_core.arguments import instance_of, real_number
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.layout import Layout
@@ -33,11 +35,11 @@ EAST = 1
 CLOSED = -1
 """Stands for a neighbour that is a wall or off the layout."""
 
+PARTS = 10
+"""Parts of a step in which ``Fields`` counts costs of lanes and turns."""
+
 MAX_BYTES = 1_000_000_000
 """Memory of kept distance fields; those used least recently are dropped beyond it."""
-
-FAR = np.iinfo(np.uint16).max
-"""Distance in ``Fields`` of a cell that no way leads from."""
 
 NO_ROW = -1
 """Row of a goal that has no field in ``Fields``."""
@@ -180,17 +182,33 @@ class Graph:
 class Fields:
     """The distance fields of the goals that many robots have now, as rows of a matrix.
 
-    The rows are uint16 as long as all distances are whole numbers below ``FAR``, which stands for
-    infinite, and float32 from then on. Once they take ``MAX_BYTES``, rows of goals that nobody has
-    are used again.
+    Distances are whole numbers of steps, or of a tenth of a step where moves or turns have costs,
+    which are rounded to tenths. ``FAR`` stands for infinite. Rows of goals that nobody has are used
+    again once all rows take ``MAX_BYTES``.
+
+    Attributes:
+        step: distance of a step without lanes and turns: 1 or ``PARTS``.
+        matrix: ``[n, places]`` int32, a row for each goal.
+        near: ``[places, 5]``, place that each action leads to from each place, or ``places``.
+        prices: ``[places, 5]``, costs of these steps.
+        floor: the same for kernels.
     """
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
-        self.matrix: NDArray[np.uint16 | np.float32] = np.empty((0, graph.places), np.uint16)
+        self.step = 1 if graph.costs is None and not graph.turn_cost else PARTS
+        self.floor = self._new_floor()
+        self.matrix = np.empty((0, graph.places), np.int32)
+        self._queue = buffer(graph.size)
         self._row_of = np.full(graph.size, NO_ROW)
         self._free: list[int] = []
         self._closed = graph.closed
+        prepare(measure)
+
+    @property
+    def table(self) -> Table:
+        """All rows after one another, as kernels read them, until the next call of ``rows``."""
+        return table_of(self.matrix)
 
     def rows(self, goals: Integers) -> Integers:
         """Return the row of ``matrix`` of each goal; it holds until the next call."""
@@ -198,25 +216,59 @@ class Fields:
             self._closed = self.graph.closed
             self._row_of[:] = NO_ROW
             self._free = list(range(len(self.matrix)))
-        for goal in np.unique(goals[self._row_of[goals] == NO_ROW]).tolist():
-            if not self._free:
-                self._free_rows(goals)
+            self.floor = self._new_floor()
+        new = np.unique(goals[self._row_of[goals] == NO_ROW]).tolist()
+        if len(new) > len(self._free):
+            self._free_rows(goals, len(new))
+        for goal in new:
             self._row_of[goal] = row = self._free.pop()
-            field = self.graph.distances(goal, keep=False)
-            field = np.where(np.isinf(field), FAR, field)
-            if self.matrix.dtype == np.uint16 and ((field % 1 != 0) | (field > FAR)).any():
-                self.matrix = self.matrix.astype(np.float32)
-            self.matrix[row] = field
+            if IS_COMPILED and self.step == 1 and not self._closed:
+                self.matrix[row] = FAR
+                measure(self.floor, goal, table_of(self.matrix[row]), self._queue)
+            else:
+                field = self.graph.distances(goal, keep=False) * self.step
+                self.matrix[row] = np.where(np.isinf(field), FAR, np.rint(field))
         return self._row_of[goals]
 
-    def _free_rows(self, goals: Integers) -> None:
+    def _new_floor(self) -> Floor:
+        """Return the floor of the graph, without the steps into cells that are closed."""
+        graph = self.graph
+        headings = graph.places // graph.size
+        here = np.tile(np.arange(graph.size), headings)
+        facing = np.repeat(np.arange(headings), graph.size)
+        near = np.where(
+            graph.neighbours[here] == CLOSED, graph.places, graph.places_at(here, facing)
+        )
+        near[np.isin(graph.neighbours[here], list(graph.closed))] = graph.places
+        near[:, WAIT] = np.arange(graph.places)
+        self.near = near
+        costs = np.ones((graph.size, WAIT + 1))
+        if graph.costs is not None:
+            costs[:, :WAIT] = graph.costs
+        price = costs[here] + graph.turns[facing]
+        beside = near[: graph.size, :WAIT] % graph.size
+        is_open = near[: graph.size, :WAIT] != graph.places
+        degree = is_open.sum(axis=1)
+        through = (is_open & (degree[beside] > 1)).sum(axis=1)
+        self.prices = np.rint(price * self.step).astype(np.int64)
+        return Floor(
+            size=graph.size, closed=graph.places, near=buffer_of(near),
+            price=buffer_of(self.prices), degree=buffer_of(degree), through=buffer_of(through),
+            step=self.step,
+        )  # fmt: skip
+
+    def _free_rows(self, goals: Integers, number: int) -> None:
+        """Free so many rows, of old goals if all rows take ``MAX_BYTES``, else new ones."""
         rows = len(self.matrix)
         if self.matrix.nbytes >= MAX_BYTES:
             is_old = self._row_of != NO_ROW
             is_old[goals] = False
-            self._free = self._row_of[is_old].tolist()
+            self._free += self._row_of[is_old].tolist()
             self._row_of[is_old] = NO_ROW
-        if not self._free:
-            more = max(rows // 2, 64)
-            self.matrix.resize((rows + more, self.graph.places), refcheck=False)
-            self._free = list(range(rows, rows + more))
+        missing = number - len(self._free)
+        if missing > 0:
+            more = max(rows // 2, missing)
+            self.matrix = np.concatenate(
+                [self.matrix, np.empty((more, self.graph.places), np.int32)]
+            )
+            self._free += range(rows, rows + more)

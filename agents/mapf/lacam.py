@@ -1,199 +1,130 @@
-"""LaCAM: lazy constraints addition search, complete, with PIBT as generator of configurations.
+"""LaCAM and LaCAM*: search over configurations, the cells of all robots at once.
 
-The search is depth-first over configurations, the cells of all robots at once. Each has a tree of
-constraints, who must go where next, that grows by a robot when the search comes back to it; PIBT
-chooses the cells of the others. When all trees are used up, there is no plan.
-
-Source: Okumura (2023), LaCAM: search-based algorithm for quick multi-agent pathfinding, AAAI; the
-swaps are of Okumura (2023), Improving LaCAM for scalable eventually optimal multi-agent
-pathfinding, IJCAI.
+The search is complete: it ends with a plan, or with the proof that there is none. The first plan
+comes soon; LaCAM* goes on until the time is up or the plan is proved to be the cheapest. See
+``kernels/configurations.py`` for the search itself, and its source.
 """
 
 from __future__ import annotations
 
-import time
-from collections import deque
-from collections.abc import Sequence
-from dataclasses import dataclass
+from math import inf
+from time import perf_counter
 
 import numpy as np
 
 from agents.errors import PlanError
-from agents.mapf.graph import CLOSED, Graph
-from agents.mapf.pibt import NOBODY, PIBT, UNDECIDED, choose_cells
+from agents.mapf.graph import Fields, Graph
+from agents.mapf.kernels import configurations as kernels
+from agents.mapf.kernels.buffers import buffer_of, prepare
+from agents.mapf.kernels.rounds import team_of
 from agents.mapf.problem import Plan, Problem
-from warehouse_core.world.actions import WAIT
-from warehouse_core.world.tables import Integers
+from warehouse_core.wording import counted
 
-FixedMoves = tuple[tuple[int, int], ...]
-"""Robots and their next cells."""
+DECISIONS = 10_000
+"""Decisions of robots between two looks at the clock."""
 
-
-@dataclass(eq=False)
-class Configuration:
-    """A configuration: ``[R]`` cells, and ``[R]`` steps since each robot was at its goal.
-
-    The robots are in the order of falling priority, and ``tree`` has the constraints that were not
-    yet tried. The first configuration has no parent.
-    """
-
-    cells: Integers
-    ages: Integers
-    order: list[int]
-    parent: Configuration | None
-    tree: deque[FixedMoves]
+MAX_NUMBERS = 150_000_000
+"""Places in configurations beyond which LaCAM* is content with its plan; each takes 16 bytes."""
 
 
 def lacam(problem: Problem, seconds: float, seed: int = 0) -> Plan:
-    """Return a plan, which need not be optimal.
+    """Return the first plan of LaCAM, which need not be good.
 
     Raises:
         PlanError: there is none, or none was found in time.
     """
-    return _Search(problem, seed).run(seconds)
+    return LaCAM(problem, seed).run(seconds, goes_on=False)
 
 
-class Swaps:
-    """The choices of robots that must change places in a narrow way, which PIBT alone cannot do.
+def lacam_star(problem: Problem, seconds: float, seed: int = 0) -> Plan:
+    """Return the best plan of LaCAM* when the time is up, or when it is proved to be the best.
 
-    A robot that is to swap with the one ahead backs off instead, as far as to where two ways lead
-    on; the other follows.
+    The best plan has the least sum of step costs, which is the number of robots, in each step, that
+    are not at their goals before and after it. This sum is the ``bound`` of the plan then: no plan
+    has a smaller sum of costs.
+
+    Raises:
+        PlanError: there is none, or none was found in time.
+    """
+    return LaCAM(problem, seed).run(seconds)
+
+
+class LaCAM:
+    """A search for plans of a problem, which can pause and go on.
+
+    Args:
+        problem: problem to solve. Costs of moves guide the robots, and plans cost their steps.
+        seed: seed of random tie-breaks.
+
+    Attributes:
+        is_done: true if all is tried, so that the plan is the best, or there is none.
     """
 
-    def __init__(self, graph: Graph, goals: Sequence[int]) -> None:
-        beside = graph.neighbours[:, :WAIT]
-        self.beside = [[cell for cell in row if cell != CLOSED] for row in beside.tolist()]
-        self.goals = goals
-        self.fields = [graph.distances(goal) for goal in goals]
+    def __init__(self, problem: Problem, seed: int = 0) -> None:
+        prepare(kernels.explore, kernels.add, kernels.fill_table)
+        self.problem, self.is_done = problem, False
+        graph, goals = problem.graph, np.array(problem.goals, np.intp)
+        fields = Fields(graph)
+        rows = fields.rows(goals) * graph.places
+        steps = fields if fields.step == 1 else Fields(Graph(graph.layout))
+        step_rows = steps.rows(goals) * graph.size
+        self._floor, self._fields, self._steps = fields.floor, fields.table, steps.table
+        self._team = team_of(graph.size, problem.robots, seed, is_final=True)
+        self._team.goals[:], self._team.rows[:] = buffer_of(goals), buffer_of(rows)
+        starts = np.array(problem.starts, np.intp)
+        ranks = np.argsort(-steps.matrix.ravel()[step_rows + starts], kind="stable")
+        self._search = search = kernels.new_search(problem.robots)
+        search.ranks[:], search.rows[:] = buffer_of(ranks), buffer_of(step_rows)
+        self._team.chosen[:] = buffer_of(starts)
+        first = kernels.slot_of(search, self._team.chosen, 0)
+        kernels.add(search, self._team, self._floor, self._steps, kernels.NONE, first)
 
-    def reverse(self, cells: list[int], choices: list[list[int]], robot_in: list[int]) -> None:
-        """Reverse the choices of the robots that have to back off."""
-        for robot, cell in enumerate(cells):
-            ahead = choices[robot][0]
-            if ahead != cell and self.must_back_off(robot, cell, ahead, robot_in):
-                count = len(self.beside[cell]) + 1
-                choices[robot][:count] = choices[robot][:count][::-1]
+    def run(self, seconds: float, *, goes_on: bool = True) -> Plan:
+        """Return the best plan that is found in so many seconds by the clock, or the first.
 
-    def must_back_off(self, robot: int, cell: int, ahead: int, robot_in: list[int]) -> bool:
-        """Return whether a robot has to let one pass that is ahead of it, or follows it."""
-        if robot_in[ahead] != NOBODY:
-            pairs = [(robot, robot_in[ahead])]
-        else:
-            behind = [robot_in[other] for other in self.beside[cell]]
-            pairs = [(other, robot) for other in behind if other != NOBODY]
-        return any(
-            self.is_required(*pair, cell, ahead, robot_in) for pair in pairs
-        ) and self.is_possible(ahead, cell, robot_in)
+        Raises:
+            PlanError: there is none, or none was found in time.
+        """
+        self.search(perf_counter() + seconds, goes_on=goes_on)
+        plan = self.plan()
+        if plan is None:
+            seen = counted(int(self._search.counts[kernels.NODES]), "configuration")
+            if self.is_done:
+                raise PlanError(f"there is no plan: LaCAM tried all {seen}")
+            raise PlanError(f"LaCAM found no plan in {seconds:g} s; it saw {seen}")
+        return plan
 
-    def is_required(
-        self, pusher: int, puller: int, behind: int, ahead: int, robot_in: list[int]
-    ) -> bool:
-        """Return whether two have to change places: pushing on leads nowhere."""
-        near, far = self.fields[pusher], self.fields[puller]
-        while near[ahead] < near[behind]:
-            exits = self.exits(ahead, behind, robot_in)
-            if len(exits) > 1:
-                return False
-            if not exits:
-                break
-            behind, ahead = ahead, exits[0]
-        return bool(far[behind] < far[ahead] and (near[behind] == 0 or near[ahead] < near[behind]))
+    def search(self, deadline: float, rounds: float = inf, *, goes_on: bool = True) -> None:
+        """Search until the deadline of ``perf_counter``, or for so many rounds of PIBT.
 
-    def is_possible(self, behind: int, ahead: int, robot_in: list[int]) -> bool:
-        """Return whether the way from ``behind`` by ``ahead`` leads to where two ways lead on."""
-        start = behind
-        while ahead != start:
-            exits = self.exits(ahead, behind, robot_in)
-            if len(exits) != 1:
-                return len(exits) > 1
-            behind, ahead = ahead, exits[0]
-        return False
-
-    def exits(self, cell: int, behind: int, robot_in: list[int]) -> list[int]:
-        """Return the other ways on from a cell, without dead ends in which a robot has its goal."""
-        return [
-            other
-            for other in self.beside[cell]
-            if other != behind
-            and not (
-                len(self.beside[other]) == 1
-                and robot_in[other] != NOBODY
-                and self.goals[robot_in[other]] == other
+        Without ``goes_on`` the search pauses as soon as there is a plan.
+        """
+        robots = self.problem.robots
+        self._search.counts[kernels.ANYTIME] = goes_on
+        while not self.is_done and rounds > 0 and perf_counter() < deadline:
+            portion = int(min(max(DECISIONS // robots, 1), rounds))
+            rounds -= portion
+            status = kernels.explore(
+                self._search, self._team, self._floor, self._fields, self._steps, portion
             )
-        ]
+            if status == kernels.FULL:
+                if len(self._search.places) > MAX_NUMBERS and self.plan() is not None:
+                    return
+                self._search = kernels.enlarged_search(self._search)
+            elif status == kernels.FOUND:
+                return
+            self.is_done = status == kernels.DONE
 
-
-class _Search:
-    def __init__(self, problem: Problem, seed: int) -> None:
-        self.graph, self.goals = problem.graph, np.array(problem.goals)
-        self.pibt = PIBT(problem.graph, seed)
-        self.random = np.random.default_rng(seed)
-        self.swaps = Swaps(self.graph, problem.goals)
-        self.ranks = self.random.random(problem.robots)
-        self.start = self.new_node(np.array(problem.starts), None)
-
-    def run(self, seconds: float) -> Plan:
-        """Search depth-first."""
-        deadline = time.perf_counter() + seconds
-        explored, opened = {self.start.cells.tobytes(): self.start}, [self.start]
-        while opened:
-            if time.perf_counter() > deadline:
-                raise PlanError(
-                    f"LaCAM found no plan in {seconds} s; it saw {len(explored)} configurations"
-                )
-            node = opened[-1]
-            if (node.cells == self.goals).all():
-                return _plan_to(node)
-            if not node.tree:
-                opened.pop()
-                continue
-            constraint = node.tree.popleft()
-            self.grow(node, constraint)
-            cells = self.next_cells(node, constraint)
-            if cells is not None:
-                key = cells.tobytes()
-                if key not in explored:
-                    explored[key] = self.new_node(cells, node)
-                    opened.append(explored[key])
-        raise PlanError(f"there is no plan: LaCAM tried all {len(explored)} configurations")
-
-    def new_node(self, cells: Integers, parent: Configuration | None) -> Configuration:
-        """Return a node with an empty constraint."""
-        ages = 0 if parent is None else parent.ages + 1
-        ages = np.where(cells == self.goals, 0, ages)
-        order = np.argsort(-ages - self.ranks).tolist()
-        return Configuration(cells, ages, order, parent, deque([()]))
-
-    def grow(self, node: Configuration, constraint: FixedMoves) -> None:
-        """Add the constraints that also say where the next robot must go."""
-        if len(constraint) < len(node.order):
-            robot = node.order[len(constraint)]
-            reached = self.graph.neighbours[node.cells[robot]]
-            for cell in self.random.permutation(reached[reached != CLOSED]).tolist():
-                node.tree.append((*constraint, (robot, cell)))
-
-    def next_cells(self, node: Configuration, constraint: FixedMoves) -> Integers | None:
-        """Return the next configuration, or ``None`` if PIBT finds none."""
-        robots = self.pibt.robots_in(node.cells)
-        cells, robot_in = node.cells.tolist(), robots.tolist()
-        chosen, pushers = [UNDECIDED] * len(cells), [NOBODY] * len(cells)
-        is_taken = bytearray(len(robot_in))
-        is_taken[CLOSED] = True
-        for robot, cell in constraint:
-            other = robot_in[cell]
-            swaps = other not in (NOBODY, robot) and chosen[other] == cells[robot]
-            if is_taken[cell] or swaps:
-                return None
-            chosen[robot], is_taken[cell] = cell, True
-        choices, _ = self.pibt.choices(node.cells, self.goals, robots)
-        self.swaps.reverse(cells, choices, robot_in)
-        is_complete = choose_cells(node.order, cells, choices, robot_in, is_taken, chosen, pushers)
-        return np.array(chosen) if is_complete else None
-
-
-def _plan_to(node: Configuration | None) -> Plan:
-    cells = []
-    while node is not None:
-        cells.append(node.cells)
-        node = node.parent
-    return Plan(np.array(cells[::-1]))
+    def plan(self) -> Plan | None:
+        """Return the best plan so far."""
+        search, robots = self._search, self.problem.robots
+        best = node = int(search.counts[kernels.BEST])
+        if node == kernels.NONE:
+            return None
+        places = list[object]()
+        while node != kernels.NONE:
+            places.append(search.places[node * robots : (node + 1) * robots])
+            node = int(search.parent[node])
+        cells = np.array(places[::-1], np.int64).reshape(len(places), robots)
+        bound = int(search.cost[best]) if self.is_done else None
+        return Plan(cells % self.problem.graph.size, bound)

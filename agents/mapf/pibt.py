@@ -1,108 +1,34 @@
-"""PIBT: priority inheritance with backtracking.
-
-In each step the robots choose one after the other, in the order of their priorities. A robot that
-wants the cell of another gives it its priority: the other chooses next, and if it finds no cell it
-stays, and the first tries its next choice. A robot that is at its goal has the lowest priority.
-
-Source: Okumura, Machida, Défago and Tamura (2022), Priority inheritance with backtracking for
-iterative multi-agent path finding, Artificial Intelligence 310.
-"""
+"""PIBT: priority inheritance with backtracking, and swaps; see ``kernels/rounds.py``."""
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.mapf.graph import CLOSED, EAST, FAR, Fields, Graph
+from agents.mapf.graph import EAST, Fields, Graph
+from agents.mapf.kernels.buffers import IS_COMPILED, buffer_of, prepare
+from agents.mapf.kernels.floor import FAR, STAY
+from agents.mapf.kernels.rounds import (
+    CHANCE_KEY,
+    CHOSEN,
+    CLOSED,
+    NOBODY,
+    OCCUPIED_KEY,
+    SPREAD,
+    STEP_KEY,
+    UNDECIDED,
+    WAIT_KEY,
+    choose,
+    draw,
+    mix,
+    team_of,
+)
 from agents.mapf.planner import Situation, solve_by_steps
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.arguments import instance_of, seed_number
-from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
-
-NOBODY = -1
-UNDECIDED = -1
-
-FREE = -2
-"""Next cell of ``NOBODY``."""
-
-WAIT_COST = 1.5
-"""Cost of a step in place: without lanes 1.5 more than a move ahead and 0.5 less than one back."""
-
-OCCUPIED_COST, CHANCE_COST = 0.5, 0.2
-"""Cost of entering an occupied cell; most that the random tie-break adds.
-
-Together they are less than ``WAIT_COST``, so that no robot waits behind one that it could push.
-"""
-
-
-def choose_cells(
-    order: Iterable[int],
-    cells: Sequence[int],
-    choices: Sequence[Sequence[int]],
-    robot_in: Sequence[int],
-    is_taken: bytearray,
-    chosen: list[int],
-    pushers: list[int],
-) -> bool:
-    """Choose the next cells of all undecided robots, in one round of PIBT.
-
-    The round is a loop with a stack, since chains of thousands of robots that push each other
-    would exceed Python's limit on recursion.
-
-    Args:
-        order: robots by falling priority.
-        cells: ``[R]`` present cells.
-        choices: ``[R, 5]`` cells that each robot can go to, the best first.
-        robot_in: ``[H * W + 1]`` robot in each cell, or ``NOBODY``.
-        is_taken: ``[H * W + 1]`` flags of cells that are closed or chosen; chosen cells are added.
-            The last flag is for ``CLOSED`` and is set.
-        chosen: ``[R]`` next cells, or ``UNDECIDED``; the choices are written here.
-        pushers: ``[R]``, all ``NOBODY``; the robot that made each choose is written here.
-
-    Returns:
-        True if each robot has a cell of its own. It is false only if the cell of an undecided
-        robot was taken before.
-    """
-    is_complete = True
-    chosen.append(FREE)  # index NOBODY, -1, is the last entry
-    for first in order:
-        if chosen[first] != UNDECIDED:
-            continue
-        robot, untried = first, iter(choices[first])
-        chain: list[tuple[int, Iterator[int]]] = []  # who waits for the robot that they push
-        while True:  # until everybody in the chain has a cell
-            here = cells[robot]
-            for cell in untried:
-                if is_taken[cell]:
-                    continue
-                other = robot_in[cell]
-                there = chosen[other]
-                if there == here and other != robot:
-                    continue  # they would change places
-                chosen[robot] = cell
-                is_taken[cell] = True
-                if there != UNDECIDED or other == robot:
-                    chain.clear()  # the cell will be free, so all who pushed get theirs
-                else:
-                    pushers[other] = robot
-                    chain.append((robot, untried))
-                    robot, untried = other, iter(choices[other])
-                break
-            else:  # nothing is left to try: it stays, and who pushed it tries another cell
-                chosen[robot] = here
-                pushers[robot] = NOBODY
-                is_complete &= bool(chain) or not is_taken[here]
-                is_taken[here] = True
-                if chain:
-                    robot, untried = chain.pop()
-                    continue
-            if not chain:
-                break
-    chosen.pop()
-    return is_complete
 
 
 class PIBT:
@@ -128,68 +54,81 @@ class PIBT:
     def __init__(self, graph: Graph, seed: int = 0, turn_cost: float = 0.0) -> None:
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
         self.seed = seed_number(seed)
-        costs = np.ones((graph.size, WAIT)) if graph.costs is None else graph.costs
-        self._costs = np.pad(costs, ((0, 0), (0, 1)), constant_values=WAIT_COST).astype(np.float32)
-        self._costs[graph.neighbours == CLOSED] = np.inf
         self.fields = Fields(graph)
+        prepare(choose)
         self.reset()
 
     def reset(self) -> None:
         """Forget the last episode, and begin again with the random numbers of the seed."""
-        self._random = np.random.default_rng(self.seed)
         self._goals: Integers = np.empty(0, np.intp)
-        self._cells = self._headings = self._goals
+        self._cells = self._headings = self._ages = self._goals
+        self._ranks: NDArray[np.float64] = np.empty(0)
         self.pushers: Integers = np.empty(0, np.intp)
 
     def next_cells(self, situation: Situation) -> Integers:
         """Return the cell of each robot after the next joint step, ``[R]``."""
         cells, goals, stays, closed, urgent = situation
         if len(cells) != len(self._goals):
-            self._ages, self._goals = np.zeros(len(cells), np.intp), goals
-            self._ranks = self._random.random(len(cells))
-            self._cells, self._headings = cells, np.full(len(cells), EAST)
+            self._begin(cells, goals)
         if self.graph.turn_cost:
             self._headings = self.graph.headings(self._cells, cells, self._headings)
             self._cells = cells.copy()
-        robot_in = self.robots_in(cells)
-        choices, is_there = self.choices(cells, goals, robot_in)
-        self._ages = np.where(is_there | (cells == self._goals), 0, self._ages + 1)
-        self._goals = goals.copy()
-        is_taken = np.zeros(self.graph.size + 1, np.bool_)
-        is_taken[closed] = is_taken[cells[stays]] = is_taken[CLOSED] = True
-        chosen = np.where(stays, cells, UNDECIDED).tolist()
+        places = self._headings * self.graph.size + cells if self.graph.turn_cost else cells
+        is_there = (cells == goals) | (cells == self._goals)
+        self._ages, self._goals = np.where(is_there, 0, self._ages + 1), goals.copy()
         priorities = self._ages + self._ranks
         priorities[urgent] += self._ages.max(initial=0) + 1
-        order = np.argsort(-priorities).tolist()
-        pushers = [NOBODY] * len(cells)
-        choose_cells(
-            order, cells.tolist(), choices, robot_in.tolist(), bytearray(is_taken), chosen, pushers
-        )
-        self.pushers = np.array(pushers)
-        return np.array(chosen)
+        is_taken = np.zeros(self.graph.size, np.int64)
+        is_taken[closed] = CLOSED
+        is_taken[cells[stays]] = CHOSEN
+        robot_in = np.full(self.graph.size, NOBODY)
+        robot_in[cells] = np.arange(len(cells))
+        rows = self.fields.rows(goals)
+        team = self._team
+        for kept, new in (
+            (team.places, places), (team.goals, goals), (team.rows, rows * self.graph.places),
+            (team.order, np.argsort(-priorities)), (team.pushers, np.full(len(cells), NOBODY)),
+            (team.chosen, np.where(stays, places, UNDECIDED)), (team.robot_in, robot_in),
+            (team.is_taken, is_taken),
+        ):  # fmt: skip
+            kept[:] = buffer_of(new)
+        if not IS_COMPILED:
+            self._sort_choices(rows, places, goals, robot_in)
+        choose(self.fields.floor, team, self.fields.table)
+        self.pushers = np.array(team.pushers)
+        return np.array(team.chosen) % self.graph.size
 
-    def robots_in(self, cells: Integers) -> Integers:
-        """Return the robot in each cell, or ``NOBODY``, ``[H * W + 1]``."""
-        robots = np.full(self.graph.size + 1, NOBODY)
-        robots[cells] = np.arange(len(cells))
-        return robots
+    def _begin(self, cells: Integers, goals: Integers) -> None:
+        """Make the buffers for so many robots."""
+        robots = len(cells)
+        self._team = team_of(self.graph.size, robots, self.seed)
+        self._ages, self._goals = np.zeros(robots, np.intp), goals
+        self._ranks = np.random.default_rng(self.seed).random(robots)
+        self._cells, self._headings = cells, np.full(robots, EAST)
 
-    def choices(
-        self, cells: Integers, goals: Integers, robot_in: Integers
-    ) -> tuple[list[list[int]], NDArray[np.bool_]]:
-        """Return the cells that each robot can go to, the best first, and the robots that stay."""
-        rows, reached = self.fields.rows(goals), self.graph.neighbours[cells]
-        places = self.graph.places_at(cells, self._headings)
-        distances = self.fields.matrix[rows[:, None], places]
-        costs = distances + self._costs[cells]
-        if self.graph.turn_cost:
-            costs += self.graph.turns[self._headings]
-        costs += OCCUPIED_COST * (robot_in[reached] != NOBODY)
-        costs += self._random.random(costs.shape, np.float32) * CHANCE_COST
-        is_there = (cells == goals) | (distances[:, WAIT] == FAR)
-        costs[is_there, WAIT] = 0
-        best = np.argsort(costs, axis=1, kind="stable")
-        return np.take_along_axis(reached, best, 1).tolist(), is_there
+    def _sort_choices(
+        self, rows: Integers, places: Integers, goals: Integers, robot_in: Integers
+    ) -> None:
+        """Do what ``kernels.rounds.sort_choices`` does, for all robots at once.
+
+        NumPy is faster than plain Python if there are more than a few robots.
+        """
+        team, near, closed = self._team, self.fields.near[places], self.graph.places
+        is_step, number = near != closed, np.arange(len(places))
+        to = np.where(is_step, near, places[:, None])
+        draw(team.random)
+        chance = cast(Integers, mix(cast(int, team.random[0] + number * SPREAD)))[:, None]
+        chance = chance >> 3 * (is_step.cumsum(axis=1) - 1) & CHANCE_KEY
+        distances = self.fields.matrix[rows[:, None], to].astype(np.int64)
+        keys = (distances + self.fields.prices[places]) * (STEP_KEY // self.fields.step) + chance
+        keys += OCCUPIED_KEY * (robot_in[to % self.graph.size] != NOBODY)
+        keys[:, STAY] += WAIT_KEY - OCCUPIED_KEY
+        keys[(places % self.graph.size == goals) | (distances[:, STAY] == FAR), STAY] = 0
+        keys[~is_step] = np.iinfo(np.int64).max
+        best = np.argsort(keys, axis=1, kind="stable")
+        team.choices[:] = buffer_of(np.take_along_axis(to, best, 1))
+        team.options[:] = buffer_of(is_step.sum(axis=1))
+        team.is_sorted[0] = 1
 
 
 def pibt(problem: Problem, seconds: float) -> Plan:

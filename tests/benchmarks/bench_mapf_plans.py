@@ -12,7 +12,8 @@ from agents.mapf.lacam import lacam
 from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT, pibt
 from agents.mapf.planner import Planner
-from agents.mapf.prioritised import WindowedPlanner, solve_prioritised
+from agents.mapf.prioritised import solve_prioritised
+from agents.mapf.windows import WindowedPlanner
 from warehouse_core import random_layout
 from warehouse_core.motion.grid import GridMotion
 from warehouse_physics import RigidBodyMotion

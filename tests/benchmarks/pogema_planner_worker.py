@@ -16,7 +16,7 @@ from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs, learned_costs
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Situation
-from agents.mapf.prioritised import WindowedPlanner
+from agents.mapf.windows import WindowedPlanner
 from warehouse_core.world.layout import Layout
 
 HEAVY = {"pettingzoo", "typer", "rich", "matplotlib"}

@@ -19,7 +19,7 @@ from agents.fleet.planned import part
 from agents.lab.runs.run import run
 from agents.mapf.graph import Graph
 from agents.mapf.planner import Planner, Situation, check_step
-from agents.mapf.prioritised import WindowedPlanner
+from agents.mapf.windows import WindowedPlanner
 from agents.registry import make_fleet_agent, make_planner
 from warehouse_core import FleetEnv, Layout, Order, OrderQueue, OrderStream, shelf_layout
 from warehouse_core.records.recorder import record_fleet_episode, replay_fleet_episode

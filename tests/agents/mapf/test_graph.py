@@ -7,13 +7,14 @@ import pytest
 
 from agents.errors import AgentError, PlanError
 from agents.mapf import graph as module
-from agents.mapf.graph import CLOSED, FAR, Fields, Graph
+from agents.mapf.graph import CLOSED, Fields, Graph
+from agents.mapf.kernels.floor import FAR
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import NO_CELLS, Planner, Situation, check_step
-from agents.mapf.prioritised import WindowedPlanner
 from agents.mapf.problem import Problem
+from agents.mapf.windows import WindowedPlanner
 from agents.registry import make_planner
 from warehouse_core import Layout, random_layout
 from warehouse_core.world.actions import DISPLACEMENTS
@@ -54,7 +55,7 @@ def test_rows_of_goals_that_nobody_has_are_used_again(monkeypatch: pytest.Monkey
 
 
 @pytest.mark.parametrize("cost", [1.5, 30_000.0])
-def test_distances_that_need_it_are_kept_as_floats(cost: float) -> None:
+def test_distances_on_lanes_count_in_tenths_of_a_step(cost: float) -> None:
     layout = Layout(["....", "..#."])
     graph = Graph(layout, lane_costs(layout, cost))
     fields = Fields(graph)
@@ -62,7 +63,7 @@ def test_distances_that_need_it_are_kept_as_floats(cost: float) -> None:
         row = fields.rows(np.array([goal]))[0]
         expected = graph.distances(goal)
         reachable = np.isfinite(expected)
-        assert fields.matrix[row][reachable].tolist() == expected[reachable].tolist()
+        assert fields.matrix[row][reachable].tolist() == (10 * expected[reachable]).tolist()
     assert fields.matrix[row][6] == FAR
 
 

@@ -8,8 +8,9 @@ from helpers.mapf_validator import step_conflict
 
 from agents.errors import PlanError
 from agents.mapf.graph import Graph
+from agents.mapf.kernels.rounds import NOBODY
 from agents.mapf.lanes import lane_costs
-from agents.mapf.pibt import NOBODY, PIBT, pibt
+from agents.mapf.pibt import PIBT, pibt
 from agents.mapf.problem import Problem
 from warehouse_core import Layout, random_layout
 

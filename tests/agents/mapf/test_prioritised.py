@@ -1,14 +1,11 @@
-"""Prioritised planning, once and in windows."""
+"""Prioritised planning."""
 
 import pytest
-from helpers.mapf_problems import problem_of, random_problem, random_problems, situation
-from helpers.mapf_runs import check_planner, check_solver
-from helpers.mapf_validator import step_conflict
+from helpers.mapf_problems import problem_of, random_problems
+from helpers.mapf_runs import check_solver
 
 from agents.errors import PlanError
-from agents.mapf.graph import Graph
-from agents.mapf.prioritised import WindowedPlanner, solve_prioritised
-from warehouse_core import Layout, random_layout
+from agents.mapf.prioritised import solve_prioritised
 
 BAY = ["....", "#.##"]
 """Cells 0 to 3 in a row, and the bay 5 below 1."""
@@ -39,135 +36,3 @@ def test_the_time_limit_is_said() -> None:
         solve_prioritised(problem, 0)
     with pytest.raises(PlanError, match=r"in 0.1 s and .* orders of .*; robot . had no way"):
         solve_prioritised(problem, 0.1)
-
-
-@pytest.mark.parametrize("options", [{}, {"groups": 5}, {"seconds": 0.0005}])
-def test_windowed_steps_are_valid(options: dict[str, float]) -> None:
-    def make(graph: Graph) -> WindowedPlanner:
-        return WindowedPlanner(graph, window=8, replan=3, **options)
-
-    reached = [
-        check_planner(make, problem, 25, seed=number)
-        for number, problem in enumerate(random_problems(25, seed=4, max_robots=20))
-    ]
-    assert sum(reached) > 100
-
-
-def test_robots_behind_one_that_stays_wait() -> None:
-    planner = WindowedPlanner(Graph(Layout(["......"])))
-    assert planner.next_cells(situation([2, 1, 0], [5, 4, 3])).tolist() == [3, 2, 1]
-    assert planner.next_cells(situation([3, 2, 1], [5, 4, 3], stays=[0])).tolist() == [3, 2, 1]
-    assert planner.next_cells(situation([3, 2, 1], [5, 4, 3])).tolist() == [4, 3, 2]
-
-
-def test_a_robot_that_is_not_where_it_was_to_be_is_planned_again() -> None:
-    planner = WindowedPlanner(Graph(Layout(["......"])))
-    planner.next_cells(situation([2, 1], [5, 4]))
-    assert planner.next_cells(situation([2, 1], [5, 4])).tolist() == [3, 2]
-
-
-def test_nobody_enters_a_closed_cell_but_who_is_in_one_can_leave_or_stay() -> None:
-    planner = WindowedPlanner(Graph(Layout(["....", "...."])))
-    assert planner.next_cells(situation([0], [3], closed=[1])).tolist() in ([0], [4])
-    planner.reset()
-    assert planner.next_cells(situation([0], [3], closed=[0])).tolist() == [1]
-    planner.reset()
-    assert planner.next_cells(situation([0], [0], closed=[0])).tolist() == [0]
-    planner.reset()
-    given = situation([0, 1], [1, 3], closed=[1])
-    assert step_conflict(["....", "...."], [0, 1], planner.next_cells(given), closed=[1]) is None
-
-
-def test_a_way_is_planned_again_before_it_leads_to_a_closed_cell() -> None:
-    planner = WindowedPlanner(Graph(Layout(["....", "...."])))
-    assert planner.next_cells(situation([0], [3])).tolist() == [1]
-    assert planner.next_cells(situation([1], [3], closed=[2])).tolist() == [5]
-
-
-def test_who_is_to_go_nowhere_gives_way() -> None:
-    planner, cells = WindowedPlanner(Graph(Layout(BAY))), [0, 1]
-    for _ in range(6):
-        cells = planner.next_cells(situation(cells, [3, 1])).tolist()
-    assert cells == [3, 1]
-
-
-def test_a_goal_without_a_way_is_as_none() -> None:
-    planner, cells = WindowedPlanner(Graph(Layout(["...#.", ".###."]))), [1, 0]
-    for _ in range(4):
-        cells = planner.next_cells(situation(cells, [4, 2])).tolist()
-    assert cells[1] == 2 or cells == [1, 0]
-    assert planner.cut_off == 0
-
-
-def test_robots_that_meet_head_on_push_past() -> None:
-    """Neither has a way around the other's until one leaves for the bay."""
-    planner, cells = WindowedPlanner(Graph(Layout(BAY)), window=6, replan=2), [0, 3]
-    for _ in range(12):
-        cells = planner.next_cells(situation(cells, [3, 0])).tolist()
-    assert cells == [3, 0]
-
-
-def test_the_time_limit_makes_robots_wait_and_is_counted() -> None:
-    planner = WindowedPlanner(Graph(Layout(BAY)), seconds=0)
-    assert planner.next_cells(situation([0, 3], [2, 1])).tolist() == [0, 3]
-    assert planner.next_cells(situation([0, 3], [2, 1])).tolist() == [0, 3]
-    assert planner.cut_off == 2
-    planner.reset()
-    assert planner.cut_off == 0
-
-
-def test_only_distance_counts_beyond_the_window() -> None:
-    """A robot at the end of the window is in nobody's way, however long it stays there."""
-    layout, stays = Layout(["." * 8, "." * 8]), [1]
-    steps = {
-        window: WindowedPlanner(Graph(layout), window, 1).next_cells(
-            situation([0, 3], [7, 3], stays)
-        )
-        for window in (2, 7)
-    }
-    assert steps[2].tolist() == [1, 3]
-    assert steps[7].tolist() in ([1, 3], [8, 3])
-
-
-def test_groups_that_are_planned_anew_have_less_delay() -> None:
-    """The sum of the distances that are left after a run of two windows."""
-    layout, left = random_layout(12, 12, 0.1, seed=3), {}
-    problem = random_problem(layout, 50, seed=3)
-    for groups in (0, 60):
-        planner, total, cells = WindowedPlanner(problem.graph, groups=groups), 0.0, problem.starts
-        for _ in range(12):
-            cells = planner.next_cells(situation(cells, problem.goals)).tolist()
-            pairs = zip(cells, problem.goals, strict=True)
-            total += sum(problem.graph.distances(goal)[cell] for cell, goal in pairs)
-        left[groups] = total
-    assert left[60] < left[0]
-
-
-def test_the_same_seed_gives_the_same_steps() -> None:
-    problem = random_problem(random_layout(10, 10, 0.1, seed=1), 30, seed=1)
-    planner = WindowedPlanner(problem.graph, groups=20)
-    runs = []
-    for _ in range(2):
-        planner.reset()
-        cells = list(problem.starts)
-        for _ in range(8):
-            cells = planner.next_cells(situation(cells, problem.goals)).tolist()
-        runs.append(cells)
-    assert runs[0] == runs[1]
-
-
-@pytest.mark.parametrize(
-    ("name", "window", "replan"), [("replan", 30, 0), ("replan", 30, 30), ("window", 1, 1)]
-)
-def test_replanning_is_within_the_window(name: str, window: int, replan: int) -> None:
-    with pytest.raises(ValueError, match=f"{name} is "):
-        WindowedPlanner(Graph(Layout(["..."])), window, replan)
-
-
-def test_the_plan_of_a_robot_begins_with_the_cell_just_chosen() -> None:
-    planner, cells = WindowedPlanner(Graph(Layout(["......."])), window=20), [0]
-    for step in range(1, 5):
-        cells = planner.next_cells(situation(cells, [6])).tolist()
-        assert cells == [step]
-        assert planner.plan_of(0)[: 7 - step] == [*range(step, 7)]
-    assert planner.plan_of(1) == []

@@ -13,7 +13,8 @@ from agents import registry
 from agents.errors import AgentError, PlanError, reason_of
 from agents.mapf.cbs import solve_cbs
 from agents.mapf.eecbs import solve_eecbs
-from agents.mapf.graph import CLOSED, FAR, Fields, Graph
+from agents.mapf.graph import CLOSED, Fields, Graph
+from agents.mapf.kernels.floor import FAR
 from agents.mapf.lacam import lacam
 from agents.mapf.pibt import pibt
 from agents.mapf.planner import Planner, Situation, check_step, solve_by_steps

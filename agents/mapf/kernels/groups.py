@@ -1,0 +1,233 @@
+"""Large-neighbourhood search: groups of robots are planned anew, and what is no worse is kept.
+
+Groups are robots at random, robots in the way of one that is late, or robots that are near one
+another. Kinds and sizes of groups that gained more for the work are drawn more often.
+
+Sources: Li, Chen, Harabor, Stuckey and Koenig (2021), Anytime multi-agent path finding via large
+neighborhood search, IJCAI. Ropke and Pisinger (2006), An adaptive large neighborhood search
+heuristic, Transportation Science 40, for the weights.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from agents.mapf.kernels.buffers import Buffer, Table, buffer, kernel
+from agents.mapf.kernels.floor import ACTIONS, FAR, STAY, Floor
+from agents.mapf.kernels.rounds import draw, first_random
+from agents.mapf.kernels.ways import NONE, Frontier, Ways, find_way, reserve
+
+AT_RANDOM, LATE, NEAR = range(3)
+"""Kinds of groups."""
+
+KINDS, SIZES = 3, 4
+"""Numbers of kinds and of sizes; the sizes are powers of 2, from 2 on."""
+
+MOST = 16
+"""Most robots in a group."""
+
+WEIGHT = 1 << 26
+"""Weight of each kind and size at first."""
+
+SHARE, FLOOR_SHARE = 10, 20
+"""Each result changes a weight by a tenth, and no weight is below a twentieth of the largest."""
+
+
+class Groups(NamedTuple):
+    """Buffers of the search.
+
+    Attributes:
+        members: ``[MOST + 1]``, the robots of a group; the last entry is their number.
+        is_in: ``[R]``, 1 for robots in the group.
+        saved: ``[MOST * T]``, their places before.
+        costs: ``[MOST]``, costs of their new ways.
+        weights: ``[KINDS * SIZES]``.
+        counts: ``[2]``: groups that were tried, and those that made the ways cheaper.
+        random: ``[1]``, state of the random numbers, not 0.
+    """
+
+    members: Buffer
+    is_in: Buffer
+    saved: Buffer
+    costs: Buffer
+    weights: Buffer
+    counts: Buffer
+    random: Buffer
+
+
+def new_groups(robots: int, times: int, seed: int | None) -> Groups:
+    """Return the buffers of a search."""
+    return Groups(
+        members=buffer(MOST + 1), is_in=buffer(robots), saved=buffer(MOST * times),
+        costs=buffer(MOST), weights=buffer(KINDS * SIZES, WEIGHT), counts=buffer(2),
+        random=first_random(seed),
+    )  # fmt: skip
+
+
+@kernel
+def join(groups: Groups, robot: int, size: int) -> bool:
+    """Add a robot to the group, unless it is in; return whether the group has its size."""
+    if groups.members[MOST] < size and groups.is_in[robot] == 0:
+        groups.members[groups.members[MOST]] = robot
+        groups.members[MOST] += 1
+        groups.is_in[robot] = 1
+    return groups.members[MOST] >= size
+
+
+@kernel
+def delay(ways: Ways, fields: Table, robot: int) -> int:
+    """Return by how much the way of a robot is longer than the shortest."""
+    left = fields[ways.rows[robot] + ways.places[robot * ways.times]]
+    return 0 if left >= FAR else ways.costs[robot] - left
+
+
+@kernel
+def late_robot(ways: Ways, groups: Groups, fields: Table) -> int:
+    """Return the latest of some robots at random."""
+    robots, random = len(ways.costs), groups.random
+    latest = draw(random) % robots
+    for _ in range(7):
+        robot = draw(random) % robots
+        if delay(ways, fields, robot) > delay(ways, fields, latest):
+            latest = robot
+    return latest
+
+
+@kernel
+def gather_late(floor: Floor, ways: Ways, groups: Groups, fields: Table, size: int) -> None:
+    """Gather a late robot and those whom it meets on walks that would bring it there sooner."""
+    times, random, near = ways.times, groups.random, floor.near
+    robot = late_robot(ways, groups, fields)
+    goal_row, cost = ways.rows[robot], ways.costs[robot]
+    join(groups, robot, size)
+    for _ in range(4 * size):
+        time = draw(random) % times
+        if time * floor.step > cost:
+            time = draw(random) % (cost // floor.step + 1)
+        place = ways.places[robot * times + time]
+        while time + 1 < times:
+            action, to = draw(random) % ACTIONS, floor.closed
+            for turn in range(ACTIONS):
+                to = near[place * ACTIONS + (action + turn) % ACTIONS]
+                if to != floor.closed:
+                    if (time + 1) * floor.step + fields[goal_row + to] < cost:
+                        break
+                    to = floor.closed
+            if to == floor.closed:
+                break
+            cell, after = to % floor.size, (time + 1) * floor.size
+            holder = ways.reserved[after + cell]
+            if holder == 0:
+                other = ways.reserved[time * floor.size + cell]
+                if other != 0 and other == ways.reserved[after + place % floor.size]:
+                    holder = other
+            if 0 < holder <= len(ways.costs) and join(groups, holder - 1, size):
+                return
+            place, time = to, time + 1
+
+
+@kernel
+def gather_near(floor: Floor, ways: Ways, groups: Groups, size: int) -> None:
+    """Gather robots that pass cells at some time, on walks from a cell where one of them is."""
+    times, random = ways.times, groups.random
+    robot = draw(random) % len(ways.costs)
+    join(groups, robot, size)
+    span = min(times - 1, ways.costs[robot] // floor.step)
+    time = draw(random) % (span + 1)
+    first = ways.places[robot * times + time] % floor.size
+    for _ in range(size):
+        cell = first
+        for _ in range(16):
+            for late in range(-2, 3):
+                if 0 <= time + late < times:
+                    holder = ways.reserved[(time + late) * floor.size + cell]
+                    if 0 < holder <= len(ways.costs) and join(groups, holder - 1, size):
+                        return
+            to = floor.near[cell * ACTIONS + draw(random) % STAY]
+            if to != floor.closed:
+                cell = to % floor.size
+
+
+@kernel
+def gather(floor: Floor, ways: Ways, groups: Groups, fields: Table, kind: int, size: int) -> None:
+    """Gather a group of at most so many robots in a random order."""
+    members, random, robots = groups.members, groups.random, len(ways.costs)
+    members[MOST] = 0
+    size = min(size, robots)
+    if kind == LATE:
+        gather_late(floor, ways, groups, fields, size)
+    elif kind == NEAR:
+        gather_near(floor, ways, groups, size)
+    else:
+        while not join(groups, draw(random) % robots, size):
+            pass
+    for at in range(members[MOST]):
+        groups.is_in[members[at]] = 0
+    for at in range(members[MOST] - 1, 0, -1):
+        other = draw(random) % (at + 1)
+        members[at], members[other] = members[other], members[at]
+
+
+@kernel
+def plan_anew(floor: Floor, ways: Ways, frontier: Frontier, groups: Groups, fields: Table) -> int:
+    """Plan the group anew, one robot after the other; return what is gained, 0 or more."""
+    members, saved, times, costs = groups.members, groups.saved, ways.times, ways.costs
+    number, left, least, done = members[MOST], 0, 0, 0
+    for at in range(number):
+        robot = members[at]
+        left += costs[robot]
+        least += costs[robot] - delay(ways, fields, robot)
+        reserve(floor, ways, robot, 0)
+        for time in range(times):
+            saved[at * times + time] = ways.places[robot * times + time]
+    while done < number:
+        robot = members[done]
+        least -= costs[robot] - delay(ways, fields, robot)
+        turn = draw(groups.random) & 3
+        cost = find_way(floor, ways, frontier, fields, robot, left - least, turn)
+        if cost == NONE:
+            break
+        left, groups.costs[done] = left - cost, cost
+        reserve(floor, ways, robot, robot + 1)
+        done += 1
+    if done == number:
+        for at in range(number):
+            costs[members[at]] = groups.costs[at]
+        return left
+    for at in range(done):
+        reserve(floor, ways, members[at], 0)
+    for at in range(number):
+        robot = members[at]
+        for time in range(times):
+            ways.places[robot * times + time] = saved[at * times + time]
+        reserve(floor, ways, robot, robot + 1)
+    return 0
+
+
+@kernel
+def improve(
+    floor: Floor, ways: Ways, frontier: Frontier, groups: Groups, fields: Table, trials: int
+) -> int:
+    """Plan so many groups anew, and return what is gained."""
+    weights, total = groups.weights, 0
+    for _ in range(trials):
+        most = 0
+        for arm in range(KINDS * SIZES):
+            most = max(most, weights[arm])
+        whole = 0
+        for arm in range(KINDS * SIZES):
+            weights[arm] = max(weights[arm], most // FLOOR_SHARE + 1)
+            whole += weights[arm]
+        drawn, arm = draw(groups.random) * whole >> 32, 0
+        while drawn >= weights[arm]:
+            drawn -= weights[arm]
+            arm += 1
+        gather(floor, ways, groups, fields, arm % KINDS, 2 << arm // KINDS)
+        before = frontier.serial[1]
+        gained = plan_anew(floor, ways, frontier, groups, fields)
+        work = frontier.serial[1] - before + groups.members[MOST] * ways.times
+        weights[arm] += ((gained << 32) // work - weights[arm]) // SHARE
+        groups.counts[0] += 1
+        groups.counts[1] += gained > 0
+        total += gained
+    return total

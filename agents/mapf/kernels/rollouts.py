@@ -1,0 +1,90 @@
+"""Ways of all robots by rounds of PIBT, for the windows of lifelong planning.
+
+A robot that reaches its goal gives way from then on, since its next goal is not known.
+"""
+
+from __future__ import annotations
+
+from agents.mapf.kernels.buffers import Table, kernel
+from agents.mapf.kernels.floor import ACTIONS, FAR, Floor
+from agents.mapf.kernels.rounds import CHOSEN, CLOSED, NOBODY, UNDECIDED, Team, choose
+from agents.mapf.kernels.ways import CLOSED_STEPS, Ways
+
+
+@kernel
+def price_of_way(floor: Floor, ways: Ways, fields: Table, robot: int) -> int:
+    """Return the cost of the way of a robot: until it is at its goal, or plus the distance left."""
+    first, row, goal = robot * ways.times, ways.rows[robot], ways.goals[robot]
+    cost, place = 0, ways.places[first] + 0
+    if fields[row + place] >= FAR:
+        return 0
+    for time in range(1, ways.times):
+        if place % floor.size == goal:
+            return cost
+        after = ways.places[first + time] + 0
+        for action in range(ACTIONS):
+            if floor.near[place * ACTIONS + action] == after:
+                cost += floor.price[place * ACTIONS + action]
+                break
+        place = after
+    return cost + fields[row + place]
+
+
+@kernel
+def roll(floor: Floor, ways: Ways, team: Team, fields: Table, first: int, last: int) -> None:
+    """Write the places at the times after ``first`` to ``last``, by a round of PIBT each.
+
+    The robots of ``ways.stays`` stay in the step from the time 0. The order of the team is that at
+    the time ``first``.
+    """
+    robots, times, size = len(team.goals), ways.times, floor.size
+    here = team.places
+    for robot in range(robots):
+        here[robot] = ways.places[robot * times + first]
+    for time in range(first, last):
+        for robot in range(robots):
+            team.robot_in[here[robot] % size] = robot
+            team.chosen[robot] = UNDECIDED
+        if time < CLOSED_STEPS:
+            for cell in ways.closed:
+                team.is_taken[cell] = CLOSED
+        for robot in range(robots):
+            if time == 0 and ways.stays[robot] == 1:
+                team.chosen[robot] = here[robot]
+                team.is_taken[here[robot] % size] = CHOSEN
+        choose(floor, team, fields)
+        for cell in ways.closed:
+            team.is_taken[cell] = 0
+        for robot in range(robots):
+            team.robot_in[here[robot] % size] = NOBODY
+        for robot in range(robots):
+            here[robot] = team.chosen[robot]
+            team.is_taken[here[robot] % size] = 0
+            ways.places[robot * times + time + 1] = here[robot]
+        lower(team, size)
+
+
+@kernel
+def lower(team: Team, size: int) -> None:
+    """Put the robots that are at their goals last, else in the order of before."""
+    robots, count, rest = len(team.goals), 0, 0
+    for at in range(robots):
+        robot = team.order[at]
+        if team.places[robot] % size == team.goals[robot]:
+            team.stack[rest] = robot
+            rest += 1
+        else:
+            team.order[count] = robot
+            count += 1
+    for at in range(rest):
+        team.order[count + at] = team.stack[at]
+
+
+@kernel
+def prices(floor: Floor, ways: Ways, fields: Table) -> int:
+    """Write the costs of all ways, and return their sum."""
+    total = 0
+    for robot in range(len(ways.costs)):
+        ways.costs[robot] = price_of_way(floor, ways, fields, robot)
+        total += ways.costs[robot]
+    return total

@@ -1,0 +1,230 @@
+"""The cheapest way of one robot through space and time, around the ways that others have.
+
+A *state* is a place at a time. Where ways are open-ended, states have a second layer, for robots
+that have been at their goals: from then on no step costs anything. Of equally good states the last
+is expanded first.
+
+Sources: Silver (2005), Cooperative pathfinding, AIIDE: space-time A*. Dial (1969), Algorithm 360:
+buckets in place of a heap.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.mapf.kernels.buffers import Buffer, Table, buffer, kernel, table_of
+from agents.mapf.kernels.floor import ACTIONS, FAR, STAY, Floor
+
+NONE = -1
+"""Cost where there is no way; end of a list of states."""
+
+CLOSED_STEPS = 5
+"""Steps for which closed cells are expected to stay closed."""
+
+BUCKETS = 4_000
+"""Costs above the least possible one that a way may have."""
+
+MAX_ENTRIES = 4_000_000
+"""States that a search may put into buckets."""
+
+
+class Ways(NamedTuple):
+    """The ways of ``R`` robots through ``T`` times.
+
+    Attributes:
+        times: ``T``.
+        is_open: 1 if ways may end before the goal, at the price of the distance left; 0 if each
+            robot has to be at its goal in the end.
+        places: ``[R * T]``, the place of each robot at each time.
+        reserved: ``[T * size]``, the robot in each cell at each time plus one, or 0.
+        costs: ``[R]``, the cost of each way.
+        goals: ``[R]``, goal cells.
+        rows: ``[R]``, index of the distance field of each goal in the table of fields.
+        stays: ``[R]``, 1 for robots that have to stay in the first step.
+        closed: cells that nobody can enter in the first ``CLOSED_STEPS`` steps.
+        is_closed: ``[size]``, 1 for these.
+    """
+
+    times: int
+    is_open: int
+    places: Table
+    reserved: Table
+    costs: Buffer
+    goals: Buffer
+    rows: Buffer
+    stays: Buffer
+    closed: Buffer
+    is_closed: Buffer
+
+
+class Frontier(NamedTuple):
+    """What a search for a way has seen; states are ``(layer * T + time) * places + place``.
+
+    Attributes:
+        serial: ``[2]``, the number of the search, and the states that all have expanded.
+        seen: ``[states]``, number of the last search that has seen each state.
+        spent: ``[states]``, cost of the way there.
+        came: ``[states]``, state before it.
+        heads: ``[BUCKETS]``, last entry of each bucket, or ``NONE``.
+        entries: states in buckets.
+        below: entry before each in its bucket, or ``NONE``.
+    """
+
+    serial: Buffer
+    seen: Table
+    spent: Table
+    came: Table
+    heads: Buffer
+    entries: Table
+    below: Table
+
+
+def new_ways(floor: Floor, robots: int, times: int, is_open: bool) -> Ways:
+    """Return the buffers of ways, with nothing reserved."""
+    return Ways(
+        times=times, is_open=int(is_open), places=new_table(robots * times),
+        reserved=new_table(times * floor.size), costs=buffer(robots), goals=buffer(robots),
+        rows=buffer(robots), stays=buffer(robots), closed=buffer(0), is_closed=buffer(floor.size),
+    )  # fmt: skip
+
+
+def new_frontier(floor: Floor, ways: Ways) -> Frontier:
+    """Return the buffers of searches for such ways."""
+    states = ways.times * floor.closed * (1 + ways.is_open)
+    room = min(2 * states, MAX_ENTRIES) + ACTIONS
+    return Frontier(
+        serial=buffer(2), seen=new_table(states), spent=new_table(states), came=new_table(states),
+        heads=buffer(BUCKETS, NONE), entries=new_table(room), below=new_table(room),
+    )  # fmt: skip
+
+
+def new_table(size: int) -> Table:
+    """Return a table of zeros."""
+    return table_of(np.zeros(size, np.int32))
+
+
+@kernel
+def reserve(floor: Floor, ways: Ways, robot: int, holder: int) -> None:
+    """Write a number into the cells of the way of a robot: its own plus one, or 0."""
+    first, size = robot * ways.times, floor.size
+    for time in range(ways.times):
+        ways.reserved[time * size + ways.places[first + time] % size] = holder
+
+
+@kernel
+def free_from(floor: Floor, ways: Ways, cell: int) -> int:
+    """Return the time from which on nobody else is in a cell."""
+    time = ways.times
+    while time > 0 and ways.reserved[(time - 1) * floor.size + cell] == 0:
+        time -= 1
+    return time
+
+
+@kernel
+def find_way(
+    floor: Floor, ways: Ways, frontier: Frontier, fields: Table, robot: int, most: int, turn: int
+) -> int:
+    """Write the cheapest way of a robot among the reservations of others into its places.
+
+    Args:
+        floor: floor of the robots.
+        ways: ways of all; nothing is reserved for this robot.
+        frontier: buffers of the search.
+        fields: table of distance fields.
+        robot: robot whose first place is known.
+        most: most that the way may cost.
+        turn: number by which the order of equally good steps is turned.
+
+    Returns:
+        The cost, or ``NONE`` if there is no such way.
+    """
+    size, closed, near, price = floor.size, floor.closed, floor.near, floor.price
+    times, reserved, seen, spent = ways.times, ways.reserved, frontier.seen, frontier.spent
+    heads, entries, below = frontier.heads, frontier.entries, frontier.below
+    goal, row, start = ways.goals[robot], ways.rows[robot], ways.places[robot * times]
+    later, base = times * closed, 0
+    is_there = start % size == goal or fields[row + start] >= FAR
+    free = 0
+    if ways.is_open == 0:
+        free = free_from(floor, ways, goal) * floor.step
+    least = max(fields[row + start] + 0, free)
+    if ways.is_open == 1 and is_there:
+        least, base = 0, later
+    last = min(most - least, BUCKETS - 1)
+    if last < 0:
+        return NONE
+    frontier.serial[0] += 1
+    serial, count, bucket, found = frontier.serial[0], 1, 0, NONE
+    entries[0], below[0], heads[0] = base + start, NONE, 0
+    seen[base + start], spent[base + start] = serial, 0
+    frontier.came[base + start] = NONE
+    while bucket <= last:
+        entry = heads[bucket]
+        if entry == NONE:
+            bucket += 1
+            continue
+        state, heads[bucket] = entries[entry], below[entry]
+        has_arrived = state >= later
+        at = state - later if has_arrived else state
+        time, place = at // closed, at % closed
+        cost, cell = spent[state] + 0, place % size
+        left = 0 if has_arrived else fields[row + place]
+        if max(cost + left, free) != least + bucket:
+            continue  # a cheaper way there was found since
+        if time == times - 1 if ways.is_open == 1 else cell == goal and cost >= free:
+            found = state
+            break
+        if time == times - 1 or count + ACTIONS > len(entries):
+            continue
+        frontier.serial[1] += 1
+        after = (time + 1) * size
+        must_stay = time == 0 and ways.stays[robot] == 1
+        for number in range(ACTIONS):
+            # Waiting is seen first, and so expanded last, but by a robot that has arrived.
+            action = STAY if number == 0 else (number + turn) & 3
+            if has_arrived:
+                action = STAY if number == STAY else number
+            if must_stay and action != STAY:
+                continue
+            to = near[place * ACTIONS + action]
+            if to == closed:
+                continue
+            there = to % size
+            if reserved[after + there] != 0:
+                continue
+            if ways.is_closed[there] and time < CLOSED_STEPS and there != cell:
+                continue
+            other = reserved[time * size + there]
+            if other != 0 and other == reserved[after + cell]:
+                continue  # they would change places
+            reached, total, left = (time + 1) * closed + to, cost, 0
+            if has_arrived:
+                reached += later
+            else:
+                total += price[place * ACTIONS + action]
+                left = fields[row + to]
+                if ways.is_open == 1 and there == goal:
+                    reached += later
+            if seen[reached] == serial and spent[reached] <= total:
+                continue
+            level = max(total + left, free) - least
+            if level > last:
+                continue
+            seen[reached], spent[reached], frontier.came[reached] = serial, total, state
+            entries[count], below[count], heads[level] = reached, heads[level], count
+            count += 1
+    for level in range(bucket, last + 1):
+        heads[level] = NONE
+    if found == NONE:
+        return NONE
+    total, end = least + bucket, times
+    state = found
+    while state != NONE:
+        at = state - later if state >= later else state
+        time = at // closed
+        for moment in range(time, end):
+            ways.places[robot * times + moment] = at % closed
+        end, state = time, frontier.came[state]
+    return total

@@ -1,0 +1,213 @@
+"""Lifelong planning in windows: a plan of the next steps that is always free of conflicts.
+
+In each step the plan of the last is continued by a round of PIBT, or replaced by fresh rounds if
+these are better, and then refined group by group; see ``kernels/groups.py``. Next goals are not
+known: a robot that has arrived gives way.
+
+Sources: Li et al. (2021), Lifelong multi-agent path finding in large-scale warehouses, AAAI: the
+rolling horizon. Li et al. (2021), Anytime multi-agent path finding via large neighborhood search,
+IJCAI: groups that are planned anew.
+"""
+
+from __future__ import annotations
+
+from math import inf
+from time import perf_counter
+
+import numpy as np
+
+from agents.mapf.graph import EAST, Fields, Graph
+from agents.mapf.kernels.buffers import buffer_of, prepare
+from agents.mapf.kernels.floor import FAR
+from agents.mapf.kernels.groups import improve, new_groups
+from agents.mapf.kernels.rollouts import prices, roll
+from agents.mapf.kernels.rounds import team_of
+from agents.mapf.kernels.ways import CLOSED_STEPS, NONE, find_way, new_frontier, new_ways, reserve
+from agents.mapf.planner import Situation
+from warehouse_core.arguments import instance_of, real_number, seed_number, whole_number
+from warehouse_core.world.tables import Integers
+
+WINDOW = 15
+"""Default steps that are planned ahead."""
+
+GROUPS = 40
+"""Default groups of robots that are planned anew in a step."""
+
+PORTION = 10
+"""Groups between two looks at the clock."""
+
+MAX_WINDOW = 10_000
+"""Limit on the steps of a window, each of which takes memory for all cells."""
+
+
+class WindowedPlanner:
+    """Plans the next steps of all robots, refines the plan, and takes the first step.
+
+    Args:
+        graph: floor; with lanes as costs more robots reach their goals, see ``lanes.py``.
+        window: steps that are planned ahead.
+        groups: groups of robots that are planned anew in each step, and kept if better.
+        seconds: time in each step after which no more groups are planned anew.
+        seed: seed of the order in groups.
+        turn_cost: see ``PIBT``.
+
+    Attributes:
+        fresh: steps since ``reset`` whose plan was made anew.
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        window: int = WINDOW,
+        groups: int = GROUPS,
+        seconds: float = inf,
+        seed: int = 0,
+        turn_cost: float = 0.0,
+    ) -> None:
+        self.window = whole_number("window", window, 2, MAX_WINDOW)
+        self.groups, self.seed = whole_number("groups", groups, 0), seed_number(seed)
+        self.seconds = real_number("seconds", seconds, finite=False)
+        self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
+        self._fields = Fields(graph)
+        prepare(roll, prices, improve, reserve)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last episode."""
+        self.fresh = 0
+        self._ages: Integers = np.empty(0, np.intp)
+
+    def next_cells(self, situation: Situation) -> Integers:
+        """Return the cell of each robot after the next joint step; see ``Planner``."""
+        deadline = perf_counter() + self.seconds
+        if len(situation.cells) != len(self._ages):
+            self._begin(len(situation.cells))
+        self._read(situation)
+        self._continue(situation)
+        self._refine(deadline)
+        self._expected = self._places[:, 1].copy()
+        return (self._expected % self.graph.size).astype(situation.cells.dtype)
+
+    def plan_of(self, robot: int) -> list[int]:
+        """Return the cells of a robot from the end of the step just chosen on; see ``Planner``."""
+        if robot >= len(self._ages):
+            return []
+        found: list[int] = (self._places[robot, 1:] % self.graph.size).tolist()
+        return found
+
+    def _begin(self, robots: int) -> None:
+        """Make the buffers for so many robots."""
+        floor, times = self._fields.floor, self.window + 1
+        self._team = team_of(self.graph.size, robots, self.seed)
+        self._ways = new_ways(floor, robots, times, True)
+        self._frontier = new_frontier(floor, self._ways)
+        self._groups = new_groups(robots, times, self.seed)
+        self._ages, self._goals = np.zeros(robots, np.intp), np.full(robots, NONE)
+        self._ranks = np.random.default_rng(self.seed).permutation(robots) / robots
+        self._places = np.asarray(self._ways.places).reshape(robots, times)
+        self._places[:] = NONE
+        self._expected = self._places[:, 0]
+        self._cells, self._headings = np.full(robots, NONE), np.full(robots, EAST)
+
+    def _read(self, situation: Situation) -> None:
+        """Take over a situation: robots, goals and priorities."""
+        graph, cells, goals = self.graph, situation.cells, situation.goals
+        self._here = cells
+        if graph.turn_cost:
+            known = self._cells != NONE
+            turned = graph.headings(np.where(known, self._cells, cells), cells, self._headings)
+            self._headings, self._cells = turned, cells.copy()
+            self._here = turned * graph.size + cells
+        rows = self._fields.rows(goals)
+        is_away = self._fields.matrix[rows, self._here] == FAR
+        if is_away.any():  # a goal that no way leads to is as none
+            goals = np.where(is_away, cells, goals)
+            rows = self._fields.rows(goals)
+        self._table = self._fields.table
+        is_there = (cells == goals) | (cells == self._goals)
+        self._ages, self._goals = np.where(is_there, 0, self._ages + 1), goals.copy()
+        priorities = self._ages + self._ranks
+        priorities[situation.urgent] += self._ages.max(initial=0) + 1
+        self._order = buffer_of(np.argsort(-priorities, kind="stable"))
+        for buffers in (self._team, self._ways):
+            buffers.goals[:], buffers.rows[:] = buffer_of(goals), buffer_of(rows * graph.places)
+        ways = self._ways
+        ways.stays[:] = buffer_of(situation.stays.astype(np.intp))
+        for cell in ways.closed:
+            ways.is_closed[cell] = 0
+        self._ways = ways._replace(closed=buffer_of(situation.closed))
+        for cell in self._ways.closed:
+            ways.is_closed[cell] = 1
+
+    def _continue(self, situation: Situation) -> None:
+        """Continue the last plan, or make a new one if that is better."""
+        floor, ways, team, table = self._fields.floor, self._ways, self._team, self._table
+        last, places = self.window, self._places
+        holds = self._mend(situation)
+        if holds:
+            team.order[:] = self._order
+            roll(floor, ways, team, table, last - 1, last)
+            continued = places.copy()
+        self.fresh += not holds
+        places[:, 0] = self._here
+        team.order[:] = self._order
+        roll(floor, ways, team, table, 0, last)
+        cost = prices(floor, ways, table)
+        if holds:
+            fresh = places.copy()
+            places[:] = continued
+            if prices(floor, ways, table) > cost:
+                places[:] = fresh
+                prices(floor, ways, table)
+
+    def _mend(self, situation: Situation) -> bool:
+        """Move the plan on by a step, with new ways for robots that cannot go on as planned.
+
+        Returns:
+            False if one of these has no way.
+        """
+        places, size = self._places, self.graph.size
+        places[:, :-1] = places[:, 1:]
+        there, soon = places[:, 1], places[:, : CLOSED_STEPS + 1] % size
+        is_closed = np.zeros(size, np.bool_)
+        is_closed[situation.closed] = True
+        enters = is_closed[soon[:, 1:]] & (soon[:, 1:] != soon[:, :-1])
+        is_lost = (places[:, 0] != self._here) | enters.any(axis=1)
+        is_lost |= situation.stays & (there != self._here)
+        if not is_lost.any():
+            return True
+        places[:, 0] = self._here
+        robot_in = np.full(size, NONE)
+        robot_in[self._here % size] = np.arange(len(places))
+        # Whoever was to enter the cell of one of these cannot go on either.
+        follows = robot_in[there % size]
+        while True:
+            more = ~is_lost & (follows != NONE) & is_lost[follows] & (there != self._here)
+            if not more.any():
+                break
+            is_lost |= more
+        self._reserve(np.flatnonzero(~is_lost))
+        for robot in self._order:
+            if is_lost[robot]:
+                floor, ways = self._fields.floor, self._ways
+                if find_way(floor, ways, self._frontier, self._table, robot, FAR, 0) == NONE:
+                    return False
+                reserve(floor, ways, robot, robot + 1)
+        return True
+
+    def _reserve(self, robots: Integers) -> None:
+        """Reserve the ways of some robots, and nothing else."""
+        reserved = np.asarray(self._ways.reserved).reshape(-1, self.graph.size)
+        cells = self._places[robots] % self.graph.size
+        reserved[:] = 0
+        reserved[np.arange(cells.shape[1]), cells] = robots[:, None] + 1
+
+    def _refine(self, deadline: float) -> None:
+        """Plan groups anew until they or the time are over."""
+        floor, ways = self._fields.floor, self._ways
+        self._reserve(np.arange(len(self._places)))
+        left = self.groups
+        while left > 0 and perf_counter() < deadline:
+            trials = min(left, PORTION)
+            improve(floor, ways, self._frontier, self._groups, self._table, trials)
+            left -= trials
