@@ -41,7 +41,7 @@ def pogema(
     sets: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="SET...",
+            metavar="SET",
             help=f"Sets of maps: {', '.join(SETS)}. Default: all.",
             show_default=False,
         ),
