@@ -60,17 +60,18 @@ class Detours:
         self._waits = np.where(is_held, self._waits + 1, 0)
         is_changed = stays | (goals != self._goals)
         self._cells, self._goals = cells.copy(), goals.copy()
+        stands = self._waits >= PATIENCE
+        self._waits[stands] = 0
         for robot, legs in list(self._legs.items()):
             if legs[0] == cells[robot]:
                 legs.pop(0)
-            if not legs or is_changed[robot]:
+            if not legs or is_changed[robot] or stands[robot]:
                 del self._legs[robot]
-        held = np.flatnonzero((self._waits >= PATIENCE) & is_in_the_way[near].any(axis=1))
+        held = np.flatnonzero(stands & is_in_the_way[near].any(axis=1))
         if len(held):
             self._around.close(frozenset(np.flatnonzero(is_in_the_way).tolist()))
         for robot in held.tolist():
             self._legs[robot] = self._legs_of(int(cells[robot]), int(goals[robot]))
-            self._waits[robot] = 0
         return {robot: legs[0] for robot, legs in self._legs.items()}
 
     def _legs_of(self, cell: int, goal: int) -> list[int]:
