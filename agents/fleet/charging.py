@@ -1,7 +1,8 @@
 """Charging as a task: which robot goes to which charger, and when.
 
-Each charger has one robot that charges there or goes there, the nearest, and at most one more that
-comes next and waits some cells away, so that nobody is in the way of the one that leaves.
+Each charger has one robot that charges there or goes there, until its turn has ended, and at most
+one more that comes next and waits some cells away, so that nobody is in the way of the one that
+leaves. Others who are pushed across the charger do not charge there, and nobody waits for them.
 """
 
 from __future__ import annotations
@@ -12,13 +13,20 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.assignment import NONE, OUT_OF_REACH
-from agents.mapf.graph import MOVES, Costs, Graph
+from agents.mapf.graph import CLOSED, MOVES, Costs, Graph
 from warehouse_core import FleetEnv, Layout
-from warehouse_core.world.actions import DISPLACEMENTS
+from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.tables import Integers
 
-DETOUR, SPARE_STEPS = 2.0, 20.0
-"""A robot counts on ``DETOUR`` times the shortest way, and keeps ``SPARE_STEPS`` more."""
+DETOUR = 2.0
+"""Factor by which a way may be longer than the shortest."""
+
+SPARE_STEPS, SPARE_SHARE = 60.0, 0.25
+"""Steps for which the battery of a robot lasts beyond ``DETOUR`` times its way to a charger when it
+goes there, unless they take more than this share of a full battery.
+
+With 20 steps two robots in a narrow aisle that give way to each other may run empty.
+"""
 
 MARGIN = 1.2
 """Factor by which the time until its turn may be longer than a robot counts on."""
@@ -42,7 +50,7 @@ HALF = 0.5
 QUEUE_DISTANCE = 3
 """Cells from its charger at which the robot that comes next waits."""
 
-INTO_CHARGER = 10.0
+INTO_CHARGER = 25.0
 """Additional cost of a move into a charger, where somebody may charge for long.
 
 Fleets do the same with 5 and with 20; without it, ways lead through chargers that are in use.
@@ -92,7 +100,7 @@ class Chargers:
 
     Attributes:
         cells: ``[C]``, cells of the chargers.
-        home: ``[H * W]``, steps from each cell to the nearest charger.
+        home: ``[H * W]``, cost of the way from each cell to the nearest charger, in steps.
         turn: ``[R]``, charger where each robot charges or is to charge, or ``NONE``.
 
     Source: Liu and Layland (1973), Scheduling algorithms for multiprogramming in a hard-real-time
@@ -102,21 +110,24 @@ class Chargers:
     def __init__(self, env: FleetEnv, graph: Graph) -> None:
         battery, layout = env.settings.battery, env.layout
         self.cells = layout.numbers(layout.chargers)
-        ways = [graph.distances(cell) for cell in self.cells.tolist()]
+        ways = [_ways_into(graph, cell) for cell in self.cells.tolist()]
         self._ways = np.array(ways, np.float64).reshape(-1, graph.size)
         self.home = self._ways.min(axis=0, initial=np.inf)
         self._capacity, self._cost = battery.capacity, battery.step_cost(env.cell_size)
         charge = battery.step_charge(env.cell_size)
+        self._reserve = min(SPARE_STEPS, SPARE_SHARE * battery.capacity / self._cost)
         self._gain = max(charge - self._cost, 0.0) or self._cost
         self._full = max(battery.capacity - charge, ENOUGH * battery.capacity)
         self.turn = np.full(env.settings.robots, NONE)
+        self._first = np.full(len(self.cells), NONE)
+        self._leaves = np.full(len(self.cells), NONE)
 
     def lasts(self, battery: NDArray[np.float64], ways: NDArray[np.floating]) -> NDArray[np.bool_]:
         """Return whether batteries last for ways of so many steps that end at a charger.
 
         One with ``ENOUGH`` is said to last for all: it can be charged on the way.
         """
-        needed = self._cost * (DETOUR * ways + SPARE_STEPS)
+        needed = self._cost * (DETOUR * ways + self._reserve)
         found: NDArray[np.bool_] = battery >= np.minimum(needed, ENOUGH * self._capacity)
         return found
 
@@ -128,7 +139,7 @@ class Chargers:
         is_blocked = self._are_there(needs.cells[empty])
         self.turn[(needs.battery >= self._full) | empty | is_blocked[self.turn]] = NONE
         self._give_way(needs)
-        holder = self._holders(needs.cells)
+        holder = self._choose_first(needs.cells)
         until = self._until(holder, needs)
         may_go = needs.may_go & np.isfinite(self.home[needs.cells])
         for low, most in (self._low(holder, until, needs), 1), (needs.battery < needs.limits, 0):
@@ -137,13 +148,15 @@ class Chargers:
             chargers = np.flatnonzero((counts <= most) & ~is_blocked)
             if len(robots) and len(chargers):
                 self._give_turns(robots, chargers, until[chargers], needs)
+        self._choose_first(needs.cells)
 
     def goals(self, cells: Integers) -> NDArray[np.intp]:
         """Return the cell that each robot with a turn is to go to, ``[R]``, or ``NONE``."""
         goals = np.full(len(cells), NONE)
         robots = np.flatnonzero(self.turn != NONE)
         chargers, here = self.turn[robots], cells[robots]
-        is_used = self._are_there(cells)[chargers] | (self._holders(cells)[chargers] != robots)
+        is_used = self._leaving(cells)[chargers] != NONE
+        is_used |= self._first[chargers] != robots
         waits = is_used & (self._ways[chargers, here] <= QUEUE_DISTANCE)
         waits &= here != self.cells[chargers]
         goals[robots] = np.where(waits, here, self.cells[chargers])
@@ -151,9 +164,17 @@ class Chargers:
 
     def charging(self, cells: Integers) -> NDArray[np.bool_]:
         """Return whether each robot is at the charger where it has a turn, ``[R]``."""
-        found: NDArray[np.bool_] = self.turn != NONE
-        found[found] = self.cells[self.turn[found]] == cells[found]
+        found = np.zeros(len(cells), np.bool_)
+        used = np.flatnonzero(self._first != NONE)
+        first = self._first[used]
+        found[first] = (cells[first] == self.cells[used]) & (self.turn[first] == used)
         return found
+
+    def _leaving(self, cells: Integers) -> NDArray[np.intp]:
+        """Return the robot that has charged at each charger and is still there, or ``NONE``."""
+        stays_on = self.turn[self._leaves] == np.arange(len(self._leaves))
+        self._leaves[stays_on | (cells[self._leaves] != self.cells)] = NONE
+        return self._leaves
 
     def _are_there(self, cells: Integers) -> NDArray[np.bool_]:
         """Return whether each charger is one of some cells, ``[C]``; faster than ``isin``."""
@@ -168,22 +189,30 @@ class Chargers:
         next but would not run empty give theirs back.
         """
         spare, has_turn = self._spare(needs), self.turn != NONE
-        is_first = self._holders(needs.cells)[self.turn] == np.arange(len(spare))
+        is_first = self._choose_first(needs.cells)[self.turn] == np.arange(len(spare))
         is_next = has_turn & ~is_first
         hurries = np.bincount(self.turn[is_next & (spare < GAP)], minlength=len(self.cells)) > 0
         charged = has_turn & is_first & (needs.battery >= HALF * self._capacity)
         self.turn[charged & hurries[self.turn]] = NONE
-        in_need = needs.may_go & (needs.battery > 0) & (spare < SPARE_STEPS)
+        in_need = needs.may_go & (needs.battery > 0) & (spare < self._reserve)
         if (in_need & ~has_turn).any():
             self.turn[is_next & ~in_need] = NONE
 
-    def _holders(self, cells: Integers) -> NDArray[np.intp]:
-        """Return the robot that has each charger, ``[C]``: the nearest of those with a turn."""
+    def _choose_first(self, cells: Integers) -> NDArray[np.intp]:
+        """Return the robot whose turn it is at each charger, ``[C]``, or ``NONE``.
+
+        It stays the same until its turn has ended; then it is the nearest of the others.
+        """
         robots = np.flatnonzero(self.turn != NONE)
-        ways = self._ways[self.turn[robots], cells[robots]]
-        holder, by_way = np.full(len(self.cells), NONE), robots[np.argsort(-ways, kind="stable")]
-        holder[self.turn[by_way]] = by_way
-        return holder
+        chargers, first = self.turn[robots], self._first
+        has_ended = (first != NONE) & (self.turn[first] != np.arange(len(first)))
+        there = has_ended & (cells[first] == self.cells)
+        self._leaves[there] = first[there]
+        first[has_ended] = NONE
+        by_way = np.argsort(-self._ways[chargers, cells[robots]], kind="stable")
+        by_way = by_way[first[chargers[by_way]] == NONE]
+        first[chargers[by_way]] = robots[by_way]
+        return first
 
     def _until(self, holder: Integers, needs: Needs) -> NDArray[np.float64]:
         """Return the steps until each charger is free, ``[C]``."""
@@ -205,7 +234,7 @@ class Chargers:
         growth = (1 + self._cost / self._gain / len(self.cells)) ** np.arange(len(robots))
         before = np.cumsum(np.append(0.0, (turns[robots] / growth)[:-1]))
         waiting = growth * (until.sum() + turns[coming].sum() + before) / len(self.cells)
-        late = np.flatnonzero(spare[robots] < MARGIN * waiting + SPARE_STEPS)
+        late = np.flatnonzero(spare[robots] < MARGIN * waiting + self._reserve)
         low = np.zeros(len(spare), np.bool_)
         low[robots[: late[-1] + 1 if len(late) else 0]] = True
         return low
@@ -220,7 +249,7 @@ class Chargers:
         waits, spare = np.maximum(until - DETOUR * ways, 0), self._spare(needs)[robots, None]
         near = ways <= self.home[needs.cells[robots], None] + NEARBY
         reached = self._cost * ways <= needs.battery[robots, None]
-        allowed = reached & ((spare < SPARE_STEPS) | near & (waits <= PATIENCE))
+        allowed = reached & ((spare < self._reserve) | near & (waits <= PATIENCE))
         costs = np.where(allowed, ways + waits + HASTE * spare, OUT_OF_REACH)
         rows, columns = linear_sum_assignment(costs)
         given = allowed[rows, columns]
@@ -237,3 +266,10 @@ class Chargers:
         """Return the steps of charging after ways of so many steps."""
         missing = self._full - battery + self._cost * ways
         return np.maximum(missing, 0) / self._gain
+
+
+def _ways_into(graph: Graph, charger: int) -> Costs:
+    """Return the cost of the way from each cell to a charger, ``[H * W]``, the last move 1."""
+    ways, sides = graph.distances(charger, keep=False), graph.neighbours[charger, :WAIT]
+    last = ways[sides[sides != CLOSED]].min(initial=np.inf)
+    return np.maximum(ways - (last - 1), 0) if np.isfinite(last) else ways

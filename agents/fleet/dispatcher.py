@@ -9,8 +9,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.fleet.charging import Chargers, Needs
+from agents.fleet.detours import Detours
 from agents.mapf.assignment import ASSIGNMENTS, NONE, REASSIGNING, Tasks
-from agents.mapf.graph import Fields, Graph
+from agents.mapf.graph import Costs, Fields, Graph
 from agents.mapf.kernels.floor import FAR
 from agents.mapf.planner import Situation
 from warehouse_core import Cell, FleetEnv
@@ -43,18 +44,25 @@ class RobotStates(NamedTuple):
 
 
 class Dispatcher:
-    """Gives the robots of a fleet, after its reset, orders, turns at chargers, and goals."""
+    """Gives the robots of a fleet, after its reset, orders, turns at chargers, and goals.
 
-    def __init__(self, env: FleetEnv, assignment: str) -> None:
-        self.graph = Graph(env.layout)
+    Args:
+        env: fleet.
+        assignment: a name of ``ASSIGNMENTS``.
+        costs: costs of moves by which robots find their ways, see ``Graph``.
+    """
+
+    def __init__(self, env: FleetEnv, assignment: str, costs: Costs | None = None) -> None:
+        self.graph, roads = Graph(env.layout), Graph(env.layout, costs)
         self._fields = Fields(self.graph)
-        self.chargers = Chargers(env, self.graph)
+        self.chargers = Chargers(env, roads)
         self._assign, self._reassigns = ASSIGNMENTS[assignment], assignment in REASSIGNING
         self._capacity = env.settings.battery.capacity
         self._parking = parking_of(env.layout)
         self._trips = self._homes = np.empty(0)
         self._assigned = (b"", b"")
         self._is_idle = np.zeros(env.settings.robots, np.bool_)
+        self._detours = Detours(roads, env.settings.robots)
 
     def situation(self, env: FleetEnv) -> tuple[Situation, NDArray[np.intp]]:
         """Return the situation before the next step, and the actions of robots that stay.
@@ -62,7 +70,8 @@ class Dispatcher:
         Orders are assigned. A robot does ``PICK`` or ``DROP``, or ``WAIT`` if it moves or waits.
         """
         ways, count = env.ways, env.settings.robots
-        self._close(frozenset(map(env.layout.number, ways.closed)))
+        dead = [cell for cell, units in zip(env.cells, env.battery, strict=True) if units <= 0]
+        self._close(frozenset(map(env.layout.number, [*ways.closed, *dead])))
         robots = self._look(env, ways.ends[:count])
         self._send_to_chargers(robots)
         if env.settings.orders is not None:
@@ -81,7 +90,11 @@ class Dispatcher:
         people = np.array(closed, np.intp).reshape(-1, 2) @ np.array([env.layout.width, 1])
         at_rest = at_work & np.array(ways.at_rest[:count])
         actions = np.where(at_rest, np.where(robots.loaded, DROP, PICK), WAIT)
-        urgent = np.flatnonzero((self.chargers.turn != NONE) & (goals != robots.cells))
+        stay_long = robots.ended | self.chargers.charging(robots.cells)
+        hurries = self.chargers.turn != NONE
+        for robot, aim in self._detours.goals(robots.cells, goals, stay_long, people).items():
+            goals[robot], hurries[robot] = aim, True
+        urgent = np.flatnonzero(hurries & (goals != robots.cells))
         return Situation(robots.cells, goals, stays, people, urgent), actions
 
     def _close(self, cells: frozenset[int]) -> None:

@@ -100,7 +100,8 @@ class PlannedFleet:
             PlanError: the plan of the step has a conflict.
         """
         if self._dispatcher is None:
-            self._dispatcher = Dispatcher(env, self._assignment)
+            costs = self.planner.graph.costs if isinstance(self.planner, GraphPlanner) else None
+            self._dispatcher = Dispatcher(env, self._assignment, costs)
         situation, actions = self._dispatcher.situation(env)
         graph, cells = self._dispatcher.graph, situation.cells
         known = self.planner.graph if isinstance(self.planner, GraphPlanner) else graph

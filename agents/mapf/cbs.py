@@ -7,11 +7,11 @@ The children share no plan, and together they have all plans of their parent (*d
 The cheapest leaf is first; if its ways have no conflict they are an optimal plan.
 
 Two robots *clash* if each pair of their cheapest ways has a conflict, as in corridors, rectangles
-and at goals. Then the question is whether one of them arrives as late as it must where the other
-does not: both children cost more, however long the corridor. Pairs that share no robot bound the
-cost below a node. Other conflicts are asked for in the order of the number of cells that one of the
-robots could have been in at the time, fewest first; who rests in its goal is asked whether it has
-arrived.
+and at goals. Then the one is asked whether it arrives late, and if not, the other does; by how much
+is found before, so that a long corridor takes two children, both of which cost more. Pairs that
+share no robot bound the cost below a node. Other conflicts are asked for in the order of the number
+of cells that one of the robots could have been in at the time, fewest first; who rests in its goal
+is asked whether it has arrived.
 
 Sources: Sharon et al. (2015), Conflict-based search for optimal multi-agent pathfinding, Artificial
 Intelligence 219. Boyarski et al. (2015), ICBS, IJCAI: which conflict comes first; bypasses. Felner
@@ -47,10 +47,10 @@ ROUND = 16
 NO_PLAN = "there is no plan: some robot has no way that keeps clear of the others"
 
 MAX_BYTES = 500_000_000
-"""Memory of layers and traces, about, beyond which they are forgotten."""
+"""Memory that layers and traces take, about, before they are forgotten."""
 
 LEAST_KEPT = 4
-"""Number of layers and traces per robot that are kept in any case."""
+"""Number of layers and traces per robot that are not forgotten at once in any case."""
 
 
 class Conflict(NamedTuple):
@@ -318,12 +318,11 @@ class ConflictTree:
             raise TimeoutError
 
     def _keep(self, thing: Route | TracedWay) -> None:
-        """Take a route or a way that keeps sets, and let all forget them if they take too much."""
+        """Take over a route or a way that keeps sets, and let all forget them now and then."""
         self._kept.append(thing)
-        if len(self._kept) > self._most_kept:
+        if len(self._kept) % self._most_kept == 0:
             for each in self._kept:
                 each.forget()
-            self._kept = [thing]
 
 
 def solve_cbs(problem: Problem, seconds: float) -> Plan:

@@ -153,14 +153,10 @@ class Route:
     ) -> Iterator[tuple[int, int]]:
         """Return the moves, cell and cell before, that another robot makes the other way round."""
         sets = self._sets
+        moves = {(way.cells[time], way.cells[time - 1]) for way in others if time <= way.cost}
         for before in bits_of(cells):
-            here = sets.cell(before)
             for cell in bits_of(sets.spread(before) & reached & ~before):
-                there = sets.cell(cell)
-                if any(
-                    time <= way.cost and way.cells[time] == here and way.cells[time - 1] == there
-                    for way in others
-                ):
+                if (sets.cell(before), sets.cell(cell)) in moves:
                     yield cell, before
 
     def _forward(self, last: int | None = None) -> list[int]:

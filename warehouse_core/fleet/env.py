@@ -68,8 +68,9 @@ class FleetEnv:
 
     Without orders, a robot is terminated by its delivery; with a list of orders, all robots are
     when all are delivered. A robot is truncated when its battery is empty, all when ``max_steps``
-    are taken or the items that are left are lost, on robots that cannot drive any more. A robot
-    that has ended stays where it is, in the way of others, and has no more rewards.
+    are taken or the orders that are left are lost, see ``FleetMeasures``. A robot that has ended
+    stays where it is, in the way of others, and has no more rewards. An order ends as lost with a
+    robot that cannot drive any more; another robot that carries its item puts this aside.
 
     Args:
         layout: ``None`` is the chapter's.

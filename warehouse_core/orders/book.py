@@ -29,7 +29,7 @@ class OrderBook:
 
     Attributes:
         order_of: ``[R]`` the order of each robot, or ``NONE``.
-        lost: number of items on robots that have failed and will never deliver them.
+        lost: number of orders that will never be delivered, see ``lose``.
         taken_by, taken, delivered: ``[K]`` robot and steps, or ``NONE``.
         waiting_at: number of open orders at each cell.
         changed: robots whose order has changed, and cells whose number of open orders has; the
@@ -50,7 +50,7 @@ class OrderBook:
         self.waiting_at: Counter[int] = Counter()
         self.changed: tuple[set[int], set[int]] = (set(), set())
         self._released = self._deliveries = self.lost = 0
-        self._is_open = np.zeros(len(orders.released), np.bool_)
+        self._is_open, self._is_lost = np.zeros((2, len(orders.released)), np.bool_)
         self._due_at: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
         self._reserved: defaultdict[int, list[tuple[int, int]]] = defaultdict(list)
 
@@ -151,6 +151,36 @@ class OrderBook:
             self._offer(had)
         self._take_reserved(robot)
 
+    def lose(self, robots: Integers, cells: Integers) -> list[int]:
+        """Let the orders be lost that some robots, which cannot drive any more, hold or block.
+
+        They carry the item, are the only ones that may take it, or stand in the ``cells``, one of
+        which is where it is to be picked or dropped. Who is free again gets its next order.
+
+        Returns:
+            The other robots that carried an item of these orders, and do not any more.
+        """
+        known, freed = self.released_orders, list[int]()
+        is_taken = self.taken[: self._released] != NONE
+        theirs = np.where(is_taken, self.taken_by[: self._released], known.robot)
+        is_lost = np.isin(theirs, robots) | np.isin(known.dropoff, cells)
+        is_lost |= ~is_taken & np.isin(known.pickup, cells)
+        is_lost &= (self.delivered[: self._released] == NONE) & ~self._is_lost[: self._released]
+        for order in np.flatnonzero(is_lost).tolist():
+            self._is_lost[order] = True
+            self.lost += 1
+            holders = np.flatnonzero(self.order_of == order).tolist()
+            if not holders:
+                self._withdraw(order)
+            for robot in holders:
+                is_out = robot in robots
+                if not (is_out and is_taken[order]):
+                    self._give(robot, NONE)
+                if not is_out:
+                    freed += [robot] if is_taken[order] else []
+                    self._take_reserved(robot)
+        return freed
+
     def dispatch(self, robots: Integers, cells: Integers) -> None:
         """Assign the oldest open orders, each to the nearest of some robots without an order."""
         rows, cols = self._layout.places(cells).T
@@ -181,7 +211,9 @@ class OrderBook:
         self.taken_by, self.taken, self.delivered = (
             np.concatenate([each, unknown]) for each in (self.taken_by, self.taken, self.delivered)
         )
-        self._is_open = np.concatenate([self._is_open, unknown != NONE])
+        self._is_open, self._is_lost = (
+            np.concatenate([each, unknown != NONE]) for each in (self._is_open, self._is_lost)
+        )
 
     def _offer(self, order: int) -> None:
         """Let an order wait for all, or among those that only one robot may take."""
@@ -209,7 +241,7 @@ class OrderBook:
 
     def _waits_for(self, robot: int, order: int) -> bool:
         """Whether a robot that has another order, or none, may have this one."""
-        if not 0 <= order < self._released or self.taken[order] != NONE:
+        if not 0 <= order < self._released or self.taken[order] != NONE or self._is_lost[order]:
             return False
         return bool(self._is_open[order]) or int(self.orders.robot[order]) == robot
 
@@ -236,5 +268,7 @@ class OrderBook:
             return f"{self._released} orders have been released"
         if self.taken[order] != NONE:
             return f"robot {self.taken_by[order]} has taken it"
+        if self._is_lost[order]:
+            return "it is lost"
         robot = int(self.orders.robot[order])
         return f"it waits for robot {np.argmax(self.order_of == order) if robot == OPEN else robot}"

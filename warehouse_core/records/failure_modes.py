@@ -426,7 +426,7 @@ def _no_way(episode: Episode) -> Evidence | None:
 def _stranded(episode: Episode) -> Evidence | None:
     robots, cells = np.flatnonzero(episode.battery[-1] <= 0).tolist(), _ends(episode)
     lost, failed = episode.measures.lost, episode.measures.stranded
-    with_them = f", and {counted(lost, 'item')} with them" if lost else ""
+    with_them = f", and {counted(lost, 'order')} with them" if lost else ""
     if not robots:
         # A record says of each robot when its battery is empty, and of failures how many there are.
         sentence = f"{counted(failed, 'robot')} failed for good{with_them}"

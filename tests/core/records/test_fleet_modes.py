@@ -217,7 +217,7 @@ def test_robots_that_failed_are_counted() -> None:
     measures = dataclasses.replace(episode.measures, stranded=2, lost=1)
     failed = diagnose(dataclasses.replace(episode, measures=measures))
     assert (failed.mode, failed.robots) == ("stranded", ())
-    assert failed.sentence == "2 robots failed for good, and 1 item with them"
+    assert failed.sentence == "2 robots failed for good, and 1 order with them"
 
 
 def test_a_fleet_that_has_delivered_everything_was_not_idle() -> None:

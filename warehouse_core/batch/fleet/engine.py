@@ -42,7 +42,7 @@ class FleetEngine:
         steps: ``[B]`` steps taken.
         terminated: ``[N]``, whether the task of the robot is done.
         truncated: ``[N]``, whether its battery or the steps are used up, it has failed, or all
-            items that are left to deliver are lost.
+            orders that are left to deliver are lost.
         failed: ``[N]``, whether the motion says that it stays where it is for good.
     """
 
@@ -174,12 +174,16 @@ class FleetEngine:
         np.maximum(self.battery, 0.0, out=self.battery)  # the last step may cost more than is left
 
     def _release(self) -> None:
-        """Give back what stranded robots were to take, and let orders appear."""
+        """Give back what stranded robots were to take, and let orders appear, or be lost."""
         if self.orders:
             active, is_out = ~self.ended, self._is_out
             if is_out.any():
                 self.orders.strand(np.flatnonzero(active & is_out))
             self.orders.release(self.steps, self.robots.cells, active & ~is_out)
+            if is_out.any():
+                rows = np.flatnonzero(is_out)
+                freed = self.orders.lose(rows, self.robots.cells[rows])
+                self.robots.has_item[freed] = False
 
     def _end(self, delivered: Flags) -> None:
         """Set which robots have ended."""

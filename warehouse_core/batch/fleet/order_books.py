@@ -26,7 +26,7 @@ class OrderBooks:
         due: ``[N]`` int32, the step by which the robot's order is due, or ``NONE``.
         all_delivered: ``[B]`` bool, whether all orders of a list are delivered; a stream has no
             end.
-        rest_is_lost: ``[B]`` bool, whether all orders of a list are delivered but for items that
+        rest_is_lost: ``[B]`` bool, whether all orders of a list are delivered but for those that
             are lost, one or more.
     """
 
@@ -92,21 +92,27 @@ class OrderBooks:
         self._update(floor)
 
     def strand(self, rows: Integers) -> None:
-        """Give back the orders of robots that cannot drive any more, until ``release``.
-
-        The items that they carry are lost.
-        """
+        """Give back the orders of robots that cannot drive any more, until ``release``."""
         for row in rows.tolist():
             floor, robot = divmod(row, self._robots)
             book = self.books[floor]
             order = int(book.order_of[robot])
-            if order == NONE:
-                continue
-            if book.taken[order] == NONE:
+            if order != NONE and book.taken[order] == NONE:
                 book.assign(robot, None)
-            else:
-                book.lost += 1
-            self._touched.add(floor)
+                self._touched.add(floor)
+
+    def lose(self, rows: Integers, cells: Integers) -> list[int]:
+        """Let orders be lost, see ``OrderBook.lose``; return rows of robots that carried one.
+
+        ``rows`` are of robots that cannot drive any more, and ``cells`` where they are.
+        """
+        freed, floors = list[int](), rows // self._robots
+        for floor in np.unique(floors).tolist():
+            first, book = floor * self._robots, self.books[floor]
+            robots = book.lose(rows[floors == floor] - first, cells[floors == floor])
+            freed += [first + robot for robot in robots]
+            self._update(floor)
+        return freed
 
     def _new_book(self, floor: int, stream: np.random.Generator) -> OrderBook:
         kind = self._layouts.kind[floor]

@@ -43,7 +43,8 @@ class FleetMeasures:
         charging: steps in which a robot charged.
         distance: cells driven.
         stranded: robots whose battery is empty, or which have failed.
-        lost: items that stranded robots carry.
+        lost: orders that will never be delivered: a stranded robot carries the item, is the only
+            one that may take it, or stands where it is to be picked or dropped.
     """
 
     steps: int

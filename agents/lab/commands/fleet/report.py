@@ -63,7 +63,7 @@ LINES = (
     MeasureLine("waits", "waits", "robot steps"),
     MeasureLine("charging", "charging", "robot steps"),
     MeasureLine("stranded", "stranded", "robots that ran empty or failed"),
-    MeasureLine("lost", "lost", "items that stranded robots carry"),
+    MeasureLine("lost", "lost", "orders that stranded robots hold or block"),
     MeasureLine("simulated time", "seconds", "s"),
 )
 """The measures of a shift, see ``FleetMeasures``."""
@@ -138,7 +138,7 @@ def verdict(measures: Sequence[FleetMeasures], robots: int) -> str:
     elif orders - delivered > FEW_WAITING * robots * len(measures):
         hint = " Orders arrive faster than this fleet delivers."
     if lost:
-        hint += f" Items lost with robots that cannot drive any more: {lost:,}."
+        hint += f" Orders lost with robots that cannot drive any more: {lost:,}."
     return f"{'; '.join(parts)}.{hint}"
 
 

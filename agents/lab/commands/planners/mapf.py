@@ -67,7 +67,7 @@ def mapf(
     files: Annotated[
         list[Path] | None,
         typer.Argument(
-            metavar="FILE...",
+            metavar="FILE",
             help="A MovingAI scenario .scen, several or folders of them, or a problem .json of the "
             "League of Robot Runners. Without it starts and goals are drawn on --layout.",
             show_default=False,

@@ -41,7 +41,7 @@ def pogema(
     sets: Annotated[
         list[str] | None,
         typer.Argument(
-            metavar="SET...",
+            metavar="SET",
             help=f"Sets of maps: {', '.join(SETS)}. Default: all.",
             show_default=False,
         ),
@@ -95,8 +95,8 @@ def pogema(
     Maps, starts and goals equal the published ones. Run the same command with the
     same .csv again to resume, or with more episodes or planners to add those.
 
-    All sets with 20 episodes take about 40 minutes of processor time for a
-    planner that uses up 2 s for a plan.
+    All sets take an hour or two of processor time by default. Name sets, numbers
+    of robots or fewer episodes for less.
 
     Example: warehouse pogema mazes --planner lacam -r 64 --save mazes.csv
     """

@@ -1,0 +1,113 @@
+"""Robots that are held up by people, or by robots that stay, go around or give way."""
+
+import numpy as np
+import pytest
+
+from agents.fleet.detours import PATIENCE, Detours
+from agents.mapf.graph import Graph
+from agents.registry import make_fleet_agent
+from warehouse_core import Cell, FleetEnv, Layout, Order, OrderQueue, OrderStream, shelf_layout
+from warehouse_core.fleet import FleetMeasures
+from warehouse_core.records.recorder import record_fleet_episode
+
+RING = Layout(["......", ".####.", "......"])
+TREE = Layout([".......", "###.###", "###.###"])
+Aims = list[dict[int, Cell]]
+
+
+def aims(
+    layout: Layout, cells: list[Cell], goals: list[Cell], people: list[Cell], stays: int = 0
+) -> Aims:
+    """Return where robots that do not move are to go in each step; the last so many stay."""
+    detours, robots = Detours(Graph(layout), len(cells)), np.arange(len(cells))
+    here, there, persons = (layout.numbers(each) for each in (cells, goals, people))
+    found = [
+        detours.goals(here, there, robots >= len(cells) - stays, persons)
+        for _ in range(PATIENCE + 1)
+    ]
+    return [{robot: layout.cell(aim) for robot, aim in each.items()} for each in found]
+
+
+@pytest.mark.parametrize("is_person", [True, False])
+def test_a_robot_goes_around_who_is_in_its_way_as_far_as_the_way_is_straight(
+    is_person: bool,
+) -> None:
+    others = [] if is_person else [(0, 2)]
+    found = aims(RING, [(0, 1), *others], [(0, 4), *others], [(0, 2)] * is_person, len(others))
+    assert found[:PATIENCE] == [{}] * PATIENCE
+    [(_, aim)] = found[PATIENCE].items()
+    assert aim[0] == 2  # the way there does not lead through who is in the way, the rest neither
+
+
+def test_a_robot_that_waits_for_another_beside_a_person_goes_before_others() -> None:
+    assert aims(RING, [(0, 1)], [(2, 0)], [(0, 2)])[-1] == {0: (2, 0)}
+
+
+def test_a_robot_goes_back_behind_a_junction_to_let_a_person_out() -> None:
+    assert aims(TREE, [(1, 3)], [(2, 3)], [(2, 3)])[-1][0] in {(0, 2), (0, 4)}
+    [aim] = aims(TREE, [(2, 3)], [(0, 0)], [(1, 3)])[-1].values()
+    assert aim == (2, 3)  # it stands at the end
+
+
+def test_robots_that_enclose_a_person_back_off_although_they_are_to_go_nowhere() -> None:
+    cells = [(0, 1), (0, 3)]
+    assert set(aims(RING, cells, cells, [(0, 2)])[-1]) == {0, 1}
+    assert aims(RING, cells[:1], cells[:1], [(0, 2)])[-1] == {}
+
+
+def test_a_robot_waits_for_one_that_stays_where_it_is_to_go() -> None:
+    assert aims(RING, [(0, 1), (0, 2)], [(0, 2)] * 2, [], 1)[-1] == {}
+
+
+def test_another_goal_or_the_end_of_a_leg_ends_a_detour() -> None:
+    graph, nobody = Graph(RING), np.array([False])
+    detours, person = Detours(graph, 1), RING.numbers([(0, 2)])
+
+    def go(cell: Cell, goal: Cell) -> dict[int, int]:
+        return detours.goals(RING.numbers([cell]), RING.numbers([goal]), nobody, person)
+
+    def wait(cell: Cell, goal: Cell) -> dict[int, int]:
+        return [go(cell, goal) for _ in range(PATIENCE + 1)][-1]
+
+    aim = wait((0, 1), (0, 4))[0]
+    assert go((1, 0), (0, 4)) == {0: aim}
+    assert go(RING.cell(aim), (0, 4)).get(0) != aim
+    assert wait((0, 1), (0, 4)) == {0: aim}
+    assert go((0, 1), (0, 3)) == {}
+
+
+def shift(env: FleetEnv, planner: str) -> FleetMeasures:
+    agent = make_fleet_agent(planner, "urgent", 2, env.layout, env.settings.robots)
+    return record_fleet_episode(env, agent, seed=2).measures
+
+
+def test_a_fleet_with_a_person_in_narrow_aisles_does_not_freeze() -> None:
+    layout = shelf_layout(3, 4, 5, aisle=1, pickups=6, dropoffs=3, seed=1)
+    env = FleetEnv(
+        layout, 11, orders=OrderStream(0.4), people=1, battery=999, max_steps=600, dispatch=False
+    )
+    assert shift(env, "pibt-lanes").delivered > 120  # it froze after 35
+
+
+@pytest.mark.filterwarnings("ignore:.*can keep")
+def test_chargers_in_narrow_aisles_that_supply_enough_keep_all_robots_going() -> None:
+    layout = shelf_layout(4, 4, 6, aisle=1, pickups=4, dropoffs=3, chargers=6, seed=1)
+    env = FleetEnv(layout, 24, orders=OrderQueue(48), battery=200, max_steps=450, dispatch=False)
+    assert shift(env, "pibt").stranded == 0  # ten ran empty
+
+
+@pytest.mark.filterwarnings("ignore:0 chargers")
+def test_a_way_leads_around_a_robot_whose_battery_is_empty() -> None:
+    layout = Layout(["P....D", ".####.", "......"])
+    orders = [Order(0, 90, (0, 0), (0, 5))]
+    env = FleetEnv(
+        layout, 2, orders=orders, starts=[(0, 0), (0, 3)], max_steps=40, dispatch=False, battery=99
+    )
+    env.reset(seed=0)
+    agent = make_fleet_agent("pibt", layout=layout)
+    agent.reset()
+    env._engine.battery[1] = 1
+    while not env.ended[0]:
+        env.step(agent.act(env))
+    assert env.measures.delivered == 1
+    assert env.steps < 15
