@@ -15,7 +15,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.kernels.buffers import IS_COMPILED, Table, buffer, buffer_of, prepare, table_of
-from agents.mapf.kernels.floor import FAR, Floor, measure
+from agents.mapf.kernels.floor import FAR, NONE, Floor, measure
 from warehouse_core.arguments import instance_of, real_number
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.layout import Layout
@@ -210,7 +210,11 @@ class Fields:
         self.step = 1 if graph.costs is None and not graph.turn_cost else PARTS
         self.floor = self._new_floor()
         self.matrix = np.empty((0, graph.places), np.int32)
-        self._queue = buffer(graph.size)
+        self._buckets = (
+            buffer(int(self.prices.max()) + 1, NONE),
+            buffer(WAIT * graph.size + 1),
+            buffer(WAIT * graph.size + 1),
+        )
         self._row_of = np.full(graph.size, NO_ROW)
         self._free: list[int] = []
         self._closed = graph.closed
@@ -233,9 +237,9 @@ class Fields:
             self._free_rows(goals, len(new))
         for goal in new:
             self._row_of[goal] = row = self._free.pop()
-            if IS_COMPILED and self.step == 1 and not self._closed:
+            if IS_COMPILED and not self.graph.turn_cost and not self._closed:
                 self.matrix[row] = FAR
-                measure(self.floor, goal, table_of(self.matrix[row]), self._queue)
+                measure(self.floor, goal, table_of(self.matrix[row]), *self._buckets)
             else:
                 field = self.graph.distances(goal, keep=False) * self.step
                 self.matrix[row] = np.where(np.isinf(field), FAR, np.rint(field))

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.graph import CLOSED, Costs, Graph
-from agents.mapf.lifelong import LifelongRun, run_lifelong
+from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from warehouse_core.world.actions import ACTIONS, WAIT
 from warehouse_core.world.layout import Layout
@@ -64,24 +64,46 @@ def learned_costs(
     The first trial has the seed, and the next trials have the next seeds; see ``run_lifelong`` for
     the other arguments and for errors.
     """
-    costs = lanes = lane_costs(layout, FIRST_WRONG_WAY)
-    mean = np.zeros((len(lanes), WAIT + 1))
+    learned = Traffic(layout)
     for trial in range(trials):
-        graph = Graph(layout, costs)
+        graph = Graph(layout, learned.costs)
         run = run_lifelong(
             graph, PIBT(graph, seed + trial), robots, steps, seed + trial, starts, goals
         )
-        mean += (traffic(graph, run) - mean) * max(1 / (trial + 1), MIN_SHARE)
-        costs = np.round(lanes + _traffic_costs(graph, mean), 1).astype(np.float32)
-    return costs
+        learned.add(run.cells)
+    return learned.costs
 
 
-def traffic(graph: Graph, run: LifelongRun) -> NDArray[np.float64]:
-    """Return how often in a step each move was made, and waiting, ``[H * W, 5]``."""
-    before, after = run.cells[:-1].ravel(), run.cells[1:].ravel()
+class Traffic:
+    """Costs of moves that follow from the mean traffic of trials, at first faint lanes.
+
+    Attributes:
+        costs: ``[H * W, 4]``, see ``lane_costs``.
+    """
+
+    def __init__(self, layout: Layout) -> None:
+        self._graph, self._trials = Graph(layout), 0
+        self.costs = self._lanes = lane_costs(layout, FIRST_WRONG_WAY)
+        self._mean = np.zeros((self._graph.size, WAIT + 1))
+
+    def add(self, cells: Integers) -> None:
+        """Take over the cells of robots before each step of a trial and after the last."""
+        self._trials += 1
+        share = max(1 / self._trials, MIN_SHARE)
+        self._mean += (traffic(self._graph, cells) - self._mean) * share
+        costs = self._lanes + _traffic_costs(self._graph, self._mean)
+        self.costs = np.round(costs, 1).astype(np.float32)
+
+
+def traffic(graph: Graph, cells: Integers) -> NDArray[np.float64]:
+    """Return how often in a step each move was made, and waiting, ``[H * W, 5]``.
+
+    ``cells`` has the cells of the robots before each step and after the last, ``[T + 1, R]``.
+    """
+    before, after = cells[:-1].ravel(), cells[1:].ravel()
     moves = (graph.neighbours[before] == after[:, None]).argmax(1)
     counts = np.bincount(before * (WAIT + 1) + moves, minlength=graph.size * (WAIT + 1))
-    return counts.reshape(-1, WAIT + 1) / len(run.seconds)
+    return counts.reshape(-1, WAIT + 1) / (len(cells) - 1)
 
 
 def _traffic_costs(graph: Graph, mean: NDArray[np.float64]) -> NDArray[np.float64]:

@@ -15,6 +15,9 @@ STAY = 4
 
 ACTIONS = 5
 
+NONE = -1
+"""End of a list of entries."""
+
 FAR = 1 << 30
 """Distance of a place that no way leads from."""
 
@@ -42,19 +45,40 @@ class Floor(NamedTuple):
 
 
 @kernel
-def measure(floor: Floor, goal: int, field: Table, queue: Buffer) -> None:
-    """Write the steps from each cell to a goal into a field, ``[size]``, all ``FAR`` before.
+def measure(
+    floor: Floor, goal: int, field: Table, heads: Buffer, entries: Buffer, below: Buffer
+) -> None:
+    """Write the cost of the cheapest way from each cell to a goal into a field.
 
-    Steps must cost the same both ways, and places be cells; the queue is ``[size]``.
+    Args:
+        floor: floor whose places are cells, and where a step leads back from where one leads.
+        goal: cell with the distance 0.
+        field: ``[size]``, all ``FAR`` before.
+        heads: last entry of each bucket, one more than the highest price, all ``NONE``. The
+            buckets are used in turn, as Dial (1969) does.
+        entries: ``[size * 4 + 1]``, cells in buckets.
+        below: ``[size * 4 + 1]``, entry before each in its bucket, or ``NONE``.
     """
-    near, closed = floor.near, floor.closed
-    field[goal], queue[0] = 0, goal
-    first, last = 0, 1
-    while first < last:
-        cell, first = queue[first], first + 1
-        after = field[cell] + floor.step
+    near, price, span = floor.near, floor.price, len(heads)
+    field[goal], entries[0], below[0], heads[0] = 0, goal, NONE, 0
+    count, waiting, distance = 1, 1, 0
+    while waiting > 0:
+        entry = heads[distance % span]
+        if entry == NONE:
+            distance += 1
+            continue
+        heads[distance % span], cell = below[entry], entries[entry]
+        waiting -= 1
+        if field[cell] != distance:
+            continue  # a cheaper way was found since
         for action in range(STAY):
-            to = near[cell * ACTIONS + action]
-            if to != closed and field[to] == FAR:
-                field[to], queue[last] = after, to
-                last += 1
+            before = near[cell * ACTIONS + action]
+            if before == floor.closed:
+                continue
+            back = before * ACTIONS + (action ^ 2)
+            reached = distance + price[back]
+            if near[back] == cell and reached < field[before]:
+                field[before] = reached
+                entries[count], below[count] = before, heads[reached % span]
+                heads[reached % span] = count
+                count, waiting = count + 1, waiting + 1

@@ -6,7 +6,7 @@ import pytest
 from agents.errors import PlanError
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs, learned_costs, traffic
-from agents.mapf.lifelong import LifelongRun, run_lifelong
+from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from warehouse_core import Layout
 
@@ -30,7 +30,7 @@ def test_robots_that_meet_keep_to_their_lanes() -> None:
 def test_traffic_is_counted_by_cell_and_move() -> None:
     graph = Graph(Layout(["...", "..."]))
     cells = np.array([[0, 5], [1, 5], [1, 2], [0, 2]])
-    counts = traffic(graph, LifelongRun(cells, cells, np.zeros(3)))
+    counts = traffic(graph, cells)
     expected = np.zeros((6, 5))
     expected[0, EAST] = expected[1, WAIT] = expected[1, WEST] = 1
     expected[5, WAIT] = expected[5, NORTH] = expected[2, WAIT] = 1
