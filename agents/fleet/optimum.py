@@ -23,6 +23,7 @@ import numpy as np
 from agents.mapf.assignment import HANDLING
 from agents.mapf.graph import Fields, Graph
 from warehouse_core import Episode, OrderQueue
+from warehouse_core.wording import brief
 from warehouse_core.world.tables import Integers
 
 MAX_MOVES = 100_000
@@ -63,8 +64,7 @@ class Jobs(NamedTuple):
         pickup, dropoff: ``[K]``, numbers of the stations of each of ``K`` orders.
         first, last: ``[K]``, steps between which a robot must begin to pick each order.
         takes: ``[K]``, steps from then until its delivery.
-        ways: ``[P, D + R]``, steps to each pickup from each dropoff and each start, or
-            ``FAR``.
+        ways: ``[P, D + R]``, steps to each pickup from each dropoff and each start.
         robots: ``R``, number of robots.
     """
 
@@ -115,8 +115,8 @@ def most_deliveries(shift: Episode, on_time: bool = False) -> Optimum:
     orders = shift.settings.orders if shift.is_fleet else None
     if orders is None or isinstance(orders, OrderQueue):
         raise ValueError(
-            f"the orders of this shift are {orders!r}; an optimum needs a list or streams, which "
-            "come whatever the fleet does"
+            f"the orders of this shift are {brief(orders)}; an optimum needs a list or streams, "
+            "which come whatever the fleet does"
         )
     jobs = _jobs(shift, on_time)
     if (jobs.last < jobs.first).all():
@@ -129,14 +129,12 @@ def most_deliveries(shift: Episode, on_time: bool = False) -> Optimum:
 
 
 def _jobs(shift: Episode, on_time: bool) -> Jobs:
-    layout, orders, robots = shift.layout, shift.orders, shift.robots
+    layout, orders = shift.layout, shift.orders
+    ends = [[order.pickup for order in orders], [order.dropoff for order in orders]]
+    (pickups, pickup), (dropoffs, dropoff) = (
+        np.unique(layout.numbers(cells), return_inverse=True) for cells in ends
+    )
     fields = Fields(Graph(layout))
-    pickups, pickup = np.unique(
-        layout.numbers([order.pickup for order in orders]), return_inverse=True
-    )
-    dropoffs, dropoff = np.unique(
-        layout.numbers([order.dropoff for order in orders]), return_inverse=True
-    )
     rows = fields.rows(pickups)
     ways = fields.matrix[rows].astype(np.intp)
     takes = ways[pickup, dropoffs[dropoff]] + HANDLING
@@ -148,7 +146,7 @@ def _jobs(shift: Episode, on_time: bool) -> Jobs:
         np.array(due, np.intp) - takes,
         takes,
         ways[:, np.concatenate([dropoffs, shift.cells[0]])],
-        robots,
+        shift.robots,
     )
 
 

@@ -14,12 +14,12 @@ pairs can change places; Yu and Rus (2014), Pebble motion on graphs with rotatio
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from functools import cache, lru_cache
 from itertools import combinations, product
 
 from agents.errors import PlanError
-from agents.mapf.graph import CLOSED
+from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.problem import Problem
 from warehouse_core.world.actions import WAIT
 
@@ -32,11 +32,8 @@ MAX_STATES = 3000
 Cells = int
 """A set of cells, the bits of a number."""
 
-Free = tuple[int, ...]
-"""The number of free cells in each part."""
-
-State = tuple[int, int, Free]
-"""The cells of two robots, and the free cells."""
+State = tuple[int, int, tuple[int, ...]]
+"""The cells of two robots, and the number of free cells in each part."""
 
 
 def check_solvable(problem: Problem) -> None:
@@ -45,10 +42,9 @@ def check_solvable(problem: Problem) -> None:
     Raises:
         PlanError: there is none; the message names two robots that cannot get to their goals.
     """
-    moves = PairMoves(problem)
-    if len(moves.near) > MAX_CELLS:
+    if len(problem.graph.layout.open_cells) > MAX_CELLS:
         return
-    known = list[set[State]]()
+    moves, known = PairMoves(problem.graph), list[set[State]]()
     for one, other in combinations(range(problem.robots), 2):
         start = moves.state(one, other, problem.starts)
         reached = next((states for states in known if start in states), None)
@@ -77,18 +73,13 @@ def _reach(moves: PairMoves, start: State, most: int) -> set[State]:
 
 
 class PairMoves:
-    """The moves of two robots of a problem, when all others are alike.
+    """The moves of two robots on a floor, when all others are alike."""
 
-    Attributes:
-        near: cells beside each open cell.
-    """
-
-    def __init__(self, problem: Problem) -> None:
-        graph = problem.graph
-        rows = {cell: graph.neighbours[cell, :WAIT] for cell in graph.layout.open_cells.tolist()}
-        self.near = {cell: row[row != CLOSED].tolist() for cell, row in rows.items()}
-        self._beside = {cell: _set_of(near) for cell, near in self.near.items()}
-        self._open = _set_of(list(self.near))
+    def __init__(self, graph: Graph) -> None:
+        cells = graph.layout.open_cells.tolist()
+        beside = {cell: graph.neighbours[cell, :WAIT] for cell in cells}
+        self._beside = {cell: _set_of(row[row != CLOSED]) for cell, row in beside.items()}
+        self._open = _set_of(cells)
         self.parts = cache(self._parts)
 
     def state(self, one: int, other: int, cells: Sequence[int]) -> State:
@@ -110,7 +101,7 @@ class PairMoves:
                         yield from self._spread(pair, parts, less, left=1 << mover)
                     if ways.bit_count() > 1:
                         yield from self._spread(pair, parts, free)
-        for to, then in product(self.near[one], self.near[other]):
+        for to, then in product(*(_cells_of(self._beside[cell]) for cell in (one, other))):
             if self._is_ring(one, other, to, then):
                 yield from self._spread((to, then), parts, free)
 
@@ -126,7 +117,7 @@ class PairMoves:
         return to != then and min(closes) > (first == second)
 
     def _spread(
-        self, pair: tuple[int, int], parts: Sequence[Cells], free: Free, left: Cells = 0
+        self, pair: tuple[int, int], parts: Sequence[Cells], free: tuple[int, ...], left: Cells = 0
     ) -> Iterator[State]:
         """Return the states in which free cells are anywhere in what remains of their parts.
 
@@ -157,7 +148,7 @@ class PairMoves:
 
 
 @lru_cache(10_000)
-def _shares(count: int, rooms: Free) -> list[Free]:
+def _shares(count: int, rooms: tuple[int, ...]) -> list[tuple[int, ...]]:
     """Return all ways to divide a number of free cells among rooms of these sizes."""
     if not rooms:
         return [] if count else [()]
@@ -168,7 +159,7 @@ def _shares(count: int, rooms: Free) -> list[Free]:
     ]
 
 
-def _set_of(cells: Sequence[int]) -> Cells:
+def _set_of(cells: Iterable[int]) -> Cells:
     return sum(1 << int(cell) for cell in cells)
 
 
