@@ -63,7 +63,7 @@ LINES = (
     MeasureLine("waits", "waits", "robot steps"),
     MeasureLine("charging", "charging", "robot steps"),
     MeasureLine("stranded", "stranded", "robots that ran empty or failed"),
-    MeasureLine("lost", "lost", "orders that stranded robots hold or block"),
+    MeasureLine("lost", "lost", "orders that stranded robots hold"),
     MeasureLine("simulated time", "seconds", "s"),
 )
 """The measures of a shift, see ``FleetMeasures``."""

@@ -176,7 +176,7 @@ def test_an_agent_that_fails_is_named_after_what_has_been_measured(warehouse: Wa
     write_mine("act", "raise ValueError('too far')", "'N'")
     done = warehouse(*SMALL, "--order-rate", 1, "--agent", "mine.py:Mine", "--save", "a.npz")
     assert done.code == 1
-    assert "not finished" in done.out
+    assert "not finished" in " ".join(done.out.split())
     failure = r"agent mine.py:Mine: ValueError: too far \(mine.py, line 9\)"
     found = re.fullmatch(rf"warehouse: seed 5, step (\d+), robot \d, {failure}\n", done.err)
     assert found
