@@ -75,8 +75,8 @@ def test_another_goal_or_the_end_of_a_leg_ends_a_detour() -> None:
     assert wait((0, 1), (0, 4)) == {0: aim}
     assert go((0, 1), (0, 3)) == {}
     wait((0, 1), (0, 4))
-    assert go((2, 1), (0, 4)) == {0: aim}
-    assert wait((2, 1), (0, 4)) == {}  # it cannot go on, and not because of the person
+    assert go((2, 0), (0, 4)) == {0: aim}
+    assert wait((2, 0), (0, 4)) == {}  # it cannot go on, and not because of the person
 
 
 def shift(env: FleetEnv, planner: str, seed: int) -> FleetMeasures:
