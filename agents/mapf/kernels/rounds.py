@@ -182,7 +182,8 @@ def needs_swap(
             is_dead_end = True
             break
         behind, ahead = ahead, found - floor.size
-    if not is_dead_end and team.is_final[0] == 0:
+    has_same_goal = team.goals[pusher] == team.goals[puller] != ahead
+    if team.is_final[0] == 0 and (has_same_goal or not is_dead_end):
         return False  # the pusher gets to its goal, and leaves it again
     is_back = fields[pull + behind] < fields[pull + ahead]
     # Who rests where the other wants to go has to come out.
