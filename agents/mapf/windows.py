@@ -19,7 +19,7 @@ import numpy as np
 from agents.mapf.graph import EAST, Fields, Graph
 from agents.mapf.kernels.buffers import buffer_of, prepare
 from agents.mapf.kernels.floor import FAR
-from agents.mapf.kernels.groups import improve, new_groups
+from agents.mapf.kernels.groups import improve, new_groups, renew
 from agents.mapf.kernels.rollouts import prices, roll
 from agents.mapf.kernels.rounds import team_of
 from agents.mapf.kernels.ways import CLOSED_STEPS, NONE, find_way, new_frontier, new_ways, reserve
@@ -30,8 +30,11 @@ from warehouse_core.world.tables import Integers
 WINDOW = 15
 """Default steps that are planned ahead."""
 
-GROUPS = 40
+GROUPS = 20
 """Default groups of robots that are planned anew in a step."""
+
+FRESH = 5
+"""Steps after which a plan made anew may take the place of the one that goes on."""
 
 PORTION = 10
 """Groups between two looks at the clock."""
@@ -69,7 +72,7 @@ class WindowedPlanner:
         self.seconds = real_number("seconds", seconds, finite=False)
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
         self._fields = Fields(graph)
-        prepare(roll, prices, improve, reserve)
+        prepare(roll, prices, improve, renew, reserve)
         self.reset()
 
     def reset(self) -> None:
@@ -103,6 +106,7 @@ class WindowedPlanner:
         self._frontier = new_frontier(floor, self._ways)
         self._groups = new_groups(robots, times, self.seed)
         self._ages, self._goals = np.zeros(robots, np.intp), np.full(robots, NONE)
+        self._since = FRESH
         self._ranks = np.random.default_rng(self.seed).permutation(robots) / robots
         self._places = np.asarray(self._ways.places).reshape(robots, times)
         self._places[:] = NONE
@@ -124,6 +128,7 @@ class WindowedPlanner:
             goals = np.where(is_away, cells, goals)
             rows = self._fields.rows(goals)
         self._table = self._fields.table
+        self._has_new_goal = goals != self._goals
         is_there = (cells == goals) | (cells == self._goals)
         self._ages, self._goals = np.where(is_there, 0, self._ages + 1), goals.copy()
         priorities = self._ages + self._ranks
@@ -148,7 +153,12 @@ class WindowedPlanner:
             team.order[:] = self._order
             roll(floor, ways, team, table, last - 1, last)
             continued = places.copy()
+            if self._since < FRESH:
+                self._since += 1
+                prices(floor, ways, table)
+                return
         self.fresh += not holds
+        self._since = 1
         places[:, 0] = self._here
         team.order[:] = self._order
         roll(floor, ways, team, table, 0, last)
@@ -206,6 +216,8 @@ class WindowedPlanner:
         """Plan groups anew until they or the time are over."""
         floor, ways = self._fields.floor, self._ways
         self._reserve(np.arange(len(self._places)))
+        anew = buffer_of(np.flatnonzero(self._has_new_goal))
+        renew(floor, ways, self._frontier, self._groups, self._table, anew)
         left = self.groups
         while left > 0 and perf_counter() < deadline:
             trials = min(left, PORTION)

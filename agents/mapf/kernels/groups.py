@@ -174,9 +174,12 @@ def plan_anew(floor: Floor, ways: Ways, frontier: Frontier, groups: Groups, fiel
     members, saved, times, costs = groups.members, groups.saved, ways.times, ways.costs
     number, left, least, done = members[MOST], 0, 0, 0
     for at in range(number):
+        left += costs[members[at]]
+        least += costs[members[at]] - delay(ways, fields, members[at])
+    if left == least:
+        return 0  # nobody is late
+    for at in range(number):
         robot = members[at]
-        left += costs[robot]
-        least += costs[robot] - delay(ways, fields, robot)
         reserve(floor, ways, robot, 0)
         for time in range(times):
             saved[at * times + time] = ways.places[robot * times + time]
@@ -202,6 +205,16 @@ def plan_anew(floor: Floor, ways: Ways, frontier: Frontier, groups: Groups, fiel
             ways.places[robot * times + time] = saved[at * times + time]
         reserve(floor, ways, robot, robot + 1)
     return 0
+
+
+@kernel
+def renew(
+    floor: Floor, ways: Ways, frontier: Frontier, groups: Groups, fields: Table, robots: Buffer
+) -> None:
+    """Plan some robots anew, each alone."""
+    for robot in robots:
+        groups.members[0], groups.members[MOST] = robot, 1
+        plan_anew(floor, ways, frontier, groups, fields)
 
 
 @kernel
