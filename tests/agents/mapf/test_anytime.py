@@ -1,0 +1,74 @@
+"""The best plan in the time: valid, repeated by its trials, and proved where teams are small."""
+
+import pytest
+from helpers.mapf_problems import problem_of, random_problem, random_problems
+from helpers.mapf_runs import check_solver
+
+from agents.errors import PlanError
+from agents.mapf import anytime as module
+from agents.mapf.anytime import solve_anytime
+from agents.mapf.cbs import solve_cbs
+from agents.mapf.lacam import lacam, lacam_star
+from agents.mapf.refinement import Refinement
+from warehouse_core import random_layout
+
+HOUR = 3600.0
+
+
+def test_plans_of_random_problems_are_valid() -> None:
+    def solve(problem, seconds):
+        return solve_anytime(problem, seconds, trials=20)
+
+    problems = [random_problem(random_layout(9, 9, 0.1, seed), 12, seed) for seed in range(6)]
+    assert check_solver(solve, problems, seconds=HOUR) == 6
+
+
+def test_trials_make_a_plan_cheaper_and_are_repeated() -> None:
+    problem = random_problem(random_layout(16, 16, 0.2, seed=2), 50, seed=2)
+    first = lacam(problem, HOUR)
+    plans = [solve_anytime(problem, HOUR, trials=60) for _ in range(2)]
+    assert plans[0].cells.tolist() == plans[1].cells.tolist()
+    assert plans[0].sum_of_costs < 0.9 * first.sum_of_costs
+
+
+def test_guidance_by_traffic_makes_the_first_plan_of_a_crowded_floor_cheaper() -> None:
+    problem = random_problem(random_layout(14, 14, 0.1, seed=3), 90, seed=3)
+    first = lacam(problem, HOUR)
+    assert first.sum_of_costs > module.CROWDED * problem.lower_bound
+    assert solve_anytime(problem, HOUR, trials=0).sum_of_costs < 0.9 * first.sum_of_costs
+
+
+@pytest.mark.parametrize("solve", [lacam_star, solve_anytime])
+def test_plans_of_small_teams_are_proved(solve) -> None:
+    """No plan costs less than the bound."""
+    for problem in random_problems(12, seed=8, max_robots=2):
+        try:
+            least = solve_cbs(problem, 5.0).sum_of_costs
+        except PlanError:
+            continue
+        plan = solve(problem, HOUR)
+        assert plan.bound <= least <= plan.sum_of_costs
+        if solve is solve_anytime:
+            assert plan.sum_of_costs == least
+
+
+def test_a_problem_without_a_plan_is_said_to_have_none() -> None:
+    problem = problem_of(["...."], [0, 3], [3, 0])
+    with pytest.raises(PlanError, match="there is no plan: LaCAM tried all"):
+        solve_anytime(problem, HOUR)
+
+
+def test_refinement_is_never_worse_and_stays_valid() -> None:
+    problems = [random_problem(random_layout(10, 10, 0.2, seed), 20, seed) for seed in range(4)]
+
+    def solve(problem, seconds):
+        plan = lacam(problem, seconds)
+        refinement, cost = Refinement(problem, plan), plan.sum_of_costs
+        for _ in range(5):
+            refinement.run(HOUR * 1e6, 4)
+            plan = refinement.plan()
+            assert plan.sum_of_costs <= cost
+            cost = plan.sum_of_costs
+        return plan
+
+    assert check_solver(solve, problems, seconds=5.0) == 4
