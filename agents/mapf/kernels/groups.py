@@ -26,8 +26,8 @@ KINDS, SIZES = 3, 4
 MOST = 16
 """Most robots in a group."""
 
-WEIGHT = 1 << 26
-"""Weight of each kind and size at first."""
+WEIGHT, MOST_WEIGHT = 1 << 18, 1 << 26
+"""Weight of each kind and size at first, and at most; their sum times chance fits 64 bits."""
 
 SHARE, FLOOR_SHARE = 10, 20
 """Each result changes a weight by a tenth, and no weight is below a twentieth of the largest."""
@@ -239,7 +239,7 @@ def improve(
         before = frontier.serial[1]
         gained = plan_anew(floor, ways, frontier, groups, fields)
         work = frontier.serial[1] - before + groups.members[MOST] * ways.times
-        weights[arm] += ((gained << 32) // work - weights[arm]) // SHARE
+        weights[arm] += (min((gained << 24) // work, MOST_WEIGHT) - weights[arm]) // SHARE
         groups.counts[0] += 1
         groups.counts[1] += gained > 0
         total += gained

@@ -25,6 +25,7 @@ from agents.lab.console.values import parse_battery, parse_due
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.parameters import Number, usual
 from agents.lab.runs.run import draw_seed, run
+from agents.mapf.kernels.buffers import IS_COMPILED
 from agents.registry import make_backend, make_fleet_agent, make_team
 from warehouse_core import Episode, FleetEnv, OrderStream, WarehouseError
 from warehouse_core.orders import load_orders
@@ -34,6 +35,9 @@ from warehouse_core.wording import counted
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
 RATE, DUE = usual("order_rate"), usual("due")
+
+CROWD = 100
+"""Robots from which on compiled planners are worth a word."""
 
 
 def find_orders(file: Path | None, rate: float | None, due: str | None) -> Orders:
@@ -164,6 +168,11 @@ def fleet(
     )
 
     first = draw_seed() if seed is None else seed
+    if planner is not None and robots >= CROWD and not IS_COMPILED:
+        say(
+            "Planners are several times as fast with Numba: pip install 'warehouse-lab[fast]'",
+            error=True,
+        )
 
     def run_seed(seed: int) -> Episode:
         directing = (
