@@ -11,8 +11,7 @@ from time import perf_counter
 
 from agents.errors import PlanError
 from agents.mapf.problem import Plan, Problem
-from agents.mapf.reservations import Reservations
-from agents.mapf.space_time import find_way, moves_of
+from agents.mapf.space_time import Reservations, find_way, moves_of
 from warehouse_core.wording import counted
 
 
@@ -32,18 +31,18 @@ def solve_prioritised(problem: Problem, seconds: float) -> Plan:
             stream.shuffle(order)
             continue
         tried.add(tuple(order))
-        taken = Reservations(problem.graph.size)
+        taken, ways = Reservations(problem.graph.size), dict[int, list[int]]()
         try:
             for robot in order:
                 start, goal = starts[robot], goals[robot]
-                end = taken.free_from(goal)
-                way = find_way(moves, fields[robot], start, goal, taken, end=end, deadline=deadline)
+                way = find_way(moves, fields[robot], start, goal, taken, deadline)
                 if way is None:
                     failed = robot
                     break
-                taken.add(robot, way.cells, stays=True)
+                taken.add(way)
+                ways[robot] = way
             else:
-                return Plan.of([taken.ways[robot][1] for robot in range(problem.robots)])
+                return Plan.of([ways[robot] for robot in range(problem.robots)])
         except TimeoutError:
             why = "" if failed is None else f"; robot {failed} had no way in the last that failed"
             orders = counted(len(tried), "order")

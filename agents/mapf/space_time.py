@@ -1,4 +1,6 @@
-"""Space-time A*: the cheapest way of one robot among the reservations of others.
+"""Space-time A*: the cheapest way of one robot among the ways of others, which are reserved.
+
+A cell at a time is one number, a *state*: ``time * H * W + cell``.
 
 Source: Silver (2005), Cooperative pathfinding, AIIDE.
 """
@@ -9,44 +11,58 @@ from collections.abc import Sequence
 from heapq import heappop, heappush
 from math import inf
 from time import perf_counter
-from typing import NamedTuple
 
 import numpy as np
 
 from agents.mapf.graph import CLOSED, Graph
-from agents.mapf.reservations import Reservations
-from warehouse_core.world.actions import WAIT
 
 NONE = -1
 """Predecessor of the first state."""
 
-Moves = Sequence[Sequence[tuple[int, float, int]]]
-"""Steps from each place, waiting the last: the cell that a step leads to, its cost, and its place;
-see ``graph.py``.
-"""
+Moves = Sequence[Sequence[tuple[int, float]]]
+"""Steps from each cell, waiting the last: the cell that a step leads to, and its cost."""
 
 
-class Way(NamedTuple):
-    """Cell of a robot at each time, and cost of its moves plus the distance that is left."""
+class Reservations:
+    """The states and moves that are taken on a floor of ``H * W`` cells, its size.
 
-    cells: list[int]
-    cost: float
+    Attributes:
+        states: taken states.
+        moves: ``state * H * W + cell`` of the moves that would make a robot change places with
+            another.
+        ends: the state from which on a cell is occupied for good, by cell.
+        latest: time after which nothing is taken but for good.
+    """
+
+    def __init__(self, size: int) -> None:
+        self.size, self.latest = size, 0
+        self.states: set[int] = set()
+        self.moves: set[int] = set()
+        self.ends: dict[int, int] = {}
+
+    def add(self, way: list[int]) -> None:
+        """Reserve the way of a robot: its cell at each time, the last one for good."""
+        state, before = 0, way[0]
+        for cell in way:
+            self.states.add(state + cell)
+            self.moves.add((state - self.size + cell) * self.size + before)
+            state, before = state + self.size, cell
+        self.latest = max(self.latest, len(way) - 1)
+        self.ends[way[-1]] = (len(way) - 1) * self.size + way[-1]
+
+    def free_from(self, cell: int) -> int:
+        """Return the first time from which on nobody is in a cell that is nobody's end."""
+        times = range(self.latest, -1, -1)
+        return next((t + 1 for t in times if t * self.size + cell in self.states), 0)
 
 
 def moves_of(graph: Graph) -> Moves:
     """Return the moves of a graph as lists, which Python reads faster; waiting costs 1."""
-    headings = WAIT if graph.turn_cost else 1
-    costs = np.ones((graph.size, WAIT)) if graph.costs is None else graph.costs
-    found = []
-    for heading, turns in enumerate(graph.turns[:headings]):
-        prices = np.pad(costs, ((0, 0), (0, 1)), constant_values=1) + turns
-        places = graph.places_at(np.arange(graph.size), np.full(graph.size, heading))
-        columns = (graph.neighbours.tolist(), prices.tolist(), places.tolist())
-        found += [
-            [move for move in zip(*each, strict=True) if move[0] != CLOSED]
-            for each in zip(*columns, strict=True)
-        ]
-    return found
+    costs = np.ones((graph.size, len(graph.turns) + 1))
+    if graph.costs is not None:
+        costs[:, :-1] = graph.costs
+    pairs = zip(graph.neighbours.tolist(), costs.tolist(), strict=True)
+    return [[move for move in zip(*each, strict=True) if move[0] != CLOSED] for each in pairs]
 
 
 def find_way(
@@ -55,71 +71,51 @@ def find_way(
     start: int,
     goal: int,
     taken: Reservations,
-    begin: int = 0,
-    window: int | None = None,
-    *,
-    end: int = 0,
-    toll: float = inf,
     deadline: float = inf,
-) -> Way | None:
-    """Return the cheapest way from ``start``, or ``None`` if there is none.
+) -> list[int] | None:
+    """Return the cells of the cheapest way to a goal where the robot can stay, one for each time.
 
     Args:
         moves: see ``moves_of``.
-        field: distance of each place from the goal.
-        start: place of the robot at ``begin``.
+        field: distance of each cell from the goal.
+        start: cell of the robot at the time 0.
         goal: cell to reach.
         taken: reservations of other robots.
-        begin: time of the first cell.
-        window: number of steps after which the way may end anywhere, and the distance left counts.
-        end: the way does not end in the goal before this time. A robot that is to stay there needs
-            ``taken.free_from(goal)``.
-        toll: cost of each state or move that another robot has; ``inf`` forbids them.
         deadline: limit on ``time.perf_counter()``.
+
+    Returns:
+        The way, or ``None`` if there is none.
 
     Raises:
         TimeoutError: the deadline has passed.
     """
-    size, states, swaps = taken.size, taken.states, taken.moves
-    places = len(moves)
-    ends, closed = taken.ends, taken.closed
-    free = end * places
-    edge = inf if window is None else (begin + window) * places
-    # Without a window all times after the latest are alike, and one layer stands for them.
-    last = (max(taken.latest, begin, end) + 1) * places if window is None else inf
-    first = begin * places + start
-    best, came = {first: 0.0}, {first: NONE}
-    heap = [(field[start], -first)]  # of equally good ones the latest is first
+    size, states, swaps, ends = taken.size, taken.states, taken.moves, taken.ends
+    free = taken.free_from(goal) * size
+    last = (taken.latest + 1) * size  # all later times are alike, and one layer stands for them
+    best, came = {start: 0.0}, {start: NONE}
+    heap = [(field[start], -start)]  # of equally good ones the latest is first
     while heap:
         bound, state = heappop(heap)
         state = -state
-        time, place = divmod(state, places)
+        time, cell = divmod(state, size)
         cost = best[state]
-        if bound > cost + field[place]:
+        if bound > cost + field[cell]:
             continue
-        cell = place % size
-        if state >= edge or (cell == goal and state >= free):
+        if cell == goal and state >= free:
             way = []
             while state != NONE:
                 way.append(state % size)
                 state = came[state]
-            return Way(way[::-1], bound)
+            return way[::-1]
         if perf_counter() > deadline:
             raise TimeoutError
-        after = time + (state < last)
-        here, layer, next_layer = (time * size + cell) * size, after * size, after * places
-        for to, price, there in moves[place]:
-            reached = layer + to
-            total, move = cost + price, here + to
-            if reached in states or move in swaps:
-                if toll == inf:
-                    continue
-                total += toll
-            if reached in closed or (ends and reached >= ends.get(to, inf)):
+        here, layer = state * size, (time + (state < last)) * size
+        for to, price in moves[cell]:
+            reached, total = layer + to, cost + price
+            if reached in states or here + to in swaps or reached >= ends.get(to, inf):
                 continue
-            reached = next_layer + there
             if total < best.get(reached, inf):
                 best[reached] = total
                 came[reached] = state
-                heappush(heap, (total + field[there], -reached))
+                heappush(heap, (total + field[to], -reached))
     return None

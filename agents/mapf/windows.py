@@ -88,8 +88,7 @@ class WindowedPlanner:
         self._read(situation)
         self._continue(situation)
         self._refine(deadline)
-        self._expected = self._places[:, 1].copy()
-        return (self._expected % self.graph.size).astype(situation.cells.dtype)
+        return (self._places[:, 1] % self.graph.size).astype(situation.cells.dtype)
 
     def plan_of(self, robot: int) -> list[int]:
         """Return the cells of a robot from the end of the step just chosen on; see ``Planner``."""
@@ -110,7 +109,6 @@ class WindowedPlanner:
         self._ranks = np.random.default_rng(self.seed).permutation(robots) / robots
         self._places = np.asarray(self._ways.places).reshape(robots, times)
         self._places[:] = NONE
-        self._expected = self._places[:, 0]
         self._cells, self._headings = np.full(robots, NONE), np.full(robots, EAST)
 
     def _read(self, situation: Situation) -> None:
@@ -174,9 +172,11 @@ class WindowedPlanner:
         """Move the plan on by a step, with new ways for robots that cannot go on as planned.
 
         Returns:
-            False if one of these has no way.
+            False if there was no plan, or one of these has no way.
         """
         places, size = self._places, self.graph.size
+        if places[0, 0] == NONE:
+            return False
         places[:, :-1] = places[:, 1:]
         there, soon = places[:, 1], places[:, : CLOSED_STEPS + 1] % size
         is_closed = np.zeros(size, np.bool_)
