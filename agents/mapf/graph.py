@@ -41,6 +41,9 @@ PARTS = 10
 MAX_BYTES = 1_000_000_000
 """Memory of kept distance fields; those used least recently are dropped beyond it."""
 
+MAX_PRICE = 100_000
+"""Highest cost of a step, in tenths, for which compiled code measures distances."""
+
 NO_ROW = -1
 """Row of a goal that has no field in ``Fields``."""
 
@@ -194,7 +197,7 @@ class Fields:
     """The distance fields of the goals that many robots have now, as rows of a matrix.
 
     Distances are whole numbers of steps, or of a tenth of a step where moves or turns have costs,
-    which are rounded to tenths. ``FAR`` stands for infinite. Rows of goals that nobody has are used
+    which are rounded to tenths. ``FAR`` stands for what is more. Rows of goals that nobody has are used
     again once all rows take ``MAX_BYTES``.
 
     Attributes:
@@ -211,7 +214,7 @@ class Fields:
         self.floor = self._new_floor()
         self.matrix = np.empty((0, graph.places), np.int32)
         self._buckets = (
-            buffer(int(self.prices.max()) + 1, NONE),
+            buffer(min(int(self.prices.max()), MAX_PRICE) + 1, NONE),
             buffer(WAIT * graph.size + 1),
             buffer(WAIT * graph.size + 1),
         )
@@ -235,14 +238,16 @@ class Fields:
         new = np.unique(goals[self._row_of[goals] == NO_ROW]).tolist()
         if len(new) > len(self._free):
             self._free_rows(goals, len(new))
+        compiled = IS_COMPILED and not self.graph.turn_cost and not self._closed
+        compiled = compiled and self.prices.max() <= MAX_PRICE
         for goal in new:
             self._row_of[goal] = row = self._free.pop()
-            if IS_COMPILED and not self.graph.turn_cost and not self._closed:
+            if compiled:
                 self.matrix[row] = FAR
                 measure(self.floor, goal, table_of(self.matrix[row]), *self._buckets)
             else:
                 field = self.graph.distances(goal, keep=False) * self.step
-                self.matrix[row] = np.where(np.isinf(field), FAR, np.rint(field))
+                self.matrix[row] = np.minimum(np.rint(field), FAR)
         return self._row_of[goals]
 
     def _new_floor(self) -> Floor:
@@ -265,7 +270,7 @@ class Fields:
         is_open = near[: graph.size, :WAIT] != graph.places
         degree = is_open.sum(axis=1)
         through = (is_open & (degree[beside] > 1)).sum(axis=1)
-        self.prices = np.rint(price * self.step).astype(np.int64)
+        self.prices = np.minimum(np.rint(price * self.step), FAR).astype(np.int64)
         return Floor(
             size=graph.size, closed=graph.places, near=buffer_of(near),
             price=buffer_of(self.prices), degree=buffer_of(degree), through=buffer_of(through),

@@ -161,7 +161,7 @@ IMPOSSIBLE = {
     "gap --robots 400": "400",
     "gap --assignment none": "no assignment is called 'none'",
     "gap --layout bare.txt": "the layout has no pickup",
-    "mapf --planner x": "no planner is called 'x'; allowed: pibt, lacam, prioritised, cbs, ecbs, ",
+    "mapf --planner x": "no planner is called 'x'; allowed: pibt, lacam, lacam-star, anytime, ",
     "mapf --planner cbs --lifelong 9": "planner 'cbs' plans all ways at once, ",
     "mapf none.scen": "none.scen: No such file",
     "mapf --robots 193": "--robots is 193; allowed: 1..192 on this layout",
