@@ -231,7 +231,9 @@ def improve(
         for arm in range(KINDS * SIZES):
             weights[arm] = max(weights[arm], most // FLOOR_SHARE + 1)
             whole += weights[arm]
-        drawn, arm = draw(groups.random) * whole >> 32, 0
+        # The random number times the whole, over 2 ** 32; the product itself may exceed 64 bits.
+        drawn, arm = draw(groups.random), 0
+        drawn = drawn * (whole >> 16) + (drawn * (whole & 0xFFFF) >> 16) >> 16
         while drawn >= weights[arm]:
             drawn -= weights[arm]
             arm += 1
