@@ -12,6 +12,7 @@ from warehouse_core.extras import install_command
         ("rl", ["sb3-contrib", "stable-baselines3"]),
         ("bench", ["minigrid", "pymapf"]),
         ("fleet", ["pettingzoo"]),
+        ("fast", ["numba"]),
     ],
 )
 def test_the_command_names_the_packages_of_an_extra_and_no_other(

@@ -7,6 +7,7 @@ import warnings
 from collections.abc import Iterable, Sequence
 from contextlib import closing
 from functools import partial
+from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -25,9 +26,9 @@ from agents.lab.console.values import parse_battery, parse_due
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.parameters import Number, usual
 from agents.lab.runs.run import draw_seed, run
-from agents.mapf.kernels.buffers import IS_COMPILED
-from agents.registry import make_backend, make_fleet_agent, make_team
+from agents.registry import PLANNERS, make_backend, make_fleet_agent, make_team
 from warehouse_core import Episode, FleetEnv, OrderStream, WarehouseError
+from warehouse_core.extras import install_command
 from warehouse_core.orders import load_orders
 from warehouse_core.orders.order import Orders
 from warehouse_core.records.recorder import FleetAgent
@@ -36,8 +37,8 @@ from warehouse_core.world.named_layouts import DEPOT, find_layout
 
 RATE, DUE = usual("order_rate"), usual("due")
 
-CROWD = 100
-"""Robots from which on compiled planners are worth a word."""
+MANY_ROBOTS = 100
+"""Robots from which on compiled planners are worth their installation."""
 
 
 def find_orders(file: Path | None, rate: float | None, due: str | None) -> Orders:
@@ -168,11 +169,7 @@ def fleet(
     )
 
     first = draw_seed() if seed is None else seed
-    if planner is not None and robots >= CROWD and not IS_COMPILED:
-        say(
-            "Planners are several times as fast with Numba: pip install 'warehouse-lab[fast]'",
-            error=True,
-        )
+    tell_of_numba(planner, robots)
 
     def run_seed(seed: int) -> Episode:
         directing = (
@@ -230,6 +227,17 @@ def fleet(
     except ValueError as error:
         raise typer.BadParameter(str(error)) from error
     finish(show)
+
+
+def tell_of_numba(planner: str | None, robots: int) -> None:
+    """Say how to compile a planner of many robots, unless Numba is installed."""
+    is_known = planner is not None and planner.partition(":")[0] in PLANNERS
+    if is_known and robots >= MANY_ROBOTS and find_spec("numba") is None:
+        say(
+            f"warehouse: {planner} would plan for {robots} robots several times as fast with "
+            f"Numba: {install_command('fast')}",
+            error=True,
+        )
 
 
 def warn_of_lost_steps(agent: FleetAgent, seed: int, name: str) -> None:

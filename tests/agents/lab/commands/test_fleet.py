@@ -11,6 +11,7 @@ from helpers.command_line import Warehouse, write_mine
 from PIL import Image
 
 from agents.fleet.optimum import Optimum
+from agents.lab.commands.fleet import fleet as module
 from agents.lab.commands.fleet.fleet import find_orders
 from agents.lab.commands.fleet.report import LINES, diagnosis, share_of_possible, verdict
 from agents.lab.commands.fleet.report import measures_table as table
@@ -196,6 +197,33 @@ def test_a_planner_and_an_assignment_by_name_lead_all_robots(
     assert not episode.settings.dispatch
     assert episode.assignments
     assert episode.measures.blocked_by_robot == 0
+
+
+@pytest.mark.parametrize(
+    ("robots", "planner", "is_there", "is_told"),
+    [
+        (100, "pibt:turn_cost=1", False, True),
+        (99, "pibt", False, False),
+        (100, "pibt", True, False),
+    ],
+)
+def test_that_numba_would_help_many_robots_is_told_once(
+    robots: int,
+    planner: str,
+    is_there: bool,
+    is_told: bool,
+    warehouse: Warehouse,
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(module, "find_spec", lambda name: name if is_there else None)
+    Path("floor.txt").write_text("\n".join(["#" * 14, *["#" + "." * 12 + "#"] * 12, "#P" + "." * 10
+        + "D#", "#" * 14]))  # fmt: skip
+    done = warehouse("fleet", "--layout", "floor.txt", "--robots", robots, "--planner", planner,
+        "--max-steps", 1, "-n", 2, "--no-show",
+    )  # fmt: skip
+    assert done.code == 0
+    assert done.err.count("pip install 'numba") == is_told
+    assert done.err.count("100 robots several times as fast") == is_told
 
 
 def test_the_replay_draws_the_plans_of_chosen_robots(warehouse: Warehouse) -> None:

@@ -1,0 +1,87 @@
+"""Digests of what planners do, as a program: kernels that are compiled must print the same.
+
+Each line has a name and the SHA-256 of all cells. No run is bounded by the clock.
+"""
+
+from collections.abc import Iterator
+from hashlib import sha256
+
+import numpy as np
+
+from agents.mapf.graph import Graph
+from agents.mapf.kernels.buffers import IS_COMPILED
+from agents.mapf.lacam import LaCAM, lacam
+from agents.mapf.lanes import lane_costs
+from agents.mapf.lifelong import run_lifelong
+from agents.mapf.pibt import PIBT
+from agents.mapf.planner import Planner, Situation
+from agents.mapf.refinement import Refinement
+from agents.mapf.windows import WindowedPlanner
+from helpers.mapf_problems import random_problem
+from warehouse_core import random_layout, shelf_layout
+
+HOUR = 3600.0
+SEEDS = range(2)
+
+
+def lifelong() -> Iterator[tuple[str, np.ndarray]]:
+    """Yield lifelong runs of planners on floors without lanes, with lanes, and with turns."""
+    for seed in SEEDS:
+        layout = random_layout(14, 14, 0.2, seed)
+        shelves = shelf_layout(3, 3, 4, seed=seed)
+        for kind, graph, turn_cost in (
+            ("plain", Graph(layout), 0.0),
+            ("lanes", Graph(shelves, lane_costs(shelves)), 0.0),
+            ("turns", Graph(layout), 2.5),
+        ):
+            robots = len(graph.layout.open_cells) // 3
+            planners = {
+                "pibt": PIBT(graph, seed, turn_cost),
+                "rollouts": WindowedPlanner(graph, 8, 0, seed=seed, turn_cost=turn_cost),
+                "groups": WindowedPlanner(graph, 8, 12, seed=seed, turn_cost=turn_cost),
+            }
+            for name, planner in planners.items():
+                steps = 40 if name == "pibt" else 12
+                run = run_lifelong(graph, planner, robots, steps, seed)
+                yield f"{name} {kind} {seed}", run.cells
+            yield f"disturbed {kind} {seed}", disturbed(planners["groups"], graph, robots, seed)
+
+
+def disturbed(planner: Planner, graph: Graph, robots: int, seed: int) -> np.ndarray:
+    """Return a run in which robots stay, cells are closed, and some robots are urgent."""
+    stream, cells = np.random.default_rng(seed), graph.layout.open_cells
+    here, goals = (stream.permutation(cells)[:robots] for _ in range(2))
+    way = [here]
+    planner.reset()
+    for _ in range(12):
+        stays, urgent = stream.random(robots) < 0.05, stream.integers(robots, size=3)
+        closed = stream.permutation(cells)[:4]
+        here = planner.next_cells(Situation(here, goals, stays, closed, urgent))
+        goals = np.where(here == goals, stream.permutation(cells)[:robots], goals)
+        way.append(here)
+    return np.array(way)
+
+
+def once() -> Iterator[tuple[str, np.ndarray]]:
+    """Yield plans of whole problems, whose searches are bounded by rounds and trials."""
+    for seed in SEEDS:
+        problem = random_problem(random_layout(14, 14, 0.2, seed), 45, seed)
+        plan = lacam(problem, HOUR, seed)
+        yield f"lacam {seed}", plan.cells
+        refinement = Refinement(problem, plan, seed)
+        refinement.run(np.inf, 60)
+        yield f"refinement {seed}", refinement.plan().cells
+        for robots, rounds in ((3, 4_000), (12, 1_500)):
+            few = random_problem(random_layout(8, 8, 0.2, seed), robots, seed)
+            search = LaCAM(few, seed)
+            search.search(np.inf, rounds)
+            best = search.plan()
+            yield f"lacam-star {robots} {seed}", np.array([-1]) if best is None else best.cells
+
+
+if __name__ == "__main__":
+    print("compiled" if IS_COMPILED else "plain")
+    for part in (lifelong, once):
+        for what, cells in part():
+            numbers = np.ascontiguousarray(cells, np.int64)
+            print(f"{what}: {sha256(repr(cells.shape).encode() + numbers.tobytes()).hexdigest()}")
