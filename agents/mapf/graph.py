@@ -197,8 +197,8 @@ class Fields:
     """The distance fields of the goals that many robots have now, as rows of a matrix.
 
     Distances are whole numbers of steps, or of a tenth of a step where moves or turns have costs,
-    which are rounded to tenths. ``FAR`` stands for what is more. Rows of goals that nobody has are used
-    again once all rows take ``MAX_BYTES``.
+    which are rounded to tenths. ``FAR`` stands for what is more. Rows of goals that nobody has are
+    used again once all rows take ``MAX_BYTES``.
 
     Attributes:
         step: distance of a step without lanes and turns: 1 or ``PARTS``.

@@ -1,0 +1,187 @@
+"""What kernels promise, against brute force on tiny floors."""
+
+import random
+from heapq import heappop, heappush
+from itertools import product
+from math import inf
+
+import numpy as np
+import pytest
+from helpers.mapf_problems import problem_of, random_problem, situation
+from helpers.mapf_validator import plan_conflict, step_conflict
+
+from agents.errors import PlanError
+from agents.mapf.graph import Fields, Graph
+from agents.mapf.kernels import ways as kernels
+from agents.mapf.kernels.floor import FAR
+from agents.mapf.lacam import lacam, lacam_star
+from agents.mapf.pibt import PIBT
+from agents.mapf.refinement import Refinement
+from agents.mapf.windows import WindowedPlanner
+from warehouse_core import Layout, random_layout
+
+HOUR = 3600.0
+
+
+def is_free(way: list[int], step: int, after: int, others: list[list[int]]) -> bool:
+    """Return whether no other is in a cell after a step, nor comes from it."""
+    return all(
+        after != other[step + 1] and not (after == other[step] and way[-1] == other[step + 1])
+        for other in others
+    )
+
+
+def cheapest(rows: list[str], start: int, goal: int, others: list[list[int]], is_open: bool):
+    """Return the cost of the cheapest way among others by trying all cells, step by step."""
+    width, times = len(rows[0]), len(others[0])
+    distances = Graph(Layout(rows)).distances(goal)
+    reached = {(start, start == goal): 0}
+    best = inf
+    for step in range(times):
+        for (cell, has_been), cost in reached.items():
+            rests = all(other[later] != goal for other in others for later in range(step, times))
+            if not is_open and cell == goal and rests:
+                best = min(best, step)
+            if is_open and step == times - 1:
+                best = min(best, cost + (0 if has_been else distances[cell]))
+        if step == times - 1:
+            return best
+        following: dict[tuple[int, bool], float] = {}
+        for (cell, has_been), cost in reached.items():
+            for after in (cell, cell - 1, cell + 1, cell - width, cell + width):
+                if step_conflict(rows, [cell], [after]) is None and is_free(
+                    [cell], step, after, others
+                ):
+                    key = after, has_been or after == goal
+                    following[key] = min(following.get(key, inf), cost + (not has_been))
+        reached = following
+    raise AssertionError
+
+
+@pytest.mark.parametrize("is_open", [False, True])
+def test_ways_cost_what_brute_force_finds(is_open: bool) -> None:
+    stream, found = random.Random(2), 0
+    for _ in range(60):
+        layout = random_layout(6, 5, 0.15, stream.randrange(1000))
+        graph, cells = Graph(layout), layout.open_cells.tolist()
+        first = stream.sample(cells, 4)
+        goal, times = stream.choice(cells), 9
+        others, fields = [[cell] for cell in first[1:]], Fields(graph)
+        for _ in range(times - 1):
+            before = [way[-1] for way in others]
+            after = before
+            for _ in range(20):
+                tried = [
+                    stream.choice([cell, *graph.neighbours[cell][:4].tolist()]) for cell in before
+                ]
+                if min(tried) >= 0 and step_conflict(layout.rows, before, tried) is None:
+                    after = tried
+                    break
+            for way, cell in zip(others, after, strict=True):
+                way.append(cell)
+        ways = kernels.new_ways(fields.floor, 4, times, is_open)
+        places = np.asarray(ways.places).reshape(4, times)
+        places[0, 0], places[1:] = first[0], others
+        for robot in range(1, 4):
+            kernels.reserve(fields.floor, ways, robot, robot + 1)
+        ways.goals[0], ways.rows[0] = goal, int(fields.rows(np.array([goal]))[0]) * graph.places
+        frontier = kernels.new_frontier(fields.floor, ways)
+        arguments = fields.floor, ways, frontier, fields.table, 0
+        least = cheapest(layout.rows, first[0], goal, others, is_open)
+        cost = kernels.find_way(*arguments, FAR, stream.randrange(4))
+        if least == inf:
+            assert cost == kernels.NONE
+            continue
+        found += 1
+        assert cost == least
+        plan = places.T.tolist()
+        ends = [goal if not is_open else plan[-1][0], *plan[-1][1:]]
+        assert plan_conflict(layout.rows, first, ends, plan) is None
+        assert kernels.find_way(*arguments, int(least) - 1, 0) == kernels.NONE
+    assert found > 30
+
+
+def least_step_cost(rows: list[str], starts: list[int], goals: list[int]) -> int | None:
+    """Return the least sum of step costs, by Dijkstra's algorithm over all configurations."""
+    width, heap, settled = len(rows[0]), [(0, tuple(starts))], set()
+    while heap:
+        cost, before = heappop(heap)
+        if before == tuple(goals):
+            return cost
+        if before in settled:
+            continue
+        settled.add(before)
+        beside = [[cell, cell - 1, cell + 1, cell - width, cell + width] for cell in before]
+        for after in product(*beside):
+            if after not in settled and step_conflict(rows, before, after) is None:
+                ends = zip(before, after, goals, strict=True)
+                heappush(heap, (cost + sum(not a == b == goal for a, b, goal in ends), after))
+    return None
+
+
+def test_the_proved_cost_is_that_of_brute_force() -> None:
+    stream, solved = random.Random(5), 0
+    for number in range(16):
+        rows = [["....", ".#.."], ["...", "#.#"], ["....."], ["...", ".#.", "..."]][number % 4]
+        cells = [
+            row * len(rows[0]) + col
+            for row, col in product(range(len(rows)), range(len(rows[0])))
+            if rows[row][col] == "."
+        ]
+        robots = 2 + number % 2
+        starts, goals = stream.sample(cells, robots), stream.sample(cells, robots)
+        least = least_step_cost(rows, starts, goals)
+        if least is None:
+            with pytest.raises(PlanError, match="there is no plan"):
+                lacam_star(problem_of(rows, starts, goals), HOUR)
+            continue
+        solved += 1
+        assert lacam_star(problem_of(rows, starts, goals), HOUR).bound == least
+    assert 4 < solved < 16
+
+
+TREE = ["....", "#.##", "#.##"]
+"""A dead end below the second cell of a corridor with two ends."""
+
+
+@pytest.mark.parametrize(
+    ("starts", "goals"), [([0, 3], [3, 0]), ([9, 5], [5, 9]), ([9, 0], [0, 9])]
+)
+def test_two_change_places_in_a_tree(starts: list[int], goals: list[int]) -> None:
+    plan = lacam(problem_of(TREE, starts, goals), HOUR)
+    assert plan_conflict(TREE, starts, goals, plan.cells) is None
+    assert plan.makespan <= 14
+    planner, cells, reached = PIBT(Graph(Layout(TREE))), starts, set[int]()
+    for _ in range(20):
+        after = planner.next_cells(situation(cells, goals)).tolist()
+        assert step_conflict(TREE, cells, after) is None
+        cells = after
+        reached |= {robot for robot in (0, 1) if cells[robot] == goals[robot]}
+    assert reached == {0, 1}
+
+
+def test_groups_never_make_a_plan_worse_or_invalid() -> None:
+    """Each group is looked at by itself."""
+    gains = 0
+    for seed in range(3):
+        layout = random_layout(9, 9, 0.1, seed)
+        problem = random_problem(layout, 18, seed)
+        plan = lacam(problem, HOUR)
+        refinement, cost = Refinement(problem, plan, seed), plan.sum_of_costs
+        for _ in range(40):
+            refinement.run(inf, 1)
+            plan = refinement.plan()
+            ends = problem.starts, problem.goals
+            assert plan_conflict(layout.rows, *ends, plan.cells) is None
+            assert plan.sum_of_costs <= cost
+            gains += plan.sum_of_costs < cost
+            cost = plan.sum_of_costs
+    assert gains > 10
+
+
+def test_shared_goals_have_one_field() -> None:
+    layout = random_layout(12, 12, 0.1, 1)
+    planner, cells = WindowedPlanner(Graph(layout)), layout.open_cells.tolist()
+    goals = [cells[-1 - robot % 3] for robot in range(30)]
+    planner.next_cells(situation(cells[:30], goals))
+    assert len(planner._fields.matrix) - len(planner._fields._free) == 3
