@@ -86,9 +86,7 @@ MAY_IMPORT = {
     "agents/registry": "errors fleet learning mapf search warehouse_agent_greedy",
     "agents/lab/console": "errors lab lab/runs registry",
     "agents/lab/trials": "errors lab/console lab/runs learning registry",
-    "agents/lab/commands/fleet": (
-        "errors fleet lab lab/console lab/runs lab/trials mapf/kernels registry"
-    ),
+    "agents/lab/commands/fleet": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/commands/planners": (
         "errors fleet lab lab/console lab/trials mapf mapf/kernels registry"
     ),
