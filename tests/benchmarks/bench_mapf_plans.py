@@ -6,6 +6,7 @@ import pytest
 from helpers.mapf_problems import random_problem, random_problems
 from helpers.mapf_runs import check_planner, check_solver
 
+from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import solve_cbs
 from agents.mapf.graph import Graph
 from agents.mapf.lacam import lacam
@@ -19,12 +20,18 @@ from warehouse_core.motion.grid import GridMotion
 from warehouse_physics import RigidBodyMotion
 
 PROBLEMS, ON_BODIES = 2_000, 100
-SOLVERS = {"prioritised": solve_prioritised, "cbs": solve_cbs, "lacam": lacam, "pibt": pibt}
+SOLVERS = {
+    "prioritised": solve_prioritised,
+    "cbs": solve_cbs,
+    "lacam": lacam,
+    "anytime": solve_anytime,
+    "pibt": pibt,
+}
 MOTIONS = {"grid": (GridMotion, PROBLEMS), "physics": (RigidBodyMotion, ON_BODIES)}
 
 
 def improved(graph: Graph) -> Planner:
-    return WindowedPlanner(graph, window=10, replan=3, groups=5)
+    return WindowedPlanner(graph, window=10, groups=5)
 
 
 def cut_off(graph: Graph) -> Planner:

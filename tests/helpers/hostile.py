@@ -250,7 +250,6 @@ OTHER_NAMES = {
     "aisle": ("cells",),
     "height": ("size", "rows"),
     "width": ("size", "cells"),
-    "window": ("replan",),
     "beside": ("record",),
     "agents": ("needs one",),
     **dict.fromkeys(("floor_drag", "mass", "payload_mass"), ("motor_force",)),
