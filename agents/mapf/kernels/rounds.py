@@ -169,12 +169,28 @@ def exits(floor: Floor, team: Team, cell: int, behind: int) -> int:
 
 
 @kernel
+def has_room(floor: Floor, team: Team, behind: int, ahead: int, crowd: int) -> bool:
+    """Return whether so many robots can be pushed on to ``ahead`` and beyond it."""
+    start, cells = ahead, 0
+    while True:
+        cells += 1
+        crowd += team.robot_in[ahead] != NOBODY
+        found = exits(floor, team, ahead, behind)
+        if found < floor.size:
+            return crowd <= cells
+        behind, ahead = ahead, found % floor.size
+        if found >= 2 * floor.size or ahead == start:
+            return True
+
+
+@kernel
 def needs_swap(
     floor: Floor, team: Team, fields: Table, pusher: int, puller: int, behind: int, ahead: int
 ) -> bool:
     """Return whether two robots have to change places, since pushing on leads nowhere."""
-    push, pull, is_dead_end = team.rows[pusher], team.rows[puller], False
+    push, pull, is_dead_end, crowd = team.rows[pusher], team.rows[puller], False, 0
     while fields[push + ahead] < fields[push + behind]:
+        crowd += team.robot_in[ahead] != NOBODY
         found = exits(floor, team, ahead, behind)
         if found >= 2 * floor.size:
             return False
@@ -182,14 +198,16 @@ def needs_swap(
             is_dead_end = True
             break
         behind, ahead = ahead, found - floor.size
-    has_same_goal = team.goals[pusher] == team.goals[puller] != ahead
-    if team.is_final[0] == 0 and (has_same_goal or not is_dead_end):
-        return False  # the pusher gets to its goal, and leaves it again
+    if team.is_final[0] == 0:  # the pusher leaves its goal again, and only has to get there
+        if team.goals[pusher] == team.goals[puller] != ahead:
+            return False
+        if not is_dead_end and has_room(floor, team, behind, ahead, crowd):
+            return False
     is_back = fields[pull + behind] < fields[pull + ahead]
     # Who rests where the other wants to go has to come out.
-    is_back = is_back or (fields[push + ahead] == 0 and team.goals[puller] == ahead)
-    at_goal = behind == team.goals[pusher]
-    return is_back and (at_goal or fields[push + ahead] < fields[push + behind])
+    rests = team.places[puller] % floor.size == team.goals[puller]
+    is_back = is_back or (rests and team.goals[puller] == ahead == team.goals[pusher])
+    return is_back and (is_dead_end or behind == team.goals[pusher])
 
 
 @kernel
