@@ -7,6 +7,7 @@ import os
 import signal
 import sys
 import threading
+import time
 import traceback
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
@@ -23,6 +24,9 @@ from agents.errors import WorkerError
 from agents.lab.console.terminal import print_error
 
 DEFERRED = (signal.SIGINT, signal.SIGTERM)
+
+LOOK_SECONDS = 0.001
+"""Seconds between two looks at a process that has ended."""
 
 ENDING_SECONDS = 5.0
 """Time in which a process whose connection has ended must end."""
@@ -181,8 +185,10 @@ class _Process:
             self._process.join(ENDING_SECONDS)
             self._process.kill()  # if an agent has only closed its files
             self._process.join()
-            code, self._process = self._process.exitcode, None
-        assert code is not None, "it has ended"
+            # A thread that starts a process looks after all others, and may be about to know.
+            while (code := self._process.exitcode) is None:
+                time.sleep(LOOK_SECONDS)
+            self._process = None
         if code >= 0:
             return f"its process ended with exit code {code}"
         why = ", perhaps because memory ran out" if code == -signal.SIGKILL else ""
