@@ -41,6 +41,10 @@ PATIENCE = 40
 """Configurations for each step of the first plan, after which one with guidance is given up."""
 
 
+MAX_STATES = 100_000_000
+"""Cells times steps of a plan up to which it is refined; each takes 16 bytes."""
+
+
 def solve_anytime(problem: Problem, seconds: float, seed: int = 0, trials: float = inf) -> Plan:
     """Return the best plan that is found in so many seconds by the clock.
 
@@ -55,10 +59,12 @@ def solve_anytime(problem: Problem, seconds: float, seed: int = 0, trials: float
         PlanError: there is no plan, or none was found in time.
     """
     prepare_solvers()
-    search = LaCAM(problem, seed)
     begin = perf_counter()
     deadline = begin + seconds
-    plan = search.run(seconds, goes_on=False)
+    search = LaCAM(problem, seed)
+    plan = search.run(max(deadline - perf_counter(), 0.0), goes_on=False)
+    if not 0 < plan.makespan * problem.graph.size < MAX_STATES:
+        return plan
     if plan.sum_of_costs > CROWDED * problem.lower_bound and problem.robots > SMALL_TEAM:
         plan = _guided(problem, plan, seed, begin + GUIDED_SHARE * seconds)
     refinement = Refinement(problem, plan, seed, search.steps)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from functools import cached_property
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -193,12 +193,17 @@ class Graph:
         return csr_array((costs, (end, start)), shape=(self.places, self.places))
 
 
+def rounded(costs: Any) -> Any:
+    """Return costs as whole numbers of the parts of a step, and at least one part if not 0."""
+    return np.where(costs > 0, np.maximum(np.rint(costs * PARTS), 1), 0) / PARTS
+
+
 class Fields:
     """The distance fields of the goals that many robots have now, as rows of a matrix.
 
     Distances are whole numbers of steps, or of a tenth of a step where moves or turns have costs,
-    which are rounded to tenths. ``FAR`` stands for what is more. Rows of goals that nobody has are
-    used again once all rows take ``MAX_BYTES``.
+    which are rounded to tenths. ``FAR`` stands for longer ways, and for none. Rows of goals that
+    nobody has are used again once all rows take ``MAX_BYTES``.
 
     Attributes:
         step: distance of a step without lanes and turns: 1 or ``PARTS``.
@@ -211,6 +216,10 @@ class Fields:
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
         self.step = 1 if graph.costs is None and not graph.turn_cost else PARTS
+        # Distances are of rounded costs, so that no step shortens them by more than it costs.
+        costs = None if graph.costs is None else rounded(graph.costs)
+        self._rounded = Graph(graph.layout, costs, float(rounded(np.float64(graph.turn_cost))))
+        self._rounded.close(graph.closed)
         self.floor = self._new_floor()
         self.matrix = np.empty((0, graph.places), np.int32)
         self._buckets = (
@@ -232,6 +241,7 @@ class Fields:
         """Return the row of ``matrix`` of each goal; it holds until the next call."""
         if self._closed != self.graph.closed:
             self._closed = self.graph.closed
+            self._rounded.close(self._closed)
             self._row_of[:] = NO_ROW
             self._free = list(range(len(self.matrix)))
             self.floor = self._new_floor()
@@ -246,13 +256,13 @@ class Fields:
                 self.matrix[row] = FAR
                 measure(self.floor, goal, table_of(self.matrix[row]), *self._buckets)
             else:
-                field = self.graph.distances(goal, keep=False) * self.step
+                field = self._rounded.distances(goal, keep=False) * self.step
                 self.matrix[row] = np.minimum(np.rint(field), FAR)
         return self._row_of[goals]
 
     def _new_floor(self) -> Floor:
         """Return the floor of the graph, without the steps into cells that are closed."""
-        graph = self.graph
+        graph = self._rounded
         headings = graph.places // graph.size
         here = np.tile(np.arange(graph.size), headings)
         facing = np.repeat(np.arange(headings), graph.size)

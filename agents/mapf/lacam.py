@@ -24,7 +24,7 @@ DECISIONS = 10_000
 """Decisions of robots between two looks at the clock."""
 
 MAX_NUMBERS = 150_000_000
-"""Places in configurations beyond which LaCAM* is content with its plan; each takes 16 bytes."""
+"""Places in configurations beyond which the search ends; each takes 16 bytes."""
 
 
 def lacam(problem: Problem, seconds: float, seed: int = 0) -> Plan:
@@ -92,7 +92,7 @@ class LaCAM:
             seen = counted(int(self._search.counts[kernels.NODES]), "configuration")
             if self.is_done:
                 raise PlanError(f"there is no plan: LaCAM tried all {seen}")
-            raise PlanError(f"LaCAM found no plan in {seconds:g} s; it saw {seen}")
+            raise PlanError(f"LaCAM found no plan in {seconds:.3g} s; it saw {seen}")
         return plan
 
     def search(self, deadline: float, rounds: float = inf, *, goes_on: bool = True) -> None:
@@ -103,13 +103,13 @@ class LaCAM:
         robots = self.problem.robots
         self._search.counts[kernels.ANYTIME] = goes_on
         while not self.is_done and rounds > 0 and perf_counter() < deadline:
-            portion = int(min(max(DECISIONS // robots, 1), rounds))
+            portion = int(min(max(DECISIONS // max(robots, 1), 1), rounds))
             rounds -= portion
             status = kernels.explore(
                 self._search, self._team, self._floor, self._fields, self._steps, portion
             )
             if status == kernels.FULL:
-                if len(self._search.places) > MAX_NUMBERS and self.plan() is not None:
+                if len(self._search.places) > MAX_NUMBERS:
                     return
                 self._search = kernels.enlarged_search(self._search)
             elif status == kernels.FOUND:

@@ -1,8 +1,8 @@
 """Lifelong planning in windows: a plan of the next steps that is always free of conflicts.
 
-In each step the plan of the last is continued by a round of PIBT, or replaced by fresh rounds if
-these are better, and then refined group by group; see ``kernels/groups.py``. Next goals are not
-known: a robot that has arrived gives way.
+In each step the plan of the last is continued by a round of PIBT, and then refined group by group;
+see ``kernels/groups.py``. Every fifth step, fresh rounds of PIBT take its place if they are better.
+Next goals are not known: a robot that has arrived gives way.
 
 Sources: Li et al. (2021), Lifelong multi-agent path finding in large-scale warehouses, AAAI: the
 rolling horizon. Li et al. (2021), Anytime multi-agent path finding via large neighborhood search,
@@ -49,13 +49,10 @@ class WindowedPlanner:
     Args:
         graph: floor; with lanes as costs more robots reach their goals, see ``lanes.py``.
         window: steps that are planned ahead.
-        groups: groups of robots that are planned anew in each step, and kept if better.
+        groups: groups of robots that are planned anew in each step, and kept if no worse.
         seconds: time in each step after which no more groups are planned anew.
         seed: seed of the order in groups.
         turn_cost: see ``PIBT``.
-
-    Attributes:
-        fresh: steps since ``reset`` whose plan was made anew.
     """
 
     def __init__(
@@ -77,7 +74,6 @@ class WindowedPlanner:
 
     def reset(self) -> None:
         """Forget the last episode."""
-        self.fresh = 0
         self._ages: Integers = np.empty(0, np.intp)
 
     def next_cells(self, situation: Situation) -> Integers:
@@ -155,7 +151,6 @@ class WindowedPlanner:
                 self._since += 1
                 prices(floor, ways, table)
                 return
-        self.fresh += not holds
         self._since = 1
         places[:, 0] = self._here
         team.order[:] = self._order

@@ -32,6 +32,8 @@ def lifelong() -> Iterator[tuple[str, np.ndarray]]:
         for kind, graph, turn_cost in (
             ("plain", Graph(layout), 0.0),
             ("lanes", Graph(shelves, lane_costs(shelves)), 0.0),
+            ("odd", Graph(shelves, lane_costs(shelves, 1.04)), 0.83),
+            ("odd lanes", Graph(shelves, lane_costs(shelves, 1.04)), 0.0),
             ("turns", Graph(layout), 2.5),
         ):
             robots = len(graph.layout.open_cells) // 3

@@ -209,13 +209,13 @@ def find_way(
                     reached += later
             if seen[reached] == serial and spent[reached] <= total:
                 continue
-            level = max(total + left, free) - least
+            level = max(max(total + left, free) - least, bucket)
             if level > last:
                 continue
             seen[reached], spent[reached], frontier.came[reached] = serial, total, state
             entries[count], below[count], heads[level] = reached, heads[level], count
             count += 1
-    for level in range(bucket, last + 1):
+    for level in range(last + 1):
         heads[level] = NONE
     if found == NONE:
         return NONE

@@ -6,6 +6,8 @@ from helpers.mapf_runs import check_planner
 from helpers.mapf_validator import step_conflict
 
 from agents.mapf.graph import Graph
+from agents.mapf.lanes import lane_costs
+from agents.mapf.problem import Problem
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import Layout, random_layout
 
@@ -129,3 +131,11 @@ def test_the_plan_of_a_robot_begins_with_the_cell_just_chosen() -> None:
         assert cells == [step]
         assert planner.plan_of(0)[: 7 - step] == [*range(step, 7)]
     assert planner.plan_of(1) == []
+
+
+@pytest.mark.parametrize(("wrong_way", "turn_cost"), [(1.04, 0.0), (1.0, 0.83), (1.04, 0.37)])
+def test_costs_that_are_no_tenths_are_planned_with(wrong_way: float, turn_cost: float) -> None:
+    layout = random_layout(8, 8, 0.1, seed=2)
+    graph, plain = Graph(layout, lane_costs(layout, wrong_way)), random_problem(layout, 12, seed=2)
+    problem = Problem(graph, plain.starts, plain.goals)
+    assert check_planner(lambda graph: WindowedPlanner(graph, turn_cost=turn_cost), problem, 20) > 5

@@ -7,7 +7,7 @@ from __future__ import annotations
 
 import csv
 from collections.abc import Iterator
-from importlib.metadata import PackageNotFoundError, version
+from importlib.metadata import version
 from io import StringIO
 from pathlib import Path
 from typing import NamedTuple
@@ -16,6 +16,7 @@ from agents.errors import StoreError
 from agents.lab.commands.pogema.benchmark import SETS, Instance, Kind
 from agents.lab.commands.pogema.trial import Outcome
 from agents.lab.runs.programs import fingerprint, program_for
+from agents.mapf.kernels.buffers import IS_COMPILED
 from agents.registry import agent_file, agent_module
 from warehouse_core.files.reading import read_file
 
@@ -104,10 +105,8 @@ def program_of(planner: str) -> str:
 
 
 def _compiler() -> Iterator[str]:
-    try:
+    if IS_COMPILED:
         yield f"numba {version('numba')}"
-    except PackageNotFoundError:
-        return
 
 
 def _line(words: tuple[object, ...]) -> str:
