@@ -106,7 +106,7 @@ MAY_IMPORT = {
     "agents/lab/commands/grade": "errors lab/console lab/grading lab/reports lab/trials",
     "agents/lab/commands/pogema": (
         "errors lab/commands/planners lab/console lab/experiments lab/reports "
-        "lab/reports/analysis lab/reports/figures lab/runs lab/trials mapf registry"
+        "lab/reports/analysis lab/reports/figures lab/runs lab/trials mapf mapf/kernels registry"
     ),
     "agents/lab/commands": (
         "errors fleet lab lab/commands/export lab/commands/fleet lab/commands/gap "
