@@ -99,7 +99,7 @@ class Leaders:
         """Forget the leaders that have moved on, and find the next ones."""
         passed = done[self._leaders] - self._leaving * self._size
         is_gone = (self.nodes != NOWHERE) & (passed >= self.apart)
-        rows = np.flatnonzero(is_gone.any(axis=1))
+        rows = is_gone.any(axis=1).nonzero()[0]
         if not len(rows):
             return
         kept = np.argsort(is_gone[rows], axis=1, kind="stable")
@@ -124,7 +124,7 @@ class Leaders:
         to_nodes = self.nodes * self._size - ahead[:, None]
         before = stopping_speeds(to_nodes - self._size, downs[:, None], self._dt)
         # Robots that can still stop before all cells with leaders need not look at the leaders.
-        rows = np.flatnonzero((before < speeds[:, None]).any(axis=1))
+        rows = (before < speeds[:, None]).any(axis=1).nonzero()[0]
         if not len(rows):
             return
         leaders, dt, rates, before = self._leaders[rows], self._dt, downs[rows, None], before[rows]
