@@ -65,7 +65,7 @@ def solve_anytime(problem: Problem, seconds: float, seed: int = 0, trials: float
     plan = search.run(max(deadline - perf_counter(), 0.0), goes_on=False)
     if not 0 < plan.makespan * problem.graph.size < MAX_STATES:
         return plan
-    if plan.sum_of_costs > CROWDED * problem.lower_bound and problem.robots > SMALL_TEAM:
+    if plan.sum_of_costs > CROWDED * search.lower_bound and problem.robots > SMALL_TEAM:
         plan = _guided(problem, plan, seed, begin + GUIDED_SHARE * seconds)
     refinement = Refinement(problem, plan, seed, search.steps)
     while trials > 0 and perf_counter() < deadline:

@@ -18,7 +18,6 @@ from agents.lab.commands.planners.floors import (
     KIVA,
     FloorOption,
     find_floor,
-    parts,
     random_problem,
     scenario_problem,
 )
@@ -325,7 +324,7 @@ def run_league(
         raise PlanError(f"--robots is {count}; allowed: 1..{len(league.starts)} in {title}")
     cells = layout.numbers(league.starts[:count])
     tasks = [layout.numbers(task).tolist() for task in league.tasks]
-    part = parts(graph)
+    part = graph.parts
     for what, places in (("robot", cells[:, None].tolist()), ("task", tasks)):
         for number, each in enumerate(places):
             for cell in each:

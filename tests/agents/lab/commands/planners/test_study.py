@@ -110,7 +110,7 @@ def test_what_does_not_go_with_several_scenarios_is_named(
 
 
 def test_the_picture_has_shares() -> None:
-    solved, none = Attempt(3, 4, 4, 0.1), Attempt(None, None, 4, 0.1)
+    solved, none = Attempt(3, 4, 4, True, 0.1), Attempt(None, None, 4, False, 0.1)
     found = shares({("a", 5): [solved] * 20, ("a", 9): [solved, none], ("b", 5): [none] * 2})
     assert [found["a"][size].estimate for size in (5, 9)] == [1.0, 0.5]
     assert [found["a"][size].is_known for size in (5, 9)] == [True, False]
