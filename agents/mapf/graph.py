@@ -105,6 +105,12 @@ class Graph:
         turn_cost = real_number("turn_cost", turn_cost)
         return Graph(self.layout, self.costs, turn_cost) if turn_cost else self
 
+    def with_costs(self, costs: Costs | None = None, turn_cost: float = 0.0) -> Graph:
+        """Return a graph of the same cells, closed ones too, with other costs of moves."""
+        found = Graph(self.layout, costs, turn_cost)
+        found.close(self.closed)
+        return found
+
     @property
     def places(self) -> int:
         """The number of places: ``H * W``, or four times that where turns have a cost."""
@@ -211,9 +217,7 @@ def in_parts(graph: Graph) -> Graph:
         return np.where(costs > 0, np.maximum(np.rint(costs * PARTS), 1), 0) / PARTS
 
     costs = None if graph.costs is None else rounded(graph.costs)
-    found = Graph(graph.layout, costs, float(rounded(np.float64(graph.turn_cost))))
-    found.close(graph.closed)
-    return found
+    return graph.with_costs(costs, float(rounded(np.float64(graph.turn_cost))))
 
 
 class Fields:

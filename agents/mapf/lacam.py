@@ -13,7 +13,7 @@ from time import perf_counter
 import numpy as np
 
 from agents.errors import PlanError
-from agents.mapf.graph import Fields, Graph
+from agents.mapf.graph import Fields
 from agents.mapf.kernels import configurations as kernels
 from agents.mapf.kernels.buffers import buffer_of
 from agents.mapf.kernels.floor import NONE
@@ -70,7 +70,7 @@ class LaCAM:
         graph, goals = problem.graph, np.array(problem.goals, np.intp)
         fields = Fields(graph)
         rows = fields.rows(goals) * graph.places
-        self.steps = fields if fields.step == 1 else Fields(Graph(graph.layout))
+        self.steps = fields if fields.step == 1 else Fields(graph.with_costs())
         step_rows = self.steps.rows(goals) * graph.size
         self._floor, self._fields, self._steps = fields.floor, fields.table, self.steps.table
         self._team = team_of(graph.size, problem.robots, seed, is_final=True)

@@ -119,10 +119,10 @@ class PIBT:
         team.is_sorted[0] = 1
 
 
-def pibt(problem: Problem, seconds: float) -> Plan:
+def pibt(problem: Problem, seconds: float, seed: int = 0) -> Plan:
     """Return the steps until PIBT has led all robots to their goals at once.
 
     Raises:
         PlanError: it did not in time; there may be a plan.
     """
-    return solve_by_steps(PIBT(problem.graph), problem, seconds)
+    return solve_by_steps(PIBT(problem.graph, seed), problem, seconds)

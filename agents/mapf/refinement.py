@@ -6,7 +6,7 @@ from math import inf
 
 import numpy as np
 
-from agents.mapf.graph import Fields, Graph
+from agents.mapf.graph import Fields
 from agents.mapf.kernels.buffers import buffer_of
 from agents.mapf.kernels.groups import improve_until, new_groups
 from agents.mapf.kernels.prepare import prepare_solvers
@@ -31,7 +31,7 @@ class Refinement:
         self, problem: Problem, plan: Plan, seed: int | None = 0, steps: Fields | None = None
     ) -> None:
         prepare_solvers()
-        fields = steps or Fields(Graph(problem.graph.layout))
+        fields = steps or Fields(problem.graph.with_costs())
         goals, robots = np.array(problem.goals, np.intp), problem.robots
         rows = fields.rows(goals) * problem.graph.size
         self._floor, self._fields = fields.floor, fields.table

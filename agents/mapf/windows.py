@@ -19,7 +19,7 @@ import numpy as np
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels.buffers import buffer_of, prepare
 from agents.mapf.kernels.floor import FAR, NONE
-from agents.mapf.kernels.groups import improve, improve_until, new_groups, renew
+from agents.mapf.kernels.groups import PORTION, improve, improve_until, new_groups, renew
 from agents.mapf.kernels.rollouts import prices, roll
 from agents.mapf.kernels.rounds import team_of
 from agents.mapf.kernels.ways import (
@@ -47,6 +47,9 @@ FRESH = 5
 MAX_WINDOW = 10_000
 """Limit on the steps of a window, each of which takes memory for all cells."""
 
+MAX_STATES = 2**31
+"""States of a search in a window, which are numbers of 32 bits; each takes up to 24 bytes."""
+
 
 class WindowedPlanner:
     """Plans the next steps of all robots, refines the plan, and takes the first step.
@@ -69,10 +72,11 @@ class WindowedPlanner:
         seed: int = 0,
         turn_cost: float = 0.0,
     ) -> None:
-        self.window = whole_number("window", window, 2, MAX_WINDOW)
         self.groups, self.seed = whole_number("groups", groups, 0), seed_number(seed)
         self.seconds = real_number("seconds", seconds, finite=False)
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
+        most = min(MAX_WINDOW, MAX_STATES // (2 * graph.places) - 1)
+        self.window = whole_number("window", window, 2, most)
         self._fields = Fields(graph)
         prepare(roll, prices, improve, renew, reserve)
         self.reset()
@@ -203,5 +207,7 @@ class WindowedPlanner:
         reserve_only(floor, ways, np.arange(len(self._places)))
         anew = buffer_of(np.flatnonzero(self._has_new_goal))
         search = floor, ways, self._frontier, self._groups, self._table
-        renew(*search, anew)
+        for first in range(0, len(anew), PORTION):
+            if perf_counter() < deadline:
+                renew(*search, anew[first : first + PORTION])
         improve_until(*search, deadline, self.groups)

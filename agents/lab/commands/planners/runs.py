@@ -79,7 +79,7 @@ def make_stepper(
 def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solver:
     """Return a solver by name, or one that asks a planner of the registry for each step."""
     prepare_solvers()
-    solver = registry.make_solver(name, SOLVERS)
+    solver = registry.make_solver(name, SOLVERS, seed)
     if solver is not None:
         return solver
     if ":" not in name and name not in PLANNERS:

@@ -181,6 +181,14 @@ def test_a_solver_of_a_user_takes_arguments(folder: Path, warehouse: Warehouse) 
         assert json.loads(Path("plan.json").read_text())["makespan"] == makespan
 
 
+def test_a_solver_of_a_user_gets_the_seed(folder: Path, warehouse: Warehouse) -> None:
+    ways = TRIVIAL.replace("ways=0", "seed=9")
+    Path("mine.py").write_text(f"{ways}return Plan.of([[0] * seed + [0, 1, 2], [1, 6, 6]])")
+    words = ("--planner", "mine.py:mine", "--seed", "3", "-o", "plan.json")
+    assert warehouse("mapf", folder / "hall-1.scen", *words).code == 0
+    assert json.loads(Path("plan.json").read_text())["makespan"] == 5
+
+
 @pytest.mark.parametrize(
     ("name", "message"),
     [
