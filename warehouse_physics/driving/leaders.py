@@ -14,6 +14,7 @@ import math
 
 import numpy as np
 
+from warehouse_core.world.tables import Flags
 from warehouse_physics.driving.dependencies import Dependencies
 from warehouse_physics.driving.limits import Limits
 from warehouse_physics.profile import Floats, stopping_distances, stopping_speeds
@@ -124,7 +125,8 @@ class Leaders:
         to_nodes = self.nodes * self._size - ahead[:, None]
         before = stopping_speeds(to_nodes - self._size, downs[:, None], self._dt)
         # Robots that can still stop before all cells with leaders need not look at the leaders.
-        rows = (before < speeds[:, None]).any(axis=1).nonzero()[0]
+        is_near: Flags = (before < speeds[:, None]).any(axis=1)
+        rows = is_near.nonzero()[0]
         if not len(rows):
             return
         leaders, dt, rates, before = self._leaders[rows], self._dt, downs[rows, None], before[rows]
