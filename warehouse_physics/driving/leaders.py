@@ -14,7 +14,6 @@ import math
 
 import numpy as np
 
-from warehouse_core.world.tables import Flags
 from warehouse_physics.driving.dependencies import Dependencies
 from warehouse_physics.driving.limits import Limits
 from warehouse_physics.profile import Floats, stopping_distances, stopping_speeds
@@ -125,8 +124,7 @@ class Leaders:
         to_nodes = self.nodes * self._size - ahead[:, None]
         before = stopping_speeds(to_nodes - self._size, downs[:, None], self._dt)
         # Robots that can still stop before all cells with leaders need not look at the leaders.
-        is_near: Flags = (before < speeds[:, None]).any(axis=1)
-        rows = is_near.nonzero()[0]
+        rows = np.flatnonzero((before < speeds[:, None]).any(axis=1))
         if not len(rows):
             return
         leaders, dt, rates, before = self._leaders[rows], self._dt, downs[rows, None], before[rows]
