@@ -108,18 +108,25 @@ class Dependencies:
             if self._latest.get(cell) == visit:
                 del self._latest[cell]  # nobody has to wait for it any more
 
-    def cut(self, robot: int, number: int, reached: Sequence[int]) -> dict[int, bool]:
+    def cut(
+        self, robot: int, number: int, reached: Sequence[int], present: Sequence[int]
+    ) -> dict[int, bool]:
         """Discard the nodes that cannot be reached any more, as a robot has failed.
 
         Nobody else enters its cells, and all ways end in different cells, except where two robots
-        have failed between the same two cells. A robot that is already on its way to a node that is
-        discarded goes back: its way then has the nodes that lead there, with new numbers, in the
-        order in which the robots behind it leave them. It cannot go there if a robot that has
-        failed reaches into one of these cells.
+        have failed between the same two cells. A robot that cannot stop before a node that is
+        discarded drives on until it rests, and goes back: the nodes that lead back are appended to
+        its way, in the order in which the robots behind it leave them. It cannot go back if a robot
+        that has failed reaches into one of these cells.
 
-        The robot stays at the node ``number``, or between it and the next. ``reached`` are the
-        nodes that robots are at, or drive to. Return the other robots whose ways have changed, and
-        whether they go back.
+        Args:
+            robot: robot that stays at the node ``number``, or between it and the next.
+            number: node of this robot.
+            reached: ``[R]``, nodes that robots are at, or cannot stop before.
+            present: ``[R]``, first node of each way whose cell the robot has not left.
+
+        Returns:
+            The other robots whose ways have changed, and whether they go back.
         """
         follower = {
             node.after: Visit(each, at)
@@ -133,32 +140,29 @@ class Dependencies:
             for each, last in enumerate(keep)
             if last < self.last(each) and each != robot
         }
-        backwards = [each for each in changed if changed[each]]
-        firsts = {each: self.last(each) + 1 for each in backwards}
 
         def after(each: int, at: int) -> Visit | None:
             """Return the visit that ends before a robot goes back to its node ``at``."""
             behind = follower.get(Visit(each, at))
             if behind is None or behind.number > reached[behind.robot]:
                 return None
-            if behind.robot not in firsts:  # the one that has failed, and reaches into this cell
+            if not changed.get(behind.robot):  # the one that has failed, and reaches into this cell
                 return None
-            back = reached[behind.robot] - behind.number
-            return Visit(behind.robot, firsts[behind.robot] + back)
+            return Visit(behind.robot, 2 * reached[behind.robot] - behind.number)
 
-        ways = [
-            deque(
+        back = {
+            each: [
                 WayCell(self.node(each, at).cell, after(each, at))
-                for at in range(reached[each], keep[each] - 1, -1)
-            )
-            for each in backwards
-        ]
-        for each, way in zip(backwards, ways, strict=True):
-            self._ways[each], self._firsts[each] = way, firsts[each]
-        for each in {robot, *changed} - set(backwards):
-            while self.last(each) > keep[each]:
+                for at in range(reached[each] - 1, keep[each] - 1, -1)
+            ]
+            for each, goes_back in changed.items()
+            if goes_back
+        }
+        for each in {robot, *changed}:
+            while self.last(each) > (reached if each in back else keep)[each]:
                 self._ways[each].pop()
-        self._find_latest([0 if each in firsts else at - 1 for each, at in enumerate(reached)])
+            self._ways[each].extend(back.get(each, ()))
+        self._find_latest(present)
         return changed
 
     def _reachable(self, robot: int, number: int, follower: dict[Visit, Visit]) -> list[int]:
@@ -175,14 +179,14 @@ class Dependencies:
             keep[each] = min(keep[each], last)
         return keep
 
-    def _find_latest(self, firsts: Sequence[int]) -> None:
-        """Find the last visit of each cell, of the nodes from ``firsts`` on."""
+    def _find_latest(self, present: Sequence[int]) -> None:
+        """Find the last visit of each cell, of the nodes from ``present`` on."""
         visits: dict[Visit, WayCell] = {}
         earlier: set[Visit | None] = set()
         for robot, way in enumerate(self._ways):
             own: dict[Cell, Visit] = {}
             for number, node in enumerate(way, self._firsts[robot]):
-                if number >= min(firsts[robot], self.last(robot)):
+                if number >= min(present[robot], self.last(robot)):
                     earlier |= {node.after, own.get(node.cell)}
                     own[node.cell] = visit = Visit(robot, number)
                     visits[visit] = node

@@ -22,7 +22,7 @@ from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.driven_arena import DrivenArena
 from warehouse_physics.driving.dependencies import Dependencies
 from warehouse_physics.driving.headings import Headings
-from warehouse_physics.driving.leaders import Leaders
+from warehouse_physics.driving.leaders import NOWHERE, Leaders
 from warehouse_physics.driving.limits import Limits
 from warehouse_physics.driving.motors import Motors
 from warehouse_physics.energy import spent
@@ -74,6 +74,8 @@ class Driver:
         self._along = np.tile((1.0, 0.0), (robots, 1))
         self._has_corner = np.zeros(robots, np.bool_)
         self._lasts = np.zeros(robots, np.int64)  # nodes of the whole ways
+        # Robots that brake for a failure, go back when they rest, and so turn before this node.
+        self._backs = np.full(robots, NOWHERE)
         self.work = np.zeros(robots)
         self._motors.load()
         self._look()
@@ -152,7 +154,8 @@ class Driver:
         is_slow = self._speeds <= limits.corner_speeds + SLOW
         is_free = self._leaders.nodes[:, 0] > self._ends
         is_turning: Flags = self._has_corner & is_near & is_slow & is_free
-        return (self._have_arrived() | is_turning) & ~self.stands
+        goes_back: Flags = (self._backs == self._ends) & (np.abs(self._speeds) <= SLOW)
+        return (self._have_arrived() | is_turning | goes_back) & ~self.stands
 
     def _turning(self) -> Flags:
         """Return whether each robot is off the line of its leg, ``[R]``."""
@@ -177,7 +180,7 @@ class Driver:
         wanted = np.where(is_before, wanted, -wanted)
         fastest = self._motors.fastest(self._speeds, np.where(self._speeds < 0, downs, ups))
         speeds: Floats = np.minimum(wanted, fastest) if is_exact else wanted
-        stands = self._headings.turn(self.stands)
+        stands = self._headings.turn(self.stands | (self._backs != NOWHERE))
         if stands.any():
             # Robots that drive otherwise than they are commanded brake as hard as they can.
             slower = np.maximum(np.abs(self._speeds) - downs * dt, 0.0) if is_exact else 0.0
@@ -223,19 +226,25 @@ class Driver:
         self.closed |= {
             self.ways.node(robot, each).cell for each in range(number, reached[robot] + 1)
         }
-        for each, goes_back in self.ways.cut(robot, number, reached.tolist()).items():
+        present = np.floor((self._done - apart) / size).astype(int) + 1
+        changed = self.ways.cut(robot, number, reached.tolist(), present.tolist())
+        for each, goes_back in changed.items():
             self._lasts[each] = last = self.ways.last(each)
             if goes_back:
-                self._set_leg(each, self.ways.first(each))
+                self._backs[each] = self._ends[each] = reached[each]
+                self._has_corner[each] = False
             elif self._ends[each] >= last:
                 self._ends[each], self._has_corner[each] = last, False
+                self._backs[each] = NOWHERE
         self._lasts[robot] = number
         for each in range(len(self.stands)):
             self._leaders.find_anew(each, self._done)
         if self._slippery:
             self._expect_slips(range(len(self.stands)))
+        goes_back = self._backs != NOWHERE
+        done = np.where(goes_back, 2 * self._backs * size - self._done, self._done)
         for each in range(len(self.stands)):
-            ahead = self.ways.nodes(each, int(self._done[each] // size) + 1)
+            ahead = self.ways.nodes(each, int(done[each] // size) + 1)
             if not self.failed[each] and any(node.cell in self.closed for _, node in ahead):
                 self.fail(each)
 
@@ -256,13 +265,15 @@ class Driver:
         reach = 2 + int(self._limits.usual_reach / self._size)
         for robot in robots:
             here = int(self._done[robot] // self._size)
-            cells = (node.cell for _, node in self.ways.nodes(robot, here - 1))
+            first = max(here - 1, self.ways.first(robot))  # where it stands is part of its way
+            numbers = range(first, self.ways.last(robot) + 1)
+            cells = (self.ways.node(robot, number).cell for number in numbers)
             slips[robot] = not self._slippery.isdisjoint(islice(cells, reach + 2))
         self._limits.slip(slips)
 
     def _set_leg(self, robot: int, start: int) -> None:
         """Let a robot drive the straight run of its way that begins at a node."""
-        self._starts[robot], self._ends[robot] = start, start + 1
+        self._starts[robot], self._ends[robot], self._backs[robot] = start, start + 1, NOWHERE
         self._along[robot] = along = np.array(self.ways.move(robot, start + 1)[::-1], float)
         self._headings.face(robot, along)
         self._origins[robot] = centre_of(self.ways.node(robot, start).cell, self._size)

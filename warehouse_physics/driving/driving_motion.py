@@ -158,12 +158,17 @@ class DrivingMotion(BodyMotion):
 
         Raises:
             ValueError: another number of cells than robots, or robots cannot make this step, as
-                ``check_joint_step`` says; nothing has changed.
+                ``check_joint_step`` says; or one has failed, or is to enter a cell that a failed
+                robot closes. Nothing has changed then.
             RuntimeError: as for ``advance``.
         """
-        ends = self.ways().ends
+        ends, _, _, failed, closed = self.ways()
         assert self._layout is not None
         check_joint_step(self._layout, ends, cells)
+        for robot, (end, cell) in enumerate(zip(ends, cells, strict=True)):
+            if cell != end and (failed[robot] or cell in closed):
+                why = "it has failed" if failed[robot] else "a robot that has failed closes it"
+                raise ValueError(f"robot {robot} cannot go from {end} to {cell}; {why}")
         self._driven().extend(cells)
         self._begun = None
 
