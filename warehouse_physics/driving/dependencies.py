@@ -150,18 +150,24 @@ class Dependencies:
                 return None
             return Visit(behind.robot, 2 * reached[behind.robot] - behind.number)
 
-        back = {
-            each: [
+        backwards = [each for each, goes_back in changed.items() if goes_back]
+        ways = [
+            # It waits for nobody on the way to where it rests, which is before the last of these.
+            [
+                WayCell(self.node(each, at).cell, None)
+                for at in range(keep[each] + 1, reached[each] + 1)
+            ]
+            + [
                 WayCell(self.node(each, at).cell, after(each, at))
                 for at in range(reached[each] - 1, keep[each] - 1, -1)
             ]
-            for each, goes_back in changed.items()
-            if goes_back
-        }
+            for each in backwards
+        ]
         for each in {robot, *changed}:
-            while self.last(each) > (reached if each in back else keep)[each]:
+            while self.last(each) > keep[each]:
                 self._ways[each].pop()
-            self._ways[each].extend(back.get(each, ()))
+        for each, way in zip(backwards, ways, strict=True):
+            self._ways[each].extend(way)
         self._find_latest(present)
         return changed
 
