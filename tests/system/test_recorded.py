@@ -26,7 +26,7 @@ import pytest
 if __name__ == "__main__":
     sys.path[:0] = [str(Path(__file__).parents[1])]
 
-from helpers.command_line import LEAVES
+from helpers.command_line import LEAVES, ROOT
 from helpers.drawn import drawn
 from helpers.fleets import fleet_episode
 from helpers.pictures import ROOM, short_episode
@@ -285,8 +285,12 @@ CASES: dict[str, Callable[[], Lines]] = {
 
 def lines_of(case: str) -> list[str]:
     with TemporaryDirectory() as folder, chdir(folder):
-        found = [line.replace(folder, "") for line in CASES[case]() if not VERSIONS.search(line)]
-    return [LONG.sub(lambda number: f"{float(number[0]):.6g}", line) for line in found]
+        lines = [line.replace(folder, "").replace(str(ROOT), "") for line in CASES[case]()]
+    return [
+        LONG.sub(lambda number: f"{float(number[0]):.6g}", line)
+        for line in lines
+        if not VERSIONS.search(line)
+    ]
 
 
 def recorded() -> dict[str, list[str]]:
