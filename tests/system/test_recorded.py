@@ -14,9 +14,13 @@ from collections.abc import Callable, Iterator
 from contextlib import chdir, redirect_stdout
 from dataclasses import replace
 from functools import partial
+from hashlib import sha256
+from inspect import isclass, signature
 from io import StringIO
+from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
+from types import FunctionType
 from typing import Any
 
 import matplotlib
@@ -29,11 +33,16 @@ if __name__ == "__main__":
 from helpers.command_line import LEAVES, ROOT
 from helpers.drawn import drawn
 from helpers.fleets import fleet_episode
+from helpers.kernel_digests import HOUR, lifelong, once
+from helpers.mapf_problems import random_problems
 from helpers.pictures import ROOM, short_episode
 from helpers.player import said_by
 from helpers.results_files import BAD, GOOD, Cases, fill, fleet_row, outcomes, scores_of
 from matplotlib.figure import Figure
 
+import warehouse_core
+import warehouse_physics
+from agents.errors import PlanError
 from agents.lab.commands import cli
 from agents.lab.commands.export.recording import entries
 from agents.lab.commands.planners.picture import curves_figure
@@ -43,6 +52,8 @@ from agents.lab.training.curve import learning_curve
 from agents.lab.training.exams import ExamPoint
 from agents.lab.trials.figure import scores_figure, sizes_figure
 from agents.lab.trials.interval import Interval
+from agents.mapf.cbs import ConflictTree
+from agents.mapf.eecbs import ExplicitTree
 from agents.registry import make_fleet_agent
 from agents.run_episode import run_episode
 from warehouse_core import (
@@ -50,6 +61,8 @@ from warehouse_core import (
     EpisodeRecorder,
     FleetEnv,
     WarehouseEnv,
+    gymnasium_env,
+    pettingzoo_env,
     record_fleet_episode,
     shelf_layout,
 )
@@ -62,7 +75,7 @@ from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.svg import animated_svg
 from warehouse_core.viz.tracks import Frame, Pose, Track, track_of_record
 from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Waiting
-from warehouse_physics import DrivingMotion, RigidBodyMotion, RobotSpec
+from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, RobotSpec, Stop
 
 RECORD = Path(__file__).parents[1] / "data/recorded.txt.gz"
 
@@ -130,12 +143,13 @@ def of_command(words: str) -> Lines:
 
 
 def of_record(episode: Episode) -> Lines:
-    """Yield its arrays and its messages for other programs."""
+    """Yield its arrays, of which long ones are thinned out, and its messages for others."""
     episode.save("x.npz")
     with np.load("x.npz") as arrays:
         for name, values in arrays.items():
-            text = bytes(values).decode() if values.dtype == np.uint8 else str(values.tolist())
-            yield f"{name} {values.dtype} {text}"
+            few = values[:: 1 + len(values) // 40] if values.ndim else values
+            text = bytes(values).decode() if values.dtype == np.uint8 else str(few.tolist())
+            yield f"{name} {values.dtype} {values.shape} {text}"
     for time, topic, message in entries(episode):
         yield f"{time} {topic} {json.dumps(message)}"
 
@@ -146,6 +160,16 @@ def options() -> Lines:
         for each in command.params:
             kept = (each.default, each.min, each.max, each.multiple, each.required)
             yield f"{name} {each.opts} {each.secondary_opts} {kept}"
+
+
+def interface() -> Lines:
+    """Yield the defaults and the metadata of everything public."""
+    packages = warehouse_core, warehouse_physics, gymnasium_env, pettingzoo_env
+    for each in (getattr(package, name) for package in packages for name in package.__all__):
+        if isinstance(each, FunctionType) or (isclass(each) and "__init__" in vars(each)):
+            parameters = signature(each).parameters.values()
+            defaults = {one.name: one.default for one in parameters if one.default is not one.empty}
+            yield f"{each.__name__} {defaults} {getattr(each, 'metadata', None)}"
 
 
 def lone() -> Lines:
@@ -183,9 +207,40 @@ def driven() -> Lines:
     yield from of_record(episode)
 
 
+def slipping() -> Lines:
+    """Yield records of robots on floors that differ, with weak motors and a stop."""
+    layout = shelf_layout(2, 2, aisle=2, pickups=2, dropoffs=2)
+    icy = frozenset((row, col) for row in range(layout.height) for col in range(0, layout.width, 2))
+    shocks = Disturbances(0.2, icy, 0.012, 0.8, 0.5)
+    driving = DrivingMotion(HEAVY, replace(shocks, stops=(Stop(1, 3.0, 4.0),)), period=0.3)
+    for motion in (driving, RigidBodyMotion(HEAVY, shocks)):
+        env = FleetEnv(layout, 4, orders=0.3, max_steps=8, people=1, backend=motion)
+        agent = make_fleet_agent("windowed", "urgent", 1, layout, 4)
+        yield from islice(of_record(record_fleet_episode(env, agent, seed=2)), 40)
+
+
+def planners() -> Lines:
+    """Yield digests of runs and plans, and the trees of searches that are optimal or bounded."""
+    for name, cells in (*islice(lifelong(), 20), *islice(once(), 4)):
+        numbers = np.ascontiguousarray(cells, np.int64)
+        yield f"{name} {cells.shape} {sha256(numbers.tobytes()).hexdigest()[:16]}"
+    for problem in random_problems(12, seed=3, max_size=6, max_robots=6):
+        for tree in (ConflictTree(problem), ExplicitTree(problem, 1.3)):
+            try:
+                plan = tree.solve(HOUR)
+            except PlanError as error:
+                yield str(error)
+            else:
+                yield f"{len(tree.nodes)} nodes {plan.costs} {plan.cells.tolist()}"
+
+
 def signs() -> Lines:
-    """Yield a large fleet with everything that may be drawn of one."""
-    rows = ("P.....D#",) + ("........",) * 4
+    """Yield a large fleet with all signs, on a small and on a large floor."""
+    for rows in (("P.....D#",) + ("........",) * 4, ("P.....D#" + "." * 52,) + ("." * 60,) * 40):
+        yield from of_tracks(track_with_all_signs(rows))
+
+
+def track_with_all_signs(rows: tuple[str, ...]) -> Track:
     poses = tuple(Pose((n % 8 + 0.5, n // 8 + 0.5), n / 2, n % 3 == 0) for n in range(14))
     people = Pose((6.5, 4.5), None, False), Pose((7.5, 4.5), 1.0, False)
     plans = StepPlans({0: [(1, 1), (1, 2)]}, {1: [(1, 2), (2, 2), (2, 3)]}, {2: 3})
@@ -195,13 +250,15 @@ def signs() -> Lines:
         battery = tuple(min(n * step / 10, 1.0) for n in range(14))
         waiting = tuple(Waiting((n + 0.5, 3.5), n + step, n) for n in range(4))
         fleet = FleetFrame(waiting, items, battery, plans)
+        route = tuple((n + 0.5, 1.5) for n in range(step))
         hits = (DrawnHit((4.0, 2.5), "12 N·s"),) if step % 2 else ()
-        frames.append(Frame(rows, poses + people, float(step), f"at {step}", hits, fleet=fleet))
-    track = Track(
+        frames.append(
+            Frame(rows, poses + people, float(step), f"at {step}", hits, fleet=fleet, route=route)
+        )
+    return Track(
         frames, {}, title="All", ending="the end", lateness=[(1, 2), (2, -4)],
         held_up=[(1, (0, 2)), (2, (3, 7))], slippery=((2, 5),),
     )  # fmt: skip
-    yield from of_tracks(track)
 
 
 def pair() -> Lines:
@@ -234,6 +291,7 @@ def charts() -> Lines:
 def reports() -> Lines:
     """Yield the figures and pages of reports, and their tables for other programs."""
     good, bad = outcomes("dddddddddw"), outcomes("ddoo", 10, 30)
+    equal = outcomes("wddddddddd")
     odd = [GOOD._replace(seed=90), BAD._replace(seed=91)]
     shifts = [fleet_row(0), fleet_row(1, per_hour=90.0)]
     cases: list[Cases] = [
@@ -242,7 +300,7 @@ def reports() -> Lines:
             for escape in (True, False)
             for radius in (1, 2)
         ],
-        [({"backend": backend}, good + odd) for backend in ("grid", "physics")],
+        [({"backend": "grid"}, good + odd), ({"backend": "physics"}, equal + odd)],
         [({"robots": robots}, [*shifts, fleet_row(2, joules=robots)]) for robots in (2, 4)],
     ]
     for number, each in enumerate(cases):
@@ -260,7 +318,10 @@ def reports() -> Lines:
         yield from of_command(f"export {number}.sqlite {number}.csv")
 
 
-KINDS = version, options, lone, seen, bodies, fleet, driven, signs, pair, maps, charts, reports
+KINDS = (
+    version, options, interface, planners, lone, seen, bodies, fleet, driven, slipping, signs, pair,
+    maps, charts, reports,
+)  # fmt: skip
 
 COMMANDS = (
     "search --save x.svg --still",
