@@ -10,7 +10,7 @@ import gzip
 import json
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import chdir, redirect_stdout
 from dataclasses import replace
 from functools import partial
@@ -21,7 +21,7 @@ from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import FunctionType
-from typing import Any
+from typing import Any, ClassVar
 
 import matplotlib
 import numpy as np
@@ -52,20 +52,27 @@ from agents.lab.training.curve import learning_curve
 from agents.lab.training.exams import ExamPoint
 from agents.lab.trials.figure import scores_figure, sizes_figure
 from agents.lab.trials.interval import Interval
+from agents.lab.trials.rows import row_of
 from agents.mapf.cbs import ConflictTree
 from agents.mapf.eecbs import ExplicitTree
+from agents.mapf.lacam import LaCAM
 from agents.registry import make_fleet_agent
 from agents.run_episode import run_episode
 from warehouse_core import (
+    Cell,
     Episode,
     EpisodeRecorder,
     FleetEnv,
+    GridMotion,
+    Layout,
+    Outcome,
     WarehouseEnv,
     gymnasium_env,
     pettingzoo_env,
     record_fleet_episode,
     shelf_layout,
 )
+from warehouse_core.conformance.suite import CHECKS
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.viz.axes.congestion import congestion_picture
 from warehouse_core.viz.axes.heat_map import blocked_heat_map, heat_map
@@ -83,6 +90,7 @@ HEAVY = RobotSpec(mass=120, radius=0.45, cell_size=1.4, top_speed=1.1)
 
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e-?\d+)?")
 LONG = re.compile(r"\d+\.\d{6,}(?:e-?\d+)?")
+NAMELESS = re.compile(r" at 0x\w+")
 VERSIONS = re.compile("<th scope=.row.>(Python|warehouse-lab|numpy|scipy|matplotlib)<")
 """Lines with versions."""
 
@@ -158,8 +166,42 @@ def options() -> Lines:
     """Yield the options of all commands with their defaults and limits."""
     for name, command in LEAVES.items():
         for each in command.params:
+            reader = vars(each.type_descriptor.parameter_info).get("parser")
+            check = getattr(reader, "check", None)
+            limits = vars(check) if hasattr(check, "__dict__") else check
             kept = (each.default, each.min, each.max, each.multiple, each.required)
-            yield f"{name} {each.opts} {each.secondary_opts} {kept}"
+            yield f"{name} {each.opts} {each.secondary_opts} {kept} {NAMELESS.sub('', str(limits))}"
+
+
+class Counted(GridMotion):
+    """A grid that counts and mixes what it is asked."""
+
+    batch = fleet_batch = None
+    asked: ClassVar[list[object]] = []
+
+    def reset(self, layout: Layout, cells: Sequence[Cell], seed: int) -> None:
+        self.asked.append((layout.rows, [*cells], seed))
+        super().reset(layout, cells, seed)
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        self.asked.append(([*displacements], [*map(bool, loaded)]))
+        return super().advance(displacements, loaded)
+
+
+def conformance() -> Lines:
+    """Yield how much each check asks of a motion, and a digest of it."""
+    for check in CHECKS:
+        Counted.asked.clear()
+        check(Counted)
+        digest = sha256(repr(Counted.asked).encode()).hexdigest()[:16]
+        yield f"{check.__name__} {len(Counted.asked)} {digest}"
+
+
+def rows() -> Lines:
+    """Yield what a sweep keeps of episodes, most of which fail."""
+    for agent in ("random", "reflex", "greedy:escape_steps=0"):
+        for seed in range(4):
+            yield str(row_of(run_episode(agent, "grid", seed=seed)))
 
 
 def interface() -> Lines:
@@ -225,6 +267,11 @@ def planners() -> Lines:
         numbers = np.ascontiguousarray(cells, np.int64)
         yield f"{name} {cells.shape} {sha256(numbers.tobytes()).hexdigest()[:16]}"
     for problem in random_problems(12, seed=3, max_size=6, max_robots=6):
+        star = LaCAM(problem, 1)
+        for rounds in (20, 100, 400):
+            star.search(np.inf, rounds)
+            plan = star.plan()
+            yield f"lacam-star {star.is_done} {plan.costs.sum() if plan else None}"
         for tree in (ConflictTree(problem), ExplicitTree(problem, 1.3)):
             try:
                 plan = tree.solve(HOUR)
@@ -319,8 +366,8 @@ def reports() -> Lines:
 
 
 KINDS = (
-    version, options, interface, planners, lone, seen, bodies, fleet, driven, slipping, signs, pair,
-    maps, charts, reports,
+    version, options, interface, conformance, rows, planners, lone, seen, bodies, fleet, driven,
+    slipping, signs, pair, maps, charts, reports,
 )  # fmt: skip
 
 COMMANDS = (
