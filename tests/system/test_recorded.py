@@ -38,6 +38,7 @@ from helpers.mapf_problems import random_problems
 from helpers.pictures import ROOM, short_episode
 from helpers.player import said_by
 from helpers.results_files import BAD, GOOD, Cases, fill, fleet_row, outcomes, scores_of
+from helpers.rigid_bodies import EAST, NORTH, WEST, together
 from matplotlib.figure import Figure
 
 import warehouse_core
@@ -65,6 +66,7 @@ from warehouse_core import (
     FleetEnv,
     GridMotion,
     Layout,
+    OrderStream,
     Outcome,
     WarehouseEnv,
     gymnasium_env,
@@ -235,7 +237,7 @@ def bodies() -> Lines:
 
 
 def fleet() -> Lines:
-    episode = fleet_episode(max_steps=12)
+    episode = fleet_episode(max_steps=36, orders=OrderStream(0.5, due=(8, 20)), people=1)
     yield from of_tracks(track_of_record(episode))
     yield from of_record(episode)
 
@@ -259,6 +261,11 @@ def slipping() -> Lines:
         env = FleetEnv(layout, 4, orders=0.3, max_steps=8, people=1, backend=motion)
         agent = make_fleet_agent("windowed", "urgent", 1, layout, 4)
         yield from islice(of_record(record_fleet_episode(env, agent, seed=2)), 40)
+    rows = ["######", "......", "##.###"]  # where four robots are in each other's way
+    cells, moves = [(2, 2), (1, 3), (1, 5), (1, 2)], [NORTH, EAST, WEST, EAST]
+    spec = RobotSpec(payload_mass=90, motor_force=108)
+    for found in together(Layout(rows), cells, moves, spec, [False, True, True, True]):
+        yield f"{found.cell} {found.seconds} {found.joules} {found.contacts}"
 
 
 def planners() -> Lines:
@@ -302,8 +309,10 @@ def track_with_all_signs(rows: tuple[str, ...]) -> Track:
         frames.append(
             Frame(rows, poses + people, float(step), f"at {step}", hits, fleet=fleet, route=route)
         )
+    names = "released", "delivered", "battery_mean", "battery_lowest", "joules"
     return Track(
-        frames, {}, title="All", ending="the end", lateness=[(1, 2), (2, -4)],
+        frames, {name: [0.1, 0.4, 0.5, 0.9] for name in names}, title="All", ending="the end",
+        lateness=[(1, 1), (2, -4), (3, 0), (3, 9)],
         held_up=[(1, (0, 2)), (2, (3, 7))], slippery=((2, 5),),
     )  # fmt: skip
 
@@ -315,7 +324,9 @@ def pair() -> Lines:
 
 
 def maps() -> Lines:
-    episodes = {name: fleet_episode(seed=seed) for seed, name in enumerate(("one", "other"))}
+    episodes = {
+        name: fleet_episode(seed=seed, max_steps=30) for seed, name in enumerate(("one", "other"))
+    }
     yield from drawn(congestion_picture(episodes, "Where", make_figure))
     yield from drawn(blocked_heat_map(episodes["one"]))
     counts = np.arange(20).reshape(4, 5)
