@@ -189,8 +189,17 @@ def needs_swap(
 ) -> bool:
     """Return whether two robots have to change places, since pushing on leads nowhere."""
     push, pull, is_dead_end, crowd = team.rows[pusher], team.rows[puller], False, 0
+    comes_out = False
     while fields[push + ahead] < fields[push + behind]:
-        crowd += team.robot_in[ahead] != NOBODY
+        other = team.robot_in[ahead]
+        if other != NOBODY:
+            crowd += 1
+            row = team.rows[other]
+            comes_out = (
+                comes_out
+                or fields[row + behind] < fields[row + ahead]
+                or team.goals[other] == ahead
+            )
         found = exits(floor, team, ahead, behind)
         if found >= 2 * floor.size:
             return False
@@ -199,14 +208,8 @@ def needs_swap(
             break
         behind, ahead = ahead, found - floor.size
     if team.is_final[0] == 0:  # the pusher leaves its goal again, and only has to get there
-        if team.goals[pusher] == team.goals[puller] != ahead:
-            return False
-        if not is_dead_end and has_room(floor, team, behind, ahead, crowd):
-            return False
+        return comes_out and (is_dead_end or not has_room(floor, team, behind, ahead, crowd))
     is_back = fields[pull + behind] < fields[pull + ahead]
-    # Who rests where the other wants to go has to come out.
-    rests = team.places[puller] % floor.size == team.goals[puller]
-    is_back = is_back or (rests and team.goals[puller] == ahead == team.goals[pusher])
     return is_back and (is_dead_end or behind == team.goals[pusher])
 
 
