@@ -130,13 +130,14 @@ def make_planner(
     return cast("Planner | FleetAgent", planner)
 
 
-def make_solver(name: str, known: Mapping[str, Solver]) -> Solver | None:
+def make_solver(name: str, known: Mapping[str, Solver], seed: int = 0) -> Solver | None:
     """Return a solver of whole problems by name, or ``None`` if the name is of something else.
 
     Args:
         name: one of ``known``, or ``file.py:function`` or ``package.module:function``. Arguments
             behind the problem and the seconds may follow, as in ``ecbs:w=1.2``.
         known: solvers by name.
+        seed: passed to the solver if it takes a ``seed``.
 
     Raises:
         AgentError: its file or module cannot be imported, or it does not take the arguments.
@@ -147,12 +148,13 @@ def make_solver(name: str, known: Mapping[str, Solver]) -> Solver | None:
         return None
     try:
         rest = partial(solve, None, 0.0)  # type: ignore[arg-type]
-        inspect.signature(rest)
+        takes_seed = "seed" in inspect.signature(rest).parameters
     except ValueError:
         raise AgentError(
             f"function {source!r} takes no problem and seconds; needed: these two arguments"
         ) from None
-    return partial(solve, **_options(f"planner {source!r}", rest, options))
+    given = {"seed": seed} if takes_seed else {}
+    return partial(solve, **given, **_options(f"planner {source!r}", rest, options))
 
 
 def make_backend(name: str) -> Backend:

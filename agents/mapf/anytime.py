@@ -1,4 +1,4 @@
-"""The best plan in the time that there is: LaCAM, guidance, refinement, and LaCAM*.
+"""The best plan in the time that there is: LaCAM, guidance or proofs, and refinement.
 
 On crowded floors the first plan decides. There LaCAM is run again with costs of moves that follow
 from the traffic of its last plans, so that robots keep out of one another's way: on den312d with
@@ -11,11 +11,12 @@ path finding, AAAI, for guidance by traffic.
 
 from __future__ import annotations
 
-from dataclasses import replace
+from contextlib import suppress
 from math import inf
 from time import perf_counter
 
-from agents.mapf.graph import Graph
+from agents.errors import PlanError
+from agents.mapf.cbs import solve_cbs
 from agents.mapf.kernels.prepare import prepare_solvers
 from agents.mapf.lacam import LaCAM
 from agents.mapf.lanes import Traffic
@@ -23,10 +24,13 @@ from agents.mapf.problem import Plan, Problem
 from agents.mapf.refinement import Refinement
 
 SMALL_TEAM = 8
-"""Most robots for which LaCAM* has half of the time, since it may prove that a plan is the best."""
+"""Most robots for which CBS and LaCAM* may prove that a plan is the best."""
 
-TURN = 0.05
-"""Seconds that each has in turn."""
+PROOF_SHARE = 0.4
+"""Most of the time that each of the two takes."""
+
+ROUNDS = 100
+"""Rounds of LaCAM* for each trial, where the number of trials is limited."""
 
 CROWDED = 1.3
 """Cost over the lower bound from which on a floor is crowded."""
@@ -39,7 +43,6 @@ GUIDED_SHARE = 0.3
 
 PATIENCE = 40
 """Configurations for each step of the first plan, after which one with guidance is given up."""
-
 
 MAX_STATES = 100_000_000
 """Cells times steps of a plan up to which it is refined; each takes 16 bytes."""
@@ -65,19 +68,18 @@ def solve_anytime(problem: Problem, seconds: float, seed: int = 0, trials: float
     plan = search.run(max(deadline - perf_counter(), 0.0), goes_on=False)
     if not 0 < plan.makespan * problem.graph.size < MAX_STATES:
         return plan
-    if plan.sum_of_costs > CROWDED * problem.lower_bound and problem.robots > SMALL_TEAM:
+    if plan.sum_of_costs > CROWDED * search.lower_bound and problem.robots > SMALL_TEAM:
         plan = _guided(problem, plan, seed, begin + GUIDED_SHARE * seconds)
+    if problem.robots <= SMALL_TEAM:
+        with suppress(PlanError):
+            return solve_cbs(problem, PROOF_SHARE * seconds)
+        search.search(perf_counter() + PROOF_SHARE * seconds, ROUNDS * trials)
+        plan = search.plan() or plan
+        if search.is_done:
+            return plan
     refinement = Refinement(problem, plan, seed, search.steps)
-    while trials > 0 and perf_counter() < deadline:
-        trials -= refinement.run(min(deadline, perf_counter() + TURN), trials)
-        plan = refinement.plan()
-        if problem.robots <= SMALL_TEAM:
-            search.search(min(deadline, perf_counter() + TURN))
-            found = search.plan() or plan
-            plan = replace(min(plan, found, key=lambda each: each.sum_of_costs), bound=found.bound)
-            if plan.bound == plan.sum_of_costs:
-                break
-    return plan
+    refinement.run(deadline, trials)
+    return refinement.plan()
 
 
 def _guided(problem: Problem, first: Plan, seed: int, deadline: float) -> Plan:
@@ -88,7 +90,7 @@ def _guided(problem: Problem, first: Plan, seed: int, deadline: float) -> Plan:
         if perf_counter() > deadline:
             break
         learned.add(last.cells)
-        graph = Graph(problem.graph.layout, learned.costs)
+        graph = problem.graph.with_costs(learned.costs)
         search = LaCAM(Problem(graph, problem.starts, problem.goals), seed)
         search.search(deadline, PATIENCE * first.makespan, goes_on=False)
         last = search.plan() or last

@@ -14,7 +14,15 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.mapf.kernels.buffers import IS_COMPILED, Table, buffer, buffer_of, prepare, table_of
+from agents.mapf.kernels.buffers import (
+    IS_COMPILED,
+    Buffer,
+    Table,
+    buffer,
+    buffer_of,
+    prepare,
+    table_of,
+)
 from agents.mapf.kernels.floor import FAR, NONE, Floor, measure
 from warehouse_core.arguments import instance_of, real_number
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
@@ -96,6 +104,12 @@ class Graph:
         """
         turn_cost = real_number("turn_cost", turn_cost)
         return Graph(self.layout, self.costs, turn_cost) if turn_cost else self
+
+    def with_costs(self, costs: Costs | None = None, turn_cost: float = 0.0) -> Graph:
+        """Return a graph of the same cells, closed ones too, with other costs of moves."""
+        found = Graph(self.layout, costs, turn_cost)
+        found.close(self.closed)
+        return found
 
     @property
     def places(self) -> int:
@@ -193,9 +207,17 @@ class Graph:
         return csr_array((costs, (end, start)), shape=(self.places, self.places))
 
 
-def rounded(costs: Any) -> Any:
-    """Return costs as whole numbers of the parts of a step, and at least one part if not 0."""
-    return np.where(costs > 0, np.maximum(np.rint(costs * PARTS), 1), 0) / PARTS
+def in_parts(graph: Graph) -> Graph:
+    """Return a graph whose costs are whole numbers of parts of a step, one or more if not 0.
+
+    Distances are of these, so that no step shortens a distance by more than it costs.
+    """
+
+    def rounded(costs: Any) -> Any:
+        return np.where(costs > 0, np.maximum(np.rint(costs * PARTS), 1), 0) / PARTS
+
+    costs = None if graph.costs is None else rounded(graph.costs)
+    return graph.with_costs(costs, float(rounded(np.float64(graph.turn_cost))))
 
 
 class Fields:
@@ -208,25 +230,13 @@ class Fields:
     Attributes:
         step: distance of a step without lanes and turns: 1 or ``PARTS``.
         matrix: ``[n, places]`` int32, a row for each goal.
-        near: ``[places, 5]``, place that each action leads to from each place, or ``places``.
-        prices: ``[places, 5]``, costs of these steps.
-        floor: the same for kernels.
     """
 
     def __init__(self, graph: Graph) -> None:
         self.graph = graph
         self.step = 1 if graph.costs is None and not graph.turn_cost else PARTS
-        # Distances are of rounded costs, so that no step shortens them by more than it costs.
-        costs = None if graph.costs is None else rounded(graph.costs)
-        self._rounded = Graph(graph.layout, costs, float(rounded(np.float64(graph.turn_cost))))
-        self._rounded.close(graph.closed)
-        self.floor = self._new_floor()
+        self._rounded = graph if self.step == 1 else in_parts(graph)
         self.matrix = np.empty((0, graph.places), np.int32)
-        self._buckets = (
-            buffer(min(int(self.prices.max()), MAX_PRICE) + 1, NONE),
-            buffer(WAIT * graph.size + 1),
-            buffer(WAIT * graph.size + 1),
-        )
         self._row_of = np.full(graph.size, NO_ROW)
         self._free: list[int] = []
         self._closed = graph.closed
@@ -241,18 +251,19 @@ class Fields:
         """Return the row of ``matrix`` of each goal; it holds until the next call."""
         if self._closed != self.graph.closed:
             self._closed = self.graph.closed
-            self._rounded.close(self._closed)
+            if self._rounded is not self.graph:
+                self._rounded.close(self._closed)
             self._row_of[:] = NO_ROW
             self._free = list(range(len(self.matrix)))
-            self.floor = self._new_floor()
+            for name in ("floor", "near"):
+                self.__dict__.pop(name, None)
         new = np.unique(goals[self._row_of[goals] == NO_ROW]).tolist()
         if len(new) > len(self._free):
             self._free_rows(goals, len(new))
-        compiled = IS_COMPILED and not self.graph.turn_cost and not self._closed
-        compiled = compiled and self.prices.max() <= MAX_PRICE
+        is_measured = IS_COMPILED and not self.graph.turn_cost and not self._closed
         for goal in new:
             self._row_of[goal] = row = self._free.pop()
-            if compiled:
+            if is_measured and self._buckets:
                 self.matrix[row] = FAR
                 measure(self.floor, goal, table_of(self.matrix[row]), *self._buckets)
             else:
@@ -260,32 +271,56 @@ class Fields:
                 self.matrix[row] = np.minimum(np.rint(field), FAR)
         return self._row_of[goals]
 
-    def _new_floor(self) -> Floor:
-        """Return the floor of the graph, without the steps into cells that are closed."""
-        graph = self._rounded
-        headings = graph.places // graph.size
-        here = np.tile(np.arange(graph.size), headings)
-        facing = np.repeat(np.arange(headings), graph.size)
-        near = np.where(
-            graph.neighbours[here] == CLOSED, graph.places, graph.places_at(here, facing)
-        )
-        near[np.isin(graph.neighbours[here], list(graph.closed))] = graph.places
-        near[:, WAIT] = np.arange(graph.places)
-        self.near = near
+    @cached_property
+    def near(self) -> Integers:
+        """Place that each action leads to from each place, ``[places, 5]``, or ``places``.
+
+        No action leads into a cell that is closed.
+        """
+        graph, (here, facing) = self._rounded, self._stands
+        reached = graph.neighbours[here]
+        found = np.where(reached == CLOSED, graph.places, graph.places_at(here, facing))
+        found[np.isin(reached, list(graph.closed))] = graph.places
+        found[:, WAIT] = np.arange(graph.places)
+        return found
+
+    @cached_property
+    def prices(self) -> Integers:
+        """Costs of the steps of ``near``, ``[places, 5]``."""
+        graph, (here, facing) = self._rounded, self._stands
         costs = np.ones((graph.size, WAIT + 1))
         if graph.costs is not None:
             costs[:, :WAIT] = graph.costs
         price = costs[here] + graph.turns[facing]
-        beside = near[: graph.size, :WAIT] % graph.size
-        is_open = near[: graph.size, :WAIT] != graph.places
+        found: Integers = np.minimum(np.rint(price * self.step), FAR).astype(np.int64)
+        return found
+
+    @cached_property
+    def floor(self) -> Floor:
+        """``near`` and ``prices`` for kernels."""
+        size, places = self.graph.size, self.graph.places
+        beside = self.near[:size, :WAIT]
+        is_open = beside != places
         degree = is_open.sum(axis=1)
-        through = (is_open & (degree[beside] > 1)).sum(axis=1)
-        self.prices = np.minimum(np.rint(price * self.step), FAR).astype(np.int64)
+        through = (is_open & (degree[beside % size] > 1)).sum(axis=1)
         return Floor(
-            size=graph.size, closed=graph.places, near=buffer_of(near),
-            price=buffer_of(self.prices), degree=buffer_of(degree), through=buffer_of(through),
-            step=self.step,
+            size=size, closed=places, near=buffer_of(self.near), price=buffer_of(self.prices),
+            degree=buffer_of(degree), through=buffer_of(through), step=self.step,
         )  # fmt: skip
+
+    @property
+    def _stands(self) -> tuple[Integers, Integers]:
+        """Cell and heading of each place."""
+        facing, here = np.divmod(np.arange(self.graph.places), self.graph.size)
+        return here, facing
+
+    @cached_property
+    def _buckets(self) -> tuple[Buffer, Buffer, Buffer] | None:
+        """Buffers in which ``measure`` keeps cells, or ``None`` if prices are too high for it."""
+        price, room = int(self.prices.max()), WAIT * self.graph.size + 1
+        if price > MAX_PRICE:
+            return None
+        return buffer(price + 1, NONE), buffer(room), buffer(room)
 
     def _free_rows(self, goals: Integers, number: int) -> None:
         """Free so many rows, of old goals if all rows take ``MAX_BYTES``, else new ones."""

@@ -13,9 +13,11 @@ from time import perf_counter
 import numpy as np
 
 from agents.errors import PlanError
-from agents.mapf.graph import Fields, Graph
+from agents.mapf.graph import Fields
 from agents.mapf.kernels import configurations as kernels
-from agents.mapf.kernels.buffers import buffer_of, prepare
+from agents.mapf.kernels.buffers import buffer_of
+from agents.mapf.kernels.floor import NONE
+from agents.mapf.kernels.prepare import prepare_solvers
 from agents.mapf.kernels.rounds import team_of
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.wording import counted
@@ -59,26 +61,29 @@ class LaCAM:
     Attributes:
         is_done: true if all is tried, so that the plan is the best, or there is none.
         steps: distances in steps.
+        lower_bound: sum of the fewest steps from starts to goals.
     """
 
     def __init__(self, problem: Problem, seed: int = 0) -> None:
-        prepare(kernels.explore, kernels.add, kernels.fill_table)
+        prepare_solvers()
         self.problem, self.is_done = problem, False
         graph, goals = problem.graph, np.array(problem.goals, np.intp)
         fields = Fields(graph)
         rows = fields.rows(goals) * graph.places
-        self.steps = fields if fields.step == 1 else Fields(Graph(graph.layout))
+        self.steps = fields if fields.step == 1 else Fields(graph.with_costs())
         step_rows = self.steps.rows(goals) * graph.size
         self._floor, self._fields, self._steps = fields.floor, fields.table, self.steps.table
         self._team = team_of(graph.size, problem.robots, seed, is_final=True)
         self._team.goals[:], self._team.rows[:] = buffer_of(goals), buffer_of(rows)
         starts = np.array(problem.starts, np.intp)
-        ranks = np.argsort(-self.steps.matrix.ravel()[step_rows + starts], kind="stable")
+        left = self.steps.matrix.ravel()[step_rows + starts]
+        self.lower_bound = int(left.sum())
+        ranks = np.argsort(-left, kind="stable")
         self._search = search = kernels.new_search(problem.robots)
         search.ranks[:], search.rows[:] = buffer_of(ranks), buffer_of(step_rows)
         self._team.chosen[:] = buffer_of(starts)
         first = kernels.slot_of(search, self._team.chosen, 0)
-        kernels.add(search, self._team, self._floor, self._steps, kernels.NONE, first)
+        kernels.add(search, self._team, self._floor, self._steps, NONE, first)
 
     def run(self, seconds: float, *, goes_on: bool = True) -> Plan:
         """Return the best plan that is found in so many seconds by the clock, or the first.
@@ -120,10 +125,10 @@ class LaCAM:
         """Return the best plan so far."""
         search, robots = self._search, self.problem.robots
         best = node = int(search.counts[kernels.BEST])
-        if node == kernels.NONE:
+        if node == NONE:
             return None
         places = list[object]()
-        while node != kernels.NONE:
+        while node != NONE:
             places.append(search.places[node * robots : (node + 1) * robots])
             node = int(search.parent[node])
         cells = np.array(places[::-1], np.int64).reshape(len(places), robots)

@@ -5,9 +5,8 @@ from __future__ import annotations
 from typing import cast
 
 import numpy as np
-from numpy.typing import NDArray
 
-from agents.mapf.graph import EAST, Fields, Graph
+from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels.buffers import IS_COMPILED, buffer_of, prepare
 from agents.mapf.kernels.floor import FAR, STAY
 from agents.mapf.kernels.rounds import (
@@ -25,6 +24,7 @@ from agents.mapf.kernels.rounds import (
     mix,
     team_of,
 )
+from agents.mapf.memory import Memory
 from agents.mapf.planner import Situation, solve_by_steps
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.arguments import instance_of, seed_number
@@ -60,24 +60,20 @@ class PIBT:
 
     def reset(self) -> None:
         """Forget the last episode, and begin again with the random numbers of the seed."""
-        self._goals: Integers = np.empty(0, np.intp)
-        self._cells = self._headings = self._ages = self._goals
-        self._ranks: NDArray[np.float64] = np.empty(0)
+        self._memory = Memory(self.graph, np.empty(0))
         self.pushers: Integers = np.empty(0, np.intp)
 
     def next_cells(self, situation: Situation) -> Integers:
         """Return the cell of each robot after the next joint step, ``[R]``."""
         cells, goals, stays, closed, urgent = situation
-        if len(cells) != len(self._goals):
-            self._begin(cells, goals)
-        if self.graph.turn_cost:
-            self._headings = self.graph.headings(self._cells, cells, self._headings)
-            self._cells = cells.copy()
-        places = self._headings * self.graph.size + cells if self.graph.turn_cost else cells
-        is_there = (cells == goals) | (cells == self._goals)
-        self._ages, self._goals = np.where(is_there, 0, self._ages + 1), goals.copy()
-        priorities = self._ages + self._ranks
-        priorities[urgent] += self._ages.max(initial=0) + 1
+        if not len(cells):
+            return cells
+        if len(cells) != len(self._memory.goals):
+            ranks = np.random.default_rng(self.seed).random(len(cells))
+            self._memory = Memory(self.graph, ranks)
+            self._team = team_of(self.graph.size, len(cells), self.seed)
+        places = self._memory.places(cells)
+        order = self._memory.order(cells, goals, urgent)
         is_taken = np.zeros(self.graph.size, np.int64)
         is_taken[closed] = CLOSED
         is_taken[cells[stays]] = CHOSEN
@@ -87,7 +83,7 @@ class PIBT:
         team = self._team
         for kept, new in (
             (team.places, places), (team.goals, goals), (team.rows, rows * self.graph.places),
-            (team.order, np.argsort(-priorities)), (team.pushers, np.full(len(cells), NOBODY)),
+            (team.order, order), (team.pushers, np.full(len(cells), NOBODY)),
             (team.chosen, np.where(stays, places, UNDECIDED)), (team.robot_in, robot_in),
             (team.is_taken, is_taken),
         ):  # fmt: skip
@@ -97,14 +93,6 @@ class PIBT:
         choose(self.fields.floor, team, self.fields.table)
         self.pushers = np.array(team.pushers)
         return np.array(team.chosen) % self.graph.size
-
-    def _begin(self, cells: Integers, goals: Integers) -> None:
-        """Make the buffers for so many robots."""
-        robots = len(cells)
-        self._team = team_of(self.graph.size, robots, self.seed)
-        self._ages, self._goals = np.zeros(robots, np.intp), goals
-        self._ranks = np.random.default_rng(self.seed).random(robots)
-        self._cells, self._headings = cells, np.full(robots, EAST)
 
     def _sort_choices(
         self, rows: Integers, places: Integers, goals: Integers, robot_in: Integers
@@ -131,10 +119,10 @@ class PIBT:
         team.is_sorted[0] = 1
 
 
-def pibt(problem: Problem, seconds: float) -> Plan:
+def pibt(problem: Problem, seconds: float, seed: int = 0) -> Plan:
     """Return the steps until PIBT has led all robots to their goals at once.
 
     Raises:
         PlanError: it did not in time; there may be a plan.
     """
-    return solve_by_steps(PIBT(problem.graph), problem, seconds)
+    return solve_by_steps(PIBT(problem.graph, seed), problem, seconds)

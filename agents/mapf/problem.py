@@ -58,7 +58,7 @@ class Problem:
     @cached_property
     def lower_bound(self) -> int:
         """The sum of the fewest steps from starts to goals; no plan has a lower sum of costs."""
-        fields = Fields(Graph(self.graph.layout))
+        fields = Fields(self.graph.with_costs())
         rows = fields.rows(np.array(self.goals, np.intp))
         return int(fields.matrix[rows, list(self.starts)].sum())
 

@@ -3,18 +3,15 @@
 from __future__ import annotations
 
 from math import inf
-from time import perf_counter
 
 import numpy as np
 
-from agents.mapf.graph import Fields, Graph
-from agents.mapf.kernels.buffers import buffer_of, prepare
-from agents.mapf.kernels.groups import improve, new_groups
-from agents.mapf.kernels.ways import new_frontier, new_ways, reserve
+from agents.mapf.graph import Fields
+from agents.mapf.kernels.buffers import buffer_of
+from agents.mapf.kernels.groups import improve_until, new_groups
+from agents.mapf.kernels.prepare import prepare_solvers
+from agents.mapf.kernels.ways import new_frontier, new_ways, reserve_only
 from agents.mapf.problem import Plan, Problem
-
-PORTION = 10
-"""Groups between two looks at the clock."""
 
 SLACK = 8
 """Steps that a robot may arrive after the last one so far."""
@@ -33,8 +30,8 @@ class Refinement:
     def __init__(
         self, problem: Problem, plan: Plan, seed: int | None = 0, steps: Fields | None = None
     ) -> None:
-        prepare(improve, reserve)
-        fields = steps or Fields(Graph(problem.graph.layout))
+        prepare_solvers()
+        fields = steps or Fields(problem.graph.with_costs())
         goals, robots = np.array(problem.goals, np.intp), problem.robots
         rows = fields.rows(goals) * problem.graph.size
         self._floor, self._fields = fields.floor, fields.table
@@ -44,19 +41,14 @@ class Refinement:
         np.asarray(ways.places)[:] = cells.T.ravel()
         for kept, new in (ways.goals, goals), (ways.rows, rows), (ways.costs, plan.costs):
             kept[:] = buffer_of(new)
-        for robot in range(robots):
-            reserve(self._floor, ways, robot, robot + 1)
+        reserve_only(self._floor, ways, np.arange(robots))
         self._frontier = new_frontier(self._floor, ways)
         self._groups = new_groups(robots, times, seed)
 
     def run(self, deadline: float, trials: float = inf) -> int:
         """Try groups until the deadline of ``perf_counter``, or so many; return their number."""
-        tried = 0
-        while tried < trials and perf_counter() < deadline:
-            number = int(min(PORTION, trials - tried))
-            improve(self._floor, self._ways, self._frontier, self._groups, self._fields, number)
-            tried += number
-        return tried
+        search = self._floor, self._ways, self._frontier, self._groups, self._fields
+        return improve_until(*search, deadline, trials)
 
     def plan(self) -> Plan:
         """Return the plan so far."""

@@ -94,8 +94,7 @@ def step(sets: CellSets, cells: int, barred: dict[int, int] | None) -> int:
         cells: cells of the robot, one of which it is in.
         barred: moves that are not allowed in the step.
     """
-    row = sets.row
-    reached = (cells | cells << 1 | cells >> 1 | cells << row | cells >> row) & sets.open
+    reached = sets.spread(cells)
     for cell, others in barred.items() if barred else ():
         if not sets.spread(cell) & cells & ~others:
             reached &= ~cell

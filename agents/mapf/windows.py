@@ -16,13 +16,21 @@ from time import perf_counter
 
 import numpy as np
 
-from agents.mapf.graph import EAST, Fields, Graph
+from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels.buffers import buffer_of, prepare
-from agents.mapf.kernels.floor import FAR
-from agents.mapf.kernels.groups import improve, new_groups, renew
+from agents.mapf.kernels.floor import FAR, NONE
+from agents.mapf.kernels.groups import PORTION, improve, improve_until, new_groups, renew
 from agents.mapf.kernels.rollouts import prices, roll
 from agents.mapf.kernels.rounds import team_of
-from agents.mapf.kernels.ways import CLOSED_STEPS, NONE, find_way, new_frontier, new_ways, reserve
+from agents.mapf.kernels.ways import (
+    CLOSED_STEPS,
+    find_way,
+    new_frontier,
+    new_ways,
+    reserve,
+    reserve_only,
+)
+from agents.mapf.memory import Memory
 from agents.mapf.planner import Situation
 from warehouse_core.arguments import instance_of, real_number, seed_number, whole_number
 from warehouse_core.world.tables import Integers
@@ -36,11 +44,11 @@ GROUPS = 20
 FRESH = 5
 """Steps after which a plan made anew may take the place of the one that goes on."""
 
-PORTION = 10
-"""Groups between two looks at the clock."""
-
 MAX_WINDOW = 10_000
 """Limit on the steps of a window, each of which takes memory for all cells."""
+
+MAX_STATES = 2**31
+"""States of a search in a window, which are numbers of 32 bits; each takes up to 24 bytes."""
 
 
 class WindowedPlanner:
@@ -64,22 +72,25 @@ class WindowedPlanner:
         seed: int = 0,
         turn_cost: float = 0.0,
     ) -> None:
-        self.window = whole_number("window", window, 2, MAX_WINDOW)
         self.groups, self.seed = whole_number("groups", groups, 0), seed_number(seed)
         self.seconds = real_number("seconds", seconds, finite=False)
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
+        most = min(MAX_WINDOW, MAX_STATES // (2 * graph.places) - 1)
+        self.window = whole_number("window", window, 2, most)
         self._fields = Fields(graph)
         prepare(roll, prices, improve, renew, reserve)
         self.reset()
 
     def reset(self) -> None:
         """Forget the last episode."""
-        self._ages: Integers = np.empty(0, np.intp)
+        self._memory = Memory(self.graph, np.empty(0))
 
     def next_cells(self, situation: Situation) -> Integers:
         """Return the cell of each robot after the next joint step; see ``Planner``."""
+        if not len(situation.cells):
+            return situation.cells
         deadline = perf_counter() + self.seconds
-        if len(situation.cells) != len(self._ages):
+        if len(situation.cells) != len(self._memory.goals):
             self._begin(len(situation.cells))
         self._read(situation)
         self._continue(situation)
@@ -88,7 +99,7 @@ class WindowedPlanner:
 
     def plan_of(self, robot: int) -> list[int]:
         """Return the cells of a robot from the end of the step just chosen on; see ``Planner``."""
-        if robot >= len(self._ages):
+        if robot >= len(self._memory.goals):
             return []
         found: list[int] = (self._places[robot, 1:] % self.graph.size).tolist()
         return found
@@ -100,34 +111,24 @@ class WindowedPlanner:
         self._ways = new_ways(floor, robots, times, True)
         self._frontier = new_frontier(floor, self._ways)
         self._groups = new_groups(robots, times, self.seed)
-        self._ages, self._goals = np.zeros(robots, np.intp), np.full(robots, NONE)
         self._since = FRESH
-        self._ranks = np.random.default_rng(self.seed).permutation(robots) / robots
+        ranks = np.random.default_rng(self.seed).permutation(robots) / robots
+        self._memory = Memory(self.graph, ranks)
         self._places = np.asarray(self._ways.places).reshape(robots, times)
         self._places[:] = NONE
-        self._cells, self._headings = np.full(robots, NONE), np.full(robots, EAST)
 
     def _read(self, situation: Situation) -> None:
         """Take over a situation: robots, goals and priorities."""
         graph, cells, goals = self.graph, situation.cells, situation.goals
-        self._here = cells
-        if graph.turn_cost:
-            known = self._cells != NONE
-            turned = graph.headings(np.where(known, self._cells, cells), cells, self._headings)
-            self._headings, self._cells = turned, cells.copy()
-            self._here = turned * graph.size + cells
+        self._here = self._memory.places(cells)
         rows = self._fields.rows(goals)
         is_away = self._fields.matrix[rows, self._here] == FAR
         if is_away.any():  # a goal that no way leads to is as none
             goals = np.where(is_away, cells, goals)
             rows = self._fields.rows(goals)
         self._table = self._fields.table
-        self._has_new_goal = goals != self._goals
-        is_there = (cells == goals) | (cells == self._goals)
-        self._ages, self._goals = np.where(is_there, 0, self._ages + 1), goals.copy()
-        priorities = self._ages + self._ranks
-        priorities[situation.urgent] += self._ages.max(initial=0) + 1
-        self._order = buffer_of(np.argsort(-priorities, kind="stable"))
+        self._has_new_goal = goals != self._memory.goals
+        self._order = buffer_of(self._memory.order(cells, goals, situation.urgent))
         for buffers in (self._team, self._ways):
             buffers.goals[:], buffers.rows[:] = buffer_of(goals), buffer_of(rows * graph.places)
         ways = self._ways
@@ -191,7 +192,7 @@ class WindowedPlanner:
             if not more.any():
                 break
             is_lost |= more
-        self._reserve(np.flatnonzero(~is_lost))
+        reserve_only(self._fields.floor, self._ways, np.flatnonzero(~is_lost))
         for robot in self._order:
             if is_lost[robot]:
                 floor, ways = self._fields.floor, self._ways
@@ -200,21 +201,13 @@ class WindowedPlanner:
                 reserve(floor, ways, robot, robot + 1)
         return True
 
-    def _reserve(self, robots: Integers) -> None:
-        """Reserve the ways of some robots, and nothing else."""
-        reserved = np.asarray(self._ways.reserved).reshape(-1, self.graph.size)
-        cells = self._places[robots] % self.graph.size
-        reserved[:] = 0
-        reserved[np.arange(cells.shape[1]), cells] = robots[:, None] + 1
-
     def _refine(self, deadline: float) -> None:
         """Plan groups anew until they or the time are over."""
         floor, ways = self._fields.floor, self._ways
-        self._reserve(np.arange(len(self._places)))
+        reserve_only(floor, ways, np.arange(len(self._places)))
         anew = buffer_of(np.flatnonzero(self._has_new_goal))
-        renew(floor, ways, self._frontier, self._groups, self._table, anew)
-        left = self.groups
-        while left > 0 and perf_counter() < deadline:
-            trials = min(left, PORTION)
-            improve(floor, ways, self._frontier, self._groups, self._table, trials)
-            left -= trials
+        search = floor, ways, self._frontier, self._groups, self._table
+        for first in range(0, len(anew), PORTION):
+            if perf_counter() < deadline:
+                renew(*search, anew[first : first + PORTION])
+        improve_until(*search, deadline, self.groups)

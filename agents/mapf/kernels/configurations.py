@@ -17,11 +17,8 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from agents.mapf.kernels.buffers import Buffer, Table, buffer, enlarged, kernel
-from agents.mapf.kernels.floor import ACTIONS, Floor
+from agents.mapf.kernels.floor import ACTIONS, NONE, Floor
 from agents.mapf.kernels.rounds import CHOSEN, NOBODY, UNDECIDED, Team, choose, draw
-
-NONE = -1
-"""Number in place of a configuration, or of an edge, where there is none."""
 
 SPENT, FULL, DONE, FOUND = 0, 1, 2, 3
 """Why a search returns: its rounds are over, a buffer is full, all is tried, there is a plan."""

@@ -16,7 +16,7 @@ STAY = 4
 ACTIONS = 5
 
 NONE = -1
-"""End of a list of entries."""
+"""Number in place of an entry, a configuration or a cost where there is none."""
 
 FAR = 1 << 30
 """Distance of a place that no way leads from."""

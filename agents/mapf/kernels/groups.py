@@ -10,18 +10,22 @@ heuristic, Transportation Science 40, for the weights.
 
 from __future__ import annotations
 
+from time import perf_counter
 from typing import NamedTuple
 
 from agents.mapf.kernels.buffers import Buffer, Table, buffer, kernel
-from agents.mapf.kernels.floor import ACTIONS, FAR, STAY, Floor
+from agents.mapf.kernels.floor import ACTIONS, FAR, NONE, STAY, Floor
 from agents.mapf.kernels.rounds import draw, first_random
-from agents.mapf.kernels.ways import NONE, Frontier, Ways, find_way, reserve
+from agents.mapf.kernels.ways import Frontier, Ways, find_way, reserve
 
 AT_RANDOM, LATE, NEAR = range(3)
 """Kinds of groups."""
 
 KINDS, SIZES = 3, 4
 """Numbers of kinds and of sizes; the sizes are powers of 2, from 2 on."""
+
+PORTION = 10
+"""Groups between two looks at the clock."""
 
 MOST = 16
 """Most robots in a group."""
@@ -42,7 +46,6 @@ class Groups(NamedTuple):
         saved: ``[MOST * T]``, their places before.
         costs: ``[MOST]``, costs of their new ways.
         weights: ``[KINDS * SIZES]``.
-        counts: ``[2]``: groups that were tried, and those that made the ways cheaper.
         random: ``[1]``, state of the random numbers, not 0.
     """
 
@@ -51,7 +54,6 @@ class Groups(NamedTuple):
     saved: Buffer
     costs: Buffer
     weights: Buffer
-    counts: Buffer
     random: Buffer
 
 
@@ -59,7 +61,7 @@ def new_groups(robots: int, times: int, seed: int | None) -> Groups:
     """Return the buffers of a search."""
     return Groups(
         members=buffer(MOST + 1), is_in=buffer(robots), saved=buffer(MOST * times),
-        costs=buffer(MOST), weights=buffer(KINDS * SIZES, WEIGHT), counts=buffer(2),
+        costs=buffer(MOST), weights=buffer(KINDS * SIZES, WEIGHT),
         random=first_random(seed),
     )  # fmt: skip
 
@@ -220,9 +222,9 @@ def renew(
 @kernel
 def improve(
     floor: Floor, ways: Ways, frontier: Frontier, groups: Groups, fields: Table, trials: int
-) -> int:
-    """Plan so many groups anew, and return what is gained."""
-    weights, total = groups.weights, 0
+) -> None:
+    """Plan so many groups anew."""
+    weights = groups.weights
     for _ in range(trials):
         most = 0
         for arm in range(KINDS * SIZES):
@@ -240,7 +242,16 @@ def improve(
         gained = plan_anew(floor, ways, frontier, groups, fields)
         work = frontier.serial[1] - before + groups.members[MOST] * ways.times
         weights[arm] += (min((gained << 24) // work, MOST_WEIGHT) - weights[arm]) // SHARE
-        groups.counts[0] += 1
-        groups.counts[1] += gained > 0
-        total += gained
-    return total
+
+
+def improve_until(
+    floor: Floor, ways: Ways, frontier: Frontier, groups: Groups, fields: Table, deadline: float,
+    trials: float,
+) -> int:  # fmt: skip
+    """Plan so many groups anew, or until the deadline of ``perf_counter``; return their number."""
+    tried = 0
+    while tried < trials and perf_counter() < deadline:
+        number = int(min(PORTION, trials - tried))
+        improve(floor, ways, frontier, groups, fields, number)
+        tried += number
+    return tried

@@ -12,5 +12,5 @@ from agents.mapf.kernels.groups import improve
 
 
 def prepare_solvers() -> None:
-    """Compile the kernels of LaCAM, LaCAM* and refinement, unless this is done."""
+    """Compile the kernels of LaCAM, LaCAM* and refinement; what is compiled is kept."""
     prepare(measure, add, explore, fill_table, improve)

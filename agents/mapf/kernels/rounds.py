@@ -21,7 +21,10 @@ from agents.mapf.kernels.buffers import Buffer, Table, buffer, kernel
 from agents.mapf.kernels.floor import ACTIONS, FAR, STAY, Floor
 
 NOBODY = -1
+"""Number in place of a robot where there is none."""
+
 UNDECIDED = -1
+"""Next place of a robot that has not chosen yet."""
 
 CHOSEN, CLOSED = 1, 2
 """Marks of a cell that is somebody's next, and of one that only who is in it can have."""

@@ -15,10 +15,8 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.mapf.kernels.buffers import Buffer, Table, buffer, kernel, table_of
-from agents.mapf.kernels.floor import ACTIONS, FAR, STAY, Floor
-
-NONE = -1
-"""Cost where there is no way; end of a list of states."""
+from agents.mapf.kernels.floor import ACTIONS, FAR, NONE, STAY, Floor
+from warehouse_core.world.tables import Integers
 
 CLOSED_STEPS = 5
 """Steps for which closed cells are expected to stay closed."""
@@ -111,6 +109,14 @@ def reserve(floor: Floor, ways: Ways, robot: int, holder: int) -> None:
     first, size = robot * ways.times, floor.size
     for time in range(ways.times):
         ways.reserved[time * size + ways.places[first + time] % size] = holder
+
+
+def reserve_only(floor: Floor, ways: Ways, robots: Integers) -> None:
+    """Reserve the ways of some robots, and nothing else."""
+    reserved = np.asarray(ways.reserved).reshape(ways.times, floor.size)
+    cells = np.asarray(ways.places).reshape(-1, ways.times)[robots] % floor.size
+    reserved[:] = 0
+    reserved[np.arange(ways.times), cells] = robots[:, None] + 1
 
 
 @kernel

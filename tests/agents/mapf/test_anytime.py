@@ -8,9 +8,11 @@ from agents.errors import PlanError
 from agents.mapf import anytime as module
 from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import solve_cbs
+from agents.mapf.graph import Graph
 from agents.mapf.lacam import lacam, lacam_star
+from agents.mapf.problem import Problem
 from agents.mapf.refinement import Refinement
-from warehouse_core import random_layout
+from warehouse_core import Layout, random_layout
 
 HOUR = 3600.0
 
@@ -72,3 +74,21 @@ def test_refinement_is_never_worse_and_stays_valid() -> None:
         return plan
 
     assert check_solver(solve, problems, seconds=5.0) == 4
+
+
+def test_no_plan_leads_through_cells_that_are_closed() -> None:
+    """A wall of closed cells has one gap, through which all robots go."""
+    layout = Layout(["." * 9] * 5)
+    graph, sides = Graph(layout), ([9 * row + column for row in range(5)] for column in (0, 8))
+    graph.close(frozenset(9 * row + 4 for row in range(1, 5)))
+    west, east = sides
+    problem = Problem(graph, west + east, east + west)
+    plan = solve_anytime(problem, HOUR, trials=40)
+    assert not graph.closed & set(plan.cells.ravel().tolist())
+    assert problem.lower_bound == 2 * sum(8 + 2 * row for row in range(5))
+
+
+def test_a_seed_gives_other_plans() -> None:
+    problem = random_problem(random_layout(9, 9, 0.1, seed=1), 12, seed=1)
+    plans = {solve_anytime(problem, HOUR, seed, trials=9).cells.tobytes() for seed in (0, 1, 1)}
+    assert len(plans) == 2

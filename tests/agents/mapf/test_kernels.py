@@ -13,7 +13,7 @@ from helpers.mapf_validator import plan_conflict, step_conflict
 from agents.errors import PlanError
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels import ways as kernels
-from agents.mapf.kernels.floor import FAR
+from agents.mapf.kernels.floor import FAR, NONE
 from agents.mapf.lacam import lacam, lacam_star
 from agents.mapf.pibt import PIBT
 from agents.mapf.refinement import Refinement
@@ -90,14 +90,14 @@ def test_ways_cost_what_brute_force_finds(is_open: bool) -> None:
         least = cheapest(layout.rows, first[0], goal, others, is_open)
         cost = kernels.find_way(*arguments, FAR, stream.randrange(4))
         if least == inf:
-            assert cost == kernels.NONE
+            assert cost == NONE
             continue
         found += 1
         assert cost == least
         plan = places.T.tolist()
         ends = [goal if not is_open else plan[-1][0], *plan[-1][1:]]
         assert plan_conflict(layout.rows, first, ends, plan) is None
-        assert kernels.find_way(*arguments, int(least) - 1, 0) == kernels.NONE
+        assert kernels.find_way(*arguments, int(least) - 1, 0) == NONE
     assert found > 30
 
 

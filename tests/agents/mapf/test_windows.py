@@ -7,6 +7,7 @@ from helpers.mapf_validator import step_conflict
 
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs
+from agents.mapf.pibt import PIBT
 from agents.mapf.problem import Problem
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import Layout, random_layout
@@ -15,7 +16,7 @@ BAY = ["....", "#.##"]
 """Cells 0 to 3 in a row, and the bay 5 below 1."""
 
 
-@pytest.mark.parametrize("options", [{}, {"groups": 5}, {"seconds": 0.0005}])
+@pytest.mark.parametrize("options", [{"groups": 5}, {"seconds": 0.0005}])
 def test_windowed_steps_are_valid(options: dict[str, float]) -> None:
     def make(graph: Graph) -> WindowedPlanner:
         return WindowedPlanner(graph, window=8, **options)
@@ -122,6 +123,19 @@ def test_the_same_seed_gives_the_same_steps() -> None:
 def test_a_window_has_two_steps_or_more(window: int) -> None:
     with pytest.raises(ValueError, match="window is "):
         WindowedPlanner(Graph(Layout(["..."])), window)
+
+
+def test_the_states_of_a_window_are_numbers_of_32_bits() -> None:
+    layout = Layout(["." * 400] * 500)
+    with pytest.raises(ValueError, match="window is 6000; it must be at most 5367"):
+        WindowedPlanner(Graph(layout), 6000)
+
+
+@pytest.mark.parametrize("kind", [PIBT, WindowedPlanner])
+def test_no_robots_have_no_cells(kind: type) -> None:
+    planner = kind(Graph(Layout(["..."])))
+    assert planner.next_cells(situation([], [])).tolist() == []
+    assert planner.next_cells(situation([0], [1])).tolist() == [1]
 
 
 def test_the_plan_of_a_robot_begins_with_the_cell_just_chosen() -> None:

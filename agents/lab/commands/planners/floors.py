@@ -9,7 +9,7 @@ import numpy as np
 
 from agents.errors import PlanError
 from agents.lab.console.options import LAYOUT, option
-from agents.mapf.graph import CLOSED, Graph
+from agents.mapf.graph import Graph
 from agents.mapf.problem import Problem
 from warehouse_core import Layout
 from warehouse_core.world.generators import kiva_warehouse
@@ -52,20 +52,9 @@ def find_floor(name: str | None) -> PlannerFloor:
         places = layout.cells(goals)
         return PlannerFloor(layout.with_tiles(places, [], []), starts, goals)
     layout = find_layout(name).with_tiles([], [], [])
-    labels = parts(Graph(layout))[layout.open_cells]
+    labels = Graph(layout).parts[layout.open_cells]
     cells = layout.open_cells[labels == np.bincount(labels).argmax()] if labels.size else labels
     return PlannerFloor(layout, cells, cells)
-
-
-def parts(graph: Graph) -> Integers:
-    """Return a number for each cell, ``[H * W]``, equal for those that are connected."""
-    from scipy.sparse import csr_array  # here, because it takes long to import
-    from scipy.sparse.csgraph import connected_components
-
-    start, action = np.nonzero(graph.neighbours != CLOSED)
-    edges = (np.ones(len(start), np.bool_), (start, graph.neighbours[start, action]))
-    labels: Integers = connected_components(csr_array(edges, shape=(graph.size, graph.size)))[1]
-    return labels
 
 
 def random_problem(floor: PlannerFloor, robots: int, seed: int) -> Problem:

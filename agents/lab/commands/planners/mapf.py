@@ -18,7 +18,6 @@ from agents.lab.commands.planners.floors import (
     KIVA,
     FloorOption,
     find_floor,
-    parts,
     random_problem,
     scenario_problem,
 )
@@ -187,6 +186,8 @@ def check_file(file: Path | None, layout: str | None, steps: int | None) -> str:
     if file is None:
         return ""
     kind = file.suffix.lower()
+    if not file.exists():
+        raise typer.BadParameter(f"{file}: there is no such file or folder")
     if kind not in (SCENARIO, LEAGUE):
         raise typer.BadParameter(
             f"{file}: unknown format of a problem; allowed: {SCENARIO}, {LEAGUE}"
@@ -325,7 +326,7 @@ def run_league(
         raise PlanError(f"--robots is {count}; allowed: 1..{len(league.starts)} in {title}")
     cells = layout.numbers(league.starts[:count])
     tasks = [layout.numbers(task).tolist() for task in league.tasks]
-    part = parts(graph)
+    part = graph.parts
     for what, places in (("robot", cells[:, None].tolist()), ("task", tasks)):
         for number, each in enumerate(places):
             for cell in each:

@@ -79,7 +79,7 @@ def make_stepper(
 def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solver:
     """Return a solver by name, or one that asks a planner of the registry for each step."""
     prepare_solvers()
-    solver = registry.make_solver(name, SOLVERS)
+    solver = registry.make_solver(name, SOLVERS, seed)
     if solver is not None:
         return solver
     if ":" not in name and name not in PLANNERS:
@@ -146,6 +146,36 @@ class Solved(NamedTuple):
     plan: Plan
     seconds: float
     processor_seconds: float
+
+
+class Attempt(NamedTuple):
+    """The attempt of a planner at a problem.
+
+    Attributes:
+        makespan: steps of the plan, ``None`` if none was found; so are ``costs``.
+        costs: sum of costs.
+        bound: sum of the fewest steps from starts to goals.
+        proved: true if the planner has proved that no plan has lower costs.
+        seconds: processor time.
+    """
+
+    makespan: int | None
+    costs: int | None
+    bound: int
+    proved: bool
+    seconds: float
+
+
+def attempt(name: str, seed: int, problem: Problem, seconds: float) -> Attempt:
+    """Return the attempt of a planner by name; see ``make_solver`` and ``solve_checked``."""
+    solve = make_solver(name, seed, problem, seconds)
+    bound, begin = problem.lower_bound, time.process_time()
+    try:
+        plan, _, took = solve_checked(name, solve, problem, seconds)
+    except PlanError:
+        return Attempt(None, None, bound, False, time.process_time() - begin)
+    costs = plan.sum_of_costs
+    return Attempt(plan.makespan, costs, bound, plan.bound == costs, took)
 
 
 class CheckedPlanner:

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 import re
-import time
 from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import product
 from pathlib import Path
-from typing import NamedTuple
 
 from agents.errors import PlanError
 from agents.lab.commands.planners.floors import scenario_problem
-from agents.lab.commands.planners.runs import make_solver, solve_checked
+from agents.lab.commands.planners.runs import Attempt, attempt
 from agents.lab.console.csv_file import write_csv
 from agents.lab.console.options import PICTURES
 from agents.lab.console.output import save_picture
@@ -28,21 +26,6 @@ SCENARIO, VALUES = ".scen", ".csv"
 
 FIRST_SIZE = 10
 """Fewest robots by default; each number after it is twice the one before."""
-
-
-class Attempt(NamedTuple):
-    """The attempt of a planner at a scenario.
-
-    Attributes:
-        makespan: steps of the plan, ``None`` if none was found; so are ``costs``.
-        bound: sum of the fewest steps from starts to goals.
-        seconds: processor time.
-    """
-
-    makespan: int | None
-    costs: int | None
-    bound: int
-    seconds: float
 
 
 Attempts = Mapping[tuple[str, int], Sequence[Attempt]]
@@ -75,20 +58,13 @@ def _by_number(path: Path) -> list[tuple[int, str]]:
     return [(int(part), "") if part.isdecimal() else (-1, part) for part in parts]
 
 
-def attempt(
+def attempt_at(
     case: tuple[str, int], number: int, *, files: Sequence[Path], layout: str | None, seed: int,
     seconds: float,
 ) -> Attempt:  # fmt: skip
     """Return the attempt of a planner at the first robots of a file."""
     planner, robots = case
-    problem = scenario_problem(files[number], layout, robots)
-    solve = make_solver(planner, seed, problem, seconds)
-    begin, bound = time.process_time(), problem.lower_bound
-    try:
-        plan, _, took = solve_checked(planner, solve, problem, seconds)
-    except PlanError:
-        return Attempt(None, None, bound, time.process_time() - begin)
-    return Attempt(plan.makespan, plan.sum_of_costs, bound, took)
+    return attempt(planner, seed, scenario_problem(files[number], layout, robots), seconds)
 
 
 def study(
@@ -115,7 +91,7 @@ def study(
         sizes = [size for size in sizes if size <= least] or [least]
     for path, size in product(files, [max(sizes)]):
         scenario_problem(path, layout, size)  # what is wrong is told before anything runs
-    call = partial(attempt, files=files, layout=layout, seed=seed, seconds=seconds)
+    call = partial(attempt_at, files=files, layout=layout, seed=seed, seconds=seconds)
     cases = list(product(planners, sizes))
     attempts = run_trials(call, cases, range(len(files)), jobs, "plans")
     title = f"{counted(len(files), 'scenario file')}, {seconds:g} s a plan"

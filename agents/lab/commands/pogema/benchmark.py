@@ -20,7 +20,6 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.errors import PlanError
-from agents.lab.commands.planners.floors import parts
 from agents.lab.commands.pogema.maps import maze_map, random_map, read_maps
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import NewGoals
@@ -135,7 +134,7 @@ class Instance(NamedTuple):
         streams = [np.random.default_rng(seed) for seed in seeds]
         choices = [self.targets] * self.robots
         if not self.targets:
-            labels = parts(Graph(layout))
+            labels = Graph(layout).parts
             cells = {part: np.flatnonzero(labels == part).tolist() for part in labels[self.starts]}
             choices = [cells[labels[start]] for start in self.starts]
 
@@ -221,7 +220,7 @@ def make_instance(
 
 def draw_ends(layout: Layout, seed: int, robots: int) -> tuple[list[int], list[int]]:
     """Return starts and goals: open cells in a random order, by turns one and one in each part."""
-    order, labels = layout.open_cells.tolist(), parts(Graph(layout)).tolist()
+    order, labels = layout.open_cells.tolist(), Graph(layout).parts.tolist()
     np.random.default_rng(seed).shuffle(order)
     left = Counter(labels[cell] for cell in order)
     starts, goals, waiting = list[int](), dict[int, int](), dict[int, int]()

@@ -28,7 +28,7 @@ from agents.lab.trials.workers import Here, deferred_interrupts, process_pool
 from warehouse_core import DEFAULT_LAYOUT
 from warehouse_core.wording import counted, listed
 
-DEFAULTS = {Kind.ONE_SHOT: ["lacam"], Kind.LIFELONG: ["windowed"]}
+DEFAULTS = {Kind.ONE_SHOT: ["anytime"], Kind.LIFELONG: ["windowed"]}
 """Planners of each kind of episodes, if none is named."""
 
 VALUES, PAGE = ".csv", ".html"
@@ -51,7 +51,7 @@ def pogema(
         option(
             "--planner NAME",
             f"{PLANNER} Solvers of whole problems ({', '.join(SOLVERS)}, or file.py:function) run "
-            "one-shot episodes, planners of steps lifelong ones. Default: lacam and windowed.",
+            "one-shot episodes, planners of steps lifelong ones. Default: anytime and windowed.",
             show_default=False,
         ),
     ] = None,

@@ -2,13 +2,11 @@
 
 from __future__ import annotations
 
-import time
 from typing import NamedTuple
 
 import numpy as np
 
-from agents.errors import PlanError
-from agents.lab.commands.planners.runs import make_solver, make_stepper, solve_checked
+from agents.lab.commands.planners.runs import attempt, make_stepper
 from agents.lab.commands.pogema.benchmark import Instance, Kind
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import lead
@@ -52,12 +50,7 @@ def run_instance(instance: Instance, planner: str, seconds: float) -> Outcome:
         took = float(run.seconds.sum())
         return Outcome(instance.steps, 0, 0, 0, run.reached, len(stepper.lost), took)
     problem = Problem(graph, instance.starts, instance.goals)
-    bound = problem.lower_bound
-    solve = make_solver(planner, SEED, problem, seconds)
-    begin = time.process_time()
-    try:
-        plan, _, took = solve_checked(planner, solve, problem, seconds)
-    except PlanError:
-        return Outcome(-1, 0, bound, 0, 0, 0, time.process_time() - begin)
-    costs = plan.sum_of_costs
-    return Outcome(plan.makespan, costs, bound, int(plan.bound == costs), 0, 0, took)
+    steps, costs, bound, proved, took = attempt(planner, SEED, problem, seconds)
+    if steps is None or costs is None:
+        return Outcome(-1, 0, bound, 0, 0, 0, took)
+    return Outcome(steps, costs, bound, int(proved), 0, 0, took)

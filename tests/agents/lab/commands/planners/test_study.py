@@ -110,7 +110,7 @@ def test_what_does_not_go_with_several_scenarios_is_named(
 
 
 def test_the_picture_has_shares() -> None:
-    solved, none = Attempt(3, 4, 4, 0.1), Attempt(None, None, 4, 0.1)
+    solved, none = Attempt(3, 4, 4, True, 0.1), Attempt(None, None, 4, False, 0.1)
     found = shares({("a", 5): [solved] * 20, ("a", 9): [solved, none], ("b", 5): [none] * 2})
     assert [found["a"][size].estimate for size in (5, 9)] == [1.0, 0.5]
     assert [found["a"][size].is_known for size in (5, 9)] == [True, False]
@@ -179,6 +179,14 @@ def test_a_solver_of_a_user_takes_arguments(folder: Path, warehouse: Warehouse) 
         words = ("--planner", f"mine.py:mine:ways={ways}", "-o", "plan.json")
         assert warehouse("mapf", folder / "hall-1.scen", *words).code == 0
         assert json.loads(Path("plan.json").read_text())["makespan"] == makespan
+
+
+def test_a_solver_of_a_user_gets_the_seed(folder: Path, warehouse: Warehouse) -> None:
+    ways = TRIVIAL.replace("ways=0", "seed=9")
+    Path("mine.py").write_text(f"{ways}return Plan.of([[0] * seed + [0, 1, 2], [1, 6, 6]])")
+    words = ("--planner", "mine.py:mine", "--seed", "3", "-o", "plan.json")
+    assert warehouse("mapf", folder / "hall-1.scen", *words).code == 0
+    assert json.loads(Path("plan.json").read_text())["makespan"] == 5
 
 
 @pytest.mark.parametrize(
