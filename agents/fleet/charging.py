@@ -139,6 +139,7 @@ class Chargers:
         is_blocked = self._are_there(needs.cells[empty])
         self.turn[(needs.battery >= self._full) | empty | is_blocked[self.turn]] = NONE
         self._give_way(needs)
+        self._give_back(needs, is_blocked)
         holder = self._choose_first(needs.cells)
         until = self._until(holder, needs)
         may_go = needs.may_go & np.isfinite(self.home[needs.cells])
@@ -197,6 +198,20 @@ class Chargers:
         in_need = needs.may_go & (needs.battery > 0) & (spare < self._reserve)
         if (in_need & ~has_turn).any():
             self.turn[is_next & ~in_need] = NONE
+
+    def _give_back(self, needs: Needs, is_blocked: NDArray[np.bool_]) -> None:
+        """End the turn of the robot that would charge so much sooner elsewhere, if there is one."""
+        holder = self._choose_first(needs.cells)
+        robots = np.flatnonzero(self.turn != NONE)
+        chargers, at = self.turn[robots], np.arange(len(robots))
+        ways = self._ways[:, needs.cells[robots]]
+        begins = np.maximum(ways, self._until(holder, needs)[:, None])
+        own = np.where(holder[chargers] == robots, ways[chargers, at], begins[chargers, at])
+        counts = np.bincount(chargers, minlength=len(holder))
+        begins[(counts > 1) | is_blocked] = np.inf
+        gain = own - begins.min(axis=0)
+        if gain.max(initial=0) > NEARBY:
+            self.turn[robots[gain.argmax()]] = NONE
 
     def _choose_first(self, cells: Integers) -> NDArray[np.intp]:
         """Return the robot whose turn it is at each charger, ``[C]``, or ``NONE``.

@@ -1,10 +1,5 @@
-"""Every planner by its name on the same problems: plans in 1, 10 and 60 s, and goals without end.
+"""Every planner by name on the same problems: plans in 1, 10 and 60 s, and goals without end."""
 
-The clock of the planners is the processor's time here, so that other programs do not matter.
-"""
-
-import sys
-import time
 from math import inf
 
 import numpy as np
@@ -25,15 +20,9 @@ PROBLEMS, SECONDS, STEPS, SEED = 2, (1, 10, 60), 300, 0
 SHARE = 0.8
 """A planner that has ended before this share of its time would do the same in more."""
 
+pytestmark = pytest.mark.usefixtures("processor_clock")
+
 FORM = "compiled" if IS_COMPILED else "plain"
-
-
-@pytest.fixture(autouse=True)
-def processor_clock(monkeypatch) -> None:
-    for name, module in list(sys.modules.items()):
-        if name.startswith("agents.mapf.") and hasattr(module, "perf_counter"):
-            monkeypatch.setattr(module, "perf_counter", time.process_time)
-    monkeypatch.setattr(time, "perf_counter", time.process_time)
 
 
 def floor_of(name: str) -> PlannerFloor:

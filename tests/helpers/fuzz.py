@@ -35,7 +35,6 @@ from agents.lab.grading.rubric import MINI_LAB, load_rubric
 from agents.lab.reports.analysis.answers import answers
 from agents.lab.reports.analysis.results import FLEETS, LONE, Experiment
 from agents.lab.reports.examples import find_examples
-from agents.lab.runs.programs import program_for
 from agents.learning.policy_network import PolicyNetwork
 from agents.learning.q_learning import QTable
 from agents.learning.q_table import load_agent, save_table
@@ -349,8 +348,7 @@ def _results() -> bytes:
         path = Path(folder, "r.sqlite")
         with Store(path) as store:
             for case in CASES:
-                rows = run_task(case, range(12)).rows
-                store.add(store.case_id(case), rows, program_for(case["backend"]))
+                store.add(store.case_id(case), run_task(case, range(3)).rows, "a program")
         return path.read_bytes()
 
 

@@ -7,8 +7,8 @@ from helpers.rigid_bodies import EAST, LEDGE, MOVES, NORTH, SOUTH, WEST, motion_
 from warehouse_core import Layout
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
 
-BOOKED_MOVES = 250
-COMPARED_MOVES = 1_000
+BOOKED_MOVES = 120
+COMPARED_MOVES = 500
 """The benchmarks make more."""
 
 EXACT = 1e-6

@@ -113,15 +113,16 @@ class Driver:
     def step(self) -> list[Hit]:
         """Drive for one substep, and return the hits that begin in it."""
         self._stop()
-        for robot in np.flatnonzero(self._may_turn() & (self._ends < self._lasts)).tolist():
+        for robot in (self._may_turn() & (self._ends < self._lasts)).nonzero()[0].tolist():
             self.ways.forget(robot, int(self._ends[robot]))
             self._set_leg(robot, int(self._ends[robot]))
         self._leaders.drop(self._done)
         across = self._along[:, ::-1] * (-1.0, 1.0)
-        speeds, aside = self._choose_speeds(), self._choose_speeds_aside(across)
+        turns, aside = self._turning(), self._choose_speeds_aside(across)
+        speeds = self._choose_speeds(turns)
         before = self._speeds
         chosen = speeds[:, None] * self._along + aside[:, None] * across
-        self._arena.command(self._motors.command(chosen, speeds, before, self._turning()))
+        self._arena.command(self._motors.command(chosen, speeds, before, turns))
         _, hits = self._arena.stepper.run(0, 1)
         self._look()
         gained = self._limits.masses * (self._speeds**2 - before**2) / 2
@@ -160,17 +161,20 @@ class Driver:
         is_off: Flags = aside > ARRIVED * self._size
         return is_off
 
-    def _choose_speeds(self) -> Floats:
-        """Return the speeds along their legs that the robots are to have next, ``[R]`` m/s."""
-        limits, dt = self._limits, self._dt
-        turns, is_exact = self._turning(), self._motors.is_exact
+    def _choose_speeds(self, turns: Flags) -> Floats:
+        """Return the speeds along their legs that the robots are to have next, ``[R]`` m/s.
+
+        Robots that ``turns`` marks are off the lines of their legs.
+        """
+        limits, dt, is_exact = self._limits, self._dt, self._motors.is_exact
         ups, downs = (
             np.where(turns, limits.corner_rates, rates) for rates in (limits.ups, limits.downs)
         )
         ahead = self._done + self._speeds * dt
         left = self._ends * self._size - ahead
-        onward = stopping_speeds(left - np.where(self._has_corner, limits.spare, 0.0), downs, dt)
-        wanted = np.where(left > 0, onward, -stopping_speeds(-left, downs, dt))
+        is_before, spare = left > 0, np.where(self._has_corner, limits.spare, 0.0)
+        wanted = stopping_speeds(np.where(is_before, left - spare, -left), downs, dt)
+        wanted = np.where(is_before, wanted, -wanted)
         fastest = self._motors.fastest(self._speeds, np.where(self._speeds < 0, downs, ups))
         speeds: Floats = np.minimum(wanted, fastest) if is_exact else wanted
         stands = self._headings.turn(self.stands)

@@ -38,7 +38,8 @@ class Headings:
 
         Robots that ``stands`` marks have stopped, and do not turn.
         """
-        turned = np.where(stands, 0.0, np.clip(self._left, -self._most, self._most))
+        turned = np.minimum(np.maximum(self._left, -self._most), self._most)
+        turned[stands] = 0.0
         self.angles += turned
         self._left -= turned
         is_turning: Flags = turned != 0

@@ -99,7 +99,7 @@ class Leaders:
         """Forget the leaders that have moved on, and find the next ones."""
         passed = done[self._leaders] - self._leaving * self._size
         is_gone = (self.nodes != NOWHERE) & (passed >= self.apart)
-        rows = np.flatnonzero(is_gone.any(axis=1))
+        rows = is_gone.any(axis=1).nonzero()[0]
         if not len(rows):
             return
         kept = np.argsort(is_gone[rows], axis=1, kind="stable")

@@ -64,7 +64,7 @@ class Motors:
         if self.is_exact:
             return []
         cells = np.floor(positions[:, ::-1] / self._spec.cell_size).astype(np.intp)
-        entered: list[int] = np.flatnonzero((cells != self._cells).any(axis=1)).tolist()
+        entered: list[int] = (cells != self._cells).any(axis=1).nonzero()[0].tolist()
         for robot in entered:
             self._cells[robot] = cells[robot]
             self._drag_factors[robot] = self._floor.drag_factor(self._cell(robot))
@@ -80,7 +80,7 @@ class Motors:
     def excess(self, speeds: Floats) -> Floats:
         """Return how many times faster than commanded robots drive, ``[R]`` and at least 1."""
         slowest = np.maximum(np.maximum(self._commands, self._expected), MIN_SPEED)
-        return np.clip(speeds / slowest, 1.0, MAX_EXCESS)
+        return np.minimum(np.maximum(speeds / slowest, 1.0), MAX_EXCESS)
 
     def fastest(self, speeds: Floats, ups: Floats) -> Floats:
         """Return the highest speeds that robots may be commanded next, ``[R]`` m/s.
@@ -111,7 +111,7 @@ class Motors:
         self._commands, self._expected = speeds.copy(), before - step
         is_speeding = (self._factors * speeds > before) & (before >= 0) & ~turns
         forces = np.where(is_speeding, self._speeding, self._braking)
-        for robot in np.flatnonzero(forces != self._forces).tolist():
+        for robot in (forces != self._forces).nonzero()[0].tolist():
             self._arena.drives[robot].max_force = float(forces[robot])
         self._forces = forces
         return velocities * self._factors[:, None]

@@ -9,6 +9,9 @@ import numpy as np
 
 CONFIDENCE, RESAMPLES = 0.95, 999
 
+QUANTILE = 1.959963984540054
+"""Standard errors from a normal mean to the ends of its interval."""
+
 BATCH_VALUES = 2_000_000
 """Values that a bootstrap draws at once; it limits the memory."""
 
@@ -38,10 +41,11 @@ def share_interval(count: int, total: int) -> Interval:
 
     Source: Wilson (1927), Probable inference, the law of succession, and statistical inference.
     """
-    from scipy.stats import binomtest
-
-    ends = binomtest(count, total).proportion_ci(CONFIDENCE, method="wilson")
-    return Interval(count / total, float(ends.low), float(ends.high))
+    share, square = count / total, QUANTILE**2
+    middle = (2 * total * share + square) / (2 * (total + square))
+    spread = math.sqrt(4 * total * share * (1 - share) + square)
+    half = QUANTILE / (2 * (total + square)) * spread
+    return Interval(share, middle - half if count else 0.0, middle + half if count < total else 1.0)
 
 
 def ratio_interval(costs: np.ndarray, successes: np.ndarray) -> Interval | None:

@@ -33,7 +33,7 @@ def tile_of(fleet: FleetEnv, robot: int, cell: Cell) -> str:
     return max(tiles, key=CELL_CODES.__getitem__)
 
 
-@pytest.mark.parametrize("radius", [1, 2, 4])
+@pytest.mark.parametrize("radius", [1, 4])
 @pytest.mark.parametrize("orders", [None, 0.15])
 def test_windows_show_what_is_there_and_nothing_else(orders: float | None, radius: int) -> None:
     """With few orders, most robots have none, wherever they are: next to the edge too."""
@@ -41,7 +41,7 @@ def test_windows_show_what_is_there_and_nothing_else(orders: float | None, radiu
     for robots in (1, 4):
         fleet = FleetEnv(
             charged_layout(6, 7, 2, seed=radius), robots, orders=orders, people=1, battery=10**6,
-            view_radius=radius, max_steps=150,
+            view_radius=radius, max_steps=100,
         )  # fmt: skip
         _, info = fleet.reset(seed=radius)
         while not all(fleet.ended):

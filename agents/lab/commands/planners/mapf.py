@@ -186,6 +186,8 @@ def check_file(file: Path | None, layout: str | None, steps: int | None) -> str:
     if file is None:
         return ""
     kind = file.suffix.lower()
+    if not file.exists():
+        raise typer.BadParameter(f"{file}: there is no such file or folder")
     if kind not in (SCENARIO, LEAGUE):
         raise typer.BadParameter(
             f"{file}: unknown format of a problem; allowed: {SCENARIO}, {LEAGUE}"

@@ -54,7 +54,7 @@ def compare(store: Store, first: int, second: int, pairs_to_choose: int = 1) -> 
     Source: McNemar (1947), Note on the sampling error of the difference between correlated
     proportions or percentages.
     """
-    from scipy.stats import binomtest
+    from scipy.special import betainc  # here, because it takes long to import
 
     pairs = """
         FROM episodes a JOIN episodes b ON b.seed = a.seed WHERE a.case_id = ? AND b.case_id = ?
@@ -78,6 +78,7 @@ def compare(store: Store, first: int, second: int, pairs_to_choose: int = 1) -> 
     for column, (one, other) in zip(COLUMNS, rows.T.reshape(len(COLUMNS), 2, -1), strict=True):
         if difference := mean_interval(other - one):
             costs[column] = PairedCosts(float(one.mean()), float(other.mean()), difference)
-    chance = float(binomtest(only_first, split).pvalue) if split else 1.0
+    fewer = min(only_first, only_second)
+    chance = 2 * float(betainc(split - fewer, fewer + 1, 0.5)) if split else 1.0
     chance = min(pairs_to_choose * chance, 1.0)
     return Comparison(changes, only_first, only_second, chance, both, costs)

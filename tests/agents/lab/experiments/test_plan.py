@@ -6,7 +6,6 @@ import pytest
 
 from agents.errors import ParameterError
 from agents.lab.experiments.plan import (
-    MAX_CASES,
     MAX_EPISODES,
     MAX_SEED,
     SweepPlan,
@@ -26,11 +25,12 @@ def test_a_range_includes_its_end_in_spite_of_rounding() -> None:
     assert values_of("battery", plan) == [20, 40]
 
 
-def test_a_plan_has_at_most_max_cases() -> None:
-    limits = {"from": 1, "to": MAX_CASES, "step": 1}
-    assert make_plan({"battery": limits}, 1, 0).total == MAX_CASES
-    with pytest.raises(ParameterError, match="battery"):
-        make_plan({"battery": limits | {"to": MAX_CASES + 1}}, 1, 0)
+def test_a_plan_has_at_most_max_cases(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr("agents.lab.experiments.plan.MAX_CASES", 6)
+    limits = {"from": 1, "to": 6, "step": 1}
+    assert make_plan({"battery": limits}, 1, 0).total == 6
+    with pytest.raises(ParameterError, match="battery has 7 values"):
+        make_plan({"battery": limits | {"to": 7}}, 1, 0)
 
 
 def test_a_parameter_without_a_value_is_an_error() -> None:

@@ -1,11 +1,13 @@
 """Presets: each is a plan for a question of the chapter, and can be run."""
 
+from contextlib import nullcontext
 from pathlib import Path
 
 import pytest
 from helpers.command_line import Warehouse
 from helpers.sweeps import Here, nothing
 
+from agents.lab.experiments import sweep
 from agents.lab.experiments.choices import read_plan_file
 from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.running import run_missing
@@ -32,6 +34,7 @@ def test_a_preset_varies_a_parameter_with_a_question_and_can_be_run(
 def test_the_preset_sets_the_number_of_episodes_unless_another_is_given(
     warehouse: Warehouse, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
+    monkeypatch.setattr(sweep, "process_pool", lambda count: nullcontext((Here(), count)))
     text = PRESETS["escape"].read_text().replace("episodes = 2000", "episodes = 3")
     plan = tmp_path / "plan.toml"
     plan.write_text(text)

@@ -257,7 +257,7 @@ def test_seeds_whose_worker_has_ended_run_again_with_nothing_beside_them(
 ) -> None:
     monkeypatch.setattr("agents.lab.experiments.running.TICK", 1e-4)  # shorter than an episode
     with Counting() as executor:
-        assert failures_of(executor, make_plan({}, 3000, 0), 3) == []
+        assert failures_of(executor, make_plan({"max_steps": 5}, 1000, 0), 3) == []
     first, again = set[int](), list[int]()
     for number, (seeds, beside) in enumerate(executor.calls):
         if first.isdisjoint(seeds):
@@ -283,8 +283,8 @@ def test_a_case_that_always_fails_ends_after_a_few_and_the_others_go_on() -> Non
 
 
 def test_workers_that_always_end_are_soon_failures() -> None:
-    executor = Dying(seeds=range(10**6))
-    messages = failures_of(executor, make_plan({}, 10**6, 0))
+    executor = Dying(seeds=range(1000))
+    messages = failures_of(executor, make_plan({}, 1000, 0))
     assert len(messages) == MAX_FAILURES
     assert len(executor.tasks) <= 2 * (MAX_FAILURES + MAX_SUSPECTS)
 

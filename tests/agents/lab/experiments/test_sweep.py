@@ -4,7 +4,7 @@ import os
 import signal
 import time
 from collections.abc import Iterator
-from contextlib import contextmanager, suppress
+from contextlib import AbstractContextManager, nullcontext, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
@@ -40,6 +40,12 @@ def path(tmp_path: Path) -> Iterator[Path]:
     assert {each.name for each in tmp_path.iterdir()} <= {"r.sqlite", "expected.sqlite"}
 
 
+@pytest.fixture
+def here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Run the episodes of commands in this process; workers run them by the same function."""
+    monkeypatch.setattr(sweep_command, "process_pool", lambda count: nullcontext((Here(), count)))
+
+
 @pytest.fixture(autouse=True)
 def no_sweep_is_left() -> Iterator[None]:
     """Kill the sweeps of a test that has failed."""
@@ -52,7 +58,7 @@ def no_sweep_is_left() -> Iterator[None]:
 
 
 def test_a_sweep_counts_stored_episodes_and_adds_missing_ones(
-    warehouse: Warehouse, path: Path, tmp_path: Path
+    warehouse: Warehouse, path: Path, tmp_path: Path, here: None
 ) -> None:
     assert warehouse(*words(path, 3)) == (
         0,
@@ -83,7 +89,7 @@ def test_all_combinations_are_in_the_file_in_order_before_the_first_episode(
 
 
 def test_programs_are_mixed_only_with_the_option_and_a_warning(
-    warehouse: Warehouse, refused: Refused, path: Path
+    warehouse: Warehouse, refused: Refused, path: Path, here: None
 ) -> None:
     with Store(path) as store:
         store.add(store.case_id(make_case({})), [outcomes("d")[0]], "an older one")
@@ -102,7 +108,9 @@ def test_programs_are_mixed_only_with_the_option_and_a_warning(
     assert len(table(path)) == 3
 
 
-def test_flags_and_options_override_the_plan_file(warehouse: Warehouse, tmp_path: Path) -> None:
+def test_flags_and_options_override_the_plan_file(
+    warehouse: Warehouse, tmp_path: Path, here: None
+) -> None:
     plan, path = tmp_path / "plan.toml", tmp_path / "r.sqlite"
     plan.write_text("episodes = 50\nseed = 7\n[settings]\nbattery = [20, 30]\nmemory = [1, 2]\n")
     warehouse("sweep", plan, "-n", 2, "--set", "battery=40", "-o", path, "--jobs", 1)
@@ -114,8 +122,8 @@ def test_flags_and_options_override_the_plan_file(warehouse: Warehouse, tmp_path
 
 def test_a_killed_sweep_loses_and_repeats_no_rows(path: Path, tmp_path: Path) -> None:
     """``bench_rows.py`` kills one 100 times, and one of fleets."""
-    episodes = 800
-    assert kill_sweeps(path, episodes, 2) >= 1
+    episodes = 400
+    assert kill_sweeps(path, episodes, 1) == 1
     before = table(path)
     assert before
     sweep = Sweep(path, episodes)
@@ -142,8 +150,6 @@ def test_an_interrupted_sweep_prints_one_line_and_can_be_resumed(path: Path) -> 
 DEADLY = """
         if self.seed == 13:
             os.kill(os.getpid(), 9)  # as a system that runs out of memory does
-        if self.seed == 14:
-            os._exit(3)
         if self.seed == 15:
             raise KeyError"""
 
@@ -162,16 +168,15 @@ def test_agents_that_fail_or_end_their_process_are_named_and_the_others_go_on(
     assert sorted(failures) == [
         f"warehouse: seed 13 {flags}: its process was ended by signal 9 (Killed), "
         "perhaps because memory ran out; it was tried twice",
-        f"warehouse: seed 14 {flags}: its process ended with exit code 3; it was tried twice",
-        f"warehouse: seed 15, step 1, {flags}: KeyError (deadly.py, line 18)",
+        f"warehouse: seed 15, step 1, {flags}: KeyError (deadly.py, line 16)",
     ]
     assert last == (
-        "warehouse: 3 episodes failed, in 1 of 2 combinations; 37 of 40 episodes in "
+        "warehouse: 2 episodes failed, in 1 of 2 combinations; 38 of 40 episodes in "
         f"{path}; run the same command again to run the others"
     )
     assert "done; see" not in result.out
     check_is_usable(path)
-    assert len(table(path)) == 37
+    assert len(table(path)) == 38
 
 
 def test_there_are_no_more_workers_than_episodes(
@@ -179,10 +184,9 @@ def test_there_are_no_more_workers_than_episodes(
 ) -> None:
     asked = []
 
-    @contextmanager
-    def counted(count: int) -> Iterator[tuple[Here, int]]:
+    def counted(count: int) -> AbstractContextManager[tuple[Here, int]]:
         asked.append(count)
-        yield Here(), count
+        return nullcontext((Here(), count))
 
     monkeypatch.setattr(sweep_command, "process_pool", counted)
     for episodes, workers in ((1, 64), (4, 2)):
@@ -200,7 +204,9 @@ def test_the_help_names_every_parameter(warehouse: Warehouse) -> None:
     assert shown["robot.NAME"] == "and disturbances.NAME, of physics"
 
 
-def test_a_sweep_of_fleets_is_resumed_and_reported(warehouse: Warehouse, tmp_path: Path) -> None:
+def test_a_sweep_of_fleets_is_resumed_and_reported(
+    warehouse: Warehouse, tmp_path: Path, here: None
+) -> None:
     path = tmp_path / "r.sqlite"
     words = ["sweep", "--set", "robots=1,2", "--set", "max_steps=30", "--set", "order_rate=0.5",
              "--jobs", 1, "-o", path]  # fmt: skip

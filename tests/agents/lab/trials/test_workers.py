@@ -28,7 +28,7 @@ if __name__ == "__main__":
 
 
 def pid() -> int:
-    time.sleep(0.5)
+    time.sleep(0.05)
     return os.getpid()
 
 
