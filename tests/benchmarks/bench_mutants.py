@@ -71,8 +71,9 @@ class Mutant(NamedTuple):
     old: str
     new: str
 
-    def source(self) -> bytes:
-        lines = (ROOT / self.path).read_bytes().splitlines(keepends=True)
+    def applied(self, source: bytes) -> bytes:
+        """Return the source of its file with the change."""
+        lines = source.splitlines(keepends=True)
         line = lines[self.line - 1]
         lines[self.line - 1] = line[: self.start] + self.new.encode() + line[self.end :]
         return b"".join(lines)
@@ -250,7 +251,8 @@ class Copy:
     def run_with(self, mutant: Mutant, recorded: Recorded) -> tuple[int, list[str]]:
         """Run tests with a mutant; return the exit code and which failed."""
         target = self.folder / mutant.path
-        target.write_bytes(mutant.source())
+        source = target.read_bytes()
+        target.write_bytes(mutant.applied(source))
         tests, folders = recorded.tests(mutant)
         try:
             code = mutants_worker.NOT_APPLIED
@@ -262,7 +264,7 @@ class Copy:
                     code, failed = self.run_anew(tests[SOME:], folders)
             return code, failed
         finally:
-            shutil.copyfile(ROOT / mutant.path, target)
+            target.write_bytes(source)
             if self.worker.has_ended:
                 self.worker = Worker(self.folder)
 

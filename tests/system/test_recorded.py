@@ -10,7 +10,7 @@ import gzip
 import json
 import re
 import sys
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from contextlib import chdir, redirect_stdout
 from dataclasses import replace
 from functools import partial
@@ -21,7 +21,7 @@ from itertools import islice
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import FunctionType
-from typing import Any
+from typing import Any, ClassVar
 
 import matplotlib
 import numpy as np
@@ -38,6 +38,7 @@ from helpers.mapf_problems import random_problems
 from helpers.pictures import ROOM, short_episode
 from helpers.player import said_by
 from helpers.results_files import BAD, GOOD, Cases, fill, fleet_row, outcomes, scores_of
+from helpers.rigid_bodies import EAST, NORTH, WEST, together
 from matplotlib.figure import Figure
 
 import warehouse_core
@@ -52,20 +53,28 @@ from agents.lab.training.curve import learning_curve
 from agents.lab.training.exams import ExamPoint
 from agents.lab.trials.figure import scores_figure, sizes_figure
 from agents.lab.trials.interval import Interval
+from agents.lab.trials.rows import row_of
 from agents.mapf.cbs import ConflictTree
 from agents.mapf.eecbs import ExplicitTree
+from agents.mapf.lacam import LaCAM
 from agents.registry import make_fleet_agent
 from agents.run_episode import run_episode
 from warehouse_core import (
+    Cell,
     Episode,
     EpisodeRecorder,
     FleetEnv,
+    GridMotion,
+    Layout,
+    OrderStream,
+    Outcome,
     WarehouseEnv,
     gymnasium_env,
     pettingzoo_env,
     record_fleet_episode,
     shelf_layout,
 )
+from warehouse_core.conformance.suite import CHECKS
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.viz.axes.congestion import congestion_picture
 from warehouse_core.viz.axes.heat_map import blocked_heat_map, heat_map
@@ -83,6 +92,7 @@ HEAVY = RobotSpec(mass=120, radius=0.45, cell_size=1.4, top_speed=1.1)
 
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e-?\d+)?")
 LONG = re.compile(r"\d+\.\d{6,}(?:e-?\d+)?")
+NAMELESS = re.compile(r" at 0x\w+")
 VERSIONS = re.compile("<th scope=.row.>(Python|warehouse-lab|numpy|scipy|matplotlib)<")
 """Lines with versions."""
 
@@ -158,8 +168,42 @@ def options() -> Lines:
     """Yield the options of all commands with their defaults and limits."""
     for name, command in LEAVES.items():
         for each in command.params:
+            reader = vars(each.type_descriptor.parameter_info).get("parser")
+            check = getattr(reader, "check", None)
+            limits = vars(check) if hasattr(check, "__dict__") else check
             kept = (each.default, each.min, each.max, each.multiple, each.required)
-            yield f"{name} {each.opts} {each.secondary_opts} {kept}"
+            yield f"{name} {each.opts} {each.secondary_opts} {kept} {NAMELESS.sub('', str(limits))}"
+
+
+class Counted(GridMotion):
+    """A grid that counts and mixes what it is asked."""
+
+    batch = fleet_batch = None
+    asked: ClassVar[list[object]] = []
+
+    def reset(self, layout: Layout, cells: Sequence[Cell], seed: int) -> None:
+        self.asked.append((layout.rows, [*cells], seed))
+        super().reset(layout, cells, seed)
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        self.asked.append(([*displacements], [*map(bool, loaded)]))
+        return super().advance(displacements, loaded)
+
+
+def conformance() -> Lines:
+    """Yield how much each check asks of a motion, and a digest of it."""
+    for check in CHECKS:
+        Counted.asked.clear()
+        check(Counted)
+        digest = sha256(repr(Counted.asked).encode()).hexdigest()[:16]
+        yield f"{check.__name__} {len(Counted.asked)} {digest}"
+
+
+def rows() -> Lines:
+    """Yield what a sweep keeps of episodes, most of which fail."""
+    for agent in ("random", "reflex", "greedy:escape_steps=0"):
+        for seed in range(4):
+            yield str(row_of(run_episode(agent, "grid", seed=seed)))
 
 
 def interface() -> Lines:
@@ -193,7 +237,7 @@ def bodies() -> Lines:
 
 
 def fleet() -> Lines:
-    episode = fleet_episode(max_steps=12)
+    episode = fleet_episode(max_steps=36, orders=OrderStream(0.5, due=(8, 20)), people=1)
     yield from of_tracks(track_of_record(episode))
     yield from of_record(episode)
 
@@ -217,6 +261,11 @@ def slipping() -> Lines:
         env = FleetEnv(layout, 4, orders=0.3, max_steps=8, people=1, backend=motion)
         agent = make_fleet_agent("windowed", "urgent", 1, layout, 4)
         yield from islice(of_record(record_fleet_episode(env, agent, seed=2)), 40)
+    rows = ["######", "......", "##.###"]  # where four robots are in each other's way
+    cells, moves = [(2, 2), (1, 3), (1, 5), (1, 2)], [NORTH, EAST, WEST, EAST]
+    spec = RobotSpec(payload_mass=90, motor_force=108)
+    for found in together(Layout(rows), cells, moves, spec, [False, True, True, True]):
+        yield f"{found.cell} {found.seconds} {found.joules} {found.contacts}"
 
 
 def planners() -> Lines:
@@ -225,6 +274,11 @@ def planners() -> Lines:
         numbers = np.ascontiguousarray(cells, np.int64)
         yield f"{name} {cells.shape} {sha256(numbers.tobytes()).hexdigest()[:16]}"
     for problem in random_problems(12, seed=3, max_size=6, max_robots=6):
+        star = LaCAM(problem, 1)
+        for rounds in (20, 100, 400):
+            star.search(np.inf, rounds)
+            plan = star.plan()
+            yield f"lacam-star {star.is_done} {plan.costs.sum() if plan else None}"
         for tree in (ConflictTree(problem), ExplicitTree(problem, 1.3)):
             try:
                 plan = tree.solve(HOUR)
@@ -255,8 +309,10 @@ def track_with_all_signs(rows: tuple[str, ...]) -> Track:
         frames.append(
             Frame(rows, poses + people, float(step), f"at {step}", hits, fleet=fleet, route=route)
         )
+    names = "released", "delivered", "battery_mean", "battery_lowest", "joules"
     return Track(
-        frames, {}, title="All", ending="the end", lateness=[(1, 2), (2, -4)],
+        frames, {name: [0.1, 0.4, 0.5, 0.9] for name in names}, title="All", ending="the end",
+        lateness=[(1, 1), (2, -4), (3, 0), (3, 9)],
         held_up=[(1, (0, 2)), (2, (3, 7))], slippery=((2, 5),),
     )  # fmt: skip
 
@@ -268,7 +324,9 @@ def pair() -> Lines:
 
 
 def maps() -> Lines:
-    episodes = {name: fleet_episode(seed=seed) for seed, name in enumerate(("one", "other"))}
+    episodes = {
+        name: fleet_episode(seed=seed, max_steps=30) for seed, name in enumerate(("one", "other"))
+    }
     yield from drawn(congestion_picture(episodes, "Where", make_figure))
     yield from drawn(blocked_heat_map(episodes["one"]))
     counts = np.arange(20).reshape(4, 5)
@@ -319,8 +377,8 @@ def reports() -> Lines:
 
 
 KINDS = (
-    version, options, interface, planners, lone, seen, bodies, fleet, driven, slipping, signs, pair,
-    maps, charts, reports,
+    version, options, interface, conformance, rows, planners, lone, seen, bodies, fleet, driven,
+    slipping, signs, pair, maps, charts, reports,
 )  # fmt: skip
 
 COMMANDS = (
