@@ -88,7 +88,9 @@ from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, Robo
 
 RECORD = Path(__file__).parents[1] / "data/recorded.txt.gz"
 
-HEAVY = RobotSpec(mass=120, radius=0.45, cell_size=1.4, top_speed=1.1)
+HEAVY = RobotSpec(
+    mass=120, radius=0.45, cell_size=1.4, top_speed=1.6, acceleration=2.5, motor_force=400
+)
 
 NUMBER = re.compile(r"-?\d+\.?\d*(?:e-?\d+)?")
 LONG = re.compile(r"\d+\.\d{6,}(?:e-?\d+)?")
