@@ -200,7 +200,7 @@ class Chargers:
             self.turn[is_next & ~in_need] = NONE
 
     def _give_back(self, needs: Needs, is_blocked: NDArray[np.bool_]) -> None:
-        """End the turn of the robot in need that would charge much sooner elsewhere, if there is."""
+        """End the turn of a robot in need that would charge much sooner elsewhere."""
         holder = self._choose_first(needs.cells)
         robots = np.flatnonzero((self.turn != NONE) & (self._spare(needs) < self._reserve))
         chargers, at = self.turn[robots], np.arange(len(robots))
