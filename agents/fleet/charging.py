@@ -200,14 +200,14 @@ class Chargers:
             self.turn[is_next & ~in_need] = NONE
 
     def _give_back(self, needs: Needs, is_blocked: NDArray[np.bool_]) -> None:
-        """End the turn of the robot that would charge so much sooner elsewhere, if there is one."""
+        """End the turn of a robot in need that would charge much sooner elsewhere."""
         holder = self._choose_first(needs.cells)
-        robots = np.flatnonzero(self.turn != NONE)
+        robots = np.flatnonzero((self.turn != NONE) & (self._spare(needs) < self._reserve))
         chargers, at = self.turn[robots], np.arange(len(robots))
         ways = self._ways[:, needs.cells[robots]]
         begins = np.maximum(ways, self._until(holder, needs)[:, None])
         own = np.where(holder[chargers] == robots, ways[chargers, at], begins[chargers, at])
-        counts = np.bincount(chargers, minlength=len(holder))
+        counts = np.bincount(self.turn + 1, minlength=len(holder) + 1)[1:]
         begins[(counts > 1) | is_blocked] = np.inf
         gain = own - begins.min(axis=0)
         if gain.max(initial=0) > NEARBY:

@@ -17,13 +17,13 @@ from agents.mapf.kernels.floor import FAR
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
 
-PATIENCE = 10
+PATIENCE = 6
 """Steps in which no robot gets nearer to its goal, from which on a fleet is stuck."""
 
 STANDS = 4
 """Steps in which no robot moves, from which on moves are planned anew."""
 
-MAX_OTHERS, MAX_STATES, MAX_CHIEFS = 6, 40_000, 2
+MAX_OTHERS, MAX_STATES, MAX_CHIEFS = 10, 40_000, 2
 """Limits of a plan: robots and people who move besides one robot, states that the search expands,
 and robots for which a plan is searched."""
 
