@@ -10,6 +10,7 @@ from numpy.typing import NDArray
 
 from agents.fleet.charging import Chargers, Needs
 from agents.fleet.detours import Detours
+from agents.fleet.escapes import Escapes
 from agents.mapf.assignment import ASSIGNMENTS, NONE, REASSIGNING, Tasks
 from agents.mapf.graph import Costs, Fields, Graph
 from agents.mapf.kernels.floor import FAR
@@ -63,6 +64,8 @@ class Dispatcher:
         self._assigned = (b"", b"")
         self._is_idle = np.zeros(env.settings.robots, np.bool_)
         self._detours = Detours(roads, env.settings.robots)
+        self._escapes = Escapes(self._fields, env.settings.robots)
+        self._was_charging = self._is_idle
 
     def situation(self, env: FleetEnv) -> tuple[Situation, NDArray[np.intp]]:
         """Return the situation before the next step, and the actions of robots that stay.
@@ -79,23 +82,36 @@ class Dispatcher:
         self._is_idle = robots.goals == NONE
         at_work = (robots.cells == robots.goals) & ~robots.ended & (self.chargers.turn == NONE)
         goals = self._goals(robots)
-        stays = (
-            robots.ended
-            | at_work
-            | self.chargers.charging(robots.cells)
-            | shares_cell(robots.cells)
-            | ~np.array(ways.has_room[:count])
-        )
-        closed = list(dict.fromkeys([*env.people, *ways.ends[count:], *ways.closed]))
-        people = np.array(closed, np.intp).reshape(-1, 2) @ np.array([env.layout.width, 1])
+        stay_long = robots.ended | self.chargers.charging(robots.cells)
+        shares = shares_cell(robots.cells)
+        stays = stay_long | at_work | shares | ~np.array(ways.has_room[:count])
+        closed = dict.fromkeys([*env.people, *ways.ends[count:], *ways.closed])
+        cells = env.layout.numbers(list(closed))
         at_rest = at_work & np.array(ways.at_rest[:count])
         actions = np.where(at_rest, np.where(robots.loaded, DROP, PICK), WAIT)
-        stay_long = robots.ended | self.chargers.charging(robots.cells)
         hurries = self.chargers.turn != NONE
-        for robot, aim in self._detours.goals(robots.cells, goals, stay_long, people).items():
+        aims = self._detours.goals(robots.cells, goals, stay_long, cells)
+        people = env.layout.numbers(env.people)
+        walls = {*robots.cells[stay_long | shares].tolist(), *cells.tolist()} - {*people.tolist()}
+        aims |= self._escape(robots, goals, bool(at_work.any()), walls, people)
+        for robot, aim in aims.items():
             goals[robot], hurries[robot] = aim, True
+        stays[self._escapes.held] |= goals[self._escapes.held] == robots.cells[self._escapes.held]
         urgent = np.flatnonzero(hurries & (goals != robots.cells))
-        return Situation(robots.cells, goals, stays, people, urgent), actions
+        return Situation(robots.cells, goals, stays, cells, urgent), actions
+
+    def _escape(
+        self, robots: RobotStates, goals: Integers, is_done: bool, walls: set[int], people: Integers
+    ) -> dict[int, int]:
+        """Return where robots are to be after this step, by robot, if the fleet is stuck."""
+        is_charging = self.chargers.charging(robots.cells)
+        is_away = ((robots.goals != NONE) | (self.chargers.turn != NONE)) & ~robots.ended
+        away = np.flatnonzero(is_away & (goals != robots.cells) & ~is_charging)
+        rows, ways = self._fields.rows(goals[away]), np.full(len(goals), FAR)
+        ways[away] = self._fields.matrix[rows, robots.cells[away]]
+        is_done |= bool((is_charging != self._was_charging).any())
+        self._was_charging = is_charging
+        return self._escapes.aims(robots.cells, goals, ways, walls, people, is_done)
 
     def _close(self, cells: frozenset[int]) -> None:
         """Let no way lead through the cells of robots that have failed."""

@@ -1,6 +1,8 @@
 """Fleets among people in narrow aisles that must not freeze, and robots that must not run empty.
 
-A stretch is a number of steps in which nothing is picked or delivered although orders wait.
+A stretch is a number of steps in which nothing is picked or delivered although orders wait. Of a
+stretch of a fleet among people those steps are counted too in which something could be, see
+``possible_work.py``: where people stand in each other's way, nobody can.
 """
 
 import random
@@ -8,6 +10,7 @@ import warnings
 from typing import Any, NamedTuple
 
 import pytest
+from possible_work import can_work
 
 from agents.registry import make_fleet_agent
 from warehouse_core import FleetEnv, Layout, LayoutError, OrderQueue, OrderStream, shelf_layout
@@ -17,14 +20,18 @@ from warehouse_core.world.tiles import EMPTY, WALL, Cell
 
 PLANNERS, ASSIGNMENTS = ["pibt", "pibt-lanes"], ["urgent", "hungarian", "nearest"]
 FLEETS, CHARGED_FLEETS, STEPS, LONG_STRETCH, SUPPLY = 200, 100, 800, 100, 1.2
+SHORT_STRETCH, LOOK_EVERY = 20, 5
 FOREVER = 10**6
 SIDES = (0, 1), (1, 0), (0, -1), (-1, 0)
 
 
 class Shift(NamedTuple):
-    """The longest stretch, the longest time for which robots enclosed a person, and measures."""
+    """The longest stretch, the most steps of one in which something could be picked or delivered,
+    the longest time for which robots enclosed a person, and measures.
+    """
 
     stretch: int
+    possible: int
     enclosed: int
     delivered: int
     stranded: int
@@ -37,16 +44,22 @@ def drive(layout: Layout, robots: int, planner: str, assignment: str, seed: int,
     agent = make_fleet_agent(planner, assignment, seed, layout, robots)
     env.reset(seed=seed)
     last, stretch, enclosed, longest, loaded = 0, 0, [0] * len(env.people), 0, env.loaded
+    can, could, possible = True, 0, 0
     while not all(env.ended):
         env.step(agent.act(env))
         if env.loaded != loaded or all(order.delivered is not None for order in env.orders):
-            last = env.steps
-        stretch, loaded, cells = max(stretch, env.steps - last), env.loaded, set(env.cells)
+            last, can, could = env.steps, True, -1
+        since = env.steps - last
+        if env.people and since > SHORT_STRETCH and since % LOOK_EVERY == 0:
+            can = can_work(env)
+        could += can
+        possible = max(possible, could)
+        stretch, loaded, cells = max(stretch, since), env.loaded, set(env.cells)
         for person, cell in enumerate(env.people):
             is_free = any(side not in cells for side in sides(layout, cell))
             enclosed[person] = 0 if is_free else enclosed[person] + 1
             longest = max(longest, enclosed[person])
-    return Shift(stretch, longest, env.measures.delivered, env.measures.stranded)
+    return Shift(stretch, possible, longest, env.measures.delivered, env.measures.stranded)
 
 
 def sides(layout: Layout, cell: Cell) -> list[Cell]:
@@ -141,14 +154,16 @@ def test_a_person_among_eleven_robots_in_narrow_aisles(measured) -> None:
 def test_random_fleets_with_people(kind: int, name: str, measured) -> None:
     found = [crowded(seed) for seed in range(kind, FLEETS, 3)]
     frozen = sum(each.stretch >= LONG_STRETCH for each in found)
+    at_fault = sum(each.possible >= LONG_STRETCH for each in found)
     measured(
         f"random fleets with people, {name}",
-        f"{frozen} of {len(found)} have {LONG_STRETCH} steps without a pick or delivery; people "
-        f"enclosed for at most {max(each.enclosed for each in found)} steps, "
+        f"{frozen} of {len(found)} have {LONG_STRETCH} steps without a pick or delivery, "
+        f"{at_fault} such steps in which one was possible; people enclosed for at most "
+        f"{max(each.enclosed for each in found)} steps, "
         f"{sum(each.delivered for each in found):,} deliveries",
     )
-    # In loops and trees it is for the planner to let robots change places.
-    assert frozen == 0 or kind > 0
+    # In trees people have to be lucky too, who do not back off.
+    assert at_fault == 0 or kind == 2
 
 
 def test_robots_in_narrow_aisles_whose_chargers_supply_enough(measured) -> None:

@@ -1,9 +1,10 @@
 """The share of small changes to the code, drawn at random, that make a test fail.
 
 Each is tried in a copy of the project with the tests that reach its line, which coverage.py has
-recorded for a run of the default tests. ``MUTANTS`` is their number, ``MUTANTS_SEED`` draws others,
-and ``MUTANTS_IN`` limits them to files whose path contains one of its words. ``MUTANTS_COVERAGE``
-is the file of what is recorded; if it exists, it is read in place of a new run.
+recorded for a run of the default tests, quickest first. ``MUTANTS`` is their number,
+``MUTANTS_SEED`` draws others, and ``MUTANTS_IN`` limits them to files whose path contains one of
+its words. ``MUTANTS_COVERAGE`` is the file of what is recorded, with times in an ``.xml`` beside
+it; if it exists, it is read in place of a new run.
 
 Why not mutmut: in its version 3.8, too, it leaves constants, properties and cached functions alone,
 about an eighth of all mutants here and most in ``task/rules.py``. Cosmic-ray runs all tests for
@@ -11,33 +12,39 @@ each mutant.
 """
 
 import ast
+import json
 import os
 import random
 import shutil
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from concurrent.futures import ThreadPoolExecutor
 from functools import cache
 from pathlib import Path
 from queue import SimpleQueue
 from typing import NamedTuple
+from xml.etree import ElementTree
 
 import coverage
 import pytest
+from helpers import mutants_worker
 from helpers.command_line import ROOT
 
 PACKAGES = ("warehouse_core", "warehouse_physics", "agents")
 NUMBER = int(os.environ.get("MUTANTS", 200))
 SEED = int(os.environ.get("MUTANTS_SEED", 0))
 WORDS = os.environ.get("MUTANTS_IN", "/").split()
-SECONDS = 200
+SECONDS = 60
 """Time after which a test that hangs counts as failed."""
 
 OPTIONS = [
-    "-x", "-q", "-rfE", "-p", "no:cacheprovider",
+    "-x", "-q", "-p", "no:cacheprovider",
     "-o", f"faulthandler_timeout={SECONDS}", "-o", "faulthandler_exit_on_timeout=true",
 ]  # fmt: skip
+
+SOME = 40
+"""Tests of which the files are collected first for a mutant that is run by an import."""
 
 LEAST_SHARE = 0.95
 
@@ -64,8 +71,9 @@ class Mutant(NamedTuple):
     old: str
     new: str
 
-    def source(self) -> bytes:
-        lines = (ROOT / self.path).read_bytes().splitlines(keepends=True)
+    def applied(self, source: bytes) -> bytes:
+        """Return the source of its file with the change."""
+        lines = source.splitlines(keepends=True)
         line = lines[self.line - 1]
         lines[self.line - 1] = line[: self.start] + self.new.encode() + line[self.end :]
         return b"".join(lines)
@@ -134,28 +142,98 @@ def mutants_of(path: str) -> Iterator[Mutant]:
 
 
 def run_default_tests(data: Path) -> None:
-    """Record in a file which of them reach which line."""
+    """Record in a file which of them reach which line, and in another how long they take."""
     packages = [f"--cov={package}" for package in PACKAGES]
     options = ["-q", "-n", "auto", "--cov-context=test", "--cov-report=", *packages]
-    command = [sys.executable, "-m", "pytest", *options]
+    times = f"--junitxml={data.with_suffix('.xml')}"
+    command = [sys.executable, "-m", "pytest", times, *options]
     environment = os.environ | {"COVERAGE_FILE": str(data)}
     subprocess.run(command, cwd=ROOT, env=environment, check=True)
 
 
-def reaching(mutant: Mutant, data: coverage.CoverageData) -> list[str]:
-    """Return the tests that may notice a mutant: those that reach its line, then its folder's.
+class Recorded:
+    """What a run of the default tests has recorded."""
 
-    The folder comes too because only the first test reaches a line whose outcome is cached. No test
-    reaches a constant, or a line that another process runs: those have all tests of the package.
-    """
-    contexts = contexts_of(ROOT / mutant.path, data).get(mutant.line, [])
-    tests = {context.partition("|")[0].partition("[")[0] for context in contexts} - {""}
-    name = f"test_{Path(mutant.path).stem}.py"
-    folder = Path("tests", str(Path(mutant.path).parent).replace("warehouse_", ""))
-    while not (ROOT / folder).is_dir():
-        folder = folder.parent
-    near = [*sorted(tests, key=lambda test: (name not in test, test)), str(folder)]
-    return near if tests else [*near, str(Path(*folder.parts[:2]))]
+    def __init__(self, data: Path) -> None:
+        self._coverage = coverage.CoverageData(str(data))
+        self._coverage.read()
+        self._seconds = {
+            f"{case.get('classname', '').replace('.', '/')}.py::{case.get('name')}": float(seconds)
+            for case in ElementTree.parse(data.with_suffix(".xml")).iter("testcase")
+            if (seconds := case.get("time"))
+        }
+
+    @cache  # noqa: B019
+    def contexts(self, path: str) -> dict[int, set[str]]:
+        """Return the tests that reach each line of a file; the empty one if it is imported."""
+        lines = self._coverage.contexts_by_lineno(str(ROOT / path))
+        return {line: {each.rpartition("|")[0] for each in tests} for line, tests in lines.items()}
+
+    def tests(self, mutant: Mutant) -> tuple[list[str], list[str]]:
+        """Return the tests that may notice a mutant, quickest first, and folders of others.
+
+        The folder comes too because only the first test reaches a line whose outcome is cached. No
+        test reaches a constant, or a line that another process runs: those have all tests that
+        reach the file, and all of the package.
+        """
+        contexts = self.contexts(mutant.path)
+        tests = contexts.get(mutant.line, set()) - {""}
+        folder = Path("tests", str(Path(mutant.path).parent).replace("warehouse_", ""))
+        while not (ROOT / folder).is_dir():
+            folder = folder.parent
+        folders = [f"{folder}/"]
+        if not tests:
+            tests = set().union(*contexts.values()) - {""}
+            folders.append(f"{Path(*folder.parts[:2])}/")
+        name = f"test_{Path(mutant.path).stem}.py"
+        near = sorted(tests, key=lambda each: (name not in each, self._seconds.get(each, 0), each))
+        return near, folders
+
+    def is_imported(self, mutant: Mutant) -> bool:
+        """Return whether its line is run by an import, before any test."""
+        return "" in self.contexts(mutant.path).get(mutant.line, ())
+
+
+class Worker:
+    """A process in a copy of the project that runs tests on request."""
+
+    def __init__(self, folder: Path, tests: Iterable[str] = ()) -> None:
+        self.has_ended = False
+        requests, self._requests = os.pipe()
+        answers, mine = os.pipe()
+        self._answers = os.fdopen(answers)
+        command = [sys.executable, "-P", mutants_worker.__file__, str(requests), str(mine)]
+        self._process = subprocess.Popen(
+            [*command, *OPTIONS, *tests],
+            cwd=folder, env=os.environ | {"PYTHONPATH": str(folder)},
+            stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL,
+            pass_fds=(requests, mine), start_new_session=True,
+        )  # fmt: skip
+        os.close(requests)
+        os.close(mine)
+
+    def run(self, tests: list[str], folders: list[str], changed: str = "") -> tuple[int, list[str]]:
+        """Run tests until one fails; return the exit code and which failed."""
+        request = json.dumps([changed, tests, folders])
+        failed = []
+        try:
+            os.write(self._requests, f"{request}\n".encode())
+        except BrokenPipeError:
+            return self.end(), []
+        for line in self._answers:
+            word, _, text = line.rstrip("\n").partition(" ")
+            if word == "code":
+                return int(text), failed
+            failed.append(text)
+        return self.end(), failed
+
+    def end(self) -> int:
+        """Wait until the process has ended, as it does without requests; return its exit code."""
+        if not self.has_ended:
+            os.close(self._requests)
+            self._answers.close()
+            self.has_ended = True
+        return self._process.wait()
 
 
 class Copy:
@@ -168,36 +246,37 @@ class Copy:
         # Bytecode known by the hash of its source: a mutant may have the time and size of another.
         command = [sys.executable, "-m", "compileall", "-q", "--invalidation-mode", "checked-hash"]
         subprocess.run([*command, *PACKAGES], cwd=folder, check=True)
+        self.worker = Worker(folder)
 
-    def run(self, tests: list[str]) -> tuple[int, list[str]]:
-        """Run tests until one fails; return the exit code and which failed."""
-        command = [sys.executable, "-m", "pytest", *OPTIONS, *tests]
-        environment = os.environ | {"PYTHONDONTWRITEBYTECODE": "1"}
-        done = subprocess.run(
-            command, cwd=self.folder, env=environment, capture_output=True, text=True
-        )
-        failed = [
-            line.partition(" ")[2]
-            for line in done.stdout.splitlines()
-            if line.startswith(("FAILED ", "ERROR "))
-        ]
-        code = done.returncode
-        if code == pytest.ExitCode.USAGE_ERROR and "ERROR collecting" in done.stdout:
-            code = pytest.ExitCode.INTERRUPTED  # tests that were named are not found then
-        return code, [each.partition(" - ")[0].partition("[")[0] for each in failed]
-
-    def run_with(self, mutant: Mutant, tests: list[str]) -> tuple[int, list[str]]:
+    def run_with(self, mutant: Mutant, recorded: Recorded) -> tuple[int, list[str]]:
+        """Run tests with a mutant; return the exit code and which failed."""
         target = self.folder / mutant.path
-        target.write_bytes(mutant.source())
+        source = target.read_bytes()
+        target.write_bytes(mutant.applied(source))
+        tests, folders = recorded.tests(mutant)
         try:
-            return self.run(tests)
+            code = mutants_worker.NOT_APPLIED
+            if not recorded.is_imported(mutant):
+                code, failed = self.worker.run(tests, folders, mutant.path)
+            if code == mutants_worker.NOT_APPLIED:
+                code, failed = self.run_anew(tests[:SOME], [])
+                if code in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED):
+                    code, failed = self.run_anew(tests[SOME:], folders)
+            return code, failed
         finally:
-            shutil.copyfile(ROOT / mutant.path, target)
+            target.write_bytes(source)
+            if self.worker.has_ended:
+                self.worker = Worker(self.folder)
 
-
-@cache
-def contexts_of(path: Path, data: coverage.CoverageData) -> dict[int, list[str]]:
-    return data.contexts_by_lineno(str(path))
+    def run_anew(self, tests: list[str], folders: list[str]) -> tuple[int, list[str]]:
+        """Run tests in a process that imports what is changed."""
+        files = [*dict.fromkeys(test.partition("::")[0] for test in tests), *folders]
+        if not files:
+            return pytest.ExitCode.NO_TESTS_COLLECTED, []
+        worker = Worker(self.folder, files)
+        code, failed = worker.run(tests, folders)
+        worker.end()
+        return code, failed
 
 
 def sources() -> list[Path]:
@@ -209,33 +288,34 @@ def test_nearly_all_mutants_are_noticed(tmp_path, measured) -> None:
     chosen = [path for path in paths if any(word in path for word in WORDS)]
     all_mutants = [mutant for path in chosen for mutant in mutants_of(path)]
     some = random.Random(SEED).sample(all_mutants, min(NUMBER, len(all_mutants)))
-    recorded = Path(os.environ.get("MUTANTS_COVERAGE", tmp_path / "coverage"))
-    if not recorded.exists():
-        run_default_tests(recorded)
-    data = coverage.CoverageData(str(recorded))
-    data.read()
+    data = Path(os.environ.get("MUTANTS_COVERAGE", tmp_path / "coverage"))
+    if not data.exists():
+        run_default_tests(data)
+    recorded = Recorded(data)
     copies = SimpleQueue[Copy]()
     for number in range(os.cpu_count() or 1):
-        one = Copy(tmp_path / str(number))
-        copies.put(one)
+        copies.put(Copy(tmp_path / str(number)))
 
     def try_one(mutant: Mutant) -> tuple[bool, list[str]]:
         copy = copies.get()
         try:
-            code, failed = copy.run_with(mutant, reaching(mutant, data))
+            code, failed = copy.run_with(mutant, recorded)
         finally:
             copies.put(copy)
-        # A signal or an error while tests are collected notices it too, a wrong call does not.
-        assert code <= pytest.ExitCode.INTERRUPTED, (mutant, pytest.ExitCode(code))
         # The other standard output is captured by ``capsys``, which ``measured`` uses.
-        print("noticed" if code else "missed", mutant, *failed, file=sys.__stdout__, flush=True)
-        return code != 0, failed
+        is_noticed = code not in (pytest.ExitCode.OK, pytest.ExitCode.NO_TESTS_COLLECTED)
+        word = "noticed" if is_noticed else "missed"
+        print(word, mutant, *failed, file=sys.__stdout__, flush=True)
+        return is_noticed, failed
 
     with ThreadPoolExecutor(copies.qsize()) as pool:
         tried = list(pool.map(try_one, some))
-        # A test that fails without a mutant too notices nothing.
-        failing = sorted({test for _, failed in tried for test in failed})
-        assert not failing or one.run(["-m", "", *failing]) == (0, [])
+    # A test that fails without a mutant too notices nothing.
+    failing = sorted({test for _, failed in tried for test in failed})
+    worker, *others = [copies.get().worker for _ in range(copies.qsize())]
+    assert [test for test in failing if worker.run([test], [])[0]] == []
+    for each in (worker, *others):
+        each.end()
     noticed = [is_good for is_good, _ in tried]
     share = sum(noticed) / len(some)
     measured(f"mutants noticed, of {len(some)} drawn from {len(all_mutants)}", f"{share:.1%}")

@@ -119,6 +119,7 @@ HOSTILE: dict[str, Callable[[], Any]] = {
     "600 kB of text": lambda: "x" * 600_000,
     "empty list": list,
     "nested list": lambda: [[[[1]]], "x"],
+    "list of text": lambda: ["x"],
     "long list": lambda: [0] * 100_000,
     "dict": lambda: {"x": 1, 2: None},
     "set": lambda: {1, 2},
@@ -244,9 +245,9 @@ OTHER_NAMES = {
     "capacity": ("battery",),
     "count": ("people",),
     "actions": ("action",),
-    "grid": ("layout", "rows"),
-    "layout": ("rows",),
-    "rows": ("layout",),
+    "grid": ("layout", "rows", "tile"),
+    "layout": ("rows", "tile"),
+    "rows": ("layout", "tile"),
     "aisle": ("cells",),
     "height": ("size", "rows"),
     "width": ("size", "cells"),
@@ -386,36 +387,62 @@ def use(it: Any) -> None:
         it.act(WarehouseEnv().reset())
 
 
-def faults(target: Target) -> list[str]:
-    """Return what is wrong with the answers of a callable to hostile values, each in a line."""
-    found = []
-    for name in target.parameters.keys() - OPEN_TO_ALL:
-        names = (name, *OTHER_NAMES.get(name, ()))
-        for word in FEW if target.name in DRAWN else HOSTILE:
-            wrong = _fault(target, {name: HOSTILE[word]()}, names)
-            if wrong:
-                found.append(f"{target.name}({name}={word}): {wrong}")
-    return found
+class Answer(NamedTuple):
+    """An answer of a callable to a hostile value.
+
+    Attributes:
+        kind: class of the error, or "accepted".
+        fault: what is wrong with it, or nothing.
+    """
+
+    kind: str
+    fault: str = ""
 
 
-def _fault(target: Target, hostile: dict[str, Any], names: Iterable[str]) -> str:
+Answers = dict[str, dict[str, Answer]]
+"""Answers to each hostile value by its name, for each argument."""
+
+
+def answers(target: Target) -> Answers:
+    """Return the answers of a callable to hostile values in place of each of its arguments."""
+    words = FEW if target.name in DRAWN else HOSTILE
+    return {
+        f"{target.name}({name}": {
+            word: _answer(target, {name: HOSTILE[word]()}, (name, *OTHER_NAMES.get(name, ())))
+            for word in words
+        }
+        for name in sorted(target.parameters.keys() - OPEN_TO_ALL)
+    }
+
+
+def faults(answers: Answers) -> list[str]:
+    """Return what is wrong with answers, each in a line."""
+    return [
+        f"{call}={word}): {answer.fault}"
+        for call, found in answers.items()
+        for word, answer in found.items()
+        if answer.fault
+    ]
+
+
+def _answer(target: Target, hostile: dict[str, Any], names: Iterable[str]) -> Answer:
     random.seed(0)
     try:
         with bounded_memory():
             result = target.call(**target.valid | hostile)
             del hostile
     except (TypeError, ValueError, WarehouseError, gymnasium.error.Error) as error:
-        return _complaint(error, names)
+        return Answer(type(error).__name__, _complaint(error, names))
     except Exception as error:
-        return f"it raised {brief(error)}"
+        return Answer("undocumented", f"it raised {brief(error)}")
     try:
         with bounded_memory():
             target.use(result)
     except Exception as error:
         if isinstance(result, PARTS) and isinstance(error, ValueError):
-            return _complaint(error, names)
-        return f"it was accepted, and then raised {brief(error)}"
-    return ""
+            return Answer(type(error).__name__, _complaint(error, names))
+        return Answer("late", f"it was accepted, and then raised {brief(error)}")
+    return Answer("accepted")
 
 
 def _complaint(error: Exception, names: Iterable[str]) -> str:

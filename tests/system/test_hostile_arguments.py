@@ -1,15 +1,49 @@
 """Every public callable answers arguments that nobody expects by an error in words, or takes them.
 
 Such an error is of a documented class, names the argument and is short; what is taken also works
-in the next reset and step; and neither takes much memory.
+in the next reset and step; and neither takes much memory. Which values are refused is as recorded;
+after a change that is meant to alter it, ``python tests/system/test_hostile_arguments.py`` writes
+the record anew.
 """
 
+import sys
 from collections.abc import Callable
+from contextlib import chdir
 from pathlib import Path
+from tempfile import TemporaryDirectory
 from typing import Any
 
 import pytest
-from helpers.hostile import HOSTILE, Target, faults, named_targets, targets, use
+
+if __name__ == "__main__":
+    sys.path[:0] = [str(Path(__file__).parents[1])]
+
+from helpers.hostile import (
+    HOSTILE,
+    Answers,
+    Target,
+    answers,
+    faults,
+    named_targets,
+    targets,
+    use,
+)
+
+RECORD = Path(__file__).parents[1] / "data/answers.txt"
+
+
+def lines_of(found: Answers) -> list[str]:
+    """Return a line for each argument and kind of answer, with the values; most have the first."""
+    lines = []
+    for call, given in sorted(found.items()):
+        kinds: dict[str, list[str]] = {}
+        for word, answer in given.items():
+            if word != "bool_":  # an integer in old versions of NumPy
+                kinds.setdefault(answer.kind, []).append(word)
+        most, *others = sorted(kinds, key=lambda kind: (-len(kinds[kind]), kind))
+        lines.append(f"{call}) {most}")
+        lines += [f"{call}) {kind}: {', '.join(kinds[kind])}" for kind in others]
+    return lines
 
 
 @pytest.fixture(autouse=True)
@@ -23,7 +57,9 @@ def test_hostile_arguments_are_answered_in_words() -> None:
     names = {target.name for target in called}
     assert names > {"WarehouseEnv", "FleetEnv.assign", "BatchEnv.row", "RobotSpec", "shelf_layout"}
     assert names > {"parallel_env.step", "WarehouseVectorEnv", "PIBT", "replay_episode"}
-    assert [fault for target in called for fault in faults(target)] == []
+    found = {call: each for target in called for call, each in answers(target).items()}
+    assert faults(found) == []
+    assert lines_of(found) == RECORD.read_text().splitlines()
 
 
 class Kept:
@@ -66,6 +102,13 @@ def wordy(size: Any) -> object:
     ],
 )
 def test_a_bad_answer_is_found(call: Callable[..., Any], fault: str) -> None:
-    found = faults(Target(call.__name__, call, use))
+    found = faults(answers(Target(call.__name__, call, use)))
     assert len(found) == len(HOSTILE)
     assert all(line.startswith(f"{call.__name__}(size=") and fault in line for line in found)
+
+
+if __name__ == "__main__":
+    with TemporaryDirectory() as here, chdir(here):
+        both = [*targets(), *named_targets()]
+        found = {call: each for target in both for call, each in answers(target).items()}
+    RECORD.write_text("\n".join(lines_of(found)) + "\n")

@@ -123,7 +123,8 @@ WRONG = {
     "fleet --assignment urgent": "--assignment needs a planner",
     "fleet --planner pibt --plan-seconds 0": f"--plan-seconds is 0; {TIME}",
     "gap --order-rate 0": "--order-rate is 0; allowed: a number above 0",
-    "mapf x.txt": "x.txt: unknown format of a problem; allowed: .scen, .json",
+    "mapf none.scen": "none.scen: there is no such file or folder",
+    "mapf bare.txt": "bare.txt: unknown format of a problem; allowed: .scen, .json",
     "mapf x.scen --lifelong 9": "--lifelong does not go with a .scen",
     "mapf x.json --layout hall": "a League problem: it names its own map",
     "mapf -o a.json": "--save takes the paths of one planner; name one by --planner",
@@ -163,7 +164,6 @@ IMPOSSIBLE = {
     "gap --layout bare.txt": "the layout has no pickup",
     "mapf --planner x": "no planner is called 'x'; allowed: pibt, lacam, lacam-star, anytime, ",
     "mapf --planner cbs --lifelong 9": "planner 'cbs' plans all ways at once, ",
-    "mapf none.scen": "none.scen: No such file",
     "mapf --robots 193": "--robots is 193; allowed: 1..192 on this layout",
     "mapf --robots 193 --lifelong 9": "193 robots; allowed: 1 to 192",
     "mapf -o x.txt": "x.txt: cannot save as .txt; allowed: .gif",
@@ -294,6 +294,8 @@ def folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
     (tmp_path / "bare.txt").write_text("....\n....\n")
     (tmp_path / "tiny.txt").write_text("###\n#.#\n###\n")
     (tmp_path / "orders.csv").write_text(f"{ORDERS}\n0,90,2,5,11,x,\n")
+    for name in ("x.scen", "x.json"):
+        (tmp_path / name).touch()
     (tmp_path / "inner").mkdir()
     before = {*tmp_path.iterdir()}
     yield

@@ -191,9 +191,14 @@ def needs_swap(
     floor: Floor, team: Team, fields: Table, pusher: int, puller: int, behind: int, ahead: int
 ) -> bool:
     """Return whether two robots have to change places, since pushing on leads nowhere."""
-    push, pull, is_dead_end, crowd = team.rows[pusher], team.rows[puller], False, 0
+    push, pull = team.rows[pusher], team.rows[puller]
+    is_dead_end, comes_out, crowd = False, False, 0
     while fields[push + ahead] < fields[push + behind]:
-        crowd += team.robot_in[ahead] != NOBODY
+        other = team.robot_in[ahead]
+        if other != NOBODY:
+            row, crowd = team.rows[other], crowd + 1
+            is_back = fields[row + behind] < fields[row + ahead]
+            comes_out = comes_out or is_back or team.goals[other] == ahead
         found = exits(floor, team, ahead, behind)
         if found >= 2 * floor.size:
             return False
@@ -201,15 +206,10 @@ def needs_swap(
             is_dead_end = True
             break
         behind, ahead = ahead, found - floor.size
-    if team.is_final[0] == 0:  # the pusher leaves its goal again, and only has to get there
-        if team.goals[pusher] == team.goals[puller] != ahead:
-            return False
-        if not is_dead_end and has_room(floor, team, behind, ahead, crowd):
-            return False
     is_back = fields[pull + behind] < fields[pull + ahead]
-    # Who rests where the other wants to go has to come out.
-    rests = team.places[puller] % floor.size == team.goals[puller]
-    is_back = is_back or (rests and team.goals[puller] == ahead == team.goals[pusher])
+    if team.is_final[0] == 0:  # the pusher leaves its goal again, and only has to get there
+        comes_out = comes_out or (is_back and team.goals[pusher] != team.goals[puller])
+        return comes_out and (is_dead_end or not has_room(floor, team, behind, ahead, crowd))
     return is_back and (is_dead_end or behind == team.goals[pusher])
 
 

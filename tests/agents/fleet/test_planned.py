@@ -76,8 +76,9 @@ def test_orders_are_assigned_picked_and_dropped() -> None:
     ]
 
 
-@pytest.mark.parametrize("assignment", ["fifo", "nearest", "hungarian", "urgent"])
-@pytest.mark.parametrize("people", [0, 2])
+@pytest.mark.parametrize(
+    ("assignment", "people"), [("fifo", 2), ("nearest", 0), ("hungarian", 2), ("urgent", 0)]
+)
 def test_a_shift_has_no_blocked_moves_and_is_repeated(assignment: str, people: int) -> None:
     layout = shelf_layout(3, 3, 4, 1, 2, seed=1, pickups=6, dropoffs=3, chargers=4)
     env = fleet_of(layout, 10, orders=OrderQueue(20), people=people, max_steps=150)

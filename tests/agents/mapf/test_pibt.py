@@ -126,3 +126,15 @@ def test_priority_begins_anew_at_a_goal_and_not_when_the_goal_changes() -> None:
         planner.reset()
         next_cells(planner, [2, 5], [2, 6])
         assert next_cells(planner, [2, 3], [6, 0]) == [1, 2]
+
+
+def test_robots_back_off_for_one_that_comes_out_behind_the_next() -> None:
+    """Two want to where the third comes from, at the end of a corridor, and wait longer."""
+    layout = Layout(["....###", "#......", "....###"])
+    for seed in range(8):
+        planner, cells, goals = PIBT(Graph(layout), seed), [11, 12, 13], [13, 13, 0]
+        next_cells(planner, [10, 12, 13], [13, 13, 13])  # the first has waited longest
+        for _ in range(30):
+            cells = next_cells(planner, cells, goals)
+            goals = [0 if cell == goal else goal for cell, goal in zip(cells, goals, strict=True)]
+        assert 13 not in goals

@@ -16,7 +16,7 @@ BAY = ["....", "#.##"]
 """Cells 0 to 3 in a row, and the bay 5 below 1."""
 
 
-@pytest.mark.parametrize("options", [{}, {"groups": 5}, {"seconds": 0.0005}])
+@pytest.mark.parametrize("options", [{"groups": 5}, {"seconds": 0.0005}])
 def test_windowed_steps_are_valid(options: dict[str, float]) -> None:
     def make(graph: Graph) -> WindowedPlanner:
         return WindowedPlanner(graph, window=8, **options)

@@ -255,7 +255,7 @@ def test_a_frame_is_the_same_picture_each_time() -> None:
     assert not np.array_equal(images[0], images[1])
 
 
-@pytest.mark.parametrize("panels", [1, 2, 3, 5, MAX_PANELS])
+@pytest.mark.parametrize("panels", [1, 5, MAX_PANELS])
 @pytest.mark.parametrize("size", [(4, 4), (5, 60), (60, 5)])
 def test_panels_neither_overlap_nor_leave_the_figure(panels: int, size: tuple[int, int]) -> None:
     layout = random_layout(*size, 0.1, seed=1)

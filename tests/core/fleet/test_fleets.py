@@ -17,11 +17,11 @@ from warehouse_core.fleet import Battery, FleetBatch, People
 from warehouse_core.motion.grid import GridFleetBatch
 
 YARD = Layout(["......", ".P..D.", "..##.C"])
-FLEETS, ROBOTS, STEPS = 4, 5, 90
+FLEETS, ROBOTS, STEPS = 4, 5, 60
 LAYOUTS = [charged_layout(8, width, 2, seed=width) for width in (8, 7, 9, 8)]
 
 KINDS: dict[str, dict[str, Any]] = {
-    "stream": {"orders": (OrderStream(0.4, (5, 20)), OrderStream(1.0, (5, 9), start=30))},
+    "stream": {"orders": (OrderStream(0.4, (5, 20)), OrderStream(1.0, (5, 9), start=20))},
     "queue": {"orders": OrderQueue(3, (5, 20)), "battery": Battery(1500, "joules")},
     "open": {"orders": 0.5, "dispatch": False, "late_penalty": 0.5},
     "none": {"people": People(3, "aisles"), "view_radius": 0},
@@ -33,7 +33,7 @@ over_kinds = pytest.mark.parametrize("kind", KINDS)
 
 
 def settings_of(kind: str) -> dict[str, Any]:
-    return {"max_steps": 45, "battery": 35, "view_radius": 1} | KINDS[kind]
+    return {"max_steps": 36, "battery": 28, "view_radius": 1} | KINDS[kind]
 
 
 def helpful_actions(mask: np.ndarray, stream: np.random.Generator) -> np.ndarray:

@@ -99,7 +99,7 @@ def test_a_single_step_is_in_seconds_from_0_beside_a_large_map(name):
     assert figure.get_figwidth() <= 13.66
 
 
-@pytest.mark.parametrize("name", ["load", "head-on", "cbs"])
+@pytest.mark.parametrize("name", ["load", "head-on"])
 def test_every_demo_is_one_command_and_one_picture(name, tmp_path, warehouse):
     target = tmp_path / f"{name}.png"
     result = warehouse("demo", name, "--save", target)

@@ -21,7 +21,7 @@ def test_a_preset_varies_a_parameter_with_a_question_and_can_be_run(
     tmp_path: Path, name: str
 ) -> None:
     choices = read_plan_file(PRESETS[name]).choices
-    plan = make_plan(choices, 1, 0)
+    plan = make_plan({**choices, "max_steps": 20}, 1, 0)
     values = {name: {case[name] for case in plan.cases if name in case} for name in choices}
     varied = [name for name in values if len(values[name]) > 1]
     assert varied

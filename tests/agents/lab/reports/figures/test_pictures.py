@@ -17,6 +17,12 @@ from agents.lab.reports.figures.panels import SHEETS, Sheet
 from agents.lab.reports.figures.pictures import MAX_MAPS, Picture, pictures
 
 
+@pytest.fixture
+def undrawn(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Make pictures whose captions and numbers are all that matters."""
+    monkeypatch.setattr(picture_module, "themed_svg", lambda _: b"<svg/>")
+
+
 def drawn(cases: Cases) -> dict[str, Picture]:
     with experiment_of(cases) as experiment:
         found = list(pictures(experiment))
@@ -60,6 +66,7 @@ def test_time_and_energy_are_drawn_only_where_they_are_measured() -> None:
     ],
     ids=["a single case", "too large to be seen", "no failure", "random layouts"],
 )
+@pytest.mark.usefixtures("undrawn")
 def test_a_map_is_drawn_of_a_layout_with_failures(monkeypatch: pytest.MonkeyPatch,
     cases: list[Any], max_cells: int, names: list[str],
 ) -> None:  # fmt: skip
@@ -67,6 +74,7 @@ def test_a_map_is_drawn_of_a_layout_with_failures(monkeypatch: pytest.MonkeyPatc
     assert list(drawn(cases)) == names
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_layouts_with_the_most_episodes_have_maps(tmp_path: Path) -> None:
     cases = []
     for number in range(MAX_MAPS + 2):
@@ -80,6 +88,7 @@ def test_the_layouts_with_the_most_episodes_have_maps(tmp_path: Path) -> None:
     assert "hall2.txt: of 3 episodes" in maps[-1]
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_caption_names_pooled_settings() -> None:
     cases = [
         ({"battery": battery, "view_radius": radius}, outcomes("dw"))
@@ -94,6 +103,7 @@ def test_the_caption_names_pooled_settings() -> None:
     assert found["modes"].caption.endswith("as shares; pooled over view_radius.")
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_points_of_one_combination_each_have_intervals() -> None:
     cases = [({"battery": n, "view_radius": n}, outcomes("dw")) for n in range(1, 10)]
     assert drawn(cases)["success"].caption == (
@@ -101,6 +111,7 @@ def test_points_of_one_combination_each_have_intervals() -> None:
     )
 
 
+@pytest.mark.usefixtures("undrawn")
 @pytest.mark.parametrize(
     ("counts", "words"),
     [
@@ -128,6 +139,7 @@ def test_the_caption_states_which_intervals_are_drawn(counts: tuple[int, int], w
     assert steps == f"Steps of a delivery: mean of what was delivered, hard or easy, {words}."
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_caption_says_that_nearly_equal_values_have_no_interval() -> None:
     rows = [row(n, steps=90 if n == 7 else 30) for n in range(40)]
     assert drawn([(ON, rows), (OFF, rows)])["steps"].caption.endswith(
@@ -135,6 +147,7 @@ def test_the_caption_says_that_nearly_equal_values_have_no_interval() -> None:
     )
 
 
+@pytest.mark.usefixtures("undrawn")
 def test_the_caption_states_how_many_values_are_drawn(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(roles, "MAX_POINTS", 5)
     found = drawn([({"battery": n}, outcomes("dw")) for n in range(1, 40)])

@@ -1,0 +1,448 @@
+"""Pictures, pages, exports and outputs are as recorded, so that no change alters one unseen.
+
+Nearly all numbers in their code are sizes, places and colours that no other test names.
+After a change that is meant to alter them, ``python tests/system/test_recorded.py`` writes the
+record anew, which is compressed text: ``git diff`` shows it after
+``git config diff.gzip.textconv "gzip -dc"``.
+"""
+
+import gzip
+import json
+import re
+import sys
+from collections.abc import Callable, Iterator, Sequence
+from contextlib import chdir, redirect_stdout
+from dataclasses import replace
+from functools import partial
+from hashlib import sha256
+from inspect import isclass, signature
+from io import StringIO
+from itertools import islice
+from pathlib import Path
+from tempfile import TemporaryDirectory
+from types import FunctionType
+from typing import Any, ClassVar
+
+import matplotlib
+import numpy as np
+import pytest
+
+if __name__ == "__main__":
+    sys.path[:0] = [str(Path(__file__).parents[1])]
+
+from helpers.command_line import LEAVES, ROOT
+from helpers.drawn import drawn
+from helpers.fleets import fleet_episode
+from helpers.kernel_digests import HOUR, lifelong, once
+from helpers.mapf_problems import random_problems
+from helpers.pictures import ROOM, short_episode
+from helpers.player import said_by
+from helpers.results_files import BAD, GOOD, Cases, fill, fleet_row, outcomes, scores_of
+from helpers.rigid_bodies import EAST, NORTH, WEST, together
+from matplotlib.figure import Figure
+
+import warehouse_core
+import warehouse_physics
+from agents.errors import PlanError
+from agents.lab.commands import cli
+from agents.lab.commands.export.recording import entries
+from agents.lab.commands.planners.picture import curves_figure
+from agents.lab.console.main import main
+from agents.lab.reports.figures import pictures
+from agents.lab.training.curve import learning_curve
+from agents.lab.training.exams import ExamPoint
+from agents.lab.trials.figure import scores_figure, sizes_figure
+from agents.lab.trials.interval import Interval
+from agents.lab.trials.rows import row_of
+from agents.mapf.cbs import ConflictTree
+from agents.mapf.eecbs import ExplicitTree
+from agents.mapf.lacam import LaCAM
+from agents.registry import make_fleet_agent
+from agents.run_episode import run_episode
+from warehouse_core import (
+    Cell,
+    Episode,
+    EpisodeRecorder,
+    FleetEnv,
+    GridMotion,
+    Layout,
+    OrderStream,
+    Outcome,
+    WarehouseEnv,
+    gymnasium_env,
+    pettingzoo_env,
+    record_fleet_episode,
+    shelf_layout,
+)
+from warehouse_core.conformance.suite import CHECKS
+from warehouse_core.records.plans import StepPlans
+from warehouse_core.viz.axes.congestion import congestion_picture
+from warehouse_core.viz.axes.heat_map import blocked_heat_map, heat_map
+from warehouse_core.viz.figure import SceneFigure, make_figure
+from warehouse_core.viz.player import player_page
+from warehouse_core.viz.scene import Scene
+from warehouse_core.viz.svg import animated_svg
+from warehouse_core.viz.tracks import Frame, Pose, Track, track_of_record
+from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Waiting
+from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, RobotSpec, Stop
+
+RECORD = Path(__file__).parents[1] / "data/recorded.txt.gz"
+
+HEAVY = RobotSpec(
+    mass=120, radius=0.45, cell_size=1.4, top_speed=1.6, acceleration=2.5, motor_force=400
+)
+
+NUMBER = re.compile(r"-?\d+\.?\d*(?:e-?\d+)?")
+LONG = re.compile(r"\d+\.\d{6,}(?:e-?\d+)?")
+NAMELESS = re.compile(r" at 0x\w+")
+VERSIONS = re.compile("<th scope=.row.>(Python|warehouse-lab|numpy|scipy|matplotlib)<")
+"""Lines with versions."""
+
+DRAWN = ("text ", "path ", "figure ")
+"""Words that begin a line of what Matplotlib draws."""
+
+PIXELS, OTHER_PIXELS = 0.11, 24.0
+"""Distances at which things may be drawn, and by other versions, whose letters differ."""
+
+Lines = Iterator[str]
+
+
+def version() -> Lines:
+    yield f"Matplotlib {matplotlib.__version__}"
+
+
+def of_tracks(*tracks: Track) -> Lines:
+    """Yield what is drawn of tracks at their start, in their middle and at their end."""
+    scene = Scene(tracks, make_figure)
+    for moment in (0, len(scene) // 2, len(scene) - 1):
+        scene.show(moment)
+        yield from drawn(scene.root)
+    yield from animated_svg(tracks).replace("><", ">\n<").splitlines()
+    yield from of_page(player_page(tracks))
+
+
+def of_page(page: str) -> Lines:
+    """Yield what a page with or without a replay says, and its elements."""
+    said = said_by(page) if 'id="data"' in page else {}
+    for name, value in said.items():
+        for each in value if isinstance(value, list) else [value]:
+            yield f"{name} {json.dumps(each)}"
+    yield from re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL).splitlines()
+
+
+def of_command(words: str) -> Lines:
+    """Yield what a command prints and the files that it writes, with what is drawn in them."""
+    printed, figures, before = StringIO(), [], set(Path().iterdir())
+
+    def keep(figure: Figure, target: Any, *_: object, **__: object) -> None:
+        figures.extend(drawn(figure))
+        if isinstance(target, Path):
+            target.touch()
+
+    with pytest.MonkeyPatch.context() as patch, redirect_stdout(printed):
+        patch.setenv("COLUMNS", "80")
+        patch.setattr(Figure, "savefig", keep)
+        patch.setattr(SceneFigure, "savefig", keep)
+        with pytest.raises(SystemExit):
+            main(cli.app, words.split())
+    yield from printed.getvalue().splitlines()
+    yield from figures
+    for file in sorted(set(Path().iterdir()) - before):
+        if file.suffix in (".csv", ".json", ".svg"):
+            yield from file.read_text().replace("><", ">\n<").splitlines()
+        if file.suffix == ".html":
+            yield from of_page(file.read_text())
+
+
+def of_record(episode: Episode) -> Lines:
+    """Yield its arrays, of which long ones are thinned out, and its messages for others."""
+    episode.save("x.npz")
+    with np.load("x.npz") as arrays:
+        for name, values in arrays.items():
+            few = values[:: 1 + len(values) // 40] if values.ndim else values
+            text = bytes(values).decode() if values.dtype == np.uint8 else str(few.tolist())
+            yield f"{name} {values.dtype} {values.shape} {text}"
+    for time, topic, message in entries(episode):
+        yield f"{time} {topic} {json.dumps(message)}"
+
+
+def options() -> Lines:
+    """Yield the options of all commands with their defaults and limits."""
+    for name, command in LEAVES.items():
+        for each in command.params:
+            reader = vars(each.type_descriptor.parameter_info).get("parser")
+            check = getattr(reader, "check", None)
+            limits = vars(check) if hasattr(check, "__dict__") else check
+            kept = (each.default, each.min, each.max, each.multiple, each.required)
+            yield f"{name} {each.opts} {each.secondary_opts} {kept} {NAMELESS.sub('', str(limits))}"
+
+
+class Counted(GridMotion):
+    """A grid that counts and mixes what it is asked."""
+
+    batch = fleet_batch = None
+    asked: ClassVar[list[object]] = []
+
+    def reset(self, layout: Layout, cells: Sequence[Cell], seed: int) -> None:
+        self.asked.append((layout.rows, [*cells], seed))
+        super().reset(layout, cells, seed)
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        self.asked.append(([*displacements], [*map(bool, loaded)]))
+        return super().advance(displacements, loaded)
+
+
+def conformance() -> Lines:
+    """Yield how much each check asks of a motion, and a digest of it."""
+    for check in CHECKS:
+        Counted.asked.clear()
+        check(Counted)
+        digest = sha256(repr(Counted.asked).encode()).hexdigest()[:16]
+        yield f"{check.__name__} {len(Counted.asked)} {digest}"
+
+
+def rows() -> Lines:
+    """Yield what a sweep keeps of episodes, most of which fail."""
+    for agent in ("random", "reflex", "greedy:escape_steps=0"):
+        for seed in range(4):
+            yield str(row_of(run_episode(agent, "grid", seed=seed)))
+
+
+def interface() -> Lines:
+    """Yield the defaults and the metadata of everything public."""
+    packages = warehouse_core, warehouse_physics, gymnasium_env, pettingzoo_env
+    for each in (getattr(package, name) for package in packages for name in package.__all__):
+        if isinstance(each, FunctionType) or (isclass(each) and "__init__" in vars(each)):
+            parameters = signature(each).parameters.values()
+            defaults = {one.name: one.default for one in parameters if one.default is not one.empty}
+            yield f"{each.__name__} {defaults} {getattr(each, 'metadata', None)}"
+
+
+def lone() -> Lines:
+    yield from of_tracks(track_of_record(short_episode()))
+
+
+def seen() -> Lines:
+    episode = run_episode("greedy", "grid", seed=12)
+    yield from of_tracks(
+        replace(track_of_record(episode), view_radius=2, slippery=((1, 2), (3, 4)))
+    )
+
+
+def bodies() -> Lines:
+    env = WarehouseEnv(ROOM, (1, 2), battery=50, backend=RigidBodyMotion(HEAVY))
+    recorder = EpisodeRecorder(env, seed=1, agent="by hand")
+    for action in ("N", "W", "PICK", "E", "E"):
+        recorder.step(action)
+    yield from of_tracks(track_of_record(recorder.episode))
+    yield from of_record(recorder.episode)
+
+
+def fleet() -> Lines:
+    episode = fleet_episode(max_steps=36, orders=OrderStream(0.5, due=(8, 20)), people=1)
+    yield from of_tracks(track_of_record(episode))
+    yield from of_record(episode)
+
+
+def driven() -> Lines:
+    """Yield a fleet of heavy robots that drive through large cells."""
+    layout = shelf_layout(2, 2, aisle=2, pickups=2, dropoffs=2)
+    env = FleetEnv(layout, 3, orders=0.3, max_steps=6, backend=DrivingMotion(HEAVY))
+    episode = record_fleet_episode(env, make_fleet_agent("pibt", "nearest", 1, layout, 3), seed=2)
+    yield from of_tracks(track_of_record(episode))
+    yield from of_record(episode)
+
+
+def slipping() -> Lines:
+    """Yield records of robots on floors that differ, with weak motors and a stop."""
+    layout = shelf_layout(2, 2, aisle=2, pickups=2, dropoffs=2)
+    icy = frozenset((row, col) for row in range(layout.height) for col in range(0, layout.width, 2))
+    shocks = Disturbances(0.2, icy, 0.012, 0.8, 0.5)
+    driving = DrivingMotion(HEAVY, replace(shocks, stops=(Stop(1, 3.0, 4.0),)), period=0.3)
+    for motion in (driving, RigidBodyMotion(HEAVY, shocks)):
+        env = FleetEnv(layout, 4, orders=0.3, max_steps=8, people=1, backend=motion)
+        agent = make_fleet_agent("windowed", "urgent", 1, layout, 4)
+        yield from islice(of_record(record_fleet_episode(env, agent, seed=2)), 40)
+    rows = ["######", "......", "##.###"]  # where four robots are in each other's way
+    cells, moves = [(2, 2), (1, 3), (1, 5), (1, 2)], [NORTH, EAST, WEST, EAST]
+    spec = RobotSpec(payload_mass=90, motor_force=108)
+    for found in together(Layout(rows), cells, moves, spec, [False, True, True, True]):
+        yield f"{found.cell} {found.seconds} {found.joules} {found.contacts}"
+
+
+def planners() -> Lines:
+    """Yield digests of runs and plans, and the trees of searches that are optimal or bounded."""
+    for name, cells in (*islice(lifelong(), 20), *islice(once(), 4)):
+        numbers = np.ascontiguousarray(cells, np.int64)
+        yield f"{name} {cells.shape} {sha256(numbers.tobytes()).hexdigest()[:16]}"
+    for problem in random_problems(12, seed=3, max_size=6, max_robots=6):
+        star = LaCAM(problem, 1)
+        for rounds in (20, 100, 400):
+            star.search(np.inf, rounds)
+            plan = star.plan()
+            yield f"lacam-star {star.is_done} {plan.costs.sum() if plan else None}"
+        for tree in (ConflictTree(problem), ExplicitTree(problem, 1.3)):
+            try:
+                plan = tree.solve(HOUR)
+            except PlanError as error:
+                yield str(error)
+            else:
+                yield f"{len(tree.nodes)} nodes {plan.costs} {plan.cells.tolist()}"
+
+
+def signs() -> Lines:
+    """Yield a large fleet with all signs, on a small and on a large floor."""
+    for rows in (("P.....D#",) + ("........",) * 4, ("P.....D#" + "." * 52,) + ("." * 60,) * 40):
+        yield from of_tracks(track_with_all_signs(rows))
+
+
+def track_with_all_signs(rows: tuple[str, ...]) -> Track:
+    poses = tuple(Pose((n % 8 + 0.5, n // 8 + 0.5), n / 2, n % 3 == 0) for n in range(14))
+    people = Pose((6.5, 4.5), None, False), Pose((7.5, 4.5), 1.0, False)
+    plans = StepPlans({0: [(1, 1), (1, 2)]}, {1: [(1, 2), (2, 2), (2, 3)]}, {2: 3})
+    frames = []
+    for step in range(4):
+        items = tuple(n % 4 if pose.loaded else None for n, pose in enumerate(poses))
+        battery = tuple(min(n * step / 10, 1.0) for n in range(14))
+        waiting = tuple(Waiting((n + 0.5, 3.5), n + step, n) for n in range(4))
+        fleet = FleetFrame(waiting, items, battery, plans)
+        route = tuple((n + 0.5, 1.5) for n in range(step))
+        hits = (DrawnHit((4.0, 2.5), "12 N·s"),) if step % 2 else ()
+        frames.append(
+            Frame(rows, poses + people, float(step), f"at {step}", hits, fleet=fleet, route=route)
+        )
+    names = "released", "delivered", "battery_mean", "battery_lowest", "joules"
+    return Track(
+        frames, {name: [0.1, 0.4, 0.5, 0.9] for name in names}, title="All", ending="the end",
+        lateness=[(1, 1), (2, -4), (3, 0), (3, 9)],
+        held_up=[(1, (0, 2)), (2, (3, 7))], slippery=((2, 5),),
+    )  # fmt: skip
+
+
+def pair() -> Lines:
+    yield from of_tracks(
+        track_of_record(short_episode()), track_of_record(run_episode("greedy", "grid", seed=12))
+    )
+
+
+def maps() -> Lines:
+    episodes = {
+        name: fleet_episode(seed=seed, max_steps=30) for seed, name in enumerate(("one", "other"))
+    }
+    yield from drawn(congestion_picture(episodes, "Where", make_figure))
+    yield from drawn(blocked_heat_map(episodes["one"]))
+    counts = np.arange(20).reshape(4, 5)
+    panels = {"first": counts, "second": counts[::-1]}
+    yield from drawn(heat_map(ROOM.rows, panels, with_stations=True))
+
+
+def charts() -> Lines:
+    """Yield the figures that compare agents, and those of training and of planners."""
+    slow = GOOD._replace(steps=30)
+    one, other = scores_of([GOOD, slow] * 15), scores_of([GOOD] * 20 + [BAD] * 10)
+    yield from drawn(scores_figure({"one": one, "other": other}, "A title", "A caption"))
+    yield from drawn(sizes_figure({"small": {"one": one}, "large": {"one": other}}, "A caption"))
+    points = [ExamPoint(60_000 * (n + 1), each) for n, each in enumerate((other, one))]
+    yield from drawn(learning_curve("PPO", "A title", points, one))
+    curve = {4: Interval(1.0, 0.8, 1.2), 8: Interval(2.5, 2.0, 3.0)}
+    yield from drawn(curves_figure({"pibt": curve, "most": curve}, "A title", "rate", "most"))
+
+
+def reports() -> Lines:
+    """Yield the figures and pages of reports, and their tables for other programs."""
+    good, bad = outcomes("dddddddddw"), outcomes("ddoo", 10, 30)
+    equal = outcomes("wddddddddd")
+    odd = [GOOD._replace(seed=90), BAD._replace(seed=91)]
+    shifts = [fleet_row(0), fleet_row(1, per_hour=90.0)]
+    cases: list[Cases] = [
+        [
+            ({"escape": escape, "view_radius": radius}, good + bad[radius + escape :])
+            for escape in (True, False)
+            for radius in (1, 2)
+        ],
+        [({"backend": "grid"}, good + odd), ({"backend": "physics"}, equal + odd)],
+        [({"robots": robots}, [*shifts, fleet_row(2, joules=robots)]) for robots in (2, 4)],
+    ]
+    for number, each in enumerate(cases):
+        figures: list[str] = []
+
+        def keep(figure: Figure, figures: list[str] = figures) -> bytes:
+            figures.extend(drawn(figure))
+            return b"<svg/>"
+
+        with pytest.MonkeyPatch.context() as patch:
+            patch.setattr(pictures, "themed_svg", keep)
+            fill(Path(f"{number}.sqlite"), each)
+            yield from of_command(f"report {number}.sqlite --no-replays -o {number}.html")
+        yield from figures
+        yield from of_command(f"export {number}.sqlite {number}.csv")
+
+
+KINDS = (
+    version, options, interface, conformance, rows, planners, lone, seen, bodies, fleet, driven,
+    slipping, signs, pair, maps, charts, reports,
+)  # fmt: skip
+
+COMMANDS = (
+    "search --save x.svg --still",
+    "explore --seed 3 --max-steps 6 --save x.svg",
+    "demo cbs --save x.svg",
+    "demo bump --save x.svg --still",
+    "race --agent random --agent greedy --seed 3 --max-steps 5 --save x.html",
+    "run --seed 4 --no-show",
+    "fleet --seed 4 --no-show --max-steps 30 --robots 4 --save x.csv",
+    "compare agents --seed 1 -n 2 --max-steps 40 --save x.svg",
+    "layout list",
+    "layout shelves",
+    "layout generate --seed 1",
+    "layout warehouse 3-4-5-2-1",
+)
+
+CASES: dict[str, Callable[[], Lines]] = {
+    **{each.__name__: each for each in KINDS},
+    **{words: partial(of_command, words) for words in COMMANDS},
+}
+
+
+def lines_of(case: str) -> list[str]:
+    with TemporaryDirectory() as folder, chdir(folder):
+        lines = [line.replace(folder, "").replace(str(ROOT), "") for line in CASES[case]()]
+    return [
+        LONG.sub(lambda number: f"{float(number[0]):.6g}", line)
+        for line in lines
+        if not VERSIONS.search(line)
+    ]
+
+
+def recorded() -> dict[str, list[str]]:
+    found: dict[str, list[str]] = {}
+    for line in gzip.decompress(RECORD.read_bytes()).decode().splitlines():
+        if line.startswith("== "):
+            lines = found[line[3:]] = []
+        else:
+            lines.append(line)
+    return found
+
+
+@pytest.fixture(scope="module")
+def record() -> dict[str, list[str]]:
+    return recorded()
+
+
+@pytest.mark.parametrize("case", [case for case in CASES if case != "version"])
+def test_it_is_as_recorded(case: str, record: dict[str, list[str]]) -> None:
+    found, expected = lines_of(case), record[case]
+    if found == expected:
+        return
+    words, expected_words = (NUMBER.sub("0", "\n".join(lines)) for lines in (found, expected))
+    assert words.splitlines() == expected_words.splitlines()
+    pixels = PIXELS if record["version"] == [*version()] else OTHER_PIXELS
+    for line, other in zip(found, expected, strict=True):
+        numbers, others = ([*map(float, NUMBER.findall(each))] for each in (line, other))
+        error = pixels if line.startswith(DRAWN) else 1e-5
+        assert numbers == pytest.approx(others, 1e-5, error), f"{line}\nrecorded: {other}"
+
+
+if __name__ == "__main__":
+    text = "".join(f"== {case}\n" + "".join(f"{x}\n" for x in lines_of(case)) for case in CASES)
+    RECORD.write_bytes(gzip.compress(text.encode(), mtime=0))
