@@ -35,19 +35,23 @@ class Visit(NamedTuple):
 
 
 class WayCell(NamedTuple):
-    """A cell of a way, and the visit of another robot that has to end before it is entered."""
+    """A cell of a way, and the visits of other robots that have to end before it is entered.
+
+    There is at most one, but after failures, when a robot that goes back may still reach into the
+    cell of another.
+    """
 
     cell: Cell
-    after: Visit | None
+    after: tuple[Visit, ...] = ()
 
 
 class Dependencies:
     """The ways of ``R`` robots, at first in different cells, and the order in which they pass."""
 
     def __init__(self, cells: Sequence[Cell]) -> None:
-        self._ways = [deque([WayCell(cell, None)]) for cell in cells]
+        self._ways = [deque([WayCell(cell)]) for cell in cells]
         self._firsts = [0] * len(cells)
-        self._latest = {cell: Visit(robot, 0) for robot, cell in enumerate(cells)}
+        self._latest = {cell: (Visit(robot, 0),) for robot, cell in enumerate(cells)}
 
     def first(self, robot: int) -> int:
         """Return the number of the first node of a way that has not been forgotten."""
@@ -93,11 +97,11 @@ class Dependencies:
         and no two robots change places.
         """
         movers = [robot for robot, cell in enumerate(targets) if cell != self.end(robot)]
-        before = [self._latest.get(targets[robot]) for robot in movers]
-        for robot, visit in zip(movers, before, strict=True):
-            after = None if visit is None or visit.robot == robot else visit
+        before = [self._latest.get(targets[robot], ()) for robot in movers]
+        for robot, visits in zip(movers, before, strict=True):
+            after = tuple(visit for visit in visits if visit.robot != robot)
             self._ways[robot].append(WayCell(targets[robot], after))
-            self._latest[targets[robot]] = Visit(robot, self.last(robot))
+            self._latest[targets[robot]] = (Visit(robot, self.last(robot)),)
         return movers
 
     def forget(self, robot: int, number: int) -> None:
@@ -105,7 +109,7 @@ class Dependencies:
         for first in range(self._firsts[robot], number - HISTORY):
             cell, visit = self._ways[robot].popleft().cell, Visit(robot, first)
             self._firsts[robot] = first + 1
-            if self._latest.get(cell) == visit:
+            if self._latest.get(cell) == (visit,):
                 del self._latest[cell]  # nobody has to wait for it any more
 
     def cut(
@@ -129,10 +133,10 @@ class Dependencies:
             The other robots whose ways have changed, and whether they go back.
         """
         follower = {
-            node.after: Visit(each, at)
+            visit: Visit(each, at)
             for each in range(len(self._ways))
             for at, node in self.nodes(each, 0)
-            if node.after
+            for visit in node.after
         }
         keep = self._reachable(robot, number, follower)
         changed = {
@@ -141,22 +145,19 @@ class Dependencies:
             if last < self.last(each) and each != robot
         }
 
-        def after(each: int, at: int) -> Visit | None:
-            """Return the visit that ends before a robot goes back to its node ``at``."""
+        def after(each: int, at: int) -> tuple[Visit, ...]:
+            """Return the visit that ends before a robot goes back to its node ``at``, if any."""
             behind = follower.get(Visit(each, at))
             if behind is None or behind.number > reached[behind.robot]:
-                return None
+                return ()
             if not changed.get(behind.robot):  # the one that has failed, and reaches into this cell
-                return None
-            return Visit(behind.robot, 2 * reached[behind.robot] - behind.number)
+                return ()
+            return (Visit(behind.robot, 2 * reached[behind.robot] - behind.number),)
 
         backwards = [each for each, goes_back in changed.items() if goes_back]
         ways = [
             # It waits for nobody on the way to where it rests, which is before the last of these.
-            [
-                WayCell(self.node(each, at).cell, None)
-                for at in range(keep[each] + 1, reached[each] + 1)
-            ]
+            [WayCell(self.node(each, at).cell) for at in range(keep[each] + 1, reached[each] + 1)]
             + [
                 WayCell(self.node(each, at).cell, after(each, at))
                 for at in range(reached[each] - 1, keep[each] - 1, -1)
@@ -186,14 +187,19 @@ class Dependencies:
         return keep
 
     def _find_latest(self, present: Sequence[int]) -> None:
-        """Find the last visit of each cell, of the nodes from ``present`` on."""
-        visits: dict[Visit, WayCell] = {}
-        earlier: set[Visit | None] = set()
+        """Find the last visits of each cell, of the nodes from ``present`` on."""
+        visits: dict[Cell, list[Visit]] = {}
+        earlier: set[Visit] = set()
         for robot, way in enumerate(self._ways):
             own: dict[Cell, Visit] = {}
             for number, node in enumerate(way, self._firsts[robot]):
                 if number >= min(present[robot], self.last(robot)):
-                    earlier |= {node.after, own.get(node.cell)}
+                    earlier.update(node.after)
+                    if node.cell in own:
+                        earlier.add(own[node.cell])
                     own[node.cell] = visit = Visit(robot, number)
-                    visits[visit] = node
-        self._latest = {node.cell: visit for visit, node in visits.items() if visit not in earlier}
+                    visits.setdefault(node.cell, []).append(visit)
+        self._latest = {
+            cell: tuple(visit for visit in found if visit not in earlier)
+            for cell, found in visits.items()
+        }

@@ -60,7 +60,8 @@ class Leaders:
         self._ways, self._limits = ways, limits
         self.apart = 2 * spec.radius + CLEARANCE * spec.cell_size
         self._apart_at_corners = corner_distance(spec)
-        shape = len(limits.loaded), min(1 + math.ceil(limits.reach / self._size), MAX_LEADERS)
+        self._most = min(1 + math.ceil(limits.reach / self._size), MAX_LEADERS)
+        shape = len(limits.loaded), self._most
         self.nodes = np.full(shape, NOWHERE)
         self._looked = [0] * shape[0]  # up to which nodes of the ways
         self._leaders = np.zeros(shape, np.intp)
@@ -74,19 +75,20 @@ class Leaders:
         """
         slot, last = np.count_nonzero(self.nodes[robot] != NOWHERE), self._ways.last(robot)
         number = self._looked[robot]
-        while number < last and slot < self.nodes.shape[1]:
+        while number < last and slot < self._most:
             number += 1
-            after = self._ways.node(robot, number).after
-            if after is None or self._has_left(done, *after):
-                continue
-            leader, leaving = after
-            is_straight = leaving < self._ways.last(leader) and (
-                self._ways.move(leader, leaving + 1) == self._ways.move(robot, number)
-            )
-            self.nodes[robot, slot] = number
-            self._leaders[robot, slot], self._leaving[robot, slot] = leader, leaving
-            self._gaps[robot, slot] = self.apart if is_straight else self._apart_at_corners
-            slot += 1
+            for leader, leaving in self._ways.node(robot, number).after:
+                if self._has_left(done, leader, leaving):
+                    continue
+                if slot == self.nodes.shape[1]:
+                    self._widen()
+                is_straight = leaving < self._ways.last(leader) and (
+                    self._ways.move(leader, leaving + 1) == self._ways.move(robot, number)
+                )
+                self.nodes[robot, slot] = number
+                self._leaders[robot, slot], self._leaving[robot, slot] = leader, leaving
+                self._gaps[robot, slot] = self.apart if is_straight else self._apart_at_corners
+                slot += 1
         self._looked[robot] = number
 
     def find_anew(self, robot: int, done: Floats) -> None:
@@ -142,6 +144,15 @@ class Leaders:
             if np.array_equal(slower, speeds[rows]):
                 break
             speeds[rows] = slower
+
+    def _widen(self) -> None:
+        """Add a column, as a robot has several leaders in one cell."""
+        by_one = (0, 0), (0, 1)
+        self.nodes = np.pad(self.nodes, by_one, constant_values=NOWHERE)
+        self._leaders, self._leaving = (
+            np.pad(each, by_one) for each in (self._leaders, self._leaving)
+        )
+        self._gaps = np.pad(self._gaps, by_one)
 
     def _has_left(self, done: Floats, leader: int, number: int) -> bool:
         return bool(done[leader] - number * self._size >= self.apart)

@@ -3,11 +3,15 @@
 import itertools
 import random
 
+import numpy as np
 import pytest
 from helpers.driving import resolved
 
 from warehouse_core import Cell, Layout, random_layout
+from warehouse_physics import Disturbances, RobotSpec
 from warehouse_physics.driving.dependencies import HISTORY, Dependencies, Visit, WayCell
+from warehouse_physics.driving.leaders import NOWHERE, Leaders
+from warehouse_physics.driving.limits import Limits
 
 Plan = list[list[Cell]]
 
@@ -38,7 +42,7 @@ def nodes_of(plan: Plan) -> list[list[WayCell]]:
                 continue
             earlier = entries.setdefault(cell, [])
             others = earlier and earlier[-1].robot != robot
-            ways[robot].append(WayCell(cell, earlier[-1] if others else None))
+            ways[robot].append(WayCell(cell, (earlier[-1],) if others else ()))
             earlier.append(Visit(robot, len(ways[robot]) - 1))
     return ways
 
@@ -47,7 +51,7 @@ def nodes_of(plan: Plan) -> list[list[WayCell]]:
 def test_a_robot_enters_a_cell_after_the_last_other_one_that_the_plan_has_there(seed: int) -> None:
     plan = random_plan(seed)[1]
     found, expected = build(plan), nodes_of(plan)
-    assert sum(node.after is not None for way in expected for node in way) > 10
+    assert sum(bool(node.after) for way in expected for node in way) > 10
     for robot, way in enumerate(expected):
         assert (found.last(robot), found.end(robot)) == (len(way) - 1, way[-1].cell)
         assert [found.node(robot, number) for number in range(len(way))] == way
@@ -61,10 +65,10 @@ def test_a_robot_enters_a_cell_after_the_last_other_one_that_the_plan_has_there(
 def test_the_robots_of_a_ring_wait_for_each_other() -> None:
     found = build([[(0, 0), (0, 1), (1, 1), (1, 0)], [(0, 1), (1, 1), (1, 0), (0, 0)]])
     assert [found.node(robot, 1).after for robot in range(4)] == [
-        Visit(1, 0),
-        Visit(2, 0),
-        Visit(3, 0),
-        Visit(0, 0),
+        (Visit(1, 0),),
+        (Visit(2, 0),),
+        (Visit(3, 0),),
+        (Visit(0, 0),),
     ]
 
 
@@ -87,6 +91,30 @@ def test_a_cell_whose_last_visit_is_forgotten_has_no_order_any_more() -> None:
     found = build(long_row)
     found.forget(0, HISTORY + 1)
     found.extend([(0, HISTORY + 1), (0, 0)])
-    assert found.node(1, 1) == WayCell((0, 0), None)
+    assert found.node(1, 1) == WayCell((0, 0))
     found.extend([(0, HISTORY + 1), (0, 1)])
-    assert found.node(1, 2) == WayCell((0, 1), Visit(0, 1))
+    assert found.node(1, 2) == WayCell((0, 1), (Visit(0, 1),))
+
+
+def test_a_cell_is_entered_after_its_robot_and_one_that_reaches_into_it_and_goes_back() -> None:
+    """Robot 2 fails in front of robot 1, which stays; robot 0 has already begun to follow it."""
+    found = build([[(0, 0), (0, 1), (0, 2), (1, 0)], [(0, 1), (0, 2), (0, 3), (1, 0)]])
+    assert found.cut(2, 0, reached=[1, 0, 0, 0], present=[0, 0, 0, 0]) == {0: True, 1: False}
+    assert [found.end(robot) for robot in range(3)] == [(0, 0), (0, 1), (0, 2)]
+    found.extend([(0, 0), (1, 1), (0, 2), (1, 0)])
+    found.extend([(0, 0), (1, 2), (0, 2), (1, 1)])
+    found.extend([(0, 0), (1, 2), (0, 2), (0, 1)])
+    assert found.node(3, 2).after == (Visit(0, 1), Visit(1, 0))
+    leaders = Leaders(RobotSpec(), found, Limits(RobotSpec(), 4, Disturbances(grip=1.0)))
+    assert leaders.nodes.shape == (4, 2)
+    leaders.find(3, np.zeros(4))
+    assert sorted(leaders.nodes[3].tolist()) == [1, 2, 2]
+    leaders.drop(np.array([2.0, 0.0, 0.0, 0.0]))
+    assert sorted(leaders.nodes[3].tolist()) == [1, 2, NOWHERE]
+
+
+def test_a_cell_that_a_robot_has_not_left_has_an_order_after_another_one_has_failed() -> None:
+    found = build([[(0, 0), (0, 1), (2, 5)], [(0, 0), (0, 2), (2, 5)], [(0, 0), (0, 3), (2, 5)]])
+    assert found.cut(2, 0, reached=[0, 2, 0], present=[0, 0, 0]) == {}
+    found.extend([(0, 1), (0, 3), (2, 5)])
+    assert found.node(0, 1).after == (Visit(1, 0),)

@@ -141,6 +141,16 @@ def test_robots_behind_one_that_has_failed_go_back_to_cells_of_their_own(
         assert not set(ways.ends[1:]) & set(ways.closed)
 
 
+def test_a_robot_on_ice_brakes_for_one_that_waits_in_front_of_it() -> None:
+    """The floor under its first cell counts, from which it cannot stop in time otherwise."""
+    disturbances = Disturbances(slippery=frozenset({(0, 3)}), grip=0.05, stops=(Stop(0, 0, 20.0),))
+    motion = DrivingMotion(disturbances=disturbances)
+    motion.reset(Layout(["....."]), [(0, 1), (0, 2), (0, 3)], 0)
+    motion.extend([(0, 0), (0, 1), (0, 2)])
+    assert not any(outcome.contacts for outcome in motion.drive(60.0))
+    assert motion.ways().at_rest == [True, True, True]
+
+
 def test_the_cells_of_a_robot_that_has_failed_are_closed() -> None:
     motion = DrivingMotion()
     motion.reset(HALL, [(0, 1), (0, 0)], 0)

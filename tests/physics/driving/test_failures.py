@@ -1,6 +1,7 @@
 """Robots that fail while they drive through joint plans: all others come to rest at open cells."""
 
 import math
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -135,3 +136,22 @@ def test_a_robot_that_is_caught_between_two_that_fail_stops_and_fails_too(at: fl
     assert failed[::2] == [True, True]
     assert failed[1] == (at != 1.0)
     assert not failed[3]
+
+
+def test_no_way_is_extended_for_a_robot_that_has_failed_or_into_its_cell() -> None:
+    motion = DrivingMotion(FAST)
+    motion.reset(Layout(["....."]), [(0, 1), (0, 2), (0, 4)], 0)
+    motion.extend([(0, 1), (0, 3), (0, 4)])
+    motion.drive(0.7)
+    motion.fail(1)
+    for cells, message in (
+        ([(0, 1), (0, 3), (0, 4)], "robot 1 cannot go from (0, 2) to (0, 3); it has failed"),
+        (
+            [(0, 1), (0, 2), (0, 3)],
+            "robot 2 cannot go from (0, 4) to (0, 3); a robot that has failed closes it",
+        ),
+    ):
+        with pytest.raises(ValueError, match=re.escape(message)):
+            motion.extend(cells)
+    motion.extend([(0, 0), (0, 2), (0, 4)])
+    assert motion.ways().ends == [(0, 0), (0, 2), (0, 4)]
