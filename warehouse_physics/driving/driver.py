@@ -22,7 +22,7 @@ from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.driven_arena import DrivenArena
 from warehouse_physics.driving.dependencies import Dependencies
 from warehouse_physics.driving.headings import Headings
-from warehouse_physics.driving.leaders import NOWHERE, Leaders
+from warehouse_physics.driving.leaders import NOWHERE, Leaders, Places
 from warehouse_physics.driving.limits import Limits
 from warehouse_physics.driving.motors import Motors
 from warehouse_physics.energy import spent
@@ -96,7 +96,7 @@ class Driver:
             last = self._lasts[robot] = self.ways.last(robot)
             if self._ends[robot] == last - 1:
                 self._end_leg(robot)
-            self._leaders.find(robot, self._done)
+            self._leaders.find(robot, self._passed)
 
     def at_rest(self) -> Flags:
         """Return whether each robot is at rest at the end of its way, ``[R]``."""
@@ -118,12 +118,14 @@ class Driver:
         for robot in (self._may_turn() & (self._ends < self._lasts)).nonzero()[0].tolist():
             self.ways.forget(robot, int(self._ends[robot]))
             self._set_leg(robot, int(self._ends[robot]))
-        self._leaders.drop(self._done)
+        self._leaders.drop(self._passed)
         across = self._along[:, ::-1] * (-1.0, 1.0)
-        turns, aside = self._turning(), self._choose_speeds_aside(across)
-        speeds = self._choose_speeds(turns)
+        aside = _dots(self._offsets + self._velocities * self._dt, across)
+        closing = self._choose_closing(aside, across)
+        turns = self._turning()
+        speeds = self._choose_speeds(turns, np.abs(aside), closing)
         before = self._speeds
-        chosen = speeds[:, None] * self._along + aside[:, None] * across
+        chosen = speeds[:, None] * self._along - (np.sign(aside) * closing)[:, None] * across
         self._arena.command(self._motors.command(chosen, speeds, before, turns))
         _, hits = self._arena.stepper.run(0, 1)
         self._look()
@@ -137,6 +139,11 @@ class Driver:
         self._offsets = self.positions - self._origins
         self._done = self._starts * self._size + _dots(self._offsets, self._along)
         self._speeds = _dots(self._velocities, self._along)
+        across = self._along[:, ::-1] * (-1.0, 1.0)
+        aside = _dots(self._offsets, across)
+        self._aside = np.abs(aside)
+        self._closing = np.maximum(-np.sign(aside) * _dots(self._velocities, across), 0.0)
+        self._passed = self._done - self._aside
         entered = self._motors.feel(self.positions)
         if self._slippery and entered:
             self._expect_slips(range(len(self.stands)))
@@ -149,25 +156,26 @@ class Driver:
 
     def _may_turn(self) -> Flags:
         """Return whether each robot may begin its next leg: from rest, or round a corner."""
-        limits = self._limits
-        is_near = self._ends * self._size - self._done <= limits.corner
-        is_slow = self._speeds <= limits.corner_speeds + SLOW
-        is_free = self._leaders.nodes[:, 0] > self._ends
-        is_turning: Flags = self._has_corner & is_near & is_slow & is_free
-        goes_back: Flags = (self._backs == self._ends) & (np.abs(self._speeds) <= SLOW)
+        limits, speeds = self._limits, self._speeds
+        left = self._ends * self._size - self._done - speeds * self._dt
+        is_near = left <= stopping_distances(speeds, limits.corner_rates, self._dt)
+        is_slow = speeds <= limits.corner_speeds + SLOW
+        is_turning: Flags = self._has_corner & (left <= limits.corner) & is_near & is_slow
+        if is_turning.any():
+            is_turning &= self._leaders.leave(self._ends, self._passed, speeds + self._closing)
+        goes_back: Flags = (self._backs == self._ends) & (np.abs(speeds) <= SLOW)
         return (self._have_arrived() | is_turning | goes_back) & ~self.stands
 
     def _turning(self) -> Flags:
         """Return whether each robot is off the line of its leg, ``[R]``."""
-        x, y = self._offsets.T
-        aside = np.abs(x * self._along[:, 1] - y * self._along[:, 0])
-        is_off: Flags = aside > ARRIVED * self._size
+        is_off: Flags = self._aside > ARRIVED * self._size
         return is_off
 
-    def _choose_speeds(self, turns: Flags) -> Floats:
+    def _choose_speeds(self, turns: Flags, aside: Floats, closing: Floats) -> Floats:
         """Return the speeds along their legs that the robots are to have next, ``[R]`` m/s.
 
-        Robots that ``turns`` marks are off the lines of their legs.
+        Robots that ``turns`` marks are off the lines of their legs, soon by ``aside`` metres, and
+        get back to them at ``closing`` m/s, ``[R]``.
         """
         limits, dt, is_exact = self._limits, self._dt, self._motors.is_exact
         ups, downs = (
@@ -176,7 +184,13 @@ class Driver:
         ahead = self._done + self._speeds * dt
         left = self._ends * self._size - ahead
         is_before, spare = left > 0, np.where(self._has_corner, limits.spare, 0.0)
-        wanted = stopping_speeds(np.where(is_before, left - spare, -left), downs, dt)
+        # At a corner it brakes as hard as it could while it turns, and may turn at any time.
+        is_at_corner = self._has_corner & (left < limits.corner)
+        wanted = stopping_speeds(
+            np.where(is_before, np.where(is_at_corner, left, left - spare), -left),
+            np.where(is_at_corner, limits.corner_rates, downs),
+            dt,
+        )
         wanted = np.where(is_before, wanted, -wanted)
         fastest = self._motors.fastest(self._speeds, np.where(self._speeds < 0, downs, ups))
         speeds: Floats = np.minimum(wanted, fastest) if is_exact else wanted
@@ -185,16 +199,21 @@ class Driver:
             # Robots that drive otherwise than they are commanded brake as hard as they can.
             slower = np.maximum(np.abs(self._speeds) - downs * dt, 0.0) if is_exact else 0.0
             speeds = np.where(stands, np.sign(self._speeds) * slower, speeds)
-        self._leaders.slow_down(speeds, ahead, downs, None if is_exact else self._speeds)
+        places = Places(ahead, aside, closing, None if is_exact else self._speeds)
+        self._leaders.slow_down(speeds, places, downs)
         if not is_exact:
             speeds = np.minimum(speeds / self._motors.excess(self._speeds), fastest)
         return speeds
 
-    def _choose_speeds_aside(self, across: Floats) -> Floats:
-        """Return the speeds at which they are to get back to the lines of their legs, ``[R]``."""
-        aside = _dots(self._offsets + self._velocities * self._dt, across)
-        speeds = stopping_speeds(np.abs(aside), self._limits.corner_rates, self._dt)
-        return -np.sign(aside) * speeds
+    def _choose_closing(self, aside: Floats, across: Floats) -> Floats:
+        """Return the speeds at which robots are to get back to the lines of their legs, ``[R]``.
+
+        They are soon ``aside`` metres off these lines, in the directions ``across``, ``[R, 2]``.
+        """
+        rates = self._limits.corner_rates
+        now = -np.sign(aside) * _dots(self._velocities, across)
+        speeds = stopping_speeds(np.abs(aside), rates, self._dt)
+        return np.minimum(speeds, np.maximum(now, 0.0) + rates * self._dt)
 
     def _stop(self) -> None:
         """Let robots stop that are to stand now, and others drive on."""
@@ -226,7 +245,7 @@ class Driver:
         self.closed |= {
             self.ways.node(robot, each).cell for each in range(number, reached[robot] + 1)
         }
-        present = np.floor((self._done - apart) / size).astype(int) + 1
+        present = np.floor((self._passed - apart) / size).astype(int) + 1
         changed = self.ways.cut(robot, number, reached.tolist(), present.tolist())
         for each, goes_back in changed.items():
             self._lasts[each] = last = self.ways.last(each)
@@ -238,7 +257,7 @@ class Driver:
                 self._backs[each] = NOWHERE
         self._lasts[robot] = number
         for each in range(len(self.stands)):
-            self._leaders.find_anew(each, self._done)
+            self._leaders.find_anew(each, self._passed)
         if self._slippery:
             self._expect_slips(range(len(self.stands)))
         goes_back = self._backs != NOWHERE
@@ -281,6 +300,7 @@ class Driver:
         self._done[robot] = start * self._size + offset @ along
         self._speeds[robot] = speed = self._velocities[robot] @ along
         self._motors.turn(robot, speed)
+        self._leaders.turn(robot, start, self.ways.move(robot, start + 1))
         self._end_leg(robot)
 
     def _end_leg(self, robot: int) -> None:

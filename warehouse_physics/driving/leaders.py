@@ -3,19 +3,24 @@
 A robot may come to the middle of a cell when its *leader* there, the robot that is in that cell
 before it, is so far beyond the middle that the two are apart. Until then it stops in the cell
 before, or follows its leader at a distance that is measured along the way through the shared cell.
-Round a corner, two robots with ``d`` between them along the way are ``sqrt(1 / 2) * d`` apart. For
-robots with a radius of up to 0.35 of a cell, a distance of just less than a cell is enough there,
-which lets all robots of a queue or of a ring move at the same time.
+
+Distances along ways are what two robots have between them in rows and columns, also where robots
+cut corners. With ``d`` between them along a way that turns, two robots are at least
+``sqrt(1 / 2) * d`` apart. For robots with a radius of up to 0.35 of a cell, a distance of just less
+than a cell is enough there, which lets all robots of a queue or of a ring move at the same time.
 """
 
 from __future__ import annotations
 
 import math
+from typing import NamedTuple
 
 import numpy as np
 
+from warehouse_core import Cell
+from warehouse_core.world.tables import Flags, Integers
 from warehouse_physics.driving.dependencies import Dependencies
-from warehouse_physics.driving.limits import Limits
+from warehouse_physics.driving.limits import CORNER, Limits
 from warehouse_physics.profile import Floats, stopping_distances, stopping_speeds
 from warehouse_physics.spec import RobotSpec
 
@@ -30,6 +35,11 @@ MAX_LEADERS = 50
 
 MAX_ROUNDS = 100
 """Most rounds in which robots that follow each other in a chain agree on speeds; few are needed."""
+
+
+BEFORE, BEYOND = 0.5, 0.3
+"""Shares of a cell. A leader that goes on straight until it is ``BEFORE`` the middle of a cell, and
+turns there, has to be followed at the distance of corners when it is ``BEYOND`` the middle."""
 
 
 def corner_distance(spec: RobotSpec) -> float:
@@ -47,8 +57,42 @@ def corner_distance(spec: RobotSpec) -> float:
     return (needed + spec.cell_size) / 2
 
 
+def straight_distance(spec: RobotSpec) -> float:
+    """Return the distance in metres at which robots follow each other straight on.
+
+    The one in front may cut its next corner, unless it turns on the spot: it is then nearer than
+    along its way.
+    """
+    needed = 2 * spec.radius / spec.cell_size + CLEARANCE
+    if spec.turn_seconds:
+        return spec.cell_size * needed
+    beyond = max(needed - (1 - CORNER), 0.0) / CORNER
+    # With c for CORNER, it has gone 1 - c + u - u * u / (4 * c) away after 1 - c + u along its way.
+    return spec.cell_size * (needed + CORNER * (2 * (1 - math.sqrt(1 - beyond)) - beyond))
+
+
+class Places(NamedTuple):
+    """Where ``R`` robots are on their ways, ``[R]`` each.
+
+    Attributes:
+        done: metres of its way that a robot has driven, measured along its leg.
+        aside: metres that it is off the line of its leg.
+        closing: m/s at which it gets back to that line.
+        speeds: m/s, present speeds, where it is not known which speeds robots get; leaders may then
+            brake as hard as they can.
+    """
+
+    done: Floats
+    aside: Floats
+    closing: Floats
+    speeds: Floats | None
+
+
 class Leaders:
     """The next cells on the ways of ``R`` robots where they have leaders, ``[R, K]`` of them.
+
+    Below, ``passed`` is the length of way that each robot has left behind, ``[R]`` metres: less
+    than it has driven while it is off the line of its leg.
 
     Attributes:
         nodes: ``[R, K]`` numbers of these cells on the way, or ``NOWHERE``.
@@ -58,7 +102,8 @@ class Leaders:
     def __init__(self, spec: RobotSpec, ways: Dependencies, limits: Limits) -> None:
         self._size, self._dt = spec.cell_size, spec.time_step
         self._ways, self._limits = ways, limits
-        self.apart = 2 * spec.radius + CLEARANCE * spec.cell_size
+        self._on_the_spot = spec.turn_seconds > 0
+        self.apart = straight_distance(spec)
         self._apart_at_corners = corner_distance(spec)
         self._most = min(1 + math.ceil(limits.reach / self._size), MAX_LEADERS)
         shape = len(limits.loaded), self._most
@@ -66,84 +111,127 @@ class Leaders:
         self._looked = [0] * shape[0]  # up to which nodes of the ways
         self._leaders = np.zeros(shape, np.intp)
         self._leaving = np.zeros(shape, np.int64)
-        self._gaps = np.zeros(shape)
+        # Distances to leaders that are before the middles of the cells, and beyond them.
+        self._nearest, self._farthest = np.zeros((2, *shape))
 
-    def find(self, robot: int, done: Floats) -> None:
-        """Find the next cells of a robot where it has leaders, as far as there is space for them.
-
-        Here and below ``done`` is the length of way that each robot has done, ``[R]`` metres.
-        """
+    def find(self, robot: int, passed: Floats) -> None:
+        """Find the next cells where a robot has leaders, as far as there is space for them."""
         slot, last = np.count_nonzero(self.nodes[robot] != NOWHERE), self._ways.last(robot)
         number = self._looked[robot]
         while number < last and slot < self._most:
             number += 1
             for leader, leaving in self._ways.node(robot, number).after:
-                if self._has_left(done, leader, leaving):
+                if self._has_left(passed, leader, leaving):
                     continue
                 if slot == self.nodes.shape[1]:
                     self._widen()
-                is_straight = leaving < self._ways.last(leader) and (
-                    self._ways.move(leader, leaving + 1) == self._ways.move(robot, number)
-                )
                 self.nodes[robot, slot] = number
                 self._leaders[robot, slot], self._leaving[robot, slot] = leader, leaving
-                self._gaps[robot, slot] = self.apart if is_straight else self._apart_at_corners
+                self._keep_apart(robot, slot, self._ways.move(robot, number))
                 slot += 1
         self._looked[robot] = number
 
-    def find_anew(self, robot: int, done: Floats) -> None:
+    def find_anew(self, robot: int, passed: Floats) -> None:
         """Find the next cells of a robot where it has leaders after its way has changed."""
         self.nodes[robot] = NOWHERE
-        self._looked[robot] = max(self._ways.first(robot), int(done[robot] // self._size) - 1)
-        self.find(robot, done)
+        self._looked[robot] = max(self._ways.first(robot), int(passed[robot] // self._size) - 1)
+        self.find(robot, passed)
 
-    def drop(self, done: Floats) -> None:
+    def turn(self, robot: int, node: int, move: Cell) -> None:
+        """Look at the leaders that a robot has in a cell from where it turns by a displacement."""
+        for slot in (self.nodes[robot] == node).nonzero()[0].tolist():
+            self._keep_apart(robot, slot, move)
+
+    def drop(self, passed: Floats) -> None:
         """Forget the leaders that have moved on, and find the next ones."""
-        passed = done[self._leaders] - self._leaving * self._size
-        is_gone = (self.nodes != NOWHERE) & (passed >= self.apart)
+        beyond = passed[self._leaders] - self._leaving * self._size
+        is_gone = (self.nodes != NOWHERE) & (beyond >= self.apart)
         rows = is_gone.any(axis=1).nonzero()[0]
         if not len(rows):
             return
         kept = np.argsort(is_gone[rows], axis=1, kind="stable")
         self.nodes[is_gone] = NOWHERE
-        for values in (self.nodes, self._leaders, self._leaving, self._gaps):
+        for values in (self.nodes, self._leaders, self._leaving, self._nearest, self._farthest):
             values[rows] = np.take_along_axis(values[rows], kept, axis=1)
         for robot in rows.tolist():
-            self.find(robot, done)
+            self.find(robot, passed)
 
-    def slow_down(
-        self, speeds: Floats, ahead: Floats, downs: Floats, now: Floats | None = None
-    ) -> None:
+    def leave(self, ends: Integers, passed: Floats, speeds: Floats) -> Flags:
+        """Return whether robots can come to the nodes ``ends``, ``[R]``, behind their leaders.
+
+        Leaders drive along their ways at ``speeds``, ``[R]`` m/s, and brake as hard as they can.
+        """
+        beyond = (passed + self._stops(speeds))[self._leaders] - self._leaving * self._size
+        free: Flags = ((self.nodes > ends[:, None]) | (beyond >= self.apart)).all(axis=1)
+        return free
+
+    def slow_down(self, speeds: Floats, places: Places, downs: Floats) -> None:
         """Lower the speeds of robots, ``[R]`` in place, so that none comes too close to a leader.
 
         Args:
             speeds: ``[R]`` m/s, speeds that they would have without leaders.
-            ahead: ``[R]`` metres, length of way that each robot has done when it gets its speed.
+            places: where the robots are when they get their speeds.
             downs: ``[R]`` m/s², rate at which each can brake.
-            now: ``[R]`` m/s, present speeds, where it is not known which speeds robots get. Leaders
-                may then brake as hard as they can.
         """
-        to_nodes = self.nodes * self._size - ahead[:, None]
+        to_nodes = self.nodes * self._size - places.done[:, None]
         before = stopping_speeds(to_nodes - self._size, downs[:, None], self._dt)
         # Robots that can still stop before all cells with leaders need not look at the leaders.
         rows = np.flatnonzero((before < speeds[:, None]).any(axis=1))
         if not len(rows):
             return
         leaders, dt, rates, before = self._leaders[rows], self._dt, downs[rows, None], before[rows]
-        passed = ahead[leaders] - self._leaving[rows] * self._size
-        gaps = to_nodes[rows] + passed - self._gaps[rows]
-        hardest = self._limits.hardest
+        to_nodes = to_nodes[rows]
+        passed = (places.done - places.aside)[leaders] - self._leaving[rows] * self._size
+        across = to_nodes + places.aside[rows, None] - self._apart_at_corners
+        closing, now = places.closing, places.speeds
         if now is not None:
-            now = np.where(now > 0, np.maximum(now - hardest * dt, 0.0), now)
+            now = np.where(now > 0, np.maximum(now - self._limits.hardest * dt, 0.0), now)
+        own_aside = closing[rows, None]
         for _ in range(MAX_ROUNDS):
-            theirs = (speeds if now is None else now)[leaders]
-            stops = stopping_distances(np.abs(theirs), hardest[leaders], dt)
-            room = gaps + np.sign(theirs) * stops
-            following = np.minimum(stopping_speeds(room, rates, dt), gaps / dt + theirs)
+            along = speeds if now is None else now
+            # A leader that turns gets back to its line, but may do so more slowly than it brakes.
+            stops = np.minimum(
+                self._stops(along) + places.aside, self._stops(along + places.closing)
+            )
+            rests = self._beyond(rows, passed + stops[leaders])
+            soon = passed + (along + closing)[leaders] * dt
+            following = np.minimum(
+                stopping_speeds(to_nodes + rests, rates, dt),
+                np.maximum(
+                    (to_nodes + self._beyond(rows, soon)) / dt, (across + soon) / dt - own_aside
+                ),
+            )
             slower = np.minimum(speeds[rows], np.maximum(before, following).min(axis=1))
             if np.array_equal(slower, speeds[rows]):
                 break
             speeds[rows] = slower
+
+    def _stops(self, speeds: Floats) -> Floats:
+        """Return how far robots move that brake as hard as they can from speeds, ``[R]``."""
+        found: Floats = np.sign(speeds) * stopping_distances(
+            np.abs(speeds), self._limits.hardest, self._dt
+        )
+        return found
+
+    def _beyond(self, rows: Integers, passed: Floats) -> Floats:
+        """Return how far beyond the middles of cells robots may come, ``[N, K]`` metres.
+
+        Their leaders are ``passed`` beyond them, ``[N, K]`` metres.
+        """
+        nearest, farthest = self._nearest[rows], self._farthest[rows]
+        share = (passed / self._size + BEFORE) / (BEFORE + BEYOND)
+        return passed - nearest - (farthest - nearest) * np.clip(share, 0.0, 1.0)
+
+    def _keep_apart(self, robot: int, slot: int, move: Cell) -> None:
+        """Set the distances to a leader of a robot that drives in the direction of ``move``."""
+        leader, leaving = int(self._leaders[robot, slot]), int(self._leaving[robot, slot])
+        ways, first = self._ways, self._ways.first(leader)
+        goes_on = leaving < ways.last(leader) and ways.move(leader, leaving + 1) == move
+        came_along = first < leaving and ways.move(leader, leaving) == move
+        came_along &= not self._on_the_spot  # who stops there is not followed closely
+        straight, corner = self.apart, self._apart_at_corners
+        self._nearest[robot, slot] = straight if goes_on or came_along else corner
+        self._farthest[robot, slot] = straight if goes_on else corner
 
     def _widen(self) -> None:
         """Add a column, as a robot has several leaders in one cell."""
@@ -152,7 +240,9 @@ class Leaders:
         self._leaders, self._leaving = (
             np.pad(each, by_one) for each in (self._leaders, self._leaving)
         )
-        self._gaps = np.pad(self._gaps, by_one)
+        self._nearest, self._farthest = (
+            np.pad(each, by_one) for each in (self._nearest, self._farthest)
+        )
 
-    def _has_left(self, done: Floats, leader: int, number: int) -> bool:
-        return bool(done[leader] - number * self._size >= self.apart)
+    def _has_left(self, passed: Floats, leader: int, number: int) -> bool:
+        return bool(passed[leader] - number * self._size >= self.apart)

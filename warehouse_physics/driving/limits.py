@@ -11,10 +11,14 @@ from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.profile import Floats, stopping_distances
 from warehouse_physics.spec import RobotSpec
 
-CORNER = 0.2
+CORNER = 0.5
 """Share of a cell before a corner where robots begin to turn into their next leg: they brake in the
-old direction while they speed up in the new one.
+old direction while they speed up in the new one. So they cut the corner from the edge of its cell
+to the next edge, and stay half a cell away from the wall that they turn round.
 """
+
+CAREFUL_CORNER = 0.2
+"""Share that robots cut which drive otherwise than they are commanded."""
 
 SIGMAS = 3.0
 """Standard deviations of the actual speed for which robots that brake have force to spare."""
@@ -36,13 +40,13 @@ class Limits:
         corner_rates: m/s², rate at which it changes speed in either direction at a corner.
         usual_reach: metres within which all robots stop on the usual floor.
         reach: metres within which all robots stop on slippery floor.
+        corner: metres before a corner where robots begin to turn.
         corner_speeds: m/s, highest speed at which it may begin to turn.
         spare: metres before a corner where it would come to rest, as it is so fast.
     """
 
     def __init__(self, spec: RobotSpec, robots: int, disturbances: Disturbances) -> None:
         self._spec = spec
-        self.corner = CORNER * spec.cell_size
         self._masses = np.array([spec.total_mass(loaded) for loaded in (False, True)])
         self._drags = np.array([spec.drag_force(loaded) for loaded in (False, True)])
         spread = disturbances.drag_spread
@@ -54,6 +58,8 @@ class Limits:
         motor[1] = np.minimum(motor[1], disturbances.grip * self._masses * GRAVITY)
         most = min(spec.acceleration, spec.top_speed / spec.time_step)
         self._reserve = (1 + SIGMAS * disturbances.actuation_noise) ** 2
+        is_exact = not disturbances.actuation_noise
+        self.corner = (CORNER if is_exact else CAREFUL_CORNER) * spec.cell_size
         self._ups = np.clip((motor - self._drags) / self._masses, MIN_RATE, most)
         slowest = (motor + self._drags * (1 - spread)) / self._masses
         self._downs = np.clip(slowest, MIN_RATE, spec.acceleration) / self._reserve

@@ -68,7 +68,7 @@ def test_a_robot_without_a_turning_time_turns_gradually_and_drives_as_if_it_did_
     assert arrival(path) < 4 + 2
     _, x, _, heading = path.T
     assert 0 < np.diff(heading).max() <= math.pi * 1.001 / 60
-    assert heading[x < 2.2].max() == 0
+    assert heading[x < 1.99].max() == 0
     assert heading[-1] == pytest.approx(math.pi / 2)
 
 
