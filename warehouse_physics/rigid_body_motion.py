@@ -97,7 +97,7 @@ class RigidBodyMotion(BodyMotion):
             raise RuntimeError("advance() needs a reset() before it")
         robots = self._arena.robots
         check_moves(len(robots), displacements, loaded)
-        self._note(displacements, loaded)
+        self._note_moves(displacements, loaded)
         moves = zip(displacements, loaded, strict=True)
         pace = self._paces[any(load and displacement != STAY for displacement, load in moves)]
         turning = max(

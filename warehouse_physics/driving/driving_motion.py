@@ -112,7 +112,7 @@ class DrivingMotion(BodyMotion):
         driver = self._driven()
         robot = whole_number("robot", robot, 0, len(driver.work) - 1)
         driver.fail(robot)
-        self._failures.append((len(self._course) // len(driver.work), robot))
+        self._note("fail", robot)
 
     @exclusive
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -126,7 +126,7 @@ class DrivingMotion(BodyMotion):
         driver = self._driven()
         assert self._layout is not None
         check_moves(len(driver.work), displacements, loaded)
-        self._note(displacements, loaded)
+        self._note_moves(displacements, loaded)
         ends, room, _, _, closed = self.ways()
         wanted = [
             moved(end, displacement) if has_room else end
@@ -165,7 +165,7 @@ class DrivingMotion(BodyMotion):
         assert self._layout is not None
         check_joint_step(self._layout, ends, cells)
         self._driven().extend(cells)
-        self._begun = None
+        self._note("extend", list(cells))
 
     @exclusive
     def drive(self, seconds: float) -> list[Outcome]:
@@ -175,7 +175,9 @@ class DrivingMotion(BodyMotion):
             ValueError: ``seconds`` is not above 0 or too long.
             RuntimeError: as for ``advance``.
         """
-        substeps, self._begun = self._substeps_in("seconds", seconds), None
+        substeps = self._substeps_in("seconds", seconds)
+        self._driven()
+        self._note("drive", seconds)
         return self._drive(substeps)
 
     def close(self) -> None:
