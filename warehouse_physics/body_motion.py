@@ -8,11 +8,13 @@ from itertools import product
 from typing import Any, ClassVar, Self
 
 from warehouse_core.arguments import MAX_STEPS, flag, instance_of, whole_number
-from warehouse_core.motion.base import Conditions
+from warehouse_core.motion.base import MAX_RAYS, Conditions, Outcome, Pose, centre_of
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 from warehouse_physics.disturbances import Disturbances
+from warehouse_physics.odometry import Odometry
+from warehouse_physics.profile import Floats
 from warehouse_physics.spec import RobotSpec
 
 PATH_EVERY = 10
@@ -57,6 +59,7 @@ class BodyMotion:
         self._path_every = whole_number("path_every", path_every, 1, MAX_STEPS)
         self._begun: tuple[Layout, tuple[Cell, ...], int] | None = None
         self._calls: list[tuple[str, Any]] = []
+        self._odometry: Odometry | None = None
 
     @classmethod
     def from_numbers(cls, numbers: Mapping[str, float]) -> Self:
@@ -67,6 +70,17 @@ class BodyMotion:
     def conditions(self) -> Conditions:
         """Floor and motors, for records."""
         return self.disturbances.conditions
+
+    def scan(self, robot: int, rays: int) -> Floats:
+        """Return how far walls and other robots are; see ``Senses``."""
+        robot, rays = self._known(robot), whole_number("rays", rays, 1, MAX_RAYS)
+        distances: Floats = getattr(self, self.BODIES).scan(robot, rays)
+        return distances
+
+    def odometry(self, robot: int) -> Pose | None:
+        """Return where a robot believes to be; see ``Senses``."""
+        robot = self._known(robot)
+        return None if self._odometry is None else self._odometry.poses[robot]
 
     def __getstate__(self) -> dict[str, Any]:
         return vars(self) | {self.BODIES: None}
@@ -86,6 +100,21 @@ class BodyMotion:
     def _begin(self, layout: Layout, cells: Sequence[Cell], seed: int) -> None:
         """Note a reset, after which there are no calls yet."""
         self._begun, self._calls = (layout, tuple(cells), seed), []
+        if error := self.disturbances.odometry:
+            starts = (centre_of(cell, self.cell_size) for cell in cells)
+            self._odometry = Odometry(starts, error, seed)
+
+    def _measured(self, outcomes: list[Outcome]) -> list[Outcome]:
+        """Return outcomes, after the robots have measured their ways in them."""
+        if self._odometry is not None:
+            self._odometry.measure([outcome.path for outcome in outcomes])
+        return outcomes
+
+    def _known(self, robot: int) -> int:
+        """Return the number of a robot, checked."""
+        if self._begun is None:
+            raise RuntimeError("the motion needs a reset() before it")
+        return whole_number("robot", robot, 0, len(self._begun[1]) - 1)
 
     def _note(self, name: str, given: Any) -> None:
         """Note a call with one argument, for copies to repeat."""

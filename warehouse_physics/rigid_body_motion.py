@@ -82,7 +82,7 @@ class RigidBodyMotion(BodyMotion):
                 f"most {widest!r} for {len(cells)} robots, which pass each other at corners"
             )
         drawn = self._drawn(seed)
-        floor = FloorConditions(self.disturbances, drawn) if self.disturbances.any else None
+        floor = FloorConditions(self.disturbances, drawn) if self.disturbances.is_felt else None
         self._arena = RobotArena(layout, cells, self.spec, floor)
         self._begin(layout, cells, drawn)
 
@@ -108,7 +108,9 @@ class RigidBodyMotion(BodyMotion):
             robot.set_off(turning)
         paths = [[self._row(0.0, robot)] for robot in robots]
         substeps = self._drive(self._arena, paths)
-        return [self._outcome(*each, substeps) for each in zip(robots, paths, strict=True)]
+        return self._measured(
+            [self._outcome(*each, substeps) for each in zip(robots, paths, strict=True)]
+        )
 
     def batch(self, layouts: Sequence[Layout]) -> RigidBodyBatch:
         """Return a motion for one robot in each of these layouts; see ``Batchable``.

@@ -197,12 +197,14 @@ class DrivingMotion(BodyMotion):
         rows.flags.writeable = False
         joules = joules_of(self.spec, driver.work - before, seconds).tolist()
         columns, lines = np.floor(driver.positions / self.cell_size).astype(int).T.tolist()
-        return [
-            Outcome((row, col), False, seconds, cost, path, tuple(hits))
-            for row, col, cost, path, hits in zip(
-                lines, columns, joules, rows, contacts, strict=True
-            )
-        ]
+        return self._measured(
+            [
+                Outcome((row, col), False, seconds, cost, path, tuple(hits))
+                for row, col, cost, path, hits in zip(
+                    lines, columns, joules, rows, contacts, strict=True
+                )
+            ]
+        )
 
     def _substeps_in(self, name: str, seconds: float) -> int:
         dt = self.spec.time_step
