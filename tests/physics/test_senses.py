@@ -116,7 +116,9 @@ def test_turns_add_to_the_error_of_the_heading() -> None:
     for seed in range(200):
         placed(motion, HALL, (1, 1), seed=seed)
         motion.advance([(1, 0)], [False])
-        drifts.append(motion.odometry(0)[2] - math.pi / 2)
+        x, y, heading = motion.odometry(0)
+        assert math.atan2(y - 1.5, x - 1.5) == pytest.approx(heading, abs=1e-4)
+        drifts.append(heading - math.pi / 2)
     assert statistics.stdev(drifts) == pytest.approx(0.01 * (1 + math.pi / 2), rel=0.15)
 
 
@@ -153,6 +155,20 @@ def test_the_checker_of_gymnasium_passes_with_sensors() -> None:
     plain = WarehouseGymnasiumEnv(backend="physics")
     assert plain.observation_space.spaces.keys() == plain.reset()[0].keys()
     assert {"scan", "odometry"} == first.keys() - plain.reset()[0].keys()
+
+
+def test_a_position_far_outside_the_walls_is_in_the_space() -> None:
+    motion = RigidBodyMotion(None, Disturbances(odometry=0.5))
+    corridor: Any = {"layout": ["P" + "." * 10 + "D"], "start_pos": (0, 0), "randomize": False}
+    env = WarehouseGymnasiumEnv(backend=motion, max_steps=11, **corridor)
+    farthest = 0.0
+    for seed in range(9):
+        env.reset(seed=seed)
+        for _ in range(11):
+            seen, *_ = env.step(1)
+            assert env.observation_space.contains(seen)
+            farthest = max(farthest, np.abs(seen["odometry"][:2]).max())
+    assert farthest > 12
 
 
 def test_a_scan_alone_makes_no_odometry() -> None:

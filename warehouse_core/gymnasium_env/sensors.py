@@ -62,5 +62,5 @@ class Sensors:
     def read(self) -> dict[str, NDArray[np.float32]]:
         """Return what the robot senses now, as fresh arrays."""
         motion: Any = self._env.motion
-        sensed = {"scan": lambda: motion.scan(0, self._rays), "odometry": lambda: motion.odometry(0)}
-        return {key: np.array(sensed[key](), np.float32) for key in self.spaces}
+        sense = {"scan": lambda: motion.scan(0, self._rays), "odometry": lambda: motion.odometry(0)}
+        return {key: np.array(sense[key](), np.float32) for key in self.spaces}
