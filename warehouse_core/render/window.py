@@ -113,8 +113,7 @@ class PictureWindow:
 
         registry: Any = backend_registry
         toolkit = registry.load_backend_module(plt.get_backend())
-        height, width = picture.shape[:2]
-        figure = Figure((width / DPI, height / DPI), DPI)
+        figure = Figure(dpi=DPI)
         figure.set_layout_engine("none")
         with mpl.rc_context({"toolbar": "None"}):
             manager = toolkit.FigureCanvas.new_manager(figure, 0)
@@ -126,6 +125,7 @@ class PictureWindow:
         self._canvas.mpl_disconnect(manager.key_press_handler_id)
         self._canvas.mpl_connect("close_event", self._on_close)
         manager.set_window_title(self._title)
+        self._fit(*picture.shape, self._canvas.device_pixel_ratio)
         manager.show()
         self._shown_at = time.monotonic()
 
