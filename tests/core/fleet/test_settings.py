@@ -16,7 +16,6 @@ from warehouse_core import (
     OrderError,
     OrderStream,
 )
-from warehouse_core.batch.fleet.settings import FleetSettings
 from warehouse_core.errors import EndedError
 from warehouse_core.fleet import Battery, People
 
@@ -101,13 +100,6 @@ def test_a_fleet_names_what_is_wrong(settings: Any, error: Any, message: str) ->
 def test_a_battery_names_what_is_wrong(settings: Any, error: Any, message: str) -> None:
     with pytest.raises(error, match=message):
         Battery(**settings)
-
-
-def test_a_knee_is_in_files_only_if_there_is_one() -> None:
-    plain, bent = (FleetSettings.of(2, battery=Battery(9, knee=knee)) for knee in (1.0, 0.8))
-    assert plain.to_json()["battery"] == {"capacity": 9, "unit": "steps", "charge": None}
-    assert FleetSettings.from_json(bent.to_json()) == bent
-    assert FleetSettings.from_json(plain.to_json()) == plain
 
 
 def test_memory_is_bounded_before_it_is_used(little_memory: Any) -> None:
