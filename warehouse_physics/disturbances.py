@@ -60,6 +60,8 @@ class Disturbances:
         patience: durations of a free move after which no new attempt is made, at least 1; robots
             that drive through have no such limit.
         stops: failures of robots; only robots that drive through may have any.
+        odometry: standard deviation of the way that a robot measures, as a share of it; see
+            ``Odometry``. No body feels it.
 
     Raises:
         ValueError: naming the field, its value and what is allowed.
@@ -72,6 +74,7 @@ class Disturbances:
     drag_spread: float = 0.0
     patience: float = 2.0
     stops: tuple[Stop, ...] = ()
+    odometry: float = 0.0
 
     def __post_init__(self) -> None:
         allowed = {
@@ -80,6 +83,7 @@ class Disturbances:
             "motor_strength": (0.0, 1.0),
             "drag_spread": (0.0, 0.99),
             "patience": (1.0, 100.0),
+            "odometry": (0.0, 0.5),
         }
         for name, (minimum, maximum) in allowed.items():
             settle(self, **{name: real_number(name, getattr(self, name), minimum, maximum)})
@@ -101,10 +105,15 @@ class Disturbances:
     @property
     def any(self) -> bool:
         """Whether anything departs from the nominal."""
+        return self.is_felt or self.odometry > 0
+
+    @property
+    def is_felt(self) -> bool:
+        """Whether bodies move otherwise than nominally."""
         return any(
             getattr(self, each.name) != each.default
             for each in fields(self)
-            if each.name not in ("grip", "patience")
+            if each.name not in ("grip", "patience", "odometry")
         )
 
 

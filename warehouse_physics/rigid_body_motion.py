@@ -90,7 +90,7 @@ class RigidBodyMotion(BodyMotion):
                 f"most {widest!r} for {len(cells)} robots, which pass each other at corners"
             )
         drawn = self._drawn(seed)
-        floor = FloorConditions(self.disturbances, drawn) if self.disturbances.any else None
+        floor = FloorConditions(self.disturbances, drawn) if self.disturbances.is_felt else None
         self._arena = RobotArena(layout, cells, self.spec, floor)
         self._begin(layout, cells, drawn)
 
@@ -105,7 +105,7 @@ class RigidBodyMotion(BodyMotion):
             raise RuntimeError("advance() needs a reset() before it")
         robots = self._arena.robots
         check_moves(len(robots), displacements, loaded)
-        self._note(displacements, loaded)
+        self._note_moves(displacements, loaded)
         moves = zip(displacements, loaded, strict=True)
         pace = self._paces[any(load and displacement != STAY for displacement, load in moves)]
         turning = max(
@@ -116,7 +116,9 @@ class RigidBodyMotion(BodyMotion):
             robot.set_off(turning)
         paths = [[self._row(0.0, robot)] for robot in robots]
         substeps = self._drive(self._arena, paths)
-        return [self._outcome(*each, substeps) for each in zip(robots, paths, strict=True)]
+        return self._measured(
+            [self._outcome(*each, substeps) for each in zip(robots, paths, strict=True)]
+        )
 
     def batch(self, layouts: Sequence[Layout]) -> RigidBodyBatch:
         """Return a motion for one robot in each of these layouts; see ``Batchable``.

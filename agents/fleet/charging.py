@@ -139,7 +139,6 @@ class Chargers:
         is_blocked = self._are_there(needs.cells[empty])
         self.turn[(needs.battery >= self._full) | empty | is_blocked[self.turn]] = NONE
         self._give_way(needs)
-        self._give_back(needs, is_blocked)
         holder = self._choose_first(needs.cells)
         until = self._until(holder, needs)
         may_go = needs.may_go & np.isfinite(self.home[needs.cells])
@@ -198,20 +197,6 @@ class Chargers:
         in_need = needs.may_go & (needs.battery > 0) & (spare < self._reserve)
         if (in_need & ~has_turn).any():
             self.turn[is_next & ~in_need] = NONE
-
-    def _give_back(self, needs: Needs, is_blocked: NDArray[np.bool_]) -> None:
-        """End the turn of a robot in need that would charge much sooner elsewhere."""
-        holder = self._choose_first(needs.cells)
-        robots = np.flatnonzero((self.turn != NONE) & (self._spare(needs) < self._reserve))
-        chargers, at = self.turn[robots], np.arange(len(robots))
-        ways = self._ways[:, needs.cells[robots]]
-        begins = np.maximum(ways, self._until(holder, needs)[:, None])
-        own = np.where(holder[chargers] == robots, ways[chargers, at], begins[chargers, at])
-        counts = np.bincount(self.turn + 1, minlength=len(holder) + 1)[1:]
-        begins[(counts > 1) | is_blocked] = np.inf
-        gain = own - begins.min(axis=0)
-        if gain.max(initial=0) > NEARBY:
-            self.turn[robots[gain.argmax()]] = NONE
 
     def _choose_first(self, cells: Integers) -> NDArray[np.intp]:
         """Return the robot whose turn it is at each charger, ``[C]``, or ``NONE``.

@@ -101,6 +101,10 @@ class Driver:
                 self._end_leg(robot)
             self._leaders.find(robot, self._done)
 
+    def scan(self, robot: int, rays: int) -> Floats:
+        """Return what a robot sees; see ``Senses``."""
+        return self._arena.scan(robot, rays)
+
     def at_rest(self) -> Flags:
         """Return whether each robot is at rest at the end of its way, ``[R]``."""
         is_last: Flags = self._ends == self._lasts

@@ -114,7 +114,7 @@ class DrivingMotion(BodyMotion):
         driver = self._driven()
         robot = whole_number("robot", robot, 0, len(driver.work) - 1)
         driver.fail(robot)
-        self._failures.append((len(self._course) // len(driver.work), robot))
+        self._note("fail", robot)
 
     @exclusive
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -128,7 +128,7 @@ class DrivingMotion(BodyMotion):
         driver = self._driven()
         assert self._layout is not None
         check_moves(len(driver.work), displacements, loaded)
-        self._note(displacements, loaded)
+        self._note_moves(displacements, loaded)
         ends, room, _, _, closed = self.ways()
         wanted = [
             moved(end, displacement) if has_room else end
@@ -167,7 +167,7 @@ class DrivingMotion(BodyMotion):
         assert self._layout is not None
         check_joint_step(self._layout, ends, cells)
         self._driven().extend(cells)
-        self._begun = None
+        self._note("extend", list(cells))
 
     @exclusive
     def drive(self, seconds: float) -> list[Outcome]:
@@ -177,7 +177,9 @@ class DrivingMotion(BodyMotion):
             ValueError: ``seconds`` is not above 0 or too long.
             RuntimeError: as for ``advance``.
         """
-        substeps, self._begun = self._substeps_in("seconds", seconds), None
+        substeps = self._substeps_in("seconds", seconds)
+        self._driven()
+        self._note("drive", seconds)
         return self._drive(substeps)
 
     def close(self) -> None:
@@ -197,12 +199,14 @@ class DrivingMotion(BodyMotion):
         rows.flags.writeable = False
         joules = joules_of(self.spec, driver.joules() - before, seconds).tolist()
         columns, lines = np.floor(driver.positions / self.cell_size).astype(int).T.tolist()
-        return [
-            Outcome((row, col), False, seconds, cost, path, tuple(hits))
-            for row, col, cost, path, hits in zip(
-                lines, columns, joules, rows, contacts, strict=True
-            )
-        ]
+        return self._measured(
+            [
+                Outcome((row, col), False, seconds, cost, path, tuple(hits))
+                for row, col, cost, path, hits in zip(
+                    lines, columns, joules, rows, contacts, strict=True
+                )
+            ]
+        )
 
     def _substeps_in(self, name: str, seconds: float) -> int:
         dt = self.spec.time_step

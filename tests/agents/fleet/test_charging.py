@@ -171,16 +171,3 @@ def test_nobody_goes_to_a_charger_that_its_battery_does_not_reach() -> None:
     chargers.turn[:2] = 0
     chargers.update(needs([0, 2, 4], [50, 9, 20]))
     assert chargers.turn.tolist() == [0, 0, NONE]
-
-
-def test_a_robot_that_is_pushed_past_another_charger_has_its_turn_there() -> None:
-    chargers = chargers_of(2)
-    chargers.update(needs([12, 20], [35, 150]))
-    assert chargers.turn.tolist() == [0, NONE]
-    chargers.update(needs([18, 20], [32, 150]))
-    assert chargers.turn.tolist() == [0, NONE]  # the other is not much nearer
-    chargers.update(needs([21, 20], [30, 150]))
-    assert chargers.turn.tolist() == [1, NONE]
-    chargers.update(needs([8, 29], [28, 40]))
-    chargers.update(needs([8, 29], [28, 50]))
-    assert chargers.turn.tolist() == [0, 1]  # who charges goes on, who would wait goes elsewhere

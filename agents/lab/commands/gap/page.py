@@ -37,29 +37,20 @@ NOTE = (
     "missing are not on time."
 )
 
-MIN_SHARE = 0.04
-"""Least share of the longest bar that a part must have for its number to be written on it."""
-
-
-class BarPart(NamedTuple):
-    """A part of a bar: the seconds of one of ``KINDS``, and what is written on it."""
-
-    seconds: float
-    label: str
-
 
 class Bar(NamedTuple):
     """The time of the robots of a world, in parts by what they spend it on, and as text.
 
     Attributes:
         width: width in percent of the longest bar.
+        parts: seconds of each of ``KINDS``.
         total: seconds a delivery.
     """
 
     world: str
     width: float
     total: str
-    parts: list[BarPart]
+    parts: list[float]
     words: str
 
 
@@ -116,13 +107,10 @@ def bars_of(scores: SeedScores) -> list[Bar]:
     longest = max(float(each.sum()) for each in spent.values())
     bars = []
     for world, each in spent.items():
-        parts = [
-            BarPart(round(seconds, 3), f"{seconds:.0f}" if seconds >= MIN_SHARE * longest else "")
-            for seconds in each.tolist()
-        ]
+        parts = [round(seconds, 3) for seconds in each.tolist()]
         total = float(each.sum())
         words = ", ".join(
-            f"{kind} {part.seconds:.1f} s" for kind, part in zip(KINDS, parts, strict=True)
+            f"{kind} {seconds:.1f} s" for kind, seconds in zip(KINDS, parts, strict=True)
         )
         bars.append(Bar(world, round(100 * total / longest, 2), f"{total:.0f}", parts, words))
     return bars
