@@ -165,3 +165,16 @@ def test_fleets_on_two_wheels_execute_a_plan_without_hits(disturbed: bool) -> No
     execution = drive_through(layout, run.cells, WHEELED, trouble if disturbed else None)
     assert execution.hits == 0
     assert execution.seconds > drive_through(layout, run.cells).seconds
+
+
+def test_a_robot_of_two_wheels_that_has_to_go_back_drives_backwards() -> None:
+    motion = DrivingMotion(WHEELED, path_every=1)
+    motion.reset(HALL, [(0, 0), (0, 1)], 0)
+    motion.extend([(0, 1), (0, 2)])
+    motion.drive(0.8)
+    motion.fail(1)
+    follower, failed = motion.drive(8)
+    assert follower.path[0, 1] > 0.7
+    assert follower.path[-1, 1:] == pytest.approx((0.5, 0.5, 0.0), abs=2e-3)
+    assert np.ptp(follower.path[:, 3]) == 0
+    assert not follower.contacts + failed.contacts
