@@ -198,7 +198,7 @@ class RobotSpec:
     def turning_mass(self, loaded: bool) -> float:
         """Return the mass in kg that the wheels feel as the robot turns on the spot.
 
-        It is the moment of inertia, that of a solid disc, over the square of ``wheel_arm``.
+        The moment of inertia of a solid disc, over the square of ``wheel_arm``, is such a mass.
         """
         return self.total_mass(loaded) / (2 * self.track**2)
 
