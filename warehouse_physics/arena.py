@@ -46,7 +46,7 @@ class Hit(NamedTuple):
     robot: int
     other: int | None
     push: Position
-    velocity: Position
+    velocity: pymunk.Vec2d
     impulse: float = math.nan
     point: Position = (math.nan, math.nan)
 
@@ -118,14 +118,19 @@ class Arena:
         assert robot is not None
         body = self.bodies[robot]
         if other is None:
-            impulse = impulse_of(normal.dot(body.velocity), body.mass)
+            impulse = impulse_of(normal.dot(body.velocity), self._mass(robot, normal))
             return [Hit(robot, None, -normal, body.velocity, impulse, (x, y))]
         met = self.bodies[other]
-        impulse = impulse_of(normal.dot(body.velocity - met.velocity), body.mass, met.mass)
+        masses = self._mass(robot, normal), self._mass(other, normal)
+        impulse = impulse_of(normal.dot(body.velocity - met.velocity), *masses)
         return [
             Hit(robot, other, -normal, body.velocity, impulse, (x, y)),
             Hit(other, robot, normal, met.velocity, impulse, (x, y)),
         ]
+
+    def _mass(self, robot: int, normal: pymunk.Vec2d) -> float:
+        """Return the mass in kg with which a robot resists a push along ``normal``."""
+        return self.bodies[robot].mass
 
 
 def group_of(robot: int) -> pymunk.ShapeFilter:

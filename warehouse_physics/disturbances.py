@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 from dataclasses import dataclass, fields
 
@@ -132,9 +133,12 @@ class FloorConditions:
     def force_limit(self, cell: Cell, motor_force: float, mass: float) -> float:
         """Return the largest force in N that the motor can exert on the floor of ``cell``."""
         force = self._disturbances.motor_strength * motor_force
-        if cell in self._disturbances.slippery:
-            force = min(force, self._disturbances.grip * mass * GRAVITY)
-        return force
+        return min(force, self.grip_force(cell, mass))
+
+    def grip_force(self, cell: Cell, mass: float) -> float:
+        """Return the largest force in N that wheels find on a floor; no limit on the usual one."""
+        is_slippery = cell in self._disturbances.slippery
+        return self._disturbances.grip * mass * GRAVITY if is_slippery else math.inf
 
     def speed_factor(self) -> float:
         """Draw the actual speed of a profile as a share of the commanded one."""

@@ -16,7 +16,12 @@ from warehouse_physics.exclusive import exclusive
 from warehouse_physics.giving_way import GivingWay
 from warehouse_physics.robot import MAX_SUBSTEPS, NEVER, REST, Robot
 from warehouse_physics.robot_arena import RobotArena
-from warehouse_physics.spec import MAX_FLEET_RADIUS, MAX_MOVE_SUBSTEPS, RobotSpec
+from warehouse_physics.spec import (
+    MAX_FLEET_RADIUS,
+    MAX_MOVE_SUBSTEPS,
+    MAX_WHEELED_RADIUS,
+    RobotSpec,
+)
 
 BodyRow = tuple[float, float, float, float]
 """Time in seconds, x, y and heading; see ``Outcome.path``."""
@@ -35,7 +40,8 @@ class RigidBodyMotion(BodyMotion):
     Robots with ``turn_seconds`` first turn on the spot, the shorter way round, and drive back
     backwards. All that move set off together, after the longest turn of any of them, as a robot
     that follows another, or goes round with others in a ring, needs them to leave at the same time.
-    Those that have less to turn turn more slowly.
+    Those that have less to turn turn more slowly. So do robots with differential drive, see
+    ``wheeled_robot.py``, but that each turns as fast as it can, and then waits.
 
     Args:
         spec: numbers of the robots; ``None`` is the default robot.
@@ -72,10 +78,12 @@ class RigidBodyMotion(BodyMotion):
         """Build a new arena with robots at rest; see ``Motion.reset``.
 
         Raises:
-            ValueError: several robots with a radius above ``MAX_FLEET_RADIUS`` of a cell.
+            ValueError: several robots with a radius above ``MAX_FLEET_RADIUS`` of a cell, or with
+                differential drive above ``MAX_WHEELED_RADIUS``.
         """
         check_starts(layout, cells)
-        widest = MAX_FLEET_RADIUS * self.cell_size
+        share = MAX_WHEELED_RADIUS if self.spec.is_differential else MAX_FLEET_RADIUS
+        widest = share * self.cell_size
         if len(cells) > 1 and self.spec.radius > widest:
             raise ValueError(
                 f"radius is {self.spec.radius!r}; with cell_size {self.cell_size!r} it must be at "

@@ -90,18 +90,9 @@ class Robot:
         self.body.position = centre = centre_of(cell, spec.cell_size)
         self._control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
         self._floor = pymunk.PivotJoint(arena.space.static_body, self.body, (0, 0), (0, 0))
-        self._motor = pymunk.PivotJoint(self.body, self._control, (0, 0), (0, 0))
-        self._steering = pymunk.GearJoint(self.body, self._control, 0.0, 1.0)
-        self._floor.max_bias = self._motor.max_bias = 0.0
-        quickness = TURN_SECONDS / spec.move_seconds(loaded=False)
-        self._steering.max_bias = TURN_RATE * quickness
-        self._steering.error_bias **= quickness  # the error that is left after a second
-        self._turn_acceleration = TURN_ACCELERATION * quickness**2
-        if spec.turn_seconds:  # at a constant rate, which is reached in a substep
-            self._steering.error_bias = 0.0
-            self._turn_acceleration = math.pi / spec.turn_seconds / spec.time_step
+        self._floor.max_bias = 0.0
         # The motor comes after the floor, so that its impulse is the last in each solver round.
-        arena.add_robot(self.body, self._control, self._floor, self._motor, self._steering)
+        arena.add_robot(self.body, self._control, self._floor, *self._drive_joints())
         self.action = ActionState(cell, cell, centre)
         self._heading = self._turn = 0.0
         self.look()
@@ -112,6 +103,21 @@ class Robot:
         self._load(False, spec.acceleration)
         self._brake(0, 0)
         self.phase, self.until = REST, NEVER
+
+    def _drive_joints(self) -> list[pymunk.Constraint]:
+        """Make the joints to the control body: the motor, and the one that turns the body."""
+        spec = self._spec
+        self._motor: pymunk.Constraint = pymunk.PivotJoint(self.body, self._control, (0, 0), (0, 0))
+        self._motor.max_bias = 0.0
+        self._steering: pymunk.Constraint = pymunk.GearJoint(self.body, self._control, 0.0, 1.0)
+        quickness = TURN_SECONDS / spec.move_seconds(loaded=False)
+        self._steering.max_bias = TURN_RATE * quickness
+        self._steering.error_bias **= quickness  # the error that is left after a second
+        self._turn_acceleration = TURN_ACCELERATION * quickness**2
+        if spec.turn_seconds:  # at a constant rate, which is reached in a substep
+            self._steering.error_bias = 0.0
+            self._turn_acceleration = math.pi / spec.turn_seconds / spec.time_step
+        return [self._motor, self._steering]
 
     def look(self) -> None:
         """Read where the middle of the body is, in metres."""
@@ -241,6 +247,10 @@ class Robot:
         """Return whether it was at its target at the last look."""
         return math.dist(self.position, self.action.target) <= ARRIVED * self._spec.cell_size
 
+    def mass_along(self, normal: Position) -> float:
+        """Return the mass in kg with which the robot resists a push along ``normal``."""
+        return self._mass
+
     def feel_floor(self) -> None:
         """Update drag and grip where the floor differs from cell to cell."""
         self.look()
@@ -302,7 +312,7 @@ class Robot:
             force = min(force, limit)
         self._motor.max_force = force
 
-    def _count_work(self, velocity: Position, lead: float) -> None:
+    def _count_work(self, velocity: pymunk.Vec2d, lead: float) -> None:
         """Add the work of the motor since the last count: kinetic energy gained, plus drag.
 
         Positions move before velocities change. So the way, over which drag is counted, is that
@@ -313,9 +323,9 @@ class Robot:
         drag = self._drag * math.dist(start, self._start)
         self.action.work += spent(self._energy - energy + drag)
 
-    def _count_from(self, velocity: Position, lead: float) -> None:
+    def _count_from(self, velocity: pymunk.Vec2d, lead: float) -> None:
         """Begin to count work at this position and ``velocity``."""
-        (x, y), (right, down) = self.position, velocity
+        (x, y), (right, down) = self.position, self._driven(velocity)
         self._start = x + lead * right, y + lead * down
         self._energy = kinetic(self._mass, right, down)
 
@@ -328,12 +338,16 @@ class Robot:
         """
         self._count_work(hit.velocity, -self._lead)
         after = self.body.velocity
-        aim = self._control.velocity - after
+        aim = self._driven(self._control.velocity - after)
         if aim.length < AT_REST:
-            aim = -pymunk.Vec2d(*hit.push)
+            aim = self._driven(-pymunk.Vec2d(*hit.push))
         forward = aim.normalized().dot(after + hit.velocity) / 2
         self.action.work += spent(self._motor.impulse * forward)
         self._count_from(after, self._lead)
+
+    def _driven(self, vector: pymunk.Vec2d) -> pymunk.Vec2d:
+        """Return the part of a vector in whose direction the motor can push: all of it."""
+        return vector
 
     def _deadline(self, floor: FloorConditions) -> float:
         """Return the substep after which no new attempt is made."""

@@ -35,6 +35,7 @@ SPECS = {
     ),
     "dragged": RobotSpec(floor_drag=0.05, acceleration=0.45),
     "turning": RobotSpec(turn_seconds=0.31),
+    "wheeled": RobotSpec(drive="differential", track=0.9),
     "violent": RobotSpec(top_speed=10.5, acceleration=1e6, motor_force=1e9),
 }
 """Among them one that barely fits its cell, two of round numbers that reach a wall exactly at the

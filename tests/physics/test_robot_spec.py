@@ -13,7 +13,7 @@ from warehouse_core.motion.grid import GRAVITY
 from warehouse_physics import RobotSpec
 from warehouse_physics.spec import MAX_VALUE
 
-NAMES = [each.name for each in fields(RobotSpec)]
+NAMES = [each.name for each in fields(RobotSpec) if each.name != "drive"]
 MAY_BE_ZERO = {"payload_mass", "floor_drag", "idle_power", "turn_seconds"}
 
 
@@ -27,6 +27,24 @@ def test_the_error_of_a_number_out_of_range_names_its_field(name: str) -> None:
     for value in values:
         with pytest.raises(ValueError, match=rf"^{name} is .*; it must be "):
             RobotSpec(**{name: value})
+
+
+def test_a_differential_drive_has_a_track_and_no_turn_seconds() -> None:
+    with pytest.raises(ValueError, match=r"^drive is 'tank'; allowed: omnidirectional, diff"):
+        RobotSpec(drive="tank")
+    assert RobotSpec(turn_seconds=1.5, drive="omnidirectional").turn_substeps(1) == 90
+    with pytest.raises(ValueError, match=r"^turn_seconds is 1\.5; it must be 0 with drive 'diff"):
+        RobotSpec(turn_seconds=1.5, drive="differential")
+    narrow, wide = (RobotSpec(drive="differential", track=track) for track in (0.3, 1.0))
+    # A wheel of the narrow robot drives a shorter way, but has much more to turn.
+    assert narrow.turn_substeps(2) > wide.turn_substeps(2) > 0
+    for track in (0.09, 1.01):
+        with pytest.raises(
+            ValueError, match=r"^track is .*; it must be at least 0\.1 and at most 1"
+        ):
+            RobotSpec(track=track)
+    with pytest.raises(ValueError, match=r"^time_step is .*; the loaded robot would take .* 2000$"):
+        RobotSpec(drive="differential", track=0.1, motor_force=10.4)
 
 
 def test_an_efficiency_above_one_raises() -> None:

@@ -7,6 +7,7 @@ pushes a lone robot aside, so its way back is straight.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +15,24 @@ from numpy.typing import NDArray
 from warehouse_core.world.tables import Flags, Integers, Rows
 from warehouse_physics.arena import Hit, Position
 from warehouse_physics.batch.warehouses import Warehouses
-from warehouse_physics.energy import kinetic, spent
+from warehouse_physics.energy import kinetic, spent, turn_work
 from warehouse_physics.profile import Floats, Substeps, brakings, lengths_of, plan_profiles
 from warehouse_physics.robot import AT_REST, BRAKE, GO, MAX_SUBSTEPS, NEVER, REST
 from warehouse_physics.spec import ARRIVED, RobotSpec
+
+
+def turns_of(spec: RobotSpec) -> tuple[Substeps, Floats]:
+    """Return the substeps of turns and the work of the motors in joules, ``[2, 4]`` each.
+
+    Rows are without and with a load, columns are quarter turns to the right.
+    """
+    substeps, work = np.zeros((2, 4), np.int64), np.zeros((2, 4))
+    for load, quarters in product((0, 1), (1, 2, 3)):
+        shorter = min(quarters, 4 - quarters)
+        substeps[load, quarters] = spec.turn_substeps(shorter, bool(load))
+        if spec.is_differential:
+            work[load, quarters] = turn_work(spec, shorter, bool(load))
+    return substeps, work
 
 
 class BatchRobots:
@@ -41,7 +56,7 @@ class BatchRobots:
         # The floor helps to brake; it brakes alone where its drag exceeds the force needed.
         self._going_forces = self._masses * self._paces
         self._braking_forces = np.maximum(self._going_forces, self._drags)
-        self._turning = np.array([spec.turn_substeps(quarters) for quarters in (0, 1, 2, 1)])
+        self._turning, self._turn_work = turns_of(spec)
         self._headings = np.zeros(robots, np.intp)  # quarter turns from east
         self._loaded = np.zeros(robots, np.intp)
         self._force = np.zeros(robots)
@@ -92,8 +107,10 @@ class BatchRobots:
         """Turn robots into their ways; return the substeps that each does so on the spot."""
         right, down = self._ways[rows].astype(np.intp).T
         headings = down % 4 + 2 * (right < 0)
-        turning: Substeps = self._turning[(headings - self._headings[rows]) % 4]
+        turns = self._loaded[rows], (headings - self._headings[rows]) % 4
         self._headings[rows] = headings
+        self.work[rows] = self._turn_work[turns]
+        turning: Substeps = self._turning[turns]
         return turning
 
     def _look(self) -> None:

@@ -17,6 +17,7 @@ from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.driven_arena import DrivenArena
 from warehouse_physics.driving.driver import Driver
 from warehouse_physics.driving.leaders import corner_distance
+from warehouse_physics.driving.wheels import WheeledArena
 from warehouse_physics.energy import joules_of
 from warehouse_physics.exclusive import exclusive
 from warehouse_physics.spec import RobotSpec
@@ -88,7 +89,8 @@ class DrivingMotion(BodyMotion):
             if stop.robot >= len(cells):
                 raise ValueError(f"{stop}: its robot must be at most {len(cells) - 1}")
         self._layout = layout
-        arena = DrivenArena(self.spec, ITERATIONS)
+        kind = WheeledArena if self.spec.is_differential else DrivenArena
+        arena = kind(self.spec, ITERATIONS)
         arena.add_walls(wall_boxes(layout))
         arena.add_robots(centre_of(cell, self.cell_size) for cell in cells)
         drawn = self._drawn(seed)
@@ -186,7 +188,7 @@ class DrivingMotion(BodyMotion):
 
     def _drive(self, substeps: int) -> list[Outcome]:
         driver, dt = self._driven(), self.spec.time_step
-        before, paths = driver.work.copy(), [driver.rows(0.0)]
+        before, paths = driver.joules(), [driver.rows(0.0)]
         contacts: list[list[Contact]] = [[] for _ in before]
         for substep in range(1, substeps + 1):
             for hit in driver.step():
@@ -195,7 +197,7 @@ class DrivingMotion(BodyMotion):
                 paths.append(driver.rows(substep * dt))
         seconds, rows = substeps * dt, np.stack(paths, axis=1)
         rows.flags.writeable = False
-        joules = joules_of(self.spec, driver.work - before, seconds).tolist()
+        joules = joules_of(self.spec, driver.joules() - before, seconds).tolist()
         columns, lines = np.floor(driver.positions / self.cell_size).astype(int).T.tolist()
         return self._measured(
             [
