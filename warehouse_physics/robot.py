@@ -17,7 +17,7 @@ from warehouse_core import Cell
 from warehouse_core.motion.base import Contact, centre_of
 from warehouse_physics.arena import Arena, Hit, Position
 from warehouse_physics.disturbances import FloorConditions
-from warehouse_physics.energy import kinetic, spent
+from warehouse_physics.energy import kinetic, regained, spent
 from warehouse_physics.profile import braking, plan_profile
 from warehouse_physics.spec import ARRIVED, RobotSpec
 
@@ -163,6 +163,7 @@ class Robot:
             self._count_work(self.body.velocity, self._lead)
             self._brake(now, self._braking)
             return
+        self._count_braking(self.body.velocity, self._lead)
         action, speed = self.action, math.hypot(*self.body.velocity)
         if speed > AT_REST:
             self._brake(now, self._braking_from(speed))
@@ -218,6 +219,9 @@ class Robot:
         self.look()
         if self.phase == GO and self.action.last_hit < now:
             self._count_impact(hit)
+        elif self.action.last_hit < now:
+            self._count_braking(hit.velocity, -self._lead)
+            self._count_from(self.body.velocity, self._lead)
         self.action.last_hit = now
         if self._is_hindered_by(hit, None if other is None else other.action):
             self.give_up()
@@ -256,8 +260,8 @@ class Robot:
         self.look()
         cell = self.cell
         if self._uneven is not None and cell != self._on:
-            if self.phase == GO:
-                self._count_work(self.body.velocity, self._lead)
+            count = self._count_work if self.phase == GO else self._count_braking
+            count(self.body.velocity, self._lead)
             self._on = cell
             self._drag = self._nominal_drag * self._uneven.drag_factor(cell)
             self._floor.max_force = self._drag
@@ -313,7 +317,16 @@ class Robot:
         self._motor.max_force = force
 
     def _count_work(self, velocity: pymunk.Vec2d, lead: float) -> None:
-        """Add the work of the motor since the last count: kinetic energy gained, plus drag.
+        """Add the work of the motor, which drives, since the last count; see ``_worked``."""
+        self.action.work += spent(self._worked(velocity, lead))
+
+    def _count_braking(self, velocity: pymunk.Vec2d, lead: float) -> None:
+        """Take off what the motor, which brakes, got back since the last count; see ``_worked``."""
+        if self._spec.recuperation:
+            self.action.work -= regained(self._spec, self._worked(velocity, lead))
+
+    def _worked(self, velocity: pymunk.Vec2d, lead: float) -> float:
+        """Return the work of the motor since the last count: kinetic energy gained, plus drag.
 
         Positions move before velocities change. So the way, over which drag is counted, is that
         of a point ``lead`` seconds ahead of the middle, at ``velocity``.
@@ -321,7 +334,7 @@ class Robot:
         start, energy = self._start, self._energy
         self._count_from(velocity, lead)
         drag = self._drag * math.dist(start, self._start)
-        self.action.work += spent(self._energy - energy + drag)
+        return self._energy - energy + drag
 
     def _count_from(self, velocity: pymunk.Vec2d, lead: float) -> None:
         """Begin to count work at this position and ``velocity``."""

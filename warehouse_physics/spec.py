@@ -61,6 +61,8 @@ class RobotSpec:
             it brakes harder than the robot accelerates, robots stop by it alone.
         drivetrain_efficiency: work at the wheel over energy from the battery, above 0, up to 1.
         idle_power: power of computer and sensors, W.
+        recuperation: share of the work of a braking motor that gets back into the battery, 0 to 1;
+            turns on the spot give none back.
         dwell: duration of waiting, picking and dropping, seconds.
         turn_seconds: duration of a quarter turn on the spot, seconds. A robot with two driven
             wheels turns before it drives in another direction; a half turn takes twice as long.
@@ -97,10 +99,11 @@ class RobotSpec:
     time_step: float = ACCURATE_STEP
     drive: str = OMNIDIRECTIONAL
     track: float = 0.7
+    recuperation: float = 0.0
 
     def __post_init__(self) -> None:
         may_be_zero = {"payload_mass", "floor_drag", "idle_power", "turn_seconds"}
-        shares = {"drivetrain_efficiency": MIN_VALUE, "track": MIN_TRACK}
+        shares = {"drivetrain_efficiency": MIN_VALUE, "track": MIN_TRACK, "recuperation": 0.0}
         one_of("drive", self.drive, (OMNIDIRECTIONAL, DIFFERENTIAL))
         for each in fields(self):
             if each.name == "drive":

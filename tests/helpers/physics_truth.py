@@ -130,9 +130,10 @@ class Book:
     """The work of the motors and the hits of robots, from what a space does in each substep.
 
     It knows nothing of phases or profiles. Each motor that is commanded a velocity works by its
-    impulse times the mean velocity. It pushes towards the commanded velocity; once that is reached
-    its impulse is what the floor and contacts leave of the change of momentum. Two bodies that
-    begin to overlap had the impulse of their reduced mass and the speed at which they approached.
+    impulse times the mean velocity, and one that is commanded to stop gets a share of it back. It
+    pushes towards the commanded velocity; once that is reached its impulse is what the floor and
+    contacts leave of the change of momentum. Two bodies that begin to overlap had the impulse of
+    their reduced mass and the speed at which they approached.
     With differential drive bodies only give way along their headings, and motors also turn them.
     """
 
@@ -159,6 +160,11 @@ class Book:
                 push = _push_of(robot, before[number], command)
                 mean = self._free(robot, before[number] + robot.body.velocity) / 2
                 self.work[number] += max(0.0, push.dot(mean))
+            elif self._spec.recuperation:
+                push = _push_of(robot, before[number], command)
+                braked = max(0.0, -push.dot(before[number] + robot.body.velocity) / 2)
+                back = self._spec.recuperation * self._spec.drivetrain_efficiency
+                self.work[number] -= back * braked
             if self._spec.is_differential and robot._control.angular_velocity:
                 spin, drag = robot.body.angular_velocity, robot._drag * self._spec.wheel_arm
                 gained = robot.body.moment * (spin**2 - spins[number] ** 2) / 2

@@ -1,5 +1,7 @@
 """Joules and impulses against a second book, which looks at every substep."""
 
+from dataclasses import replace
+
 import pytest
 from helpers.physics_truth import Book, errors_of_the_books, random_robots_move_as_the_grid
 from helpers.rigid_bodies import EAST, LEDGE, MOVES, NORTH, SOUTH, WEST, motion_in, move
@@ -39,6 +41,21 @@ def test_the_joules_of_a_bump_are_those_of_the_book(spec: RobotSpec) -> None:
         outcome = move(motion, displacement)
         joules = book.work[0] / spec.drivetrain_efficiency + spec.idle_power * outcome.seconds
         assert outcome.joules == pytest.approx(joules, rel=EXACT)
+
+
+@over_specs
+def test_the_joules_that_braking_gives_back_are_those_of_the_book(spec: RobotSpec) -> None:
+    giving = replace(spec, recuperation=0.7)
+    motions = [motion_in(Layout([".."] * 2), (0, 0), each) for each in (spec, giving)]
+    book = Book(motions[1])
+    for displacement in (EAST, EAST, NORTH, SOUTH, WEST):
+        book.clear()
+        plain, outcome = (move(motion, displacement, loaded=True) for motion in motions)
+        joules = book.work[0] / spec.drivetrain_efficiency + spec.idle_power * outcome.seconds
+        assert outcome.joules == pytest.approx(joules, rel=1e-3)
+        # A floor that brakes the robot nearly alone leaves nothing to give back.
+        is_braking = spec.attainable_acceleration(loaded=True) > 2 * spec.floor_deceleration
+        assert (outcome.joules < plain.joules * 0.99) == is_braking
 
 
 def test_the_joules_of_robots_hit_askew_by_two_others_at_once_are_those_of_the_book() -> None:

@@ -14,7 +14,7 @@ from warehouse_physics import RobotSpec
 from warehouse_physics.spec import MAX_VALUE
 
 NAMES = [each.name for each in fields(RobotSpec) if each.name != "drive"]
-MAY_BE_ZERO = {"payload_mass", "floor_drag", "idle_power", "turn_seconds"}
+MAY_BE_ZERO = {"payload_mass", "floor_drag", "idle_power", "turn_seconds", "recuperation"}
 
 
 @pytest.mark.parametrize("name", NAMES)

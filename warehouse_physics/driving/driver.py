@@ -26,7 +26,7 @@ from warehouse_physics.driving.leaders import Leaders
 from warehouse_physics.driving.limits import Limits
 from warehouse_physics.driving.motors import Motors
 from warehouse_physics.driving.wheels import WheeledArena, WheelHeadings
-from warehouse_physics.energy import spent
+from warehouse_physics.energy import regained, spent
 from warehouse_physics.profile import Floats, stopping_distances, stopping_speeds
 from warehouse_physics.spec import ARRIVED, RobotSpec
 
@@ -139,7 +139,11 @@ class Driver:
         _, hits = self._arena.stepper.run(0, 1)
         self._look()
         gained = self._limits.masses * (self._speeds**2 - before**2) / 2
-        self.work += spent(gained + self._motors.drags * np.abs(before) * self._dt)
+        work = gained + self._motors.drags * np.abs(before) * self._dt
+        self.work += spent(work)
+        if self._spec.recuperation:
+            work[[hit.robot for hit in hits]] = 0.0  # what a hit takes from a robot is lost
+            self.work -= regained(self._spec, work)
         return hits
 
     def _look(self) -> None:

@@ -94,6 +94,8 @@ class DrivingMotion(BodyMotion):
         arena.add_walls(wall_boxes(layout))
         arena.add_robots(centre_of(cell, self.cell_size) for cell in cells)
         drawn = self._drawn(seed)
+        # What robots that brake get back beyond what a call costs pays for their next calls.
+        self._surplus = np.zeros(len(cells))
         self._driver = Driver(arena, self.spec, cells, self.disturbances, drawn)
         self._begin(layout, cells, drawn)
 
@@ -197,7 +199,9 @@ class DrivingMotion(BodyMotion):
                 paths.append(driver.rows(substep * dt))
         seconds, rows = substeps * dt, np.stack(paths, axis=1)
         rows.flags.writeable = False
-        joules = joules_of(self.spec, driver.joules() - before, seconds).tolist()
+        costs = joules_of(self.spec, driver.joules() - before, seconds) - self._surplus
+        self._surplus = np.maximum(-costs, 0.0)
+        joules = np.maximum(costs, 0.0).tolist()
         columns, lines = np.floor(driver.positions / self.cell_size).astype(int).T.tolist()
         return self._measured(
             [
