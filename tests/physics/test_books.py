@@ -5,9 +5,12 @@ from dataclasses import replace
 import pytest
 from helpers.physics_truth import Book, errors_of_the_books, random_robots_move_as_the_grid
 from helpers.rigid_bodies import EAST, LEDGE, MOVES, NORTH, SOUTH, WEST, motion_in, move
+from pymunk import Vec2d
 
 from warehouse_core import Layout
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
+from warehouse_physics.arena import Hit
+from warehouse_physics.robot import BRAKE
 
 BOOKED_MOVES = 120
 COMPARED_MOVES = 500
@@ -56,6 +59,19 @@ def test_the_joules_that_braking_gives_back_are_those_of_the_book(spec: RobotSpe
         # A floor that brakes the robot nearly alone leaves nothing to give back.
         is_braking = spec.attainable_acceleration(loaded=True) > 2 * spec.floor_deceleration
         assert (outcome.joules < plain.joules * 0.99) == is_braking
+
+
+def test_a_hit_while_braking_gives_back_what_was_braked_before_it() -> None:
+    motion = motion_in(Layout(["..."]), (0, 0), RobotSpec(recuperation=1.0, floor_drag=0.0))
+    move(motion, EAST)
+    robot = motion._arena.robots[0]
+    robot.action.work, robot.phase, speed = 0.0, BRAKE, 0.5
+    robot._count_from(Vec2d(1.0, 0.0), 0.0)
+    robot.body.velocity = 0.0, 0.0  # after the hit
+    robot.meet(20, Hit(0, 1, (-1.0, 0.0), Vec2d(speed, 0.0), 25.0, (2.0, 0.5)), robot)
+    robot.next_phase(30)
+    braked = 50 / 2 * (1 - speed**2)
+    assert robot.action.work == pytest.approx(-braked * motion.spec.drivetrain_efficiency)
 
 
 def test_the_joules_of_robots_hit_askew_by_two_others_at_once_are_those_of_the_book() -> None:
