@@ -37,6 +37,9 @@ class BodyMotion:
     BODIES: ClassVar[str]
     """Attribute with the bodies, ``None`` before a reset."""
 
+    WORDS = ("drive",)
+    """Settings of ``from_numbers`` that are words."""
+
     is_busy = False
     """True while a call is running that no other may overlap; see ``exclusive``."""
 
@@ -62,7 +65,7 @@ class BodyMotion:
         self._odometry: Odometry | None = None
 
     @classmethod
-    def from_numbers(cls, numbers: Mapping[str, float]) -> Self:
+    def from_numbers(cls, numbers: Mapping[str, Any]) -> Self:
         """Return a motion of nominal robots; see ``RobotSpec.from_numbers``."""
         return cls(RobotSpec.from_numbers(numbers))
 

@@ -110,6 +110,11 @@ def test_a_strong_motor_needs_at_least_a_substep_to_reach_top_speed() -> None:
 def test_the_name_of_a_backend_may_give_numbers_of_the_robot(name: str) -> None:
     motion = make_motion(f"{name}:top_speed=2,turn_seconds=1.5")
     assert motion.spec == RobotSpec(top_speed=2, turn_seconds=1.5)
+    assert make_motion(f"{name}:drive=differential,mass=40").spec.is_differential
+    with pytest.raises(BackendError, match=r": drive is '2'; allowed: omnidirectional, diff"):
+        make_motion(f"{name}:drive=2")
+    with pytest.raises(BackendError, match=r": 'mass=heavy' is not of the form name=1\.5"):
+        make_motion(f"{name}:mass=heavy")
     with pytest.raises(BackendError, match=r": no number is called 'tempo'; allowed: radius, mass"):
         make_motion(f"{name}:tempo=2")
     with pytest.raises(BackendError, match=r": top_speed is 99\.0; .* must be at most 10\.5"):
