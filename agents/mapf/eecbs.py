@@ -22,9 +22,6 @@ from warehouse_core.arguments import real_number
 W = 1.2
 """Default number that the cost is at most times the optimum."""
 
-LEAST_PROGRESS = 0.1
-"""Fewest conflicts that a step down the tree is expected to remove."""
-
 
 @dataclass(eq=False)
 class Leaf:
@@ -41,7 +38,7 @@ class ExplicitTree(ConflictTree):
     """A conflict tree in which the next node is chosen by expected costs, too."""
 
     def _grow(self) -> tuple[ConflictNode, int]:
-        self._errors = [0.0, 0.0, 0.0]
+        self._spent = self._removed = 0
         root = self._root()
         leaves = [Leaf(root, root.least)]
         while leaves:
@@ -64,8 +61,7 @@ class ExplicitTree(ConflictTree):
 
     def _choose(self, leaves: list[Leaf], bound: int) -> Leaf:
         """Return the leaf to look at next; its cost is at most ``w`` times the lowest bound."""
-        number, cost, progress = self._errors
-        price = cost / max(number - progress, LEAST_PROGRESS * number) if number else 0.0
+        price = self._spent / max(self._removed, 1)
         costs = [leaf.cost + price * leaf.conflicts for leaf in leaves]
         most = self.w * min(costs)
         near = [leaf for leaf, cost in zip(leaves, costs, strict=True) if cost <= most]
@@ -78,10 +74,9 @@ class ExplicitTree(ConflictTree):
         return min(leaves, key=lambda leaf: (leaf.bound, leaf.conflicts))
 
     def _learn(self, leaf: Leaf, child: Leaf) -> None:
-        """Add what a step down the tree has cost, and by how many conflicts it fell short of 1."""
-        number, cost, progress = self._errors
-        missing = child.conflicts - (leaf.conflicts - 1)
-        self._errors = [number + 1, cost + child.cost - leaf.cost, progress + missing]
+        """Add what a step down the tree has cost, and how many conflicts it has removed."""
+        self._spent += child.cost - leaf.cost
+        self._removed += leaf.conflicts - child.conflicts
 
 
 def solve_eecbs(problem: Problem, seconds: float, w: float = W) -> Plan:

@@ -7,6 +7,7 @@ Source: Silver (2005), Cooperative pathfinding, AIIDE.
 
 from __future__ import annotations
 
+from collections import defaultdict
 from collections.abc import Sequence
 from heapq import heappop, heappush
 from math import inf
@@ -31,6 +32,7 @@ class Reservations:
         moves: ``state * H * W + cell`` of the moves that would make a robot change places with
             another.
         ends: the state from which on a cell is occupied for good, by cell.
+        free_from: the time from which on nobody is in a cell, by cells that are no ends.
         latest: time after which nothing is taken but for good.
     """
 
@@ -39,21 +41,18 @@ class Reservations:
         self.states: set[int] = set()
         self.moves: set[int] = set()
         self.ends: dict[int, int] = {}
+        self.free_from = defaultdict[int, int](int)
 
     def add(self, way: list[int]) -> None:
         """Reserve the way of a robot: its cell at each time, the last one for good."""
         state, before = 0, way[0]
-        for cell in way:
+        for time, cell in enumerate(way, 1):
             self.states.add(state + cell)
             self.moves.add((state - self.size + cell) * self.size + before)
+            self.free_from[cell] = max(self.free_from[cell], time)
             state, before = state + self.size, cell
         self.latest = max(self.latest, len(way) - 1)
         self.ends[way[-1]] = (len(way) - 1) * self.size + way[-1]
-
-    def free_from(self, cell: int) -> int:
-        """Return the first time from which on nobody is in a cell that is nobody's end."""
-        times = range(self.latest, -1, -1)
-        return next((t + 1 for t in times if t * self.size + cell in self.states), 0)
 
 
 def moves_of(graph: Graph) -> Moves:
@@ -90,7 +89,7 @@ def find_way(
         TimeoutError: the deadline has passed.
     """
     size, states, swaps, ends = taken.size, taken.states, taken.moves, taken.ends
-    free = taken.free_from(goal) * size
+    free = taken.free_from[goal] * size
     last = (taken.latest + 1) * size  # all later times are alike, and one layer stands for them
     best, came = {start: 0.0}, {start: NONE}
     heap = [(field[start], -start)]  # of equally good ones the latest is first

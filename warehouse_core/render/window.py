@@ -91,9 +91,7 @@ class PictureWindow:
         self._wait_until(0.0)
         if self.is_closed:
             return
-        fitted = (*picture.shape, self._canvas.device_pixel_ratio)
-        if fitted != self._fitted:
-            self._fit(*fitted)
+        self._fit(picture)
         self._image.set_data(picture)
         self._canvas.draw()
         self._wait_until(self._shown_at + 1 / fps)
@@ -113,8 +111,7 @@ class PictureWindow:
 
         registry: Any = backend_registry
         toolkit = registry.load_backend_module(plt.get_backend())
-        height, width = picture.shape[:2]
-        figure = Figure((width / DPI, height / DPI), DPI)
+        figure = Figure(dpi=DPI)
         figure.set_layout_engine("none")
         with mpl.rc_context({"toolbar": "None"}):
             manager = toolkit.FigureCanvas.new_manager(figure, 0)
@@ -126,22 +123,27 @@ class PictureWindow:
         self._canvas.mpl_disconnect(manager.key_press_handler_id)
         self._canvas.mpl_connect("close_event", self._on_close)
         manager.set_window_title(self._title)
+        self._fit(picture)
         manager.show()
         self._shown_at = time.monotonic()
 
-    def _fit(self, height: int, width: int, channels: int, ratio: float) -> None:
+    def _fit(self, picture: NDArray[np.uint8]) -> None:
         """Make the window as large as the picture.
 
         Matplotlib enlarges windows by ``ratio``, which depends on the screen. Pictures are only
         enlarged by whole numbers, to keep every pixel sharp.
         """
+        height, width = picture.shape[:2]
+        ratio = self._canvas.device_pixel_ratio
+        if self._fitted == (height, width, ratio):
+            return
+        self._fitted = height, width, ratio
         scale = max(1, round(ratio)) / ratio / DPI
         self._image.set_extent((0, width, height, 0))
         # Sizes of figures are rounded down to whole pixels, those of axes up by Matplotlib 3.10.
         wide, high = width + 0.01, height + 0.01
         self._canvas.figure.set_size_inches(wide * scale, high * scale)
         self._image.axes.set_position((0, 0, (width - 0.001) / wide, (height - 0.001) / high))
-        self._fitted = (height, width, channels, ratio)
 
     def _wait_until(self, due: float) -> None:
         """Handle the events of the window until the time ``due``."""

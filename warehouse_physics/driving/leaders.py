@@ -64,7 +64,7 @@ def straight_distance(spec: RobotSpec) -> float:
     along its way.
     """
     needed = 2 * spec.radius / spec.cell_size + CLEARANCE
-    if spec.turn_seconds:
+    if spec.turns_on_the_spot:
         return spec.cell_size * needed
     beyond = max(needed - (1 - CORNER), 0.0) / CORNER
     # With c for CORNER, it has gone 1 - c + u - u * u / (4 * c) away after 1 - c + u along its way.
@@ -102,7 +102,7 @@ class Leaders:
     def __init__(self, spec: RobotSpec, ways: Dependencies, limits: Limits) -> None:
         self._size, self._dt = spec.cell_size, spec.time_step
         self._ways, self._limits = ways, limits
-        self._on_the_spot = spec.turn_seconds > 0
+        self._on_the_spot = spec.turns_on_the_spot
         self.apart = straight_distance(spec)
         self._apart_at_corners = corner_distance(spec)
         self._most = min(1 + math.ceil(limits.reach / self._size), MAX_LEADERS)

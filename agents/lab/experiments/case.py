@@ -111,8 +111,8 @@ def default_of(name: str, case: Case) -> Value | None:
     """Return the default of a parameter, given the values of the parameters before it."""
     if is_fleet(case) and name in FLEET_DEFAULTS:
         return FLEET_DEFAULTS[name]
-    if name == "chargers":
-        return len(layout_of(case).chargers) if TILES in case else 0
+    if name == "chargers" and TILES in case:
+        return len(layout_of(case).chargers)
     if name == "stations" and TILES in case:
         return str(usual_stations(layout_of(case), is_default=case["layout"] == DEFAULT))
     return find(name).default

@@ -6,7 +6,7 @@ from helpers.mapf_runs import check_solver
 
 from agents.errors import PlanError
 from agents.mapf.cbs import solve_cbs
-from agents.mapf.eecbs import solve_eecbs
+from agents.mapf.eecbs import ExplicitTree, solve_eecbs
 from warehouse_core import random_layout
 
 SECONDS = 30.0
@@ -37,6 +37,13 @@ def test_large_teams_stay_within_their_bound(w: float) -> None:
         assert plan.bound is not None
         assert problem.lower_bound <= plan.bound <= optimum <= plan.sum_of_costs <= w * plan.bound
         assert check_solver(lambda each, seconds: solve_eecbs(each, seconds, w), [problem], 30) == 1
+
+
+def test_what_conflicts_cost_is_learned() -> None:
+    problem = random_problem(random_layout(12, 12, 0.2, 2), 12, 2)
+    tree = ExplicitTree(problem, 1.02)
+    tree.solve(SECONDS)
+    assert len(tree.nodes) == 173  # 149 if nothing is learned, 180 with the wrong sign
 
 
 def test_what_cannot_be_done_is_said() -> None:

@@ -7,9 +7,10 @@ import pytest
 
 from agents.errors import PlanError
 from agents.lab.commands.planners.runs import solve_checked
+from agents.mapf import solvable
 from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.problem import Plan, Problem
-from agents.mapf.solvable import MAX_CELLS, check_solvable
+from agents.mapf.solvable import MAX_CELLS, PairMoves, _reach, check_solvable
 from warehouse_core import Layout
 
 Cells = tuple[int, ...]
@@ -102,3 +103,13 @@ def test_no_planner_is_started_where_there_is_no_plan() -> None:
 def test_proofs_are_looked_for_on_small_floors(length: int) -> None:
     corridor = Problem(Graph(Layout(["." * length])), [0, length - 1], [1, 0])
     assert is_proved(corridor) == (length == MAX_CELLS)
+
+
+def test_the_limit_of_states_is_of_all_pairs_together(monkeypatch: pytest.MonkeyPatch) -> None:
+    # Robots 0 and 1 can get to their goals; 0 and 2 cannot, since robot 3 would be between them.
+    problem = Problem(Graph(Layout(["......"])), [0, 1, 2, 3], [0, 1, 3, 2])
+    moves = PairMoves(problem.graph)
+    sizes = [len(_reach(moves, moves.state(0, other, problem.starts), 999)) for other in (1, 2)]
+    for most, is_enough in (sum(sizes), True), (sum(sizes) - 1, False):
+        monkeypatch.setattr(solvable, "MAX_STATES", most)
+        assert is_proved(problem) == is_enough

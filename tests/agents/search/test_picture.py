@@ -291,6 +291,17 @@ def test_the_four_usual_searches_have_large_cells_and_letters_that_the_legend_ex
     assert markers.count("S") == markers.count("G") == 1
 
 
+@pytest.mark.parametrize(("width", "rows"), [(22, 1), (23, 2)])
+def test_two_searches_are_side_by_side_if_their_cells_have_28_pixels(width: int, rows: int) -> None:
+    layout = Layout(["." * width] * 4)
+    figure = replay(1, 2, layout=layout, start=(0, 0), goal=(3, 3)).figure
+    size, *boxes = (each.get_window_extent() for each in (figure, *figure.axes))
+    places = [(round(box.x0), round(size.y1 - box.y1), round(box.width)) for box in boxes]
+    side_by_side = [(44, 144, 22 * 28), (704, 144, 22 * 28)]
+    assert places == (side_by_side if rows == 1 else [(44, 144, 920), (44, 384, 920)])
+    assert size.size.round().tolist() == ([1344, 320] if rows == 1 else [988, 608])
+
+
 def test_the_legend_has_the_colours_of_what_it_names() -> None:
     [legend] = replay(0).figure.legends
     handles = legend.legend_handles

@@ -83,6 +83,12 @@ def test_robots_behind_one_that_waits_are_a_queue() -> None:
     )
 
 
+def test_robots_behind_one_that_leaves_at_last_are_no_queue() -> None:
+    steps = [["WAIT", "W", "W"]] * 12 + [["W", "WAIT", "WAIT"]]
+    episode = driven(CORRIDOR, [(1, 2), (1, 3), (1, 4)], steps)
+    assert mode_of(episode)[0] == "congested"
+
+
 def corridor(first: str, second: str) -> str:
     """Return the mode of two robots side by side that carry out these actions, a letter each."""
     words = {".": "WAIT"}

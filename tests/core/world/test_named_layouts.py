@@ -53,6 +53,9 @@ def test_a_file_comes_before_a_name(tmp_path: Path, monkeypatch: pytest.MonkeyPa
 def test_an_unknown_name_is_an_error_that_lists_the_names(tmp_path: Path) -> None:
     with pytest.raises(LayoutError, match="is called 'trapp'; allowed: default, corridor"):
         find_layout("trapp")
+    for name in ("a\0", "a\0.txt"):
+        with pytest.raises(LayoutError, match=r"is called 'a.*: a name has no null character"):
+            find_layout(name)
     with pytest.raises(FileNotFoundError):
         find_layout("missing.txt")
     with pytest.raises(FileNotFoundError):

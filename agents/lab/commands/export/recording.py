@@ -98,7 +98,7 @@ def entries(record: Episode) -> Iterator[Entry]:
     yield Entry(0, LAYOUT, layout_scene(record.layout, recording.size))
     steps = groupby(frames, lambda frame: math.ceil(frame.progress))
     with progress_bar(len(frames), "recording") as progress:
-        begin, done = 0.0, 0
+        begin, done = math.nan, 0  # the first frame is of no step
         for step, found in steps:
             moments = list(found)
             yield from sorted(recording.step(step, begin, moments), key=lambda entry: entry.time)

@@ -102,6 +102,12 @@ def test_counts_are_written_into_the_middle_of_their_cells_light_on_dark() -> No
     assert not heat_of(20)[0].texts, "they would be too small"
 
 
+def test_long_counts_are_smaller_so_that_they_fit() -> None:
+    axes = Figure().add_subplot()
+    draw_heat(axes, ROWS, 1234 * COUNTS, 50, 12340)
+    assert {round(text.get_fontsize(), 9) for text in axes.texts} == {14.5}  # 0.29 of 50
+
+
 @pytest.mark.parametrize(("cell_points", "every"), [(21, 1), (20.9, 2), (5, 5), (2.1, 10)])
 def test_numbers_of_rows_and_columns_are_as_close_as_there_is_room(
     cell_points: float, every: int

@@ -50,6 +50,12 @@ def test_lines_have_the_colour_of_their_robot_and_fade_with_time() -> None:
     assert view.wishes.get_colors()[-1][:3].tolist() == list(RED)
 
 
+def test_lines_are_below_robots_and_arrows_above_what_is_above_robots() -> None:
+    view = shown(NO_PLANS)  # robots have 3, and orders that wait 4
+    assert view.ways.get_zorder() == view.wishes.get_zorder() == 2.5
+    assert view.pushes.get_zorder() > 4
+
+
 @pytest.mark.parametrize(("pushed", "pusher"), [(1, 0), (0, 1), (2, 1), (1, 2)])
 def test_arrows_go_from_who_pushes_to_who_is_pushed(pushed: int, pusher: int) -> None:
     [path] = shown(StepPlans(pushers={pushed: pusher})).pushes.get_paths()

@@ -161,6 +161,15 @@ def test_robots_of_a_fleet_have_their_places_numbers_and_orders_in_each_frame() 
     assert any(frame.fleet and frame.fleet.waiting for frame in track.frames)
 
 
+@pytest.mark.parametrize(("robots", "size"), [(1, 37), (10, 37), (11, 34), (101, 23)])
+def test_all_numbers_of_a_fleet_are_as_large_as_the_longest_can_be(robots: int, size: int) -> None:
+    layout = Layout(["." * 21] * 7)
+    episode = fleet_episode(layout=layout, robots=robots, people=0, orders=None, max_steps=1)
+    shown = Drawing(track_of_record(episode)).shown(0)
+    sizes = {each.text: a.get("font-size") for each, a in shown if each.tag == f"{SVG}text"}
+    assert {sizes[str(robot)] for robot in range(robots)} == {str(size)}
+
+
 def test_an_empty_battery_and_a_low_one_are_told() -> None:
     track = track_of_record(fleet_episode(max_steps=40, battery=12))
     shown, last = Drawing(track), len(track) - 1

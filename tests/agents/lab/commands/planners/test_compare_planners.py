@@ -74,7 +74,10 @@ def test_the_picture_has_a_line_for_each_planner_and_its_interval() -> None:
     assert [list(line.get_ydata()) for line in axes.get_lines()] == [[1.0, 1.5], [2.0, 4.0]]
     intervals = axes.collections[0].get_segments()
     assert [each[:, 1].tolist() for each in intervals] == [[0.9, 1.1], [1.4, 1.7]]
-    assert [text.get_text() for text in axes.get_legend().get_texts()] == ["$a$", BOUND]
+    words = axes.get_legend().get_texts()
+    assert [(text.get_text(), text.get_parse_math()) for text in words] == [
+        ("$a$", False), (BOUND, False),
+    ]  # fmt: skip
 
 
 def test_planners_that_learn_know_the_goals_of_the_warehouse_of_papers() -> None:

@@ -73,6 +73,7 @@ def test_a_proved_optimum_is_told(warehouse: Warehouse) -> None:
     out = warehouse(*SMALL, "-n", 1, "--planner", "cbs", "-o", "values.csv").out
     [line] = lines()
     assert (line["costs"], line["proved"]) == ("82", "1")
+    assert out.count(" optimal") == 1
     assert "1 optimal" in out
 
 
