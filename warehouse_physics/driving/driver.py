@@ -309,13 +309,14 @@ class Driver:
 
     def _set_leg(self, robot: int, start: int) -> None:
         """Let a robot drive the straight run of its way that begins at a node."""
+        goes_back = bool(self._backs[robot] == start)
         self._starts[robot], self._ends[robot], self._backs[robot] = start, start + 1, NOWHERE
         self._along[robot] = along = np.array(self.ways.move(robot, start + 1)[::-1], float)
         self._origins[robot] = centre_of(self.ways.node(robot, start).cell, self._size)
         self._offsets[robot] = offset = self.positions[robot] - self._origins[robot]
         self._done[robot] = start * self._size + offset @ along
         self._speeds[robot] = speed = self._velocities[robot] @ along
-        self._headings.face(robot, along, abs(speed) > SLOW)
+        self._headings.face(robot, along, goes_back)
         self._motors.turn(robot, speed)
         self._leaders.turn(robot, start, self.ways.move(robot, start + 1))
         self._end_leg(robot)

@@ -32,8 +32,8 @@ class Headings:
         self._most = rate * spec.time_step
         self.angles, self._left, self.work = np.zeros((3, robots))
 
-    def face(self, robot: int, direction: Floats, is_moving: bool = False) -> None:
-        """Let a robot, which may be moving, turn towards ``(x, y)``, ``[2]``."""
+    def face(self, robot: int, direction: Floats, goes_back: bool = False) -> None:
+        """Let a robot turn towards ``(x, y)``, ``[2]``, perhaps to go back to where it was."""
         wanted = math.atan2(direction[1], direction[0])
         self._left[robot] = math.remainder(wanted - self.angles[robot], math.tau)
 

@@ -74,10 +74,10 @@ class WheelHeadings(Headings):
         self._spec, self._arena, self._motors, self._limits = spec, arena, motors, limits
         self._speeds = np.zeros(len(arena.bodies))  # m/s of wheels, below 0 to the left
 
-    def face(self, robot: int, direction: Floats, is_moving: bool = False) -> None:
-        """Let a robot turn towards ``(x, y)``; one that moves drives backwards if it has to."""
+    def face(self, robot: int, direction: Floats, goes_back: bool = False) -> None:
+        """Let a robot turn towards ``(x, y)``; one that goes back drives backwards."""
         super().face(robot, direction)
-        if is_moving:
+        if goes_back:
             self._left[robot] = math.remainder(self._left[robot], math.pi)
         self._arena.face(robot, math.atan2(direction[1], direction[0]))
 
