@@ -76,7 +76,7 @@ def test_robots_that_were_led_and_failed_have_done_the_same_in_the_copy() -> Non
     motion.extend([(2, 2), (3, 3)])
     motion.drive(0.7)
     motion.fail(1)
-    cells = [(2, 3), motion.ways().ends[1]]
+    cells = [(1, 2), motion.ways().ends[1]]
     motion.extend(cells)
     cells[0] = (1, 1)  # a list of the caller's own, which may change
     motion.advance([(0, 1), (0, 1)], [True, False])

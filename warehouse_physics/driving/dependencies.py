@@ -51,7 +51,9 @@ class Dependencies:
     def __init__(self, cells: Sequence[Cell]) -> None:
         self._ways = [deque([WayCell(cell)]) for cell in cells]
         self._firsts = [0] * len(cells)
-        self._latest = {cell: (Visit(robot, 0),) for robot, cell in enumerate(cells)}
+        self._latest: dict[Cell, tuple[Visit, ...]] = {
+            cell: (Visit(robot, 0),) for robot, cell in enumerate(cells)
+        }
 
     def first(self, robot: int) -> int:
         """Return the number of the first node of a way that has not been forgotten."""

@@ -116,7 +116,7 @@ class Leaders:
 
     def find(self, robot: int, passed: Floats) -> None:
         """Find the next cells where a robot has leaders, as far as there is space for them."""
-        slot, last = np.count_nonzero(self.nodes[robot] != NOWHERE), self._ways.last(robot)
+        slot, last = int((self.nodes[robot] != NOWHERE).sum()), self._ways.last(robot)
         number = self._looked[robot]
         while number < last and slot < self._most:
             number += 1
@@ -157,13 +157,14 @@ class Leaders:
             self.find(robot, passed)
 
     def leave(self, ends: Integers, passed: Floats, speeds: Floats) -> Flags:
-        """Return whether robots can come to the nodes ``ends``, ``[R]``, behind their leaders.
+        """Return whether leaders leave the nodes ``ends`` to robots, ``[R]``.
 
         Leaders drive along their ways at ``speeds``, ``[R]`` m/s, and brake as hard as they can.
         """
         beyond = (passed + self._stops(speeds))[self._leaders] - self._leaving * self._size
-        free: Flags = ((self.nodes > ends[:, None]) | (beyond >= self.apart)).all(axis=1)
-        return free
+        is_free = (self.nodes > ends[:, None]) | (beyond >= self.apart)
+        found: Flags = is_free.all(axis=1)
+        return found
 
     def slow_down(self, speeds: Floats, places: Places, downs: Floats) -> None:
         """Lower the speeds of robots, ``[R]`` in place, so that none comes too close to a leader.
@@ -220,7 +221,8 @@ class Leaders:
         """
         nearest, farthest = self._nearest[rows], self._farthest[rows]
         share = (passed / self._size + BEFORE) / (BEFORE + BEYOND)
-        return passed - nearest - (farthest - nearest) * np.clip(share, 0.0, 1.0)
+        found: Floats = passed - nearest - (farthest - nearest) * np.clip(share, 0.0, 1.0)
+        return found
 
     def _keep_apart(self, robot: int, slot: int, move: Cell) -> None:
         """Set the distances to a leader of a robot that drives in the direction of ``move``."""
