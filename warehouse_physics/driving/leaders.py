@@ -163,8 +163,7 @@ class Leaders:
         """
         beyond = (passed + self._stops(speeds))[self._leaders] - self._leaving * self._size
         is_free = (self.nodes > ends[:, None]) | (beyond >= self.apart)
-        found: Flags = is_free.all(axis=1)
-        return found
+        return np.asarray(is_free.all(axis=1))
 
     def slow_down(self, speeds: Floats, places: Places, downs: Floats) -> None:
         """Lower the speeds of robots, ``[R]`` in place, so that none comes too close to a leader.
