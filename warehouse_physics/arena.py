@@ -6,9 +6,11 @@ import math
 from collections.abc import Iterable
 from typing import NamedTuple
 
+import numpy as np
 import pymunk
 
-from warehouse_core.motion.base import WALL_CONTACT, Contact, robot_contact
+from warehouse_core.motion.base import SCAN_RANGE, WALL_CONTACT, Contact, robot_contact
+from warehouse_physics.profile import Floats
 from warehouse_physics.spec import RobotSpec
 from warehouse_physics.stepping import Stepper
 from warehouse_physics.walls import CellBox
@@ -44,7 +46,7 @@ class Hit(NamedTuple):
     robot: int
     other: int | None
     push: Position
-    velocity: Position
+    velocity: pymunk.Vec2d
     impulse: float = math.nan
     point: Position = (math.nan, math.nan)
 
@@ -92,9 +94,21 @@ class Arena:
         """
         shape = pymunk.Circle(body, self._spec.body_radius)
         shape.collision_type = ROBOT
+        shape.filter = group_of(len(self.bodies))
         self._numbers[shape] = len(self.bodies)
         self.bodies.append(body)
         self.space.add(body, shape, *joined)
+
+    def scan(self, robot: int, rays: int) -> Floats:
+        """Return how far walls and other robots are from the middle of a robot; see ``Senses``."""
+        start, distances = self.bodies[robot].position, np.full(rays, SCAN_RANGE)
+        own = group_of(robot)
+        for ray in range(rays):
+            end = start + pymunk.Vec2d(SCAN_RANGE, 0.0).rotated(math.tau * ray / rays)
+            hit = self.space.segment_query_first(start, end, 0.0, own)
+            if hit is not None:
+                distances[ray] = hit.alpha * SCAN_RANGE
+        return distances
 
     def _note_hits(self, arbiter: pymunk.Arbiter) -> list[Hit]:
         """Return a hit as each robot in it feels it, before the solver changes any velocity."""
@@ -104,14 +118,27 @@ class Arena:
         assert robot is not None
         body = self.bodies[robot]
         if other is None:
-            impulse = impulse_of(normal.dot(body.velocity), body.mass)
+            impulse = impulse_of(normal.dot(body.velocity), self._mass(robot, normal))
             return [Hit(robot, None, -normal, body.velocity, impulse, (x, y))]
         met = self.bodies[other]
-        impulse = impulse_of(normal.dot(body.velocity - met.velocity), body.mass, met.mass)
+        masses = self._mass(robot, normal), self._mass(other, normal)
+        impulse = impulse_of(normal.dot(body.velocity - met.velocity), *masses)
         return [
             Hit(robot, other, -normal, body.velocity, impulse, (x, y)),
             Hit(other, robot, normal, met.velocity, impulse, (x, y)),
         ]
+
+    def _mass(self, robot: int, normal: pymunk.Vec2d) -> float:
+        """Return the mass in kg with which a robot resists a push along ``normal``."""
+        return self.bodies[robot].mass
+
+
+def group_of(robot: int) -> pymunk.ShapeFilter:
+    """Return the group that only this robot is in, whose shapes do not meet each other.
+
+    A ray from the middle of a robot in its group meets all but this robot.
+    """
+    return pymunk.ShapeFilter(group=robot + 1)
 
 
 def impulse_of(speed: float, mass: float, other_mass: float | None = None) -> float:

@@ -8,11 +8,13 @@ from itertools import product
 from typing import Any, ClassVar, Self
 
 from warehouse_core.arguments import MAX_STEPS, flag, instance_of, whole_number
-from warehouse_core.motion.base import Conditions
+from warehouse_core.motion.base import MAX_RAYS, Conditions, Outcome, Pose, centre_of
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 from warehouse_physics.disturbances import Disturbances
+from warehouse_physics.odometry import Odometry
+from warehouse_physics.profile import Floats
 from warehouse_physics.spec import RobotSpec
 
 PATH_EVERY = 10
@@ -20,7 +22,7 @@ PATH_EVERY = 10
 
 
 MOVES = tuple(product(dict.fromkeys(DISPLACEMENTS), (False, True)))
-"""Displacement of a robot, and whether it is loaded; a byte of a course is the number of one."""
+"""Displacement of a robot, and whether it is loaded; a noted call has the number of one a robot."""
 
 _NUMBERS = {move: number for number, move in enumerate(MOVES)}
 
@@ -28,12 +30,15 @@ _NUMBERS = {move: number for number, move in enumerate(MOVES)}
 class BodyMotion:
     """Base of the motions that move bodies; see ``RigidBodyMotion`` for the arguments.
 
-    A copy, or what a pickle gives, repeats all moves since the reset: a copied space of Chipmunk
+    A copy, or what a pickle gives, repeats all calls since the reset: a copied space of Chipmunk
     goes on otherwise than its original.
     """
 
     BODIES: ClassVar[str]
     """Attribute with the bodies, ``None`` before a reset."""
+
+    WORDS = ("drive",)
+    """Settings of ``from_numbers`` that are words."""
 
     is_busy = False
     """True while a call is running that no other may overlap; see ``exclusive``."""
@@ -56,10 +61,11 @@ class BodyMotion:
         self._record_path = flag("record_path", record_path)
         self._path_every = whole_number("path_every", path_every, 1, MAX_STEPS)
         self._begun: tuple[Layout, tuple[Cell, ...], int] | None = None
-        self._course, self._failures = bytearray(), list[tuple[int, int]]()
+        self._calls: list[tuple[str, Any]] = []
+        self._odometry: Odometry | None = None
 
     @classmethod
-    def from_numbers(cls, numbers: Mapping[str, float]) -> Self:
+    def from_numbers(cls, numbers: Mapping[str, Any]) -> Self:
         """Return a motion of nominal robots; see ``RobotSpec.from_numbers``."""
         return cls(RobotSpec.from_numbers(numbers))
 
@@ -68,37 +74,59 @@ class BodyMotion:
         """Floor and motors, for records."""
         return self.disturbances.conditions
 
+    def scan(self, robot: int, rays: int) -> Floats:
+        """Return how far walls and other robots are; see ``Senses``."""
+        robot, rays = self._known(robot), whole_number("rays", rays, 1, MAX_RAYS)
+        distances: Floats = getattr(self, self.BODIES).scan(robot, rays)
+        return distances
+
+    def odometry(self, robot: int) -> Pose | None:
+        """Return where a robot believes to be; see ``Senses``."""
+        robot = self._known(robot)
+        return None if self._odometry is None else self._odometry.poses[robot]
+
     def __getstate__(self) -> dict[str, Any]:
-        state = vars(self).copy()
-        if state.pop(self.BODIES) is not None and self._begun is None:
-            raise TypeError(
-                "robots that extend() and drive() have led cannot be copied; make another motion "
-                "and lead its robots the same way"
-            )
-        return state
+        return vars(self) | {self.BODIES: None}
 
     def __setstate__(self, state: dict[str, Any]) -> None:
-        vars(self).update(state, **{self.BODIES: None})
+        vars(self).update(state)
         if self._begun is None:
             return
         motion: Any = self
-        robots, course, failures = len(self._begun[1]), self._course, self._failures
         motion.reset(*self._begun)
-        for step in range(len(course) // robots + 1):
-            for _, robot in (each for each in failures if each[0] == step):
-                motion.fail(robot)
-            moves = [MOVES[number] for number in course[step * robots : (step + 1) * robots]]
-            if moves:
-                motion.advance(*zip(*moves, strict=True))
+        for name, given in state["_calls"]:
+            if name == "advance":
+                motion.advance(*zip(*(MOVES[number] for number in given), strict=True))
+            else:
+                getattr(motion, name)(given)
 
     def _begin(self, layout: Layout, cells: Sequence[Cell], seed: int) -> None:
-        """Note a reset, after which the course is empty."""
-        self._begun = layout, tuple(cells), seed
-        self._course, self._failures = bytearray(), []
+        """Note a reset, after which there are no calls yet."""
+        self._begun, self._calls = (layout, tuple(cells), seed), []
+        if error := self.disturbances.odometry:
+            starts = (centre_of(cell, self.cell_size) for cell in cells)
+            self._odometry = Odometry(starts, error, seed)
 
-    def _note(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> None:
-        """Note an action of each robot."""
-        self._course += bytes(map(_NUMBERS.__getitem__, zip(displacements, loaded, strict=True)))
+    def _measured(self, outcomes: list[Outcome]) -> list[Outcome]:
+        """Return outcomes, after the robots have measured their ways in them."""
+        if self._odometry is not None:
+            self._odometry.measure([outcome.path for outcome in outcomes])
+        return outcomes
+
+    def _known(self, robot: int) -> int:
+        """Return the number of a robot, checked."""
+        if self._begun is None:
+            raise RuntimeError("the motion needs a reset() before it")
+        return whole_number("robot", robot, 0, len(self._begun[1]) - 1)
+
+    def _note(self, name: str, given: Any) -> None:
+        """Note a call with one argument, for copies to repeat."""
+        self._calls.append((name, given))
+
+    def _note_moves(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> None:
+        """Note a call of ``advance``, in a byte for each robot."""
+        moves = zip(displacements, loaded, strict=True)
+        self._note("advance", bytes(map(_NUMBERS.__getitem__, moves)))
 
     def _drawn(self, seed: int | None) -> int:
         """Return the seed for disturbances, which is drawn if none is given and it matters."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 from dataclasses import dataclass, fields
 
@@ -59,6 +60,8 @@ class Disturbances:
         patience: durations of a free move after which no new attempt is made, at least 1; robots
             that drive through have no such limit.
         stops: failures of robots; only robots that drive through may have any.
+        odometry: standard deviation of the way that a robot measures, as a share of it; see
+            ``Odometry``. No body feels it.
 
     Raises:
         ValueError: naming the field, its value and what is allowed.
@@ -71,6 +74,7 @@ class Disturbances:
     drag_spread: float = 0.0
     patience: float = 2.0
     stops: tuple[Stop, ...] = ()
+    odometry: float = 0.0
 
     def __post_init__(self) -> None:
         allowed = {
@@ -79,6 +83,7 @@ class Disturbances:
             "motor_strength": (0.0, 1.0),
             "drag_spread": (0.0, 0.99),
             "patience": (1.0, 100.0),
+            "odometry": (0.0, 0.5),
         }
         for name, (minimum, maximum) in allowed.items():
             settle(self, **{name: real_number(name, getattr(self, name), minimum, maximum)})
@@ -100,10 +105,15 @@ class Disturbances:
     @property
     def any(self) -> bool:
         """Whether anything departs from the nominal."""
+        return self.is_felt or self.odometry > 0
+
+    @property
+    def is_felt(self) -> bool:
+        """Whether bodies move otherwise than nominally."""
         return any(
             getattr(self, each.name) != each.default
             for each in fields(self)
-            if each.name not in ("grip", "patience")
+            if each.name not in ("grip", "patience", "odometry")
         )
 
 
@@ -123,9 +133,12 @@ class FloorConditions:
     def force_limit(self, cell: Cell, motor_force: float, mass: float) -> float:
         """Return the largest force in N that the motor can exert on the floor of ``cell``."""
         force = self._disturbances.motor_strength * motor_force
-        if cell in self._disturbances.slippery:
-            force = min(force, self._disturbances.grip * mass * GRAVITY)
-        return force
+        return min(force, self.grip_force(cell, mass))
+
+    def grip_force(self, cell: Cell, mass: float) -> float:
+        """Return the largest force in N that wheels find on a floor; no limit on the usual one."""
+        is_slippery = cell in self._disturbances.slippery
+        return self._disturbances.grip * mass * GRAVITY if is_slippery else math.inf
 
     def speed_factor(self) -> float:
         """Draw the actual speed of a profile as a share of the commanded one."""

@@ -28,7 +28,8 @@ class DrivenArena(Arena):
         # The control bodies are in a space of their own that is never stepped: joints use their
         # velocities, and their positions do not matter.
         self._panel = pymunk.Space()
-        self.drives: list[pymunk.PivotJoint] = []
+        self.drives: list[pymunk.Constraint] = []
+        self.tyres: list[pymunk.Constraint] = []
 
     def add_robots(self, positions: Iterable[Position]) -> None:
         """Add all robots at once, at rest at their positions."""
@@ -37,13 +38,22 @@ class DrivenArena(Arena):
             body = pymunk.Body(self._spec.mass, math.inf)
             body.position = position
             control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
-            drive = pymunk.PivotJoint(body, control, (0, 0), (0, 0))
-            # Errors of position are not corrected: the joint is a motor, not a spring.
-            drive.error_bias = 1.0
+            drive, *others = joints = self._joints(body, control)
+            for joint in joints:
+                # Errors of position are not corrected: a joint is a motor, not a spring.
+                joint.error_bias = 1.0
             self._panel.add(control)
-            self.add_robot(body, drive)
+            self.add_robot(body, *joints)
             self.drives.append(drive)
+            self.tyres.extend(others)
         self._bodies, self._controls = BodyArrays(self.space), BodyArrays(self._panel)
+
+    def _joints(self, body: pymunk.Body, control: pymunk.Body) -> list[pymunk.Constraint]:
+        """Return the joints of a robot: one that drives it in any direction."""
+        return [pymunk.PivotJoint(body, control, (0, 0), (0, 0))]
+
+    def hold(self, robot: int, force: float) -> None:
+        """Let tyres hold a robot on its line with up to ``force`` N, if it has any."""
 
     def command(self, velocities: Floats) -> None:
         """Set the velocities ``[N, 2]`` in m/s for the drives to reach."""

@@ -16,7 +16,12 @@ from warehouse_physics.exclusive import exclusive
 from warehouse_physics.giving_way import GivingWay
 from warehouse_physics.robot import MAX_SUBSTEPS, NEVER, REST, Robot
 from warehouse_physics.robot_arena import RobotArena
-from warehouse_physics.spec import MAX_FLEET_RADIUS, MAX_MOVE_SUBSTEPS, RobotSpec
+from warehouse_physics.spec import (
+    MAX_FLEET_RADIUS,
+    MAX_MOVE_SUBSTEPS,
+    MAX_WHEELED_RADIUS,
+    RobotSpec,
+)
 
 BodyRow = tuple[float, float, float, float]
 """Time in seconds, x, y and heading; see ``Outcome.path``."""
@@ -35,7 +40,8 @@ class RigidBodyMotion(BodyMotion):
     Robots with ``turn_seconds`` first turn on the spot, the shorter way round, and drive back
     backwards. All that move set off together, after the longest turn of any of them, as a robot
     that follows another, or goes round with others in a ring, needs them to leave at the same time.
-    Those that have less to turn turn more slowly.
+    Those that have less to turn turn more slowly. So do robots with differential drive, see
+    ``wheeled_robot.py``, but that each turns as fast as it can, and then waits.
 
     Args:
         spec: numbers of the robots; ``None`` is the default robot.
@@ -72,17 +78,19 @@ class RigidBodyMotion(BodyMotion):
         """Build a new arena with robots at rest; see ``Motion.reset``.
 
         Raises:
-            ValueError: several robots with a radius above ``MAX_FLEET_RADIUS`` of a cell.
+            ValueError: several robots with a radius above ``MAX_FLEET_RADIUS`` of a cell, or with
+                differential drive above ``MAX_WHEELED_RADIUS``.
         """
         check_starts(layout, cells)
-        widest = MAX_FLEET_RADIUS * self.cell_size
+        share = MAX_WHEELED_RADIUS if self.spec.is_differential else MAX_FLEET_RADIUS
+        widest = share * self.cell_size
         if len(cells) > 1 and self.spec.radius > widest:
             raise ValueError(
                 f"radius is {self.spec.radius!r}; with cell_size {self.cell_size!r} it must be at "
                 f"most {widest!r} for {len(cells)} robots, which pass each other at corners"
             )
         drawn = self._drawn(seed)
-        floor = FloorConditions(self.disturbances, drawn) if self.disturbances.any else None
+        floor = FloorConditions(self.disturbances, drawn) if self.disturbances.is_felt else None
         self._arena = RobotArena(layout, cells, self.spec, floor)
         self._begin(layout, cells, drawn)
 
@@ -97,7 +105,7 @@ class RigidBodyMotion(BodyMotion):
             raise RuntimeError("advance() needs a reset() before it")
         robots = self._arena.robots
         check_moves(len(robots), displacements, loaded)
-        self._note(displacements, loaded)
+        self._note_moves(displacements, loaded)
         moves = zip(displacements, loaded, strict=True)
         pace = self._paces[any(load and displacement != STAY for displacement, load in moves)]
         turning = max(
@@ -108,7 +116,9 @@ class RigidBodyMotion(BodyMotion):
             robot.set_off(turning)
         paths = [[self._row(0.0, robot)] for robot in robots]
         substeps = self._drive(self._arena, paths)
-        return [self._outcome(*each, substeps) for each in zip(robots, paths, strict=True)]
+        return self._measured(
+            [self._outcome(*each, substeps) for each in zip(robots, paths, strict=True)]
+        )
 
     def batch(self, layouts: Sequence[Layout]) -> RigidBodyBatch:
         """Return a motion for one robot in each of these layouts; see ``Batchable``.
@@ -164,7 +174,8 @@ class RigidBodyMotion(BodyMotion):
             path.append(self._row(seconds, robot))
         rows = np.array(path)
         rows.flags.writeable = False
-        joules = joules_of(self.spec, action.work, seconds)
+        # With recuperation, a push by another robot may give back more than the action costs.
+        joules = max(joules_of(self.spec, action.work, seconds), 0.0)
         cell, blocked, contacts = robot.cell, robot.is_blocked(), tuple(action.contacts)
         return Outcome(cell, blocked, seconds, joules, rows, contacts, cut_off)
 

@@ -17,7 +17,7 @@ from warehouse_core import Cell
 from warehouse_core.motion.base import Contact, centre_of
 from warehouse_physics.arena import Arena, Hit, Position
 from warehouse_physics.disturbances import FloorConditions
-from warehouse_physics.energy import kinetic, spent
+from warehouse_physics.energy import kinetic, regained, spent
 from warehouse_physics.profile import braking, plan_profile
 from warehouse_physics.spec import ARRIVED, RobotSpec
 
@@ -90,18 +90,9 @@ class Robot:
         self.body.position = centre = centre_of(cell, spec.cell_size)
         self._control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
         self._floor = pymunk.PivotJoint(arena.space.static_body, self.body, (0, 0), (0, 0))
-        self._motor = pymunk.PivotJoint(self.body, self._control, (0, 0), (0, 0))
-        self._steering = pymunk.GearJoint(self.body, self._control, 0.0, 1.0)
-        self._floor.max_bias = self._motor.max_bias = 0.0
-        quickness = TURN_SECONDS / spec.move_seconds(loaded=False)
-        self._steering.max_bias = TURN_RATE * quickness
-        self._steering.error_bias **= quickness  # the error that is left after a second
-        self._turn_acceleration = TURN_ACCELERATION * quickness**2
-        if spec.turn_seconds:  # at a constant rate, which is reached in a substep
-            self._steering.error_bias = 0.0
-            self._turn_acceleration = math.pi / spec.turn_seconds / spec.time_step
+        self._floor.max_bias = 0.0
         # The motor comes after the floor, so that its impulse is the last in each solver round.
-        arena.add_robot(self.body, self._control, self._floor, self._motor, self._steering)
+        arena.add_robot(self.body, self._control, self._floor, *self._drive_joints())
         self.action = ActionState(cell, cell, centre)
         self._heading = self._turn = 0.0
         self.look()
@@ -112,6 +103,21 @@ class Robot:
         self._load(False, spec.acceleration)
         self._brake(0, 0)
         self.phase, self.until = REST, NEVER
+
+    def _drive_joints(self) -> list[pymunk.Constraint]:
+        """Make the joints to the control body: the motor, and the one that turns the body."""
+        spec = self._spec
+        self._motor: pymunk.Constraint = pymunk.PivotJoint(self.body, self._control, (0, 0), (0, 0))
+        self._motor.max_bias = 0.0
+        self._steering: pymunk.Constraint = pymunk.GearJoint(self.body, self._control, 0.0, 1.0)
+        quickness = TURN_SECONDS / spec.move_seconds(loaded=False)
+        self._steering.max_bias = TURN_RATE * quickness
+        self._steering.error_bias **= quickness  # the error that is left after a second
+        self._turn_acceleration = TURN_ACCELERATION * quickness**2
+        if spec.turn_seconds:  # at a constant rate, which is reached in a substep
+            self._steering.error_bias = 0.0
+            self._turn_acceleration = math.pi / spec.turn_seconds / spec.time_step
+        return [self._motor, self._steering]
 
     def look(self) -> None:
         """Read where the middle of the body is, in metres."""
@@ -157,6 +163,7 @@ class Robot:
             self._count_work(self.body.velocity, self._lead)
             self._brake(now, self._braking)
             return
+        self._count_braking(self.body.velocity, self._lead)
         action, speed = self.action, math.hypot(*self.body.velocity)
         if speed > AT_REST:
             self._brake(now, self._braking_from(speed))
@@ -212,6 +219,9 @@ class Robot:
         self.look()
         if self.phase == GO and self.action.last_hit < now:
             self._count_impact(hit)
+        elif self.action.last_hit < now:
+            self._count_braking(hit.velocity, -self._lead)
+            self._count_from(self.body.velocity, self._lead)
         self.action.last_hit = now
         if self._is_hindered_by(hit, None if other is None else other.action):
             self.give_up()
@@ -241,13 +251,17 @@ class Robot:
         """Return whether it was at its target at the last look."""
         return math.dist(self.position, self.action.target) <= ARRIVED * self._spec.cell_size
 
+    def mass_along(self, normal: Position) -> float:
+        """Return the mass in kg with which the robot resists a push along ``normal``."""
+        return self._mass
+
     def feel_floor(self) -> None:
         """Update drag and grip where the floor differs from cell to cell."""
         self.look()
         cell = self.cell
         if self._uneven is not None and cell != self._on:
-            if self.phase == GO:
-                self._count_work(self.body.velocity, self._lead)
+            count = self._count_work if self.phase == GO else self._count_braking
+            count(self.body.velocity, self._lead)
             self._on = cell
             self._drag = self._nominal_drag * self._uneven.drag_factor(cell)
             self._floor.max_force = self._drag
@@ -302,8 +316,17 @@ class Robot:
             force = min(force, limit)
         self._motor.max_force = force
 
-    def _count_work(self, velocity: Position, lead: float) -> None:
-        """Add the work of the motor since the last count: kinetic energy gained, plus drag.
+    def _count_work(self, velocity: pymunk.Vec2d, lead: float) -> None:
+        """Add the work of the motor, which drives, since the last count; see ``_worked``."""
+        self.action.work += spent(self._worked(velocity, lead))
+
+    def _count_braking(self, velocity: pymunk.Vec2d, lead: float) -> None:
+        """Take off what the motor, which brakes, got back since the last count; see ``_worked``."""
+        if self._spec.recuperation:
+            self.action.work -= regained(self._spec, self._worked(velocity, lead))
+
+    def _worked(self, velocity: pymunk.Vec2d, lead: float) -> float:
+        """Return the work of the motor since the last count: kinetic energy gained, plus drag.
 
         Positions move before velocities change. So the way, over which drag is counted, is that
         of a point ``lead`` seconds ahead of the middle, at ``velocity``.
@@ -311,11 +334,11 @@ class Robot:
         start, energy = self._start, self._energy
         self._count_from(velocity, lead)
         drag = self._drag * math.dist(start, self._start)
-        self.action.work += spent(self._energy - energy + drag)
+        return self._energy - energy + drag
 
-    def _count_from(self, velocity: Position, lead: float) -> None:
+    def _count_from(self, velocity: pymunk.Vec2d, lead: float) -> None:
         """Begin to count work at this position and ``velocity``."""
-        (x, y), (right, down) = self.position, velocity
+        (x, y), (right, down) = self.position, self._driven(velocity)
         self._start = x + lead * right, y + lead * down
         self._energy = kinetic(self._mass, right, down)
 
@@ -328,12 +351,16 @@ class Robot:
         """
         self._count_work(hit.velocity, -self._lead)
         after = self.body.velocity
-        aim = self._control.velocity - after
+        aim = self._driven(self._control.velocity - after)
         if aim.length < AT_REST:
-            aim = -pymunk.Vec2d(*hit.push)
+            aim = self._driven(-pymunk.Vec2d(*hit.push))
         forward = aim.normalized().dot(after + hit.velocity) / 2
         self.action.work += spent(self._motor.impulse * forward)
         self._count_from(after, self._lead)
+
+    def _driven(self, vector: pymunk.Vec2d) -> pymunk.Vec2d:
+        """Return the part of a vector in whose direction the motor can push: all of it."""
+        return vector
 
     def _deadline(self, floor: FloorConditions) -> float:
         """Return the substep after which no new attempt is made."""

@@ -5,12 +5,15 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 
+import pymunk
+
 from warehouse_core import Cell, Layout
 from warehouse_physics.arena import ITERATIONS, LONE_BIAS, Arena, Hit
 from warehouse_physics.disturbances import FloorConditions
 from warehouse_physics.robot import Robot
 from warehouse_physics.spec import ARRIVED, RobotSpec
 from warehouse_physics.walls import wall_boxes
+from warehouse_physics.wheeled_robot import WheeledRobot
 
 
 class RobotArena(Arena):
@@ -29,7 +32,8 @@ class RobotArena(Arena):
         if is_lone:
             self.space.collision_bias = LONE_BIAS
         self.add_walls(wall_boxes(layout))
-        self.robots = [Robot(self, spec, cell, floor) for cell in cells]
+        kind = WheeledRobot if spec.is_differential else Robot
+        self.robots = [kind(self, spec, cell, floor) for cell in cells]
         self._varies = floor is not None and floor.varies
 
     def run(self, now: int, until: int) -> int:
@@ -46,6 +50,10 @@ class RobotArena(Arena):
             other = None if hit.other is None else self.robots[hit.other]
             self.robots[hit.robot].meet(now, hit, other)
         return now
+
+    def _mass(self, robot: int, normal: pymunk.Vec2d) -> float:
+        """Return the mass in kg with which a robot resists a push along ``normal``."""
+        return self.robots[robot].mass_along(normal)
 
 
 def iterations_for_jams(spec: RobotSpec) -> int:

@@ -117,7 +117,13 @@ class Chargers:
         charge = battery.step_charge(env.cell_size)
         self._reserve = min(SPARE_STEPS, SPARE_SHARE * battery.capacity / self._cost)
         self._gain = max(charge - self._cost, 0.0) or self._cost
-        self._full = max(battery.capacity - charge, ENOUGH * battery.capacity)
+        # Beyond the knee a charger is slow, and does more for the next robot.
+        knee = battery.capacity - battery.tail
+        self._full = max(min(battery.capacity - charge, knee), ENOUGH * battery.capacity)
+        # What is missing at the end of a turn, and what of the turn is at a constant voltage, where
+        # what is missing falls exponentially to what a step costs.
+        self._slow, self._fall = max(self._full - knee, 0.0), battery.tail / charge
+        self._left = max(battery.capacity - self._full - self._fall * self._cost, self._cost)
         self.turn = np.full(env.settings.robots, NONE)
         self._first = np.full(len(self.cells), NONE)
         self._leaves = np.full(len(self.cells), NONE)
@@ -264,8 +270,10 @@ class Chargers:
         self, battery: NDArray[np.float64], ways: NDArray[np.float64]
     ) -> NDArray[np.float64]:
         """Return the steps of charging after ways of so many steps."""
-        missing = self._full - battery + self._cost * ways
-        return np.maximum(missing, 0) / self._gain
+        missing = np.maximum(self._full - battery + self._cost * ways, 0)
+        slow = np.minimum(missing, self._slow)
+        steps: NDArray[np.float64] = (missing - slow) / self._gain
+        return steps + self._fall * np.log1p(slow / self._left)
 
 
 def _ways_into(graph: Graph, charger: int) -> Costs:

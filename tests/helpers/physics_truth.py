@@ -19,7 +19,9 @@ JOULES_TOLERANCE = 1e-5
 """Relative, between a batch and single motions: their solvers leave other speeds across the way."""
 
 
-def random_spec(stream: random.Random, *, is_round: bool, widest: float = 0.499) -> RobotSpec:
+def random_spec(
+    stream: random.Random, *, is_round: bool, widest: float = 0.499, drive: str = "omnidirectional"
+) -> RobotSpec:
     """Return an accepted robot: of round numbers, or of any."""
     draw = stream.choice
     while True:
@@ -36,26 +38,30 @@ def random_spec(stream: random.Random, *, is_round: bool, widest: float = 0.499)
             "time_step": draw([1 / 120, 1 / 60, 1 / 30]),
         }
         try:
-            return RobotSpec(cell_size=size, radius=share * size, **values)
+            return RobotSpec(cell_size=size, radius=share * size, drive=drive, **values)
         except ValueError:
             continue
 
 
-def random_robots_move_as_the_grid(moves: int, seed: int = 0) -> tuple[int, int]:
+def random_robots_move_as_the_grid(
+    moves: int, seed: int = 0, drive: str = "omnidirectional"
+) -> tuple[int, int]:
     """Compare random robots on the grid, alone and in a batch, in a hundred moves each.
 
     Return how many moves were made, and how many by robots that the floor brakes alone.
     """
     made = braked = 0
     while made < moves:
-        spec = random_spec(random.Random(seed), is_round=bool(seed % 2))
+        spec = random_spec(random.Random(seed), is_round=bool(seed % 2), drive=drive)
         rows_differ(spec, rows=4, steps=25, seed=seed, joules=JOULES_TOLERANCE)
         is_braked = spec.floor_deceleration > spec.attainable_acceleration(loaded=True)
         made, braked, seed = made + 100, braked + 100 * is_braked, seed + 1
     return made, braked
 
 
-def jams(seed: int, actions: int) -> Iterator[list[tuple[Outcome, Cell, bool]]]:
+def jams(
+    seed: int, actions: int, drive: str = "omnidirectional"
+) -> Iterator[list[tuple[Outcome, Cell, bool]]]:
     """Yield the outcomes of a heavily loaded crowd, with the cells and stops of the table.
 
     A fifth to all of the open cells hold robots, and most of them move.
@@ -71,6 +77,7 @@ def jams(seed: int, actions: int) -> Iterator[list[tuple[Outcome, Cell, bool]]]:
         payload_mass=payload,
         motor_force=max(60.0, 1.5 * payload),
         time_step=stream.choice([1 / 60, 1 / 30]),
+        drive=drive,
     )
     motion = RigidBodyMotion(spec, record_path=False)
     motion.reset(layout, cells, 0)
@@ -85,11 +92,13 @@ def jams(seed: int, actions: int) -> Iterator[list[tuple[Outcome, Cell, bool]]]:
         yield list(zip(outcomes, cells, is_stopped, strict=True))
 
 
-def differences_in_jams(moves: int, seed: int = 0) -> tuple[int, int, int]:
+def differences_in_jams(
+    moves: int, seed: int = 0, drive: str = "omnidirectional"
+) -> tuple[int, int, int]:
     """Return how many robots moved, ended otherwise than by the table, and were cut off."""
     made = wrong = cut_off = 0
     while made < moves:
-        for action in jams(seed, actions=10):
+        for action in jams(seed, 10, drive):
             differ = [it[:2] != (cell, stopped) for it, cell, stopped in action]
             made, wrong = made + len(action), wrong + sum(differ)
             cut_off += sum(outcome.cut_off for outcome, _, _ in action)
@@ -121,13 +130,15 @@ class Book:
     """The work of the motors and the hits of robots, from what a space does in each substep.
 
     It knows nothing of phases or profiles. Each motor that is commanded a velocity works by its
-    impulse times the mean velocity. It pushes towards the commanded velocity; once that is reached
-    its impulse is what the floor and contacts leave of the change of momentum. Two bodies that
-    begin to overlap had the impulse of their reduced mass and the speed at which they approached.
+    impulse times the mean velocity, and one that is commanded to stop gets a share of it back. It
+    pushes towards the commanded velocity; once that is reached its impulse is what the floor and
+    contacts leave of the change of momentum. Two bodies that begin to overlap had the impulse of
+    their reduced mass and the speed at which they approached.
+    With differential drive bodies only give way along their headings, and motors also turn them.
     """
 
     def __init__(self, motion: RigidBodyMotion) -> None:
-        self._robots = motion._arena.robots
+        self._robots, self._spec = motion._arena.robots, motion.spec
         self._reach = 2 * motion.spec.body_radius
         self._step = motion._arena.space.step
         motion._arena.space.step = self._step_and_book
@@ -142,20 +153,38 @@ class Book:
         robots, touching = self._robots, self._touching()
         before = [robot.body.velocity for robot in robots]
         commands = [robot._control.velocity for robot in robots]
+        spins = [robot.body.angular_velocity for robot in robots]
         self._step(dt)
         for number, (robot, command) in enumerate(zip(robots, commands, strict=True)):
             if command.length > 0:
                 push = _push_of(robot, before[number], command)
-                mean = (before[number] + robot.body.velocity) / 2
+                mean = self._free(robot, before[number] + robot.body.velocity) / 2
                 self.work[number] += max(0.0, push.dot(mean))
+            elif self._spec.recuperation:
+                push = _push_of(robot, before[number], command)
+                braked = max(0.0, -push.dot(before[number] + robot.body.velocity) / 2)
+                back = self._spec.recuperation * self._spec.drivetrain_efficiency
+                self.work[number] -= back * braked
+            if self._spec.is_differential and robot._control.angular_velocity:
+                spin, drag = robot.body.angular_velocity, robot._drag * self._spec.wheel_arm
+                gained = robot.body.moment * (spin**2 - spins[number] ** 2) / 2
+                self.work[number] += gained + drag * abs(spins[number] + spin) / 2 * dt
         for one, two in self._touching() - touching:
             bodies = robots[one].body, robots[two].body
             normal = (bodies[1].position - bodies[0].position).normalized()
             speed = (before[one] - before[two]).dot(normal)
-            impulse = speed / (1 / bodies[0].mass + 1 / bodies[1].mass)
+            ways = (self._free(robots[each], normal).length for each in (one, two))
+            impulse = speed / sum(
+                way**2 / body.mass for way, body in zip(ways, bodies, strict=True)
+            )
             if impulse > 0:
                 self.hits[one].append(impulse)
                 self.hits[two].append(impulse)
+
+    def _free(self, robot: Robot, vector: Vec2d) -> Vec2d:
+        """Return the part of a vector in which a robot can move, without turning."""
+        heading = robot.body.rotation_vector
+        return heading * heading.dot(vector) if self._spec.is_differential else vector
 
     def _touching(self) -> set[tuple[int, int]]:
         places = [robot.body.position for robot in self._robots]
@@ -171,6 +200,8 @@ def _push_of(robot: Robot, before: Vec2d, command: Vec2d) -> Vec2d:
     """Return the impulse of a motor in a substep that began with the velocity ``before``."""
     after, others = robot.body.velocity, []
     missing = command - after
+    if robot._spec.is_differential:
+        missing = missing.projection(command)
     if missing.length > AT_REST:
         return robot._motor.impulse * missing.normalized()
     robot.body.each_arbiter(lambda arbiter: others.append(arbiter.total_impulse))
@@ -185,12 +216,15 @@ class BookErrors(NamedTuple):
     impulses: list[float]
 
 
-def errors_of_the_books(moves: int, robots: int, seed: int = 0) -> BookErrors:
+def errors_of_the_books(
+    moves: int, robots: int, seed: int = 0, drive: str = "omnidirectional"
+) -> BookErrors:
     """Compare outcomes of random robots, alone or several, with a second book of equal hits."""
     errors = BookErrors([], [])
     while len(errors.joules) < moves:
         stream = random.Random(seed)
-        spec = random_spec(stream, is_round=bool(seed % 2), widest=0.35 if robots > 1 else 0.45)
+        widest = 0.35 if robots > 1 else 0.45
+        spec = random_spec(stream, is_round=bool(seed % 2), widest=widest, drive=drive)
         layout = random_layout(6, 6, 0.1, seed=seed % 50)
         ranks = stream.sample(range(len(layout.open_cells)), robots)
         motion = RigidBodyMotion(spec, record_path=False)

@@ -23,9 +23,12 @@ SMALL_AND_FAST = RobotSpec(cell_size=0.5, radius=0.17, time_step=FAST_STEP)
 WIDE_AND_BRISK = RobotSpec(cell_size=0.5, radius=0.2, top_speed=3, acceleration=4, motor_force=400)
 
 TURNING = RobotSpec(turn_seconds=1.6)
+WHEELED = RobotSpec(drive="differential")
 
 over_specs = pytest.mark.parametrize(
-    "spec", [RobotSpec(), RobotSpec.fast(), TURNING], ids=["1/60", "1/30", "turning"]
+    "spec",
+    [RobotSpec(), RobotSpec.fast(), TURNING, WHEELED],
+    ids=["1/60", "1/30", "turning", "wheeled"],
 )
 
 
@@ -90,8 +93,9 @@ def test_a_robot_moved_by_hand_continues_from_its_new_cell() -> None:
         lambda: RigidBodyMotion(SMALL_AND_FAST, record_path=False),
         lambda: RigidBodyMotion(WIDE_AND_BRISK),
         lambda: RigidBodyMotion(TURNING),
+        lambda: RigidBodyMotion(WHEELED),
     ],
-    ids=["small cells, 1/30 s, no paths", "wide and brisk", "turning"],
+    ids=["small cells, 1/30 s, no paths", "wide and brisk", "turning", "wheeled"],
 )
 def test_the_backend_passes_every_conformance_check(make_motion) -> None:
     run_conformance(make_motion).raise_for_failures()

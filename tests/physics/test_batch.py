@@ -16,6 +16,7 @@ from warehouse_physics.batch import rigid_body_batch
 from warehouse_physics.batch import robots as batch_robots
 from warehouse_physics.batch.rigid_body_batch import RigidBodyBatch
 from warehouse_physics.driven_arena import BodyArrays
+from warehouse_physics.robot import BRAKE
 
 NORTH, EAST, SOUTH, WEST, WAIT = range(5)
 
@@ -35,6 +36,8 @@ SPECS = {
     ),
     "dragged": RobotSpec(floor_drag=0.05, acceleration=0.45),
     "turning": RobotSpec(turn_seconds=0.31),
+    "wheeled": RobotSpec(drive="differential", track=0.9),
+    "regaining": RobotSpec(recuperation=0.7, radius=0.499),
     "violent": RobotSpec(top_speed=10.5, acceleration=1e6, motor_force=1e9),
 }
 """Among them one that barely fits its cell, two of round numbers that reach a wall exactly at the
@@ -55,6 +58,19 @@ def advance(batch: RigidBodyBatch, *actions: int, loaded: bool = False) -> Batch
 def test_each_row_equals_a_single_motion(spec: RobotSpec) -> None:
     blocked = rows_differ(spec, rows=12, steps=25)
     assert blocked > 12 * 25 / 8, "too few hits to compare"
+
+
+def test_a_hit_while_braking_gives_back_what_was_braked_before_it() -> None:
+    spec, row, rest = RobotSpec(recuperation=1.0, floor_drag=0.0), np.array([0]), np.zeros((1, 2))
+    batch = batch_in([CORRIDOR], spec)
+    advance(batch, EAST)
+    robots = batch._parts[0]
+    robots.work[0], robots._phase[0], robots._velocities = 0.0, BRAKE, rest
+    robots._count_from(row, np.array([[1.0, 0.0]]), 0.0)
+    robots._meet([Hit(0, None, (-1.0, 0.0), (0.5, 0.0))], 20)
+    robots._count_braking(row, rest, 0.0)
+    braked = 50 / 2 * (1 - 0.5**2)
+    assert robots.work[0] == pytest.approx(-braked * spec.drivetrain_efficiency)
 
 
 def test_rows_in_several_spaces_have_the_bits_of_one_space(monkeypatch) -> None:

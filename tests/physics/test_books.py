@@ -1,11 +1,16 @@
 """Joules and impulses against a second book, which looks at every substep."""
 
+from dataclasses import replace
+
 import pytest
 from helpers.physics_truth import Book, errors_of_the_books, random_robots_move_as_the_grid
-from helpers.rigid_bodies import EAST, LEDGE, MOVES, NORTH, SOUTH, WEST, motion_in, move
+from helpers.rigid_bodies import EAST, LEDGE, MOVES, NORTH, SOUTH, WEST, motion_in, move, together
+from pymunk import Vec2d
 
 from warehouse_core import Layout
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
+from warehouse_physics.arena import Hit
+from warehouse_physics.robot import BRAKE
 
 BOOKED_MOVES = 120
 COMPARED_MOVES = 500
@@ -39,6 +44,41 @@ def test_the_joules_of_a_bump_are_those_of_the_book(spec: RobotSpec) -> None:
         outcome = move(motion, displacement)
         joules = book.work[0] / spec.drivetrain_efficiency + spec.idle_power * outcome.seconds
         assert outcome.joules == pytest.approx(joules, rel=EXACT)
+
+
+@over_specs
+def test_the_joules_that_braking_gives_back_are_those_of_the_book(spec: RobotSpec) -> None:
+    giving = replace(spec, recuperation=0.7)
+    motions = [motion_in(Layout([".."] * 2), (0, 0), each) for each in (spec, giving)]
+    book = Book(motions[1])
+    for displacement in (EAST, EAST, NORTH, SOUTH, WEST):
+        book.clear()
+        plain, outcome = (move(motion, displacement, loaded=True) for motion in motions)
+        joules = book.work[0] / spec.drivetrain_efficiency + spec.idle_power * outcome.seconds
+        assert outcome.joules == pytest.approx(joules, rel=1e-3)
+        # A floor that brakes the robot nearly alone leaves nothing to give back.
+        is_braking = spec.attainable_acceleration(loaded=True) > 2 * spec.floor_deceleration
+        assert (outcome.joules < plain.joules * 0.99) == is_braking
+
+
+def test_no_push_by_another_robot_makes_an_action_cost_less_than_nothing() -> None:
+    spec = RobotSpec(recuperation=1.0, idle_power=0.0)
+    outcomes = together(Layout(["..."]), [(0, 0), (0, 1)], [EAST, (0, 0)], spec)
+    assert outcomes[1].contacts
+    assert outcomes[1].joules == 0.0 < outcomes[0].joules
+
+
+def test_a_hit_while_braking_gives_back_what_was_braked_before_it() -> None:
+    motion = motion_in(Layout(["..."]), (0, 0), RobotSpec(recuperation=1.0, floor_drag=0.0))
+    move(motion, EAST)
+    robot = motion._arena.robots[0]
+    robot.action.work, robot.phase, speed = 0.0, BRAKE, 0.5
+    robot._count_from(Vec2d(1.0, 0.0), 0.0)
+    robot.body.velocity = 0.0, 0.0  # after the hit
+    robot.meet(20, Hit(0, 1, (-1.0, 0.0), Vec2d(speed, 0.0), 25.0, (2.0, 0.5)), robot)
+    robot.next_phase(30)
+    braked = 50 / 2 * (1 - speed**2)
+    assert robot.action.work == pytest.approx(-braked * motion.spec.drivetrain_efficiency)
 
 
 def test_the_joules_of_robots_hit_askew_by_two_others_at_once_are_those_of_the_book() -> None:

@@ -17,7 +17,7 @@ from warehouse_physics.disturbances import FloorConditions
 HALL = Layout(["......."] * 7)
 ALL_CELLS = frozenset((row, col) for row in range(7) for col in range(7))
 STAY, NORTH, EAST, SOUTH, WEST = STEPS = ((0, 0), (-1, 0), (0, 1), (1, 0), (0, -1))
-NUMBERS = ["actuation_noise", "grip", "motor_strength", "drag_spread", "patience"]
+NUMBERS = ["actuation_noise", "grip", "motor_strength", "drag_spread", "patience", "odometry"]
 
 KINDS = {
     "noise": Disturbances(actuation_noise=0.2),
@@ -71,12 +71,14 @@ def test_invalid_slippery_cells_raise(cells: Any) -> None:
 def test_disturbances_are_off_by_default() -> None:
     assert not Disturbances().any
     assert not Disturbances(grip=0.5, patience=5, slippery=[]).any
-    assert all(disturbances.any for disturbances in KINDS.values())
+    assert all(disturbances.any and disturbances.is_felt for disturbances in KINDS.values())
+    drifting = Disturbances(odometry=0.01)
+    assert (drifting.any, drifting.is_felt) == (True, False)
 
 
 def test_disturbances_of_nominal_size_change_nothing(monkeypatch: pytest.MonkeyPatch) -> None:
     plain = wander(motion_with(None))
-    monkeypatch.setattr(Disturbances, "any", True)
+    monkeypatch.setattr(Disturbances, "is_felt", True)
     motion = motion_with(Disturbances(patience=100))
     assert motion._arena.robots[0]._uneven is not None
     assert wander(motion) == plain

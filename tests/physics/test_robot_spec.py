@@ -13,8 +13,8 @@ from warehouse_core.motion.grid import GRAVITY
 from warehouse_physics import RobotSpec
 from warehouse_physics.spec import MAX_VALUE
 
-NAMES = [each.name for each in fields(RobotSpec)]
-MAY_BE_ZERO = {"payload_mass", "floor_drag", "idle_power", "turn_seconds"}
+NAMES = [each.name for each in fields(RobotSpec) if each.name != "drive"]
+MAY_BE_ZERO = {"payload_mass", "floor_drag", "idle_power", "turn_seconds", "recuperation"}
 
 
 @pytest.mark.parametrize("name", NAMES)
@@ -27,6 +27,24 @@ def test_the_error_of_a_number_out_of_range_names_its_field(name: str) -> None:
     for value in values:
         with pytest.raises(ValueError, match=rf"^{name} is .*; it must be "):
             RobotSpec(**{name: value})
+
+
+def test_a_differential_drive_has_a_track_and_no_turn_seconds() -> None:
+    with pytest.raises(ValueError, match=r"^drive is 'tank'; allowed: omnidirectional, diff"):
+        RobotSpec(drive="tank")
+    assert RobotSpec(turn_seconds=1.5, drive="omnidirectional").turn_substeps(1) == 90
+    with pytest.raises(ValueError, match=r"^turn_seconds is 1\.5; it must be 0 with drive 'diff"):
+        RobotSpec(turn_seconds=1.5, drive="differential")
+    narrow, wide = (RobotSpec(drive="differential", track=track) for track in (0.3, 1.0))
+    # A wheel of the narrow robot drives a shorter way, but has much more to turn.
+    assert narrow.turn_substeps(2) > wide.turn_substeps(2) > 0
+    for track in (0.09, 1.01):
+        with pytest.raises(
+            ValueError, match=r"^track is .*; it must be at least 0\.1 and at most 1"
+        ):
+            RobotSpec(track=track)
+    with pytest.raises(ValueError, match=r"^time_step is .*; the loaded robot would take .* 2000$"):
+        RobotSpec(drive="differential", track=0.1, motor_force=10.4)
 
 
 def test_an_efficiency_above_one_raises() -> None:
@@ -92,6 +110,11 @@ def test_a_strong_motor_needs_at_least_a_substep_to_reach_top_speed() -> None:
 def test_the_name_of_a_backend_may_give_numbers_of_the_robot(name: str) -> None:
     motion = make_motion(f"{name}:top_speed=2,turn_seconds=1.5")
     assert motion.spec == RobotSpec(top_speed=2, turn_seconds=1.5)
+    assert make_motion(f"{name}:drive=differential,mass=40").spec.is_differential
+    with pytest.raises(BackendError, match=r": drive is '2'; allowed: omnidirectional, diff"):
+        make_motion(f"{name}:drive=2")
+    with pytest.raises(BackendError, match=r": 'mass=heavy' is not of the form name=1\.5"):
+        make_motion(f"{name}:mass=heavy")
     with pytest.raises(BackendError, match=r": no number is called 'tempo'; allowed: radius, mass"):
         make_motion(f"{name}:tempo=2")
     with pytest.raises(BackendError, match=r": top_speed is 99\.0; .* must be at most 10\.5"):

@@ -55,20 +55,23 @@ MAY_IMPORT = {
     "warehouse_physics/exclusive": "",
     "warehouse_physics/profile": "",
     "warehouse_physics/pymunk_version": "",
-    "warehouse_physics/spec": "",
     "warehouse_physics/stepping": "",
     "warehouse_physics/walls": "",
-    "warehouse_physics/arena": "spec stepping walls",
-    "warehouse_physics/body_motion": "disturbances spec",
+    "warehouse_physics/spec": "profile",
+    "warehouse_physics/arena": "profile spec stepping walls",
     "warehouse_physics/energy": "profile spec",
     "warehouse_physics/driven_arena": "arena profile spec",
+    "warehouse_physics/odometry": "arena profile",
     "warehouse_physics/robot": "arena disturbances energy profile spec",
     "warehouse_physics/batch": "arena driven_arena energy exclusive profile robot spec walls",
-    "warehouse_physics/driving": (
-        "arena body_motion disturbances driven_arena energy exclusive profile robot spec walls"
-    ),
+    "warehouse_physics/body_motion": "disturbances odometry profile spec",
     "warehouse_physics/giving_way": "robot",
-    "warehouse_physics/robot_arena": "arena disturbances robot spec walls",
+    "warehouse_physics/wheeled_robot": "arena energy profile robot spec",
+    "warehouse_physics/driving": (
+        "arena body_motion disturbances driven_arena energy exclusive profile robot spec walls "
+        "wheeled_robot"
+    ),
+    "warehouse_physics/robot_arena": "arena disturbances robot spec walls wheeled_robot",
     "warehouse_physics/rigid_body_motion": (
         "batch body_motion disturbances energy exclusive giving_way robot robot_arena spec"
     ),

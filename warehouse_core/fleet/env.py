@@ -316,6 +316,11 @@ class FleetEnv:
         return list(self._engine.battery.tolist())
 
     @property
+    def state_of_charge(self) -> list[float]:
+        """Battery units that each robot has left, as a share of a full charge."""
+        return list((self._engine.battery / self.settings.battery.capacity).tolist())
+
+    @property
     def ended(self) -> list[bool]:
         """Whether each robot has ended: it waits, and stays in the way."""
         return list(self._engine.ended.tolist())

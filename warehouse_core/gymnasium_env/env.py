@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from copy import deepcopy
 from functools import cache
-from typing import Any
+from typing import Any, cast
 
 import gymnasium
 import numpy as np
@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.arguments import as_cell, seed_number
 from warehouse_core.errors import LayoutError
+from warehouse_core.gymnasium_env.sensors import Sensors
 from warehouse_core.gymnasium_env.spaces import (
     MARKED,
     RENDER_FPS,
@@ -68,7 +69,8 @@ class WarehouseGymnasiumEnv(Limited, gymnasium.Env[Any, Any]):
 
     Observations:
         A window of the grid around the robot, its position and load, the budgets and the stations,
-        in one of the forms of ``make_form``. After a step ``info["motion"]`` is its ``Outcome``.
+        in one of the forms of ``make_form``, and what its ``Sensors`` say, if it has any. After a
+        step ``info["motion"]`` is its ``Outcome``.
 
     Rewards:
         The table in ``task/rules.py``.
@@ -90,6 +92,8 @@ class WarehouseGymnasiumEnv(Limited, gymnasium.Env[Any, Any]):
         render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``. Without a
             display ``metadata`` does not list ``"human"``.
         tile_pixels: side of a cell in a picture, at least 2; ``None`` fits it to the layout.
+        scan: rays of a scan of the walls, which observations then have, see ``Sensors``; 0 for no
+            scan. A scan needs bodies, and observations of the form ``"dict"``.
 
     Raises:
         ValueError: a value that is not allowed; also as ``LayoutError`` or ``BackendError``.
@@ -113,6 +117,7 @@ class WarehouseGymnasiumEnv(Limited, gymnasium.Env[Any, Any]):
         randomize: bool | str = True,
         render_mode: str | None = None,
         tile_pixels: int | None = None,
+        scan: int = 0,
     ) -> None:
         check_render_mode(render_mode, self.metadata["render_modes"])
         if not may_have_display():  # so that checkers do not try to open a window
@@ -131,6 +136,10 @@ class WarehouseGymnasiumEnv(Limited, gymnasium.Env[Any, Any]):
         extent = Extent(env.height, env.width, env.view_radius, env.max_battery, env.max_steps)
         form = make_form(observation, extent)
         self.observation_space, self._form = form.space, form.of
+        self._sensors = Sensors(env, scan, observation)
+        if self._sensors.spaces:
+            known = cast("spaces.Dict", form.space).spaces
+            self.observation_space = spaces.Dict({**known, **self._sensors.spaces})
         self._marked = MARKED.get(observation, ())
         self.action_space = spaces.Discrete(len(ACTIONS))
         self.render_mode = render_mode
@@ -180,8 +189,8 @@ class WarehouseGymnasiumEnv(Limited, gymnasium.Env[Any, Any]):
         self._over = ""
         if self.render_mode == "human":
             self._show()
-        arrays, mask = self._look()
-        return self._form(arrays), {"action_mask": mask}
+        observation, mask = self._observed()
+        return observation, {"action_mask": mask}
 
     def step(self, action: Any) -> tuple[Any, float, bool, bool, dict[str, Any]]:
         """Carry out one action, an integer 0 to 6.
@@ -202,9 +211,9 @@ class WarehouseGymnasiumEnv(Limited, gymnasium.Env[Any, Any]):
         assert motion is not None, "every step has a motion"
         if self.render_mode == "human":
             self._show()
-        arrays, mask = self._look()
+        observation, mask = self._observed()
         info = {"motion": motion.copy(), "action_mask": mask}
-        return self._form(arrays), reward, terminated, truncated, info
+        return observation, reward, terminated, truncated, info
 
     def action_masks(self) -> NDArray[np.int8]:
         """Return ``[7]`` int8: 1 for each action that does something now.
@@ -262,6 +271,14 @@ class WarehouseGymnasiumEnv(Limited, gymnasium.Env[Any, Any]):
         if walls is not self._walls:
             self._walls = walls
             self._sides: dict[Cell, tuple[bool, ...]] = {}
+
+    def _observed(self) -> tuple[Any, NDArray[np.int8]]:
+        """Return the observation now, in its form, and the mask."""
+        arrays, mask = self._look()
+        observation = self._form(arrays)
+        if self._sensors.spaces:
+            observation |= self._sensors.read()
+        return observation, mask
 
     def _look(self) -> tuple[ObservationArrays, NDArray[np.int8]]:
         """Return what ``encode`` gives for the observation now, and the mask, both fresh."""

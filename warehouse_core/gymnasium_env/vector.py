@@ -29,6 +29,7 @@ from warehouse_core.gymnasium_env.spaces import (
 )
 from warehouse_core.motion.backends import Backend
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
+from warehouse_core.wording import brief
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.named_layouts import GivenLayout, as_layout
@@ -67,6 +68,7 @@ class WarehouseVectorEnv(Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
             wrapper; ``None`` or -1 is no other. Spaces still follow ``max_steps``.
         backend: the same as in ``WarehouseGymnasiumEnv``, like all other arguments. On the physics
             backend a batch can be neither pickled nor copied.
+        scan: must be 0: a batch has no sensors.
 
     Raises:
         ValueError: a value that is not allowed; also as ``LayoutError`` or ``BackendError``.
@@ -88,7 +90,13 @@ class WarehouseVectorEnv(Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
         max_episode_steps: int | None = None,
         render_mode: str | None = None,
         tile_pixels: int | None = None,
+        scan: int = 0,
     ) -> None:
+        if whole_number("scan", scan, 0):
+            raise ValueError(
+                f"scan is {brief(scan)}; a batch has no sensors, so it must be 0: use "
+                'gymnasium.make_vec(..., vectorization_mode="sync")'
+            )
         modes = ["rgb_array"]
         check_render_mode(render_mode, modes)
         mode = getattr(autoreset_mode, "value", autoreset_mode)

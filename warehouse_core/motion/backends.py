@@ -5,12 +5,13 @@ distribution; ``grid`` and ``physics`` are registered in the same way as third-p
 
 Numbers may follow a name, as in ``physics:top_speed=2,turn_seconds=1.5``, if the class of the
 backend has a class method ``from_numbers(numbers)``, which returns a motion for a dict of them, or
-raises ``ValueError``.
+raises ``ValueError``. Values are words where the class lists their names in ``WORDS``, as in
+``physics:drive=differential``.
 """
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Collection, Sequence
 from contextlib import suppress
 from functools import cache
 from typing import TYPE_CHECKING
@@ -105,18 +106,19 @@ def _make_named(backend: str) -> Motion:
             f"backend {brief(name, 100)} takes no numbers; {brief(numbers)} was given"
         )
     try:
-        motion: Motion = from_numbers(_read_numbers(numbers))
+        motion: Motion = from_numbers(_read_numbers(numbers, getattr(kind, "WORDS", ())))
     except ValueError as error:
         raise BackendError(f"backend {brief(backend, 100)}: {error}") from error
     return motion
 
 
-def _read_numbers(text: str) -> dict[str, float]:
-    numbers = {}
+def _read_numbers(text: str, words: Collection[str]) -> dict[str, float | str]:
+    """Return numbers, or words where they are allowed, by the names before them."""
+    numbers: dict[str, float | str] = {}
     for part in text.split(","):
         name, _, value = part.partition("=")
         try:
-            numbers[name] = float(value)
+            numbers[name] = value if name in words else float(value)
         except ValueError:
             raise ValueError(f"{brief(part)} is not of the form name=1.5") from None
     return numbers

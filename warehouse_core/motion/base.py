@@ -212,6 +212,45 @@ class DrivesThrough(Motion, Protocol):
         """
 
 
+Pose = tuple[float, float, float]
+"""A position x and y in metres, and a heading."""
+
+MAX_RAYS = 1_000
+"""Most rays of a scan."""
+
+SCAN_RANGE = 10.0
+"""Metres beyond which a scan sees nothing."""
+
+
+@runtime_checkable
+class Senses(Motion, Protocol):
+    """A motion whose robots have sensors."""
+
+    def scan(self, robot: int, rays: int) -> NDArray[np.float64]:
+        """Return how far walls and other robots are in ``rays`` directions.
+
+        Args:
+            robot: number of the robot.
+            rays: number of directions, at equal angles: the first leads east, the others follow
+                towards south, whatever the heading of the robot is.
+
+        Returns:
+            ``[rays]`` metres from the middle of the robot, ``SCAN_RANGE`` if nothing is nearer.
+
+        Raises:
+            ValueError: there is no such robot, or no ray.
+            RuntimeError: before ``reset`` or after ``close``.
+        """
+
+    def odometry(self, robot: int) -> Pose | None:
+        """Return where a robot believes to be, or ``None`` without odometry.
+
+        Raises:
+            ValueError: there is no such robot.
+            RuntimeError: before ``reset`` or after ``close``.
+        """
+
+
 def centre_of(cell: Cell, cell_size: float) -> tuple[float, float]:
     """Return the position of the middle of ``cell`` in metres."""
     row, col = cell

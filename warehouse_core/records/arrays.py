@@ -157,7 +157,7 @@ def pack(fields: EpisodeFields) -> Arrays:
     arrays, counterparts = pack_motions(motions)
     header = {
         "format": FLEET_FORMAT if is_fleet else LONE_FORMAT,
-        "settings": asdict(fields["settings"]),
+        "settings": (FleetSettings.to_json if is_fleet else asdict)(fields["settings"]),
     }
     (_pack_fleet if is_fleet else _pack_lone)(fields, arrays, header, counterparts)
     cut_off = [number for number, motion in enumerate(motions) if motion.cut_off]

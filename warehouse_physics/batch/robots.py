@@ -7,6 +7,7 @@ pushes a lone robot aside, so its way back is straight.
 from __future__ import annotations
 
 from collections.abc import Sequence
+from itertools import product
 
 import numpy as np
 from numpy.typing import NDArray
@@ -14,10 +15,24 @@ from numpy.typing import NDArray
 from warehouse_core.world.tables import Flags, Integers, Rows
 from warehouse_physics.arena import Hit, Position
 from warehouse_physics.batch.warehouses import Warehouses
-from warehouse_physics.energy import kinetic, spent
+from warehouse_physics.energy import kinetic, regained, spent, turn_work
 from warehouse_physics.profile import Floats, Substeps, brakings, lengths_of, plan_profiles
 from warehouse_physics.robot import AT_REST, BRAKE, GO, MAX_SUBSTEPS, NEVER, REST
 from warehouse_physics.spec import ARRIVED, RobotSpec
+
+
+def turns_of(spec: RobotSpec) -> tuple[Substeps, Floats]:
+    """Return the substeps of turns and the work of the motors in joules, ``[2, 4]`` each.
+
+    Rows are without and with a load, columns are quarter turns to the right.
+    """
+    substeps, work = np.zeros((2, 4), np.int64), np.zeros((2, 4))
+    for load, quarters in product((0, 1), (1, 2, 3)):
+        shorter = min(quarters, 4 - quarters)
+        substeps[load, quarters] = spec.turn_substeps(shorter, bool(load))
+        if spec.is_differential:
+            work[load, quarters] = turn_work(spec, shorter, bool(load))
+    return substeps, work
 
 
 class BatchRobots:
@@ -41,7 +56,7 @@ class BatchRobots:
         # The floor helps to brake; it brakes alone where its drag exceeds the force needed.
         self._going_forces = self._masses * self._paces
         self._braking_forces = np.maximum(self._going_forces, self._drags)
-        self._turning = np.array([spec.turn_substeps(quarters) for quarters in (0, 1, 2, 1)])
+        self._turning, self._turn_work = turns_of(spec)
         self._headings = np.zeros(robots, np.intp)  # quarter turns from east
         self._loaded = np.zeros(robots, np.intp)
         self._force = np.zeros(robots)
@@ -92,8 +107,10 @@ class BatchRobots:
         """Turn robots into their ways; return the substeps that each does so on the spot."""
         right, down = self._ways[rows].astype(np.intp).T
         headings = down % 4 + 2 * (right < 0)
-        turning: Substeps = self._turning[(headings - self._headings[rows]) % 4]
+        turns = self._loaded[rows], (headings - self._headings[rows]) % 4
         self._headings[rows] = headings
+        self.work[rows] = self._turn_work[turns]
+        turning: Substeps = self._turning[turns]
         return turning
 
     def _look(self) -> None:
@@ -108,6 +125,7 @@ class BatchRobots:
             self._count_work(gone, self._velocities[gone], self._lead)
             self._brake(gone, now, self._braking[gone])
         if len(braked):
+            self._count_braking(braked, self._velocities[braked], self._lead)
             speeds = lengths_of(self._velocities[braked])
             rolls = speeds > AT_REST
             if rolls.any():
@@ -128,6 +146,9 @@ class BatchRobots:
         velocities = np.array([hit.velocity for hit in hits])
         is_going = self._phase[rows] == GO
         self._count_impact(rows[is_going], velocities[is_going])
+        others = rows[~is_going]
+        self._count_braking(others, velocities[~is_going], -self._lead)
+        self._count_from(others, self._velocities[others], self._lead)
         along = (pushes * self._ways[rows]).sum(axis=1)
         across = (pushes * self._ways[rows][:, ::-1] * (1, -1)).sum(axis=1)
         is_hindered = (-along > abs(across)) & (self._phase[rows] != REST)
@@ -173,11 +194,21 @@ class BatchRobots:
                 self.arena.drives[row].max_force = force
 
     def _count_work(self, rows: Integers, velocities: Floats, lead: float) -> None:
-        """Add the work of the motors since the last count: kinetic energy gained, plus drag."""
+        """Add the work of motors that drive since the last count; see ``_worked``."""
+        self.work[rows] += spent(self._worked(rows, velocities, lead))
+
+    def _count_braking(self, rows: Integers, velocities: Floats, lead: float) -> None:
+        """Take off what motors that brake got back since the last count; see ``_worked``."""
+        if self._spec.recuperation:
+            self.work[rows] -= regained(self._spec, self._worked(rows, velocities, lead))
+
+    def _worked(self, rows: Integers, velocities: Floats, lead: float) -> Floats:
+        """Return the work of motors since the last count: kinetic energy gained, plus drag."""
         starts, energies = self._start[rows], self._energy[rows]
         self._count_from(rows, velocities, lead)
         drags = self._drags[self._loaded[rows]] * lengths_of(self._start[rows] - starts)
-        self.work[rows] += spent(self._energy[rows] - energies + drags)
+        worked: Floats = self._energy[rows] - energies + drags
+        return worked
 
     def _count_from(self, rows: Integers, velocities: Floats, lead: float) -> None:
         """Begin to count work at these positions and ``velocities``."""

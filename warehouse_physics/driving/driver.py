@@ -25,7 +25,8 @@ from warehouse_physics.driving.headings import Headings
 from warehouse_physics.driving.leaders import Leaders
 from warehouse_physics.driving.limits import Limits
 from warehouse_physics.driving.motors import Motors
-from warehouse_physics.energy import spent
+from warehouse_physics.driving.wheels import WheeledArena, WheelHeadings
+from warehouse_physics.energy import regained, spent
 from warehouse_physics.profile import Floats, stopping_distances, stopping_speeds
 from warehouse_physics.spec import ARRIVED, RobotSpec
 
@@ -45,7 +46,7 @@ class Driver:
         stands: ``[R]`` bool, true if a robot has stopped and cannot drive.
         failed: ``[R]`` bool, true if a robot will never drive again.
         closed: cells that failed robots are in, or reach into.
-        work: ``[R]`` joules, work of each motor so far.
+        work: ``[R]`` joules, work of each motor in drives so far.
     """
 
     def __init__(
@@ -66,7 +67,11 @@ class Driver:
         self.stands, self.failed = np.zeros((2, robots), np.bool_)
         self.closed: set[Cell] = set()
         self._leaders = Leaders(spec, self.ways, self._limits)
-        self._headings = Headings(spec, robots)
+        self._headings = (
+            WheelHeadings(spec, arena, self._motors, self._limits)
+            if isinstance(arena, WheeledArena)
+            else Headings(spec, robots)
+        )
         # The present legs: numbers of the first and last node, the middle of the first node, the
         # direction, and whether the way turns left or right at the last node.
         self._starts, self._ends = np.zeros((2, robots), np.int64)
@@ -96,6 +101,10 @@ class Driver:
                 self._end_leg(robot)
             self._leaders.find(robot, self._done)
 
+    def scan(self, robot: int, rays: int) -> Floats:
+        """Return what a robot sees; see ``Senses``."""
+        return self._arena.scan(robot, rays)
+
     def at_rest(self) -> Flags:
         """Return whether each robot is at rest at the end of its way, ``[R]``."""
         is_last: Flags = self._ends == self._lasts
@@ -104,6 +113,10 @@ class Driver:
     def left(self) -> Floats:
         """Return how many cells of its way each robot has yet to go, ``[R]``."""
         return self._lasts - self._done / self._size
+
+    def joules(self) -> Floats:
+        """Return the work of the motor of each robot so far, in drives and turns, ``[R]``."""
+        return self.work + self._headings.work
 
     def rows(self, seconds: float) -> Floats:
         """Return a row of the path of each robot, ``[R, 4]``; see ``Outcome``."""
@@ -120,13 +133,17 @@ class Driver:
         across = self._along[:, ::-1] * (-1.0, 1.0)
         turns, aside = self._turning(), self._choose_speeds_aside(across)
         speeds = self._choose_speeds(turns)
-        before = self._speeds
+        before, aside = self._speeds, self._headings.steer(aside, speeds)
         chosen = speeds[:, None] * self._along + aside[:, None] * across
         self._arena.command(self._motors.command(chosen, speeds, before, turns))
         _, hits = self._arena.stepper.run(0, 1)
         self._look()
         gained = self._limits.masses * (self._speeds**2 - before**2) / 2
-        self.work += spent(gained + self._motors.drags * np.abs(before) * self._dt)
+        work = gained + self._motors.drags * np.abs(before) * self._dt
+        self.work += spent(work)
+        if self._spec.recuperation:
+            work[[hit.robot for hit in hits]] = 0.0  # what a hit takes from a robot is lost
+            self.work -= regained(self._spec, work)
         return hits
 
     def _look(self) -> None:
@@ -264,11 +281,11 @@ class Driver:
         """Let a robot drive the straight run of its way that begins at a node."""
         self._starts[robot], self._ends[robot] = start, start + 1
         self._along[robot] = along = np.array(self.ways.move(robot, start + 1)[::-1], float)
-        self._headings.face(robot, along)
         self._origins[robot] = centre_of(self.ways.node(robot, start).cell, self._size)
         self._offsets[robot] = offset = self.positions[robot] - self._origins[robot]
         self._done[robot] = start * self._size + offset @ along
         self._speeds[robot] = speed = self._velocities[robot] @ along
+        self._headings.face(robot, along, abs(speed) > SLOW)
         self._motors.turn(robot, speed)
         self._end_leg(robot)
 

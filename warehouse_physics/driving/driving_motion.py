@@ -17,6 +17,7 @@ from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.driven_arena import DrivenArena
 from warehouse_physics.driving.driver import Driver
 from warehouse_physics.driving.leaders import corner_distance
+from warehouse_physics.driving.wheels import WheeledArena
 from warehouse_physics.energy import joules_of
 from warehouse_physics.exclusive import exclusive
 from warehouse_physics.spec import RobotSpec
@@ -88,10 +89,13 @@ class DrivingMotion(BodyMotion):
             if stop.robot >= len(cells):
                 raise ValueError(f"{stop}: its robot must be at most {len(cells) - 1}")
         self._layout = layout
-        arena = DrivenArena(self.spec, ITERATIONS)
+        kind = WheeledArena if self.spec.is_differential else DrivenArena
+        arena = kind(self.spec, ITERATIONS)
         arena.add_walls(wall_boxes(layout))
         arena.add_robots(centre_of(cell, self.cell_size) for cell in cells)
         drawn = self._drawn(seed)
+        # What robots that brake get back beyond what a call costs pays for their next calls.
+        self._surplus = np.zeros(len(cells))
         self._driver = Driver(arena, self.spec, cells, self.disturbances, drawn)
         self._begin(layout, cells, drawn)
 
@@ -112,7 +116,7 @@ class DrivingMotion(BodyMotion):
         driver = self._driven()
         robot = whole_number("robot", robot, 0, len(driver.work) - 1)
         driver.fail(robot)
-        self._failures.append((len(self._course) // len(driver.work), robot))
+        self._note("fail", robot)
 
     @exclusive
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -126,7 +130,7 @@ class DrivingMotion(BodyMotion):
         driver = self._driven()
         assert self._layout is not None
         check_moves(len(driver.work), displacements, loaded)
-        self._note(displacements, loaded)
+        self._note_moves(displacements, loaded)
         ends, room, _, _, closed = self.ways()
         wanted = [
             moved(end, displacement) if has_room else end
@@ -165,7 +169,7 @@ class DrivingMotion(BodyMotion):
         assert self._layout is not None
         check_joint_step(self._layout, ends, cells)
         self._driven().extend(cells)
-        self._begun = None
+        self._note("extend", list(cells))
 
     @exclusive
     def drive(self, seconds: float) -> list[Outcome]:
@@ -175,7 +179,9 @@ class DrivingMotion(BodyMotion):
             ValueError: ``seconds`` is not above 0 or too long.
             RuntimeError: as for ``advance``.
         """
-        substeps, self._begun = self._substeps_in("seconds", seconds), None
+        substeps = self._substeps_in("seconds", seconds)
+        self._driven()
+        self._note("drive", seconds)
         return self._drive(substeps)
 
     def close(self) -> None:
@@ -184,7 +190,7 @@ class DrivingMotion(BodyMotion):
 
     def _drive(self, substeps: int) -> list[Outcome]:
         driver, dt = self._driven(), self.spec.time_step
-        before, paths = driver.work.copy(), [driver.rows(0.0)]
+        before, paths = driver.joules(), [driver.rows(0.0)]
         contacts: list[list[Contact]] = [[] for _ in before]
         for substep in range(1, substeps + 1):
             for hit in driver.step():
@@ -193,14 +199,18 @@ class DrivingMotion(BodyMotion):
                 paths.append(driver.rows(substep * dt))
         seconds, rows = substeps * dt, np.stack(paths, axis=1)
         rows.flags.writeable = False
-        joules = joules_of(self.spec, driver.work - before, seconds).tolist()
+        costs = joules_of(self.spec, driver.joules() - before, seconds) - self._surplus
+        self._surplus = np.maximum(-costs, 0.0)
+        joules = np.maximum(costs, 0.0).tolist()
         columns, lines = np.floor(driver.positions / self.cell_size).astype(int).T.tolist()
-        return [
-            Outcome((row, col), False, seconds, cost, path, tuple(hits))
-            for row, col, cost, path, hits in zip(
-                lines, columns, joules, rows, contacts, strict=True
-            )
-        ]
+        return self._measured(
+            [
+                Outcome((row, col), False, seconds, cost, path, tuple(hits))
+                for row, col, cost, path, hits in zip(
+                    lines, columns, joules, rows, contacts, strict=True
+                )
+            ]
+        )
 
     def _substeps_in(self, name: str, seconds: float) -> int:
         dt = self.spec.time_step

@@ -29,6 +29,8 @@ class Motors:
 
     Attributes:
         drags: ``[R]`` N, drag of the cells under the robots.
+        pushes: ``[R]`` N, largest forces of the motors in these cells.
+        factors: ``[R]`` actual speeds as shares of the commanded ones.
         is_exact: true if robots drive as they are commanded.
     """
 
@@ -44,8 +46,8 @@ class Motors:
         self._noise, self._floor = disturbances.actuation_noise, FloorConditions(disturbances, seed)
         self.is_exact = not self._noise and not self._floor.varies
         robots = len(arena.bodies)
-        self.drags = np.zeros(robots)
-        self._factors, self._drag_factors = np.ones((2, robots))
+        self.drags, self.pushes = np.zeros((2, robots))
+        self.factors, self._drag_factors = np.ones((2, robots))
         self._cells = np.full((robots, 2), -1)
         self._speeding, self._braking = np.zeros((2, robots))
         self._forces = np.full(robots, math.nan)
@@ -69,7 +71,7 @@ class Motors:
             self._cells[robot] = cells[robot]
             self._drag_factors[robot] = self._floor.drag_factor(self._cell(robot))
             if self._noise:
-                self._factors[robot] = self._floor.speed_factor()
+                self.factors[robot] = self._floor.speed_factor()
             self._limit(robot)
         return entered
 
@@ -109,12 +111,12 @@ class Motors:
             return velocities
         step = self._limits.hardest * self._spec.time_step
         self._commands, self._expected = speeds.copy(), before - step
-        is_speeding = (self._factors * speeds > before) & (before >= 0) & ~turns
+        is_speeding = (self.factors * speeds > before) & (before >= 0) & ~turns
         forces = np.where(is_speeding, self._speeding, self._braking)
         for robot in (forces != self._forces).nonzero()[0].tolist():
             self._arena.drives[robot].max_force = float(forces[robot])
         self._forces = forces
-        return velocities * self._factors[:, None]
+        return velocities * self.factors[:, None]
 
     def _limit(self, robot: int) -> None:
         """Set the largest net forces with which a robot speeds up and brakes."""
@@ -123,6 +125,8 @@ class Motors:
         self.drags[robot] = drag = drag * float(self._drag_factors[robot])
         motor = self._floor.force_limit(self._cell(robot), spec.motor_force, mass)
         most = mass * min(spec.acceleration, spec.top_speed / spec.time_step)
+        self.pushes[robot] = motor
+        self._arena.hold(robot, self._floor.grip_force(self._cell(robot), mass) - drag)
         self._speeding[robot] = max(min(most, motor - drag), 0.0)
         self._braking[robot] = min(mass * spec.acceleration, motor + drag)
         if self.is_exact:

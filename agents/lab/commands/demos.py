@@ -138,6 +138,25 @@ def slip() -> Demo:
     return Demo(said, [plan_track, _titled(beside, "The same actions, columns 3 and 4 slippery")])
 
 
+def wheels() -> Demo:
+    """The same way of a robot that drives in any direction and of one on two wheels."""
+    from warehouse_physics import RigidBodyMotion, RobotSpec
+
+    episodes = {}
+    for kind in ("omnidirectional", "differential"):
+        backend = RigidBodyMotion(RobotSpec(drive=kind), path_every=2)
+        episodes[kind] = drive(WarehouseEnv(HALL, (1, 1), backend=backend), [*"EESSWWN"], kind)
+    said = "; ".join(
+        f"{kind} drive {seconds_of(episode.seconds)} s and {episode.joules:.0f} J"
+        for kind, episode in episodes.items()
+    )
+    titles = "In any direction", "On two wheels: turns take time and energy"
+    tracks = [track_of_record(episode) for episode in episodes.values()]
+    for track in tracks:
+        track.metrics, track.ending = {}, ""
+    return Demo(said, [*map(_titled, tracks, titles)])
+
+
 def head_on() -> Demo:
     """Two robots, each of which wants the other's cell."""
     episode = drive_together({(2, 2): "E", (2, 3): "W"})
@@ -213,6 +232,7 @@ DEMOS: dict[str, Callable[[], Demo]] = {
     "bump": bump,
     "load": load,
     "slip": slip,
+    "wheels": wheels,
     "head-on": head_on,
     "ring": ring,
     "pibt": pibt,

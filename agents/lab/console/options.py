@@ -157,7 +157,7 @@ ViewRadius = Annotated[int, parameter_option("view_radius")]
 
 BACKEND = (
     "Name of the motion backend. Allowed: grid, physics, {}or your own as file.py:Class; numbers "
-    "of the robot may follow, as in physics:top_speed=2,mass=70."
+    "and the drive of the robot may follow, as in physics:top_speed=2,drive=differential."
 )
 BackendOption = Annotated[str, option("--backend NAME", BACKEND.format(""))]
 FleetBackend = Annotated[

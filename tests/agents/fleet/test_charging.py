@@ -13,6 +13,7 @@ from agents.fleet.charging import (
 )
 from agents.mapf.graph import Graph
 from warehouse_core import FleetEnv, Layout
+from warehouse_core.fleet import Battery
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*can keep")
 
@@ -20,7 +21,7 @@ HALL = Layout(["C" + "." * 28 + "C"])
 """Cell numbers are the columns; the chargers are at 0 and 29."""
 
 
-def chargers_of(robots: int, layout: Layout = HALL, battery: int = 200) -> Chargers:
+def chargers_of(robots: int, layout: Layout = HALL, battery: int | Battery = 200) -> Chargers:
     env = FleetEnv(layout, robots, battery=battery)
     return Chargers(env, Graph(layout))
 
@@ -45,6 +46,28 @@ def test_a_robot_charges_in_time_until_it_is_nearly_full() -> None:
     assert chargers.charging(np.array([0]))[0]
     chargers.update(needs([0], [190]))
     assert chargers.turn.tolist() == [NONE]
+
+
+def test_a_robot_leaves_at_the_knee_from_which_on_charging_is_slow() -> None:
+    for knee, full in ((0.8, 160), (0.5, 140), (0.99, 190)):
+        chargers = chargers_of(1, battery=Battery(200, knee=knee))
+        chargers.update(needs([0], [30]))
+        chargers.update(needs([0], [full - 1]))
+        assert chargers.charging(np.array([0]))[0]
+        chargers.update(needs([0], [full]))
+        assert chargers.turn.tolist() == [NONE]
+
+
+@pytest.mark.parametrize("knee", [1.0, 0.8, 0.6, 0.4])
+def test_the_end_of_a_turn_is_foreseen(knee: float) -> None:
+    battery = Battery(1000, charge=20, knee=knee)
+    chargers, units, steps = chargers_of(1, battery=battery), np.array([100.0]), 0
+    foreseen = chargers._charging_steps(units, np.zeros(1))[0]
+    while units < chargers._full:
+        units -= 1
+        units += battery.supplied(1000 - units, 20.0)
+        steps += 1
+    assert foreseen == pytest.approx(steps, abs=1)
 
 
 def test_two_robots_at_one_charger_take_turns_and_keep_the_way_out_free() -> None:

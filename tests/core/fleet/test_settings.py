@@ -93,6 +93,8 @@ def test_a_fleet_names_what_is_wrong(settings: Any, error: Any, message: str) ->
         ({"unit": "volts"}, ValueError, "^unit is 'volts'; allowed: steps, joules$"),
         ({"charge": 0}, ValueError, "^charge is 0; it must be at least 1$"),
         ({"charge": 2.5}, TypeError, "^charge is 2.5; it must be an integer$"),
+        ({"knee": 0}, ValueError, "^knee is 0; it must be above 0"),
+        ({"knee": 1.1}, ValueError, "^knee is 1.1; it must be "),
     ],
 )
 def test_a_battery_names_what_is_wrong(settings: Any, error: Any, message: str) -> None:

@@ -1,5 +1,6 @@
 """The order of a step, and who gets what in it."""
 
+import math
 from typing import Any
 
 import numpy as np
@@ -96,6 +97,33 @@ def test_joules_charge_as_many_moves_as_steps_do() -> None:
     assert joules.step_charge(2.0) == rules.CHARGE * joules.step_cost(2.0)
     assert joules.step_cost(2.0) > joules.step_cost(1.0) > 1
     assert Battery(charge=7, unit="joules").step_charge(2.0) == 7
+
+
+@pytest.mark.parametrize("knee", [0.8, 0.25, 1e-6])
+def test_a_charge_has_a_constant_current_up_to_its_knee_and_then_one_that_falls(
+    knee: float,
+) -> None:
+    battery, units, fine = Battery(1000, knee=knee), np.array([0.0, 640.0, 1000.0]), 500
+    for _ in range(30):
+        current = units
+        for _ in range(fine):  # Euler's method for the law that the docstring states
+            share = np.minimum((1000 - current) / (1000 * (1 - knee)), 1.0)
+            current = current + 45 / fine * share
+        units = units + battery.supplied(1000 - units, 45.0)
+        assert units == pytest.approx(current, abs=0.1)
+        assert (units <= 1000).all()
+
+
+def test_a_robot_on_a_charger_is_charged_past_the_knee() -> None:
+    battery = Battery(100, charge=30, knee=0.5)
+    fleet = begun(AISLE, 1, starts=[(0, 6)], battery=battery, max_steps=99)
+    assert fleet.state_of_charge == [1.0]
+    for action in [NORTH] * 50 + [WAIT]:
+        fleet.step([action])
+    missing = 50 * math.exp(-29 / 50)  # the first of 30 units is charged at a constant current
+    assert fleet.state_of_charge == pytest.approx([1 - missing / 100])
+    fleet.step([WAIT])
+    assert fleet.battery == pytest.approx([100 - (missing + 1) * math.exp(-30 / 50)])
 
 
 def test_a_robot_with_an_empty_battery_stays_in_the_way() -> None:

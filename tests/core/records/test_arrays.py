@@ -93,6 +93,11 @@ def test_fields_load_as_they_were_packed(kind: str) -> None:
     assert any(motion.contacts for motion in motions)
 
 
+def test_a_knee_is_in_the_header_only_if_there_is_one() -> None:
+    battery = header_of(arrays_of(FLEET))["settings"]["battery"]
+    assert battery.keys() == {"capacity", "unit", "charge"}
+
+
 @pytest.mark.parametrize("kind", [LONE, FLEET])
 def test_motions_that_were_cut_off_load_as_such(kind: str) -> None:
     fields = {name: getattr(episode_of(kind), name) for name in Episode.__slots__}

@@ -367,7 +367,7 @@ KINDS: dict[str, Callable[[], Episode]] = {
     "streams": lambda: fleet_episode(orders=STREAMS),
     "a queue": lambda: fleet_episode(orders=OrderQueue(3, (9, 30), pickup_weights=[1, 2])),
     "no orders": lambda: fleet_episode(orders=None, people=0, layout=LANE, robots=2, battery=20),
-    "joules": lambda: fleet_episode(battery=Battery(3000, "joules"), people=AISLES),
+    "joules": lambda: fleet_episode(battery=Battery(3000, "joules", knee=0.9), people=AISLES),
     "bodies": lambda: fleet_episode(backend="physics", max_steps=12),
     "one robot": lambda: fleet_episode(robots=1, people=0, orders=None),
 }

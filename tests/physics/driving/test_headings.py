@@ -11,11 +11,12 @@ from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from warehouse_core import Cell, Layout
 from warehouse_core.world.generators import kiva_warehouse
-from warehouse_physics import Disturbances, DrivingMotion, RobotSpec, Stop
+from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, RobotSpec, Stop
 
 HALL = Layout(["....."] * 5)
 QUARTER = 1.5
 TURNING = RobotSpec(turn_seconds=QUARTER)
+WHEELED = RobotSpec(drive="differential")
 RING = [(1, 1), (1, 2), (2, 2), (2, 1)]
 
 
@@ -90,3 +91,90 @@ def test_fleets_that_turn_execute_a_plan_without_hits() -> None:
     execution = drive_through(layout, run.cells, RobotSpec(turn_seconds=0.5))
     assert execution.hits == 0
     assert execution.seconds > drive_through(layout, run.cells).seconds
+
+
+def test_a_robot_with_two_wheels_turns_at_corners_with_the_torque_of_its_motor() -> None:
+    [path] = driven(WHEELED, [(0, 0)], [(0, 1)], [(0, 2)], [(1, 2)], [(2, 2)])
+    quarter = WHEELED.turn_substeps(1) * WHEELED.time_step
+    assert arrival(path) == pytest.approx(3 + quarter + 3, abs=0.1)
+    clock, x, y, heading = path.T
+    turns = (heading > 1e-3) & (heading < math.pi / 2 - 1e-3)
+    assert np.ptp(clock[turns]) == pytest.approx(quarter, rel=0.1)
+    assert x[turns] == pytest.approx(2.5, abs=2e-3)
+    assert y[turns] == pytest.approx(0.5, abs=2e-3)
+    rates = np.diff(heading) / WHEELED.time_step
+    most = WHEELED.turning_acceleration(loaded=False) / WHEELED.wheel_arm
+    assert np.abs(np.diff(rates)).max() <= most * WHEELED.time_step * 1.001
+    assert rates.max() == pytest.approx(math.sqrt(math.pi / 2 * most), rel=0.05)
+
+
+def test_a_turn_of_a_robot_that_drives_through_costs_what_it_costs_one_that_stops() -> None:
+    joules = []
+    for motion in (DrivingMotion(WHEELED), RigidBodyMotion(WHEELED)):
+        motion.reset(HALL, [(2, 2)], 0)
+        costs = []
+        for target, step in (((2, 3), (0, 1)), ((3, 3), (1, 0))):
+            if isinstance(motion, DrivingMotion):
+                motion.extend([target])
+                [outcome] = motion.drive(8)
+            else:
+                [outcome] = motion.advance([step], [False])
+            costs.append(outcome.joules - WHEELED.idle_power * outcome.seconds)
+        joules.append(costs)
+    through, stopping = joules
+    assert through[0] == pytest.approx(stopping[0], rel=0.03)
+    assert through[1] - through[0] == pytest.approx(stopping[1] - stopping[0], rel=0.05)
+
+
+def test_a_robot_of_two_wheels_beside_its_line_gets_back_only_while_it_drives() -> None:
+    motion = DrivingMotion(WHEELED, path_every=1)
+    motion.reset(HALL, [(2, 0)], 0)
+    motion._driver._arena.bodies[0].position = (0.5, 2.6)
+    waiting = motion.drive(2)[0].path
+    assert np.ptp(waiting[1:, 1:3], axis=0) == pytest.approx((0.0, 0.0))
+    for col in range(1, 5):
+        motion.extend([(2, col)])
+    _, x, y, _ = motion.drive(8)[0].path.T
+    assert (x[-1], y[-1]) == pytest.approx((4.5, 2.5), abs=2e-3)
+    assert (np.abs(np.diff(y)) <= 0.2001 * np.abs(np.diff(x)) + 1e-9).all()
+
+
+def test_tyres_hold_a_robot_that_drives_through_on_its_line_unless_the_floor_is_slippery() -> None:
+    """A robot that is in the way by a fault of the test is hit from the side."""
+    asides = []
+    for slippery in ([], [(2, 1), (2, 2)]):
+        motion = DrivingMotion(WHEELED, Disturbances(slippery=slippery, grip=0.3), path_every=1)
+        motion.reset(HALL, [(2, 1), (4, 2)], 0)
+        motion._driver._arena.bodies[1].position = (2.5, 3.15)
+        motion._driver._arena.bodies[1].velocity = (0.0, -0.5)
+        motion._driver._arena.face(1, -math.pi / 2)
+        motion.extend([(2, 2), (4, 2)])
+        still, other = motion.drive(3)
+        assert still.contacts
+        assert other.contacts[0].impulse > 0
+        asides.append(np.ptp(still.path[:, 2]))
+    assert asides[0] < 1e-3 < 0.01 < asides[1]
+
+
+@pytest.mark.parametrize("disturbed", [False, True])
+def test_fleets_on_two_wheels_execute_a_plan_without_hits(disturbed: bool) -> None:
+    layout, starts, goals = kiva_warehouse()
+    graph = Graph(layout)
+    run = run_lifelong(graph, PIBT(graph), 100, 12, 1, starts, goals)
+    trouble = Disturbances(0.1, slippery=layout.cells(starts[3:9:3]), grip=0.1, drag_spread=0.3)
+    execution = drive_through(layout, run.cells, WHEELED, trouble if disturbed else None)
+    assert execution.hits == 0
+    assert execution.seconds > drive_through(layout, run.cells).seconds
+
+
+def test_a_robot_of_two_wheels_that_has_to_go_back_drives_backwards() -> None:
+    motion = DrivingMotion(WHEELED, path_every=1)
+    motion.reset(HALL, [(0, 0), (0, 1)], 0)
+    motion.extend([(0, 1), (0, 2)])
+    motion.drive(0.8)
+    motion.fail(1)
+    follower, failed = motion.drive(8)
+    assert follower.path[0, 1] > 0.7
+    assert follower.path[-1, 1:] == pytest.approx((0.5, 0.5, 0.0), abs=2e-3)
+    assert np.ptp(follower.path[:, 3]) == 0
+    assert not follower.contacts + failed.contacts

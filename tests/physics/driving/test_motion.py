@@ -9,6 +9,7 @@ import pytest
 
 from warehouse_core import Cell, Layout
 from warehouse_physics import DrivingMotion, RobotSpec
+from warehouse_physics.arena import Hit
 from warehouse_physics.driving.dependencies import HISTORY
 
 STAY, EAST, WEST = (0, 0), (0, 1), (0, -1)
@@ -152,3 +153,35 @@ def test_cells_that_robots_have_passed_are_forgotten() -> None:
         motion.drive(2.0)
         kept = max(kept, *(len(list(motion._driver.ways.nodes(robot, 0))) for robot in (0, 1)))
     assert kept <= HISTORY + 3
+
+
+def test_braking_gives_back_and_pays_for_the_next_calls() -> None:
+    motions = [DrivingMotion(RobotSpec(recuperation=share)) for share in (0.0, 1.0)]
+    costs: list[list[float]] = [[], []]
+    for motion, joules in zip(motions, costs, strict=True):
+        motion.reset(Layout(["." * 8]), [(0, 0)], 0)
+        for step in range(10):
+            joules += [motion.advance([(0, int(step < 6))], [False])[0].joules]
+    spec = RobotSpec()
+    braked = spec.mass / 2 - spec.drag_force(loaded=False) / 2  # from 1 m/s, over half a metre
+    assert sum(costs[0]) - sum(costs[1]) == pytest.approx(braked, rel=0.01)
+    assert min(costs[1]) >= 0
+
+
+def test_what_a_hit_takes_from_a_robot_is_not_given_back(monkeypatch: pytest.MonkeyPatch) -> None:
+    motion = DrivingMotion(RobotSpec(recuperation=1.0))
+    motion.reset(Layout(["." * 8]), [(0, 0)], 0)
+    for _ in range(4):
+        motion.advance([(0, 1)], [False])
+    driver, before = motion._driver, motion._driver.joules()[0]
+    arena = driver._arena
+    step = arena.stepper.run
+
+    def run_against_a_wall(now: int, until: int) -> tuple[int, list[Any]]:
+        step(now, until)
+        arena.bodies[0].velocity = 0.0, 0.0
+        return until, [Hit(0, None, (-1.0, 0.0), (1.0, 0.0), 50.0, (4.0, 0.5))]
+
+    monkeypatch.setattr(arena.stepper, "run", run_against_a_wall)
+    driver.step()
+    assert driver.joules()[0] == before

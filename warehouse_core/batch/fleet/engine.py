@@ -19,7 +19,6 @@ from warehouse_core.batch.fleet.settings import FleetSettings
 from warehouse_core.batch.fleet.tally import FleetMeasures, Tally
 from warehouse_core.batch.shell.env import ALL, NO_FLOORS, EngineStep
 from warehouse_core.batch.shell.robots import Robots
-from warehouse_core.batch.shell.verdicts import spend_and_charge
 from warehouse_core.motion.backends import Backend, make_fleet_motion, make_motion
 from warehouse_core.motion.batch import BatchOutcome, CanFail, FleetBatchMotion
 from warehouse_core.task.encoding import FleetArrays
@@ -170,7 +169,8 @@ class FleetEngine:
     def _use_batteries(self, outcome: BatchOutcome, charging: Flags, active: Flags) -> None:
         battery = self.settings.battery
         cost = np.where(active, 1.0 if battery.unit == STEPS else outcome.joules, 0.0)
-        spend_and_charge(self.battery, battery.capacity, charging, cost, self._charge)
+        self.battery -= cost
+        self.battery += charging * battery.supplied(battery.capacity - self.battery, self._charge)
         np.maximum(self.battery, 0.0, out=self.battery)  # the last step may cost more than is left
 
     def _release(self) -> None:

@@ -65,7 +65,10 @@ class FleetSettings:
 
     def to_json(self) -> dict[str, Any]:
         """Return the settings as values that JSON can hold."""
-        return asdict(self)
+        values = asdict(self)
+        if self.battery.knee == 1:  # so that files are as they were before there was a knee
+            del values["battery"]["knee"]
+        return values
 
     @classmethod
     def from_json(cls, values: Any) -> FleetSettings:

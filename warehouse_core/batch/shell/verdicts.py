@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from itertools import product
-from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -72,21 +71,15 @@ def charging(actions: Integers, stations: Integers) -> Flags:
     return _CHARGES.take(actions * len(STATION_KINDS) + stations)
 
 
-def spend_and_charge(
-    battery: NDArray[Any],
-    capacity: int,
-    charging: Flags,
-    cost: float | NDArray[np.float64] = 1,
-    charge: float = CHARGE,
-) -> None:
+def spend_and_charge(battery: Integers, capacity: int, charging: Flags) -> None:
     """Change the units that ``[B]`` robots have left, in place, by one step.
 
-    The step costs all or each of them ``cost``; those that are ``charging`` gain ``charge``, up to
-    the capacity.
+    The step costs each of them one; those that are ``charging`` gain ``CHARGE``, up to the
+    capacity.
     """
-    battery -= cost
+    battery -= 1
     # Not the lower of full and charged, because that sum can exceed 32 bits.
-    battery += charging * np.minimum(capacity - battery, charge)
+    battery += charging * np.minimum(capacity - battery, CHARGE)
 
 
 def station_numbers(tiles: NDArray[np.uint8]) -> NDArray[np.int16]:

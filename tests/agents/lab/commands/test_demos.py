@@ -1,4 +1,6 @@
+import math
 import re
+from itertools import pairwise
 
 import pytest
 from matplotlib.backend_bases import KeyEvent
@@ -44,6 +46,21 @@ def test_the_plan_fails_on_the_slippery_floor():
     plan, slipped = DEMOS["slip"]().tracks
     assert (plan.ending, slipped.ending) == ("delivered", "not delivered")
     assert "slippery" in slipped.title
+
+
+def test_a_robot_on_two_wheels_turns_on_the_spot_before_it_drives_on():
+    free, wheeled = DEMOS["wheels"]().tracks
+    assert wheeled.frames[-1].clock > free.frames[-1].clock + 3 * 1.2
+    assert places_of(wheeled)[-1] == pytest.approx(places_of(free)[-1], abs=1e-3)
+    poses = [(*pose.at, pose.heading or 0.0) for pose in (it.robots[0] for it in wheeled.frames)]
+    turns = [
+        (x, y)
+        for (x, y, heading), (_, _, later) in pairwise(poses)
+        if abs(math.remainder(later - heading, math.tau)) > 0.02
+    ]
+    assert len(turns) > 10
+    for x, y in turns:
+        assert (x % 1, y % 1) == pytest.approx((0.5, 0.5), abs=0.02)
 
 
 def test_the_two_robots_meet_and_both_go_back():

@@ -1,0 +1,119 @@
+"""Robots with two driven wheels, which push along the heading and turn on the spot."""
+
+import math
+
+import numpy as np
+import pytest
+from helpers.physics_truth import differences_in_jams, errors_of_the_books
+from helpers.rigid_bodies import EAST, NORTH, SOUTH, WEST, motion_in, move, together
+
+from warehouse_core import Cell, Layout
+from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
+
+HALL = Layout(["....."] * 5)
+WHEELED = RobotSpec(drive="differential")
+QUARTER = 2 * math.sqrt(math.pi / 2 * WHEELED.wheel_arm / WHEELED.acceleration)
+"""Seconds of a quarter turn, in which a wheel speeds up over half its way and brakes."""
+
+
+@pytest.mark.parametrize("loaded", [False, True])
+@pytest.mark.parametrize(("displacement", "angle"), [(SOUTH, 1), (NORTH, -1), (WEST, 2)])
+def test_a_turn_takes_the_time_and_energy_of_a_wheel_that_drives_its_arc(
+    displacement: Cell, angle: int, loaded: bool
+) -> None:
+    outcome = move(motion_in(HALL, (2, 2), WHEELED, path_every=1), displacement, loaded)
+    straight = move(motion_in(HALL, (2, 2), WHEELED), EAST, loaded)
+    clock, x, y, heading = outcome.path.T
+    way = WHEELED.wheel_arm * abs(angle) * math.pi / 2
+    inertia = WHEELED.total_mass(loaded) * WHEELED.radius**2 / 2 / WHEELED.wheel_arm**2
+    drag = WHEELED.drag_force(loaded)
+    pace = min(WHEELED.acceleration, (WHEELED.motor_force - drag) / inertia)
+    seconds = 2 * math.sqrt(way / pace)
+    assert outcome.seconds - straight.seconds == pytest.approx(seconds, abs=0.04)
+    turns = clock < seconds
+    assert x[turns] == pytest.approx(2.5, abs=1e-12)
+    assert y[turns] == pytest.approx(2.5, abs=1e-12)
+    assert abs(heading[-1]) == pytest.approx(abs(angle) * math.pi / 2)
+    assert abs(heading[len(clock[turns]) // 2]) == pytest.approx(abs(angle) * math.pi / 4, rel=0.05)
+    # It speeds up over half of the way; then the motors brake, and spend nothing.
+    work = inertia * pace * way / 2 + drag * way / 2
+    joules = work / WHEELED.drivetrain_efficiency + WHEELED.idle_power * seconds
+    assert outcome.joules - straight.joules == pytest.approx(joules, rel=0.05)
+
+
+def test_a_robot_that_need_not_turn_drives_as_one_that_can_drive_in_any_direction() -> None:
+    plain, wheeled = (
+        move(motion_in(HALL, (2, 2), spec, path_every=1), EAST) for spec in (RobotSpec(), WHEELED)
+    )
+    assert wheeled.path == pytest.approx(plain.path, abs=1e-9)
+    assert wheeled.joules == pytest.approx(plain.joules, rel=1e-9)
+
+
+def test_it_goes_back_from_a_wall_without_turning_and_then_turns_from_there() -> None:
+    motion = motion_in(HALL, (0, 0), WHEELED, path_every=1)
+    blocked = move(motion, WEST)
+    assert blocked.blocked
+    assert blocked.path[-1, 1:3] == pytest.approx((0.5, 0.5), abs=1e-3)
+    heading = np.abs(blocked.path[:, 3])
+    assert heading[-1] == pytest.approx(math.pi)
+    assert np.diff(heading).min() >= -1e-9
+    east = move(motion, EAST)
+    assert east.seconds == pytest.approx(math.sqrt(2) * QUARTER + 2, abs=0.05)
+
+
+def test_robots_that_turn_the_same_corner_wait_for_the_longest_turn_and_do_not_touch() -> None:
+    ring = [(1, 1), (1, 2), (2, 2), (2, 1)]
+    moves = [EAST, SOUTH, WEST, NORTH]
+    outcomes = together(HALL, ring, moves, WHEELED, path_every=1)
+    assert [outcome.cell for outcome in outcomes] == [*ring[1:], ring[0]]
+    assert not any(outcome.contacts for outcome in outcomes)
+    assert {outcome.seconds for outcome in outcomes} == {outcomes[0].seconds}
+    with pytest.raises(ValueError, match=r"^radius is 0\.36; .* at most 0\.35 for 4 robots"):
+        together(HALL, ring, moves, RobotSpec(drive="differential", radius=0.36))
+
+
+def test_robots_that_hit_each_other_leave_their_lines_only_where_the_floor_is_slippery() -> None:
+    """Two robots drive to the same cell, from the west and from the north."""
+    asides = []
+    for slippery in ([], [(2, 1), (2, 2), (1, 2)]):
+        ice = Disturbances(slippery=slippery, grip=0.2)
+        motion = RigidBodyMotion(WHEELED, ice, path_every=1)
+        motion.reset(HALL, [(2, 1), (1, 2)], 0)
+        outcomes = motion.advance([EAST, SOUTH], [False] * 2)
+        assert all(outcome.contacts for outcome in outcomes)
+        asides.append(max(np.ptp(outcomes[0].path[:, 2]), np.ptp(outcomes[1].path[:, 1])))
+    assert asides[0] < 1e-3 < 0.02 < asides[1]
+
+
+def test_on_ice_a_turn_takes_several_attempts_and_ends_where_it_should() -> None:
+    ice = Disturbances(slippery=[(2, 2)], grip=0.06, patience=20)
+    motion = RigidBodyMotion(WHEELED, ice, path_every=1)
+    motion.reset(HALL, [(2, 2)], 0)
+    outcome = move(motion, SOUTH)
+    assert outcome.cell == (3, 2)
+    assert outcome.path[-1, 3] == pytest.approx(math.pi / 2, abs=1e-3)
+    away = np.flatnonzero(np.hypot(*(outcome.path[:, 1:3] - 2.5).T) > 1e-3)[0]
+    assert outcome.path[away, 0] > 1.5 * QUARTER
+    assert outcome.path[away, 3] == pytest.approx(math.pi / 2, abs=2e-3)
+
+
+def test_wheels_that_err_are_corrected() -> None:
+    motion = RigidBodyMotion(WHEELED, Disturbances(actuation_noise=0.1, drag_spread=0.5))
+    motion.reset(HALL, [(2, 2)], 4)
+    cells = [move(motion, step).cell for step in (NORTH, WEST, SOUTH, SOUTH, EAST, EAST, NORTH)]
+    assert cells == [(1, 2), (1, 1), (2, 1), (3, 1), (3, 2), (3, 3), (2, 3)]
+
+
+def test_the_joules_of_turns_drives_and_hits_are_those_of_a_second_book(monkeypatch) -> None:
+    monkeypatch.setattr(stepping, "IS_KNOWN", False)
+    lone = errors_of_the_books(60, 1, drive="differential")
+    assert max(lone.joules) < 1e-6
+    several = errors_of_the_books(60, 6, drive="differential")
+    assert max(several.joules) < 0.01
+    assert len(several.impulses) > 5
+    assert max(several.impulses) < 1e-6
+
+
+def test_jams_end_as_on_the_grid() -> None:
+    made, wrong, cut_off = differences_in_jams(1_500, drive="differential")
+    assert (made >= 1_500, wrong, cut_off) == (True, 0, 0)
