@@ -174,7 +174,8 @@ class RigidBodyMotion(BodyMotion):
             path.append(self._row(seconds, robot))
         rows = np.array(path)
         rows.flags.writeable = False
-        joules = joules_of(self.spec, action.work, seconds)
+        # With recuperation, a push by another robot may give back more than the action costs.
+        joules = max(joules_of(self.spec, action.work, seconds), 0.0)
         cell, blocked, contacts = robot.cell, robot.is_blocked(), tuple(action.contacts)
         return Outcome(cell, blocked, seconds, joules, rows, contacts, cut_off)
 

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import pytest
 from helpers.physics_truth import Book, errors_of_the_books, random_robots_move_as_the_grid
-from helpers.rigid_bodies import EAST, LEDGE, MOVES, NORTH, SOUTH, WEST, motion_in, move
+from helpers.rigid_bodies import EAST, LEDGE, MOVES, NORTH, SOUTH, WEST, motion_in, move, together
 from pymunk import Vec2d
 
 from warehouse_core import Layout
@@ -59,6 +59,13 @@ def test_the_joules_that_braking_gives_back_are_those_of_the_book(spec: RobotSpe
         # A floor that brakes the robot nearly alone leaves nothing to give back.
         is_braking = spec.attainable_acceleration(loaded=True) > 2 * spec.floor_deceleration
         assert (outcome.joules < plain.joules * 0.99) == is_braking
+
+
+def test_no_push_by_another_robot_makes_an_action_cost_less_than_nothing() -> None:
+    spec = RobotSpec(recuperation=1.0, idle_power=0.0)
+    outcomes = together(Layout(["..."]), [(0, 0), (0, 1)], [EAST, (0, 0)], spec)
+    assert outcomes[1].contacts
+    assert outcomes[1].joules == 0.0 < outcomes[0].joules
 
 
 def test_a_hit_while_braking_gives_back_what_was_braked_before_it() -> None:
