@@ -177,9 +177,9 @@ class WheeledRobot(Robot):
         return self._uneven.force_limit(self._on, self._spec.motor_force, self._mass)
 
     def _worked_in_turn(self) -> float:
-        """Return the work of the motors in turns since the last count, at the wheels.
+        """Return the work of the motors in turns since the last count.
 
-        It is counted as that of drives: kinetic energy gained, plus drag.
+        Work is counted at the wheels: kinetic energy gained, plus the drag on their way.
         """
         start, energy = self._turned, self._turn_energy
         rim = self.body.angular_velocity * self._spec.wheel_arm
