@@ -141,7 +141,7 @@ class WheeledRobot(Robot):
         """Return the radians to turn before driving to a position, or 0 if that is not needed."""
         right, down = apart(waypoint, self._place())
         angle = math.remainder(math.atan2(down, right) - self.body.angle, math.tau)
-        if not self._is_to_face:
+        if self.action.gave_up or not self._is_to_face:
             angle = math.remainder(angle, math.pi)
         misses = abs(math.sin(angle)) * math.hypot(right, down)
         is_ahead = abs(angle) <= math.pi / 2
