@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Iterable
+from functools import cache
 from typing import NamedTuple
 
 import numpy as np
@@ -103,9 +104,8 @@ class Arena:
         """Return how far walls and other robots are from the middle of a robot; see ``Senses``."""
         start, distances = self.bodies[robot].position, np.full(rays, SCAN_RANGE)
         own = group_of(robot)
-        for ray in range(rays):
-            end = start + pymunk.Vec2d(SCAN_RANGE, 0.0).rotated(math.tau * ray / rays)
-            hit = self.space.segment_query_first(start, end, 0.0, own)
+        for ray, way in enumerate(ways_of(rays)):
+            hit = self.space.segment_query_first(start, start + way, 0.0, own)
             if hit is not None:
                 distances[ray] = hit.alpha * SCAN_RANGE
         return distances
@@ -131,6 +131,12 @@ class Arena:
     def _mass(self, robot: int, normal: pymunk.Vec2d) -> float:
         """Return the mass in kg with which a robot resists a push along ``normal``."""
         return self.bodies[robot].mass
+
+
+@cache
+def ways_of(rays: int) -> list[pymunk.Vec2d]:
+    """Return the way in metres from the first end of each ray of a scan to its last."""
+    return [pymunk.Vec2d(SCAN_RANGE, 0.0).rotated(math.tau * ray / rays) for ray in range(rays)]
 
 
 def group_of(robot: int) -> pymunk.ShapeFilter:

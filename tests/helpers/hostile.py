@@ -170,6 +170,7 @@ VALID: dict[str, Any] = {
     "order": None,
     "planner": PIBT(Graph(DEFAULT_LAYOUT)),
     "robot": 0,
+    "rays": 4,
     "output_dir": "svg",
     "path": "x.map",
     "problem": RouteProblem(DEFAULT_LAYOUT, (1, 1), (1, 2)),

@@ -92,7 +92,7 @@ class WarehouseVectorEnv(Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
         tile_pixels: int | None = None,
         scan: int = 0,
     ) -> None:
-        if scan != 0:
+        if whole_number("scan", scan, 0):
             raise ValueError(
                 f"scan is {brief(scan)}; a batch has no sensors, so it must be 0: use "
                 'gymnasium.make_vec(..., vectorization_mode="sync")'
