@@ -44,8 +44,10 @@ def turn_work(spec: RobotSpec, quarters: int, loaded: bool) -> float:
     speed, dt = profile.velocity[0], spec.time_step
     gained = spec.turning_acceleration(loaded) * dt
     # Positions move before velocities change; the last speed counts for half a substep.
-    way = dt * (np.minimum(np.arange(profile.go) * gained, speed).sum() + speed / 2)
-    return spent(kinetic(mass, speed, 0.0) + spec.drag_force(loaded) * float(way))
+    way = float(dt * (np.minimum(np.arange(profile.go) * gained, speed).sum() + speed / 2))
+    energy, drag = kinetic(mass, speed, 0.0), spec.drag_force(loaded)
+    braked = drag * (speed * dt * profile.go - way) - energy
+    return spent(energy + drag * way) - regained(spec, braked)
 
 
 def joules_of(spec: RobotSpec, work: Amount, seconds: Amount | float) -> Amount:

@@ -21,7 +21,7 @@ import pymunk
 
 from warehouse_core import Cell
 from warehouse_physics.arena import Position
-from warehouse_physics.energy import kinetic, spent
+from warehouse_physics.energy import kinetic, regained, spent
 from warehouse_physics.profile import braking
 from warehouse_physics.robot import AT_REST, BRAKE, HELD, REST, Robot, apart
 from warehouse_physics.spec import ARRIVED
@@ -55,15 +55,17 @@ class WheeledRobot(Robot):
         # What a hit adds to the way, as the solver corrects an overlap, is gone a substep later.
         self._tyres.error_bias = 0.0
         self._steering = pymunk.SimpleMotor(self.body, self._control, 0.0)
-        self._turn_acceleration = self._turn_start = 0.0
+        self._turn_acceleration = 0.0
+        # Where work of turns was last counted: metres that a wheel has driven, and kinetic energy.
+        self._turned = self._turn_energy = 0.0
         self._leaves, self._is_to_face = 0, False
         self.phase = REST
         return [self._tyres, self._motor, self._steering]
 
     def begin(self, displacement: Cell, loaded: bool, pace: float) -> int:
         """Begin an action; see ``Robot.begin``."""
-        self._control.position = self.body.position
-        self._is_to_face = True
+        self._take_line()
+        self._is_to_face = displacement != (0, 0)
         return super().begin(displacement, loaded, pace)
 
     def set_off(self, turning: int) -> None:
@@ -76,6 +78,8 @@ class WheeledRobot(Robot):
     def next_phase(self, now: int) -> None:
         """Start the phase that is due at substep ``now``."""
         rim = abs(self.body.angular_velocity) * self._spec.wheel_arm
+        if self.phase == BRAKE and self._spec.recuperation:
+            self.action.work -= regained(self._spec, self._worked_in_turn())
         if self.phase == TURN:
             self._brake(now, max(self._braking, self._leaves - now))
         elif self.phase == BRAKE and rim > AT_REST:
@@ -92,9 +96,9 @@ class WheeledRobot(Robot):
         The speed and acceleration of a drive are a share of the usual ones.
         """
         angle = self._angle_to(waypoint)
-        # The lines of the joints lead through the robot, along its heading and across.
-        self._control.position = self.body.position
-        self._control.angle = self.body.angle
+        has_turned = self._control.angle != self.body.angle
+        if angle or has_turned or self._slips:
+            self._take_line()
         if angle:
             self._turn_by(now, angle)
         elif now < self._leaves:
@@ -104,12 +108,17 @@ class WheeledRobot(Robot):
             right, down = self._driven(pymunk.Vec2d(*apart(waypoint, self.position)))
             super().drive(now, (self.position[0] + right, self.position[1] + down), share)
 
+    def has_arrived(self) -> bool:
+        """Return whether the robot was at its target at the last look."""
+        off = math.dist(self._place(), self.action.target)
+        return off <= ARRIVED * self._spec.cell_size
+
     def mass_along(self, normal: Position) -> float:
         """Return the mass in kg with which the robot resists a push along ``normal``.
 
         Where tyres hold, it can only give way along its heading.
         """
-        if self._tyres.max_force < math.inf:
+        if self._slips:
             return self._mass
         return mass_on_line(self._mass, self._driven(pymunk.Vec2d(*normal)).length)
 
@@ -130,9 +139,9 @@ class WheeledRobot(Robot):
 
     def _angle_to(self, waypoint: Position) -> float:
         """Return the radians to turn before driving to a position, or 0 if that is not needed."""
-        right, down = apart(waypoint, self.position)
+        right, down = apart(waypoint, self._place())
         angle = math.remainder(math.atan2(down, right) - self.body.angle, math.tau)
-        if not self._is_to_face:
+        if self.action.gave_up or not self._is_to_face:
             angle = math.remainder(angle, math.pi)
         misses = abs(math.sin(angle)) * math.hypot(right, down)
         is_ahead = abs(angle) <= math.pi / 2
@@ -143,8 +152,8 @@ class WheeledRobot(Robot):
         profile = spec.turn_profile(angle, self._loaded)
         if self._uneven is not None:
             profile = profile.scaled(self._uneven.speed_factor())
-        self._turn_start = self.body.angle
         self._brake(now, 0)
+        self._worked_in_turn()
         self._control.angular_velocity = profile.velocity[0] / spec.wheel_arm
         pace = spec.turning_acceleration(self._loaded)
         wanted = min(self._turning_mass * pace + self._nominal_drag, self._limit())
@@ -153,7 +162,7 @@ class WheeledRobot(Robot):
 
     def _brake(self, now: int, substeps: int) -> None:
         if self.phase == TURN:
-            self._count_turn()
+            self.action.work += spent(self._worked_in_turn())
         self._control.angular_velocity = 0.0
         pace = self._spec.turning_acceleration(self._loaded)
         wanted = max(self._turning_mass * pace - self._nominal_drag, 0.0)
@@ -167,12 +176,16 @@ class WheeledRobot(Robot):
             return math.inf
         return self._uneven.force_limit(self._on, self._spec.motor_force, self._mass)
 
-    def _count_turn(self) -> None:
-        """Add the work of the motors in a turn: kinetic energy at the wheels, plus drag."""
-        arm = self._spec.wheel_arm
-        rim = abs(self.body.angular_velocity) * arm
-        way = abs(self.body.angle - self._turn_start) * arm + self._lead * rim
-        self.action.work += spent(kinetic(self._turning_mass, rim, 0.0) + self._drag * way)
+    def _worked_in_turn(self) -> float:
+        """Return the work of the motors in turns since the last count.
+
+        Work is counted at the wheels: kinetic energy gained, plus the drag on their way.
+        """
+        start, energy = self._turned, self._turn_energy
+        rim = self.body.angular_velocity * self._spec.wheel_arm
+        self._turned = self.body.angle * self._spec.wheel_arm + self._lead * rim
+        self._turn_energy = kinetic(self._turning_mass, rim, 0.0)
+        return self._turn_energy - energy + self._drag * abs(self._turned - start)
 
     def _driven(self, vector: pymunk.Vec2d) -> pymunk.Vec2d:
         """Return the part of a vector that is along the heading."""
@@ -190,13 +203,26 @@ class WheeledRobot(Robot):
 
         The drag of the floor already resists sideways too.
         """
-        force, bias = math.inf, math.inf
+        force = math.inf
         if self._uneven is not None:
-            force = self._uneven.grip_force(self._on, self._mass) - self._drag
-        if force < math.inf:
-            bias = 0.0
-        self._tyres.max_force, self._tyres.max_bias = max(force, 0.0), bias
-        self._control.position = self.body.position
+            force = max(self._uneven.grip_force(self._on, self._mass) - self._drag, 0.0)
+        self._slips = force < math.inf
+        self._tyres.max_force, self._tyres.max_bias = force, 0.0 if self._slips else math.inf
+        self._take_line()
+
+    def _take_line(self) -> None:
+        """Let the lines of the joints lead through the robot, along its heading and across."""
+        self._control.position, self._control.angle = self.body.position, self.body.angle
+
+    def _place(self) -> Position:
+        """Return where the robot is, on its line where tyres hold.
+
+        The solver moves robots that overlap off their lines, for a substep.
+        """
+        if self._slips:
+            return self.position
+        line = self._control.position
+        return line + self._driven(self.body.position - line)
 
 
 def mass_on_line(mass: float, share: float) -> float:

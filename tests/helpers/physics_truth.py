@@ -155,6 +155,7 @@ class Book:
         commands = [robot._control.velocity for robot in robots]
         spins = [robot.body.angular_velocity for robot in robots]
         self._step(dt)
+        back = self._spec.recuperation * self._spec.drivetrain_efficiency
         for number, (robot, command) in enumerate(zip(robots, commands, strict=True)):
             if command.length > 0:
                 push = _push_of(robot, before[number], command)
@@ -163,12 +164,13 @@ class Book:
             elif self._spec.recuperation:
                 push = _push_of(robot, before[number], command)
                 braked = max(0.0, -push.dot(before[number] + robot.body.velocity) / 2)
-                back = self._spec.recuperation * self._spec.drivetrain_efficiency
                 self.work[number] -= back * braked
-            if self._spec.is_differential and robot._control.angular_velocity:
+            if self._spec.is_differential:
                 spin, drag = robot.body.angular_velocity, robot._drag * self._spec.wheel_arm
                 gained = robot.body.moment * (spin**2 - spins[number] ** 2) / 2
-                self.work[number] += gained + drag * abs(spins[number] + spin) / 2 * dt
+                work = gained + drag * abs(spins[number] + spin) / 2 * dt
+                is_led = robot._control.angular_velocity != 0
+                self.work[number] += work if is_led else min(0.0, back * work)
         for one, two in self._touching() - touching:
             bodies = robots[one].body, robots[two].body
             normal = (bodies[1].position - bodies[0].position).normalized()

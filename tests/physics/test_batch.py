@@ -36,7 +36,7 @@ SPECS = {
     ),
     "dragged": RobotSpec(floor_drag=0.05, acceleration=0.45),
     "turning": RobotSpec(turn_seconds=0.31),
-    "wheeled": RobotSpec(drive="differential", track=0.9),
+    "wheeled": RobotSpec(drive="differential", track=0.9, recuperation=0.5),
     "regaining": RobotSpec(recuperation=0.7, radius=0.499),
     "violent": RobotSpec(top_speed=10.5, acceleration=1e6, motor_force=1e9),
 }

@@ -5,10 +5,10 @@ import math
 import numpy as np
 import pytest
 from helpers.physics_truth import differences_in_jams, errors_of_the_books
-from helpers.rigid_bodies import EAST, NORTH, SOUTH, WEST, motion_in, move, together
+from helpers.rigid_bodies import EAST, NORTH, SOUTH, STAY, WEST, motion_in, move, together
 
 from warehouse_core import Cell, Layout
-from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
+from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, RobotSpec, stepping
 
 HALL = Layout(["....."] * 5)
 WHEELED = RobotSpec(drive="differential")
@@ -112,6 +112,38 @@ def test_the_joules_of_turns_drives_and_hits_are_those_of_a_second_book(monkeypa
     assert max(several.joules) < 0.01
     assert len(several.impulses) > 5
     assert max(several.impulses) < 1e-6
+
+
+def test_braking_in_a_turn_gives_energy_back() -> None:
+    stopping, through = [], []
+    for share in (0.0, 1.0):
+        spec = RobotSpec(drive="differential", recuperation=share)
+        stopping.append(move(motion_in(HALL, (2, 2), spec), SOUTH).joules)
+        stopping.append(move(motion_in(HALL, (2, 2), spec), EAST).joules)
+        for displacement in (SOUTH, EAST):
+            motion = DrivingMotion(spec)
+            motion.reset(HALL, [(2, 2)], 0)
+            steps = [displacement, *[STAY] * 6]
+            through.append(sum(motion.advance([step], [False])[0].joules for step in steps))
+    rim = QUARTER / 2 * WHEELED.acceleration
+    braked = (
+        WHEELED.turning_mass(False) * rim**2 / 2 - WHEELED.drag_force(False) * rim * QUARTER / 4
+    )
+    for turned, drove, gave_back, drove_back in (stopping, through):
+        regained = (turned - drove) - (gave_back - drove_back)
+        assert regained == pytest.approx(braked, rel=0.06)
+
+
+def test_a_robot_that_is_pushed_out_of_its_cell_rolls_back_as_it_stands() -> None:
+    """A light robot that waits is pushed by a heavy one, along its heading."""
+    spec = RobotSpec(drive="differential", payload_mass=200, motor_force=300)
+    moves, loads = [EAST, STAY], [True, False]
+    heavy, light = together(HALL, [(2, 1), (2, 2)], moves, spec, loads, path_every=1)
+    assert heavy.blocked
+    assert np.ptp(light.path[:, 1]) > 0.1
+    assert light.path[-1] == pytest.approx((light.seconds, 2.5, 2.5, 0.0), abs=1e-3)
+    assert np.ptp(light.path[:, 2]) < 1e-9
+    assert np.ptp(light.path[:, 3]) < 1e-9
 
 
 def test_jams_end_as_on_the_grid() -> None:
