@@ -156,15 +156,12 @@ def test_tyres_hold_a_robot_that_drives_through_on_its_line_unless_the_floor_is_
     assert asides[0] < 1e-3 < 0.01 < asides[1]
 
 
-@pytest.mark.parametrize("disturbed", [False, True])
-def test_fleets_on_two_wheels_execute_a_plan_without_hits(disturbed: bool) -> None:
+def test_a_disturbed_fleet_on_two_wheels_executes_a_plan_without_hits() -> None:
     layout, starts, goals = kiva_warehouse()
     graph = Graph(layout)
-    run = run_lifelong(graph, PIBT(graph), 100, 12, 1, starts, goals)
+    run = run_lifelong(graph, PIBT(graph), 60, 10, 1, starts, goals)
     trouble = Disturbances(0.1, slippery=layout.cells(starts[3:9:3]), grip=0.1, drag_spread=0.3)
-    execution = drive_through(layout, run.cells, WHEELED, trouble if disturbed else None)
-    assert execution.hits == 0
-    assert execution.seconds > drive_through(layout, run.cells).seconds
+    assert drive_through(layout, run.cells, WHEELED, trouble).hits == 0
 
 
 def test_a_robot_of_two_wheels_that_has_to_go_back_drives_backwards() -> None:
