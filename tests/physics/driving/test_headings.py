@@ -141,7 +141,7 @@ def test_a_robot_of_two_wheels_beside_its_line_gets_back_only_while_it_drives() 
 
 def test_tyres_hold_a_robot_that_drives_through_on_its_line_unless_the_floor_is_slippery() -> None:
     """A robot that is in the way by a fault of the test is hit from the side."""
-    asides = []
+    asides, impulses = [], []
     for slippery in ([], [(2, 1), (2, 2)]):
         motion = DrivingMotion(WHEELED, Disturbances(slippery=slippery, grip=0.3), path_every=1)
         motion.reset(HALL, [(2, 1), (4, 2)], 0)
@@ -151,9 +151,10 @@ def test_tyres_hold_a_robot_that_drives_through_on_its_line_unless_the_floor_is_
         motion.extend([(2, 2), (4, 2)])
         still, other = motion.drive(3)
         assert still.contacts
-        assert other.contacts[0].impulse > 0
+        impulses.append(other.contacts[0].impulse)
         asides.append(np.ptp(still.path[:, 2]))
     assert asides[0] < 1e-3 < 0.01 < asides[1]
+    assert impulses[0] > 1.5 * impulses[1] > 0
 
 
 def test_a_disturbed_fleet_on_two_wheels_executes_a_plan_without_hits() -> None:
