@@ -338,7 +338,7 @@ class Robot:
 
     def _count_from(self, velocity: pymunk.Vec2d, lead: float) -> None:
         """Begin to count work at this position and ``velocity``."""
-        (x, y), (right, down) = self.position, self._driven(velocity)
+        (x, y), (right, down) = self.position, velocity
         self._start = x + lead * right, y + lead * down
         self._energy = kinetic(self._mass, right, down)
 

@@ -187,6 +187,10 @@ class WheeledRobot(Robot):
         self._turn_energy = kinetic(self._turning_mass, rim, 0.0)
         return self._turn_energy - energy + self._drag * abs(self._turned - start)
 
+    def _count_from(self, velocity: pymunk.Vec2d, lead: float) -> None:
+        """Begin to count work at this position; sideways ``velocity`` is none of the wheels'."""
+        super()._count_from(self._driven(velocity), lead)
+
     def _driven(self, vector: pymunk.Vec2d) -> pymunk.Vec2d:
         """Return the part of a vector that is along the heading."""
         heading = pymunk.Vec2d.from_polar(1.0, self.body.angle)

@@ -23,7 +23,7 @@ SMALL_AND_FAST = RobotSpec(cell_size=0.5, radius=0.17, time_step=FAST_STEP)
 WIDE_AND_BRISK = RobotSpec(cell_size=0.5, radius=0.2, top_speed=3, acceleration=4, motor_force=400)
 
 TURNING = RobotSpec(turn_seconds=1.6)
-WHEELED = RobotSpec(drive="differential")
+WHEELED = RobotSpec(drive="differential", time_step=FAST_STEP)
 
 over_specs = pytest.mark.parametrize(
     "spec",
@@ -93,7 +93,7 @@ def test_a_robot_moved_by_hand_continues_from_its_new_cell() -> None:
         lambda: RigidBodyMotion(SMALL_AND_FAST, record_path=False),
         lambda: RigidBodyMotion(WIDE_AND_BRISK),
         lambda: RigidBodyMotion(TURNING),
-        lambda: RigidBodyMotion(WHEELED),
+        lambda: RigidBodyMotion(WHEELED, record_path=False),
     ],
     ids=["small cells, 1/30 s, no paths", "wide and brisk", "turning", "wheeled"],
 )

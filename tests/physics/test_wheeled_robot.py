@@ -8,6 +8,7 @@ from helpers.physics_truth import differences_in_jams, errors_of_the_books
 from helpers.rigid_bodies import EAST, NORTH, SOUTH, STAY, WEST, motion_in, move, together
 
 from warehouse_core import Cell, Layout
+from warehouse_core.motion.grid import GRAVITY
 from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, RobotSpec, stepping
 
 HALL = Layout(["....."] * 5)
@@ -82,6 +83,8 @@ def test_robots_that_hit_each_other_leave_their_lines_only_where_the_floor_is_sl
         outcomes = motion.advance([EAST, SOUTH], [False] * 2)
         assert all(outcome.contacts for outcome in outcomes)
         asides.append(max(np.ptp(outcomes[0].path[:, 2]), np.ptp(outcomes[1].path[:, 1])))
+        if not slippery:
+            assert (outcomes[0].path[-1, 2], outcomes[1].path[-1, 1]) == pytest.approx((2.5, 2.5))
     assert asides[0] < 1e-3 < 0.02 < asides[1]
 
 
@@ -95,6 +98,10 @@ def test_on_ice_a_turn_takes_several_attempts_and_ends_where_it_should() -> None
     away = np.flatnonzero(np.hypot(*(outcome.path[:, 1:3] - 2.5).T) > 1e-3)[0]
     assert outcome.path[away, 0] > 1.5 * QUARTER
     assert outcome.path[away, 3] == pytest.approx(math.pi / 2, abs=2e-3)
+    grip, drag = 0.06 * WHEELED.mass * GRAVITY, WHEELED.drag_force(loaded=False)
+    rims = WHEELED.wheel_arm * np.diff(outcome.path[:away, 3]) / WHEELED.time_step
+    most = (grip - drag) / WHEELED.turning_mass(loaded=False)
+    assert np.diff(rims).max() / WHEELED.time_step == pytest.approx(most, rel=1e-3)
 
 
 def test_wheels_that_err_are_corrected() -> None:

@@ -409,9 +409,8 @@ def _count(steps: int) -> str:
 def _no_way(episode: Episode) -> Evidence | None:
     """Name the first order, not delivered, that no way leads to."""
     cells = _ends(episode)
-    for number, order in enumerate(episode.orders):
-        if order.delivered is not None:
-            continue
+    left = {number: each for number, each in enumerate(episode.orders) if each.delivered is None}
+    for number, order in left.items():
         sent = order.robot if order.taken is None else order.taken_by
         robots = range(episode.robots) if sent is None else [sent]
         goal, name = (order.pickup, "pickup") if order.taken is None else (order.dropoff, "dropoff")

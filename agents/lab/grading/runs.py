@@ -17,7 +17,7 @@ from warehouse_core import EpisodeRecorder
 from warehouse_core.records.episode import DELIVERED, Episode
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.wording import counted
-from warehouse_core.world.actions import DISPLACEMENTS, DROP, INVALID, PICK, action_index
+from warehouse_core.world.actions import DROP, INVALID, PICK, action_index
 
 
 class Run(NamedTuple):
@@ -143,8 +143,7 @@ def _count_useless(episode: Episode) -> Counter[int]:
     for step, (before, after) in enumerate(loaded):
         index = action_index(episode.actions[step])
         is_idle = index in (PICK, DROP) and before == after and step != delivered
-        is_bump = DISPLACEMENTS[index] != (0, 0) and episode.motions[step].blocked
-        found[index] += is_idle or is_bump or index == INVALID
+        found[index] += is_idle or episode.motions[step].blocked or index == INVALID
     return found
 
 

@@ -195,6 +195,8 @@ def test_the_limit_is_on_all_members_together(
     monkeypatch.setattr(npz_module, "MAX_BYTES", 1000)
     half = bytes(501)
     assert "MAX_BYTES" in refused(zipped({"words.npy": half, "points.npy": half}))
+    monkeypatch.setattr(npz_module, "MAX_BYTES", 1002)
+    assert "MAX_BYTES" not in refused(zipped({"words.npy": half, "points.npy": half}))
 
 
 def header_of(kind: str, shape: str = "(5,)", fortran_order: bool = False) -> str:

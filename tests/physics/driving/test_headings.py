@@ -141,7 +141,7 @@ def test_a_robot_of_two_wheels_beside_its_line_gets_back_only_while_it_drives() 
 
 def test_tyres_hold_a_robot_that_drives_through_on_its_line_unless_the_floor_is_slippery() -> None:
     """A robot that is in the way by a fault of the test is hit from the side."""
-    asides = []
+    asides, impulses = [], []
     for slippery in ([], [(2, 1), (2, 2)]):
         motion = DrivingMotion(WHEELED, Disturbances(slippery=slippery, grip=0.3), path_every=1)
         motion.reset(HALL, [(2, 1), (4, 2)], 0)
@@ -151,20 +151,18 @@ def test_tyres_hold_a_robot_that_drives_through_on_its_line_unless_the_floor_is_
         motion.extend([(2, 2), (4, 2)])
         still, other = motion.drive(3)
         assert still.contacts
-        assert other.contacts[0].impulse > 0
+        impulses.append(other.contacts[0].impulse)
         asides.append(np.ptp(still.path[:, 2]))
     assert asides[0] < 1e-3 < 0.01 < asides[1]
+    assert impulses[0] > 1.5 * impulses[1] > 0
 
 
-@pytest.mark.parametrize("disturbed", [False, True])
-def test_fleets_on_two_wheels_execute_a_plan_without_hits(disturbed: bool) -> None:
+def test_a_disturbed_fleet_on_two_wheels_executes_a_plan_without_hits() -> None:
     layout, starts, goals = kiva_warehouse()
     graph = Graph(layout)
-    run = run_lifelong(graph, PIBT(graph), 100, 12, 1, starts, goals)
+    run = run_lifelong(graph, PIBT(graph), 60, 10, 1, starts, goals)
     trouble = Disturbances(0.1, slippery=layout.cells(starts[3:9:3]), grip=0.1, drag_spread=0.3)
-    execution = drive_through(layout, run.cells, WHEELED, trouble if disturbed else None)
-    assert execution.hits == 0
-    assert execution.seconds > drive_through(layout, run.cells).seconds
+    assert drive_through(layout, run.cells, WHEELED, trouble).hits == 0
 
 
 def test_a_robot_of_two_wheels_that_has_to_go_back_drives_backwards() -> None:

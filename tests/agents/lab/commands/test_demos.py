@@ -159,3 +159,8 @@ def test_without_a_name_the_demos_are_listed(warehouse):
     lines = warehouse("demo").out.splitlines()
     assert [line.split()[0] for line in lines] == [*DEMOS, *STILLS]
     assert "A robot runs into a wall" in lines[1]
+
+
+def test_demos_of_bodies_need_their_backend(install, refused):
+    install()
+    assert "no backend is called 'physics'" in refused("demo", "wheels", "--no-show")

@@ -166,3 +166,18 @@ def test_the_episode_until_an_agent_fails_is_reported_and_saved(
     assert (result.code, result.err) == (code, f"warehouse: {line}\n")
     assert "outcome         unfinished\n" in result.out
     assert Episode.load("e.npz").actions == ["N"] * 3
+
+
+@pytest.mark.parametrize(
+    ("error", "is_shown"), [("ValueError(3)", True), ("KeyboardInterrupt", False)]
+)
+def test_no_window_opens_after_an_interrupt(
+    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch, error: str, is_shown: bool
+) -> None:
+    shown = list[object]()
+    monkeypatch.setattr(
+        "agents.lab.commands.run.replay_or_save", lambda *given, **_: shown.append(given[2])
+    )
+    write_mine("act", f"raise {error}", "'N'")
+    warehouse("run", "--agent", "mine.py:Mine", "--seed", 4, "--show")
+    assert shown == [is_shown]

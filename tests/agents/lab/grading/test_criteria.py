@@ -11,9 +11,11 @@ from agents.lab.grading.cases import GradedCase
 from agents.lab.grading.criteria import Criterion
 from agents.lab.grading.grading import Grade, GradeReport, grade
 from agents.lab.grading.rubric import Rubric
-from agents.lab.grading.runs import Run
+from agents.lab.grading.runs import Run, _count_useless
 from agents.lab.grading.sandbox import ENDS, FAILS, LOAD, SLOW, AgentFailureError
 from agents.lab.grading.submissions import Submission
+from warehouse_core import EpisodeRecorder, Layout, WarehouseEnv
+from warehouse_core.world.actions import ACTIONS
 
 OPEN = GradedCase("open", max_steps=60)
 SHUT = GradedCase("shut", max_steps=60)
@@ -222,3 +224,16 @@ def test_a_demand_says_what_gives_none() -> None:
     assert on("greedy_steps", 3, 1).asked == (
         "the greedy agent takes 3.00 times as many steps; no points at 1.00 times"
     )
+
+
+@pytest.mark.parametrize("backend", ["grid", "physics"])
+def test_bumps_into_walls_and_what_has_no_effect_are_useless_waits_are_not(backend: str) -> None:
+    env = WarehouseEnv(Layout(["P.D"]), (0, 0), backend=backend)
+    env.reset(seed=0)
+    recorder = EpisodeRecorder(env, seed=0)
+    for action in ["N", "S", "W", "WAIT", "DROP", "PICK", "PICK", "E", "E", "E", "DROP"]:
+        recorder.step(action)
+    env.close()
+    useless = {ACTIONS[index]: times for index, times in _count_useless(recorder.episode).items()}
+    expected = dict.fromkeys(["N", "S", "W", "E", "DROP", "PICK"], 1)
+    assert {action: times for action, times in useless.items() if times} == expected

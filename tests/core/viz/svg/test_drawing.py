@@ -217,6 +217,10 @@ def test_hits_plans_and_pushes_are_seen_only_in_their_frames() -> None:
         for number in range(len(track))
     ]
     assert counts == [[0, 0, 0], [0, 0, 0], [1, 1, 1], [0, 0, 0], [0, 0, 0]]
+    pushed, pusher = (pose.at for pose in track.frames[2].robots[:2] if pose is not None)
+    [arrow] = [a["at"] for _, a in shown.shown(2) if a.get("class") == "rim of-light"]
+    middle = [50 * sum(pair) for pair in zip(pushed, pusher, strict=True)]
+    assert arrow[-1][:2] == pytest.approx(middle, abs=0.5)
     bumps = Drawing(track_of_record(short_episode()))
     stars = [
         sum(attributes.get("class") == "hit of-rim" for _, attributes in bumps.shown(number))
