@@ -41,7 +41,7 @@ PAGES = {
     "race": "race",
     **{
         f"demo {name}": f"demo {name}"
-        for name in ("delivery", "bump", "load", "slip", "head-on", "ring", "pibt")
+        for name in ("delivery", "bump", "load", "slip", "wheels", "head-on", "ring", "pibt")
     },
 }
 """Commands that save a page, by what it shows."""
