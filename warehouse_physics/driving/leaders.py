@@ -170,7 +170,7 @@ class Leaders:
 
         Args:
             speeds: ``[R]`` m/s, speeds that they would have without leaders.
-            places: where the robots are when they get their speeds.
+            places: places of the robots when they get their speeds.
             downs: ``[R]`` m/s², rate at which each can brake.
         """
         to_nodes = self.nodes * self._size - places.done[:, None]
