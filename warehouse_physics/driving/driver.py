@@ -216,7 +216,10 @@ class Driver:
             # Robots that drive otherwise than they are commanded brake as hard as they can.
             slower = np.maximum(np.abs(self._speeds) - downs * dt, 0.0) if is_exact else 0.0
             speeds = np.where(stands, np.sign(self._speeds) * slower, speeds)
-        places = Places(ahead, aside, closing, None if is_exact else self._speeds)
+        if is_exact:
+            places = Places(ahead, aside, closing, None)
+        else:
+            places = Places(ahead, aside, self._closing, self._speeds)
         self._leaders.slow_down(speeds, places, downs)
         if not is_exact:
             speeds = np.minimum(speeds / self._motors.excess(self._speeds), fastest)
@@ -230,6 +233,8 @@ class Driver:
         rates = self._limits.corner_rates
         now = -np.sign(aside) * _dots(self._velocities, across)
         speeds = stopping_speeds(np.abs(aside), rates, self._dt)
+        if not self._motors.is_exact:  # one that is slower than commanded would never speed up
+            return speeds
         return np.minimum(speeds, np.maximum(now, 0.0) + rates * self._dt)
 
     def _stop(self) -> None:
