@@ -11,7 +11,7 @@ FREE = -1
 """Stands for a row or a column that is not matched."""
 
 
-def cheapest_matching(costs: NDArray[np.float64]) -> tuple[Integers, Integers]:
+def cheapest_matching(costs: NDArray[np.floating]) -> tuple[Integers, Integers]:
     """Return the rows and the columns of a matching with the least sum of costs.
 
     As many are matched as there are rows or columns, whichever are fewer; rows ascend. SciPy finds
@@ -33,7 +33,7 @@ def cheapest_matching(costs: NDArray[np.float64]) -> tuple[Integers, Integers]:
     return rows, columns
 
 
-def _match(costs: NDArray[np.float64]) -> Integers:
+def _match(costs: NDArray[np.floating]) -> Integers:
     """Return the column of each row, ``[N]``; there are no more rows than columns.
 
     Each row in turn takes a column along a cheapest augmenting path.
