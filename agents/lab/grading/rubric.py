@@ -55,6 +55,11 @@ class Rubric:
         return sum(criterion.points for criterion in self.criteria)
 
     @property
+    def starter(self) -> Path:
+        """The starting file that students get: beside the rubric, of the same name, in Python."""
+        return self.file.with_suffix(".py")
+
+    @property
     def files(self) -> list[Path]:
         """The files of the rubric and its layouts, which agents must not read."""
         return [self.file, *(file for case in self.cases.values() for file in case.files)]

@@ -3,12 +3,14 @@
 from __future__ import annotations
 
 import os
+import shlex
 from itertools import count
 from pathlib import Path
 from typing import Annotated
 
 import typer
 
+from agents.errors import GradeError
 from agents.lab.commands.grade.folder import (
     PAGE,
     RESULTS,
@@ -22,10 +24,13 @@ from agents.lab.console.terminal import say
 from agents.lab.grading.gradescope import lines_of
 from agents.lab.grading.grading import GradeReport
 from agents.lab.grading.grading import grade as grade_agent
-from agents.lab.grading.rubric import MINI_LAB, load_rubric
-from agents.lab.grading.submissions import find_submission
+from agents.lab.grading.rubric import MINI_LAB, Rubric, load_rubric
+from agents.lab.grading.submissions import MAX_SOURCE, find_submission
 from agents.lab.grading.trust import check_trust
-from warehouse_core.files.atomic import check_suffix, check_target
+from warehouse_core.files.atomic import atomic_path, check_suffix, check_target
+from warehouse_core.files.reading import read_file
+
+CODE = ".py"
 
 
 def _print_rubric(wanted: bool) -> None:
@@ -41,8 +46,9 @@ def grade(
             metavar="AGENT",
             help="file.py:Class, or a folder of submissions: .py files, and folders with one "
             "(or with agent.py). Without :Class the only class that has reset and act.",
+            show_default=False,
         ),
-    ],
+    ] = "",
     rubric: Annotated[
         Path,
         option(
@@ -85,6 +91,14 @@ def grade(
             is_eager=True,
         ),
     ] = False,
+    starter: Annotated[
+        Path | None,
+        option(
+            "--starter FILE",
+            "Write the starting file of the rubric, for students, and grade nothing.",
+            callback=writable(CODE),
+        ),
+    ] = None,
     *,
     save: Annotated[
         list[Path],
@@ -114,6 +128,11 @@ def grade(
     Example: warehouse grade my_agent.py:Agent --save results.json
     """
     wanted = load_rubric(rubric)
+    if starter is not None:
+        write_starter(wanted, starter)
+        return
+    if not agent:
+        raise typer.BadParameter("AGENT is missing; see: warehouse grade -h")
     folder = Path(agent)
     if folder.is_dir():
         target, *more = save or [Path("grades.csv")]
@@ -143,6 +162,19 @@ def grade(
     print_report(report)
     for path in save:
         say(f"saved {path}")
+
+
+def write_starter(rubric: Rubric, target: Path) -> None:
+    """Write the starting file of a rubric; a file that is there is not written over."""
+    if target.exists():
+        raise GradeError(f"{target}: it exists, and is not written over; choose another name")
+    if not rubric.starter.exists():
+        raise GradeError(f"{rubric.file}: it has no starting file {rubric.starter.name} beside it")
+    text = read_file(rubric.starter, MAX_SOURCE)
+    with atomic_path(target) as part:
+        part.write_bytes(text)
+    asked = "" if rubric.file == MINI_LAB else f" --rubric {shlex.quote(str(rubric.file))}"
+    say(f"saved {target}; to grade it: warehouse grade {shlex.quote(str(target))}{asked}")
 
 
 def print_report(report: GradeReport) -> None:

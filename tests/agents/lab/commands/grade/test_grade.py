@@ -24,7 +24,7 @@ from helpers.submissions import (
 
 from agents.errors import WorkerError
 from agents.lab.commands.grade.folder import _is_done, _row
-from agents.lab.grading.grading import GradeReport
+from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import MINI_LAB, load_rubric
 from agents.lab.grading.submissions import find_submission
 
@@ -219,3 +219,21 @@ def test_another_table_is_not_written_over(refused: Refused) -> None:
     said = refused("grade", "--trust", "all", "-o", "other.csv")
     assert said.startswith("other.csv: it is no table of grades")
     assert Path("other.csv").read_text(encoding="utf-8") == "a,b\n1,2\n"
+
+
+def test_the_starting_file_runs_and_has_few_points_and_none_is_written_over(
+    warehouse: Warehouse, refused: Refused, rubric: Path
+) -> None:
+    out = warehouse("grade", "--starter", "my_agent.py").out
+    assert out == "saved my_agent.py; to grade it: warehouse grade my_agent.py\n"
+    report = grade(find_submission("my_agent.py"), load_rubric(MINI_LAB))
+    assert not report.failure
+    assert 0 < report.points < 40
+    Path("my_agent.py").write_text("mine", encoding="utf-8")
+    assert "written over" in refused("grade", "--starter", "my_agent.py")
+    assert Path("my_agent.py").read_text(encoding="utf-8") == "mine"
+    words = "grade", "--rubric", rubric, "--starter", "start.py"
+    assert refused(*words) == f"{rubric}: it has no starting file rubric.py beside it"
+    rubric.with_suffix(".py").write_text(GOOD, encoding="utf-8")
+    assert f"warehouse grade start.py --rubric {rubric}" in warehouse(*words).out
+    assert Path("start.py").read_text(encoding="utf-8") == GOOD
