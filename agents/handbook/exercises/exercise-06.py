@@ -36,6 +36,8 @@ class Careful:
         if here == goal:
             return "DROP" if has_item else "PICK"
         moves = open_moves(observation["local_grid"])
-        nearer = [move for move in MOVES if distance(after(here, move), goal) < distance(here, goal)]
+        nearer = [
+            move for move in MOVES if distance(after(here, move), goal) < distance(here, goal)
+        ]
         # Write here: this takes the first move that is nearer, even into a wall.
         return nearer[0]

@@ -42,8 +42,8 @@ class Charging:
                     self.walls.add(cell)
                 if tile == "C":
                     self.chargers.add(cell)
-        # Write here: is the battery enough to do what is next, and to reach the charger after it? If
-        # not, go to the charger and "WAIT" there: each wait adds 10 units and costs 1.
+        # Write here: is the battery enough to do what is next, and to reach the charger after it?
+        # If not, go to the charger and "WAIT" there: each wait adds 10 units and costs 1.
         if here == goal:
             return "DROP" if has_item else "PICK"
         return way(here, goal, self.walls)[0]

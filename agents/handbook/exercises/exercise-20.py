@@ -11,8 +11,8 @@ def values(grid, slip, gamma, sweeps):
     gamma: discount factor.
 
     Each move costs 0.1. A move that ends on "D" earns 10 more, and ends the episode: the value of
-    "D" stays 0. A move against a wall leaves the robot where it is. All values are 0 at first, and
-    a sweep computes all new values from those of the sweep before.
+    "D" stays 0. A move against a wall leaves the robot where it is. All values are 0 at first.
+    Each sweep computes new values from the values of the sweep before.
     """
     cells = [
         (row, column)

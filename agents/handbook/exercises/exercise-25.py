@@ -13,7 +13,7 @@ def next_cells(grid, cells, goals):
     it prefers the first of north, east, south, west and staying. It passes over walls, cells that
     are chosen already, and the cell of a robot that has chosen this one's own cell: two robots
     cannot change places. If an undecided robot is in the cell, that robot has to choose now; if it
-    finds none, the next cell is tried. A robot that finds no cell stays, and reports that it failed.
+    finds none, the next cell is tried. A robot that finds no cell stays, and has failed.
     """
     next_of = {}  # the cell that each robot has chosen, by the number of the robot
 

@@ -57,11 +57,13 @@ class CallCase:
         """Return no command: a call has no replay."""
         return ""
 
+    def shown(self, number: int) -> str:
+        """Return a call as it would be typed."""
+        return f"{self.function}({', '.join(map(_shown, self.calls[number].arguments))})"
+
     def told(self, number: int, answer: object) -> str:
         """Return a call, its answer and the right one, in words."""
-        call = self.calls[number]
-        given = ", ".join(map(_shown, call.arguments))
-        return f"{self.function}({given}) is {_shown(answer)}, not {_shown(call.answer)}"
+        return f"{self.shown(number)} is {_shown(answer)}, not {_shown(self.calls[number].answer)}"
 
 
 def is_right(answer: object, wanted: object) -> bool:

@@ -124,7 +124,7 @@ def _judge(criterion: Criterion, runs: Runs, before: dict[str, Grade], name: str
             command = worst.case.command(name, worst.seed)
             found = found._replace(worst=worst.told, command=command)
         else:
-            found = found._replace(worst=f"{worst.told} (a hidden episode)")
+            found = found._replace(worst=f"{worst.told} (a hidden {measure.unit})")
     if criterion.needs is not None and not before[criterion.needs].points:
         found = found._replace(points=0.0, seen=f"{seen}; no points without {criterion.needs!r}")
     return found

@@ -289,7 +289,9 @@ def _make_criterion(
             raise fail(f"cases has {name!r}; allowed: {', '.join(cases)}", "cases")
         unit = CALL if isinstance(cases[name], CallCase) else EPISODE
         if unit != MEASURES[found["measure"]].unit:
-            raise fail(f"{found['measure']} does not judge {unit}s, as of {name!r}", "measure")
+            kind = found["measure"]
+            message = f"measure is {kind!r}, which does not judge {unit}s, as case {name!r} has"
+            raise fail(message, "measure")
     earlier = [each.name for each in before]
     if found["name"] in earlier:
         raise fail(f"name is {found['name']!r}, which an earlier one has", "name")

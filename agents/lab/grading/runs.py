@@ -28,7 +28,8 @@ class Run(NamedTuple):
         needed: the fewest steps of a delivery, ``None`` without a way.
         useless: actions that had no effect, waits not counted.
         unknown: unknown actions.
-        mode: the failure mode, or ``"delivered"``; the sentence is the evidence for it.
+        mode: the failure mode, or ``"delivered"``; the sentence is the evidence for it. A call is
+            ``"right"`` or ``"wrong"``, and the sentence tells it.
         step: step at which the agent failed; 0 is before the first.
         slowest: seconds of the slowest answer.
         agent: the name of its class or function, if it was loaded.
@@ -68,7 +69,8 @@ class Run(NamedTuple):
     def told(self) -> str:
         """The course of the episode in words, as far as the case may be told."""
         if self.failure is None:
-            counts = {"useless action": self.useless * (self.needed is None),
+            is_told = self.delivered or self.needed is None  # the mode tells it in other episodes
+            counts = {"useless action": self.useless * is_told,
                       "unknown action": self.unknown}  # fmt: skip
             also = (f"; {counted(count, noun)}" for noun, count in counts.items() if count)
             is_plain = self.delivered or isinstance(self.case, CallCase)
@@ -78,6 +80,8 @@ class Run(NamedTuple):
         if not self.case.visible:
             return ": ".join(filter(None, (self.failure.kind, self.failure.public)))
         where = f" at step {self.step}" if self.step else ""
+        if self.agent and isinstance(self.case, CallCase):
+            where = f" in {self.sentence}"
         return f"{self.failure.kind}{where}: {self.failure.text}"
 
 
@@ -134,7 +138,7 @@ def run_call(sandbox: Sandbox, submission: Submission, case: CallCase, number: i
             finally:
                 run = run._replace(agent=agent.name, slowest=agent.slowest)
     except AgentFailureError as failure:
-        return run._replace(failure=failure)
+        return run._replace(failure=failure, sentence=case.shown(number))
     if is_right(answer, call.answer):
         return run._replace(is_right=True, mode="right")
     return run._replace(mode="wrong", sentence=case.told(number, answer))

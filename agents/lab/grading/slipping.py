@@ -11,8 +11,10 @@ from warehouse_core.arguments import real_number
 STAY = (0, 0)
 
 
-class SlippingGrid(GridMotion):
-    """Moves robots by whole cells, sometimes to the left or to the right of where they drive.
+class SlippingGrid:
+    """A motion by whole cells, sometimes to the left or to the right of where a robot drives.
+
+    It does what ``GridMotion`` does with the displacements that are left after slipping.
 
     Args:
         chance: chance that a move goes to a side, 0 to 1; both sides are equally likely.
@@ -24,17 +26,22 @@ class SlippingGrid(GridMotion):
     """
 
     def __init__(self, chance: float = 0.2) -> None:
-        super().__init__()
         self.chance = real_number("chance", chance, 0, 1)
+        self._grid, self._random = GridMotion(), random.Random()
+        self.cell_size = self._grid.cell_size
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         """Put robots in their cells, and begin again with the random numbers of the seed."""
-        super().reset(layout, cells, seed)
+        self._grid.reset(layout, cells, seed)
         self._random = random.Random(seed)
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
-        """Move every robot by one action, where it drives or to a side of that."""
-        return super().advance(list(map(self._slipped, displacements)), loaded)
+        """Move every robot by one action; see ``Motion.advance``."""
+        return self._grid.advance([*map(self._slipped, displacements)], loaded)
+
+    def close(self) -> None:
+        """Forget the robots; see ``Motion.close``."""
+        self._grid.close()
 
     def _slipped(self, displacement: Cell) -> Cell:
         number = self._random.random()

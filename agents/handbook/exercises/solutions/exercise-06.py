@@ -36,7 +36,9 @@ class Careful:
         if here == goal:
             return "DROP" if has_item else "PICK"
         moves = open_moves(observation["local_grid"])
-        nearer = [move for move in moves if distance(after(here, move), goal) < distance(here, goal)]
+        nearer = [
+            move for move in moves if distance(after(here, move), goal) < distance(here, goal)
+        ]
         # Now and then another open move, so that no corner holds the robot for ever.
         if not nearer or self.random.random() < 0.2:
             return self.random.choice(moves or ["WAIT"])

@@ -6,7 +6,7 @@ MOVES = ((-1, 0), (0, 1), (1, 0), (0, -1), (0, 0))
 
 
 def fewest_steps(grid, starts, goals):
-    """Return the fewest steps until both robots are at their goals at once, -1 if they cannot be."""
+    """Return the fewest steps until both robots are at their goals, -1 if they cannot be."""
 
     def beside(cell):
         cells = [(cell[0] + down, cell[1] + right) for down, right in MOVES]
