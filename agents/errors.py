@@ -67,6 +67,10 @@ class WorkerError(WarehouseError):
     """A process on this machine that ended before its work was done."""
 
 
+class PyodideError(WarehouseError):
+    """A file of Pyodide that cannot be read, or is one of another version; the message says why."""
+
+
 def reason_of(error: BaseException, file: Path | None = None) -> str:
     """Return the message of an exception and the last place that it names, in ``file`` if given."""
     frames = frames_in(file, error)

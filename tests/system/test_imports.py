@@ -108,6 +108,7 @@ MAY_IMPORT = {
         "errors fleet lab lab/console lab/reports lab/runs lab/trials registry"
     ),
     "agents/lab/commands/grade": "errors lab/console lab/grading lab/reports lab/trials",
+    "agents/lab/playground": "errors lab lab/grading lab/runs registry",
     "agents/lab/commands/pogema": (
         "errors lab/commands/planners lab/console lab/experiments lab/reports "
         "lab/reports/analysis lab/reports/figures lab/runs lab/trials mapf mapf/kernels registry"
@@ -115,7 +116,7 @@ MAY_IMPORT = {
     "agents/lab/commands": (
         "errors fleet lab lab/commands/export lab/commands/fleet lab/commands/gap "
         "lab/commands/grade lab/commands/planners lab/commands/pogema lab/console lab/experiments "
-        "lab/reports lab/runs lab/training lab/trials learning mapf registry search "
+        "lab/playground lab/reports lab/runs lab/training lab/trials learning mapf registry search "
         "warehouse_agent_greedy"
     ),
     "agents/__main__": "lab/commands",
