@@ -40,7 +40,7 @@ test("a layout of another size is cut, or gets walls outside", () => {
 });
 
 test("a link has all that was packed, and no characters with a meaning in addresses", async () => {
-  const value = { code: "x = '→'\n".repeat(50) + "?&#+/=", seed: 3 };
+  const value = { code: `${"x = '→'\n".repeat(50)}?&#+/=`, seed: 3 };
   const text = await packed(value);
   assert.match(text, /^[\w-]+$/);
   assert.deepEqual(await unpacked(text), value);
