@@ -76,7 +76,6 @@ MAY_IMPORT = {
         "batch body_motion disturbances energy exclusive giving_way robot robot_arena spec"
     ),
     "agents/errors": "",
-    "agents/handbook": "",
     "agents/mapf/kernels": "",
     "agents/search": "",
     "agents/warehouse_agent_greedy": "",
@@ -116,6 +115,7 @@ MAY_IMPORT = {
         "lab/reports lab/runs lab/training lab/trials learning mapf registry search "
         "warehouse_agent_greedy"
     ),
+    "agents/handbook": "lab/commands",
     "agents/__main__": "lab/commands",
     "agents/run_episode": "lab/commands lab/console",
 }

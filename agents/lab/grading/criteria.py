@@ -13,6 +13,8 @@ from agents.lab.trials.wording import percent
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 
+__all__ = ["Criterion"]
+
 MAX_USELESS = 10
 """Useless actions that an agent may take in an episode without a way."""
 
@@ -59,6 +61,12 @@ class Criterion(NamedTuple):
             there are all points or none.
         needs: an earlier criterion; without any points there are none here either.
         visibility: time at which Gradescope shows it, one of ``VISIBILITIES``.
+
+    Example:
+        >>> from agents.lab.grading.criteria import Criterion
+        >>> criterion = Criterion("delivers", 10, "delivered", ("hidden",), full=1.0, zero=0.5)
+        >>> criterion.points_for(0.75), criterion.points_for(0.2)
+        (5.0, 0.0)
     """
 
     name: str

@@ -16,6 +16,8 @@ from agents.lab.runs.programs import ROOT, digest_of, fingerprint
 from warehouse_core.files.kinds import not_a_file
 from warehouse_core.wording import counted, printable
 
+__all__ = ["Submission", "find_submission", "in_folder"]
+
 IMPORTED_ONCE = (
     "abc", "agents", "collections", "copy", "dataclasses", "enum", "functools", "heapq",
     "itertools", "json", "math", "matplotlib", "numpy", "queue", "random", "scipy", "torch",
@@ -53,6 +55,12 @@ class Submission(NamedTuple):
         digest: the digest of its code: of its file, of all files of its folder if it is one of
             many, or of its module and what that imports from its package; "" for a built-in one.
         imports: modules that are imported once; none has code of the submission.
+
+    Example:
+        >>> from agents.lab.grading.submissions import find_submission
+        >>> submission = find_submission("greedy")
+        >>> submission.is_built_in, submission.kind
+        (True, 'GreedyAgent')
     """
 
     name: str
@@ -97,6 +105,13 @@ def find_submission(name: str) -> Submission:
     """Return the agent ``file.py:Class``, ``file.py``, ``module:Class`` or a built-in one.
 
     If there is none, or it needs the map, that is an ``AgentError``.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from agents.lab.grading.submissions import find_submission
+        >>> size = Path("mine.py").write_text("class Mine: ...")
+        >>> find_submission("mine.py:Mine").kind
+        'Mine'
     """
     if name.endswith(".py"):
         return of_file(name, Path(name), None)
@@ -163,6 +178,15 @@ def in_folder(folder: Path, kind: str | None) -> Iterator[Submission | Unusable]
 
     Files and folders that cannot be graded are ``Unusable``; other files are none of both. Links
     are not followed, so that nobody is graded with the file of another. Each has a class ``kind``.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from agents.lab.grading.submissions import in_folder
+        >>> Path("class").mkdir()
+        >>> for name in ("one.py", "two.py"):
+        ...     Path("class", name).touch()
+        >>> [submission.name for submission in in_folder(Path("class"), None)]
+        ['one.py', 'two.py']
     """
     for path in sorted(folder.iterdir()):
         if path.name.startswith((".", "__")) or not (path.suffix == ".py" or path.is_dir()):
