@@ -76,6 +76,8 @@ MAY_IMPORT = {
         "batch body_motion disturbances energy exclusive giving_way robot robot_arena spec"
     ),
     "agents/errors": "",
+    "agents/handbook/exercises": "",
+    "agents/handbook/exercises/solutions": "",
     "agents/mapf/kernels": "",
     "agents/search": "",
     "agents/warehouse_agent_greedy": "",

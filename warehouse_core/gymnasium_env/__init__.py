@@ -14,6 +14,9 @@ Example:
     (86,)
 """
 
+import warehouse_core.gymnasium_env.browser  # noqa: F401 - lets Gymnasium be imported there
+
+# isort: split
 import gymnasium
 
 from warehouse_core.gymnasium_env.env import WarehouseGymnasiumEnv

@@ -6,6 +6,7 @@ from collections.abc import Callable, Collection
 from typing import NamedTuple
 
 from agents.errors import GradeError
+from agents.lab.grading.cases import GradedCase
 from agents.lab.grading.criteria import Criterion, Runs
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.runs import Run, run_cases
@@ -116,7 +117,8 @@ def grade(
     # Hidden ones last: what an agent keeps of them in files is not told in visible ones.
     cases = sorted(rubric.used_cases, key=lambda case: not case.visible)
     runs = run_cases(submission, cases, rubric.limits, user, rubric.files, advance)
-    name = submission.called(next((run.agent for run in runs if run.agent), None))
+    played = (run.agent for run in runs if run.agent and isinstance(run.case, GradedCase))
+    name = submission.called(next(played, None))
     grades: dict[str, Grade] = {}
     for criterion in rubric.criteria:
         grades[criterion.name] = _judge(criterion, runs, grades, name)
@@ -144,7 +146,7 @@ def _judge(criterion: Criterion, runs: Runs, before: dict[str, Grade], name: str
         )
     value = measure.value(asked)
     joint = "of" if measure.shown is percent else "in"
-    episodes = counted(len(asked), "episode")
+    episodes = counted(len(asked), measure.unit)
     seen = f"{_told(criterion, value)} {joint} {episodes}: {measure.seen(asked)}"
     found = Grade(criterion, criterion.points_for(value), seen)
     if not found.is_full:
@@ -153,7 +155,7 @@ def _judge(criterion: Criterion, runs: Runs, before: dict[str, Grade], name: str
             command = worst.case.command(name, worst.seed)
             found = found._replace(worst=worst.told, command=command)
         else:
-            found = found._replace(worst=f"{worst.told} (a hidden episode)")
+            found = found._replace(worst=f"{worst.told} (a hidden {measure.unit})")
     if criterion.needs is not None and not before[criterion.needs].points:
         found = found._replace(points=0.0, seen=f"{seen}; no points without {criterion.needs!r}")
     return found
