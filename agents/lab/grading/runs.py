@@ -14,7 +14,7 @@ from agents.lab.grading.sandbox import FAILS, AgentFailureError, AgentLimits, Sa
 from agents.lab.grading.submissions import Submission
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import EpisodeRecorder
-from warehouse_core.records.episode import DELIVERED, Episode
+from warehouse_core.records.episode import DELIVERED, Action, Episode
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.wording import counted
 from warehouse_core.world.actions import DROP, INVALID, PICK, action_index
@@ -31,6 +31,7 @@ class Run(NamedTuple):
         step: step at which the agent failed; 0 is before the first.
         slowest: seconds of the slowest answer.
         agent: the name of its class, if it was loaded.
+        actions: its actions; none if the episode was not run.
     """
 
     case: GradedCase
@@ -46,6 +47,7 @@ class Run(NamedTuple):
     step: int = 0
     slowest: float = 0.0
     agent: str = ""
+    actions: tuple[Action, ...] = ()
 
     @property
     def outcome(self) -> str:
@@ -103,7 +105,7 @@ def _unrun(last: Run, case: GradedCase, seed: int) -> Run:
     """Return the outcome of an episode that is not run, because it would end like the last one."""
     env, _ = case.begin(seed)
     with closing(env):
-        return last._replace(case=case, seed=seed, needed=needed_steps(env))
+        return last._replace(case=case, seed=seed, needed=needed_steps(env), actions=())
 
 
 def run_case(sandbox: Sandbox, submission: Submission, case: GradedCase, seed: int) -> Run:
@@ -132,7 +134,18 @@ def run_case(sandbox: Sandbox, submission: Submission, case: GradedCase, seed: i
         unknown=counts[INVALID],
         mode=diagnosis.mode,
         sentence=diagnosis.sentence,
+        actions=tuple(episode.actions),
     )
+
+
+def episode_of(run: Run) -> Episode:
+    """Return the record of an episode, made by its actions without its agent."""
+    env, _ = run.case.begin(run.seed)
+    with closing(env):
+        recorder = EpisodeRecorder(env, seed=run.seed)
+        for action in run.actions:
+            recorder.step(action)
+    return recorder.episode
 
 
 def _count_useless(episode: Episode) -> Counter[int]:
