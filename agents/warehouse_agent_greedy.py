@@ -1,7 +1,10 @@
 """The chapter's greedy agent: lower the Manhattan distance, and escape loops by random moves.
 
-It uses nothing but the observation. Source: the chapter's exercise (Russell and Norvig, 4th ed.,
-ch. 2); for its questions about loop escape use ``escape_steps=0``.
+It is a simple goal-based agent with internal state: its goal is a cell, and its state is where it
+was in the last steps. It uses nothing but the observation. For the chapter's questions about loop
+escape use ``escape_steps=0``.
+
+Source: the chapter's exercise, section 1.6.4 of the course book.
 """
 
 from __future__ import annotations

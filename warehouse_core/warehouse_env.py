@@ -81,7 +81,7 @@ class WarehouseEnv:
             is too small, or an unknown backend (``BackendError``).
         TypeError: an argument of another type.
 
-    Source: the chapter's exercise (Russell and Norvig, 4th ed., ch. 2).
+    Source: the chapter's exercise, section 1.6 of the course book.
     """
 
     ACTIONS: ClassVar[list[str]] = list(ACTIONS)
@@ -105,6 +105,7 @@ class WarehouseEnv:
         layout = grid if isinstance(grid, Layout) else Layout(grid)
         self._sight = Sight(self._view_radius)
         self._use(layout)
+        self._given_layout = layout
         self._start_pos = self._start_in(self.layout, start_pos)
         self._motion = make_motion(backend)
         if isinstance(self._motion, DrivesThrough):
@@ -174,7 +175,10 @@ class WarehouseEnv:
                 dropoff replace the old ones for later resets too.
             seed: seed of ``random.Random``, from which the cells are drawn; ``None`` draws from
                 the global ``random``. Pickup and dropoff are drawn from the cells that are empty
-                before, so the same seed gives the same layout only after the same stations.
+                before. With a seed that is before any draw, in the layout that was given to the
+                environment, so a seed names the same episode in each of its uses. Without one it
+                is before this draw, as in the chapter, so the episode also depends on the stations
+                drawn last.
 
         Raises:
             LayoutError: fewer than two open cells without a charger, and stations are to be drawn.
@@ -186,12 +190,14 @@ class WarehouseEnv:
         layout, start = self.layout, self._start_pos
         if randomize:
             stream = random if seed is None else random.Random(seed)
+            if drawn.stations and seed is not None:
+                layout = self._given_layout
             chargers = layout.ranks(layout.chargers)
             stations = layout.ranks(layout.pickups + layout.dropoffs)
             if drawn.stations:
-                layout, stations = self._draw_stations(stream, stations + chargers)
+                layout, stations = _draw_stations(stream, layout, stations + chargers)
             if drawn.start:
-                start = self._draw_start(stream, stations + chargers)
+                start = self._draw_start(stream, layout, stations + chargers)
         return self._begin(layout, start, seed)
 
     def reset_to(
@@ -209,11 +215,10 @@ class WarehouseEnv:
             TypeError: an argument of another type.
         """
         instance_of("layout", layout, Layout)
-        return self._begin(
-            layout,
-            self._start_in(layout, start_pos),
-            None if seed is None else whole_number("seed", seed),
-        )
+        start = self._start_in(layout, start_pos)
+        seed = None if seed is None else whole_number("seed", seed)
+        self._given_layout = layout
+        return self._begin(layout, start, seed)
 
     def step(
         self, action: str | SupportsIndex
@@ -321,28 +326,29 @@ class WarehouseEnv:
         self._placed = cell
         self.last_motion = None
 
-    def _draw_stations(self, stream: Any, taken: list[int]) -> tuple[Layout, list[int]]:
-        """Return the layout with random pickup and dropoff, from the cells that are empty before.
-
-        ``taken`` are the ranks of the present stations and chargers; the ranks of the new stations
-        are returned too. With fewer than two empty cells there are none, as in the chapter's
-        recorded episodes.
-        """
-        check_room(self.layout)
-        count = len(self.layout.open_cells)
-        new: list[int] = []
-        if count - len(taken) >= 2:
-            for _ in range(2):
-                new.append(_draw(stream, count, without=taken + new))
-        pickup, dropoff = map(self.layout.open_cell, new) if new else (None, None)
-        return self.layout.with_stations(pickup, dropoff), new
-
-    def _draw_start(self, stream: Any, taken: list[int]) -> Cell:
+    def _draw_start(self, stream: Any, layout: Layout, taken: list[int]) -> Cell:
         """Return a random empty cell, the usual start if there is none."""
-        count = len(self.layout.open_cells)
+        count = len(layout.open_cells)
         if count <= len(taken):
             return self._start_pos
-        return self.layout.open_cell(_draw(stream, count, without=taken))
+        return layout.open_cell(_draw(stream, count, without=taken))
+
+
+def _draw_stations(stream: Any, layout: Layout, taken: list[int]) -> tuple[Layout, list[int]]:
+    """Return a layout with random pickup and dropoff, from the cells that are empty before.
+
+    ``taken`` are the ranks of the present stations and chargers; the ranks of the new stations are
+    returned too. With fewer than two empty cells there are none, as in the chapter's recorded
+    episodes.
+    """
+    check_room(layout)
+    count = len(layout.open_cells)
+    new: list[int] = []
+    if count - len(taken) >= 2:
+        for _ in range(2):
+            new.append(_draw(stream, count, without=taken + new))
+    pickup, dropoff = map(layout.open_cell, new) if new else (None, None)
+    return layout.with_stations(pickup, dropoff), new
 
 
 def _draw(stream: Any, count: int, without: list[int]) -> int:

@@ -7,6 +7,8 @@ import sys
 from pathlib import Path
 from typing import Any
 
+from docutils import nodes
+
 project = "warehouse-lab"
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 html_theme = "furo"
@@ -50,6 +52,12 @@ ACCESSIBLE = {
 def setup(app: Any) -> None:
     """Leave the fields of named tuples to the docstrings of their classes, and help readers."""
 
+    def add_terms(app: Any, tree: nodes.document) -> None:
+        """Let links of Markdown, which notebooks show as links too, lead to terms."""
+        slugs = app.env.metadata[app.env.docname].setdefault("myst_slugs", {})
+        for term in tree.findall(nodes.term):
+            slugs |= {each: (0, each, term.astext()) for each in term["ids"]}
+
     def is_field(_app: Any, _what: str, _name: str, member: Any, skip: bool, _options: Any) -> bool:
         return skip or str(member.__doc__).startswith("Alias for field number")
 
@@ -59,5 +67,6 @@ def setup(app: Any) -> None:
         for start, better in ACCESSIBLE.items():
             context["body"] = context.get("body", "").replace(start, better)
 
+    app.connect("doctree-read", add_terms)
     app.connect("autodoc-skip-member", is_field)
     app.connect("html-page-context", make_accessible)

@@ -13,6 +13,7 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.mapf.matching import cheapest_matching
 from warehouse_core.world.tables import Integers
 
 NONE = -1
@@ -115,14 +116,12 @@ def urgent(tasks: Tasks) -> NDArray[np.intp]:
 
 
 def _cheapest(tasks: Tasks, costs: NDArray[np.floating]) -> NDArray[np.intp]:
-    from scipy.optimize import linear_sum_assignment
-
     found = np.full(len(costs), NONE)
     reachable = np.isfinite(costs)
     costs = np.where(reachable, costs, OUT_OF_REACH)
     held = np.flatnonzero(tasks.held != NONE)
     costs[held, tasks.held[held]] -= KEEP
-    robots, orders = linear_sum_assignment(costs)
+    robots, orders = cheapest_matching(costs)
     given = reachable[robots, orders]
     found[robots[given]] = orders[given]
     return found

@@ -102,7 +102,7 @@ class PIBT:
         NumPy is faster than plain Python if there are more than a few robots.
         """
         team, near, closed = self._team, self.fields.near[places], self.graph.places
-        is_step, number = near != closed, np.arange(len(places))
+        is_step, number = near != closed, np.arange(len(places), dtype=np.int64)
         to = np.where(is_step, near, places[:, None])
         draw(team.random)
         chance = cast(Integers, mix(cast(int, team.random[0] + number * SPREAD)))[:, None]

@@ -1,4 +1,4 @@
-"""Search algorithms in the book's words, all by one best-first search.
+"""Search algorithms in Russell and Norvig's words, all by one best-first search.
 
 A *problem* has an initial state, actions, a transition model, action costs and a goal test. A
 *node* is a state with the path that led to it. The *frontier* holds the nodes that have been

@@ -35,14 +35,36 @@ def test_a_seed_draws_like_the_global_random_and_leaves_it_unchanged() -> None:
     random.seed("anything")
     before = random.getstate()
     for trace in TRACES[::5]:
-        env = env_of(trace)
-        for episode in trace["episodes"]:
-            observation = env.reset(randomize=episode["randomize"], seed=episode["seed"])
-            assert as_json(observation) == episode["first_observation"]
-            drawn = Layout(env.grid)
-            stations = (observation["pickup_pos"], observation["dropoff_pos"])
-            assert stations == (next(iter(drawn.pickups), None), next(iter(drawn.dropoffs), None))
+        env, episode = env_of(trace), trace["episodes"][0]
+        observation = env.reset(randomize=episode["randomize"], seed=episode["seed"])
+        assert as_json(observation) == episode["first_observation"]
+        drawn = Layout(env.grid)
+        stations = (observation["pickup_pos"], observation["dropoff_pos"])
+        assert stations == (next(iter(drawn.pickups), None), next(iter(drawn.dropoffs), None))
     assert random.getstate() == before
+
+
+@pytest.mark.parametrize("randomize", [True, "stations"])
+def test_a_seed_names_an_episode_however_often_the_environment_is_used(
+    randomize: bool | str,
+) -> None:
+    used = WarehouseEnv()
+    for seed in range(30):
+        expected = WarehouseEnv().reset(randomize, seed)
+        assert used.reset(randomize, seed) == expected
+    elsewhere = Layout(["P....", ".....", "....D"])
+    used.reset_to(elsewhere)
+    for seed in range(5):
+        assert used.reset(randomize, seed) == WarehouseEnv(elsewhere).reset(randomize, seed)
+
+
+def test_without_a_seed_the_stations_drawn_last_are_no_candidates() -> None:
+    env = WarehouseEnv(["P....D"], (0, 1))
+    for seed in range(30):
+        before = {*env.layout.pickups, *env.layout.dropoffs}
+        random.seed(seed)
+        env.reset(randomize=True)
+        assert before.isdisjoint(env.layout.pickups + env.layout.dropoffs)
 
 
 # The interface.

@@ -44,7 +44,8 @@ class Oracle:
     """The chapter's warehouse, and chargers, from the table alone, without code of the project."""
 
     def __init__(self, rows: list[str], start: Cell, max_steps: int, battery: int) -> None:
-        self.rows, self.start = [list(row) for row in rows], start
+        self.given, self.start = rows, start
+        self.rows = [list(row) for row in rows]
         self.max_steps, self.max_battery = max_steps, battery
         self.begin(start)
 
@@ -64,6 +65,9 @@ class Oracle:
         row, col = cell
         inside = 0 <= row < len(self.rows) and 0 <= col < len(self.rows[0])
         return inside and self.rows[row][col] != "#"
+
+    def forget_draws(self) -> None:
+        self.rows = [list(row) for row in self.given]
 
     def draw(self, stream: random.Random) -> None:
         """Draw as the recorded episodes do: stations from the cells that were empty before."""
@@ -184,6 +188,8 @@ class EnvironmentMachine(RuleBasedStateMachine):
         before = random.getstate()
         self.observation = self.env.reset(randomize=True, seed=seed if privately else None)
         assert not privately or random.getstate() == before
+        if privately:
+            self.oracle.forget_draws()
         self.oracle.draw(random.Random(seed))
 
     @precondition(lambda self: not self.has_room)

@@ -1,4 +1,4 @@
-"""The book's map of Romania, and problems whose states are the names of places.
+"""Russell and Norvig's map of Romania, and problems whose states are the names of places.
 
 Source: Russell and Norvig, Artificial Intelligence, 4th ed., figures 3.1 (roads, in miles) and
 3.16 (straight-line distances to Bucharest).
@@ -50,7 +50,7 @@ class Travel(Problem[str, str]):
 
 
 def romania(start: str = "Arad", goal: str = "Bucharest") -> Travel:
-    """Return the book's problem; every road can be used both ways."""
+    """Return Russell and Norvig's problem; every road can be used both ways."""
     back = {(there, here): miles for (here, there), miles in ROADS.items()}
     return Travel(ROADS | back, start, goal)
 

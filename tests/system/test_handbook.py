@@ -31,6 +31,9 @@ ANSWERS = re.compile(
     r"^<!-- (\w+) -->\n\*\*(.*?)\*\*\n\n(.*?)\n\n!", flags=re.DOTALL | re.MULTILINE
 )
 FRAMES_APART = 10
+GLOSSARY = HANDBOOK / "glossary.md"
+WITHOUT_TERMS = {"README", "index", "coming_from", "glossary", "reference"}
+"""Pages that link to no term: they lead to other pages, or explain names of programs."""
 
 each_page = pytest.mark.parametrize("page", TEXTS, ids=[page.stem for page in TEXTS])
 
@@ -78,7 +81,8 @@ def test_the_commands_that_need_pytorch_run() -> None:
 @each_page
 def test_every_block_is_of_a_kind_that_is_run(page: Path) -> None:
     fences = re.findall(r"^```(\S+)", TEXTS[page], flags=re.MULTILINE)
-    assert {*fences} <= {"sh", "python", "{code-cell}", "text", "{eval-rst}", "{toctree}"}
+    directives = {"{code-cell}", "{eval-rst}", "{glossary}", "{toctree}"}
+    assert {*fences} <= {"sh", "python", "text", *directives}
     run = [block for block in blocks_of(page) if block.language in ("sh", CELL)]
     assert len(run) == sum(kind in ("sh", "python", "{code-cell}") for kind in fences)
     for block in run:
@@ -100,6 +104,20 @@ def test_all_that_a_page_names_exists(page: Path) -> None:
     named = re.findall(r"`((?:warehouse_\w+|agents|\.github)/[\w/.]*)`", TEXTS[page])
     assert [each for each in links if not (page.parent / each).exists()] == []
     assert [each for each in named if not (ROOT / each).exists()] == []
+
+
+def test_the_glossary_has_the_terms_that_pages_link_to() -> None:
+    glossaries = re.findall(r"^```{glossary}\n(.*?)^```", TEXTS[GLOSSARY], flags=re.DOTALL | re.M)
+    entries = [entry.split("\n    ") for part in glossaries for entry in part.strip().split("\n\n")]
+    terms = [term for term, *_ in entries]
+    assert len(terms) >= 60
+    assert len({*terms}) == len(terms)
+    assert all(words and words[-1].endswith(".") for _, *words in entries)
+    ids = {f"term-{term.replace(' ', '-')}" for term in terms}
+    for page, text in TEXTS.items():
+        linked = re.findall(r"\(glossary\.md#([^)]+)\)", text)
+        assert {*linked} <= ids, page
+        assert linked or page.stem in WITHOUT_TERMS, page
 
 
 def test_every_page_can_be_reached_from_the_first() -> None:

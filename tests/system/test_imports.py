@@ -77,6 +77,8 @@ MAY_IMPORT = {
     ),
     "agents/errors": "",
     "agents/handbook": "",
+    "agents/handbook/exercises": "",
+    "agents/handbook/exercises/solutions": "",
     "agents/mapf/kernels": "",
     "agents/search": "",
     "agents/warehouse_agent_greedy": "",

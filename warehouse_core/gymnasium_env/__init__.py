@@ -4,6 +4,9 @@
 rules are not here: this package adds spaces and infos to ``WarehouseEnv`` and ``BatchEnv``.
 """
 
+import warehouse_core.gymnasium_env.browser  # noqa: F401 - lets Gymnasium be imported there
+
+# isort: split
 import gymnasium
 
 from warehouse_core.gymnasium_env.env import WarehouseGymnasiumEnv

@@ -16,7 +16,7 @@ battery charges, and whether the episode ends. They are the same for every backe
 
 Every step first costs one unit of the battery, which then gains no more than makes it full.
 
-Source: the chapter's exercise (Russell and Norvig, 4th ed., ch. 2), except for the charger.
+Source: the chapter's exercise, section 1.6 of the course book, except for the charger.
 """
 
 from __future__ import annotations

@@ -101,8 +101,6 @@ def run_racer(name: str, task: Task, seed: int) -> Episode:
             racer: Agent = practised(env.layout, seed)
         else:
             racer = make_agent(name, seed, task.layout_for(seed))
-    # Random stations depend on the stations before them: the race has an environment of its own.
-    with closing(task.make_env(seed)) as env:
         try:
             watch = slow_steps_told(racer, name)
             return run(env, racer, seed, watch, name=name, randomize=task.randomize)

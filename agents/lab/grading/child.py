@@ -25,8 +25,10 @@ import socket
 import sys
 import tempfile
 import traceback
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import suppress
+from functools import reduce
+from operator import getitem
 from types import ModuleType
 from typing import Any
 
@@ -136,7 +138,10 @@ def control_process(option: int, value: int) -> None:
 
 
 def play(questions: int, answers: int, bounds: dict[str, Any], rules: int | None) -> None:
-    """Load the agent that the first line names, and answer each observation by an action."""
+    """Load the agent or the function that the first line names, and answer each question.
+
+    An agent answers observations by actions, a function answers arguments by values.
+    """
     lines = os.fdopen(questions, "rb")
     task = json.loads(lines.readline())
 
@@ -151,6 +156,14 @@ def play(questions: int, answers: int, bounds: dict[str, Any], rules: int | None
             return
         if task["allowed"] is not None or task["denied"]:
             guard_imports(task)
+        if task["function"] is not None:
+            called = find_function(task)
+            answer(word, name=task["function"])
+            for line in lines:
+                question = json.loads(line)
+                word = question["word"]
+                answer(word, value=as_value(called(as_tuples(question["arguments"]))))
+            return
         agent = make_agent(task)
         agent.reset()
         answer(word, name=type(agent).__name__)
@@ -326,6 +339,43 @@ def find_class(module: Any, task: dict[str, Any]) -> Any:
         names = ", ".join(kind.__name__ for kind in found) or "none"
         raise AttributeError(f"one class with reset() and act() is needed; there are: {names}")
     return found[0]
+
+
+def find_function(task: dict[str, Any]) -> Callable[[tuple[Any, ...]], Any]:
+    """Return what answers arguments: a function of the file, or a dictionary looked up by them."""
+    random.seed(task["seed"])
+    name = task["function"]
+    found = getattr(load_module(task), name, None)
+    if callable(found):
+        return lambda arguments: found(*arguments)
+    if isinstance(found, dict):
+        return lambda arguments: reduce(getitem, arguments, found)
+    raise AttributeError(f"there is no function and no dictionary {name}")
+
+
+def as_tuples(value: Any) -> Any:
+    """Return a value with tuples in place of lists, which JSON has instead; cells are tuples."""
+    if isinstance(value, list):
+        return tuple(map(as_tuples, value))
+    if isinstance(value, dict):
+        return {key: as_tuples(each) for key, each in value.items()}
+    return value
+
+
+def as_value(value: Any) -> Any:
+    """Return an answer as it is sent; ``TypeError`` if JSON has nothing like it."""
+    if isinstance(value, dict):
+        return {str(key): as_value(each) for key, each in value.items()}
+    if isinstance(value, set | frozenset):
+        value = sorted(value)
+    if isinstance(value, list | tuple):
+        return list(map(as_value, value))
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    if hasattr(value, "tolist"):  # a number or an array of NumPy
+        return value.tolist()
+    name = type(value).__name__
+    raise TypeError(f"an answer is of type {name}; allowed: numbers, words, lists and dictionaries")
 
 
 def as_action(action: Any) -> str | int:

@@ -19,6 +19,8 @@ VISIBILITIES = ("visible", "after_due_date", "after_published", "hidden")
 MAX_USELESS = 10
 """Useless actions that an agent may take in an episode without a way."""
 
+EPISODE, CALL = "episode", "call"
+
 Runs = Sequence[Run]
 
 
@@ -32,6 +34,7 @@ class GradedMeasure(NamedTuple):
         seen: says what was seen, beside the number.
         is_secret: the number is not told, because it is different each time; such a measure gives
             all points or none.
+        unit: ``EPISODE`` or ``CALL``, what it judges.
     """
 
     asked: str
@@ -43,6 +46,7 @@ class GradedMeasure(NamedTuple):
     seen: Callable[[Runs], str]
     more_is_better: bool = True
     is_secret: bool = False
+    unit: str = EPISODE
 
     def is_better(self, value: float, other: float, *, or_equal: bool = False) -> bool:
         """Return whether a number is better than another."""
@@ -129,6 +133,10 @@ def _is_valid(run: Run) -> bool:
     return not run.failure and not run.unknown
 
 
+def _is_flawless(run: Run) -> bool:
+    return run.delivered and not run.useless
+
+
 def _useless(runs: Runs) -> str:
     most = max(run.useless for run in runs)
     failed = sum(bool(run.failure) for run in runs)
@@ -199,5 +207,23 @@ MEASURES = {
         "each answer takes less than {}",
         lambda seconds: f"{seconds:g} s", lambda runs: max(map(_slowest, runs)),
         _slowest, lambda _: True, "", _in_time, more_is_better=False, is_secret=True,
+    ),
+    "flawless": GradedMeasure(
+        "{} of the episodes end with the delivery, without a useless action (pick, drop, bump, "
+        "unknown one)",
+        percent, _share(_is_flawless),
+        lambda run: 0 if _is_flawless(run) else 1 + run.useless + 1000 * bool(run.failure),
+        _has_way, WITH_WAY, lambda runs: f"{outcomes(runs)}; {_useless(runs)}",
+    ),
+    "reward": GradedMeasure(
+        "a mean reward of at least {}",
+        lambda value: f"{value:.2f}", lambda runs: sum(run.reward for run in runs) / len(runs),
+        lambda run: 1000 * bool(run.failure) - run.reward, lambda _: True, "", outcomes,
+    ),
+    "answered": GradedMeasure(
+        "{} of the calls give the right answer",
+        percent, _share(lambda run: run.is_right),
+        lambda run: 0 if run.is_right else 1 + bool(run.failure),
+        lambda _: True, "", outcomes, unit=CALL,
     ),
 }  # fmt: skip

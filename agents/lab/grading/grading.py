@@ -7,7 +7,8 @@ from collections.abc import Callable, Collection
 from typing import NamedTuple
 
 from agents.errors import GradeError
-from agents.lab.grading.criteria import VISIBILITIES, Criterion, Runs, outcomes
+from agents.lab.grading.cases import GradedCase
+from agents.lab.grading.criteria import CALL, EPISODE, VISIBILITIES, Criterion, Runs, outcomes
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.runs import Run, run_cases
 from agents.lab.grading.submissions import NOTEBOOK, Submission
@@ -119,7 +120,8 @@ def grade(
     with submission.unpacked(user) as unpacked:
         runs = run_cases(unpacked, cases, rubric.limits, user, rubric.files, advance)
         note = _note(unpacked.hiding)
-    name = submission.called(next((run.agent for run in runs if run.agent), None))
+    played = (run.agent for run in runs if run.agent and isinstance(run.case, GradedCase))
+    name = submission.called(next(played, None))
     grades: dict[str, Grade] = {}
     for criterion in rubric.criteria:
         grades[criterion.name] = _judge(criterion, runs, grades, name)
@@ -136,12 +138,13 @@ def grade(
 def _reason(runs: Runs) -> str:
     """Return why an agent has no points: what it fails with most, or how its episodes end."""
     failures = Counter(run.failure.kind for run in runs if run.failure)
+    unit = EPISODE if isinstance(runs[0].case, GradedCase) else CALL
     if not failures:
-        return f"no points: {counted(len(runs), 'episode')}, {outcomes(runs)}"
+        return f"no points: {counted(len(runs), unit)}, {outcomes(runs)}"
     [(kind, count)] = failures.most_common(1)
     failed = [run for run in runs if run.failure and run.failure.kind == kind]
     first = next((run for run in failed if run.case.visible), failed[0])
-    return f"no points: {count} of {counted(len(runs), 'episode')} failed: it {first.told}"
+    return f"no points: {count} of {counted(len(runs), unit)} failed: it {first.told}"
 
 
 def _note(hiding: Collection[str]) -> str:
@@ -160,7 +163,7 @@ def _judge(criterion: Criterion, runs: Runs, before: dict[str, Grade], name: str
         )
     value = measure.value(asked)
     joint = "of" if measure.shown is percent else "in"
-    episodes = counted(len(asked), "episode")
+    episodes = counted(len(asked), measure.unit)
     seen = f"{_told(criterion, value)} {joint} {episodes}: {measure.seen(asked)}"
     found = Grade(criterion, criterion.points_for(value), seen, value=value)
     if not found.is_full:
@@ -169,7 +172,7 @@ def _judge(criterion: Criterion, runs: Runs, before: dict[str, Grade], name: str
             command = "" if NOTEBOOK in name else worst.case.command(name, worst.seed)
             found = found._replace(worst=worst.told, command=command, run=worst)
         else:
-            found = found._replace(worst=f"{worst.told} (a hidden episode)")
+            found = found._replace(worst=f"{worst.told} (a hidden {measure.unit})")
     if criterion.needs is not None and not before[criterion.needs].points:
         found = found._replace(points=0.0, seen=f"{seen}; no points without {criterion.needs!r}")
     return found

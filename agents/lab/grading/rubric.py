@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import math
 import re
 from collections.abc import Mapping
@@ -11,8 +12,9 @@ from pathlib import Path
 from typing import Any
 
 from agents.errors import GradeError
+from agents.lab.grading.calls import Call, CallCase
 from agents.lab.grading.cases import GradedCase
-from agents.lab.grading.criteria import MEASURES, VISIBILITIES, Criterion
+from agents.lab.grading.criteria import CALL, EPISODE, MEASURES, VISIBILITIES, Criterion
 from agents.lab.grading.late import MAX_DAYS, LateRule
 from agents.lab.grading.sandbox import AgentLimits
 from agents.lab.parameters import PARAMETERS, CheckValue, Number, Whole, flag, one_of
@@ -45,7 +47,7 @@ class Rubric:
 
     title: str
     limits: AgentLimits
-    cases: Mapping[str, GradedCase]
+    cases: Mapping[str, GradedCase | CallCase]
     criteria: tuple[Criterion, ...]
     digest: str
     file: Path
@@ -69,11 +71,10 @@ class Rubric:
     @property
     def files(self) -> list[Path]:
         """The files of the rubric and its layouts, which agents must not read."""
-        layouts = (Path(case.layout) for case in self.cases.values())
-        return [self.file, *(path for path in layouts if path.is_absolute())]
+        return [self.file, *(file for case in self.cases.values() for file in case.files)]
 
     @property
-    def used_cases(self) -> list[GradedCase]:
+    def used_cases(self) -> list[GradedCase | CallCase]:
         """The cases that criteria judge, in the order of the file."""
         used = {name for criterion in self.criteria for name in criterion.cases}
         return [case for name, case in self.cases.items() if name in used]
@@ -115,6 +116,20 @@ def pair(minimum: int, example: str) -> CheckValue:
     return check
 
 
+def calls(value: Any) -> tuple[Call, ...]:
+    """Check that a value is a list of calls with their answers, of values that JSON has too."""
+    try:
+        found = [Call(**each) for each in value]
+        json.dumps(found)
+        if not found or not all(isinstance(each.arguments, list) for each in found):
+            raise ValueError
+    except (TypeError, ValueError):
+        raise ValueError(
+            "a list of calls, as in [{ arguments = [1, [2, 3]], answer = 4 }]"
+        ) from None
+    return tuple(found)
+
+
 SECONDS = Number(0.01, 3600)
 
 LIMITS: dict[str, CheckValue] = {
@@ -128,8 +143,11 @@ CASE: dict[str, CheckValue] = {
     "first_seed": Whole(0, MAX_SEED), "episodes": Whole(1, MAX_EPISODES),
     "stations": lambda value: Stations(one_of(*Stations)(value)), "start": pair(0, "[1, 1]"),
     **{name: PARAMETERS[name].check for name in ("battery", "max_steps", "view_radius")},
-    "visible": flag,
+    "visible": flag, "slip": Number(0, 1),
 }  # fmt: skip
+
+CALLED: dict[str, CheckValue] = {"function": text, "calls": calls, "visible": flag}
+"""Keys of a case of calls, which has a function."""
 
 CRITERION: dict[str, CheckValue] = {
     "name": text, "points": Number(0, MAX_COUNT), "measure": one_of(*MEASURES), "cases": names,
@@ -217,7 +235,8 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
     cases = {name: _make_case(reader, name, each) for name, each in tables.items()}
     cells = 0
     for case in cases.values():
-        cells += _check_case(reader, case, digest, MAX_CELLS - cells)
+        if isinstance(case, GradedCase):
+            cells += _check_case(reader, case, digest, MAX_CELLS - cells)
     rows = values.get("criteria")
     if not isinstance(rows, list) or not rows:
         raise reader.fail("there are no [[criteria]]; a rubric needs at least one")
@@ -228,8 +247,13 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
     return Rubric(title, limits, cases, tuple(criteria), digest.hexdigest(), reader.path, late)
 
 
-def _make_case(reader: _Reader, name: str, values: Any) -> GradedCase:
+def _make_case(reader: _Reader, name: str, values: Any) -> GradedCase | CallCase:
     header = f"[cases.{name}]"
+    if isinstance(values, dict) and "function" in values:
+        found = reader.table(values, CALLED, header)
+        if "calls" not in found:
+            raise reader.fail("function needs calls", header, key="function")
+        return CallCase(name, **found)
     found = reader.table(values, CASE, header)
     if "layout" in found:
         beside = reader.path.resolve().parent / found["layout"]
@@ -271,7 +295,7 @@ def _make_criterion(
     reader: _Reader,
     values: Any,
     count: int,
-    cases: Mapping[str, GradedCase],
+    cases: Mapping[str, GradedCase | CallCase],
     before: list[Criterion],
 ) -> Criterion:
     header = "[[criteria]]"
@@ -286,6 +310,11 @@ def _make_criterion(
     for name in found["cases"]:
         if name not in cases:
             raise fail(f"cases has {name!r}; allowed: {', '.join(cases)}", "cases")
+        unit = CALL if isinstance(cases[name], CallCase) else EPISODE
+        if unit != MEASURES[found["measure"]].unit:
+            kind = found["measure"]
+            message = f"measure is {kind!r}, which does not judge {unit}s, as case {name!r} has"
+            raise fail(message, "measure")
     earlier = [each.name for each in before]
     if found["name"] in earlier:
         raise fail(f"name is {found['name']!r}, which an earlier one has", "name")

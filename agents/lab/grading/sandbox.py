@@ -18,7 +18,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Collection, Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
@@ -124,13 +124,14 @@ class AgentProcess:
         self._left = limits.episode_seconds
         self.name, self.slowest = "", 0.0
 
-    def start(self, submission: Submission, seed: int) -> None:
-        """Load and reset the agent, or raise its ``AgentFailureError``."""
+    def start(self, submission: Submission, seed: int, function: str | None = None) -> None:
+        """Load and reset the agent, or load a function, or raise its ``AgentFailureError``."""
         task = {
             "file": None if submission.file is None else str(submission.file),
             "module": submission.module,
             "class": submission.kind,
             "seed": seed,
+            "function": function,
             "paths": submission.paths,
             "allowed": self._limits.allow_imports,
             "denied": self._limits.deny_imports,
@@ -150,15 +151,22 @@ class AgentProcess:
 
     def act(self, observation: Observation) -> str | int:
         """Return the action for an observation, or raise the ``AgentFailureError``."""
-        begin, seconds = monotonic(), min(self._limits.answer_seconds, self._left)
-        answer = self._ask({"observation": observation}, seconds)
-        taken = monotonic() - begin
-        self._left -= taken
-        self.slowest = max(self.slowest, taken)
-        action = answer.get("action")
+        action = self._ask_in_time({"observation": observation}).get("action")
         if not isinstance(action, str | int):
             raise AgentFailureError(ENDS, "it wrote to the channel of its answers")
         return action
+
+    def call(self, arguments: Sequence[Any]) -> Any:
+        """Return the answer of a function to its arguments, or raise the ``AgentFailureError``."""
+        return self._ask_in_time({"arguments": arguments}).get("value")
+
+    def _ask_in_time(self, question: dict[str, Any]) -> dict[str, Any]:
+        begin, seconds = monotonic(), min(self._limits.answer_seconds, self._left)
+        answer = self._ask(question, seconds)
+        taken = monotonic() - begin
+        self._left -= taken
+        self.slowest = max(self.slowest, taken)
+        return answer
 
     def _ask(self, question: dict[str, Any], seconds: float) -> dict[str, Any]:
         word = secrets.token_hex(8)

@@ -88,7 +88,6 @@ class Task(NamedTuple):
         for seed in seeds:
             agent = make_agent(seed)
             watch = make_watch(agent, name)
-            # Random stations depend on the stations before them: each episode has its own env.
             with closing(self.make_env(seed)) as env:
                 episode = run(env, agent, seed, watch, name=name, randomize=self.randomize)
             rows.append(lone_row(episode))

@@ -1,4 +1,4 @@
-"""Best-first search and its algorithms, on the book's map and on small ones."""
+"""Best-first search and its algorithms, on Russell and Norvig's map and on small ones."""
 
 import math
 import random

@@ -20,6 +20,7 @@ from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.terminal import say
 from agents.lab.grading.autograder import write_autograder
 from agents.lab.grading.criteria import VISIBILITIES
+from agents.lab.grading.exercises import find_rubric, rubric_name
 from agents.lab.grading.gradescope import lines_of
 from agents.lab.grading.grading import GradeReport
 from agents.lab.grading.grading import grade as grade_agent
@@ -55,8 +56,9 @@ def grade(
     rubric: Annotated[
         Path,
         option(
-            "--rubric FILE",
-            "What is asked, a .toml file. Default: that of the mini-lab.",
+            "--rubric NAME|FILE",
+            "What is asked: an exercise such as exercise-07, or a .toml file. Default: the "
+            "mini-lab.",
             show_default=False,
         ),
     ] = MINI_LAB,
@@ -163,7 +165,7 @@ def grade(
 
     Example: warehouse grade my_agent.py:Agent --save results.json
     """
-    wanted = load_rubric(rubric)
+    wanted = load_rubric(find_rubric(rubric))
     if starter is not None:
         write_starter(wanted, starter)
     if autograder is not None:
@@ -222,7 +224,8 @@ def write_starter(rubric: Rubric, target: Path) -> None:
     text = read_file(rubric.starter, MAX_SOURCE)
     with atomic_path(target) as part:
         part.write_bytes(text)
-    asked = "" if rubric.file == MINI_LAB else f" --rubric {shlex.quote(str(rubric.file))}"
+    name = shlex.quote(rubric_name(rubric.file))
+    asked = "" if rubric.file == MINI_LAB else f" --rubric {name}"
     say(f"saved {target}; to grade it: warehouse grade {shlex.quote(str(target))}{asked}")
 
 

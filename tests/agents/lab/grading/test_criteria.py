@@ -130,6 +130,36 @@ def on(kind: str, full: float, zero: float, case: str = "open", **others: Any) -
             (2, "fails: ValueError: 3"),
         ),
         (
+            on("flawless", 1, 0),
+            [GOOD, GOOD._replace(useless=2), GOOD._replace(useless=1), LOST, CALM],
+            2.5,
+            "25% of 4 episodes: 3 delivered and 1 oscillation; 0 failures, at most 2 useless "
+            "actions in an episode",
+            (2, "It delivered.; 2 useless actions"),
+        ),
+        (
+            on("flawless", 1, 0),
+            [GOOD._replace(useless=2), LOST._replace(failure=CRASH, step=3)],
+            0,
+            "0% of 2 episodes: 1 delivered and 1 fails; 1 failure, at most 2 useless actions in "
+            "an episode",
+            (2, "fails at step 3: ValueError: 3"),
+        ),
+        (
+            on("reward", 8, 4),  # an episode without a way counts too
+            [GOOD._replace(reward=12.0), CALM._replace(case=OPEN, reward=-1.0)],
+            3.75,
+            "5.50 in 2 episodes: 1 delivered and 1 unreachable",
+            (2, "unreachable: There is no way."),
+        ),
+        (
+            on("reward", 8, 4),  # one that failed is the worst, however much it has
+            [LOST._replace(reward=-20.0), LOST._replace(reward=9.0, failure=CRASH, step=2)],
+            0,
+            "-5.50 in 2 episodes: 1 fails and 1 oscillation",
+            (2, "fails at step 2: ValueError: 3"),
+        ),
+        (
             on("answer_seconds", 0.1, 0.1),  # the first that is too slow, not the slowest
             [GOOD, GOOD._replace(slowest=0.2), GOOD._replace(slowest=0.3)],
             0,

@@ -347,7 +347,7 @@ def test_no_points_have_a_reason(tmp_path: Path) -> None:
     for source, reason in {
         idle("1 / 0"): "no points: 10 of 10 episodes failed: it fails at step 1: "
         "ZeroDivisionError: division by zero (agent.py, line 8)",
-        idle("pass"): "no points: 10 episodes, 2 unreachable and 8 wandering",
+        idle("pass"): "no points: 10 episodes, 8 ineffective and 2 unreachable",
         idle("time.sleep(9)", "import time"): "no points: 10 of 10 episodes failed: it takes too "
         "long at step 1: no answer within 0.5 s",
     }.items():
