@@ -25,7 +25,7 @@ MAX_INDEX, MAX_NAME = 512 * 1024, 512
 """Most bytes of the index of an archive, and of the path of a member."""
 
 END, END_64 = b"PK\5\6", b"PK\6\7"
-"""Signatures of the record that ends an archive, and of what is before that of a larger one."""
+"""Signature of the record at the end of an archive, and of the record before it in large archives."""
 
 END_LENGTH, END_64_LENGTH, MAX_COMMENT = 22, 20, 65_535
 
@@ -48,7 +48,7 @@ def read_member(path: Path, name: PurePosixPath, most: int) -> bytes:
 
 
 def unpack(path: Path, folder: Path) -> None:
-    """Unpack an archive into an empty folder; errors are those of ``members_of``."""
+    """Unpack an archive into an empty folder; ``members_of`` says what raises."""
     with _open(path) as archive:
         for member in _checked(archive):
             target = folder / member.filename

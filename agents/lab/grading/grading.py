@@ -50,7 +50,7 @@ class GradeReport(NamedTuple):
         failure: reason why no episode could begin, or "".
         reason: reason why there are no points at all, or "".
         note: names of its files that hide modules, as a sentence, or "".
-        outcomes: how often each outcome occurs, in words.
+        outcomes: number of episodes with each outcome, in words.
         late: days that it is late; ``taken`` are the points that this takes.
         withheld: points of criteria that are not shown yet.
     """

@@ -177,7 +177,7 @@ def _of_archive(name: str, file: Path, kind: str | None) -> Submission:
 
 
 def _choose(names: Iterable[PurePath], suffixes: Iterable[str]) -> PurePath:
-    """Return the file of the agent among those of a submission.
+    """Return the file of the agent, out of the files of a submission.
 
     It is the only file ``agent.py`` that is nearest to the top, or else the only ``.py`` file that
     is; without any, the same of the next suffix. There being none is an ``AgentError``.
