@@ -25,7 +25,7 @@ MAX_INDEX, MAX_NAME = 512 * 1024, 512
 """Most bytes of the index of an archive, and of the path of a member."""
 
 END, END_64 = b"PK\5\6", b"PK\6\7"
-"""Signature of the record at the end of an archive, and of the record before it in large archives."""
+"""Signatures of the record that ends an archive, and of one that large archives have before it."""
 
 END_LENGTH, END_64_LENGTH, MAX_COMMENT = 22, 20, 65_535
 
