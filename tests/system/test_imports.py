@@ -76,7 +76,6 @@ MAY_IMPORT = {
         "batch body_motion disturbances energy exclusive giving_way robot robot_arena spec"
     ),
     "agents/errors": "",
-    "agents/handbook": "",
     "agents/handbook/exercises": "",
     "agents/handbook/exercises/solutions": "",
     "agents/mapf/kernels": "",
@@ -107,7 +106,7 @@ MAY_IMPORT = {
     "agents/lab/commands/gap": (
         "errors fleet lab lab/console lab/reports lab/runs lab/trials registry"
     ),
-    "agents/lab/commands/grade": "errors lab/console lab/grading lab/reports lab/trials",
+    "agents/lab/commands/grade": "errors lab lab/console lab/grading lab/reports lab/trials",
     "agents/lab/playground": "errors lab lab/grading lab/runs registry",
     "agents/lab/commands/pogema": (
         "errors lab/commands/planners lab/console lab/experiments lab/reports "
@@ -119,6 +118,7 @@ MAY_IMPORT = {
         "lab/playground lab/reports lab/runs lab/training lab/trials learning mapf registry search "
         "warehouse_agent_greedy"
     ),
+    "agents/handbook": "lab/commands",
     "agents/__main__": "lab/commands",
     "agents/run_episode": "lab/commands lab/console",
 }

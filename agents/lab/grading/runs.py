@@ -11,14 +11,18 @@ from typing import NamedTuple
 
 from agents.lab.grading.calls import CallCase, is_right
 from agents.lab.grading.cases import GradedCase, needed_steps
+from agents.lab.grading.same_process import SameProcess
 from agents.lab.grading.sandbox import FAILS, AgentFailureError, AgentLimits, Sandbox
 from agents.lab.grading.submissions import Submission
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import EpisodeRecorder
-from warehouse_core.records.episode import DELIVERED, Episode
+from warehouse_core.records.episode import DELIVERED, Action, Episode
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.wording import counted
 from warehouse_core.world.actions import DROP, INVALID, PICK, action_index
+
+Runner = Sandbox | SameProcess
+"""Runs agents, each in an episode of its own."""
 
 
 class Run(NamedTuple):
@@ -33,6 +37,7 @@ class Run(NamedTuple):
         step: step at which the agent failed; 0 is before the first.
         slowest: seconds of the slowest answer.
         agent: the name of its class or function, if it was loaded.
+        actions: its actions; none if the episode was not run, and of a call.
         reward: sum of the rewards.
         is_right: the answer of a call was the right one.
     """
@@ -50,6 +55,7 @@ class Run(NamedTuple):
     step: int = 0
     slowest: float = 0.0
     agent: str = ""
+    actions: tuple[Action, ...] = ()
     reward: float = 0.0
     is_right: bool = False
 
@@ -92,10 +98,12 @@ def run_cases(
     user: str | None,
     secrets: Iterable[Path],
     advance: Callable[[], None],
+    is_here: bool = False,
 ) -> list[Run]:
     """Run all episodes of cases, with each of their seeds; ``advance`` is called after each."""
     runs, hopeless = list[Run](), 0
-    with Sandbox(submission, limits, user, secrets) as sandbox:
+    makes = SameProcess(limits) if is_here else Sandbox(submission, limits, user, secrets)
+    with makes as sandbox:
         for case in cases:
             if runs and runs[-1].agent:  # it was loaded, so another case may be another matter
                 hopeless = 0
@@ -114,20 +122,20 @@ def run_cases(
 def _unrun(last: Run, case: GradedCase | CallCase, seed: int) -> Run:
     """Return the outcome of an episode that is not run, because it would end like the last one."""
     if isinstance(case, CallCase):
-        return last._replace(case=case, seed=seed, needed=None)
+        return last._replace(case=case, seed=seed, needed=None, actions=())
     env, _ = case.begin(seed)
     with closing(env):
-        return last._replace(case=case, seed=seed, needed=needed_steps(env))
+        return last._replace(case=case, seed=seed, needed=needed_steps(env), actions=())
 
 
-def run_of(sandbox: Sandbox, submission: Submission, case: GradedCase | CallCase, seed: int) -> Run:
+def run_of(sandbox: Runner, submission: Submission, case: GradedCase | CallCase, seed: int) -> Run:
     """Run one episode, or one call."""
     if isinstance(case, CallCase):
         return run_call(sandbox, submission, case, seed)
     return run_case(sandbox, submission, case, seed)
 
 
-def run_call(sandbox: Sandbox, submission: Submission, case: CallCase, number: int) -> Run:
+def run_call(sandbox: Runner, submission: Submission, case: CallCase, number: int) -> Run:
     """Run one call, in a process of its own as an episode."""
     run, call = Run(case, number, None), case.calls[number]
     try:
@@ -144,7 +152,7 @@ def run_call(sandbox: Sandbox, submission: Submission, case: CallCase, number: i
     return run._replace(mode="wrong", sentence=case.told(number, answer))
 
 
-def run_case(sandbox: Sandbox, submission: Submission, case: GradedCase, seed: int) -> Run:
+def run_case(sandbox: Runner, submission: Submission, case: GradedCase, seed: int) -> Run:
     """Run one episode."""
     env, observation = case.begin(seed)
     with closing(env):
@@ -170,8 +178,20 @@ def run_case(sandbox: Sandbox, submission: Submission, case: GradedCase, seed: i
         unknown=counts[INVALID],
         mode=diagnosis.mode,
         sentence=diagnosis.sentence,
+        actions=tuple(episode.actions),
         reward=episode.total_reward,
     )
+
+
+def episode_of(run: Run) -> Episode:
+    """Return the record of an episode, made by its actions without its agent."""
+    assert isinstance(run.case, GradedCase), "a call has no episode"
+    env, _ = run.case.begin(run.seed)
+    with closing(env):
+        recorder = EpisodeRecorder(env, seed=run.seed)
+        for action in run.actions:
+            recorder.step(action)
+    return recorder.episode
 
 
 def _count_useless(episode: Episode) -> Counter[int]:

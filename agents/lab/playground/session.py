@@ -9,10 +9,14 @@ import io
 import json
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager, redirect_stdout
+from itertools import count
 from pathlib import Path
 from typing import Any
 
 from agents.errors import AgentError, frames_in, reason_of
+from agents.lab.grading.grading import grade
+from agents.lab.grading.rubric import MINI_LAB, load_rubric
+from agents.lab.grading.submissions import find_submission
 from agents.lab.place import Stations, what_to_draw
 from agents.registry import make_agent
 from warehouse_core import EpisodeRecorder, Layout, WarehouseEnv, WarehouseError
@@ -41,29 +45,34 @@ class Session:
         self._agent: Any = None
         self._observation: Any = None
 
-    def answer(self, question: str, advance: Callable[[int, int], object]) -> str:
+    def answer(self, question: str, advance: Callable[[int, int], None]) -> str:
         """Do what the page asks, and return what it is to show.
 
         Args:
             question: object with ``do``: ``"begin"``, which makes the agent in ``code`` and resets
                 the warehouse with its ``rows``, ``stations`` and ``seed``; ``"step"``; or
-                ``"run"``, which takes all steps that are left.
+                ``"run"``, which takes all steps that are left; or ``"grade"``, which grades
+                ``code`` by the rubric of the mini-lab.
             advance: called with the number of episodes that are graded, and of all.
 
         Returns:
             An object with what is known of ``page``, ``told``, ``steps``, ``ended``, ``printed``,
-            and of ``error`` and the ``line`` of the agent's file that it names.
+            of ``error`` and the ``line`` of the agent's file that it names, and of ``points``,
+            ``max`` and ``grades``.
         """
         asked, output = json.loads(question), io.StringIO()
         found: dict[str, Any] = {}
         with redirect_stdout(output):
             try:
                 with self._named_errors():
-                    getattr(self, f"_{asked['do']}")(asked)
+                    if asked["do"] == "grade":
+                        found |= self._grade(asked, advance)
+                    else:
+                        getattr(self, f"_{asked['do']}")(asked)
             except WarehouseError as error:
                 found["error"] = str(error)
                 found["line"] = _line_of(error, self._file)
-        if self._recorder is not None:
+        if self._recorder is not None and asked["do"] != "grade":
             found |= self._shown(rests=asked["do"] != "run")
         found["printed"] = output.getvalue()[-MAX_OUTPUT:]
         return json.dumps(found)
@@ -85,6 +94,30 @@ class Session:
     def _run(self, asked: dict[str, Any]) -> None:
         while self._recorder is not None and not self._recorder.ended:
             self._step(asked)
+
+    def _grade(self, asked: dict[str, Any], advance: Callable[[int, int], None]) -> dict[str, Any]:
+        """Grade the agent by what all of a class may see of the mini-lab's rubric."""
+        self._file.write_text(asked["code"], encoding="utf-8")
+        rubric, done = load_rubric(MINI_LAB), count(1)
+        total = sum(case.episodes for case in rubric.used_cases)
+        report = grade(
+            find_submission(str(self._file)),
+            rubric,
+            advance=lambda: advance(next(done), total),
+            is_here=True,
+        ).shown()
+        rows = [
+            {"name": row.criterion.name, "points": row.points, "max": row.criterion.points,
+             "seen": row.seen}
+            for row in report.grades
+        ]  # fmt: skip
+        told = [f"{report.points:g} of {report.max_points:g} points", *report.remarks]
+        return {
+            "points": report.points,
+            "max": report.max_points,
+            "grades": rows,
+            "told": "; ".join(told),
+        }
 
     @contextmanager
     def _named_errors(self) -> Iterator[None]:

@@ -5,7 +5,9 @@ from typing import Any
 import pytest
 from helpers.command_line import Warehouse
 
-from agents.lab.grading.rubric import MINI_LAB
+from agents.lab.grading.grading import grade
+from agents.lab.grading.rubric import MINI_LAB, load_rubric
+from agents.lab.grading.submissions import find_submission
 from agents.lab.playground.session import Session
 from warehouse_core import DEFAULT_LAYOUT, Episode
 
@@ -83,3 +85,21 @@ def test_what_an_agent_prints_is_shown(page: Page) -> None:
     page.ask("begin", AGENT.format("print(observation['steps']); return 'WAIT'"))
     page.ask("step")
     assert page.ask("step")["printed"] == "1\n"
+
+
+def test_a_grade_is_that_of_warehouse_grade(
+    page: Page, tmp_path: Path, warehouse: Warehouse
+) -> None:
+    code = STARTER.replace('self.random.choice("NESW")', '"WAIT"')
+    answer = page.ask("grade", code)
+    report = grade(find_submission(str(tmp_path / "agent.py")), load_rubric(MINI_LAB))
+    assert answer["told"].startswith(f"{report.points:g} of 100 points")
+    assert [(row["name"], row["points"], row["seen"]) for row in answer["grades"]] == [
+        (row.criterion.name, row.points, row.seen) for row in report.grades
+    ]
+
+
+def test_a_grade_of_what_cannot_be_loaded_says_why(page: Page) -> None:
+    answer = page.ask("grade", "1 / 0")
+    assert answer["points"] == 0
+    assert "division by zero (agent.py, line 1)" in answer["told"]
