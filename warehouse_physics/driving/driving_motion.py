@@ -48,6 +48,8 @@ class DrivingMotion(BodyMotion):
         spec: numbers of the robots; ``None`` is the default robot.
         disturbances: departure of the physics from the nominal; ``None`` is no departure.
         period: duration of a call in seconds; ``None`` is the time for a cell at top speed.
+        switches: let others go first where robots would wait for one that a stop of the
+            disturbances has delayed; see ``switching``. Without stops it changes nothing.
         record_path: record the path of each robot, not only its start and end.
         path_every: substeps between rows of a path, at least 1.
 
@@ -74,6 +76,7 @@ class DrivingMotion(BodyMotion):
         disturbances: Disturbances | None = None,
         *,
         period: float | None = None,
+        switches: bool = False,
         record_path: bool = True,
         path_every: int = PATH_EVERY,
     ) -> None:
@@ -84,6 +87,7 @@ class DrivingMotion(BodyMotion):
         self.period = self._substeps * self.spec.time_step
         # With less ahead of it, a robot would have to brake before the end of the next call.
         self._room = (self.period + self.spec.top_speed / (2 * self.spec.acceleration)) / usual
+        self._switches = switches
         self._layout: Layout | None = None
         self._driver: Driver | None = None
 
@@ -105,7 +109,7 @@ class DrivingMotion(BodyMotion):
         drawn = self._drawn(seed)
         # What robots that brake get back beyond what a call costs pays for their next calls.
         self._surplus = np.zeros(len(cells))
-        self._driver = Driver(arena, self.spec, cells, self.disturbances, drawn)
+        self._driver = Driver(arena, self.spec, cells, self.disturbances, drawn, self._switches)
         self._begin(layout, cells, drawn)
 
     def ways(self) -> Ways:
