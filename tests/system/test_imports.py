@@ -107,7 +107,7 @@ MAY_IMPORT = {
     "agents/lab/commands/gap": (
         "errors fleet lab lab/console lab/reports lab/runs lab/trials registry"
     ),
-    "agents/lab/commands/grade": "errors lab/console lab/grading lab/reports lab/trials",
+    "agents/lab/commands/grade": "errors lab lab/console lab/grading lab/reports lab/trials",
     "agents/lab/commands/pogema": (
         "errors lab/commands/planners lab/console lab/experiments lab/reports "
         "lab/reports/analysis lab/reports/figures lab/runs lab/trials mapf mapf/kernels registry"
