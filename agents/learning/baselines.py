@@ -9,12 +9,20 @@ from warehouse_core.arguments import seed_number
 from warehouse_core.task.state import Observation
 from warehouse_core.world.actions import ACTIONS
 
+__all__ = ["RandomAgent", "ReflexAgent"]
+
 
 class RandomAgent:
     """Takes any of the seven actions, each with the same probability.
 
     Args:
         seed: seed of its random stream, restarted at each ``reset``; ``None`` uses a random one.
+
+    Example:
+        >>> from agents.learning.baselines import RandomAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> record_episode(WarehouseEnv(), RandomAgent(seed=1), seed=12).outcome
+        'battery depleted'
     """
 
     def __init__(self, seed: int | None = None) -> None:
@@ -37,6 +45,12 @@ class ReflexAgent:
     distance to the goal, and the first open move of all if there is none.
 
     Source: Russell and Norvig, 4th ed., section 2.4.2.
+
+    Example:
+        >>> from agents.learning.baselines import ReflexAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> record_episode(WarehouseEnv(), ReflexAgent(), seed=12).outcome
+        'battery depleted'
     """
 
     def reset(self) -> None:

@@ -41,7 +41,7 @@ EXAMPLE = re.compile(r"(\w+\(.*\)) {2,}([^\s:].*?)(?:: .*)?$")
 """A call and its answer in the text of an exercise, perhaps with a remark."""
 
 HEADINGS = re.compile(r"^#+ (.*)$", flags=re.MULTILINE)
-WITHOUT_TERMS = {"README", "index", "coming_from", "glossary", "promises", "reference"}
+WITHOUT_TERMS = {"README", "index", "coming_from", "glossary", "promises"}
 """Pages that link to no term: they lead to other pages, or explain names of programs."""
 
 each_page = pytest.mark.parametrize("page", TEXTS, ids=[page.stem for page in TEXTS])
@@ -174,7 +174,7 @@ def test_every_page_can_be_reached_from_the_first() -> None:
     for page in PAGES:
         assert page.name == "index.md" or f"\n{page.stem}\n" in TEXTS[HANDBOOK / "index.md"]
         is_listed = f"(agents/handbook/{page.name})" in TEXTS[README]
-        assert is_listed == (page.stem not in ("index", "reference"))
+        assert is_listed == (page.stem != "index")
 
 
 @pytest.mark.slow

@@ -76,7 +76,6 @@ MAY_IMPORT = {
         "batch body_motion disturbances energy exclusive giving_way robot robot_arena spec"
     ),
     "agents/errors": "",
-    "agents/handbook": "",
     "agents/handbook/exercises": "",
     "agents/handbook/exercises/solutions": "",
     "agents/mapf/kernels": "",
@@ -118,6 +117,7 @@ MAY_IMPORT = {
         "lab/reports lab/runs lab/training lab/trials learning mapf registry search "
         "warehouse_agent_greedy"
     ),
+    "agents/handbook": "lab/commands",
     "agents/__main__": "lab/commands",
     "agents/run_episode": "lab/commands lab/console",
 }

@@ -13,6 +13,8 @@ from agents.lab.trials.wording import percent
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 
+__all__ = ["Criterion"]
+
 VISIBILITIES = ("visible", "after_due_date", "after_published", "hidden")
 """Times at which a student sees a criterion, one after the other."""
 
@@ -67,6 +69,12 @@ class Criterion(NamedTuple):
         needs: an earlier criterion; without any points there are none here either.
         visibility: time at which pages and Gradescope show it, one of ``VISIBILITIES``.
         leaderboard: Gradescope shows the number on its leaderboard.
+
+    Example:
+        >>> from agents.lab.grading.criteria import Criterion
+        >>> criterion = Criterion("delivers", 10, "delivered", ("hidden",), full=1.0, zero=0.5)
+        >>> criterion.points_for(0.75), criterion.points_for(0.2)
+        (5.0, 0.0)
     """
 
     name: str

@@ -9,11 +9,25 @@ from typing import Any
 
 from agents.lab.grading.grading import Grade, GradeReport
 
+__all__ = ["results_of"]
+
 
 def results_of(report: GradeReport) -> dict[str, Any]:
     """Return the results of a report, to be written as JSON.
 
     The time of execution is left out, so that the same agent has the same results.
+
+    Example:
+        >>> from dataclasses import replace
+        >>> from agents.lab.grading.gradescope import results_of
+        >>> from agents.lab.grading.grading import grade
+        >>> from agents.lab.grading.rubric import MINI_LAB, load_rubric
+        >>> from agents.lab.grading.submissions import find_submission
+        >>> rubric = load_rubric(MINI_LAB)
+        >>> one = rubric.criteria[3]._replace(needs=None)
+        >>> report = grade(find_submission("greedy"), replace(rubric, criteria=(one,)))
+        >>> results_of(report)["score"]
+        10.0
     """
     leaders = [each for each in report.grades if each.criterion.leaderboard]
     points = f"{report.agent}: {report.points:g} of {report.max_points:g} points"

@@ -15,6 +15,8 @@ from agents.lab.grading.submissions import NOTEBOOK, Submission
 from agents.lab.trials.wording import percent
 from warehouse_core.wording import counted, printable
 
+__all__ = ["Grade", "GradeReport", "grade"]
+
 
 class Grade(NamedTuple):
     """The points for a criterion, and the evidence that was seen, in words.
@@ -25,6 +27,13 @@ class Grade(NamedTuple):
         run: worst episode, or ``None`` if there is none or it is hidden.
         command: command that shows the worst episode, or "" if there is none, if it is hidden, and
             of a notebook, which ``warehouse run`` does not read.
+
+    Example:
+        >>> from agents.lab.grading.criteria import Criterion
+        >>> from agents.lab.grading.grading import Grade
+        >>> criterion = Criterion("delivers", 10, "delivered", ("hidden",), full=1.0, zero=0.5)
+        >>> Grade(criterion, 5.0, seen="75% of 8 episodes").is_full
+        False
     """
 
     criterion: Criterion
@@ -53,6 +62,17 @@ class GradeReport(NamedTuple):
         outcomes: number of episodes with each outcome, in words.
         late: days that it is late; ``taken`` are the points that this takes.
         withheld: points of criteria that are not shown yet.
+
+    Example:
+        >>> from dataclasses import replace
+        >>> from agents.lab.grading.grading import grade
+        >>> from agents.lab.grading.rubric import MINI_LAB, load_rubric
+        >>> from agents.lab.grading.submissions import find_submission
+        >>> rubric = load_rubric(MINI_LAB)
+        >>> one = rubric.criteria[3]._replace(needs=None)
+        >>> report = grade(find_submission("greedy"), replace(rubric, criteria=(one,)))
+        >>> report.agent, report.points, report.max_points, report.failure
+        ('greedy', 10.0, 10.0, '')
     """
 
     agent: str
@@ -114,6 +134,17 @@ def grade(
     near a time limit may be within it or not. If no episode counts for a criterion, or agents
     cannot be run here, that is a ``GradeError``. The agent may run as another ``user``, see
     ``Sandbox``; ``advance`` is called after each episode. It is some days ``late``.
+
+    Example:
+        >>> from dataclasses import replace
+        >>> from agents.lab.grading.grading import grade
+        >>> from agents.lab.grading.rubric import MINI_LAB, load_rubric
+        >>> from agents.lab.grading.submissions import find_submission
+        >>> rubric = load_rubric(MINI_LAB)
+        >>> one = rubric.criteria[3]._replace(needs=None)
+        >>> report = grade(find_submission("greedy"), replace(rubric, criteria=(one,)))
+        >>> [(grade.criterion.name, grade.points) for grade in report.grades]
+        [('handles that there is no way', 10.0)]
     """
     # Hidden ones last: what an agent keeps of them in files is not told in visible ones.
     cases = sorted(rubric.used_cases, key=lambda case: not case.visible)

@@ -24,6 +24,8 @@ from warehouse_core import LayoutError
 from warehouse_core.files.reading import read_file
 from warehouse_core.wording import brief
 
+__all__ = ["Rubric", "load_rubric"]
+
 MINI_LAB = Path(__file__).parent / "mini_lab.toml"
 
 MAX_CASES, MAX_CELLS = 1_000, 2_000_000
@@ -43,6 +45,12 @@ class Rubric:
     """The criteria by which an agent is graded, in the order of the file, and its episodes.
 
     The digest is of the file and of the layouts that it names.
+
+    Example:
+        >>> from agents.lab.grading.rubric import MINI_LAB, load_rubric
+        >>> rubric = load_rubric(MINI_LAB)
+        >>> rubric.title, rubric.points
+        ('Mini-lab: a robot that delivers', 100.0)
     """
 
     title: str
@@ -213,6 +221,11 @@ def load_rubric(path: Path) -> Rubric:
     Raises:
         GradeError: the file is no rubric; the message has the line, the key and what is allowed.
         OSError: the file is longer than ``toml_text.MAX_BYTES``, or cannot be read.
+
+    Example:
+        >>> from agents.lab.grading.rubric import MINI_LAB, load_rubric
+        >>> [criterion.name for criterion in load_rubric(MINI_LAB).criteria]
+        ['delivers', 'escapes loops', 'delivers on floors it has never seen', 'handles that ...
     """
     data = read_file(path, MAX_BYTES)
     try:

@@ -20,6 +20,8 @@ from agents.lab.runs.programs import ROOT, digest_of, fingerprint
 from warehouse_core.files.kinds import not_a_file
 from warehouse_core.wording import printable
 
+__all__ = ["Submission", "find_submission", "in_folder"]
+
 IMPORTED_ONCE = (
     "abc", "agents", "collections", "copy", "dataclasses", "enum", "functools", "heapq",
     "itertools", "json", "math", "matplotlib", "numpy", "queue", "random", "scipy", "torch",
@@ -58,6 +60,12 @@ class Submission(NamedTuple):
             many, or of its module and what that imports from its package; "" for a built-in one.
         imports: modules that are imported once; none has code of the submission.
         archive: archive that ``unpacked`` unpacks, or ``None``.
+
+    Example:
+        >>> from agents.lab.grading.submissions import find_submission
+        >>> submission = find_submission("greedy")
+        >>> submission.is_built_in, submission.kind
+        (True, 'GreedyAgent')
     """
 
     name: str
@@ -129,6 +137,13 @@ def find_submission(name: str) -> Submission:
 
     The file may be a notebook or an archive too. If there is none, or it needs the map, that is an
     ``AgentError``.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from agents.lab.grading.submissions import find_submission
+        >>> size = Path("mine.py").write_text("class Mine: ...")
+        >>> find_submission("mine.py:Mine").kind
+        'Mine'
     """
     if name.endswith((CODE, NOTEBOOK, ARCHIVE)):
         return of_file(name, Path(name), None)
@@ -250,6 +265,15 @@ def in_folder(
 
     What cannot be graded is ``Unusable``. Links are not followed, so that nobody is graded with the
     file of another. Each has a class ``kind``. Files in ``other`` are of the lecturer.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from agents.lab.grading.submissions import in_folder
+        >>> Path("class").mkdir()
+        >>> for name in ("one.py", "two.py"):
+        ...     Path("class", name).touch()
+        >>> [submission.name for submission in in_folder(Path("class"), None)]
+        ['one.py', 'two.py']
     """
     ours = {path.resolve() for path in other}
     for path in sorted(folder.iterdir()):
