@@ -1,5 +1,7 @@
 """The handbook as a site: built without a warning, all links lead somewhere, read in a browser."""
 
+import subprocess
+import sys
 from collections.abc import Iterator
 from functools import partial
 from html.parser import HTMLParser
@@ -11,8 +13,10 @@ from typing import Any
 from urllib.parse import unquote, urlencode, urlsplit
 
 import pytest
-from helpers.handbook import SITE
+from helpers.handbook import HANDBOOK, SITE
 from helpers.player_pages import shown, wait_until
+
+from agents.lab.grading.exercises import SOLUTIONS
 
 pytestmark = pytest.mark.browser
 
@@ -84,6 +88,18 @@ def test_all_links_lead_somewhere_and_nothing_is_loaded_from_elsewhere(site: Pat
             assert target.exists(), f"{path.name}: {link}"
             if parts.fragment and target in pages:
                 assert unquote(parts.fragment) in pages[target].ids, f"{path.name}: {link}"
+
+
+def test_solutions_are_in_the_site_for_lecturers_alone(tmp_path: Path) -> None:
+    """Without running cells, which the tag has nothing to do with."""
+    pages = {}
+    for tag in ("solutions", "students"):
+        words = "-Q", "-t", tag, "-D", "nb_execution_mode=off", HANDBOOK, tmp_path / tag
+        subprocess.run([sys.executable, "-m", "sphinx", *words], check=True)
+        pages[tag] = (tmp_path / tag / "exercises.html").read_text(encoding="utf-8")
+    for solution in SOLUTIONS.glob("*.py"):
+        title = solution.read_text(encoding="utf-8").splitlines()[0].strip('"')
+        assert [pages[tag].count(title) for tag in pages] == [1, 0]
 
 
 @pytest.mark.parametrize("name", [*SITE, "genindex", "py-modindex"])
