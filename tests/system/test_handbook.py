@@ -177,6 +177,14 @@ def test_every_page_can_be_reached_from_the_first() -> None:
         assert is_listed == (page.stem != "index")
 
 
+def test_the_first_page_begins_with_an_episode_an_install_line_and_six_lines_of_code() -> None:
+    picture, install, code = [*blocks_of(HANDBOOK / "index.md")][:3]
+    assert "\n:tags: [remove-input]\n" in TEXTS[HANDBOOK / "index.md"].partition(picture.text)[0]
+    assert picture.text.splitlines()[-1].startswith("record_episode(")
+    assert install.text.startswith(INSTALL)
+    assert (code.language, len([line for line in code.text.splitlines() if line])) == (CELL, 6)
+
+
 @pytest.mark.slow
 def test_the_presets_give_the_answers_in_the_handbook(capsys: pytest.CaptureFixture[str]) -> None:
     blocks = ANSWERS.findall(TEXTS[HANDBOOK / "experiments.md"])
