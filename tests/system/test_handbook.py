@@ -81,7 +81,7 @@ def test_the_commands_that_need_pytorch_run() -> None:
 @each_page
 def test_every_block_is_of_a_kind_that_is_run(page: Path) -> None:
     fences = re.findall(r"^```(\S+)", TEXTS[page], flags=re.MULTILINE)
-    directives = {"{code-cell}", "{eval-rst}", "{glossary}", "{toctree}"}
+    directives = {"{code-cell}", "{eval-rst}", "{glossary}", "{literalinclude}", "{toctree}"}
     assert {*fences} <= {"sh", "python", "text", *directives}
     run = [block for block in blocks_of(page) if block.language in ("sh", CELL)]
     assert len(run) == sum(kind in ("sh", "python", "{code-cell}") for kind in fences)
