@@ -34,6 +34,13 @@ class GreedyAgent:
     Raises:
         ValueError: an argument is negative, or more than ``MAX_STEPS``.
         TypeError: one of them is not an integer.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from warehouse_core import WarehouseEnv
+        >>> agent = GreedyAgent(seed=12)
+        >>> agent.act(WarehouseEnv().reset()), agent.reason
+        ('E', 'greedy')
     """
 
     def __init__(self, seed: int | None = None, memory: int = 10, escape_steps: int = 3) -> None:

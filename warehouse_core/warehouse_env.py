@@ -82,6 +82,14 @@ class WarehouseEnv:
         TypeError: an argument of another type.
 
     Source: the chapter's exercise, section 1.6 of the course book.
+
+    Example:
+        >>> from warehouse_core import WarehouseEnv
+        >>> env = WarehouseEnv()
+        >>> observation = env.reset()
+        >>> observation, reward, terminated, truncated, info = env.step("E")
+        >>> observation["robot_pos"], reward, terminated, truncated
+        ((1, 2), -0.1, False, False)
     """
 
     ACTIONS: ClassVar[list[str]] = list(ACTIONS)

@@ -4,3 +4,10 @@ The fifth kind, which learns, is in ``agents/learning``. Each class is short, to
 
 Source: Russell and Norvig, 4th ed., section 2.4.
 """
+
+from agents.kinds.goal_based import GoalBasedAgent
+from agents.kinds.model_based import ModelBasedAgent
+from agents.kinds.simple_reflex import ReflexAgent
+from agents.kinds.utility_based import UtilityBasedAgent
+
+__all__ = ["GoalBasedAgent", "ModelBasedAgent", "ReflexAgent", "UtilityBasedAgent"]

@@ -18,6 +18,12 @@ class ModelBasedAgent:
 
     Its model of the world is that walls stay, and that a move which leads nowhere has met one. Its
     rule is to enter the neighbour where it has been least often, and of these the nearest one.
+
+    Example:
+        >>> from agents import ModelBasedAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> record_episode(WarehouseEnv(), ModelBasedAgent(), seed=12).steps
+        25
     """
 
     def __init__(self) -> None:

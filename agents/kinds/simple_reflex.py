@@ -18,6 +18,12 @@ class ReflexAgent:
     Args:
         seed: seed of its random stream, restarted at each ``reset``; ``None`` uses a random one.
         chance: probability of a random open move, 0 to 1, which gets it out of loops.
+
+    Example:
+        >>> from agents import ReflexAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> record_episode(WarehouseEnv(), ReflexAgent(), seed=12).outcome
+        'battery depleted'
     """
 
     def __init__(self, seed: int | None = None, chance: float = 0.0) -> None:

@@ -25,6 +25,17 @@ class UtilityBasedAgent:
 
     A plan is a pickup and a dropoff, and perhaps a charger on the way. Its utility is the worth of
     a delivery, if the battery will last, less the expected steps. To give up has utility 0.
+
+    Args:
+        worth: worth of a delivery, in steps.
+        doubt: steps that an unseen cell is expected to cost beyond one.
+
+    Example:
+        >>> from agents import UtilityBasedAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> episode = record_episode(WarehouseEnv(battery=10), UtilityBasedAgent(), seed=12)
+        >>> episode.actions[0], episode.reasons[0]
+        ('WAIT', 'gives up')
     """
 
     def __init__(self, worth: float = WORTH, doubt: float = DOUBT) -> None:

@@ -8,12 +8,20 @@ from warehouse_core.arguments import seed_number
 from warehouse_core.task.state import Observation
 from warehouse_core.world.actions import ACTIONS
 
+__all__ = ["RandomAgent"]
+
 
 class RandomAgent:
     """Takes any of the seven actions, each with the same probability.
 
     Args:
         seed: seed of its random stream, restarted at each ``reset``; ``None`` uses a random one.
+
+    Example:
+        >>> from agents.learning.baselines import RandomAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> record_episode(WarehouseEnv(), RandomAgent(seed=1), seed=12).outcome
+        'battery depleted'
     """
 
     def __init__(self, seed: int | None = None) -> None:

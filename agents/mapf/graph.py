@@ -30,6 +30,8 @@ from warehouse_core.world.edges import Edges
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Integers
 
+__all__ = ["Graph"]
+
 Costs = NDArray[np.float32]
 
 MOVES = range(WAIT)
@@ -73,6 +75,13 @@ class Graph:
         closed: cells that no way leads through; see ``close``.
         neighbours: ``[H * W, 5]`` int32, the cell that N, E, S, W and waiting lead to, or
             ``CLOSED``.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from warehouse_core import Layout
+        >>> graph = Graph(Layout(["..#", "..."]))
+        >>> int(graph.distances(5)[0]), graph.way(0, 5)
+        (3, [0, 1, 4, 5])
     """
 
     def __init__(self, layout: Layout, costs: Costs | None = None, turn_cost: float = 0.0) -> None:

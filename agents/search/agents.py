@@ -66,6 +66,13 @@ class SearchAgent:
 
     Raises:
         ValueError: the algorithm, the cost or the weight is not allowed.
+
+    Example:
+        >>> from agents import SearchAgent
+        >>> from warehouse_core import DEFAULT_LAYOUT, WarehouseEnv, record_episode
+        >>> agent = SearchAgent(DEFAULT_LAYOUT, algorithm="astar")
+        >>> record_episode(WarehouseEnv(), agent, seed=12).steps
+        15
     """
 
     def __init__(
@@ -153,6 +160,12 @@ class ExploringAgent:
         reason: reason of the last action.
         expanded: nodes since the last reset.
         plans: number of plans since the last reset.
+
+    Example:
+        >>> from agents import ExploringAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> record_episode(WarehouseEnv(), ExploringAgent(), seed=12).steps
+        15
     """
 
     def __init__(self) -> None:

@@ -76,7 +76,6 @@ MAY_IMPORT = {
         "batch body_motion disturbances energy exclusive giving_way robot robot_arena spec"
     ),
     "agents/errors": "",
-    "agents/handbook": "",
     "agents/handbook/exercises": "",
     "agents/handbook/exercises/solutions": "",
     "agents/mapf/kernels": "",
@@ -108,7 +107,7 @@ MAY_IMPORT = {
     "agents/lab/commands/gap": (
         "errors fleet lab lab/console lab/reports lab/runs lab/trials registry"
     ),
-    "agents/lab/commands/grade": "errors lab/console lab/grading lab/reports lab/trials",
+    "agents/lab/commands/grade": "errors lab lab/console lab/grading lab/reports lab/trials",
     "agents/lab/commands/pogema": (
         "errors lab/commands/planners lab/console lab/experiments lab/reports "
         "lab/reports/analysis lab/reports/figures lab/runs lab/trials mapf mapf/kernels registry"
@@ -119,6 +118,7 @@ MAY_IMPORT = {
         "lab/reports lab/runs lab/training lab/trials learning mapf registry search "
         "warehouse_agent_greedy"
     ),
+    "agents/handbook": "lab/commands",
     "agents/__main__": "lab/commands",
     "agents/run_episode": "lab/commands lab/console",
 }
@@ -174,6 +174,7 @@ EXPORTS = {
         SearchAgent UtilityBasedAgent
     """,
     "agents.fleet": "PlannedFleet Team",
+    "agents.kinds": "GoalBasedAgent ModelBasedAgent ReflexAgent UtilityBasedAgent",
     "agents.learning": "PPOAgent QAgent QTable load_agent load_table save_table",
     "agents.search": """
         DeliveryProblem ExploringAgent Problem RouteProblem SearchAgent Solution

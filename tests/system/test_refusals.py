@@ -195,7 +195,7 @@ IMPOSSIBLE = {
     "grade waiter.py --rubric none.toml": "none.toml: No such file or directory",
     "grade . -o a.html": "a.html: cannot save as .html; allowed: .csv",
     "grade mine.py -o a.csv": "a.csv: cannot save as .csv; allowed: .json, .html",
-    "grade inner --trust": "inner: there is no .py file in it, nor a folder with one",
+    "grade inner --trust": "inner: there is no submission in it",
     "grade astar": "'astar' plans on the map, which a graded agent does not get; allowed: random",
     "grade nobody": "'nobody' is no agent; allowed: random, reflex, model, goal, utility",
     "report r.sqlite": "r.sqlite: there is no such file",

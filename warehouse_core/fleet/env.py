@@ -103,6 +103,14 @@ class FleetEnv:
     Raises:
         ValueError: an invalid argument; also as ``LayoutError``, ``OrderError``, ``BackendError``.
         TypeError: an argument of another type.
+
+    Example:
+        >>> from warehouse_core import FleetEnv, OrderStream, shelf_layout
+        >>> env = FleetEnv(shelf_layout(), robots=2, orders=OrderStream(rate=0.1), seed=1)
+        >>> observations, info = env.reset()
+        >>> observations, rewards, terminated, truncated, info = env.step(["E", "WAIT"])
+        >>> rewards
+        array([-0.1 , -0.15])
     """
 
     def __init__(
@@ -184,10 +192,10 @@ class FleetEnv:
                 out of range is an invalid action, which costs a step, as in the chapter.
 
         Returns:
-            Observations, ``[R]`` float64 rewards, ``[R]`` bool terminated and truncated, and info:
-            ``action_mask`` ``[R, 7]`` int8, ``invalid_action`` ``[R]`` bool, and ``motion`` with
-            ``blocked``, ``stopped_by`` (see ``BatchOutcome``), ``seconds`` and ``joules``. All
-            arrays are fresh.
+            Observations, ``[R]`` float64 rewards, ``[R]`` bool terminated and truncated, and info,
+            with ``action_mask`` ``[R, 7]`` int8, ``invalid_action`` ``[R]`` bool, and ``motion``,
+            which has ``blocked``, ``stopped_by`` (see ``BatchOutcome``), ``seconds`` and
+            ``joules``. All arrays are fresh.
 
         Raises:
             ValueError: a number of actions that is not ``R``, an action for a robot that does not

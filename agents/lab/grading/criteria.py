@@ -13,6 +13,11 @@ from agents.lab.trials.wording import percent
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 
+__all__ = ["Criterion"]
+
+VISIBILITIES = ("visible", "after_due_date", "after_published", "hidden")
+"""Times at which a student sees a criterion, one after the other."""
+
 MAX_USELESS = 10
 """Useless actions that an agent may take in an episode without a way."""
 
@@ -62,7 +67,14 @@ class Criterion(NamedTuple):
         zero: the number that gives none; between the two they grow evenly. If it is ``full``,
             there are all points or none.
         needs: an earlier criterion; without any points there are none here either.
-        visibility: time at which Gradescope shows it, one of ``VISIBILITIES``.
+        visibility: time at which pages and Gradescope show it, one of ``VISIBILITIES``.
+        leaderboard: Gradescope shows the number on its leaderboard.
+
+    Example:
+        >>> from agents.lab.grading.criteria import Criterion
+        >>> criterion = Criterion("delivers", 10, "delivered", ("hidden",), full=1.0, zero=0.5)
+        >>> criterion.points_for(0.75), criterion.points_for(0.2)
+        (5.0, 0.0)
     """
 
     name: str
@@ -73,6 +85,7 @@ class Criterion(NamedTuple):
     zero: float
     needs: str | None = None
     visibility: str = "visible"
+    leaderboard: bool = False
 
     @property
     def measure(self) -> GradedMeasure:
@@ -113,7 +126,7 @@ def _slowness(run: Run) -> float:
     return (math.inf if run.failure else run.charged_steps) / (run.needed or 1)
 
 
-def _modes(runs: Runs) -> str:
+def outcomes(runs: Runs) -> str:
     """Return how often each outcome occurs, the most frequent first."""
     counts = Counter(run.outcome for run in runs)
     rows = sorted(counts.items(), key=lambda row: (row[0] != DELIVERED, -row[1], row[0]))
@@ -174,16 +187,16 @@ MEASURES = {
         "{} of the episodes end with the delivery",
         percent, _share(lambda run: run.delivered),
         lambda run: 0 if run.delivered else 1 + bool(run.failure),
-        _has_way, WITH_WAY, _modes,
+        _has_way, WITH_WAY, outcomes,
     ),
     "steps_of_fewest": GradedMeasure(
         "at most {} the fewest possible steps, an episode without a delivery counted with all",
         _times, lambda runs: _steps(runs) / sum(run.needed or 0 for run in runs),
-        _slowness, _has_way, WITH_WAY, _modes, more_is_better=False,
+        _slowness, _has_way, WITH_WAY, outcomes, more_is_better=False,
     ),
     "greedy_steps": GradedMeasure(
         "the greedy agent takes {} as many steps",
-        _times, _greedy_ratio, _slowness, _has_way, WITH_WAY, _modes,
+        _times, _greedy_ratio, _slowness, _has_way, WITH_WAY, outcomes,
     ),
     "calm_without_way": GradedMeasure(
         "in {} of the episodes without a way no failure, and at most "
@@ -208,17 +221,17 @@ MEASURES = {
         "unknown one)",
         percent, _share(_is_flawless),
         lambda run: 0 if _is_flawless(run) else 1 + run.useless + 1000 * bool(run.failure),
-        _has_way, WITH_WAY, lambda runs: f"{_modes(runs)}; {_useless(runs)}",
+        _has_way, WITH_WAY, lambda runs: f"{outcomes(runs)}; {_useless(runs)}",
     ),
     "reward": GradedMeasure(
         "a mean reward of at least {}",
         lambda value: f"{value:.2f}", lambda runs: sum(run.reward for run in runs) / len(runs),
-        lambda run: 1000 * bool(run.failure) - run.reward, lambda _: True, "", _modes,
+        lambda run: 1000 * bool(run.failure) - run.reward, lambda _: True, "", outcomes,
     ),
     "answered": GradedMeasure(
         "{} of the calls give the right answer",
         percent, _share(lambda run: run.is_right),
         lambda run: 0 if run.is_right else 1 + bool(run.failure),
-        lambda _: True, "", _modes, unit=CALL,
+        lambda _: True, "", outcomes, unit=CALL,
     ),
 }  # fmt: skip

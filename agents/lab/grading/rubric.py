@@ -14,7 +14,8 @@ from typing import Any
 from agents.errors import GradeError
 from agents.lab.grading.calls import Call, CallCase
 from agents.lab.grading.cases import GradedCase
-from agents.lab.grading.criteria import CALL, EPISODE, MEASURES, Criterion
+from agents.lab.grading.criteria import CALL, EPISODE, MEASURES, VISIBILITIES, Criterion
+from agents.lab.grading.late import MAX_DAYS, LateRule
 from agents.lab.grading.sandbox import AgentLimits
 from agents.lab.parameters import PARAMETERS, CheckValue, Number, Whole, flag, one_of
 from agents.lab.place import RANDOM, Stations, check_stations
@@ -22,6 +23,8 @@ from agents.lab.toml_text import MAX_BYTES, parse_toml
 from warehouse_core import LayoutError
 from warehouse_core.files.reading import read_file
 from warehouse_core.wording import brief
+
+__all__ = ["Rubric", "load_rubric"]
 
 MINI_LAB = Path(__file__).parent / "mini_lab.toml"
 
@@ -31,8 +34,10 @@ read with the rubric."""
 
 MAX_EPISODES, MAX_COUNT, MAX_SEED = 10_000, 1_000_000, 2**31 - 1
 
-VISIBILITIES = ("visible", "hidden", "after_due_date", "after_published")
-"""Times at which Gradescope shows a test."""
+TAKEN = (
+    "submission", "points", "of", "late", "failure", "outcomes", "similar", "code", "rubric",
+)  # fmt: skip
+"""Columns of a table of grades that are not of a criterion."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -40,6 +45,12 @@ class Rubric:
     """The criteria by which an agent is graded, in the order of the file, and its episodes.
 
     The digest is of the file and of the layouts that it names.
+
+    Example:
+        >>> from agents.lab.grading.rubric import MINI_LAB, load_rubric
+        >>> rubric = load_rubric(MINI_LAB)
+        >>> rubric.title, rubric.points
+        ('Mini-lab: a robot that delivers', 100.0)
     """
 
     title: str
@@ -48,11 +59,17 @@ class Rubric:
     criteria: tuple[Criterion, ...]
     digest: str
     file: Path
+    late: LateRule
 
     @property
     def points(self) -> float:
         """The sum of all points."""
         return sum(criterion.points for criterion in self.criteria)
+
+    def shown(self, when: str) -> list[Criterion]:
+        """Return the criteria that students see at a time, one of ``VISIBILITIES``."""
+        seen = VISIBILITIES[: VISIBILITIES.index(when) + 1]
+        return [each for each in self.criteria if each.visibility in seen]
 
     @property
     def starter(self) -> Path:
@@ -82,6 +99,16 @@ def names(value: Any) -> tuple[str, ...]:
     """Check that a value is a list of names."""
     if not isinstance(value, list) or not value or not all(isinstance(each, str) for each in value):
         raise ValueError('a list of names of [cases], as in ["chapter"]')
+    return tuple(value)
+
+
+def modules(value: Any) -> tuple[str, ...]:
+    """Check that a value is a list of names of modules."""
+    if not isinstance(value, list) or not all(
+        isinstance(each, str) and all(part.isidentifier() for part in each.split("."))
+        for each in value
+    ):
+        raise ValueError('a list of names of modules, as in ["math", "numpy"]')
     return tuple(value)
 
 
@@ -116,6 +143,7 @@ SECONDS = Number(0.01, 3600)
 LIMITS: dict[str, CheckValue] = {
     "start_seconds": SECONDS, "answer_seconds": SECONDS, "episode_seconds": SECONDS,
     "memory_mb": Whole(64, MAX_COUNT), "give_up_after": Whole(1, MAX_EPISODES),
+    "allow_imports": modules, "deny_imports": modules,
 }  # fmt: skip
 
 CASE: dict[str, CheckValue] = {
@@ -132,12 +160,14 @@ CALLED: dict[str, CheckValue] = {"function": text, "calls": calls, "visible": fl
 CRITERION: dict[str, CheckValue] = {
     "name": text, "points": Number(0, MAX_COUNT), "measure": one_of(*MEASURES), "cases": names,
     "full": Number(0, MAX_COUNT), "zero": Number(0, MAX_COUNT), "needs": text,
-    "visibility": one_of(*VISIBILITIES),
+    "visibility": one_of(*VISIBILITIES), "leaderboard": flag,
 }  # fmt: skip
 NEEDED = ("name", "points", "measure", "cases", "full")
 
+LATE: dict[str, CheckValue] = {"points": Number(0, MAX_COUNT), "days": Whole(0, MAX_DAYS)}
+
 TOP: dict[str, CheckValue] = {"title": text}
-PARTS = ("limits", "cases", "criteria")
+PARTS = ("limits", "late", "cases", "criteria")
 
 
 class _Reader:
@@ -191,6 +221,11 @@ def load_rubric(path: Path) -> Rubric:
     Raises:
         GradeError: the file is no rubric; the message has the line, the key and what is allowed.
         OSError: the file is longer than ``toml_text.MAX_BYTES``, or cannot be read.
+
+    Example:
+        >>> from agents.lab.grading.rubric import MINI_LAB, load_rubric
+        >>> [criterion.name for criterion in load_rubric(MINI_LAB).criteria]
+        ['delivers', 'escapes loops', 'delivers on floors it has never seen', 'handles that ...
     """
     data = read_file(path, MAX_BYTES)
     try:
@@ -204,6 +239,7 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
     single = {key: value for key, value in values.items() if key not in PARTS}
     top = reader.table(single, TOP | dict.fromkeys(PARTS, text), "")
     limits = AgentLimits(**reader.table(values.get("limits", {}), LIMITS, "[limits]"))
+    late = LateRule(**reader.table(values.get("late", {}), LATE, "[late]"))
     tables = values.get("cases")
     if not isinstance(tables, dict) or not tables:
         raise reader.fail("there are no [cases.NAME]; a rubric needs episodes")
@@ -221,7 +257,7 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
     for count, row in enumerate(rows, 1):
         criteria.append(_make_criterion(reader, row, count, cases, criteria))
     title = top.get("title", reader.path.stem)
-    return Rubric(title, limits, cases, tuple(criteria), digest.hexdigest(), reader.path)
+    return Rubric(title, limits, cases, tuple(criteria), digest.hexdigest(), reader.path, late)
 
 
 def _make_case(reader: _Reader, name: str, values: Any) -> GradedCase | CallCase:
@@ -298,9 +334,13 @@ def _make_criterion(
     if found.get("needs") not in (None, *earlier):
         allowed = ", ".join(earlier) or "none, as there is none before it"
         raise fail(f"needs is {found['needs']!r}; allowed: {allowed}", "needs")
+    if found["name"] in TAKEN:
+        raise fail(f"name is {found['name']!r}, which is a column of every table of grades", "name")
     found["zero"] = found.get("zero", found["full"])
     found["kind"] = found.pop("measure")
     measure = MEASURES[found["kind"]]
+    if found.get("leaderboard") and measure.is_secret:
+        raise fail(f"{found['kind']} is different each time, and on no leaderboard", "leaderboard")
     if not measure.is_better(found["full"], found["zero"], or_equal=True):
         side = "above" if measure.more_is_better else "below"
         raise fail(f"full is {found['full']:g} and zero {found['zero']:g}; "

@@ -15,7 +15,7 @@ from agents.lab.grading.sandbox import FAILS, AgentFailureError, AgentLimits, Sa
 from agents.lab.grading.submissions import Submission
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import EpisodeRecorder
-from warehouse_core.records.episode import DELIVERED, Episode
+from warehouse_core.records.episode import DELIVERED, Action, Episode
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.wording import counted
 from warehouse_core.world.actions import DROP, INVALID, PICK, action_index
@@ -33,6 +33,7 @@ class Run(NamedTuple):
         step: step at which the agent failed; 0 is before the first.
         slowest: seconds of the slowest answer.
         agent: the name of its class or function, if it was loaded.
+        actions: its actions; none if the episode was not run, and of a call.
         reward: sum of the rewards.
         is_right: the answer of a call was the right one.
     """
@@ -50,6 +51,7 @@ class Run(NamedTuple):
     step: int = 0
     slowest: float = 0.0
     agent: str = ""
+    actions: tuple[Action, ...] = ()
     reward: float = 0.0
     is_right: bool = False
 
@@ -114,10 +116,10 @@ def run_cases(
 def _unrun(last: Run, case: GradedCase | CallCase, seed: int) -> Run:
     """Return the outcome of an episode that is not run, because it would end like the last one."""
     if isinstance(case, CallCase):
-        return last._replace(case=case, seed=seed, needed=None)
+        return last._replace(case=case, seed=seed, needed=None, actions=())
     env, _ = case.begin(seed)
     with closing(env):
-        return last._replace(case=case, seed=seed, needed=needed_steps(env))
+        return last._replace(case=case, seed=seed, needed=needed_steps(env), actions=())
 
 
 def run_of(sandbox: Sandbox, submission: Submission, case: GradedCase | CallCase, seed: int) -> Run:
@@ -170,8 +172,20 @@ def run_case(sandbox: Sandbox, submission: Submission, case: GradedCase, seed: i
         unknown=counts[INVALID],
         mode=diagnosis.mode,
         sentence=diagnosis.sentence,
+        actions=tuple(episode.actions),
         reward=episode.total_reward,
     )
+
+
+def episode_of(run: Run) -> Episode:
+    """Return the record of an episode, made by its actions without its agent."""
+    assert isinstance(run.case, GradedCase), "a call has no episode"
+    env, _ = run.case.begin(run.seed)
+    with closing(env):
+        recorder = EpisodeRecorder(env, seed=run.seed)
+        for action in run.actions:
+            recorder.step(action)
+    return recorder.episode
 
 
 def _count_useless(episode: Episode) -> Counter[int]:

@@ -1,6 +1,7 @@
 """What each measure makes of episodes, in points, in words and by the worst of them."""
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -10,6 +11,7 @@ from agents.lab.grading import grading
 from agents.lab.grading.cases import GradedCase
 from agents.lab.grading.criteria import Criterion
 from agents.lab.grading.grading import Grade, GradeReport, grade
+from agents.lab.grading.late import LateRule
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.runs import Run, _count_useless
 from agents.lab.grading.sandbox import ENDS, FAILS, LOAD, SLOW, AgentFailureError
@@ -36,9 +38,15 @@ def report_of(criteria: Sequence[Criterion], *runs: Run, hiding: Sequence[str] =
     cases = list(dict.fromkeys(run.case for run in runs))
     numbered = [run._replace(seed=seed) for seed, run in enumerate(runs, 1)]
     rubric = SimpleNamespace(
-        criteria=criteria, used_cases=cases, limits=None, files=(), title="A title", digest="r"
+        criteria=criteria, used_cases=cases, limits=None, files=(), title="A title", digest="r",
+        late=LateRule(),
+    )  # fmt: skip
+    submission = SimpleNamespace(
+        called=lambda name: f"mine:{name}",
+        digest="c",
+        hiding=hiding,
+        unpacked=lambda user: nullcontext(submission),
     )
-    submission = SimpleNamespace(called=lambda name: f"mine:{name}", digest="c", hiding=hiding)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(grading, "run_cases", lambda *_: numbered)
         return grade(cast("Submission", submission), cast("Rubric", rubric))
