@@ -43,10 +43,17 @@ FAULTS = """
 """
 
 
+class Handler(SimpleHTTPRequestHandler):
+    """Serves files and tells nothing about it."""
+
+    def log_message(self, format: str, *_: object) -> None:  # noqa: A002
+        pass
+
+
 @pytest.fixture
 def site_address(site: Path) -> Iterator[str]:
     """Serve the site, whose search loads files, and yield its address."""
-    handler = partial(SimpleHTTPRequestHandler, directory=str(site))
+    handler = partial(Handler, directory=str(site))
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         thread = Thread(target=server.serve_forever)
         thread.start()
@@ -143,9 +150,12 @@ def test_the_version_is_in_the_corner_of_every_page(browser: Any, site: Path) ->
     ],
 )
 def test_the_search_finds_pages(browser: Any, site_address: str, words: str, page: str) -> None:
-    with shown(browser) as reading:
-        reading.page.goto(f"{site_address}/search.html?{urlencode({'q': words})}")
-        reading.page.locator(f"#search-results a[href^='{page}']").first.wait_for()
+    reading = browser.new_page()
+    try:
+        reading.goto(f"{site_address}/search.html?{urlencode({'q': words})}")
+        reading.locator(f"#search-results a[href^='{page}']").first.wait_for()
+    finally:
+        reading.close()
 
 
 def test_the_first_page_plays_by_itself(browser: Any, site: Path) -> None:
