@@ -29,7 +29,11 @@ from agents.fleet.charging import costs_around_chargers
 from agents.fleet.guided import Guided, on_lanes, on_learned
 from agents.fleet.planned import DEFAULT_ASSIGNMENT, PlannedFleet
 from agents.fleet.team import Team
-from agents.learning.baselines import RandomAgent, ReflexAgent
+from agents.kinds.goal_based import GoalBasedAgent
+from agents.kinds.model_based import ModelBasedAgent
+from agents.kinds.simple_reflex import ReflexAgent
+from agents.kinds.utility_based import UtilityBasedAgent
+from agents.learning.baselines import RandomAgent
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
 from agents.mapf.assignment import ASSIGNMENTS
@@ -59,6 +63,9 @@ __all__ = [
 AGENTS: dict[str, Callable[..., Agent]] = {
     "random": RandomAgent,
     "reflex": ReflexAgent,
+    "model": ModelBasedAgent,
+    "goal": GoalBasedAgent,
+    "utility": UtilityBasedAgent,
     "greedy": GreedyAgent,
     "exploring": ExploringAgent,
     **{name: partial(SearchAgent, algorithm=name) for name in ALGORITHMS},

@@ -10,7 +10,7 @@ import os
 
 import numpy as np
 import pytest
-from bench_driving import LAYOUT, plan_of
+from benchmarks.bench_driving import LAYOUT, plan_of
 
 from agents.mapf.execution import Execution, drive_through
 from warehouse_physics import Disturbances, Stop

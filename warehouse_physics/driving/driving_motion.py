@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from warehouse_core import Cell, Layout, Outcome
-from warehouse_core.arguments import real_number, whole_number
+from warehouse_core.arguments import flag, real_number, whole_number
 from warehouse_core.motion.base import Contact, Ways, centre_of, check_moves, check_starts
 from warehouse_core.motion.traffic import check_joint_step, find_stops
 from warehouse_core.world.tiles import moved
@@ -87,7 +87,7 @@ class DrivingMotion(BodyMotion):
         self.period = self._substeps * self.spec.time_step
         # With less ahead of it, a robot would have to brake before the end of the next call.
         self._room = (self.period + self.spec.top_speed / (2 * self.spec.acceleration)) / usual
-        self._switches = switches
+        self._switches = flag("switches", switches)
         self._layout: Layout | None = None
         self._driver: Driver | None = None
 
