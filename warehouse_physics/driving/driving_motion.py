@@ -56,7 +56,8 @@ class DrivingMotion(BodyMotion):
     Raises:
         ValueError: ``period`` is not above 0 or too long, or the robots are too wide to follow each
             other.
-        TypeError: ``spec`` is no ``RobotSpec``, or ``disturbances`` no ``Disturbances``.
+        TypeError: ``spec`` is no ``RobotSpec``, or ``disturbances`` no ``Disturbances``,
+            or ``switches`` neither true nor false.
 
     Example:
         >>> from warehouse_core import FleetEnv
