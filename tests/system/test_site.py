@@ -1,9 +1,11 @@
 """The handbook as a site: built without a warning, all links lead somewhere, read in a browser."""
 
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
 from functools import partial
+from html import unescape
 from html.parser import HTMLParser
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from importlib.metadata import version
@@ -13,6 +15,7 @@ from typing import Any
 from urllib.parse import unquote, urlencode, urlsplit
 
 import pytest
+from helpers.command_line import LEAVES
 from helpers.handbook import HANDBOOK, SITE
 from helpers.player_pages import shown, wait_until
 
@@ -95,6 +98,16 @@ def test_all_links_lead_somewhere_and_nothing_is_loaded_from_elsewhere(site: Pat
             assert target.exists(), f"{path.name}: {link}"
             if parts.fragment and target in pages:
                 assert unquote(parts.fragment) in pages[target].ids, f"{path.name}: {link}"
+
+
+def test_the_page_of_the_command_line_has_the_help_of_every_command(site: Path) -> None:
+    page = (site / "reference/command_line.html").read_text(encoding="utf-8")
+    text = unescape(re.sub("<[^>]+>", "", page))
+    for name, command in LEAVES.items():
+        shown_help = text.partition(f"Usage: warehouse {name} ")[2].partition("Usage:")[0]
+        options = [each for each in command.params if each.param_type_name == "option"]
+        assert shown_help, name
+        assert [each for each in options if each.opts[-1] not in shown_help] == [], name
 
 
 def test_solutions_are_in_the_site_for_lecturers_alone(tmp_path: Path) -> None:
