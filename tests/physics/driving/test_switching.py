@@ -218,9 +218,10 @@ def test_the_search_wins_back_half_of_what_the_best_order_does() -> None:
     assert gained >= 0.5 * possible
 
 
-def test_bodies_that_are_let_through_do_not_wait_for_one_that_has_stopped() -> None:
+@pytest.mark.parametrize("at", [0.0, 0.5])
+def test_bodies_that_are_let_through_do_not_wait_for_one_that_has_stopped(at: float) -> None:
     layout, plan = Layout(["......."] * 4), np.array([[r * 7 + c for r, c in s] for s in CROSSING])
-    stop = Disturbances(stops=(Stop(0, 0.5, 20.0),))
+    stop = Disturbances(stops=(Stop(0, at, 20.0),))
     waits, passes = (drive_through(layout, plan, FAST, stop, switches=on) for on in (False, True))
     assert waits.arrivals[1] > 20 > 8 > passes.arrivals[1]
     assert waits.hits == passes.hits == 0
