@@ -29,7 +29,11 @@ from agents.fleet.charging import costs_around_chargers
 from agents.fleet.guided import Guided, on_lanes, on_learned
 from agents.fleet.planned import DEFAULT_ASSIGNMENT, PlannedFleet
 from agents.fleet.team import Team
-from agents.learning.baselines import RandomAgent, ReflexAgent
+from agents.kinds.goal_based import GoalBasedAgent
+from agents.kinds.model_based import ModelBasedAgent
+from agents.kinds.simple_reflex import ReflexAgent
+from agents.kinds.utility_based import UtilityBasedAgent
+from agents.learning.baselines import RandomAgent
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
 from agents.mapf.assignment import ASSIGNMENTS
@@ -37,6 +41,7 @@ from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Planner
 from agents.mapf.problem import Solver
+from agents.mapf.timed import TimedPlanner
 from agents.mapf.windows import WindowedPlanner
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
@@ -59,6 +64,9 @@ __all__ = [
 AGENTS: dict[str, Callable[..., Agent]] = {
     "random": RandomAgent,
     "reflex": ReflexAgent,
+    "model": ModelBasedAgent,
+    "goal": GoalBasedAgent,
+    "utility": UtilityBasedAgent,
     "greedy": GreedyAgent,
     "exploring": ExploringAgent,
     **{name: partial(SearchAgent, algorithm=name) for name in ALGORITHMS},
@@ -72,6 +80,8 @@ PLANNERS: dict[str, Callable[..., Planner]] = {
     "windowed": WindowedPlanner,
     "windowed-lanes": Guided(WindowedPlanner, on_lanes),
     "windowed-learned": Guided(WindowedPlanner, on_learned),
+    "timed": TimedPlanner,
+    "timed-lanes": Guided(TimedPlanner, on_lanes),
 }
 """Planners of the robots of a fleet, by name."""
 

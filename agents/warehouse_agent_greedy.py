@@ -64,7 +64,7 @@ class GreedyAgent:
         no pickup or dropoff to go to.
         """
         here, has_item = observation["robot_pos"], observation["has_item"]
-        goal = observation["dropoff_pos"] if has_item else observation["pickup_pos"]
+        goal = goal_of(observation)
         looping = self._notice_loop(here, has_item)
         if goal is None:
             return self._choose("no goal", "WAIT")
@@ -91,6 +91,11 @@ class GreedyAgent:
         if len(actions) < 2:
             return actions[0] if actions else "WAIT"
         return self._random.choice(actions)
+
+
+def goal_of(observation: Observation) -> Cell | None:
+    """Return the pickup with empty hands, the dropoff when loaded; ``None`` if there is none."""
+    return observation["dropoff_pos"] if observation["has_item"] else observation["pickup_pos"]
 
 
 def distance(a: Cell, b: Cell) -> int:

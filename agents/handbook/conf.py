@@ -76,7 +76,9 @@ def add_commands(_app: Any, page: str, source: list[str]) -> None:
     """Add the help of each command to the page of the command line, as the program prints it."""
     if page == COMMANDS:
         program: Any = typer.main.get_command(cli.app)
-        context = typer.Context(program, info_name="warehouse", terminal_width=COLUMNS)
+        context = typer.Context(
+            program, info_name="warehouse", terminal_width=COLUMNS, **program.context_settings
+        )
         source[0] += f"\n{help_of(context)}"
         for title, commands in cli.GROUPS.items():
             source[0] += f"\n## {title}\n"

@@ -17,6 +17,7 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator
 
+from agents.warehouse_agent_greedy import goal_of
 from warehouse_core.arguments import instance_of, seed_number
 from warehouse_core.task.encoding import NOWHERE
 from warehouse_core.task.state import Observation
@@ -66,9 +67,7 @@ def state_of(observation: Observation) -> QState:
         >>> state_of(WarehouseEnv().reset())
         ((1, 1), (1, 3), False)
     """
-    loaded = observation["has_item"]
-    goal = observation["dropoff_pos"] if loaded else observation["pickup_pos"]
-    return observation["robot_pos"], goal or NOWHERE, loaded
+    return observation["robot_pos"], goal_of(observation) or NOWHERE, observation["has_item"]
 
 
 def best_action(values: list[float], stream: random.Random) -> int:

@@ -20,6 +20,7 @@ from agents.search.belief import Belief, BeliefProblem
 from agents.search.costs import STEPS, action_costs
 from agents.search.heuristics import manhattan, manhattan_delivery
 from agents.search.problems import DeliveryProblem, DeliveryState
+from agents.warehouse_agent_greedy import goal_of
 from warehouse_core.arguments import instance_of, one_of
 from warehouse_core.motion.backends import Backend
 from warehouse_core.task.state import Observation
@@ -188,7 +189,7 @@ class ExploringAgent:
         if here == self._left and self._target is not None:
             self.belief.bump(self._target)
         self.belief.look(observation)
-        goal = observation["dropoff_pos"] if has_item else observation["pickup_pos"]
+        goal = goal_of(observation)
         self._left, self._target = here, None
         if goal is None:
             return self._choose("WAIT", "there is nowhere to go")

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from warehouse_core import Cell, Layout, Outcome
-from warehouse_core.arguments import real_number, whole_number
+from warehouse_core.arguments import flag, real_number, whole_number
 from warehouse_core.motion.base import Contact, Ways, centre_of, check_moves, check_starts
 from warehouse_core.motion.traffic import check_joint_step, find_stops
 from warehouse_core.world.tiles import moved
@@ -48,13 +48,16 @@ class DrivingMotion(BodyMotion):
         spec: numbers of the robots; ``None`` is the default robot.
         disturbances: departure of the physics from the nominal; ``None`` is no departure.
         period: duration of a call in seconds; ``None`` is the time for a cell at top speed.
+        switches: let others go first where robots would wait for one that a stop of the
+            disturbances has delayed; see ``switching``. Without stops it changes nothing.
         record_path: record the path of each robot, not only its start and end.
         path_every: substeps between rows of a path, at least 1.
 
     Raises:
         ValueError: ``period`` is not above 0 or too long, or the robots are too wide to follow each
             other.
-        TypeError: ``spec`` is no ``RobotSpec``, or ``disturbances`` no ``Disturbances``.
+        TypeError: ``spec`` is no ``RobotSpec``, or ``disturbances`` no ``Disturbances``,
+            or ``switches`` neither true nor false.
 
     Example:
         >>> from warehouse_core import FleetEnv
@@ -74,6 +77,7 @@ class DrivingMotion(BodyMotion):
         disturbances: Disturbances | None = None,
         *,
         period: float | None = None,
+        switches: bool = False,
         record_path: bool = True,
         path_every: int = PATH_EVERY,
     ) -> None:
@@ -84,6 +88,7 @@ class DrivingMotion(BodyMotion):
         self.period = self._substeps * self.spec.time_step
         # With less ahead of it, a robot would have to brake before the end of the next call.
         self._room = (self.period + self.spec.top_speed / (2 * self.spec.acceleration)) / usual
+        self._switches = flag("switches", switches)
         self._layout: Layout | None = None
         self._driver: Driver | None = None
 
@@ -105,7 +110,7 @@ class DrivingMotion(BodyMotion):
         drawn = self._drawn(seed)
         # What robots that brake get back beyond what a call costs pays for their next calls.
         self._surplus = np.zeros(len(cells))
-        self._driver = Driver(arena, self.spec, cells, self.disturbances, drawn)
+        self._driver = Driver(arena, self.spec, cells, self.disturbances, drawn, self._switches)
         self._begin(layout, cells, drawn)
 
     def ways(self) -> Ways:

@@ -72,7 +72,7 @@ def _open(path: Path) -> Iterator[ZipFile]:
     except (BadZipFile, EOFError, NotImplementedError, RuntimeError, ValueError, OverflowError,
             OSError, KeyError, struct.error, zlib.error) as error:  # fmt: skip
         reason = error.strerror if isinstance(error, OSError) and error.strerror else error
-        raise AgentError(f"{path.name}: it cannot be unpacked: {reason}") from None
+        raise AgentError(f"it cannot be unpacked: {reason}") from None
 
 
 def _check_end(end: bytes) -> None:

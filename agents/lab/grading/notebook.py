@@ -36,7 +36,7 @@ def cells_of(data: bytes) -> Iterator[tuple[int, str]]:
     try:
         cells = json.loads(data)["cells"]
         sources = [(each["cell_type"], "".join(each["source"])) for each in cells]
-    except (LookupError, TypeError, ValueError):
+    except (LookupError, TypeError, ValueError, RecursionError):
         raise ValueError("it is no notebook (nbformat 4)") from None
     for number, (kind, source) in enumerate(sources, 1):
         first = source.lstrip().partition("\n")[0]

@@ -160,7 +160,10 @@ def of_file(name: str, file: Path, kind: str | None) -> Submission:
     if not file.is_file():
         raise AgentError(f"agent file {file}: {not_a_file(file) or 'there is no such file'}")
     if file.suffix == ARCHIVE:
-        return _of_archive(name, file, kind)
+        try:
+            return _of_archive(name, file, kind)
+        except AgentError as error:
+            raise AgentError(f"agent file {file}: {error}") from None
     path = file.resolve().parent / file.name
     return _of_files(name, file, kind, path.parent, [path])
 

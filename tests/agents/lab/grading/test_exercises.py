@@ -12,6 +12,7 @@ from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import MINI_LAB, load_rubric
 from agents.lab.grading.sandbox import ENDS, FAILS, LOAD, SLOW
 from agents.lab.grading.submissions import find_submission
+from agents.lab.grading.walls import FILES, held
 
 NAMES = exercise_names()
 
@@ -22,30 +23,52 @@ AGENTS = (
 """Exercises that ask for an agent, each for more than the one before it."""
 
 
-def graded(file: Path, exercise: str) -> GradeReport:
+def graded(source: str, folder: Path, exercise: str) -> GradeReport:
+    """Return the grade of a program in a folder of its own, as no agent may read our files."""
+    file = folder / "mine.py"
+    file.write_text(source, encoding="utf-8")
     return grade(find_submission(str(file)), load_rubric(find_rubric(Path(exercise))))
 
 
+def solution(name: str) -> str:
+    return (SOLUTIONS / f"{name}.py").read_text(encoding="utf-8")
+
+
 @pytest.mark.parametrize("name", NAMES)
-def test_a_solution_has_all_points_and_a_starting_file_runs_and_has_few(name: str) -> None:
+def test_a_solution_has_all_points_and_a_starting_file_runs_and_has_few(
+    name: str, tmp_path: Path
+) -> None:
     rubric = load_rubric(find_rubric(Path(name)))
     assert rubric.points == 100
-    assert graded(SOLUTIONS / f"{name}.py", name).points == 100
-    start = graded(rubric.starter, name)
+    assert graded(solution(name), tmp_path, name).points == 100
+    begun = rubric.starter.read_text(encoding="utf-8")
+    start = graded(begun, tmp_path, name)
     assert start.points < 40
     failures = (ENDS, FAILS, LOAD, SLOW)
     assert not [each.seen for each in start.grades if any(kind in each.seen for kind in failures)]
-    begun = rubric.starter.read_text(encoding="utf-8")
     assert "Write here" in begun or begun.count('"?"') == 25
 
 
 @pytest.mark.parametrize(("before", "name"), [*pairwise(AGENTS)])
-def test_the_solution_of_the_exercise_before_is_not_enough(before: str, name: str) -> None:
-    assert graded(SOLUTIONS / f"{before}.py", name).points < 70
+def test_the_solution_of_the_exercise_before_is_not_enough(
+    before: str, name: str, tmp_path: Path
+) -> None:
+    assert graded(solution(before), tmp_path, name).points < 70
 
 
-def test_a_robot_that_does_not_charge_is_not_enough_where_it_has_to() -> None:
-    assert graded(SOLUTIONS / "exercise-13.py", "exercise-14").points < 40
+def test_a_robot_that_does_not_charge_is_not_enough_where_it_has_to(tmp_path: Path) -> None:
+    assert graded(solution("exercise-13"), tmp_path, "exercise-14").points < 40
+
+
+def test_neither_our_agents_nor_our_solutions_are_answers(tmp_path: Path) -> None:
+    ours = "from agents import ExploringAgent\nclass Mine(ExploringAgent): pass\n"
+    copied = f"exec(open({str(SOLUTIONS / 'exercise-13.py')!r}).read())\n"
+    for source in (ours, copied) if FILES in held() else (ours,):
+        report = graded(source, tmp_path, "exercise-13")
+        assert report.points == 0
+        assert report.failure.startswith("cannot be loaded: ")
+    rubrics = [load_rubric(find_rubric(Path(name))) for name in NAMES]
+    assert all(rubric.limits.deny_imports == ("agents",) for rubric in rubrics)
 
 
 def test_there_are_exercises_for_every_measure_that_the_mini_lab_does_not_have() -> None:
@@ -61,7 +84,7 @@ def test_an_exercise_is_begun_and_graded_by_its_name(
     monkeypatch.chdir(tmp_path)
     out = warehouse("grade", "--rubric", "exercise-02", "--starter", "mine.py").out
     assert "warehouse grade mine.py --rubric exercise-02" in out
-    Path("mine.py").write_text((SOLUTIONS / "exercise-02.py").read_text(encoding="utf-8"))
+    Path("mine.py").write_text(solution("exercise-02"))
     out = warehouse("grade", "mine.py", "--rubric", "exercise-02", "--trust").out
     assert out.startswith("agents cannot")
     assert "Exercise 2: how far is it?: mine.py\n" in out

@@ -305,7 +305,7 @@ def test_notebooks_archives_and_nested_files_are_graded_and_leave_nothing(tmp_pa
     )
     assert found["archive.zip"].agent == "ann/agent.py:Agent"
     assert refused == {
-        "bad.zip": "bad.zip: it cannot be unpacked: it is no ZIP archive",
+        "bad.zip": "it cannot be unpacked: it is no ZIP archive",
         "twice": "it has 2 .py files, and none is agent.py",
     }
     assert {*Path(gettempdir()).glob("warehouse-*")} == temporary
