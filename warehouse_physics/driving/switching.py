@@ -147,8 +147,8 @@ class Timetable:
         the late one enters it. Where the late robot is in the way of that, it waits there too.
 
         Returns:
-            The orders of the cells that change, none if it is not possible: the late robot or
-            another one has committed to a cell, or somebody stays in one.
+            The orders of the cells that change. There are none if it is not possible, because the
+            late robot or another one has committed to a cell, or somebody stays in one.
         """
         (robot, least), reached = late, self._progress.reached
         before: set[Visit] = set()

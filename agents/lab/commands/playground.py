@@ -7,7 +7,7 @@ from itertools import count
 from pathlib import Path
 from typing import Annotated
 
-from agents.lab.console.options import option
+from agents.lab.console.options import SAVE, option
 from agents.lab.console.terminal import say
 from agents.lab.playground.page import write_playground
 from agents.lab.playground.runtime import FILES, SERVER, VERSION
@@ -15,7 +15,8 @@ from agents.lab.playground.runtime import FILES, SERVER, VERSION
 
 def playground(
     save: Annotated[
-        Path, option("--save -o FOLDER", "Folder of the page, made if it is missing.")
+        Path,
+        option("--save -o FOLDER", f"{SAVE} Here: the folder of the page, made if it is missing."),
     ] = Path("playground"),
     pyodide: Annotated[
         str,
@@ -25,8 +26,9 @@ def playground(
         ),
     ] = SERVER,
 ) -> None:
-    """Write a page on which agents are written, run and graded.
+    """Write a page that runs agents in browsers.
 
+    On it agents are written, run, step by step if need be, and graded.
     Nothing has to be installed where it is read: Python runs in the browser.
     The folder needs a server, but no network. Try it with
     python -m http.server -d playground
