@@ -22,6 +22,8 @@ from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, Robo
 from warehouse_physics.profile import Floats
 from warehouse_physics.spec import ARRIVED
 
+__all__ = ["Execution", "drive_steps", "drive_through"]
+
 PATIENCE = 10.0
 """Seconds without stops in which nobody moves, after which nobody will."""
 
@@ -43,6 +45,14 @@ class Execution(NamedTuple):
         joules: energy of all bodies until then.
         hits: number of hits; a hit between two robots counts for each of them.
         arrivals: ``[R]``, seconds until each is at rest in its last cell for good.
+
+    Example:
+        >>> from agents.mapf.execution import drive_through
+        >>> from agents.mapf.problem import Plan
+        >>> from warehouse_core import Layout
+        >>> found = drive_through(Layout(["..."]), Plan.of([[0, 1, 2]]).cells)
+        >>> round(found.seconds, 1), found.hits
+        (3.0, 0)
     """
 
     seconds: float
@@ -69,6 +79,14 @@ def drive_through(
         PlanError: nobody moves any more before all have arrived; the message names robots.
         LayoutError: a robot starts in a wall, or where another does.
         ValueError: a joint step has a conflict, or the robots are too wide to follow each other.
+
+    Example:
+        >>> from agents.mapf.execution import drive_steps, drive_through
+        >>> from agents.mapf.problem import Plan
+        >>> from warehouse_core import Layout
+        >>> layout, plan = Layout(["...."]), Plan.of([[0, 1, 2, 3]]).cells
+        >>> drive_through(layout, plan).seconds < drive_steps(layout, plan).seconds
+        True
     """
     motion, cells = DrivingMotion(spec, disturbances, path_every=1), [*map(layout.cells, plan)]
     motion.reset(layout, cells[0], seed=0)
@@ -100,6 +118,13 @@ def drive_steps(
         PlanError: robots cannot carry out a step; the message names them.
         LayoutError: as for ``drive_through``.
         ValueError: a robot is to move by more than a cell.
+
+    Example:
+        >>> from agents.mapf.execution import drive_steps
+        >>> from agents.mapf.problem import Plan
+        >>> from warehouse_core import Layout
+        >>> round(drive_steps(Layout(["..."]), Plan.of([[0, 1, 2]]).cells).seconds, 1)
+        4.0
     """
     motion, cells = RigidBodyMotion(spec, disturbances), [*map(layout.cells, plan)]
     motion.reset(layout, cells[0], seed=0)

@@ -14,6 +14,16 @@ from agents.mapf.problem import Plan, Problem
 from warehouse_core.wording import brief, counted
 from warehouse_core.world.tables import Integers
 
+__all__ = [
+    "ForesightedPlanner",
+    "GraphPlanner",
+    "Planner",
+    "PushingPlanner",
+    "Situation",
+    "check_step",
+    "solve_by_steps",
+]
+
 NO_CELLS = np.empty(0, np.intp)
 
 
@@ -28,6 +38,17 @@ class Situation(NamedTuple):
             drop or charge, or have an empty battery.
         closed: cells that nobody can enter in this step, such as cells of people.
         urgent: robots that should go before all others, as those whose batteries are low.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.pibt import PIBT
+        >>> from agents.mapf.planner import Situation
+        >>> from warehouse_core import Layout
+        >>> cells, goals, none = np.array([0, 2]), np.array([2, 0]), np.array([], int)
+        >>> situation = Situation(cells, goals, stays=np.array([False, False]), closed=none)
+        >>> PIBT(Graph(Layout(["...", "..."]))).next_cells(situation)
+        array([1, 2])
     """
 
     cells: Integers
@@ -42,6 +63,15 @@ class Planner(Protocol):
     """Chooses the next cells of robots; each planner is made for one ``Graph``.
 
     A planner may also be a ``GraphPlanner``, a ``ForesightedPlanner`` and a ``PushingPlanner``.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.pibt import PIBT
+        >>> from agents.mapf.planner import Planner
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> planner: Planner = PIBT(Graph(DEFAULT_LAYOUT))
+        >>> isinstance(planner, Planner)
+        True
     """
 
     def reset(self) -> None:
@@ -60,6 +90,14 @@ class GraphPlanner(Protocol):
     """A planner that shows its graph.
 
     Cells of it are closed while nobody can enter them, and replays have ways of its costs.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.pibt import PIBT
+        >>> from agents.mapf.planner import GraphPlanner
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> isinstance(PIBT(Graph(DEFAULT_LAYOUT)), GraphPlanner)
+        True
     """
 
     graph: Graph
@@ -67,7 +105,16 @@ class GraphPlanner(Protocol):
 
 @runtime_checkable
 class ForesightedPlanner(Protocol):
-    """A planner that plans more than one step, which replays show."""
+    """A planner that plans more than one step, which replays show.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.planner import ForesightedPlanner
+        >>> from agents.mapf.windows import WindowedPlanner
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> isinstance(WindowedPlanner(Graph(DEFAULT_LAYOUT)), ForesightedPlanner)
+        True
+    """
 
     def plan_of(self, robot: int) -> list[int]:
         """Return the cells of a robot after each of the next steps, first the one just chosen."""
@@ -80,6 +127,14 @@ class PushingPlanner(Protocol):
     Attributes:
         pushers: ``[R]``, robot that made each robot choose before its turn in the last step, or
             ``NOBODY``.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.pibt import PIBT
+        >>> from agents.mapf.planner import PushingPlanner
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> isinstance(PIBT(Graph(DEFAULT_LAYOUT)), PushingPlanner)
+        True
     """
 
     pushers: Integers
@@ -90,6 +145,16 @@ def solve_by_steps(planner: Planner, problem: Problem, seconds: float) -> Plan:
 
     Raises:
         PlanError: it did not in so many seconds by the clock; there may be a plan.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.pibt import PIBT
+        >>> from agents.mapf.planner import solve_by_steps
+        >>> from agents.mapf.problem import Problem
+        >>> from warehouse_core import Layout
+        >>> problem = Problem(Graph(Layout(["...", "..."])), starts=[0, 2], goals=[2, 0])
+        >>> solve_by_steps(PIBT(problem.graph), problem, seconds=10).sum_of_costs
+        7
     """
     deadline = time.perf_counter() + seconds
     cells, goals = np.array(problem.starts), np.array(problem.goals)
@@ -111,6 +176,18 @@ def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
     Raises:
         PlanError: it is no cell for each robot, or a robot jumps, moves though it stays, enters a
             closed cell, or meets another; the message names robots and cells.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.planner import Situation, check_step
+        >>> from warehouse_core import Layout
+        >>> cells, goals, none = np.array([0, 1]), np.array([1, 0]), np.array([], int)
+        >>> situation = Situation(cells, goals, stays=np.array([False, False]), closed=none)
+        >>> check_step(Graph(Layout([".."])), situation, [1, 0])
+        Traceback (most recent call last):
+            ...
+        agents.errors.PlanError: robots 0 and 1 are to change places, (0, 0) and (0, 1)
     """
     cells, stays = situation.cells, situation.stays
     found = np.asarray(chosen)

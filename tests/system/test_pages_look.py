@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from helpers.command_line import in_a_process
-from helpers.handbook import PAGES as HANDBOOK_PAGES
+from helpers.handbook import SITE
 from helpers.looks import SCREENS, SHEET, Reader, reading
 from helpers.results_files import BAD, GOOD, scores_of
 
@@ -102,7 +102,7 @@ def test_a_learning_curve_is_legible(reader: Reader, tmp_path: Path) -> None:
     assert reader.faults_of_picture(tmp_path / "picture.svg") == {}
 
 
-@pytest.mark.parametrize("name", [page.stem for page in HANDBOOK_PAGES])
+@pytest.mark.parametrize("name", SITE)
 def test_the_handbook_is_legible(reader: Reader, site: Path, name: str) -> None:
     assert reader.faults_of_page(site / f"{name}.html") == {}
 

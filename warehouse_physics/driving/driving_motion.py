@@ -55,6 +55,15 @@ class DrivingMotion(BodyMotion):
         ValueError: ``period`` is not above 0 or too long, or the robots are too wide to follow each
             other.
         TypeError: ``spec`` is no ``RobotSpec``, or ``disturbances`` no ``Disturbances``.
+
+    Example:
+        >>> from warehouse_core import FleetEnv
+        >>> from warehouse_physics import DrivingMotion
+        >>> env = FleetEnv(robots=2, starts=[(1, 1), (5, 1)], backend=DrivingMotion())
+        >>> observations, info = env.reset()
+        >>> step = env.step(["E", "E"])
+        >>> env.ways
+        Ways(ends=[(1, 2), (5, 2)], has_room=[True, True], at_rest=[False, False], ...
     """
 
     BODIES = "_driver"
