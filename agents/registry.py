@@ -41,6 +41,7 @@ from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Planner
 from agents.mapf.problem import Solver
+from agents.mapf.timed import TimedPlanner
 from agents.mapf.windows import WindowedPlanner
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
@@ -79,6 +80,8 @@ PLANNERS: dict[str, Callable[..., Planner]] = {
     "windowed": WindowedPlanner,
     "windowed-lanes": Guided(WindowedPlanner, on_lanes),
     "windowed-learned": Guided(WindowedPlanner, on_learned),
+    "timed": TimedPlanner,
+    "timed-lanes": Guided(TimedPlanner, on_lanes),
 }
 """Planners of the robots of a fleet, by name."""
 

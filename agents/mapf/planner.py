@@ -11,12 +11,14 @@ from numpy.typing import NDArray
 from agents.errors import PlanError
 from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.problem import Plan, Problem
+from warehouse_core.motion.base import Motion
 from warehouse_core.wording import brief, counted
 from warehouse_core.world.tables import Integers
 
 __all__ = [
     "ForesightedPlanner",
     "GraphPlanner",
+    "MotionPlanner",
     "Planner",
     "PushingPlanner",
     "Situation",
@@ -62,7 +64,8 @@ class Situation(NamedTuple):
 class Planner(Protocol):
     """Chooses the next cells of robots; each planner is made for one ``Graph``.
 
-    A planner may also be a ``GraphPlanner``, a ``ForesightedPlanner`` and a ``PushingPlanner``.
+    A planner may also be a ``GraphPlanner``, a ``ForesightedPlanner``, a ``MotionPlanner`` and a
+    ``PushingPlanner``.
 
     Example:
         >>> from agents.mapf.graph import Graph
@@ -118,6 +121,23 @@ class ForesightedPlanner(Protocol):
 
     def plan_of(self, robot: int) -> list[int]:
         """Return the cells of a robot after each of the next steps, first the one just chosen."""
+
+
+@runtime_checkable
+class MotionPlanner(Protocol):
+    """A planner that knows how long the robots of a motion take.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.planner import MotionPlanner
+        >>> from agents.mapf.timed import TimedPlanner
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> isinstance(TimedPlanner(Graph(DEFAULT_LAYOUT)), MotionPlanner)
+        True
+    """
+
+    def plan_for(self, motion: Motion) -> None:
+        """Forget all plans, and plan for the robots of a motion from now on."""
 
 
 @runtime_checkable

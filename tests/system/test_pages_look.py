@@ -82,11 +82,18 @@ def test_a_report_is_legible(reader: Reader, tmp_path: Path) -> None:
     assert reader.faults_of_page(tmp_path / "page.html", [*SCREENS, SHEET]) == {}
 
 
-def test_a_page_of_grades_is_legible(reader: Reader, tmp_path: Path) -> None:
-    methods = "def reset(self): pass", "def act(self, seen): return 'N'"
-    (tmp_path / "agent.py").write_text("\n    ".join(["class Agent:", *methods]))
-    save(tmp_path, "grade", "agent.py", "--trust", "--save", "page.html")
-    assert reader.faults_of_page(tmp_path / "page.html", [*SCREENS, SHEET]) == {}
+def test_pages_of_grades_are_legible(reader: Reader, tmp_path: Path) -> None:
+    """The page of a student, with the player of the worst episode, and that of the class."""
+    (tmp_path / "all").mkdir()
+    long_name = "Surname Given Names_12345_assignsubmission_file_"
+    for name, body in {"walks": "return 'N'", "fails": "1 / 0", long_name: "pass"}.items():
+        methods = "def reset(self): pass", f"def act(self, seen): {body}"
+        text = "\n    ".join(["class Agent:", *methods])
+        (tmp_path / "all" / f"{name}.py").write_text(text)
+    save(tmp_path, "grade", "all", "--trust", "--pages", "pages", "-j", 1)
+    for name in ("index", "walks.py"):
+        page = tmp_path / "pages" / f"{name}.html"
+        assert reader.faults_of_page(page, [*SCREENS, SHEET]) == {}
 
 
 @pytest.mark.parametrize("name", PICTURES)

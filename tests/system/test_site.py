@@ -1,9 +1,11 @@
 """The handbook as a site: built without a warning, all links lead somewhere, read in a browser."""
 
+import re
 import subprocess
 import sys
 from collections.abc import Iterator
 from functools import partial
+from html import unescape
 from html.parser import HTMLParser
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from importlib.metadata import version
@@ -13,6 +15,7 @@ from typing import Any
 from urllib.parse import unquote, urlencode, urlsplit
 
 import pytest
+from helpers.command_line import LEAVES
 from helpers.handbook import HANDBOOK, SITE
 from helpers.player_pages import shown, wait_until
 
@@ -43,10 +46,17 @@ FAULTS = """
 """
 
 
+class Handler(SimpleHTTPRequestHandler):
+    """Serves files and tells nothing about it."""
+
+    def log_message(self, format: str, *_: object) -> None:  # noqa: A002
+        pass
+
+
 @pytest.fixture
 def site_address(site: Path) -> Iterator[str]:
     """Serve the site, whose search loads files, and yield its address."""
-    handler = partial(SimpleHTTPRequestHandler, directory=str(site))
+    handler = partial(Handler, directory=str(site))
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         thread = Thread(target=server.serve_forever)
         thread.start()
@@ -88,6 +98,16 @@ def test_all_links_lead_somewhere_and_nothing_is_loaded_from_elsewhere(site: Pat
             assert target.exists(), f"{path.name}: {link}"
             if parts.fragment and target in pages:
                 assert unquote(parts.fragment) in pages[target].ids, f"{path.name}: {link}"
+
+
+def test_the_page_of_the_command_line_has_the_help_of_every_command(site: Path) -> None:
+    page = (site / "reference/command_line.html").read_text(encoding="utf-8")
+    text = unescape(re.sub("<[^>]+>", "", page))
+    for name, command in LEAVES.items():
+        shown_help = text.partition(f"Usage: warehouse {name} ")[2].partition("Usage:")[0]
+        options = [each for each in command.params if each.param_type_name == "option"]
+        assert shown_help, name
+        assert [each for each in options if each.opts[-1] not in shown_help] == [], name
 
 
 def test_solutions_are_in_the_site_for_lecturers_alone(tmp_path: Path) -> None:
@@ -143,9 +163,12 @@ def test_the_version_is_in_the_corner_of_every_page(browser: Any, site: Path) ->
     ],
 )
 def test_the_search_finds_pages(browser: Any, site_address: str, words: str, page: str) -> None:
-    with shown(browser) as reading:
-        reading.page.goto(f"{site_address}/search.html?{urlencode({'q': words})}")
-        reading.page.locator(f"#search-results a[href^='{page}']").first.wait_for()
+    reading = browser.new_page()
+    try:
+        reading.goto(f"{site_address}/search.html?{urlencode({'q': words})}")
+        reading.locator(f"#search-results a[href^='{page}']").first.wait_for()
+    finally:
+        reading.close()
 
 
 def test_the_first_page_plays_by_itself(browser: Any, site: Path) -> None:

@@ -309,7 +309,8 @@ def record_episode(
     Args:
         env: Environment of a lone robot or of a fleet, with any backend.
         agent: ``Agent`` of a lone robot, or ``FleetAgent``.
-        seed: Seed for ``env.reset``, not for the agent; a fleet draws one if it is ``None``.
+        seed: Seed for ``env.reset``, not for the agent; where stations are drawn, it gives the same
+            episode in each use of the environment. A fleet draws one if it is ``None``.
         randomize: Argument of a lone robot's ``env.reset``.
 
     Returns:

@@ -50,6 +50,7 @@ mkdir -p "$root/results"
 cat > "$root/results/results.json" <<'END'
 FAILED
 END
+chmod 600 "$root/source/rubric.toml"  # where the kernel does not keep it from agents
 cd "$root" || exit 0
 export PYTHONPATH="$root/source/packages"
 "${AUTOGRADER_PYTHON:-$root/venv/bin/python}" -m agents.lab.grading.autograder "$root"
