@@ -41,7 +41,17 @@ PAGES = {
     "race": "race",
     **{
         f"demo {name}": f"demo {name}"
-        for name in ("delivery", "bump", "load", "slip", "wheels", "head-on", "ring", "pibt")
+        for name in (
+            "delivery",
+            "bump",
+            "load",
+            "slip",
+            "wheels",
+            "head-on",
+            "ring",
+            "passing",
+            "pibt",
+        )
     },
 }
 """Commands that save a page, by what it shows."""
