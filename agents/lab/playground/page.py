@@ -39,7 +39,6 @@ def write_playground(
         PyodideError: as ``copy_runtime``.
         OSError: the folder cannot be written.
     """
-    (folder / RUNTIME).mkdir(parents=True, exist_ok=True)
     copy_runtime(source, folder / RUNTIME, advance)
     for name in SCRIPTS:
         _write(folder / name, _text(name))

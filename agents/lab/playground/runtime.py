@@ -38,7 +38,7 @@ def copy_runtime(source: str, folder: Path, advance: Callable[[], None] = lambda
 
     Args:
         source: folder, or address of one that begins with ``http://`` or ``https://``.
-        folder: folder that exists.
+        folder: folder, which is made once there is a file for it.
         advance: called after each file.
 
     Raises:
@@ -54,6 +54,7 @@ def copy_runtime(source: str, folder: Path, advance: Callable[[], None] = lambda
                     f"{name} in {brief(source)} is not of Pyodide {VERSION}: its SHA-256 is "
                     f"{_digest_of(content)}; needed: {digest}"
                 )
+            folder.mkdir(parents=True, exist_ok=True)
             with atomic_path(target) as part:
                 part.write_bytes(content)
         advance()

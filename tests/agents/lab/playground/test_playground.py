@@ -95,6 +95,13 @@ def test_other_files_are_refused_and_no_page_is_written(
     assert not (tmp_path / "page" / "index.html").exists()
 
 
+def test_nothing_is_written_if_there_are_no_files(tmp_path: Path, refused: Refused) -> None:
+    nowhere = tmp_path / "nowhere"
+    message = refused("playground", "-o", tmp_path / "page", "--pyodide", nowhere)
+    assert "pyodide.mjs cannot be read from" in message
+    assert not (tmp_path / "page").exists()
+
+
 def test_a_server_without_the_files_is_named(server: str, files: Path, tmp_path: Path) -> None:
     (files / "python.wasm").unlink()
     with pytest.raises(runtime.PyodideError, match=r"python.wasm cannot be read from .*404"):
