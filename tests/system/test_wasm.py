@@ -96,6 +96,9 @@ def test_an_exercise_is_chosen_and_graded_and_code_of_the_other_is_kept(
     playground.type((SOLUTIONS / "exercise-02.py").read_text(encoding="utf-8"))
     playground.press("grade")
     assert playground.text("told").startswith("100 of 100 points")
+    playground.page.set_viewport_size({"width": 360, "height": 800})
+    assert playground.page.evaluate("document.documentElement.scrollWidth") == 360
+    playground.page.set_viewport_size({"width": 1366, "height": 768})
     playground.page.select_option("[data-part=exercise]", "mini_lab")
     assert playground.page.input_value("[data-part=code]") == CODE
     assert playground.errors == []
