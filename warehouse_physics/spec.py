@@ -62,7 +62,7 @@ class RobotSpec:
         drivetrain_efficiency: work at the wheel over energy from the battery, above 0, up to 1.
         idle_power: power of computer and sensors, W.
         recuperation: share of the work of a braking motor that gets back into the battery, 0 to 1;
-            turns on the spot give none back.
+            turns that take ``turn_seconds`` give none back.
         dwell: duration of waiting, picking and dropping, seconds.
         turn_seconds: duration of a quarter turn on the spot, seconds. A robot with two driven
             wheels turns before it drives in another direction; a half turn takes twice as long.
