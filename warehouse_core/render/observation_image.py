@@ -7,6 +7,7 @@ hatched. Two bars below show the battery level and the steps taken.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +21,6 @@ from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP
 
 TILE_PIXELS = 8
 """Side of a tile; the picture of the default layout has 64 x 96 pixels."""
-
-NUMBERS = ("robot_pos", "pickup_pos", "dropoff_pos", "battery", "steps")
-"""Keys of an observation whose values are numbers, eight together."""
 
 STATION_CODES = (CODES[PICKUP, NO_ROBOT], CODES[DROPOFF, NO_ROBOT])
 
@@ -66,16 +64,24 @@ class ObservationImage:
         each = pictures.reshape(-1, *self.shape)
         each[:] = self._unseen
         windows = arrays["local_grid"].reshape(len(each), -1)
-        numbers = np.column_stack([arrays[key].reshape(len(each), -1) for key in NUMBERS]).tolist()
+        numbers = np.column_stack(
+            [
+                arrays["robot_pos"].reshape(-1, 2),
+                arrays["pickup_pos"].reshape(-1, 2),
+                arrays["dropoff_pos"].reshape(-1, 2),
+                arrays["battery"].reshape(-1),
+                arrays["steps"].reshape(-1),
+            ]
+        ).tolist()
         loaded = np.reshape(arrays["has_item"], -1).tolist()
         for picture, window, known, has_item in zip(each, windows, numbers, loaded, strict=True):
             self._paint(picture, window, known, has_item)
         return pictures
 
     def _paint(
-        self, picture: Pixels, window: NDArray[np.uint8], known: list[int], has_item: int
+        self, picture: Pixels, window: NDArray[Any], known: list[int], has_item: int
     ) -> None:
-        """Paint one observation where nothing is seen yet; ``known`` are its ``NUMBERS``."""
+        """Paint one observation where nothing is seen yet; ``known`` are its eight numbers."""
         row, col, *stations, battery, steps = known
         end, half = self._height * TILE_PIXELS, TILE_PIXELS // 2
         cells = picture[:end].reshape(self._height, TILE_PIXELS, self._width, TILE_PIXELS, 3)
