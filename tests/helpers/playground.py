@@ -29,10 +29,14 @@ def write_page(folder: Path) -> Path:
     return folder
 
 
-def run_in_node(page: Path, script: Path) -> str:
-    """Return what a script prints that Pyodide runs in node, with the wheel of a page."""
+def run_in_node(page: Path, script: Path, *packages: str) -> str:
+    """Return what a script prints that Pyodide runs in node, with the wheel of a page.
+
+    More packages than the page has are taken from what ``.ci/pyodide`` fetches.
+    """
     [wheel] = page.glob("*.whl")
-    words = ["node", ROOT / "tests" / "helpers" / "pyodide.mjs", page / RUNTIME, wheel, script]
+    runtime = FILES if packages else page / RUNTIME
+    words = ["node", ROOT / "tests" / "helpers" / "pyodide.mjs", runtime, wheel, script, *packages]
     return subprocess.run(words, capture_output=True, text=True, check=True).stdout
 
 

@@ -9,7 +9,8 @@ from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers import wasm_digests
+from helpers import wasm_digests, wasm_pages
+from helpers.handbook import CELL, HANDBOOK, blocks_of
 from helpers.playground import MAX_DOWNLOAD, Playground, run_in_node, served, write_page
 
 from agents.lab.grading.exercises import SOLUTIONS
@@ -46,6 +47,33 @@ def test_node_has_the_digests_of_cpython(page_folder: Path) -> None:
     pyodide = run_in_node(page_folder, script)
     assert len(cpython.splitlines()) > 20
     assert pyodide == cpython
+
+
+NOT_THERE = {
+    "!warehouse": "commands are processes, which a browser has not",
+    "from warehouse_physics import": "bodies need pymunk, which has no wheel for a browser",
+}
+"""Cells of the handbook that do not run in a browser, by a part of them, and why."""
+
+
+@pytest.mark.parametrize(
+    "page", ["mini_lab", "agents", "environments", "assistant", "search_agents"]
+)
+def test_a_page_of_the_handbook_says_in_node_what_it_says_in_cpython(
+    page: str, page_folder: Path, tmp_path: Path
+) -> None:
+    blocks = blocks_of(HANDBOOK / f"{page}.md")
+    cells = [block.text for block in blocks if block.language == CELL]
+    cells = [cell for cell in cells if not any(part in cell for part in NOT_THERE)]
+    script = tmp_path / "cells_of_a_page.py"
+    source = Path(wasm_pages.__file__).read_text(encoding="utf-8")
+    script.write_text(f"{source}\n\nrun_cells({cells!r})\n", encoding="utf-8")
+    cpython = subprocess.run(
+        [sys.executable, script], capture_output=True, text=True, env=PLAIN, check=True,
+        cwd=tmp_path,
+    ).stdout  # fmt: skip
+    assert len(cpython.splitlines()) > len(cells)
+    assert run_in_node(page_folder, script, "matplotlib", "pillow") == cpython
 
 
 @pytest.fixture(scope="module")
