@@ -31,6 +31,7 @@ from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Planner
 from agents.mapf.problem import Solver
+from agents.mapf.timed import TimedPlanner
 from agents.mapf.windows import WindowedPlanner
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
@@ -54,13 +55,15 @@ PLANNERS: dict[str, Callable[..., Planner]] = {
     "windowed": WindowedPlanner,
     "windowed-lanes": Guided(WindowedPlanner, on_lanes),
     "windowed-learned": Guided(WindowedPlanner, on_learned),
+    "timed": TimedPlanner,
+    "timed-lanes": Guided(TimedPlanner, on_lanes),
 }
 """Planners of the robots of a fleet, by name."""
 
 TRAINED: dict[str, Callable[..., Agent]] = {"ppo": PPOAgent.load, "q": load_agent}
 """Functions that load an agent of ``warehouse train``, by the word before the colon."""
 
-FIXED = ("seed", "layout", "graph", "algorithm")
+FIXED = ("seed", "layout", "graph", "algorithm", "spec")
 """Arguments that a name does not give: parts of the episode, and what the name itself says."""
 
 

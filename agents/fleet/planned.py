@@ -12,7 +12,14 @@ from agents.fleet.dispatcher import Dispatcher, shares_cell
 from agents.fleet.plan_log import PlanLog
 from agents.mapf.assignment import ASSIGNMENTS
 from agents.mapf.graph import CLOSED, Graph
-from agents.mapf.planner import GraphPlanner, Planner, PushingPlanner, Situation, check_step
+from agents.mapf.planner import (
+    GraphPlanner,
+    MotionPlanner,
+    Planner,
+    PushingPlanner,
+    Situation,
+    check_step,
+)
 from agents.mapf.time_limit import time_limit
 from warehouse_core import FleetEnv
 from warehouse_core.arguments import flag, instance_of, one_of, real_number, with_methods
@@ -100,8 +107,10 @@ class PlannedFleet:
             PlanError: the plan of the step has a conflict.
         """
         if self._dispatcher is None:
-            costs = self.planner.graph.costs if isinstance(self.planner, GraphPlanner) else None
-            self._dispatcher = Dispatcher(env, self._assignment, costs)
+            if isinstance(self.planner, MotionPlanner):
+                self.planner.plan_for(env.motion)
+            roads = self.planner.graph if isinstance(self.planner, GraphPlanner) else None
+            self._dispatcher = Dispatcher(env, self._assignment, roads)
         situation, actions = self._dispatcher.situation(env)
         graph, cells = self._dispatcher.graph, situation.cells
         known = self.planner.graph if isinstance(self.planner, GraphPlanner) else graph

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from agents.errors import PlanError
 from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.problem import Plan, Problem
+from warehouse_core.motion.base import Motion
 from warehouse_core.wording import brief, counted
 from warehouse_core.world.tables import Integers
 
@@ -41,7 +42,8 @@ class Situation(NamedTuple):
 class Planner(Protocol):
     """Chooses the next cells of robots; each planner is made for one ``Graph``.
 
-    A planner may also be a ``GraphPlanner``, a ``ForesightedPlanner`` and a ``PushingPlanner``.
+    A planner may also be a ``GraphPlanner``, a ``ForesightedPlanner``, a ``MotionPlanner`` and a
+    ``PushingPlanner``.
     """
 
     def reset(self) -> None:
@@ -71,6 +73,14 @@ class ForesightedPlanner(Protocol):
 
     def plan_of(self, robot: int) -> list[int]:
         """Return the cells of a robot after each of the next steps, first the one just chosen."""
+
+
+@runtime_checkable
+class MotionPlanner(Protocol):
+    """A planner that knows how long robots take."""
+
+    def plan_for(self, motion: Motion) -> None:
+        """Plan for the robots of a motion from now on, until which there are no plans."""
 
 
 @runtime_checkable

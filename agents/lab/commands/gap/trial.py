@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,6 +19,7 @@ from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import run
 from agents.registry import make_fleet_agent
 from warehouse_core import FleetEnv, FleetEpisode, Layout
+from warehouse_core.batch.fleet.battery import JOULES
 from warehouse_core.batch.fleet.tally import SECONDS_PER_HOUR
 from warehouse_core.fleet import Battery
 
@@ -108,6 +109,10 @@ def make_env(
     setting: Setting, world: World, orders: list[TimedOrder], dispatch: bool = True
 ) -> FleetEnv:
     """Return the fleet of a setting in a world; a ``ValueError`` says why it cannot be made."""
+    battery, motion = setting.battery, world.motion()
+    if battery.unit == JOULES:  # a charger supplies as much in a second in all worlds
+        charge = battery.step_charge(motion.cell_size) * world.step_seconds
+        battery = replace(battery, charge=max(round(charge), 1))
     last = max(order.due for order in orders)
     seconds = last + MAX_SECONDS * math.ceil(len(orders) / setting.robots)
     with warnings.catch_warnings():
@@ -115,10 +120,10 @@ def make_env(
         return FleetEnv(
             setting.layout,
             setting.robots,
-            backend=world.motion(),
+            backend=motion,
             orders=in_steps(orders, world.step_seconds),
             max_steps=math.ceil(seconds / world.step_seconds),
-            battery=setting.battery,
+            battery=battery,
             dispatch=dispatch,
         )
 
