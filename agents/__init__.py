@@ -9,19 +9,37 @@ from importlib import import_module
 from typing import TYPE_CHECKING, Any
 
 if TYPE_CHECKING:
+    from agents.kinds.goal_based import GoalBasedAgent
+    from agents.kinds.model_based import ModelBasedAgent
+    from agents.kinds.simple_reflex import ReflexAgent
+    from agents.kinds.utility_based import UtilityBasedAgent
     from agents.learning.ppo_agent import PPOAgent
     from agents.learning.q_learning import QAgent
     from agents.search.agents import ExploringAgent, SearchAgent
     from agents.warehouse_agent_greedy import GreedyAgent
 
-__all__ = ["ExploringAgent", "GreedyAgent", "PPOAgent", "QAgent", "SearchAgent"]
+__all__ = [
+    "ExploringAgent",
+    "GoalBasedAgent",
+    "GreedyAgent",
+    "ModelBasedAgent",
+    "PPOAgent",
+    "QAgent",
+    "ReflexAgent",
+    "SearchAgent",
+    "UtilityBasedAgent",
+]
 
 _MODULES = {
     "ExploringAgent": "agents.search.agents",
+    "GoalBasedAgent": "agents.kinds.goal_based",
     "GreedyAgent": "agents.warehouse_agent_greedy",
+    "ModelBasedAgent": "agents.kinds.model_based",
     "PPOAgent": "agents.learning.ppo_agent",
     "QAgent": "agents.learning.q_learning",
+    "ReflexAgent": "agents.kinds.simple_reflex",
     "SearchAgent": "agents.search.agents",
+    "UtilityBasedAgent": "agents.kinds.utility_based",
 }
 
 

@@ -22,21 +22,74 @@ from typing import Any
 
 from warehouse_core.errors import WarehouseError
 
+__all__ = [
+    "AgentError",
+    "ClusterError",
+    "EpisodeError",
+    "EpisodeInterrupted",
+    "GradeError",
+    "ParameterError",
+    "PlanError",
+    "StoreError",
+    "WorkerError",
+]
+
 
 class AgentError(WarehouseError, ValueError):
-    """No agent has that name, or its file, class or model is not one of an agent."""
+    """No agent has that name, or its file, class or model is not one of an agent.
+
+    Example:
+        >>> from agents.registry import make_agent
+        >>> make_agent("greedier")
+        Traceback (most recent call last):
+            ...
+        agents.errors.AgentError: no agent is called 'greedier'; allowed: random, reflex, ...
+    """
 
 
 class ParameterError(WarehouseError, ValueError):
-    """An unknown parameter of an experiment, or a value that it does not allow."""
+    """An unknown parameter of an experiment, or a value that it does not allow.
+
+    Example:
+        >>> from agents.lab.experiments.plan import make_plan
+        >>> make_plan({"memory": [-1]}, episodes=10, seed=1)
+        Traceback (most recent call last):
+            ...
+        agents.errors.ParameterError: memory is -1; allowed: a whole number 0..1000000000
+    """
 
 
 class PlanError(WarehouseError, ValueError):
-    """A problem of several robots that has no plan, or for which none was found in time."""
+    """A problem of several robots that has no plan, or for which none was found in time.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.problem import Problem
+        >>> from warehouse_core import Layout
+        >>> Problem(Graph(Layout([".#."])), starts=[0], goals=[2])
+        Traceback (most recent call last):
+            ...
+        agents.errors.PlanError: robot 0: no way leads from (0, 0) to (0, 2)
+    """
 
 
 class EpisodeError(WarehouseError):
-    """An episode that could not be run to its end; ``episode`` is its record so far, if any."""
+    """An episode that could not be run to its end; ``episode`` is its record so far, if any.
+
+    Example:
+        >>> from agents.lab.runs.run import run
+        >>> from warehouse_core import WarehouseEnv
+        >>> class Failing:
+        ...     def reset(self):
+        ...         pass
+        ...
+        ...     def act(self, observation):
+        ...         return observation["compass"]
+        >>> run(WarehouseEnv(), Failing(), seed=1)
+        Traceback (most recent call last):
+            ...
+        agents.errors.EpisodeError: seed 1, step 1, agent Failing: KeyError: 'compass' ...
+    """
 
     def __init__(self, message: str, episode: Any = None) -> None:
         super().__init__(message)
@@ -44,7 +97,24 @@ class EpisodeError(WarehouseError):
 
 
 class EpisodeInterrupted(KeyboardInterrupt):
-    """An interrupt during an episode; ``episode`` is its record so far."""
+    """An interrupt during an episode; ``episode`` is its record so far.
+
+    Example:
+        >>> from agents.errors import EpisodeInterrupted
+        >>> from agents.lab.runs.run import run
+        >>> from warehouse_core import WarehouseEnv
+        >>> class Interrupted:
+        ...     def reset(self):
+        ...         pass
+        ...
+        ...     def act(self, observation):
+        ...         raise KeyboardInterrupt
+        >>> try:
+        ...     run(WarehouseEnv(), Interrupted(), seed=1)
+        ... except EpisodeInterrupted as interrupt:
+        ...     interrupt.episode.steps
+        0
+    """
 
     def __init__(self, message: str, episode: Any) -> None:
         super().__init__(message)
@@ -52,19 +122,60 @@ class EpisodeInterrupted(KeyboardInterrupt):
 
 
 class StoreError(WarehouseError):
-    """A file of results that cannot be used or written; the message says which and why."""
+    """A file of results that cannot be used or written; the message says which and why.
+
+    Example:
+        >>> from agents.lab.experiments.store import Store
+        >>> Store("results.sqlite", read_only=True)
+        Traceback (most recent call last):
+            ...
+        agents.errors.StoreError: results.sqlite: there is no such file
+    """
 
 
 class ClusterError(WarehouseError):
-    """A cluster that cannot be reached or used; the message says why."""
+    """A cluster that cannot be reached or used; the message says why.
+
+    Example:
+        >>> from agents.lab.experiments.cluster import cluster
+        >>> with cluster("nowhere"):
+        ...     pass
+        Traceback (most recent call last):
+            ...
+        agents.errors.ClusterError: ...
+    """
 
 
 class GradeError(WarehouseError):
-    """A rubric that cannot be used, or something that grading needs; the message says which."""
+    """A rubric that cannot be used, or something that grading needs; the message says which.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from agents.lab.grading.rubric import load_rubric
+        >>> size = Path("rubric.toml").write_text('title = "No cases"')
+        >>> load_rubric(Path("rubric.toml"))
+        Traceback (most recent call last):
+            ...
+        agents.errors.GradeError: rubric.toml: there are no [cases.NAME]; a rubric needs episodes
+    """
 
 
 class WorkerError(WarehouseError):
-    """A process on this machine that ended before its work was done."""
+    """A process on this machine that ended before its work was done.
+
+    Example:
+        >>> import os
+        >>> from agents.lab.trials.workers import Processes
+        >>> with Processes(1) as pool:
+        ...     pool.submit(os._exit, 1).result()
+        Traceback (most recent call last):
+            ...
+        agents.errors.WorkerError: its process ended with exit code 1
+    """
+
+
+class PyodideError(WarehouseError):
+    """A file of Pyodide that cannot be read, or is one of another version; the message says why."""
 
 
 def reason_of(error: BaseException, file: Path | None = None) -> str:

@@ -1,4 +1,10 @@
-"""Agents by name: a built-in agent, a trained one from its file, or a class of the user."""
+"""Agents by name: a built-in agent, a trained one from its file, or a class of the user.
+
+Example:
+    >>> from agents.registry import AGENTS, PLANNERS
+    >>> "greedy" in AGENTS, "pibt" in PLANNERS
+    (True, True)
+"""
 
 from __future__ import annotations
 
@@ -23,7 +29,11 @@ from agents.fleet.charging import costs_around_chargers
 from agents.fleet.guided import Guided, on_lanes, on_learned
 from agents.fleet.planned import DEFAULT_ASSIGNMENT, PlannedFleet
 from agents.fleet.team import Team
-from agents.learning.baselines import RandomAgent, ReflexAgent
+from agents.kinds.goal_based import GoalBasedAgent
+from agents.kinds.model_based import ModelBasedAgent
+from agents.kinds.simple_reflex import ReflexAgent
+from agents.kinds.utility_based import UtilityBasedAgent
+from agents.learning.baselines import RandomAgent
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
 from agents.mapf.assignment import ASSIGNMENTS
@@ -40,13 +50,28 @@ from warehouse_core.files.kinds import not_a_file
 from warehouse_core.motion.backends import Backend, backend_names
 from warehouse_core.records.recorder import FleetAgent
 
+__all__ = [
+    "AGENTS",
+    "PLANNERS",
+    "make_agent",
+    "make_backend",
+    "make_fleet_agent",
+    "make_planner",
+    "make_solver",
+    "make_team",
+]
+
 AGENTS: dict[str, Callable[..., Agent]] = {
     "random": RandomAgent,
     "reflex": ReflexAgent,
+    "model": ModelBasedAgent,
+    "goal": GoalBasedAgent,
+    "utility": UtilityBasedAgent,
     "greedy": GreedyAgent,
     "exploring": ExploringAgent,
     **{name: partial(SearchAgent, algorithm=name) for name in ALGORITHMS},
 }
+"""Agents of a lone robot, by name."""
 
 PLANNERS: dict[str, Callable[..., Planner]] = {
     "pibt": PIBT,
@@ -63,7 +88,7 @@ PLANNERS: dict[str, Callable[..., Planner]] = {
 TRAINED: dict[str, Callable[..., Agent]] = {"ppo": PPOAgent.load, "q": load_agent}
 """Functions that load an agent of ``warehouse train``, by the word before the colon."""
 
-FIXED = ("seed", "layout", "graph", "algorithm", "spec")
+FIXED = ("seed", "layout", "graph", "algorithm")
 """Arguments that a name does not give: parts of the episode, and what the name itself says."""
 
 
@@ -98,6 +123,11 @@ def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYO
 
     Raises:
         AgentError: there is no such agent, or it does not take the arguments; the message says why.
+
+    Example:
+        >>> from agents.registry import make_agent
+        >>> make_agent("greedy:memory=20", seed=1).memory
+        20
     """
     return _make_agents(name, [seed], layout)[0]
 
@@ -109,6 +139,12 @@ def make_team(
 
     The agents get the walls of the layout; they observe which stations are theirs. Names and errors
     are those that ``make_agent`` has.
+
+    Example:
+        >>> from agents.registry import make_team
+        >>> from warehouse_core import FleetEnv, record_episode, shelf_layout
+        >>> env = FleetEnv(shelf_layout(aisle=2), 4, orders=0.1, max_steps=50, seed=1)
+        >>> shift = record_episode(env, make_team("greedy", 4, 1, env.layout), seed=1)
     """
     seeds = [seed] * robots
     if seed is not None and robots > 1:
@@ -128,6 +164,11 @@ def make_planner(
 
     Raises:
         AgentError: as ``make_agent``.
+
+    Example:
+        >>> from agents.registry import make_planner
+        >>> make_planner("windowed:window=20", seed=1).window
+        20
     """
     [planner] = _make(PLANNER, name, [seed], layout, robots)
     return cast("Planner | FleetAgent", planner)
@@ -144,6 +185,11 @@ def make_solver(name: str, known: Mapping[str, Solver], seed: int = 0) -> Solver
 
     Raises:
         AgentError: its file or module cannot be imported, or it does not take the arguments.
+
+    Example:
+        >>> from agents.mapf.eecbs import solve_eecbs
+        >>> from agents.registry import make_solver
+        >>> solve = make_solver("ecbs:w=1.1", {"ecbs": solve_eecbs})
     """
     source, options = _split(name)
     solve = known.get(source) or _load_function(source)
@@ -171,6 +217,11 @@ def make_backend(name: str) -> Backend:
 
     Raises:
         AgentError: there is no such class, it cannot be made, or it is no motion.
+
+    Example:
+        >>> from agents.registry import make_backend
+        >>> make_backend("physics:top_speed=2")
+        'physics:top_speed=2'
     """
     source, _ = _split(name)
     if _split_class(source)[0] is None or source.partition(":")[0] in backend_names():
@@ -196,6 +247,13 @@ def make_fleet_agent(
 
     Raises:
         AgentError: as ``make_planner``, or an assignment that does not exist or is not used.
+
+    Example:
+        >>> from agents.registry import make_fleet_agent
+        >>> from warehouse_core import FleetEnv, record_episode, shelf_layout
+        >>> layout = shelf_layout(aisle=2, pickups=4)
+        >>> env = FleetEnv(layout, 8, orders=0.2, max_steps=50, dispatch=False, seed=1)
+        >>> shift = record_episode(env, make_fleet_agent("pibt", "urgent", 1, layout, 8), seed=1)
     """
     if assignment is not None and assignment not in ASSIGNMENTS:
         raise AgentError(

@@ -34,6 +34,13 @@ class GreedyAgent:
     Raises:
         ValueError: an argument is negative, or more than ``MAX_STEPS``.
         TypeError: one of them is not an integer.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from warehouse_core import WarehouseEnv
+        >>> agent = GreedyAgent(seed=12)
+        >>> agent.act(WarehouseEnv().reset()), agent.reason
+        ('E', 'greedy')
     """
 
     def __init__(self, seed: int | None = None, memory: int = 10, escape_steps: int = 3) -> None:
@@ -57,7 +64,7 @@ class GreedyAgent:
         no pickup or dropoff to go to.
         """
         here, has_item = observation["robot_pos"], observation["has_item"]
-        goal = observation["dropoff_pos"] if has_item else observation["pickup_pos"]
+        goal = goal_of(observation)
         looping = self._notice_loop(here, has_item)
         if goal is None:
             return self._choose("no goal", "WAIT")
@@ -84,6 +91,11 @@ class GreedyAgent:
         if len(actions) < 2:
             return actions[0] if actions else "WAIT"
         return self._random.choice(actions)
+
+
+def goal_of(observation: Observation) -> Cell | None:
+    """Return the pickup with empty hands, the dropoff when loaded; ``None`` if there is none."""
+    return observation["dropoff_pos"] if observation["has_item"] else observation["pickup_pos"]
 
 
 def distance(a: Cell, b: Cell) -> int:

@@ -39,33 +39,30 @@ def legend(has_chargers: bool) -> dict[str, str]:
 class WarehouseEnv:
     """The warehouse of the chapter's exercise.
 
-    ## Description
+    Description:
+        A robot in a grid of walls picks up an item at a pickup and delivers it to a dropoff. It
+        sees the cells around it, and its battery loses one unit in every step. On a charger, a tile
+        that the chapter does not have, waiting charges the battery.
 
-    A robot in a grid of walls picks up an item at a pickup and delivers it to a dropoff. It sees
-    the cells around it, and its battery loses one unit in every step. On a charger, a tile that
-    the chapter does not have, waiting charges the battery.
+    Actions:
+        ==========  ==========  ==========================================
+        Index       Word        Action
+        ==========  ==========  ==========================================
+        0, 1, 2, 3  N, E, S, W  move one cell north, east, south or west
+        4           WAIT        stay; charge the battery, on a charger
+        5           PICK        take the item, on a pickup without an item
+        6           DROP        deliver the item, on a dropoff with it
+        ==========  ==========  ==========================================
 
-    ## Actions
+    Observations:
+        A dictionary, see ``Observation``.
 
-    | Index      | Word       | Action                                     |
-    | ---------- | ---------- | ------------------------------------------ |
-    | 0, 1, 2, 3 | N, E, S, W | move one cell north, east, south or west   |
-    | 4          | WAIT       | stay; charge the battery, on a charger     |
-    | 5          | PICK       | take the item, on a pickup without an item |
-    | 6          | DROP       | deliver the item, on a dropoff with it     |
+    Rewards:
+        See the table of ``warehouse_core/task/rules.py``.
 
-    ## Observations
-
-    A dictionary, see ``Observation``.
-
-    ## Rewards
-
-    See the table of ``warehouse_core/task/rules.py``.
-
-    ## Ends
-
-    Terminated: the item is delivered. Truncated: ``max_steps`` are taken, or the battery is empty.
-    Both may be true. Later steps are allowed, as in the chapter.
+    Ends:
+        Terminated: the item is delivered. Truncated: ``max_steps`` are taken, or the battery is
+        empty. Both may be true. Later steps are allowed, as in the chapter.
 
     Args:
         grid: equally long strings of ``#.PDC``, or a ``Layout``; ``None`` is the chapter's 7 x 12.
@@ -82,6 +79,14 @@ class WarehouseEnv:
         TypeError: an argument of another type.
 
     Source: the chapter's exercise, section 1.6 of the course book.
+
+    Example:
+        >>> from warehouse_core import WarehouseEnv
+        >>> env = WarehouseEnv()
+        >>> observation = env.reset()
+        >>> observation, reward, terminated, truncated, info = env.step("E")
+        >>> observation["robot_pos"], reward, terminated, truncated
+        ((1, 2), -0.1, False, False)
     """
 
     ACTIONS: ClassVar[list[str]] = list(ACTIONS)

@@ -67,6 +67,12 @@ def replay_animation(
     Raises:
         ValueError: bad frames, metrics, interval, speed or plans; the message says which, where.
         TypeError: both a record and metrics, or plans without a ``FleetEpisode``.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode, replay_animation
+        >>> episode = record_episode(WarehouseEnv(), GreedyAgent(seed=12), seed=12)
+        >>> replay_animation(episode).save("replay.html")
     """
     track = _track_of(frames, metrics, frame_seconds, plans)
     if track is None or not _matplotlib_is_installed():
@@ -93,6 +99,13 @@ def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: fl
     Raises:
         ValueError: bad frames or ``dpi``.
         OSError: the folder cannot be created or written to.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from warehouse_core import WarehouseEnv, save_frames_to_svg
+        >>> save_frames_to_svg([WarehouseEnv().render_grid()], "pictures")
+        >>> sorted(path.name for path in Path("pictures").iterdir())
+        ['frame_0000.svg', 'legend.svg']
     """
     track = _track_of(frames, None, FRAME_SECONDS)
     if track is None or not _matplotlib_is_installed():

@@ -32,6 +32,11 @@ class Stop:
     Raises:
         ValueError: naming the field, its value and what is allowed.
         TypeError: ``robot`` is not an integer.
+
+    Example:
+        >>> from warehouse_physics import Disturbances, DrivingMotion, Stop
+        >>> stop = Stop(robot=0, at=20.0, seconds=60.0)
+        >>> motion = DrivingMotion(disturbances=Disturbances(stops=(stop,)))
     """
 
     robot: int
@@ -65,6 +70,12 @@ class Disturbances:
 
     Raises:
         ValueError: naming the field, its value and what is allowed.
+
+    Example:
+        >>> from warehouse_core import WarehouseEnv
+        >>> from warehouse_physics import Disturbances, RigidBodyMotion
+        >>> icy = Disturbances(slippery=frozenset({(1, 2)}), motor_strength=0.8)
+        >>> env = WarehouseEnv(backend=RigidBodyMotion(disturbances=icy))
     """
 
     actuation_noise: float = 0.0

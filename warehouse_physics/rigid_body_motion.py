@@ -53,6 +53,15 @@ class RigidBodyMotion(BodyMotion):
         ValueError: ``path_every`` is below 1, or there are stops, which these robots cannot have.
         TypeError: ``path_every`` is not an integer, ``spec`` no ``RobotSpec``, or ``disturbances``
             no ``Disturbances``.
+
+    Example:
+        >>> from warehouse_core import WarehouseEnv
+        >>> from warehouse_physics import RigidBodyMotion, RobotSpec
+        >>> env = WarehouseEnv(backend=RigidBodyMotion(RobotSpec(top_speed=2.0)))
+        >>> observation = env.reset()
+        >>> step = env.step("E")
+        >>> env.last_motion.cell, round(env.last_motion.seconds, 2)
+        ((1, 2), 2.0)
     """
 
     BODIES = "_arena"

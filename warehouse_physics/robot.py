@@ -229,6 +229,22 @@ class Robot:
         elif self.phase != GO:
             self.halt(now)
 
+    def count_push(self, before: pymunk.Vec2d) -> None:
+        """Count the work in a substep, at first at the velocity ``before``, in a touch.
+
+        What the touch adds to the energy of the robot, or takes from it, is no work of its motor.
+        """
+        impulses: list[pymunk.Vec2d] = []
+        self.body.each_arbiter(lambda arbiter: impulses.append(arbiter.total_impulse))
+        velocity = self.body.velocity
+        mean = self._driven(before + velocity) / 2
+        self.look()
+        work = self._worked(velocity, self._lead) - sum(each.dot(mean) for each in impulses)
+        if self.phase == GO:
+            self.action.work += spent(work)
+        elif self._spec.recuperation:
+            self.action.work -= regained(self._spec, work)
+
     def give_up(self) -> None:
         """Make the cell in which the action began the target."""
         self.action.gave_up = True

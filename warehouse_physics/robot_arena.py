@@ -35,21 +35,37 @@ class RobotArena(Arena):
         kind = WheeledRobot if spec.is_differential else Robot
         self.robots = [kind(self, spec, cell, floor) for cell in cells]
         self._varies = floor is not None and floor.varies
+        self._touching: set[tuple[int, int]] = set()  # pairs of robots
 
     def run(self, now: int, until: int) -> int:
         """Step from substep ``now`` to ``until`` or the first hit; return the last substep done."""
         hits: list[Hit] = []
-        if self._varies:  # robots have to feel the floor of a cell as soon as they enter it
-            while now < until and not hits:
-                now, hits = self.stepper.run(now, now + 1)
+        while now < until and not hits:
+            # Robots have to feel each push, and the floor of a cell as soon as they enter it.
+            pushed = {each: self.bodies[each].velocity for each in self._pushed()}
+            is_watched = bool(pushed) or self._varies
+            now, hits = self.stepper.run(now, now + 1 if is_watched else until)
+            for each in pushed.keys() - {hit.robot for hit in hits}:
+                self.robots[each].count_push(pushed[each])
+            if self._varies:
                 for robot in self.robots:
                     robot.feel_floor()
-        else:
-            now, hits = self.stepper.run(now, until)
         for hit in hits:
-            other = None if hit.other is None else self.robots[hit.other]
-            self.robots[hit.robot].meet(now, hit, other)
+            self.robots[hit.robot].meet(
+                now, hit, None if hit.other is None else self.robots[hit.other]
+            )
+        self._touching |= {(hit.robot, hit.other) for hit in hits if hit.other is not None}
         return now
+
+    def _pushed(self) -> set[int]:
+        """Return the robots that touch others since a hit."""
+        reach, bodies = 2 * self._spec.body_radius, self.bodies
+        self._touching = {
+            (one, other)
+            for one, other in self._touching
+            if bodies[one].position.get_distance(bodies[other].position) < reach
+        }
+        return {robot for robot, _ in self._touching}
 
     def _mass(self, robot: int, normal: pymunk.Vec2d) -> float:
         """Return the mass in kg with which a robot resists a push along ``normal``."""

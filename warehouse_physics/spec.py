@@ -82,6 +82,12 @@ class RobotSpec:
 
     Raises:
         ValueError: naming the field, its value and what is allowed.
+
+    Example:
+        >>> from warehouse_physics import RobotSpec
+        >>> spec = RobotSpec(mass=70.0)
+        >>> round(spec.move_seconds(loaded=False), 2), round(spec.move_seconds(loaded=True), 2)
+        (2.37, 2.77)
     """
 
     radius: float = 0.35

@@ -14,6 +14,7 @@ from numpy.typing import NDArray
 
 from agents.mapf.assignment import NONE, OUT_OF_REACH
 from agents.mapf.graph import CLOSED, MOVES, Costs, Graph
+from agents.mapf.matching import cheapest_matching
 from warehouse_core import FleetEnv, Layout
 from warehouse_core.batch.fleet.battery import STEPS
 from warehouse_core.motion.base import cell_steps_of
@@ -254,15 +255,13 @@ class Chargers:
         self, robots: Integers, chargers: Integers, until: NDArray[np.float64], needs: Needs
     ) -> None:
         """Give robots turns at chargers, so that they begin as soon as can be."""
-        from scipy.optimize import linear_sum_assignment
-
         ways = self._ways[chargers][:, needs.cells[robots]].T
         waits, spare = np.maximum(until - DETOUR * ways, 0), self._spare(needs)[robots, None]
         near = ways <= self.home[needs.cells[robots], None] + NEARBY
         reached = self._cost * ways <= needs.battery[robots, None]
         allowed = reached & ((spare < self._reserve) | near & (waits <= PATIENCE))
         costs = np.where(allowed, ways + waits + HASTE * spare, OUT_OF_REACH)
-        rows, columns = linear_sum_assignment(costs)
+        rows, columns = cheapest_matching(costs)
         given = allowed[rows, columns]
         self.turn[robots[rows[given]]] = chargers[columns[given]]
 

@@ -26,6 +26,8 @@ from warehouse_core import Episode, OrderQueue
 from warehouse_core.wording import brief
 from warehouse_core.world.tables import Integers
 
+__all__ = ["Optimum", "most_deliveries"]
+
 MAX_MOVES = 100_000
 """Moves of a flow beyond which its time is counted in units of several steps."""
 
@@ -51,6 +53,11 @@ class Optimum(NamedTuple):
     Attributes:
         most: number of orders; no fleet delivers more.
         is_exact: true if robots that never meet can deliver ``most``; false if it is a bound.
+
+    Example:
+        >>> from agents.fleet.optimum import Optimum
+        >>> Optimum(most=12, is_exact=True)
+        Optimum(most=12, is_exact=True)
     """
 
     most: int
@@ -111,6 +118,15 @@ def most_deliveries(shift: Episode, on_time: bool = False) -> Optimum:
     Raises:
         ValueError: the record is of a lone robot or of a fleet without orders, or its orders are an
             ``OrderQueue``, in which they come as others are delivered.
+
+    Example:
+        >>> from agents.fleet.optimum import most_deliveries
+        >>> from agents.registry import make_team
+        >>> from warehouse_core import FleetEnv, record_episode, shelf_layout
+        >>> env = FleetEnv(shelf_layout(aisle=2), 2, orders=0.1, max_steps=50, seed=1)
+        >>> shift = record_episode(env, make_team("greedy", 2, 1, env.layout), seed=1)
+        >>> shift.measures.delivered, most_deliveries(shift)
+        (0, Optimum(most=2, is_exact=True))
     """
     orders = shift.settings.orders if shift.is_fleet else None
     if orders is None or isinstance(orders, OrderQueue):

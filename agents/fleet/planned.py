@@ -69,6 +69,17 @@ class PlannedFleet:
     Attributes:
         dispatch: false, as the orders are assigned here; see ``FleetEnv``.
         lost: steps that were lost, and why.
+
+    Example:
+        >>> from agents.fleet import PlannedFleet
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.pibt import PIBT
+        >>> from warehouse_core import FleetEnv, record_episode, shelf_layout
+        >>> layout = shelf_layout(aisle=2)
+        >>> env = FleetEnv(layout, 4, orders=0.1, max_steps=100, dispatch=False, seed=1)
+        >>> shift = record_episode(env, PlannedFleet(PIBT(Graph(layout)), "nearest"), seed=1)
+        >>> shift.measures.delivered, shift.measures.orders
+        (8, 10)
     """
 
     dispatch = False

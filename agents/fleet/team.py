@@ -24,6 +24,15 @@ class Team:
     Attributes:
         reason: reasons of the last actions, one for each robot; "" for a robot that drives on.
         robot: robot whose agent is choosing now, or ``None``.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from agents.fleet import Team
+        >>> from warehouse_core import FleetEnv, record_episode, shelf_layout
+        >>> env = FleetEnv(shelf_layout(aisle=2), 2, orders=0.1, max_steps=100, seed=1)
+        >>> shift = record_episode(env, Team([GreedyAgent(1), GreedyAgent(2)], seed=1), seed=1)
+        >>> shift.measures.delivered, shift.measures.orders
+        (3, 10)
     """
 
     def __init__(self, agents: Sequence[Agent], seed: int | None = None) -> None:

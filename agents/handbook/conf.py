@@ -2,17 +2,24 @@
 
 from __future__ import annotations
 
+import ast
 import os
 import sys
+from importlib import metadata
 from pathlib import Path
 from typing import Any
 
+import typer
 from docutils import nodes
+from sphinx.pycode import ModuleAnalyzer
+
+from agents.lab.commands import cli
 
 project = "warehouse-lab"
+release = metadata.version(project)
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
 html_theme = "furo"
-html_title = project
+html_title = f"{project} {release}"
 html_show_copyright = False
 html_show_sphinx = False
 html_static_path = html_css_files = ["site.css"]
@@ -49,24 +56,76 @@ ACCESSIBLE = {
 """Better markup by the markup that it replaces."""
 
 
+COMMANDS = "reference/command_line"
+"""Page that ends with the help of each command."""
+
+COLUMNS = 78
+"""Width of the help."""
+
+
 def setup(app: Any) -> None:
-    """Leave the fields of named tuples to the docstrings of their classes, and help readers."""
-
-    def add_terms(app: Any, tree: nodes.document) -> None:
-        """Let links of Markdown, which notebooks show as links too, lead to terms."""
-        slugs = app.env.metadata[app.env.docname].setdefault("myst_slugs", {})
-        for term in tree.findall(nodes.term):
-            slugs |= {each: (0, each, term.astext()) for each in term["ids"]}
-
-    def is_field(_app: Any, _what: str, _name: str, member: Any, skip: bool, _options: Any) -> bool:
-        return skip or str(member.__doc__).startswith("Alias for field number")
-
-    def make_accessible(
-        _app: Any, _page: str, _template: str, context: dict[str, Any], _tree: Any
-    ) -> None:
-        for start, better in ACCESSIBLE.items():
-            context["body"] = context.get("body", "").replace(start, better)
-
+    """Call the functions below where Sphinx reads and writes pages."""
+    app.connect("source-read", add_commands)
     app.connect("doctree-read", add_terms)
-    app.connect("autodoc-skip-member", is_field)
+    app.connect("autodoc-skip-member", is_left_out)
+    app.connect("autodoc-process-docstring", describe_constant)
     app.connect("html-page-context", make_accessible)
+
+
+def add_commands(_app: Any, page: str, source: list[str]) -> None:
+    """Add the help of each command to the page of the command line, as the program prints it."""
+    if page == COMMANDS:
+        program: Any = typer.main.get_command(cli.app)
+        context = typer.Context(
+            program, info_name="warehouse", terminal_width=COLUMNS, **program.context_settings
+        )
+        source[0] += f"\n{help_of(context)}"
+        for title, commands in cli.GROUPS.items():
+            source[0] += f"\n## {title}\n"
+            for name in commands:
+                source[0] += f"\n### {name}\n{help_below(program.commands[name], name, context)}"
+
+
+def help_of(context: typer.Context) -> str:
+    """Return the help of a command as a block of text."""
+    return f"\n```text\n{context.get_help()}\n```\n"
+
+
+def help_below(command: Any, name: str, above: typer.Context) -> str:
+    """Return the help of a command and of the commands in it."""
+    context = typer.Context(command, info_name=name, parent=above)
+    inner = getattr(command, "commands", {}).items()
+    return help_of(context) + "".join(help_below(each, word, context) for word, each in inner)
+
+
+def add_terms(app: Any, tree: nodes.document) -> None:
+    """Let links of Markdown, which notebooks show as links too, lead to terms."""
+    slugs = app.env.metadata[app.env.docname].setdefault("myst_slugs", {})
+    for term in tree.findall(nodes.term):
+        slugs |= {each: (0, each, term.astext()) for each in term["ids"]}
+
+
+def is_left_out(_app: Any, _what: str, _name: str, member: Any, skip: bool, _options: Any) -> bool:
+    """Leave out fields of named tuples, which their classes describe."""
+    return skip or str(member.__doc__).startswith("Alias for field number")
+
+
+def describe_constant(
+    _app: Any, what: str, name: str, _value: Any, _options: Any, lines: list[str]
+) -> None:
+    """Give a constant that a package imports the description where it is assigned."""
+    package, _, word = name.rpartition(".")
+    if what != "data" or any(lines):
+        return
+    for node in ast.parse(ModuleAnalyzer.for_module(package).code).body:
+        if isinstance(node, ast.ImportFrom) and word in {each.name for each in node.names}:
+            described = ModuleAnalyzer.for_module(str(node.module)).find_attr_docs()
+            lines[:] = described.get(("", word), [])
+
+
+def make_accessible(
+    _app: Any, _page: str, _template: str, context: dict[str, Any], _tree: Any
+) -> None:
+    """Replace markup by better markup."""
+    for start, better in ACCESSIBLE.items():
+        context["body"] = context.get("body", "").replace(start, better)

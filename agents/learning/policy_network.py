@@ -85,9 +85,12 @@ class PolicyNetwork:
     def logits(self, inputs: SingleFloats) -> SingleFloats:
         """Return ``[..., 7]`` for ``[..., L]`` inputs; the higher, the more likely is an action."""
         *hidden, (weights, biases) = self.layers
-        for inner_weights, inner_biases in hidden:
-            inputs = np.tanh(inputs @ inner_weights.T + inner_biases)
-        return inputs @ weights.T + biases
+        # OpenBLAS computes whole vectors, also with what lies behind the end of a short one. That
+        # may set the flag of an invalid operation, though every number of a network is finite.
+        with np.errstate(invalid="ignore"):
+            for inner_weights, inner_biases in hidden:
+                inputs = np.tanh(inputs @ inner_weights.T + inner_biases)
+            return inputs @ weights.T + biases
 
     def save(self, path: str | Path) -> None:
         """Write the network to one ``.npz`` file, whole or not at all."""

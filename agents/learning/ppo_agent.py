@@ -44,6 +44,16 @@ class PPOAgent:
 
     Raises:
         AgentError: a value that is not allowed.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents import PPOAgent
+        >>> from agents.learning.policy_network import PolicyNetwork, input_size
+        >>> from warehouse_core import WarehouseEnv
+        >>> widths = [input_size(view_radius=2), 8, 8, 7]
+        >>> layers = [(np.zeros((b, a)), np.zeros(b)) for a, b in zip(widths, widths[1:])]
+        >>> PPOAgent(PolicyNetwork(2, layers)).act(WarehouseEnv().reset())  # not trained
+        'E'
     """
 
     def __init__(

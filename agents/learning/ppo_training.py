@@ -60,6 +60,12 @@ class PPOLearner:
         steps: steps of the whole training, rounded up to whole rounds of all rows.
         seed: seed that repeats a training on the same machine with the same versions.
         settings: settings that differ from ``SETTINGS``, such as ``FOR_RANDOM_LAYOUTS``.
+
+    Example:
+        >>> from agents.learning.ppo_training import PPOLearner  # doctest: +SKIP
+        >>> from warehouse_core import BatchEnv
+        >>> batch = BatchEnv(64, autoreset_mode="SameStep")
+        >>> learner = PPOLearner(batch, steps=100_000, seed=1)  # doctest: +SKIP
     """
 
     def __init__(self, batch: Batch, steps: int, seed: int, **settings: Any) -> None:

@@ -17,12 +17,15 @@ from __future__ import annotations
 import random
 from collections.abc import Iterator
 
+from agents.warehouse_agent_greedy import goal_of
 from warehouse_core.arguments import instance_of, seed_number
 from warehouse_core.task.encoding import NOWHERE
 from warehouse_core.task.state import Observation
 from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.tiles import Cell
+
+__all__ = ["QAgent", "QTable", "best_action", "learn", "state_of"]
 
 ALPHA = 0.1
 """The learning rate. A lower one averages better over the possible cells of the next goal, a higher
@@ -41,7 +44,14 @@ QState = tuple[Cell, Cell, bool]
 
 
 class QTable(dict[QState, list[float]]):
-    """The values of all actions by state, which are 0 in a new state."""
+    """The values of all actions by state, which are 0 in a new state.
+
+    Example:
+        >>> from agents.learning import QTable
+        >>> table = QTable()
+        >>> table["a new state"]
+        [0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]
+    """
 
     def __missing__(self, state: QState) -> list[float]:
         values = self[state] = [0.0] * len(ACTIONS)
@@ -49,14 +59,26 @@ class QTable(dict[QState, list[float]]):
 
 
 def state_of(observation: Observation) -> QState:
-    """Return the state of an observation."""
-    loaded = observation["has_item"]
-    goal = observation["dropoff_pos"] if loaded else observation["pickup_pos"]
-    return observation["robot_pos"], goal or NOWHERE, loaded
+    """Return the state of an observation.
+
+    Example:
+        >>> from agents.learning.q_learning import state_of
+        >>> from warehouse_core import WarehouseEnv
+        >>> state_of(WarehouseEnv().reset())
+        ((1, 1), (1, 3), False)
+    """
+    return observation["robot_pos"], goal_of(observation) or NOWHERE, observation["has_item"]
 
 
 def best_action(values: list[float], stream: random.Random) -> int:
-    """Return the action with the highest value, a random one if several have it."""
+    """Return the action with the highest value, a random one if several have it.
+
+    Example:
+        >>> import random
+        >>> from agents.learning.q_learning import best_action
+        >>> best_action([0.0, 2.5, 1.0], random.Random(1))
+        1
+    """
     highest = max(values)
     best = [action for action, value in enumerate(values) if value == highest]
     return best[0] if len(best) == 1 else stream.choice(best)
@@ -71,6 +93,15 @@ def learn(
 
     Yields:
         Steps taken so far, after each episode, and true if it ended with a delivery.
+
+    Example:
+        >>> from agents.learning import QTable
+        >>> from agents.learning.q_learning import learn
+        >>> from warehouse_core import WarehouseEnv
+        >>> table = QTable()
+        >>> deliveries = [delivered for _, delivered in learn(table, WarehouseEnv(), 5_000, seed=1)]
+        >>> len(table) > 100, sum(deliveries) > 0
+        (True, True)
     """
     stream, taken = random.Random(seed), 0
     while taken < steps:
@@ -93,6 +124,13 @@ class QAgent:
     Args:
         table: table of values; in a state that is not in it, the agent acts at random.
         seed: seed of the agent's own random stream, restarted at each ``reset``.
+
+    Example:
+        >>> from agents import QAgent
+        >>> from agents.learning import QTable
+        >>> from warehouse_core import WarehouseEnv
+        >>> agent = QAgent(QTable(), seed=1)
+        >>> action = agent.act(WarehouseEnv().reset())
     """
 
     def __init__(self, table: QTable, seed: int | None = None) -> None:

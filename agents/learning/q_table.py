@@ -24,6 +24,11 @@ def save_table(table: QTable, layout: Layout, path: str | Path) -> None:
     Raises:
         RecordError: it is larger than ``npz.MAX_BYTES``.
         OSError: the file cannot be written.
+
+    Example:
+        >>> from agents.learning import QTable, save_table
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> save_table(QTable(), DEFAULT_LAYOUT, "table.npz")
     """
     states = [(*robot, *goal, loaded) for robot, goal, loaded in table]
     arrays = {
@@ -40,6 +45,14 @@ def load_table(path: str | Path) -> tuple[QTable, NDArray[np.bool_]]:
     Raises:
         RecordError: the file is damaged or has other contents; the message says which.
         OSError: the file cannot be read.
+
+    Example:
+        >>> from agents.learning import QTable, load_table, save_table
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> save_table(QTable(), DEFAULT_LAYOUT, "table.npz")
+        >>> table, walls = load_table("table.npz")
+        >>> walls.shape
+        (7, 12)
     """
     arrays = read_arrays(path, SCHEMA)
     states, values = arrays["states"], arrays["values"]
@@ -65,6 +78,13 @@ def load_agent(path: Path, seed: int | None = None, layout: Layout = DEFAULT_LAY
         AgentError: the table is for a layout with other walls.
         RecordError: see ``load_table``.
         OSError: the file cannot be read.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from agents.learning import QTable, load_agent, save_table
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> save_table(QTable(), DEFAULT_LAYOUT, "table.npz")
+        >>> agent = load_agent(Path("table.npz"), seed=1)
     """
     table, walls = load_table(path)
     if not np.array_equal(walls, _walls(layout)):

@@ -25,6 +25,8 @@ from agents.mapf.lanes import Traffic
 from agents.mapf.problem import Plan, Problem
 from agents.mapf.refinement import Refinement
 
+__all__ = ["solve_anytime"]
+
 SMALL_TEAM = 8
 """Most robots for which CBS and LaCAM* may prove that a plan is the best."""
 
@@ -62,6 +64,15 @@ def solve_anytime(problem: Problem, seconds: float, seed: int = 0, trials: float
 
     Raises:
         PlanError: there is no plan, or none was found in time.
+
+    Example:
+        >>> from agents.mapf.anytime import solve_anytime
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.problem import Problem
+        >>> from warehouse_core import Layout
+        >>> problem = Problem(Graph(Layout(["...", "..."])), starts=[0, 2], goals=[2, 0])
+        >>> solve_anytime(problem, seconds=10, trials=10).sum_of_costs
+        6
     """
     prepare_solvers()
     begin = perf_counter()

@@ -3,6 +3,11 @@
 Each function takes ``Tasks`` of ``N`` robots and ``K`` orders and returns ``[N]`` intp: the column
 of the order of each robot, or ``NONE``. No order is given to two robots, and none to a robot that
 cannot reach it.
+
+Example:
+    >>> from agents.mapf.assignment import ASSIGNMENTS
+    >>> list(ASSIGNMENTS)
+    ['fifo', 'nearest', 'hungarian', 'urgent']
 """
 
 from __future__ import annotations
@@ -13,7 +18,10 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.mapf.matching import cheapest_matching
 from warehouse_core.world.tables import Integers
+
+__all__ = ["ASSIGNMENTS", "Tasks", "first_in_first_out", "hungarian", "nearest_first", "urgent"]
 
 NONE = -1
 """Number in place of an order, robot, charger or cell where there is none."""
@@ -51,6 +59,14 @@ class Tasks(NamedTuple):
         due: ``[K]``, the time by which each is due. Orders are in order of release.
         now: present time.
         held: ``[N]``, the order that each robot goes for already, or ``NONE``.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents.mapf.assignment import NONE, Tasks, hungarian
+        >>> ways, trips = np.array([[2.0, 9.0], [3.0, 5.0]]), np.array([4.0, 4.0])
+        >>> tasks = Tasks(ways, trips, due=np.array([90, 20]), now=0, held=np.array([NONE, NONE]))
+        >>> hungarian(tasks)
+        array([0, 1])
     """
 
     ways: NDArray[np.floating]
@@ -64,7 +80,16 @@ Assignment = Callable[[Tasks], NDArray[np.intp]]
 
 
 def first_in_first_out(tasks: Tasks) -> NDArray[np.intp]:
-    """Give the oldest orders away, each to the robot nearest to it that has none."""
+    """Give the oldest orders away, each to the robot nearest to it that has none.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents.mapf.assignment import NONE, Tasks, first_in_first_out
+        >>> ways, trips = np.array([[2.0, 3.0], [3.0, 9.0]]), np.array([4.0, 4.0])
+        >>> tasks = Tasks(ways, trips, due=np.array([90, 9]), now=0, held=np.array([NONE, NONE]))
+        >>> first_in_first_out(tasks)
+        array([0, 1])
+    """
     ways = np.array(tasks.ways, np.float64)
     found = np.full(len(ways), NONE)
     for order in range(ways.shape[1]):
@@ -80,6 +105,14 @@ def nearest_first(tasks: Tasks) -> NDArray[np.intp]:
     """Give the nearest pair of robot and order to each other, then the nearest of the rest.
 
     Pairs that are nearest to each other are taken at once, which has the same result.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents.mapf.assignment import NONE, Tasks, nearest_first
+        >>> ways, trips = np.array([[2.0, 3.0], [3.0, 9.0]]), np.array([4.0, 4.0])
+        >>> tasks = Tasks(ways, trips, due=np.array([90, 9]), now=0, held=np.array([NONE, NONE]))
+        >>> nearest_first(tasks)
+        array([0, 1])
     """
     ways = np.array(tasks.ways, np.float64)
     found = np.full(len(ways), NONE)
@@ -97,6 +130,14 @@ def hungarian(tasks: Tasks) -> NDArray[np.intp]:
 
     Source: Kuhn (1955), The Hungarian method for the assignment problem. SciPy's solver follows
     Crouse (2016), On implementing 2D rectangular assignment algorithms.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents.mapf.assignment import NONE, Tasks, hungarian
+        >>> ways, trips = np.array([[2.0, 3.0], [3.0, 9.0]]), np.array([4.0, 4.0])
+        >>> tasks = Tasks(ways, trips, due=np.array([90, 9]), now=0, held=np.array([NONE, NONE]))
+        >>> hungarian(tasks)
+        array([1, 0])
     """
     return _cheapest(tasks, tasks.ways)
 
@@ -106,6 +147,14 @@ def urgent(tasks: Tasks) -> NDArray[np.intp]:
 
     What it seems nearer by grows as its spare time gets less, to ``URGENT`` steps. An order which a
     robot cannot deliver in time any more seems farther to it, by ``LATE`` steps.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents.mapf.assignment import NONE, Tasks, urgent
+        >>> ways, trips = np.array([[2.0, 3.0], [3.0, 9.0]]), np.array([4.0, 4.0])
+        >>> tasks = Tasks(ways, trips, due=np.array([90, 9]), now=0, held=np.array([NONE, NONE]))
+        >>> urgent(tasks)
+        array([1, 0])
     """
     needed = STRETCH * (tasks.ways + tasks.trips) + HANDLING
     spare = tasks.due - tasks.now - needed
@@ -116,14 +165,12 @@ def urgent(tasks: Tasks) -> NDArray[np.intp]:
 
 
 def _cheapest(tasks: Tasks, costs: NDArray[np.floating]) -> NDArray[np.intp]:
-    from scipy.optimize import linear_sum_assignment
-
     found = np.full(len(costs), NONE)
     reachable = np.isfinite(costs)
     costs = np.where(reachable, costs, OUT_OF_REACH)
     held = np.flatnonzero(tasks.held != NONE)
     costs[held, tasks.held[held]] -= KEEP
-    robots, orders = linear_sum_assignment(costs)
+    robots, orders = cheapest_matching(costs)
     given = reachable[robots, orders]
     found[robots[given]] = orders[given]
     return found

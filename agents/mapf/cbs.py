@@ -38,6 +38,8 @@ from agents.mapf.route import Route, TracedWay
 from agents.mapf.rules import Constraint, Rules
 from warehouse_core.wording import counted
 
+__all__ = ["solve_cbs"]
+
 Pair = tuple[int, int]
 """Numbers of two robots, the smaller first."""
 
@@ -326,7 +328,18 @@ class ConflictTree:
 
 
 def solve_cbs(problem: Problem, seconds: float) -> Plan:
-    """Return an optimal plan; see ``problem.Solver``."""
+    """Return an optimal plan; see ``problem.Solver``.
+
+    Example:
+        >>> from agents.mapf.cbs import solve_cbs
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.problem import Problem
+        >>> from warehouse_core import Layout
+        >>> problem = Problem(Graph(Layout(["...", "..."])), starts=[0, 2], goals=[2, 0])
+        >>> plan = solve_cbs(problem, seconds=10)
+        >>> plan.sum_of_costs == plan.bound
+        True
+    """
     return ConflictTree(problem).solve(seconds)
 
 

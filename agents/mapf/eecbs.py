@@ -19,6 +19,8 @@ from agents.mapf.cbs import NO_PLAN, ConflictNode, ConflictTree, separate_delays
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.arguments import real_number
 
+__all__ = ["solve_eecbs"]
+
 W = 1.2
 """Default number that the cost is at most times the optimum."""
 
@@ -85,5 +87,15 @@ def solve_eecbs(problem: Problem, seconds: float, w: float = W) -> Plan:
     Raises:
         ValueError: ``w`` is below 1.
         PlanError: no plan was found in time.
+
+    Example:
+        >>> from agents.mapf.eecbs import solve_eecbs
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.problem import Problem
+        >>> from warehouse_core import Layout
+        >>> problem = Problem(Graph(Layout(["...", "..."])), starts=[0, 2], goals=[2, 0])
+        >>> plan = solve_eecbs(problem, seconds=10, w=1.5)
+        >>> plan.sum_of_costs <= 1.5 * plan.bound
+        True
     """
     return ExplicitTree(problem, real_number("w", w, 1.0)).solve(seconds)

@@ -22,6 +22,8 @@ from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, Robo
 from warehouse_physics.profile import Floats
 from warehouse_physics.spec import ARRIVED
 
+__all__ = ["Execution", "drive_steps", "drive_through"]
+
 PATIENCE = 10.0
 """Seconds without stops in which nobody moves, after which nobody will."""
 
@@ -43,6 +45,14 @@ class Execution(NamedTuple):
         joules: energy of all bodies until then.
         hits: number of hits; a hit between two robots counts for each of them.
         arrivals: ``[R]``, seconds until each is at rest in its last cell for good.
+
+    Example:
+        >>> from agents.mapf.execution import drive_through
+        >>> from agents.mapf.problem import Plan
+        >>> from warehouse_core import Layout
+        >>> found = drive_through(Layout(["..."]), Plan.of([[0, 1, 2]]).cells)
+        >>> round(found.seconds, 1), found.hits
+        (3.0, 0)
     """
 
     seconds: float
@@ -56,6 +66,8 @@ def drive_through(
     plan: Integers,
     spec: RobotSpec | None = None,
     disturbances: Disturbances | None = None,
+    *,
+    switches: bool = False,
 ) -> Execution:
     """Let bodies drive through the cells of a joint plan.
 
@@ -64,13 +76,23 @@ def drive_through(
         plan: ``[T + 1, R]``, the ``cells`` of a ``Plan`` or of a ``LifelongRun``.
         spec: robot to use; ``None`` is the default robot.
         disturbances: departures from nominal physics.
+        switches: let others go before those that a stop delays; see ``DrivingMotion``.
 
     Raises:
         PlanError: nobody moves any more before all have arrived; the message names robots.
         LayoutError: a robot starts in a wall, or where another does.
         ValueError: a joint step has a conflict, or the robots are too wide to follow each other.
+
+    Example:
+        >>> from agents.mapf.execution import drive_steps, drive_through
+        >>> from agents.mapf.problem import Plan
+        >>> from warehouse_core import Layout
+        >>> layout, plan = Layout(["...."]), Plan.of([[0, 1, 2, 3]]).cells
+        >>> drive_through(layout, plan).seconds < drive_steps(layout, plan).seconds
+        True
     """
-    motion, cells = DrivingMotion(spec, disturbances, path_every=1), [*map(layout.cells, plan)]
+    motion = DrivingMotion(spec, disturbances, path_every=1, switches=switches)
+    cells = [*map(layout.cells, plan)]
     motion.reset(layout, cells[0], seed=0)
     for targets in cells[1:]:
         motion.extend(targets)
@@ -100,6 +122,13 @@ def drive_steps(
         PlanError: robots cannot carry out a step; the message names them.
         LayoutError: as for ``drive_through``.
         ValueError: a robot is to move by more than a cell.
+
+    Example:
+        >>> from agents.mapf.execution import drive_steps
+        >>> from agents.mapf.problem import Plan
+        >>> from warehouse_core import Layout
+        >>> round(drive_steps(Layout(["..."]), Plan.of([[0, 1, 2]]).cells).seconds, 1)
+        4.0
     """
     motion, cells = RigidBodyMotion(spec, disturbances), [*map(layout.cells, plan)]
     motion.reset(layout, cells[0], seed=0)

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 from collections import OrderedDict
 from functools import cached_property
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -26,11 +26,11 @@ from agents.mapf.kernels.buffers import (
 from agents.mapf.kernels.floor import FAR, NONE, Floor, measure
 from warehouse_core.arguments import instance_of, real_number
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
+from warehouse_core.world.edges import Edges
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Integers
 
-if TYPE_CHECKING:  # SciPy is imported where it is used: loading it takes long
-    from scipy.sparse import csr_array
+__all__ = ["Graph"]
 
 Costs = NDArray[np.float32]
 
@@ -75,6 +75,13 @@ class Graph:
         closed: cells that no way leads through; see ``close``.
         neighbours: ``[H * W, 5]`` int32, the cell that N, E, S, W and waiting lead to, or
             ``CLOSED``.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from warehouse_core import Layout
+        >>> graph = Graph(Layout(["..#", "..."]))
+        >>> int(graph.distances(5)[0]), graph.way(0, 5)
+        (3, [0, 1, 4, 5])
     """
 
     def __init__(self, layout: Layout, costs: Costs | None = None, turn_cost: float = 0.0) -> None:
@@ -143,14 +150,8 @@ class Graph:
         """
         field = self._fields.get(goal)
         if field is None:
-            from scipy.sparse.csgraph import dijkstra
-
-            unweighted = self.costs is None and not self.turn_cost
-            goals = range(goal, self.places, self.size) if self.turn_cost else goal
-            costs = dijkstra(
-                self._edges, indices=goals, unweighted=unweighted, min_only=self.turn_cost > 0
-            )
-            field = np.asarray(costs, np.float32)
+            goals = range(goal, self.places, self.size) if self.turn_cost else [goal]
+            field = self._edges.cheapest(goals).astype(np.float32)
             if not keep:
                 return field
             self._fields[goal] = field
@@ -182,16 +183,11 @@ class Graph:
 
         Cells that are closed are not taken into account.
         """
-        from scipy.sparse.csgraph import connected_components
-
-        found: Integers = connected_components(self._edges, directed=False)[1]
-        return found
+        return self._edges.parts()
 
     @cached_property
-    def _edges(self) -> csr_array:
-        """Return the moves from where they lead to where they start, so that goals are sources."""
-        from scipy.sparse import csr_array
-
+    def _edges(self) -> Edges:
+        """The moves, from where they lead to where they start, so that goals are sources."""
         start, action = np.nonzero(self.neighbours[:, :WAIT] != CLOSED)
         end = self.neighbours[start, action]
         if self.closed:
@@ -204,7 +200,7 @@ class Graph:
             for turned in (np.roll(stands, 1, axis=0), np.roll(stands, -1, axis=0)):
                 start, end = np.append(start, stands), np.append(end, turned)
                 costs = np.append(costs, np.full(stands.size, self.turn_cost))
-        return csr_array((costs, (end, start)), shape=(self.places, self.places))
+        return Edges(end, start, costs.astype(np.float64), self.places)
 
 
 def in_parts(graph: Graph) -> Graph:

@@ -22,6 +22,8 @@ from agents.mapf.kernels.rounds import team_of
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.wording import counted
 
+__all__ = ["lacam", "lacam_star"]
+
 DECISIONS = 10_000
 """Decisions of robots between two looks at the clock."""
 
@@ -34,6 +36,15 @@ def lacam(problem: Problem, seconds: float, seed: int = 0) -> Plan:
 
     Raises:
         PlanError: there is none, or none was found in time.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.lacam import lacam
+        >>> from agents.mapf.problem import Problem
+        >>> from warehouse_core import Layout
+        >>> problem = Problem(Graph(Layout(["...", "..."])), starts=[0, 2], goals=[2, 0])
+        >>> lacam(problem, seconds=10).cells.tolist()
+        [[0, 2], [1, 2], [0, 1], [1, 4], [2, 3], [2, 0]]
     """
     return LaCAM(problem, seed).run(seconds, goes_on=False)
 
@@ -47,6 +58,16 @@ def lacam_star(problem: Problem, seconds: float, seed: int = 0) -> Plan:
 
     Raises:
         PlanError: there is none, or none was found in time.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.lacam import lacam_star
+        >>> from agents.mapf.problem import Problem
+        >>> from warehouse_core import Layout
+        >>> problem = Problem(Graph(Layout(["...", "..."])), starts=[0, 2], goals=[2, 0])
+        >>> plan = lacam_star(problem, seconds=10)
+        >>> plan.sum_of_costs, plan.bound
+        (6, 6)
     """
     return LaCAM(problem, seed).run(seconds)
 

@@ -20,6 +20,8 @@ from warehouse_core.world.actions import ACTIONS, WAIT
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Integers
 
+__all__ = ["lane_costs", "learned_costs"]
+
 WRONG_WAY = 5.0
 """Cost of a move against its lane."""
 
@@ -40,6 +42,14 @@ def lane_costs(layout: Layout, wrong_way: float = WRONG_WAY) -> Costs:
 
     Moves cost ``wrong_way`` west in an even row, east in an odd one, north in an even column, south
     in an odd one; other moves cost 1.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.lanes import lane_costs
+        >>> from agents.mapf.pibt import PIBT
+        >>> from warehouse_core import shelf_layout
+        >>> layout = shelf_layout(aisle=2)
+        >>> planner = PIBT(Graph(layout, lane_costs(layout)))
     """
     costs = np.ones((layout.height, layout.width, 4), np.float32)
     north, east, south, west = map(ACTIONS.index, "NESW")
@@ -63,6 +73,12 @@ def learned_costs(
     costs then follow from the mean traffic of the trials: most where robots would meet head-on.
     The first trial has the seed, and the next trials have the next seeds; see ``run_lifelong`` for
     the other arguments and for errors.
+
+    Example:
+        >>> from agents.mapf.lanes import learned_costs
+        >>> from warehouse_core import shelf_layout
+        >>> learned_costs(shelf_layout(aisle=2), robots=8, trials=2, steps=20).shape
+        (220, 4)
     """
     learned = Traffic(layout)
     for trial in range(trials):

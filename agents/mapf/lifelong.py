@@ -14,6 +14,8 @@ from agents.mapf.graph import Graph
 from agents.mapf.planner import NO_CELLS, Planner, Situation
 from warehouse_core.world.tables import Integers
 
+__all__ = ["LifelongRun", "run_lifelong"]
+
 NewGoals = Callable[[Integers, Integers], Integers]
 """Function that returns new goals, ``[R]``, from the cells after a step and the goals so far.
 
@@ -26,6 +28,16 @@ class LifelongRun:
     """Record of a lifelong run: ``[T + 1, R]`` cells and goals of the robots.
 
     The seconds, ``[T]``, are processor time of the planner.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.lifelong import run_lifelong
+        >>> from agents.mapf.pibt import PIBT
+        >>> from warehouse_core import random_layout
+        >>> graph = Graph(random_layout(12, 12, 0.2, seed=1))
+        >>> run = run_lifelong(graph, PIBT(graph), robots=8, steps=50, seed=1)
+        >>> run.cells.shape, run.reached
+        ((51, 8), 48)
     """
 
     cells: Integers
@@ -68,6 +80,15 @@ def run_lifelong(
 
     Raises:
         PlanError: there are fewer cells to start from than robots, or fewer than two goals.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.lifelong import run_lifelong
+        >>> from agents.mapf.pibt import PIBT
+        >>> from warehouse_core import random_layout
+        >>> graph = Graph(random_layout(12, 12, 0.2, seed=1))
+        >>> run_lifelong(graph, PIBT(graph), robots=8, steps=50, seed=1).throughput
+        0.96
     """
     open_cells = graph.layout.open_cells
     starts = open_cells if starts is None else starts

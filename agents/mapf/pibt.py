@@ -30,6 +30,8 @@ from agents.mapf.problem import Plan, Problem
 from warehouse_core.arguments import instance_of, seed_number
 from warehouse_core.world.tables import Integers
 
+__all__ = ["PIBT", "pibt"]
+
 
 class PIBT:
     """A planner by PIBT.
@@ -49,6 +51,15 @@ class PIBT:
         fields: distances to the robots' goals.
         pushers: ``[R]`` robot that made each robot choose before its turn in the last step, or
             ``NOBODY``.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.lifelong import run_lifelong
+        >>> from agents.mapf.pibt import PIBT
+        >>> from warehouse_core import random_layout
+        >>> graph = Graph(random_layout(12, 12, 0.2, seed=1))
+        >>> run_lifelong(graph, PIBT(graph), robots=8, steps=50, seed=1).throughput
+        0.96
     """
 
     def __init__(self, graph: Graph, seed: int = 0, turn_cost: float = 0.0) -> None:
@@ -102,7 +113,7 @@ class PIBT:
         NumPy is faster than plain Python if there are more than a few robots.
         """
         team, near, closed = self._team, self.fields.near[places], self.graph.places
-        is_step, number = near != closed, np.arange(len(places))
+        is_step, number = near != closed, np.arange(len(places), dtype=np.int64)
         to = np.where(is_step, near, places[:, None])
         draw(team.random)
         chance = cast(Integers, mix(cast(int, team.random[0] + number * SPREAD)))[:, None]
@@ -124,5 +135,14 @@ def pibt(problem: Problem, seconds: float, seed: int = 0) -> Plan:
 
     Raises:
         PlanError: it did not in time; there may be a plan.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.pibt import pibt
+        >>> from agents.mapf.problem import Problem
+        >>> from warehouse_core import Layout
+        >>> problem = Problem(Graph(Layout(["...", "..."])), starts=[0, 2], goals=[2, 0])
+        >>> pibt(problem, seconds=10).makespan
+        5
     """
     return solve_by_steps(PIBT(problem.graph, seed), problem, seconds)

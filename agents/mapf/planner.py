@@ -15,6 +15,17 @@ from warehouse_core.motion.base import Motion
 from warehouse_core.wording import brief, counted
 from warehouse_core.world.tables import Integers
 
+__all__ = [
+    "ForesightedPlanner",
+    "GraphPlanner",
+    "MotionPlanner",
+    "Planner",
+    "PushingPlanner",
+    "Situation",
+    "check_step",
+    "solve_by_steps",
+]
+
 NO_CELLS = np.empty(0, np.intp)
 
 
@@ -29,6 +40,17 @@ class Situation(NamedTuple):
             drop or charge, or have an empty battery.
         closed: cells that nobody can enter in this step, such as cells of people.
         urgent: robots that should go before all others, as those whose batteries are low.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.pibt import PIBT
+        >>> from agents.mapf.planner import Situation
+        >>> from warehouse_core import Layout
+        >>> cells, goals, none = np.array([0, 2]), np.array([2, 0]), np.array([], int)
+        >>> situation = Situation(cells, goals, stays=np.array([False, False]), closed=none)
+        >>> PIBT(Graph(Layout(["...", "..."]))).next_cells(situation)
+        array([1, 2])
     """
 
     cells: Integers
@@ -44,6 +66,15 @@ class Planner(Protocol):
 
     A planner may also be a ``GraphPlanner``, a ``ForesightedPlanner``, a ``MotionPlanner`` and a
     ``PushingPlanner``.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.pibt import PIBT
+        >>> from agents.mapf.planner import Planner
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> planner: Planner = PIBT(Graph(DEFAULT_LAYOUT))
+        >>> isinstance(planner, Planner)
+        True
     """
 
     def reset(self) -> None:
@@ -62,6 +93,14 @@ class GraphPlanner(Protocol):
     """A planner that shows its graph.
 
     Cells of it are closed while nobody can enter them, and replays have ways of its costs.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.pibt import PIBT
+        >>> from agents.mapf.planner import GraphPlanner
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> isinstance(PIBT(Graph(DEFAULT_LAYOUT)), GraphPlanner)
+        True
     """
 
     graph: Graph
@@ -69,7 +108,16 @@ class GraphPlanner(Protocol):
 
 @runtime_checkable
 class ForesightedPlanner(Protocol):
-    """A planner that plans more than one step, which replays show."""
+    """A planner that plans more than one step, which replays show.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.planner import ForesightedPlanner
+        >>> from agents.mapf.windows import WindowedPlanner
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> isinstance(WindowedPlanner(Graph(DEFAULT_LAYOUT)), ForesightedPlanner)
+        True
+    """
 
     def plan_of(self, robot: int) -> list[int]:
         """Return the cells of a robot after each of the next steps, first the one just chosen."""
@@ -77,10 +125,19 @@ class ForesightedPlanner(Protocol):
 
 @runtime_checkable
 class MotionPlanner(Protocol):
-    """A planner that knows how long robots take."""
+    """A planner that knows how long the robots of a motion take.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.planner import MotionPlanner
+        >>> from agents.mapf.timed import TimedPlanner
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> isinstance(TimedPlanner(Graph(DEFAULT_LAYOUT)), MotionPlanner)
+        True
+    """
 
     def plan_for(self, motion: Motion) -> None:
-        """Plan for the robots of a motion from now on, until which there are no plans."""
+        """Forget all plans, and plan for the robots of a motion from now on."""
 
 
 @runtime_checkable
@@ -90,6 +147,14 @@ class PushingPlanner(Protocol):
     Attributes:
         pushers: ``[R]``, robot that made each robot choose before its turn in the last step, or
             ``NOBODY``.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.pibt import PIBT
+        >>> from agents.mapf.planner import PushingPlanner
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> isinstance(PIBT(Graph(DEFAULT_LAYOUT)), PushingPlanner)
+        True
     """
 
     pushers: Integers
@@ -100,6 +165,16 @@ def solve_by_steps(planner: Planner, problem: Problem, seconds: float) -> Plan:
 
     Raises:
         PlanError: it did not in so many seconds by the clock; there may be a plan.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.pibt import PIBT
+        >>> from agents.mapf.planner import solve_by_steps
+        >>> from agents.mapf.problem import Problem
+        >>> from warehouse_core import Layout
+        >>> problem = Problem(Graph(Layout(["...", "..."])), starts=[0, 2], goals=[2, 0])
+        >>> solve_by_steps(PIBT(problem.graph), problem, seconds=10).sum_of_costs
+        7
     """
     deadline = time.perf_counter() + seconds
     cells, goals = np.array(problem.starts), np.array(problem.goals)
@@ -121,6 +196,18 @@ def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
     Raises:
         PlanError: it is no cell for each robot, or a robot jumps, moves though it stays, enters a
             closed cell, or meets another; the message names robots and cells.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.planner import Situation, check_step
+        >>> from warehouse_core import Layout
+        >>> cells, goals, none = np.array([0, 1]), np.array([1, 0]), np.array([], int)
+        >>> situation = Situation(cells, goals, stays=np.array([False, False]), closed=none)
+        >>> check_step(Graph(Layout([".."])), situation, [1, 0])
+        Traceback (most recent call last):
+            ...
+        agents.errors.PlanError: robots 0 and 1 are to change places, (0, 0) and (0, 1)
     """
     cells, stays = situation.cells, situation.stays
     found = np.asarray(chosen)

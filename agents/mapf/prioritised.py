@@ -14,12 +14,23 @@ from agents.mapf.problem import Plan, Problem
 from agents.mapf.space_time import Reservations, find_way, moves_of
 from warehouse_core.wording import counted
 
+__all__ = ["solve_prioritised"]
+
 
 def solve_prioritised(problem: Problem, seconds: float) -> Plan:
     """Return a plan by cooperative A*; see ``problem.Solver``.
 
     The robots with the longest ways are first. If one finds no way it becomes the first of all,
     and an order that was tried before is shuffled, until the time is up.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.prioritised import solve_prioritised
+        >>> from agents.mapf.problem import Problem
+        >>> from warehouse_core import Layout
+        >>> problem = Problem(Graph(Layout(["...", "..."])), starts=[0, 2], goals=[2, 0])
+        >>> solve_prioritised(problem, seconds=10).sum_of_costs
+        6
     """
     deadline, stream = perf_counter() + seconds, random.Random(0)
     moves, starts, goals = moves_of(problem.graph), problem.starts, problem.goals

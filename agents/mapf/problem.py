@@ -3,6 +3,11 @@
 ``R`` is the number of robots and ``T`` the number of joint steps. In a joint step every robot moves
 to a neighbour of its cell or waits. No two robots may be in one cell, nor change places; following
 is allowed, and so are rings, in which three or more robots move into one another's cells.
+
+Example:
+    >>> from agents.mapf.lacam import lacam
+    >>> from agents.mapf.problem import Solver
+    >>> solve: Solver = lacam
 """
 
 from __future__ import annotations
@@ -17,6 +22,8 @@ from agents.errors import PlanError
 from agents.mapf.graph import Fields, Graph
 from warehouse_core.world.tables import Integers
 
+__all__ = ["Plan", "Problem", "Solver"]
+
 
 @dataclass(frozen=True, eq=False)
 class Problem:
@@ -26,6 +33,14 @@ class Problem:
         PlanError: turns have a cost in the graph. Or no plan can exist, as can be seen at once: a
             start or a goal is no open cell, two robots have the same, or no way leads from a start
             to its goal; the message says which.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.problem import Problem
+        >>> from warehouse_core import Layout
+        >>> problem = Problem(Graph(Layout(["...", "..."])), starts=[0, 2], goals=[2, 0])
+        >>> problem.robots, problem.lower_bound
+        (2, 4)
     """
 
     graph: Graph
@@ -82,6 +97,12 @@ class Plan:
 
     ``bound`` is the lower bound on the sum of costs of all plans that the solver has proved, or
     ``None`` if it has proved none; an optimal plan has its own cost there.
+
+    Example:
+        >>> from agents.mapf.problem import Plan
+        >>> plan = Plan.of([[0, 1, 2], [5, 5]])
+        >>> plan.makespan, plan.sum_of_costs
+        (2, 2)
     """
 
     cells: Integers

@@ -23,6 +23,8 @@ from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.problem import Problem
 from warehouse_core.world.actions import WAIT
 
+__all__ = ["check_solvable"]
+
 MAX_CELLS = 64
 """Open cells up to which a proof is looked for."""
 
@@ -41,6 +43,16 @@ def check_solvable(problem: Problem) -> None:
 
     Raises:
         PlanError: there is none; the message names two robots that cannot get to their goals.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.problem import Problem
+        >>> from agents.mapf.solvable import check_solvable
+        >>> from warehouse_core import Layout
+        >>> check_solvable(Problem(Graph(Layout(["..."])), starts=[0, 2], goals=[2, 0]))
+        Traceback (most recent call last):
+            ...
+        agents.errors.PlanError: there is no plan: robots 0 and 1 cannot pass each other and ...
     """
     if len(problem.graph.layout.open_cells) > MAX_CELLS:
         return

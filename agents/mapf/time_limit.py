@@ -5,11 +5,14 @@ from __future__ import annotations
 import ctypes
 import threading
 import time
+import warnings
 from collections.abc import Iterator
 from contextlib import contextmanager
 
 LOOK_SECONDS = 0.02
 """Seconds between two looks at the clock."""
+
+NO_THREADS = "threads cannot be started here, so planners have no time limit"
 
 raise_in_thread = ctypes.pythonapi.PyThreadState_SetAsyncExc
 raise_in_thread.argtypes = (ctypes.c_ulong, ctypes.py_object)
@@ -20,26 +23,35 @@ class Watcher:
 
     def __init__(self) -> None:
         self._lock, self._ends = threading.Lock(), dict[int, float]()
-        self._thread = threading.Thread()
+        self._thread, self._can_start = threading.Thread(), True
 
     @contextmanager
     def time_limit(self, seconds: float) -> Iterator[None]:
         """Raise ``TimeoutError`` in the block once it has taken so many seconds by the clock.
 
         It is raised between two instructions of Python, so that one call of compiled code may take
-        longer. Any thread may use it.
+        longer. Any thread may use it. Where threads cannot be started, as in a browser, there is no
+        limit, and a warning says so once.
         """
         here = threading.get_ident()
         with self._lock:
             self._ends[here] = time.monotonic() + seconds
-            if not self._thread.is_alive():  # the first time, and in a process that was forked
-                self._thread = threading.Thread(target=self._watch, daemon=True)
-                self._thread.start()
+            # The first time, and in a process that was forked.
+            if self._can_start and not self._thread.is_alive():
+                self._start()
         try:
             yield
         finally:
             with self._lock:
                 self._ends.pop(here, None)
+
+    def _start(self) -> None:
+        self._thread = threading.Thread(target=self._watch, daemon=True)
+        try:
+            self._thread.start()
+        except RuntimeError:
+            self._can_start = False
+            warnings.warn(NO_THREADS, RuntimeWarning, stacklevel=4)
 
     def _watch(self) -> None:
         while True:

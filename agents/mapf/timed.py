@@ -29,6 +29,8 @@ from warehouse_core.world.tables import Integers
 if TYPE_CHECKING:  # loading pymunk takes long, and fleets on the grid do without it
     from warehouse_physics import RobotSpec
 
+__all__ = ["Clocks", "Pace", "TimedPlanner", "pace_of"]
+
 LATE = 0.5
 """Steps by which a robot is late when it stays for a step."""
 
@@ -37,8 +39,13 @@ class Pace(NamedTuple):
     """Steps that a robot takes beyond one for each cell of its way.
 
     Attributes:
-        corner: at each corner that it turns.
-        half_turn: where it turns back.
+        corner: steps at each corner that it turns.
+        half_turn: steps where it turns back.
+
+    Example:
+        >>> from agents.mapf.timed import Pace
+        >>> Pace(corner=0.4).half_turn
+        0.0
     """
 
     corner: float = 0.0
@@ -49,10 +56,14 @@ class Pace(NamedTuple):
 def pace_of(spec: RobotSpec) -> Pace:
     """Return the pace of a robot, as its body drives: the mean of those without and with an item.
 
-    Raises:
-        BackendError: pymunk is not installed.
+    Example:
+        >>> from agents.mapf.timed import pace_of
+        >>> from warehouse_physics import RobotSpec
+        >>> pace = pace_of(RobotSpec())
+        >>> 0 < pace.corner < 1 < pace.half_turn
+        True
     """
-    loads = [spec, replace(spec, mass=spec.total_mass(loaded=True))]
+    loads = [spec, replace(spec, mass=spec.total_mass(loaded=True), payload_mass=0.0)]
     return Pace(*np.mean([_driven(each) for each in loads], axis=0).tolist())
 
 
@@ -81,6 +92,17 @@ class Clocks:
 
     Attributes:
         late: ``[R]`` steps.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.timed import Clocks, Pace
+        >>> from warehouse_core import Layout
+        >>> clocks = Clocks(Graph(Layout(["..", ".."])), 1, Pace(corner=0.25))
+        >>> for before, after in ((0, 1), (1, 3), (3, 2)):
+        ...     clocks.add(np.array([before]), np.array([after]))
+        >>> clocks.late
+        array([0.5])
     """
 
     def __init__(self, graph: Graph, robots: int, pace: Pace) -> None:
@@ -111,13 +133,22 @@ class Clocks:
 class TimedPlanner:
     """Plans as ``WindowedPlanner`` does, with the seconds that corners take.
 
+    Without a motion it plans for the default robot.
+
     Args:
         graph: floor.
         window: see ``WindowedPlanner``, as for the next arguments.
         groups: groups of robots.
         seconds: time in each step.
         seed: seed of the order in groups.
-        spec: robot to plan for; ``None`` is the default robot. The motion of a fleet has its own.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.lifelong import run_lifelong
+        >>> from agents.mapf.timed import TimedPlanner
+        >>> from warehouse_core import shelf_layout
+        >>> graph = Graph(shelf_layout(aisle=2))
+        >>> run = run_lifelong(graph, TimedPlanner(graph), robots=4, steps=20, seed=1)
     """
 
     def __init__(
@@ -127,10 +158,9 @@ class TimedPlanner:
         groups: int = GROUPS,
         seconds: float = inf,
         seed: int = 0,
-        spec: RobotSpec | None = None,
     ) -> None:
         self._given = window, groups, seconds, seed
-        self._floor, self._spec = graph, spec
+        self._floor = graph
         self._windows = WindowedPlanner(graph, *self._given)  # until the pace is known
         self._pace: Pace | None = None
         self._has_clocks = True
@@ -157,7 +187,7 @@ class TimedPlanner:
         if self._pace is None:
             from warehouse_physics import RobotSpec
 
-            self._set_pace(pace_of(self._spec or RobotSpec()), has_clocks=True)
+            self._set_pace(pace_of(RobotSpec()), has_clocks=True)
         assert self._pace is not None
         if not self._has_clocks:
             return self._windows.next_cells(situation)

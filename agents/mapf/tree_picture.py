@@ -16,6 +16,8 @@ from warehouse_core.viz.figure import SceneFigure, make_figure
 from warehouse_core.wording import counted
 from warehouse_core.world.tiles import DROPOFF, ROBOT_EMPTY, WALL, Cell
 
+__all__ = ["tree_picture"]
+
 MAX_NODES = 31
 
 CARD, GAP = (2.65, 1.3), (0.2, 0.5)
@@ -52,6 +54,17 @@ def tree_picture(tree: ConflictTree, make: MakeFigure = make_figure) -> SceneFig
 
     Raises:
         ValueError: the tree has no node, or more than ``MAX_NODES``.
+
+    Example:
+        >>> from agents.mapf.cbs import ConflictTree
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.problem import Problem
+        >>> from agents.mapf.tree_picture import tree_picture
+        >>> from warehouse_core import Layout
+        >>> problem = Problem(Graph(Layout(["...", "..."])), starts=[0, 2], goals=[2, 0])
+        >>> tree = ConflictTree(problem)
+        >>> plan = tree.solve(seconds=10)
+        >>> tree_picture(tree).savefig("tree.svg")
     """
     if not 0 < len(tree.nodes) <= MAX_NODES:
         raise ValueError(

@@ -35,6 +35,8 @@ from agents.mapf.planner import Situation
 from warehouse_core.arguments import instance_of, real_number, seed_number, whole_number
 from warehouse_core.world.tables import Integers
 
+__all__ = ["WindowedPlanner"]
+
 WINDOW = 15
 """Default steps that are planned ahead."""
 
@@ -61,6 +63,15 @@ class WindowedPlanner:
         seconds: time in each step after which no more groups are planned anew.
         seed: seed of the order in groups.
         turn_cost: see ``PIBT``.
+
+    Example:
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.lifelong import run_lifelong
+        >>> from agents.mapf.windows import WindowedPlanner
+        >>> from warehouse_core import random_layout
+        >>> graph = Graph(random_layout(12, 12, 0.2, seed=1))
+        >>> run_lifelong(graph, WindowedPlanner(graph), robots=8, steps=50, seed=1).throughput
+        1.06
     """
 
     def __init__(

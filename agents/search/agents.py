@@ -20,6 +20,7 @@ from agents.search.belief import Belief, BeliefProblem
 from agents.search.costs import STEPS, action_costs
 from agents.search.heuristics import manhattan, manhattan_delivery
 from agents.search.problems import DeliveryProblem, DeliveryState
+from agents.warehouse_agent_greedy import goal_of
 from warehouse_core.arguments import instance_of, one_of
 from warehouse_core.motion.backends import Backend
 from warehouse_core.task.state import Observation
@@ -65,6 +66,13 @@ class SearchAgent:
 
     Raises:
         ValueError: the algorithm, the cost or the weight is not allowed.
+
+    Example:
+        >>> from agents import SearchAgent
+        >>> from warehouse_core import DEFAULT_LAYOUT, WarehouseEnv, record_episode
+        >>> agent = SearchAgent(DEFAULT_LAYOUT, algorithm="astar")
+        >>> record_episode(WarehouseEnv(), agent, seed=12).steps
+        15
     """
 
     def __init__(
@@ -152,6 +160,12 @@ class ExploringAgent:
         reason: reason of the last action.
         expanded: nodes since the last reset.
         plans: number of plans since the last reset.
+
+    Example:
+        >>> from agents import ExploringAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> record_episode(WarehouseEnv(), ExploringAgent(), seed=12).steps
+        15
     """
 
     def __init__(self) -> None:
@@ -175,7 +189,7 @@ class ExploringAgent:
         if here == self._left and self._target is not None:
             self.belief.bump(self._target)
         self.belief.look(observation)
-        goal = observation["dropoff_pos"] if has_item else observation["pickup_pos"]
+        goal = goal_of(observation)
         self._left, self._target = here, None
         if goal is None:
             return self._choose("WAIT", "there is nowhere to go")

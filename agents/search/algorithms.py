@@ -59,6 +59,22 @@ class Problem(ABC, Generic[S, A]):
 
     Attributes:
         initial: the first state.
+
+    Example:
+        >>> from agents.search import Problem, breadth_first_search
+        >>> class Count(Problem):
+        ...     initial = 1
+        ...
+        ...     def is_goal(self, state):
+        ...         return state == 10
+        ...
+        ...     def actions(self, state):
+        ...         return ["add 1", "double"]
+        ...
+        ...     def result(self, state, action):
+        ...         return state + 1 if action == "add 1" else 2 * state
+        >>> breadth_first_search(Count()).actions
+        ('add 1', 'double', 'add 1', 'double')
     """
 
     initial: S
@@ -109,6 +125,13 @@ class Solution(Generic[S, A]):
         expanded: number of nodes expanded.
         largest_frontier: most nodes in the frontier at once, including outdated ones.
         events: one for each node expanded, in order, if requested.
+
+    Example:
+        >>> from agents.search import RouteProblem, Solution, uniform_cost_search
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> found: Solution = uniform_cost_search(RouteProblem(DEFAULT_LAYOUT, (1, 1), (1, 3)))
+        >>> found.actions, found.cost, found.expanded
+        (('E', 'E'), 2.0, 3)
     """
 
     states: tuple[S, ...]
@@ -147,6 +170,13 @@ def best_first_search(
     Raises:
         ValueError: the cost of an action that leads to a new state or on a better path is negative
             or NaN.
+
+    Example:
+        >>> from agents.search import RouteProblem, best_first_search
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> problem = RouteProblem(DEFAULT_LAYOUT, (1, 1), (5, 10))
+        >>> best_first_search(problem, lambda state, path_cost: path_cost).cost
+        13.0
     """
     value = evaluate(problem.initial, 0.0)
     node: Node[S, A] = (0.0, problem.initial, None, None)
@@ -204,7 +234,14 @@ def best_first_search(
 
 
 def breadth_first_search(problem: Problem[S, A], *, with_events: bool = False) -> Solution[S, A]:
-    """Find a path of the fewest actions, regardless of their costs (section 3.4.1)."""
+    """Find a path of the fewest actions, regardless of their costs (section 3.4.1).
+
+    Example:
+        >>> from agents.search import RouteProblem, breadth_first_search
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> breadth_first_search(RouteProblem(DEFAULT_LAYOUT, (1, 1), (1, 3))).actions
+        ('E', 'E')
+    """
 
     def expand(state: S) -> Sequence[tuple[A, S, float]]:
         return [(action, successor, 1.0) for action, successor, _ in problem.expand(state)]
@@ -216,7 +253,14 @@ def breadth_first_search(problem: Problem[S, A], *, with_events: bool = False) -
 
 
 def uniform_cost_search(problem: Problem[S, A], *, with_events: bool = False) -> Solution[S, A]:
-    """Find a path of least cost, nearest states first (section 3.4.2)."""
+    """Find a path of least cost, nearest states first (section 3.4.2).
+
+    Example:
+        >>> from agents.search import RouteProblem, uniform_cost_search
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> uniform_cost_search(RouteProblem(DEFAULT_LAYOUT, (1, 1), (5, 10))).expanded
+        37
+    """
     return best_first_search(problem, path_cost, with_events=with_events)
 
 
@@ -230,6 +274,13 @@ def greedy_best_first_search(
     """Find a path by expanding the node with the least heuristic (section 3.5.1).
 
     No state is expanded twice unless ``reopen`` is true, which often gives a better path.
+
+    Example:
+        >>> from agents.search import RouteProblem, greedy_best_first_search, manhattan
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> problem = RouteProblem(DEFAULT_LAYOUT, (1, 1), (5, 10))
+        >>> greedy_best_first_search(problem, manhattan(problem)).expanded
+        17
     """
     return weighted_astar_search(
         problem, heuristic, math.inf, with_events=with_events, reopen=reopen
@@ -239,7 +290,16 @@ def greedy_best_first_search(
 def astar_search(
     problem: Problem[S, A], heuristic: Heuristic[S], *, with_events: bool = False
 ) -> Solution[S, A]:
-    """Find a path of least cost, if the heuristic never overestimates (section 3.5.2)."""
+    """Find a path of least cost, if the heuristic never overestimates (section 3.5.2).
+
+    Example:
+        >>> from agents.search import RouteProblem, astar_search, manhattan
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> problem = RouteProblem(DEFAULT_LAYOUT, (1, 1), (5, 10))
+        >>> found = astar_search(problem, manhattan(problem))
+        >>> found.cost, found.expanded
+        (13.0, 17)
+    """
     return weighted_astar_search(problem, heuristic, 1.0, with_events=with_events)
 
 
@@ -264,6 +324,13 @@ def weighted_astar_search(
 
     Raises:
         ValueError: ``check_weight`` does not allow the weight.
+
+    Example:
+        >>> from agents.search import RouteProblem, manhattan, weighted_astar_search
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> problem = RouteProblem(DEFAULT_LAYOUT, (1, 1), (5, 10))
+        >>> weighted_astar_search(problem, manhattan(problem), weight=2).expanded
+        17
     """
     return best_first_search(
         problem,

@@ -31,14 +31,10 @@ class Belief:
 
     def look(self, observation: Observation) -> None:
         """Add the cells in view."""
-        window = observation["local_grid"]
-        radius = len(window) // 2
-        row, col = observation["robot_pos"]
         self.news = {
-            (down, right): WALL if tile == WALL else EMPTY
-            for down, line in enumerate(window, start=row - radius)
-            for right, tile in enumerate(line, start=col - radius)
-            if (down, right) not in self.known
+            cell: WALL if tile == WALL else EMPTY
+            for cell, tile in cells_in_view(observation).items()
+            if cell not in self.known
         }
         self.known |= self.news
         self.include(*self.news)
@@ -101,6 +97,18 @@ class BeliefProblem(GridProblem[Cell]):
         """Return whether a cell is at most one outside the rows and columns of the belief."""
         spans = zip(cell, (self._rows, self._cols), strict=True)
         return all(span.start - 1 <= number <= span.stop for number, span in spans)
+
+
+def cells_in_view(observation: Observation) -> dict[Cell, str]:
+    """Return the character of each cell in the window of an observation."""
+    window = observation["local_grid"]
+    radius = len(window) // 2
+    row, col = observation["robot_pos"]
+    return {
+        (down, right): tile
+        for down, line in enumerate(window, start=row - radius)
+        for right, tile in enumerate(line, start=col - radius)
+    }
 
 
 def _extended(span: range, numbers: Sequence[int]) -> range:

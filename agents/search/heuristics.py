@@ -33,7 +33,15 @@ def zero(state: Hashable) -> float:
 
 
 def manhattan(problem: RouteProblem | BeliefProblem) -> Heuristic[Cell]:
-    """Return the heuristic of the steps to the goal without walls."""
+    """Return the heuristic of the steps to the goal without walls.
+
+    Example:
+        >>> from agents.search import RouteProblem, manhattan
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> estimate = manhattan(RouteProblem(DEFAULT_LAYOUT, (1, 1), (5, 10)))
+        >>> estimate((1, 1))
+        13
+    """
     goal_row, goal_col = problem.goal
 
     def estimate(cell: Cell) -> float:
@@ -44,14 +52,30 @@ def manhattan(problem: RouteProblem | BeliefProblem) -> Heuristic[Cell]:
 
 
 def true_distance(problem: RouteProblem, layout: Layout) -> Heuristic[Cell]:
-    """Return the exact steps to the goal as a heuristic; A* then expands only the path."""
+    """Return the exact steps to the goal as a heuristic; A* then expands only the path.
+
+    Example:
+        >>> from agents.search import RouteProblem, true_distance
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> estimate = true_distance(RouteProblem(DEFAULT_LAYOUT, (1, 1), (5, 10)), DEFAULT_LAYOUT)
+        >>> estimate((1, 1))
+        13.0
+    """
     instance_of("layout", layout, Layout)
     table = distances(layout, [problem.goal]).tolist()
     return lambda cell: float(table[cell[0]][cell[1]])
 
 
 def manhattan_delivery(problem: DeliveryProblem) -> Heuristic[DeliveryState]:
-    """Return the heuristic of the cost of the delivery without walls."""
+    """Return the heuristic of the cost of the delivery without walls.
+
+    Example:
+        >>> from agents.search import DeliveryProblem, manhattan_delivery
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> problem = DeliveryProblem(DEFAULT_LAYOUT, (1, 1))
+        >>> manhattan_delivery(problem)(problem.initial)
+        11.0
+    """
     empty, loaded, pick, drop = problem.costs
     with_item = _least_cost(dict.fromkeys(problem.dropoffs, drop), loaded, problem.size)
     begun = {cell: pick + with_item(*cell) for cell in problem.pickups}

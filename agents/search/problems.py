@@ -90,6 +90,13 @@ class RouteProblem(GridProblem[Cell]):
 
     Raises:
         LayoutError: one of the cells is not open.
+
+    Example:
+        >>> from agents.search import RouteProblem
+        >>> from warehouse_core import Layout
+        >>> problem = RouteProblem(Layout(["P.#", "..D"]), start=(0, 0), goal=(1, 2))
+        >>> list(problem.actions((0, 0))), problem.result((0, 0), "E")
+        (['E', 'S'], (0, 1))
     """
 
     def __init__(self, layout: Layout, start: Cell, goal: Cell) -> None:
@@ -126,6 +133,12 @@ class DeliveryProblem(GridProblem[DeliveryState]):
 
     Raises:
         LayoutError: the start or a station is not open.
+
+    Example:
+        >>> from agents.search import DeliveryProblem, uniform_cost_search
+        >>> from warehouse_core import Layout
+        >>> uniform_cost_search(DeliveryProblem(Layout(["P.#", "..D"]), (0, 1))).actions
+        ('W', 'PICK', 'S', 'E', 'E', 'DROP')
     """
 
     def __init__(

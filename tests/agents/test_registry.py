@@ -111,8 +111,9 @@ KINDS = "bfs, ucs, greedy-best-first, astar, weighted-astar"
     [
         (
             "clever",
-            f"no agent is called 'clever'; allowed: random, reflex, greedy, exploring, {KINDS}, "
-            "ppo:FILE, q:FILE, or your own as file.py, file.py:Class or module:Class",
+            f"no agent is called 'clever'; allowed: random, reflex, model, goal, utility, "
+            f"greedy, exploring, {KINDS}, ppo:FILE, q:FILE, or your own as file.py, "
+            "file.py:Class or module:Class",
         ),
         ("", "no agent is called ''*"),
         *((word, f"no agent is called '{word}'*") for word in TRAINED),
@@ -131,7 +132,7 @@ KINDS = "bfs, ucs, greedy-best-first, astar, weighted-astar"
         ),
         ("greedy:seed=3", "agent 'greedy' takes no argument 'seed'; *"),
         ("astar:algorithm='bfs'", "agent 'astar' takes no argument 'algorithm'; *"),
-        ("reflex:memory=3", "agent 'reflex' takes no argument 'memory'; allowed: none"),
+        ("reflex:memory=3", "agent 'reflex' takes no argument 'memory'; allowed: chance=VALUE"),
         ("greedy:memory=-1", "agent 'greedy:memory=-1': memory is -1; it must be at least 0"),
         ("greedy:memory=x", "agent 'greedy:memory=x': memory is 'x'; it must be an integer"),
         ("astar:cost=money", "agent 'astar:cost=money': cost is 'money'; allowed: *"),

@@ -101,7 +101,7 @@ class Run:
         self._starts = stream.sample(cells, self._robots)
         self._spec = stream.choice(SPECS)
         disturbances = disturbances_of(stream, cells, self._robots)
-        self._motion = DrivingMotion(self._spec, disturbances, path_every=1)
+        self._motion = DrivingMotion(self._spec, disturbances, path_every=1, switches=True)
         self._motion.reset(self._layout, self._starts, stream.randrange(1000))
         self._loaded = [stream.random() < 0.5 for _ in self._starts]
         self._ways = [stream.randrange(WAIT) for _ in self._starts]

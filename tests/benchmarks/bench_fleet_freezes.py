@@ -2,7 +2,7 @@
 
 A stretch is a number of steps in which nothing is picked or delivered although orders wait. Of a
 stretch of a fleet among people those steps are counted too in which something could be, see
-``possible_work.py``: where people stand in each other's way, nobody can.
+``helpers/possible_work.py``: where people stand in each other's way, nobody can.
 """
 
 import random
@@ -10,7 +10,7 @@ import warnings
 from typing import Any, NamedTuple
 
 import pytest
-from possible_work import can_work
+from helpers.possible_work import can_work
 
 from agents.registry import make_fleet_agent
 from warehouse_core import FleetEnv, Layout, LayoutError, OrderQueue, OrderStream, shelf_layout

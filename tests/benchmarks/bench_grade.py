@@ -1,23 +1,17 @@
 """Grading: an episode has a process of its own, which must cost less than a start of Python."""
 
-import resource
 import subprocess
 import sys
 from time import perf_counter
 
 from helpers.submissions import GOOD, write_rubric
+from helpers.timing import processor_seconds
 
 from agents.lab.grading.grading import grade
 from agents.lab.grading.rubric import MINI_LAB, load_rubric
 from agents.lab.grading.runs import run_case
 from agents.lab.grading.sandbox import Sandbox
 from agents.lab.grading.submissions import find_submission
-
-
-def processor_seconds() -> float:
-    """Return the time that this process and those it has waited for have used."""
-    found = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
-    return sum(each.ru_utime + each.ru_stime for each in found)
 
 
 def test_an_episode_in_its_own_process_is_faster_than_a_start_of_python(

@@ -21,6 +21,7 @@ from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
 from typing import Any, NamedTuple
+from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 
@@ -30,7 +31,9 @@ from agents.lab.experiments.choices import parse_flags, read_plan_file
 from agents.lab.experiments.episodes import run_task
 from agents.lab.experiments.plan import spread
 from agents.lab.experiments.store import Store
+from agents.lab.grading.archives import members_of, unpack
 from agents.lab.grading.grades import load_grades, save_grades
+from agents.lab.grading.late import load_days
 from agents.lab.grading.rubric import MINI_LAB, load_rubric
 from agents.lab.reports.analysis.answers import answers
 from agents.lab.reports.analysis.results import FLEETS, LONE, Experiment
@@ -260,7 +263,7 @@ def change_places(data: bytes, _: tuple[bytes, ...], stream: random.Random) -> b
     """Overwrite bytes, half of them in the first page, and cut the end off now and then."""
     content = bytearray(data)
     for _ in range(stream.randint(1, 12)):
-        end = len(content) if stream.random() < 0.5 else 4096
+        end = len(content) if stream.random() < 0.5 else min(4096, len(content))
         content[stream.randrange(end)] = stream.choice((0, 1, 34, 127, 128, 255, *range(256)))
     if stream.random() < 0.05:
         del content[stream.randrange(len(content)) :]
@@ -333,6 +336,8 @@ def formats() -> dict[str, Format]:
                                lambda path: as_layout(_text(path)), TEXT),
         "rubric": Format((MINI_LAB.read_bytes(), RUBRIC.encode()), load_rubric, TEXT),
         "grades": Format((grades,), _read_grades, TEXT),
+        "late": Format((b"submission,days\nann.py,2\n\"b, ob\",0\n",), load_days, TEXT),
+        "archive": Format((_archive(),), _read_archive, (change_places,)),
         "results": Format((_results(),), _read_results, (change_places, change_database)),
     }  # fmt: skip
 
@@ -387,6 +392,23 @@ def _read_orders(path: Path) -> None:
     if orders := load_orders(path):
         with closing(FleetEnv(DEFAULT_LAYOUT, 2, orders=orders, max_steps=20)) as env:
             env.reset(seed=1)
+
+
+def _archive() -> bytes:
+    """Return an archive with files in folders, one of them compressed."""
+    file = io.BytesIO()
+    with ZipFile(file, "w") as archive:
+        archive.writestr("src/agent.py", "class Agent:\n" * 20, ZIP_DEFLATED)
+        archive.writestr("src/notes.txt", "notes")
+        archive.mkdir("empty")
+    return file.getvalue()
+
+
+def _read_archive(path: Path) -> None:
+    with TemporaryDirectory() as folder:
+        unpack(path, Path(folder))
+        found = {file for file in Path(folder).rglob("*") if file.is_file()}
+        assert found == {Path(folder, name) for name in members_of(path)}
 
 
 def _read_grades(path: Path) -> None:

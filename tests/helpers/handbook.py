@@ -14,6 +14,9 @@ from helpers.command_line import ROOT
 
 HANDBOOK = ROOT / "agents" / "handbook"
 PAGES = sorted(HANDBOOK.glob("*.md"))
+SITE = [str(page.relative_to(HANDBOOK).with_suffix("")) for page in sorted(HANDBOOK.rglob("*.md"))]
+"""All pages of the site by name, those of the reference among them."""
+
 BLOCK = re.compile(
     r"^(?:```(?:\{code-cell\} ipython3|(\w+))( rl)?\n(?::[^\n]*\n\n)?|<!-- (test)\n)(.*?)"
     r"^(?:```|-->)$",

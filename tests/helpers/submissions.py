@@ -1,5 +1,6 @@
 """Agents to be graded, good, bad and hostile, and the points that each must get."""
 
+import json
 import os
 from contextlib import suppress
 from pathlib import Path
@@ -140,6 +141,15 @@ class Agent:
 def good(method: str, body: str, before: str = "") -> str:
     """Return the agent that searches, with a method of its own."""
     return f"{before}\n{GOOD}\n    def {method}:\n{indent(body, 8 * ' ')}\n"
+
+
+def notebook_of(*cells: str, kind: str = "code") -> str:
+    """Return a notebook with cells of a kind."""
+    made = [
+        {"cell_type": kind, "metadata": {}, "outputs": [], "source": cell.splitlines(True)}
+        for cell in cells
+    ]
+    return json.dumps({"nbformat": 4, "nbformat_minor": 5, "metadata": {}, "cells": made})
 
 
 class Expected(NamedTuple):

@@ -1,6 +1,7 @@
 """Measure the time of a call and the memory of this process."""
 
 import os
+import resource
 from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
@@ -15,3 +16,9 @@ def seconds(work: Callable[[], object]) -> float:
 def resident() -> int:
     """Return the bytes of memory that this process uses now."""
     return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+
+def processor_seconds() -> float:
+    """Return the time that this process and those it has waited for have used."""
+    found = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
+    return sum(each.ru_utime + each.ru_stime for each in found)

@@ -129,5 +129,10 @@ def test_random_robots_keep_both_books(robots: int) -> None:
         assert max(errors.impulses) < 0.01
 
 
+def test_robots_that_keep_pushing_one_another_keep_both_books() -> None:
+    """In the sixth action two robots are in touch for seconds, and one pushes the other."""
+    assert max(errors_of_the_books(80, 8, seed=1046).joules) < 0.01
+
+
 def test_random_robots_move_as_on_the_grid_alone_and_in_a_batch() -> None:
     assert random_robots_move_as_the_grid(COMPARED_MOVES)[1] > 0

@@ -1,6 +1,7 @@
 """The README and the handbook: every block runs, and their statements hold."""
 
 import re
+import runpy
 from collections.abc import Iterator
 from pathlib import Path
 
@@ -22,6 +23,10 @@ from helpers.handbook import (
 
 from agents.lab.commands import train
 from agents.lab.experiments.sweep import PRESETS
+from agents.lab.grading.calls import is_right
+from agents.lab.grading.child import as_value
+from agents.lab.grading.exercises import SOLUTIONS, find_rubric
+from agents.lab.grading.rubric import load_rubric
 from agents.lab.training import exams
 from warehouse_core.viz.replay import Replay
 
@@ -31,8 +36,12 @@ ANSWERS = re.compile(
     r"^<!-- (\w+) -->\n\*\*(.*?)\*\*\n\n(.*?)\n\n!", flags=re.DOTALL | re.MULTILINE
 )
 FRAMES_APART = 10
-GLOSSARY = HANDBOOK / "glossary.md"
-WITHOUT_TERMS = {"README", "index", "coming_from", "glossary", "reference"}
+GLOSSARY, PROMISES = HANDBOOK / "glossary.md", HANDBOOK / "promises.md"
+EXAMPLE = re.compile(r"(\w+\(.*\)) {2,}([^\s:].*?)(?:: .*)?$")
+"""A call and its answer in the text of an exercise, perhaps with a remark."""
+
+HEADINGS = re.compile(r"^#+ (.*)$", flags=re.MULTILINE)
+WITHOUT_TERMS = {"README", "index", "coming_from", "glossary", "promises"}
 """Pages that link to no term: they lead to other pages, or explain names of programs."""
 
 each_page = pytest.mark.parametrize("page", TEXTS, ids=[page.stem for page in TEXTS])
@@ -52,6 +61,11 @@ def in_a_folder_without_a_display(
 def some_frames(replay: Replay) -> Iterator[int]:
     """Return every ``FRAMES_APART``-th frame, and the last."""
     return iter([*range(0, len(replay._scene) - 1, FRAMES_APART), len(replay._scene) - 1])
+
+
+def slug(heading: str) -> str:
+    """Return the name by which links lead to a heading, as on GitHub."""
+    return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
 
 
 @pytest.fixture
@@ -80,9 +94,9 @@ def test_the_commands_that_need_pytorch_run() -> None:
 
 @each_page
 def test_every_block_is_of_a_kind_that_is_run(page: Path) -> None:
-    fences = re.findall(r"^```(\S+)", TEXTS[page], flags=re.MULTILINE)
-    directives = {"{code-cell}", "{eval-rst}", "{glossary}", "{toctree}"}
-    assert {*fences} <= {"sh", "python", "text", *directives}
+    fences = re.findall(r"^```+([^`\s]+)", TEXTS[page], flags=re.MULTILINE)
+    names = "code-cell", "eval-rst", "glossary", "literalinclude", "only", "toctree"
+    assert {*fences} <= {"sh", "python", "text", *(f"{{{name}}}" for name in names)}
     run = [block for block in blocks_of(page) if block.language in ("sh", CELL)]
     assert len(run) == sum(kind in ("sh", "python", "{code-cell}") for kind in fences)
     for block in run:
@@ -106,6 +120,42 @@ def test_all_that_a_page_names_exists(page: Path) -> None:
     assert [each for each in named if not (ROOT / each).exists()] == []
 
 
+def test_the_places_and_tests_of_the_chapters_promises_exist() -> None:
+    row = re.compile(r"^\| (\d+) \| (.*) \| (.*) \| (?:([^`]*), )?`(.*)` \|$", flags=re.MULTILINE)
+    rows = row.findall(TEXTS[PROMISES])
+    assert [int(number) for number, *_ in rows] == [*range(1, len(rows) + 1)]
+    assert len(rows) >= 76
+    for _, _, where, words, file in rows:
+        assert "`" in where or "](" in where, where
+        name = f"def test_{words.replace(' ', '_')}"
+        assert (f"{name}(" if words else name) in (ROOT / file).read_text(encoding="utf-8")
+        for page, anchor in re.findall(r"\]\((\w+\.md)#([^)]+)\)", where):
+            assert anchor in map(slug, HEADINGS.findall(TEXTS[HANDBOOK / page])), where
+
+
+def test_the_examples_of_exercises_are_what_their_solutions_answer() -> None:
+    heading = re.compile(r"^### Exercise (\d+): (.*)$", flags=re.MULTILINE)
+    parts, checked = heading.split(TEXTS[HANDBOOK / "exercises.md"]), 0
+    assert parts[1::3] == [f"{number}" for number in range(1, 27)]
+    for number, title, text in zip(parts[1::3], parts[2::3], parts[3::3], strict=True):
+        name = f"exercise-{int(number):02}"
+        rubric = load_rubric(find_rubric(Path(name)))
+        assert rubric.title.lower() == f"exercise {number}: {title}".lower()
+        assert text.count(f"```{{literalinclude}} exercises/solutions/{name}.py\n") == 1
+        known = runpy.run_path(str(SOLUTIONS / f"{name}.py"))
+        for block in re.findall(r"^```text\n(.*?)^```", text, flags=re.DOTALL | re.MULTILINE):
+            lines = block.splitlines()
+            known["grid"] = tuple(line.split()[0] for line in lines if line.startswith("#"))
+            for line in lines:
+                if line.startswith("looks = "):
+                    exec(line, known)
+                if (found := EXAMPLE.search(line)) and "..." not in line:
+                    answer, wanted = eval(found[1], known), eval(found[2])
+                    assert is_right(as_value(answer), as_value(wanted)), line
+                    checked += 1
+    assert checked >= 20
+
+
 def test_the_glossary_has_the_terms_that_pages_link_to() -> None:
     glossaries = re.findall(r"^```{glossary}\n(.*?)^```", TEXTS[GLOSSARY], flags=re.DOTALL | re.M)
     entries = [entry.split("\n    ") for part in glossaries for entry in part.strip().split("\n\n")]
@@ -124,7 +174,15 @@ def test_every_page_can_be_reached_from_the_first() -> None:
     for page in PAGES:
         assert page.name == "index.md" or f"\n{page.stem}\n" in TEXTS[HANDBOOK / "index.md"]
         is_listed = f"(agents/handbook/{page.name})" in TEXTS[README]
-        assert is_listed == (page.stem not in ("index", "reference"))
+        assert is_listed == (page.stem != "index")
+
+
+def test_the_first_page_begins_with_an_episode_an_install_line_and_six_lines_of_code() -> None:
+    picture, install, code = [*blocks_of(HANDBOOK / "index.md")][:3]
+    assert "\n:tags: [remove-input]\n" in TEXTS[HANDBOOK / "index.md"].partition(picture.text)[0]
+    assert picture.text.splitlines()[-1].startswith("record_episode(")
+    assert install.text.startswith(INSTALL)
+    assert (code.language, len([line for line in code.text.splitlines() if line])) == (CELL, 6)
 
 
 @pytest.mark.slow

@@ -13,7 +13,7 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = ("warehouse_core", "warehouse_physics", "agents")
 """Each may import those before it."""
 
-MAX_FOLDERS_AND_LEVELS = {"warehouse_core": (22, 9), "agents": (17, 8)}
+MAX_FOLDERS_AND_LEVELS = {"warehouse_core": (22, 9), "agents": (18, 8)}
 MAY_IMPORT = {
     "warehouse_core/errors": "",
     "warehouse_core/extras": "",
@@ -76,16 +76,18 @@ MAY_IMPORT = {
         "batch body_motion disturbances energy exclusive giving_way robot robot_arena spec"
     ),
     "agents/errors": "",
-    "agents/handbook": "",
+    "agents/handbook/exercises": "",
+    "agents/handbook/exercises/solutions": "",
     "agents/mapf/kernels": "",
-    "agents/search": "",
     "agents/warehouse_agent_greedy": "",
+    "agents/search": "warehouse_agent_greedy",
+    "agents/kinds": "search warehouse_agent_greedy",
     "agents/learning": "errors warehouse_agent_greedy",
     "agents/mapf": "errors mapf/kernels",
     "agents/fleet": "errors mapf mapf/kernels",
     "agents/lab": "errors fleet mapf",
     "agents/lab/runs": "errors fleet",
-    "agents/registry": "errors fleet learning mapf search warehouse_agent_greedy",
+    "agents/registry": "errors fleet kinds learning mapf search warehouse_agent_greedy",
     "agents/lab/console": "errors lab lab/runs registry",
     "agents/lab/trials": "errors lab/console lab/runs learning registry",
     "agents/lab/commands/fleet": "errors fleet lab lab/console lab/runs lab/trials registry",
@@ -105,7 +107,8 @@ MAY_IMPORT = {
     "agents/lab/commands/gap": (
         "errors fleet lab lab/console lab/reports lab/runs lab/trials registry"
     ),
-    "agents/lab/commands/grade": "errors lab/console lab/grading lab/reports lab/trials",
+    "agents/lab/commands/grade": "errors lab lab/console lab/grading lab/reports lab/trials",
+    "agents/lab/playground": "errors lab lab/grading lab/runs registry",
     "agents/lab/commands/pogema": (
         "errors lab/commands/planners lab/console lab/experiments lab/reports "
         "lab/reports/analysis lab/reports/figures lab/runs lab/trials mapf mapf/kernels registry"
@@ -113,9 +116,10 @@ MAY_IMPORT = {
     "agents/lab/commands": (
         "errors fleet lab lab/commands/export lab/commands/fleet lab/commands/gap "
         "lab/commands/grade lab/commands/planners lab/commands/pogema lab/console lab/experiments "
-        "lab/reports lab/runs lab/training lab/trials learning mapf registry search "
+        "lab/playground lab/reports lab/runs lab/training lab/trials learning mapf registry search "
         "warehouse_agent_greedy"
     ),
+    "agents/handbook": "lab/commands",
     "agents/__main__": "lab/commands",
     "agents/run_episode": "lab/commands lab/console",
 }
@@ -166,8 +170,12 @@ EXPORTS = {
     "warehouse_physics": "Disturbances DrivingMotion RigidBodyMotion RobotSpec Stop",
     "warehouse_physics.driving": "DrivingMotion",
     "warehouse_physics.batch": "RigidBodyBatch",
-    "agents": "ExploringAgent GreedyAgent PPOAgent QAgent SearchAgent",
+    "agents": """
+        ExploringAgent GoalBasedAgent GreedyAgent ModelBasedAgent PPOAgent QAgent ReflexAgent
+        SearchAgent UtilityBasedAgent
+    """,
     "agents.fleet": "PlannedFleet Team",
+    "agents.kinds": "GoalBasedAgent ModelBasedAgent ReflexAgent UtilityBasedAgent",
     "agents.learning": "PPOAgent QAgent QTable load_agent load_table save_table",
     "agents.search": """
         DeliveryProblem ExploringAgent Problem RouteProblem SearchAgent Solution

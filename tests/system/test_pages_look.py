@@ -8,7 +8,7 @@ from typing import Any
 
 import pytest
 from helpers.command_line import in_a_process
-from helpers.handbook import PAGES as HANDBOOK_PAGES
+from helpers.handbook import SITE
 from helpers.looks import SCREENS, SHEET, Reader, reading
 from helpers.results_files import BAD, GOOD, scores_of
 
@@ -41,7 +41,17 @@ PAGES = {
     "race": "race",
     **{
         f"demo {name}": f"demo {name}"
-        for name in ("delivery", "bump", "load", "slip", "wheels", "head-on", "ring", "pibt")
+        for name in (
+            "delivery",
+            "bump",
+            "load",
+            "slip",
+            "wheels",
+            "head-on",
+            "ring",
+            "passing",
+            "pibt",
+        )
     },
 }
 """Commands that save a page, by what it shows."""
@@ -82,11 +92,18 @@ def test_a_report_is_legible(reader: Reader, tmp_path: Path) -> None:
     assert reader.faults_of_page(tmp_path / "page.html", [*SCREENS, SHEET]) == {}
 
 
-def test_a_page_of_grades_is_legible(reader: Reader, tmp_path: Path) -> None:
-    methods = "def reset(self): pass", "def act(self, seen): return 'N'"
-    (tmp_path / "agent.py").write_text("\n    ".join(["class Agent:", *methods]))
-    save(tmp_path, "grade", "agent.py", "--trust", "--save", "page.html")
-    assert reader.faults_of_page(tmp_path / "page.html", [*SCREENS, SHEET]) == {}
+def test_pages_of_grades_are_legible(reader: Reader, tmp_path: Path) -> None:
+    """The page of a student, with the player of the worst episode, and that of the class."""
+    (tmp_path / "all").mkdir()
+    long_name = "Surname Given Names_12345_assignsubmission_file_"
+    for name, body in {"walks": "return 'N'", "fails": "1 / 0", long_name: "pass"}.items():
+        methods = "def reset(self): pass", f"def act(self, seen): {body}"
+        text = "\n    ".join(["class Agent:", *methods])
+        (tmp_path / "all" / f"{name}.py").write_text(text)
+    save(tmp_path, "grade", "all", "--trust", "--pages", "pages", "-j", 1)
+    for name in ("index", "walks.py"):
+        page = tmp_path / "pages" / f"{name}.html"
+        assert reader.faults_of_page(page, [*SCREENS, SHEET]) == {}
 
 
 @pytest.mark.parametrize("name", PICTURES)
@@ -102,7 +119,7 @@ def test_a_learning_curve_is_legible(reader: Reader, tmp_path: Path) -> None:
     assert reader.faults_of_picture(tmp_path / "picture.svg") == {}
 
 
-@pytest.mark.parametrize("name", [page.stem for page in HANDBOOK_PAGES])
+@pytest.mark.parametrize("name", SITE)
 def test_the_handbook_is_legible(reader: Reader, site: Path, name: str) -> None:
     assert reader.faults_of_page(site / f"{name}.html") == {}
 

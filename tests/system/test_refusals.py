@@ -67,7 +67,7 @@ CELLS = {
 }
 UNKNOWN = {
     "--agent": {
-        "nobody": "no agent is called 'nobody'; allowed: random, reflex, greedy",
+        "nobody": "no agent is called 'nobody'; allowed: random, reflex, model, goal, utility",
         "missing.py:Agent": "agent file missing.py: there is no such file",
         "wrong.py:Agent": "wrong.py, line 2: ",
         "waiter.py:Agent": "waiter.py has no class 'Agent'",
@@ -192,12 +192,14 @@ IMPOSSIBLE = {
     "layout print missing.txt": "missing.txt: No such file or directory",
     "layout check bad.txt": "bad.txt: row 1, column 2: 'x' is not a tile",
     "grade none.py": "agent file none.py: there is no such file",
+    "grade none.zip:Agent": "agent file none.zip: there is no such file",
+    "grade . --trust --late none.csv": "none.csv: No such file or directory",
     "grade waiter.py --rubric none.toml": "none.toml: No such file or directory",
     "grade . -o a.html": "a.html: cannot save as .html; allowed: .csv",
     "grade mine.py -o a.csv": "a.csv: cannot save as .csv; allowed: .json, .html",
-    "grade inner --trust": "inner: there is no .py file in it, nor a folder with one",
+    "grade inner --trust": "inner: there is no submission in it",
     "grade astar": "'astar' plans on the map, which a graded agent does not get; allowed: random",
-    "grade nobody": "'nobody' is no agent; allowed: random, reflex, greedy, exploring, or file.py",
+    "grade nobody": "'nobody' is no agent; allowed: random, reflex, model, goal, utility",
     "report r.sqlite": "r.sqlite: there is no such file",
     "report r.sqlite -o r.sqlite": "r.sqlite: cannot save as .sqlite; allowed: .html",
     "report r.html": "r.html: this is the file of results; the page needs another name",

@@ -1,18 +1,29 @@
 """The handbook as a site: built without a warning, all links lead somewhere, read in a browser."""
 
+import re
+import subprocess
+import sys
+from collections.abc import Iterator
+from functools import partial
+from html import unescape
 from html.parser import HTMLParser
+from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
+from importlib.metadata import version
 from pathlib import Path
+from threading import Thread
 from typing import Any
-from urllib.parse import unquote, urlsplit
+from urllib.parse import unquote, urlencode, urlsplit
 
 import pytest
-from helpers.handbook import PAGES
+from helpers.command_line import LEAVES
+from helpers.handbook import HANDBOOK, SITE
 from helpers.player_pages import shown, wait_until
+
+from agents.lab.grading.exercises import SOLUTIONS
 
 pytestmark = pytest.mark.browser
 
-NAMES = [page.stem for page in PAGES]
-PHONE = {"width": 390, "height": 800}
+PHONE = {"width": 360, "height": 800}
 
 FAULTS = """
 () => {
@@ -26,11 +37,34 @@ FAULTS = """
     if (/^warehouse: |not found|Traceback/m.test(each.innerText)) faults.push(each.innerText);
   }
   if (/Show code cell/.test(document.body.innerText)) faults.push("code is folded");
-  const wide = document.documentElement.scrollWidth - innerWidth;
-  if (wide > 0) faults.push(`${wide} pixels too wide`);
+  for (const each of [document.documentElement, ...document.querySelectorAll(".content")]) {
+    const wide = each.scrollWidth - each.clientWidth;
+    if (wide > 0) faults.push(`${each.className} is ${wide} pixels too wide`);
+  }
   return faults;
 }
 """
+
+
+class Handler(SimpleHTTPRequestHandler):
+    """Serves files and tells nothing about it."""
+
+    def log_message(self, format: str, *_: object) -> None:  # noqa: A002
+        pass
+
+
+@pytest.fixture
+def site_address(site: Path) -> Iterator[str]:
+    """Serve the site, whose search loads files, and yield its address."""
+    handler = partial(Handler, directory=str(site))
+    with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        thread = Thread(target=server.serve_forever)
+        thread.start()
+        try:
+            yield f"http://127.0.0.1:{server.server_port}"
+        finally:
+            server.shutdown()
+            thread.join()
 
 
 class Anchors(HTMLParser):
@@ -52,8 +86,8 @@ class Anchors(HTMLParser):
 
 
 def test_all_links_lead_somewhere_and_nothing_is_loaded_from_elsewhere(site: Path) -> None:
-    pages = {path: Anchors(path) for path in site.glob("*.html")}
-    assert {path.stem for path in pages} >= {*NAMES}
+    pages = {path: Anchors(path) for path in site.rglob("*.html")}
+    assert pages.keys() >= {site / f"{name}.html" for name in SITE}
     for path, page in pages.items():
         assert [each for each in page.loaded if urlsplit(each).scheme not in ("", "data")] == []
         for link in page.links:
@@ -66,7 +100,29 @@ def test_all_links_lead_somewhere_and_nothing_is_loaded_from_elsewhere(site: Pat
                 assert unquote(parts.fragment) in pages[target].ids, f"{path.name}: {link}"
 
 
-@pytest.mark.parametrize("name", NAMES)
+def test_the_page_of_the_command_line_has_the_help_of_every_command(site: Path) -> None:
+    page = (site / "reference/command_line.html").read_text(encoding="utf-8")
+    text = unescape(re.sub("<[^>]+>", "", page))
+    for name, command in LEAVES.items():
+        shown_help = text.partition(f"Usage: warehouse {name} ")[2].partition("Usage:")[0]
+        options = [each for each in command.params if each.param_type_name == "option"]
+        assert shown_help, name
+        assert [each for each in options if each.opts[-1] not in shown_help] == [], name
+
+
+def test_solutions_are_in_the_site_for_lecturers_alone(tmp_path: Path) -> None:
+    """Without running cells, which the tag has nothing to do with."""
+    pages = {}
+    for tag in ("solutions", "students"):
+        words = "-Q", "-t", tag, "-D", "nb_execution_mode=off", HANDBOOK, tmp_path / tag
+        subprocess.run([sys.executable, "-m", "sphinx", *words], check=True)
+        pages[tag] = (tmp_path / tag / "exercises.html").read_text(encoding="utf-8")
+    for solution in SOLUTIONS.glob("*.py"):
+        title = solution.read_text(encoding="utf-8").splitlines()[0].strip('"')
+        assert [pages[tag].count(title) for tag in pages] == [1, 0]
+
+
+@pytest.mark.parametrize("name", [*SITE, "genindex", "py-modindex"])
 @pytest.mark.parametrize("options", [{}, {"viewport": PHONE, "color_scheme": "dark"}])
 def test_a_page_is_read_in_a_browser(
     browser: Any, site: Path, name: str, options: dict[str, Any]
@@ -87,6 +143,32 @@ def test_the_first_episode_of_the_mini_lab_plays(browser: Any, site: Path) -> No
         player.get_by_text("step 0 of").first.wait_for()
         player.get_by_label("One step on").click()
         player.get_by_text("step 1 of").first.wait_for()
+
+
+def test_the_version_is_in_the_corner_of_every_page(browser: Any, site: Path) -> None:
+    with shown(browser, viewport={"width": 1366, "height": 768}) as reading:
+        reading.page.goto((site / "reference/warehouse_core.html").as_uri())
+        brand = reading.page.locator(".sidebar-brand-text")
+        assert brand.inner_text() == f"warehouse-lab {version('warehouse-lab')}"
+        assert brand.bounding_box()["y"] < 200
+
+
+@pytest.mark.parametrize(
+    ("words", "page"),
+    [
+        ("flowtime", "glossary.html"),
+        ("record_episode", "reference/warehouse_core.records.html"),
+        ("knee of a battery", "bodies.html"),
+        ("--plan-seconds", "reference/command_line.html"),
+    ],
+)
+def test_the_search_finds_pages(browser: Any, site_address: str, words: str, page: str) -> None:
+    reading = browser.new_page()
+    try:
+        reading.goto(f"{site_address}/search.html?{urlencode({'q': words})}")
+        reading.locator(f"#search-results a[href^='{page}']").first.wait_for()
+    finally:
+        reading.close()
 
 
 def test_the_first_page_plays_by_itself(browser: Any, site: Path) -> None:

@@ -1,4 +1,10 @@
-"""Many warehouses at once, in NumPy arrays."""
+"""Many warehouses at once, in NumPy arrays.
+
+Example:
+    >>> from warehouse_core.batch import AUTORESET_MODES
+    >>> AUTORESET_MODES
+    ('NextStep', 'SameStep', 'Disabled')
+"""
 
 from warehouse_core.batch.lone.env import BatchEnv
 from warehouse_core.batch.shell.env import AUTORESET_MODES

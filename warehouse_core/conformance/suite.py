@@ -49,7 +49,16 @@ class CheckResult:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """The results of all checks in the order of ``CHECKS``; ``str`` gives one line for each."""
+    """The results of all checks in the order of ``CHECKS``; ``str`` gives one line for each.
+
+    Example:
+        >>> from warehouse_core import GridMotion
+        >>> from warehouse_core.conformance import run_conformance
+        >>> report = run_conformance(GridMotion)
+        >>> report.raise_for_failures()
+        >>> report.results[0].name, report.results[0].status
+        ('check_reset_puts_robots_at_rest', 'passed')
+    """
 
     results: tuple[CheckResult, ...]
 
@@ -83,6 +92,11 @@ def run_conformance(
 
     Raises:
         ValueError: ``expected_failures`` has an unknown name or an empty reason.
+
+    Example:
+        >>> from warehouse_core import GridMotion
+        >>> from warehouse_core.conformance import run_conformance
+        >>> run_conformance(GridMotion).raise_for_failures()
     """
     expected = dict(expected_failures or {})
     unknown = expected.keys() - {check.__name__ for check in CHECKS}

@@ -49,6 +49,14 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
     Raises:
         OSError: the folder does not exist or cannot be written; an error of writing, also one in
             the block, names ``path``.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from warehouse_core.files import atomic_path
+        >>> with atomic_path("notes.txt") as path:
+        ...     count = path.write_text("whole, or not there")
+        >>> Path("notes.txt").read_text()
+        'whole, or not there'
     """
     target = Path(path)
     check_target(target)

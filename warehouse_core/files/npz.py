@@ -41,6 +41,11 @@ def write_arrays(path: str | Path, arrays: Arrays, schema: Schema) -> None:
     Raises:
         RecordError: they take more than ``MAX_BYTES``.
         OSError: the file cannot be written.
+
+    Example:
+        >>> import numpy as np
+        >>> from warehouse_core.files import write_arrays
+        >>> write_arrays("costs.npz", {"costs": np.array([1.0, 2.5])}, {"costs": ("<f8", 1)})
     """
     size = sum(array.nbytes for array in arrays.values())
     if size > MAX_BYTES:
@@ -60,6 +65,14 @@ def read_arrays(path: str | Path, *schemas: Schema) -> Arrays:
     Raises:
         RecordError: the file is damaged or differs from its schema.
         OSError: the file cannot be opened.
+
+    Example:
+        >>> import numpy as np
+        >>> from warehouse_core.files import read_arrays, write_arrays
+        >>> schema = {"costs": ("<f8", 1)}
+        >>> write_arrays("costs.npz", {"costs": np.array([1.0, 2.5])}, schema)
+        >>> read_arrays("costs.npz", schema)
+        {'costs': array([1. , 2.5])}
     """
     with open_file(path) as file:
         try:

@@ -40,37 +40,35 @@ MOTION_KEYS = ("blocked", "stopped_by", "seconds", "joules")
 class FleetEnv:
     """``R`` robots that bring items from pickups to dropoffs in one warehouse.
 
-    ## Description
+    Description:
+        Each robot is like the one of ``WarehouseEnv``, by the same rules and backends; several get
+        in each other's way by the table of ``motion/traffic.py``. An order only decides what a cell
+        is to a robot: a pickup where an order waits for it, a dropoff where its item is due.
+        Without orders each robot has the task of the chapter, and a fleet of one equals
+        ``WarehouseEnv``.
 
-    Each robot is like the one of ``WarehouseEnv``, by the same rules and backends; several get in
-    each other's way by the table of ``motion/traffic.py``. An order only decides what a cell is to
-    a robot: a pickup where an order waits for it, a dropoff where its item is due. Without orders
-    each robot has the task of the chapter, and a fleet of one equals ``WarehouseEnv``.
+        A step, in this order: robots that have ended wait; the robots and people move; the rules
+        judge each robot where it is then; picks and deliveries are booked; the step costs battery,
+        and those who wait on a charger charge; orders released now appear and are assigned; robots
+        end.
 
-    A step, in this order: robots that have ended wait; the robots and people move; the rules judge
-    each robot where it is then; picks and deliveries are booked; the step costs battery, and those
-    who wait on a charger charge; orders released now appear and are assigned; robots end.
+    Actions:
+        The actions of ``WarehouseEnv`` for each robot.
 
-    ## Actions
+    Observations:
+        ``FleetArrays`` with a leading ``R``; ``observe(robot)`` is one of them as a dictionary.
 
-    The actions of ``WarehouseEnv`` for each robot.
+    Rewards:
+        The table of ``task/rules.py`` for each robot, less ``late_penalty`` for each step by which
+        a delivery is late.
 
-    ## Observations
-
-    ``FleetArrays`` with a leading ``R``; ``observe(robot)`` is one of them as a dictionary.
-
-    ## Rewards
-
-    The table of ``task/rules.py`` for each robot, less ``late_penalty`` for each step by which a
-    delivery is late.
-
-    ## Ends
-
-    Without orders, a robot is terminated by its delivery; with a list of orders, all robots are
-    when all are delivered. A robot is truncated when its battery is empty, all when ``max_steps``
-    are taken or the orders that are left are lost, see ``FleetMeasures``. A robot that has ended
-    stays where it is, in the way of others, and has no more rewards. An order ends as lost with a
-    robot that cannot drive any more; another robot that carries its item puts this aside.
+    Ends:
+        Without orders, a robot is terminated by its delivery; with a list of orders, all robots are
+        when all are delivered. A robot is truncated when its battery is empty, all when
+        ``max_steps`` are taken or the orders that are left are lost, see ``FleetMeasures``. A robot
+        that has ended stays where it is, in the way of others, and has no more rewards. An order
+        ends as lost with a robot that cannot drive any more; another robot that carries its item
+        puts this aside.
 
     Args:
         layout: ``None`` is the chapter's.
@@ -103,6 +101,14 @@ class FleetEnv:
     Raises:
         ValueError: an invalid argument; also as ``LayoutError``, ``OrderError``, ``BackendError``.
         TypeError: an argument of another type.
+
+    Example:
+        >>> from warehouse_core import FleetEnv, OrderStream, shelf_layout
+        >>> env = FleetEnv(shelf_layout(), robots=2, orders=OrderStream(rate=0.1), seed=1)
+        >>> observations, info = env.reset()
+        >>> observations, rewards, terminated, truncated, info = env.step(["E", "WAIT"])
+        >>> rewards
+        array([-0.1 , -0.15])
     """
 
     def __init__(
@@ -184,10 +190,10 @@ class FleetEnv:
                 out of range is an invalid action, which costs a step, as in the chapter.
 
         Returns:
-            Observations, ``[R]`` float64 rewards, ``[R]`` bool terminated and truncated, and info:
-            ``action_mask`` ``[R, 7]`` int8, ``invalid_action`` ``[R]`` bool, and ``motion`` with
-            ``blocked``, ``stopped_by`` (see ``BatchOutcome``), ``seconds`` and ``joules``. All
-            arrays are fresh.
+            Observations, ``[R]`` float64 rewards, ``[R]`` bool terminated and truncated, and info,
+            with ``action_mask`` ``[R, 7]`` int8, ``invalid_action`` ``[R]`` bool, and ``motion``,
+            which has ``blocked``, ``stopped_by`` (see ``BatchOutcome``), ``seconds`` and
+            ``joules``. All arrays are fresh.
 
         Raises:
             ValueError: a number of actions that is not ``R``, an action for a robot that does not

@@ -23,6 +23,15 @@ class FleetObservation(Observation, total=False):
         due: the step by which the robot's order is due, or ``None``; with orders only.
         charger_pos: the nearest charger, or ``None``; with chargers only, and not for a robot that
             is alone without orders.
+
+    Example:
+        >>> from warehouse_core import FleetEnv
+        >>> from warehouse_core.fleet import FleetObservation
+        >>> env = FleetEnv(robots=2, orders=0.1, seed=1)
+        >>> arrays, info = env.reset()
+        >>> observation: FleetObservation = env.observe(robot=0)
+        >>> observation["robot_pos"], observation["due"]
+        ((1, 1), None)
     """
 
     due: int | None

@@ -98,6 +98,13 @@ class WarehouseGymnasiumEnv(Limited, gymnasium.Env[Any, Any]):
     Raises:
         ValueError: a value that is not allowed; also as ``LayoutError`` or ``BackendError``.
         TypeError: an argument of another type.
+
+    Example:
+        >>> import gymnasium
+        >>> env = gymnasium.make("warehouse_core.gymnasium_env:Warehouse-v0", layout="trap")
+        >>> observation, info = env.reset(seed=1)
+        >>> action = env.action_space.sample(info["action_mask"])
+        >>> observation, reward, terminated, truncated, info = env.step(action)
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 - as declared by Gymnasium

@@ -18,6 +18,7 @@ from warehouse_core.wording import brief
 from warehouse_core.world.tiles import CELL_CODES
 
 FORMS = ("dict", "vector", "image")
+"""Names of the forms of observations, see ``make_form``."""
 
 MARKED = {"vector": MARKED_TILES}
 """Tiles of the forms that are made of ``marks`` instead of codes, which is faster."""
@@ -32,14 +33,29 @@ MIN_SIDE = 2
 
 
 class Form(NamedTuple):
-    """A form of observations: their space, and the function that makes them from arrays."""
+    """A form of observations: their space, and the function that makes them from arrays.
+
+    Example:
+        >>> from warehouse_core import WarehouseEnv
+        >>> from warehouse_core.gymnasium_env import Extent, make_form
+        >>> from warehouse_core.task import encode
+        >>> form = make_form("vector", Extent(7, 12, 2, 200, 200))
+        >>> form.space.contains(form.of(encode(WarehouseEnv().reset())))
+        True
+    """
 
     space: spaces.Space[Any]
     of: Callable[[ObservationArrays], Any]
 
 
 class Extent(NamedTuple):
-    """The limits of the values in an observation."""
+    """The limits of the values in an observation.
+
+    Example:
+        >>> from warehouse_core.gymnasium_env import Extent
+        >>> Extent(height=7, width=12, view_radius=2, battery=200, max_steps=200)
+        Extent(height=7, width=12, view_radius=2, battery=200, max_steps=200)
+    """
 
     height: int
     width: int
@@ -62,6 +78,11 @@ def make_form(name: str, extent: Extent) -> Form:
     Raises:
         ValueError: an unknown name, a battery or steps above ``MAX_STEPS``, or a view radius
             above ``MAX_VIEW_RADIUS``.
+
+    Example:
+        >>> from warehouse_core.gymnasium_env import Extent, make_form
+        >>> make_form("image", Extent(7, 12, 2, 200, 200)).space.shape
+        (64, 96, 3)
     """
     one_of("observation", name, FORMS)
     height, width, view_radius, battery, max_steps = instance_of("extent", extent, Extent)

@@ -73,6 +73,14 @@ class WarehouseVectorEnv(Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
     Raises:
         ValueError: a value that is not allowed; also as ``LayoutError`` or ``BackendError``.
         TypeError: an argument of another type.
+
+    Example:
+        >>> from warehouse_core.gymnasium_env import WarehouseVectorEnv
+        >>> envs = WarehouseVectorEnv(4)
+        >>> observations, infos = envs.reset(seed=1)
+        >>> observations, rewards, terminated, truncated, infos = envs.step([0, 1, 2, 3])
+        >>> rewards.shape
+        (4,)
     """
 
     def __init__(

@@ -45,6 +45,11 @@ def make_motion(backend: Backend) -> Motion:
         BackendError: the name is not installed, or its requirements are missing or broken; or the
             backend does not take the numbers after its name.
         TypeError: ``backend`` is none of the three.
+
+    Example:
+        >>> from warehouse_core.motion import make_motion
+        >>> make_motion("physics:top_speed=2").spec.top_speed
+        2.0
     """
     if isinstance(backend, str):
         return _make_named(backend)
@@ -125,7 +130,13 @@ def _read_numbers(text: str, words: Collection[str]) -> dict[str, float | str]:
 
 
 def backend_names() -> list[str]:
-    """Return the names of all installed backends in alphabetical order."""
+    """Return the names of all installed backends in alphabetical order.
+
+    Example:
+        >>> from warehouse_core.motion import backend_names
+        >>> backend_names()
+        ['driving', 'grid', 'physics']
+    """
     return sorted(_entry_points())
 
 
@@ -136,6 +147,11 @@ def load_backend(name: str) -> type[Motion]:
     Raises:
         BackendError: the name is not installed, or its requirements are missing or broken; the
             message lists the installed names, or gives the command to install what is missing.
+
+    Example:
+        >>> from warehouse_core.motion import load_backend
+        >>> load_backend("grid")
+        <class 'warehouse_core.motion.grid.GridMotion'>
     """
     entry_point = _entry_points().get(name)
     if entry_point is None:

@@ -31,6 +31,11 @@ class Conditions(NamedTuple):
     Attributes:
         slippery: cells with slippery floor.
         motor_strength: actual share of the motor force, 0 to 1.
+
+    Example:
+        >>> from warehouse_core.motion import Conditions
+        >>> Conditions(slippery=((4, 5),))
+        Conditions(slippery=((4, 5),), motor_strength=1.0)
     """
 
     slippery: tuple[Cell, ...] = ()
@@ -39,7 +44,15 @@ class Conditions(NamedTuple):
 
 @runtime_checkable
 class HasConditions(Protocol):
-    """A motion whose conditions are recorded, and drawn in replays."""
+    """A motion whose conditions are recorded, and drawn in replays.
+
+    Example:
+        >>> from warehouse_core import GridMotion
+        >>> from warehouse_core.motion import HasConditions
+        >>> from warehouse_physics import RigidBodyMotion
+        >>> isinstance(RigidBodyMotion(), HasConditions), isinstance(GridMotion(), HasConditions)
+        (True, False)
+    """
 
     @property
     def conditions(self) -> Conditions:
@@ -72,6 +85,15 @@ class Contact(NamedTuple):
             during and after the hit is not in it, nor the push of others who touch them.
         point: position ``(x, y)`` in metres.
         counterpart: ``"wall"`` or ``"robot 3"``.
+
+    Example:
+        >>> from warehouse_core import WarehouseEnv
+        >>> env = WarehouseEnv(backend="physics")
+        >>> observation = env.reset()
+        >>> step = env.step("N")
+        >>> [contact] = env.last_motion.contacts
+        >>> contact.counterpart, round(contact.impulse)
+        ('wall', 28)
     """
 
     seconds: float
@@ -94,6 +116,15 @@ class Outcome(NamedTuple):
             had been in the next cell came back and this one gave way before they touched.
         cut_off: the action took too long and ended before the robot was at rest where it had to
             be; its values are those at that moment.
+
+    Example:
+        >>> from warehouse_core import WarehouseEnv
+        >>> env = WarehouseEnv()
+        >>> observation = env.reset()
+        >>> step = env.step("N")
+        >>> outcome = env.last_motion
+        >>> outcome.cell, outcome.blocked, outcome.seconds
+        ((1, 1), True, 1.0)
     """
 
     cell: Cell
@@ -129,7 +160,14 @@ class Outcome(NamedTuple):
 
 @runtime_checkable
 class Motion(Protocol):
-    """The interface of a backend; ``warehouse_core/conformance`` checks an implementation."""
+    """The interface of a backend; ``warehouse_core/conformance`` checks an implementation.
+
+    Example:
+        >>> from warehouse_core import GridMotion, Motion
+        >>> motion: Motion = GridMotion()
+        >>> isinstance(motion, Motion)
+        True
+    """
 
     cell_size: float
     """Side of a cell in metres."""

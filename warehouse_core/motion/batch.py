@@ -40,6 +40,15 @@ class BatchOutcome(NamedTuple):
         driving: ``[N]`` bool, whether the robot has not come to rest, so that it can neither pick,
             drop nor charge. ``None``: all are at rest after each action.
         failed: ``[N]`` bool, whether the robot stays where it is for good. ``None``: none can.
+
+    Example:
+        >>> import numpy as np
+        >>> from warehouse_core import DEFAULT_LAYOUT, GridMotion
+        >>> motion = GridMotion().batch([DEFAULT_LAYOUT, DEFAULT_LAYOUT])
+        >>> motion.place(np.array([0, 1]), np.array([13, 14]), [None, None])
+        >>> outcome = motion.advance(np.array([1, 0]), np.array([False, False]))
+        >>> outcome.cells, outcome.blocked
+        (array([14, 14]), array([False,  True]))
     """
 
     cells: NDArray[np.intp]
@@ -53,7 +62,13 @@ class BatchOutcome(NamedTuple):
 
 
 class BatchMotion(Protocol):
-    """Moves ``R`` robots in each of ``B`` layouts."""
+    """Moves ``R`` robots in each of ``B`` layouts.
+
+    Example:
+        >>> from warehouse_core import DEFAULT_LAYOUT, GridMotion
+        >>> from warehouse_core.motion import BatchMotion
+        >>> motion: BatchMotion = GridMotion().batch([DEFAULT_LAYOUT, DEFAULT_LAYOUT])
+    """
 
     def place(
         self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
@@ -115,7 +130,14 @@ class CanFail(Protocol):
 
 @runtime_checkable
 class Batchable(Protocol):
-    """A motion that can move one robot in each of many layouts by arrays."""
+    """A motion that can move one robot in each of many layouts by arrays.
+
+    Example:
+        >>> from warehouse_core import GridMotion
+        >>> from warehouse_core.motion import Batchable
+        >>> isinstance(GridMotion(), Batchable)
+        True
+    """
 
     def batch(self, layouts: Sequence[Layout]) -> BatchMotion:
         """Return a motion for a lone robot in each of these layouts.

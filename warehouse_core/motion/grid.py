@@ -68,6 +68,13 @@ class GridMotion:
 
     Raises:
         ValueError: ``cell_size`` is not above 0, or more than ``MAX_CELL_SIZE``.
+
+    Example:
+        >>> from warehouse_core import DEFAULT_LAYOUT, GridMotion
+        >>> motion = GridMotion()
+        >>> motion.reset(DEFAULT_LAYOUT, [(1, 1), (1, 2)], seed=None)
+        >>> [outcome.cell for outcome in motion.advance([(0, 1), (0, 1)], [False, False])]
+        [(1, 2), (1, 3)]
     """
 
     def __init__(self, cell_size: float = 1.0) -> None:

@@ -33,6 +33,13 @@ def load_orders(path: str | Path) -> list[Order]:
         OrderError: the file has another format, or more than ``MAX_ORDERS`` lines; the message
             names file, line and column.
         OSError: the file cannot be read.
+
+    Example:
+        >>> from warehouse_core import Order
+        >>> from warehouse_core.orders import load_orders, save_orders
+        >>> save_orders("orders.csv", [Order(0, 50, (1, 3), (5, 6))])
+        >>> len(load_orders("orders.csv"))
+        1
     """
     try:
         with opened(path) as file:
@@ -48,6 +55,15 @@ def save_orders(path: str | Path, orders: Iterable[Order]) -> None:
 
     Raises:
         OSError: the file cannot be written.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from warehouse_core import Order
+        >>> from warehouse_core.orders import save_orders
+        >>> save_orders("orders.csv", [Order(0, 50, (1, 3), (5, 6))])
+        >>> print(Path("orders.csv").read_text(), end="")
+        released,due,pickup_row,pickup_col,dropoff_row,dropoff_col,robot
+        0,50,1,3,5,6,
     """
     lines = [",".join(COLUMNS)]
     for order in orders:

@@ -35,6 +35,12 @@ class Order(NamedTuple):
         taken_by: the robot that has taken it, or ``None``.
         taken: step at which it was taken, or ``None``.
         delivered: step at which it was delivered, or ``None``.
+
+    Example:
+        >>> from warehouse_core import Order
+        >>> order = Order(released=0, due=50, pickup=(1, 3), dropoff=(5, 6))
+        >>> order.due, order.delivered
+        (50, None)
     """
 
     released: int
@@ -64,6 +70,11 @@ class OrderStream:
     Raises:
         ValueError: a value that is not allowed.
         TypeError: a value of another type.
+
+    Example:
+        >>> from warehouse_core import FleetEnv, OrderStream
+        >>> quiet, busy = OrderStream(rate=0.02), OrderStream(rate=0.2, start=100)
+        >>> env = FleetEnv(robots=2, orders=[quiet, busy])
     """
 
     rate: float = 0.1
@@ -91,6 +102,13 @@ class OrderQueue:
     Raises:
         ValueError: a value that is not allowed.
         TypeError: a value of another type.
+
+    Example:
+        >>> from warehouse_core import FleetEnv, OrderQueue, shelf_layout
+        >>> env = FleetEnv(shelf_layout(pickups=4), robots=2, orders=OrderQueue(3), seed=1)
+        >>> observations, info = env.reset()
+        >>> len(env.orders)
+        3
     """
 
     size: int

@@ -80,7 +80,8 @@ class DrawnOrders:
     def draw(self, stream: np.random.Generator) -> OrderArrays:
         """Return the orders of one episode."""
         # Given their number, the times of a Poisson process are independent and uniform.
-        phase = np.repeat(np.arange(len(self._means)), stream.poisson(self._means))
+        counts = stream.poisson(self._means).astype(np.intp)  # 32 bits in a browser
+        phase = np.repeat(np.arange(len(self._means)), counts)
         released = np.sort(stream.integers(self._starts[phase], self._ends[phase]))
         due, pickup, dropoff = self._tasks.draw(phase, stream)
         return OrderArrays(released, released + due, pickup, dropoff, np.full(len(phase), OPEN))

@@ -28,6 +28,13 @@ def env(**arguments: Any) -> Any:
 
     PettingZoo's ``api_test`` warns of ``observation="dict"``, as of every ``Dict`` outside of its
     own games; ``observation="vector"`` passes it without a warning.
+
+    Example:
+        >>> from warehouse_core.pettingzoo_env import env
+        >>> turns = env(robots=2, orders=0.1)
+        >>> turns.reset(seed=1)
+        >>> turns.agent_selection
+        'robot_0'
     """
     return parallel_to_aec(parallel_env(**arguments))
 

@@ -65,6 +65,14 @@ class WarehouseParallelEnv(ParallelEnv[str, Any, int]):
         ValueError: a value that is not allowed; also as ``LayoutError``, ``OrderError`` or
             ``BackendError``.
         TypeError: an argument of another type.
+
+    Example:
+        >>> from warehouse_core.pettingzoo_env import parallel_env
+        >>> parallel = parallel_env(robots=2, orders=0.1)
+        >>> observations, infos = parallel.reset(seed=1)
+        >>> observations, rewards, *ends, infos = parallel.step({"robot_0": 1, "robot_1": 1})
+        >>> rewards
+        {'robot_0': -0.1, 'robot_1': -0.1}
     """
 
     metadata: dict[str, Any] = {  # noqa: RUF012 - as declared by PettingZoo

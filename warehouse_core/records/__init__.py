@@ -1,4 +1,10 @@
-"""Records of episodes, their files, and failure modes."""
+"""Records of episodes, their files, and failure modes.
+
+Example:
+    >>> from warehouse_core.records import FLEET_MODES, MODES
+    >>> "oscillation" in MODES, "deadlock" in FLEET_MODES
+    (True, True)
+"""
 
 from warehouse_core.records.episode import Episode, FleetEpisode
 from warehouse_core.records.failure_modes import (

@@ -84,6 +84,14 @@ class Episode:
         orders: Orders released, and what has become of them.
         assignments: Calls of ``FleetEnv.assign``: steps taken before, robot, and order or ``None``.
         measures: Measures of a fleet over the whole episode.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from warehouse_core import Episode, WarehouseEnv, record_episode
+        >>> episode = record_episode(WarehouseEnv(), GreedyAgent(seed=12), seed=12)
+        >>> episode.save("episode.npz")
+        >>> Episode.load("episode.npz") == episode
+        True
     """
 
     layout: Layout

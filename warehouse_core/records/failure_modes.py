@@ -141,6 +141,17 @@ class Diagnosis(NamedTuple):
         sentence: The evidence in words.
         robots: Numbers of the robots it is about, in ascending order; a queue or a ring from its
             first robot on; for ``starvation`` the robot that took the order, if one did.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> from warehouse_core.records import diagnose
+        >>> agent = GreedyAgent(seed=1, escape_steps=0)
+        >>> diagnosis = diagnose(record_episode(WarehouseEnv(), agent, seed=1))
+        >>> diagnosis.mode, diagnosis.needed
+        ('oscillation', 17)
+        >>> diagnosis.sentence
+        'swung between (1, 5), (2, 5), (3, 5) and (2, 6) for the last 200 steps'
     """
 
     mode: str
@@ -212,7 +223,15 @@ class Alone:
 
 
 def diagnose(episode: Episode) -> Diagnosis:
-    """Return the failure mode of an episode; it depends on the record only, not on the agent."""
+    """Return the failure mode of an episode; it depends on the record only, not on the agent.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> from warehouse_core.records import diagnose
+        >>> diagnose(record_episode(WarehouseEnv(), GreedyAgent(seed=12), seed=12)).mode
+        'delivered'
+    """
     instance_of("episode", episode, Episode)
     alone = None if episode.is_fleet else Alone(episode)
     needed = None if alone is None else alone.needed

@@ -33,6 +33,18 @@ class Agent(Protocol):
     """What ``record_episode`` needs of an agent that directs a lone robot.
 
     An agent may also be ``Explaining``; the record keeps its reasons.
+
+    Example:
+        >>> from warehouse_core import Agent, WarehouseEnv, record_episode
+        >>> class East:
+        ...     def reset(self):
+        ...         pass
+        ...
+        ...     def act(self, observation):
+        ...         return "E"
+        >>> agent: Agent = East()
+        >>> record_episode(WarehouseEnv(max_steps=5), agent).outcome
+        'out of time'
     """
 
     def reset(self) -> None:
@@ -46,6 +58,19 @@ class FleetAgent(Protocol):
     """What ``record_episode`` needs of an agent that directs all robots of a fleet.
 
     An agent may also be ``Explaining``; the record keeps its reasons.
+
+    Example:
+        >>> from warehouse_core import FleetEnv, record_episode
+        >>> from warehouse_core.records import FleetAgent
+        >>> class Waiting:
+        ...     def reset(self):
+        ...         pass
+        ...
+        ...     def act(self, env):
+        ...         return ["WAIT"] * len(env.cells)
+        >>> agent: FleetAgent = Waiting()
+        >>> record_episode(FleetEnv(robots=2, max_steps=5), agent).steps
+        5
     """
 
     def reset(self) -> None:
@@ -90,6 +115,15 @@ class EpisodeRecorder:
 
     Attributes:
         episode: The record so far.
+
+    Example:
+        >>> from warehouse_core import EpisodeRecorder, WarehouseEnv
+        >>> env = WarehouseEnv()
+        >>> observation = env.reset()
+        >>> recorder = EpisodeRecorder(env)
+        >>> step = recorder.step("E")
+        >>> recorder.episode.steps
+        1
     """
 
     def __init__(self, env: WarehouseEnv, *, seed: int | None = None, agent: str = "") -> None:
@@ -153,6 +187,14 @@ class FleetRecorder:
     Attributes:
         ended: ``True`` once all robots have ended.
         place: Place of ``run`` in words: ``"reset"``, or the step such as ``"step 3"``.
+
+    Example:
+        >>> from warehouse_core import FleetEnv
+        >>> from warehouse_core.records import FleetRecorder
+        >>> recorder = FleetRecorder(FleetEnv(robots=2), seed=1)
+        >>> step = recorder.step(["E", "WAIT"])
+        >>> recorder.episode.robots
+        2
     """
 
     def __init__(self, env: FleetEnv, *, seed: int | None = None, agent: str = "") -> None:
@@ -267,12 +309,20 @@ def record_episode(
     Args:
         env: Environment of a lone robot or of a fleet, with any backend.
         agent: ``Agent`` of a lone robot, or ``FleetAgent``.
-        seed: Seed for ``env.reset``, not for the agent; a fleet draws one if it is ``None``.
+        seed: Seed for ``env.reset``, not for the agent; where stations are drawn, it gives the same
+            episode in each use of the environment. A fleet draws one if it is ``None``.
         randomize: Argument of a lone robot's ``env.reset``.
 
     Returns:
         The record, which ends with the delivery or when the steps or the battery run out; a
         fleet's ends when all robots have.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> episode = record_episode(WarehouseEnv(), GreedyAgent(seed=12), seed=12)
+        >>> episode.outcome, episode.steps
+        ('delivered', 23)
     """
     name = type(with_methods("agent", agent, "reset", "act")).__name__
     recorder: Any = start_recording(env, seed=seed, agent=name, randomize=randomize)
@@ -293,6 +343,15 @@ def replay_episode(episode: Episode, backend: Backend | None = None) -> Episode:
     Raises:
         ValueError: the settings of a fleet do not fit the layout, or an assignment the orders.
         TypeError: an argument of another type.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode, replay_episode
+        >>> episode = record_episode(WarehouseEnv(), GreedyAgent(seed=12), seed=12)
+        >>> replay_episode(episode) == episode
+        True
+        >>> round(replay_episode(episode, backend="physics").seconds, 1)
+        49.8
     """
     instance_of("episode", episode, Episode)
     backend = episode.backend if backend is None else backend

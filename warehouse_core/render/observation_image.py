@@ -30,6 +30,13 @@ class ObservationImage:
         width: columns, ``W``.
         battery: units of a full charge.
         max_steps: steps after which an episode is truncated.
+
+    Example:
+        >>> from warehouse_core import WarehouseEnv
+        >>> from warehouse_core.render import ObservationImage
+        >>> from warehouse_core.task import encode
+        >>> ObservationImage(7, 12, 200, 200).paint(encode(WarehouseEnv().reset())).shape
+        (64, 96, 3)
     """
 
     def __init__(self, height: int, width: int, battery: int, max_steps: int) -> None:

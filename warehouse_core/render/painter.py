@@ -37,6 +37,11 @@ def tile_pixels_for(height: int, width: int) -> int:
     """Return a suitable side of a tile, in pixels, for a map of ``height`` x ``width`` cells.
 
     It is even, because most video encoders need even sides.
+
+    Example:
+        >>> from warehouse_core.render import tile_pixels_for
+        >>> tile_pixels_for(7, 12), tile_pixels_for(100, 100)
+        (40, 10)
     """
     height, width = whole_number("height", height, 1), whole_number("width", width, 1)
     pixels = min(DEFAULT_TILE_PIXELS, DEFAULT_PICTURE_PIXELS // max(height, width))
@@ -52,6 +57,12 @@ class TilePainter:
     Raises:
         ValueError: ``tile_pixels`` is out of range.
         TypeError: it is not an integer.
+
+    Example:
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> from warehouse_core.render import TilePainter
+        >>> TilePainter(16).picture(DEFAULT_LAYOUT, (1, 1), False).shape
+        (112, 192, 3)
     """
 
     def __init__(self, tile_pixels: int) -> None:

@@ -31,6 +31,10 @@ def has_display() -> bool:
     """Return whether matplotlib can open a window: there is a display and an installed toolkit.
 
     The inline pictures of a notebook are no windows.
+
+    Example:
+        >>> from warehouse_core.render import has_display
+        >>> where = "in a window" if has_display() else "in a file"
     """
     import matplotlib.pyplot as plt
     from matplotlib.backends.registry import backend_registry
@@ -65,6 +69,12 @@ class PictureWindow:
 
     Raises:
         NoDisplayError: no window can be opened.
+
+    Example:
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> from warehouse_core.render import PictureWindow, TilePainter
+        >>> window = PictureWindow("A warehouse")  # doctest: +SKIP
+        >>> window.show(TilePainter(32).picture(DEFAULT_LAYOUT, (1, 1), False), 2)  # doctest: +SKIP
     """
 
     def __init__(self, title: str) -> None:

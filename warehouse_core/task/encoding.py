@@ -87,7 +87,15 @@ class FleetArrays(ObservationArrays, total=False):
 
 
 def encode(observation: Observation) -> ObservationArrays:
-    """Return an observation as new arrays, which share nothing with it."""
+    """Return an observation as new arrays, which share nothing with it.
+
+    Example:
+        >>> from warehouse_core import WarehouseEnv
+        >>> from warehouse_core.task import encode
+        >>> arrays = encode(WarehouseEnv(view_radius=1).reset())
+        >>> arrays["local_grid"].shape, arrays["robot_pos"]
+        ((9,), array([1, 1], dtype=int32))
+    """
     return arrays_of(window_of(observation), numbers_of(observation), observation["has_item"])
 
 
@@ -131,6 +139,12 @@ def vector(arrays: ObservationArrays, tiles: tuple[str, ...] = MARKED_TILES) -> 
     1                       whether the robot holds an item
     2                       battery units left and steps taken, in hundreds
     ======================  =====================================================================
+
+    Example:
+        >>> from warehouse_core import WarehouseEnv
+        >>> from warehouse_core.task import encode, vector
+        >>> vector(encode(WarehouseEnv().reset())).shape
+        (86,)
     """
     window = arrays["local_grid"]
     marked = window if window.dtype == np.bool_ else marks(window, tiles)

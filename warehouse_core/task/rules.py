@@ -57,6 +57,12 @@ def judge(action: int, tile: str, has_item: bool, blocked: bool) -> Verdict:
         tile: the tile under the robot after its motion.
         has_item: the robot held an item before the step.
         blocked: something stopped the motion.
+
+    Example:
+        >>> from warehouse_core import WarehouseEnv
+        >>> from warehouse_core.task import judge
+        >>> judge(WarehouseEnv.ACTIONS.index("PICK"), "P", has_item=False, blocked=False)
+        Verdict(reward=4.9, has_item=True, delivered=False, charges=False)
     """
     if action < WAIT:
         return Verdict(STEP_REWARD + (BLOCKED_REWARD if blocked else 0.0), has_item, False)
@@ -77,6 +83,13 @@ def useful_actions(open_sides: tuple[bool, ...], tile: str, has_item: bool) -> t
         open_sides: flag for each neighbouring cell, N, E, S and W, that is open.
         tile: the tile under the robot.
         has_item: the robot holds an item.
+
+    Example:
+        >>> from warehouse_core import WarehouseEnv
+        >>> from warehouse_core.task import useful_actions
+        >>> is_useful = useful_actions((False, True, True, False), "P", has_item=False)
+        >>> [action for action, useful in zip(WarehouseEnv.ACTIONS, is_useful) if useful]
+        ['E', 'S', 'WAIT', 'PICK']
     """
     # The table itself is asked, so that masks and rewards cannot disagree.
     picks = judge(PICK, tile, has_item, False).has_item != has_item

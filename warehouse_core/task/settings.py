@@ -17,6 +17,12 @@ class Settings:
     ``backend`` is the name of the backend, or of its class if it was given as a class or instance.
     ``cell_size`` is in metres, ``battery`` in units of one step. ``slippery`` are the open cells
     with slippery floor and ``motor_strength`` the actual share of the motor force, if known.
+
+    Example:
+        >>> from warehouse_core import WarehouseEnv
+        >>> settings = WarehouseEnv(battery=50).settings
+        >>> settings.battery, settings.max_steps, settings.backend
+        (50, 200, 'grid')
     """
 
     backend: str

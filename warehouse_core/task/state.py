@@ -14,6 +14,13 @@ class WarehouseState:
 
     It may be assigned between steps: a robot put on another open cell starts at rest in the middle
     of it.
+
+    Example:
+        >>> from warehouse_core import WarehouseEnv, WarehouseState
+        >>> env = WarehouseEnv()
+        >>> env.state = WarehouseState(robot_pos=(1, 3), has_item=False, battery=9, steps=0)
+        >>> env.step("PICK")[1]
+        4.9
     """
 
     robot_pos: Cell
@@ -29,6 +36,12 @@ class Observation(TypedDict):
     outside the grid, ``R`` (empty) or ``r`` (loaded) for the robot, ``O`` or ``o`` for another
     robot of a fleet and ``H`` for a person. ``pickup_pos`` and ``dropoff_pos`` are the first ``P``
     and ``D`` in row-major order, or ``None``.
+
+    Example:
+        >>> from warehouse_core import Observation, WarehouseEnv
+        >>> observation: Observation = WarehouseEnv().reset()
+        >>> observation["pickup_pos"], observation["battery"]
+        ((1, 3), 200)
     """
 
     local_grid: list[str]

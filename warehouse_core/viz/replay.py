@@ -29,6 +29,8 @@ from warehouse_core.viz.tracks.track import (
     Track,
 )
 
+__all__ = ["Replay"]
+
 GIF_FRAMES_APART = 2
 """Frames of a continuous motion from one frame of a GIF to the next; the last is always there."""
 
@@ -60,6 +62,14 @@ class Replay(FuncAnimation):
 
     Attributes:
         window: true if the replay has a window, which ``show`` opens, or had one that was closed.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode, replay_animation
+        >>> episode = record_episode(WarehouseEnv(), GreedyAgent(seed=12), seed=12)
+        >>> replay = replay_animation(episode)
+        >>> replay.go_to(10)
+        >>> replay.save("replay.html")
     """
 
     def __init__(

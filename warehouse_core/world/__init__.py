@@ -1,4 +1,11 @@
-"""The world of a robot: tiles, actions, layouts, their generators and their files."""
+"""The world of a robot: tiles, actions, layouts, their generators and their files.
+
+Example:
+    >>> from warehouse_core.world import DEFAULT_LAYOUT, Cell
+    >>> start: Cell = (1, 1)  # row and column
+    >>> DEFAULT_LAYOUT, DEFAULT_LAYOUT.is_open(start)
+    (<Layout 7 x 12, pickup (1, 3), dropoff (5, 6)>, True)
+"""
 
 from warehouse_core.world.generators import benchmark_warehouse, random_layout, shelf_layout
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout

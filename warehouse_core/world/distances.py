@@ -7,7 +7,9 @@ from collections.abc import Collection
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.world.edges import Edges
 from warehouse_core.world.layout import Layout, check_open
+from warehouse_core.world.tables import Integers
 from warehouse_core.world.tiles import Cell
 
 Distances = NDArray[np.float64]
@@ -29,9 +31,6 @@ def nearest(layout: Layout, cells: Collection[Cell]) -> NDArray[np.intp]:
 
 def _nearest(layout: Layout, cells: Collection[Cell]) -> tuple[Distances, NDArray[np.intp]]:
     """Return for each cell the moves to the nearest of ``cells``, and which one that is."""
-    from scipy.sparse import csr_array
-    from scipy.sparse.csgraph import dijkstra
-
     for cell in cells:
         check_open(layout, cell, "cell")
     moves = np.full(layout.height * layout.width, np.inf)
@@ -39,14 +38,13 @@ def _nearest(layout: Layout, cells: Collection[Cell]) -> tuple[Distances, NDArra
     if cells:
         numbers = np.unique(layout.numbers(cells))
         count, scale = len(layout.open_cells), len(numbers) + 1
-        targets, ends = _neighbours(layout)
+        starts, ends = _moves(layout)
         # A root leads to the cells with costs 1, 2, ... and a move costs more than these differ:
         # so ties are broken by the order of the cells, not by the version of SciPy.
-        costs = np.append(np.full(len(targets), scale), np.arange(1, scale)).astype(np.float64)
-        targets = np.append(targets, np.searchsorted(layout.open_cells, numbers))
-        ends = np.append(ends, len(targets))
-        graph = csr_array((costs, targets, ends), shape=(count + 1, count + 1))
-        lengths = dijkstra(graph, indices=count)[:count]
+        costs = np.append(np.full(len(starts), scale), np.arange(1, scale)).astype(np.float64)
+        starts = np.append(starts, np.full(len(numbers), count))
+        ends = np.append(ends, np.searchsorted(layout.open_cells, numbers))
+        lengths = Edges(starts, ends, costs, count + 1).cheapest([count])[:count]
         reached = np.isfinite(lengths)
         steps, source = np.divmod(lengths[reached], scale)
         moves[layout.open_cells[reached]] = steps
@@ -55,20 +53,17 @@ def _nearest(layout: Layout, cells: Collection[Cell]) -> tuple[Distances, NDArra
     return moves.reshape(shape), which.reshape(shape)
 
 
-def _neighbours(layout: Layout) -> tuple[np.ndarray, np.ndarray]:
-    """Return the open neighbours of all open cells, as the indices and index pointer of CSR.
+def _moves(layout: Layout) -> tuple[Integers, Integers]:
+    """Return where the moves between open cells start and end, ``[E]`` each, in order of starts.
 
-    Cells are numbered as in ``open_cells``, ``[O]``. The first array holds the neighbours of cell
-    ``i`` from ``ends[i]`` to ``ends[i + 1]``; ``ends`` is ``[O + 1]`` and starts with 0.
+    Cells are numbered as in ``open_cells``.
     """
     # A closed column on the right and a closed row above and below make tests for the edge
     # unnecessary: left of the first column is the closed column of the row above.
     padded = layout.width + 1
     places = layout.open_cells + layout.open_cells // layout.width + padded
-    numbers = np.full((layout.height + 2) * padded, -1, dtype=np.int32)
-    numbers[places] = np.arange(len(places), dtype=np.int32)
+    numbers = np.full((layout.height + 2) * padded, -1)
+    numbers[places] = np.arange(len(places))
     beside = np.stack([numbers[places + step] for step in (-padded, -1, 1, padded)], axis=1)
-    is_open = beside >= 0
-    ends = np.zeros(len(places) + 1, dtype=np.int32)
-    np.cumsum(is_open.sum(axis=1), out=ends[1:])
-    return beside[is_open], ends
+    starts, sides = np.nonzero(beside >= 0)
+    return starts, beside[starts, sides]

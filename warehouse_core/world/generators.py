@@ -42,6 +42,17 @@ def random_layout(height: int, width: int, density: float, seed: int) -> Layout:
         LayoutError: a size or density that is not allowed.
         ValueError: a negative seed.
         TypeError: a size or a seed that is not an integer.
+
+    Example:
+        >>> from warehouse_core import random_layout
+        >>> for row in random_layout(6, 12, density=0.2, seed=1).rows:
+        ...     print(row)
+        ############
+        #..##..#...#
+        ##.#.....#.#
+        #P.......D.#
+        #......#.#.#
+        ############
     """
     height, width = whole_number("height", height), whole_number("width", width)
     if min(height, width) < 4:
@@ -94,6 +105,16 @@ def shelf_layout(
         LayoutError: a size or a number that is not allowed, or more than ``MAX_CELLS`` cells.
         ValueError: a negative seed.
         TypeError: an argument that is not an integer.
+
+    Example:
+        >>> from warehouse_core import shelf_layout
+        >>> for row in shelf_layout(1, 2, pickups=2, chargers=1).rows:
+        ...     print(row)
+        #############
+        #...P....P..#
+        #C####.####.#
+        #......D....#
+        #############
     """
     sizes = {
         "shelf_rows": shelf_rows,
@@ -149,6 +170,12 @@ def benchmark_warehouse(columns: int, rows: int, length: int, depth: int, aisle:
         LayoutError: a size that is not allowed, or more than ``MAX_CELLS`` cells.
 
     Source: Stern et al. (2019), Multi-Agent Pathfinding: Definitions, Variants, and Benchmarks.
+
+    Example:
+        >>> from warehouse_core.world import benchmark_warehouse
+        >>> layout = benchmark_warehouse(columns=10, rows=20, length=10, depth=2, aisle=1)
+        >>> layout.height, layout.width
+        (63, 161)
     """
     sizes = {"rows": rows, "columns": columns, "length": length, "depth": depth, "aisle": aisle}
     _, columns, *_ = _checked_sizes(sizes)

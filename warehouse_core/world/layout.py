@@ -61,6 +61,12 @@ class Layout:
         TypeError: ``rows`` is not a sequence of strings.
 
     Source: the chapter's exercise. All other fields are computed from ``rows``.
+
+    Example:
+        >>> from warehouse_core import Layout
+        >>> layout = Layout(["P.#", ".#.", "..D"])
+        >>> layout.pickups, layout.dropoffs, layout.is_open((0, 2))
+        (((0, 0),), ((2, 2),), False)
     """
 
     rows: tuple[str, ...]

@@ -61,6 +61,13 @@ def load_layout(path: str | os.PathLike[str]) -> Layout:
     Raises:
         LayoutError: the file is not a layout; the message starts with its name.
         OSError: the file cannot be read.
+
+    Example:
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> from warehouse_core.world import load_layout, save_layout
+        >>> save_layout(DEFAULT_LAYOUT, "layout.txt")
+        >>> load_layout("layout.txt") == DEFAULT_LAYOUT
+        True
     """
     return load_map(path) if Path(path).suffix.lower() == SUFFIX else Layout.load(path)
 
@@ -71,6 +78,15 @@ def save_layout(layout: Layout, path: str | Path) -> None:
     Raises:
         OSError: the file cannot be written.
         TypeError: ``layout`` is not a ``Layout``.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from warehouse_core import Layout
+        >>> from warehouse_core.world import save_layout
+        >>> save_layout(Layout(["P..", "..D"]), "layout.txt")
+        >>> print(Path("layout.txt").read_text(), end="")
+        P..
+        ..D
     """
     instance_of("layout", layout, Layout)
     if Path(path).suffix.lower() == SUFFIX:
@@ -92,6 +108,13 @@ def load_map(path: str | os.PathLike[str], *, robot_runners: bool = False) -> La
     Raises:
         LayoutError: the file is not such a map, or too large; the message starts with its name.
         OSError: the file cannot be read.
+
+    Example:
+        >>> from warehouse_core import Layout
+        >>> from warehouse_core.world import load_map, save_map
+        >>> save_map(Layout(["P.#", "..D"]), "small.map")
+        >>> load_map("small.map").rows
+        ('..#', '...')
     """
     terrain, allowed = TERRAIN, ALLOWED_TERRAIN
     if robot_runners:
@@ -109,6 +132,19 @@ def save_map(layout: Layout, path: str | Path) -> None:
     Raises:
         OSError: the file cannot be written.
         TypeError: ``layout`` is not a ``Layout``.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from warehouse_core import Layout
+        >>> from warehouse_core.world import save_map
+        >>> save_map(Layout(["P.#", "..D"]), "small.map")
+        >>> print(Path("small.map").read_text(), end="")
+        type octile
+        height 2
+        width 3
+        map
+        ..@
+        ...
     """
     instance_of("layout", layout, Layout)
     header = f"type octile\nheight {layout.height}\nwidth {layout.width}\nmap\n"

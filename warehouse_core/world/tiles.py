@@ -8,6 +8,7 @@ from __future__ import annotations
 import re
 
 Cell = tuple[int, int]
+"""Row and column, counted from 0 at the top left."""
 
 WALL, EMPTY, PICKUP, DROPOFF, CHARGER = "#", ".", "P", "D", "C"
 

@@ -34,6 +34,16 @@ class RigidBodyBatch:
 
     Raises:
         ValueError: no layouts.
+
+    Example:
+        >>> import numpy as np
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> from warehouse_physics import RobotSpec
+        >>> from warehouse_physics.batch import RigidBodyBatch
+        >>> batch = RigidBodyBatch(RobotSpec(), [DEFAULT_LAYOUT, DEFAULT_LAYOUT])
+        >>> batch.place(np.array([0, 1]), np.array([13, 13]), [None, None])
+        >>> batch.advance(np.array([1, 0]), np.array([False, False])).blocked
+        array([False,  True])
     """
 
     is_busy = False

@@ -16,7 +16,7 @@ import numpy as np
 
 from warehouse_core import Cell
 from warehouse_core.motion.base import centre_of
-from warehouse_core.world.tables import Flags
+from warehouse_core.world.tables import Flags, Integers
 from warehouse_physics.arena import Hit
 from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.driven_arena import DrivenArena
@@ -25,6 +25,7 @@ from warehouse_physics.driving.headings import Headings
 from warehouse_physics.driving.leaders import NOWHERE, Leaders, Places
 from warehouse_physics.driving.limits import Limits
 from warehouse_physics.driving.motors import Motors
+from warehouse_physics.driving.switching import Progress, find_switches
 from warehouse_physics.driving.wheels import WheeledArena, WheelHeadings
 from warehouse_physics.energy import regained, spent
 from warehouse_physics.profile import Floats, stopping_distances, stopping_speeds
@@ -35,6 +36,9 @@ NEAR = 0.02
 
 SLOW = 1e-3
 """Speed in m/s below which a robot may begin another leg."""
+
+SHORTEST_PAUSE, LONGEST_PAUSE = 1.0, 8.0
+"""Seconds between searches for switches; each that finds none doubles the next pause."""
 
 
 class Driver:
@@ -56,6 +60,7 @@ class Driver:
         cells: Sequence[Cell],
         disturbances: Disturbances,
         seed: int,
+        switches: bool,
     ) -> None:
         robots = len(cells)
         self._arena, self._spec = arena, spec
@@ -64,6 +69,7 @@ class Driver:
         self._motors = Motors(arena, spec, self._limits, disturbances, seed)
         self._slippery = disturbances.slippery
         self._stops, self._substep = disturbances.stops, 0
+        self._switches, self._switches_at, self._pause = switches, 0.0, SHORTEST_PAUSE
         self.stands, self.failed = np.zeros((2, robots), np.bool_)
         self.closed: set[Cell] = set()
         self._leaders = Leaders(spec, self.ways, self._limits)
@@ -131,6 +137,8 @@ class Driver:
     def step(self) -> list[Hit]:
         """Drive for one substep, and return the hits that begin in it."""
         self._stop()
+        if self._switches and self._stops:
+            self._switch()
         for robot in (self._may_turn() & (self._ends < self._lasts)).nonzero()[0].tolist():
             self.ways.forget(robot, int(self._ends[robot]))
             self._set_leg(robot, int(self._ends[robot]))
@@ -267,7 +275,7 @@ class Driver:
         self.failed[robot] = self.stands[robot] = True
         size, apart = self._size, self._leaders.apart
         nearest, farthest = self._rests()
-        reached = np.minimum(np.ceil(farthest / size - NEAR), self._lasts).astype(int)
+        reached = self._committed()
         number = min(int(nearest[robot] // size), int(self._lasts[robot]))
         if number < self._lasts[robot]:
             number += bool(nearest[robot] - number * size >= apart + NEAR * size)
@@ -276,8 +284,7 @@ class Driver:
         self.closed |= {
             self.ways.node(robot, each).cell for each in range(number, reached[robot] + 1)
         }
-        present = np.floor((self._passed - apart) / size).astype(int) + 1
-        changed = self.ways.cut(robot, number, reached.tolist(), present.tolist())
+        changed = self.ways.cut(robot, number, reached.tolist(), self._present().tolist())
         for each, goes_back in changed.items():
             self._lasts[each] = last = self.ways.last(each)
             if goes_back:
@@ -297,6 +304,44 @@ class Driver:
             ahead = self.ways.nodes(each, int(done[each] // size) + 1)
             if not self.failed[each] and any(node.cell in self.closed for _, node in ahead):
                 self.fail(each)
+
+    def _switch(self) -> None:
+        """Let robots go first that would wait for those that a stop has delayed.
+
+        How long a stop lasts counts as known. After a failure for good the order stays as it is,
+        as robots may go back then.
+        """
+        now, size = (self._substep - 1) * self._dt, self._size
+        begun = [stop for stop in self._stops if stop.at <= now]
+        if not begun or now < self._switches_at or self.failed.any():
+            return
+        starts = -self._done / self._spec.top_speed
+        for stop in begun:
+            starts[stop.robot] += max(stop.at + stop.seconds - now, 0.0)
+        passed = np.clip(self._passed // size, 0, self._lasts).astype(int)
+        present = np.clip(self._present(), passed, self._lasts)
+        reached = np.maximum(self._committed(), present)
+        nodes = passed.tolist(), present.tolist(), reached.tolist()
+        progress = Progress(*nodes, starts, size / self._spec.top_speed)
+        orders = find_switches(self.ways, progress)
+        changed = {robot for visits in orders.values() for robot in self.ways.reorder(visits)}
+        for robot in sorted(changed):
+            self._leaders.find_anew(robot, self._passed)
+            if (start := int(self._starts[robot])) < self._ends[robot]:
+                self._leaders.turn(robot, start, self.ways.move(robot, start + 1))
+        self._pause = SHORTEST_PAUSE if changed else min(2 * self._pause, LONGEST_PAUSE)
+        self._switches_at = now + self._pause
+
+    def _present(self) -> Integers:
+        """Return the first node of each way whose cell the robot has not left, ``[R]``."""
+        left: Integers = np.floor((self._passed - self._leaders.apart) / self._size).astype(int)
+        return left + 1
+
+    def _committed(self) -> Integers:
+        """Return the last node that each robot is at or cannot stop before, ``[R]``."""
+        _, farthest = self._rests()
+        last: Integers = np.minimum(np.ceil(farthest / self._size - NEAR), self._lasts)
+        return last.astype(int)
 
     def _rests(self) -> tuple[Floats, Floats]:
         """Return the least and the most of its way that each robot will have done if it brakes."""

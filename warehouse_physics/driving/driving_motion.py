@@ -8,7 +8,7 @@ from typing import Any, Self
 import numpy as np
 
 from warehouse_core import Cell, Layout, Outcome
-from warehouse_core.arguments import real_number, whole_number
+from warehouse_core.arguments import flag, real_number, whole_number
 from warehouse_core.motion.base import Contact, Ways, centre_of, check_moves, check_starts
 from warehouse_core.motion.traffic import check_joint_step, find_stops
 from warehouse_core.world.tiles import moved
@@ -49,20 +49,31 @@ class DrivingMotion(BodyMotion):
     Args:
         spec: numbers of the robots; ``None`` is the default robot.
         disturbances: departure of the physics from the nominal; ``None`` is no departure.
-        period: duration of a call in seconds; ``None`` is the time for a cell at top speed. Half
-            of it lets ways grow sooner than they are driven, so that robots know of corners before
-            they would have to brake there. Picking and dropping take ``dwell``, however short the
-            calls are.
+        period: duration of a call in seconds; ``None`` is the time for a cell at top speed. With
+            shorter calls ways grow sooner than they are driven, and robots know of corners before
+            they have to brake there. Picking and dropping take ``dwell`` even then.
+        switches: let others go first where robots would wait for one that a stop of the
+            disturbances has delayed; see ``switching``. Without stops it changes nothing.
         record_path: record the path of each robot, not only its start and end.
         path_every: substeps between rows of a path, at least 1.
 
     Attributes:
-        cell_steps: periods in which a robot crosses a cell at top speed.
+        cell_steps: calls in which a robot crosses a cell at top speed.
 
     Raises:
         ValueError: ``period`` is not above 0 or too long, or the robots are too wide to follow each
             other.
-        TypeError: ``spec`` is no ``RobotSpec``, or ``disturbances`` no ``Disturbances``.
+        TypeError: ``spec`` is no ``RobotSpec``, or ``disturbances`` no ``Disturbances``,
+            or ``switches`` neither true nor false.
+
+    Example:
+        >>> from warehouse_core import FleetEnv
+        >>> from warehouse_physics import DrivingMotion
+        >>> env = FleetEnv(robots=2, starts=[(1, 1), (5, 1)], backend=DrivingMotion())
+        >>> observations, info = env.reset()
+        >>> step = env.step(["E", "E"])
+        >>> env.ways
+        Ways(ends=[(1, 2), (5, 2)], has_room=[True, True], at_rest=[False, False], ...
     """
 
     BODIES = "_driver"
@@ -73,6 +84,7 @@ class DrivingMotion(BodyMotion):
         disturbances: Disturbances | None = None,
         *,
         period: float | None = None,
+        switches: bool = False,
         record_path: bool = True,
         path_every: int = PATH_EVERY,
     ) -> None:
@@ -82,12 +94,15 @@ class DrivingMotion(BodyMotion):
         self._substeps = self._substeps_in("period", usual if period is None else period)
         self.period = self._substeps * self.spec.time_step
         self.cell_steps = usual / self.period
-        # A robot picks or drops in a call, and goes on with it in the next if that was too short.
-        self._handling = max(0, round(self.spec.dwell / self.spec.time_step) - self._substeps)
-        # With less ahead of it, a robot would have to brake before the end of the next call, and
-        # would know too late of a corner that it can turn while it drives.
+        # With less ahead of it, a robot would have to brake before the end of the next call.
         self._room = (self.period + self.spec.top_speed / (2 * self.spec.acceleration)) / usual
-        self._room += 0.0 if self.spec.turns_on_the_spot else CORNER
+        # In short calls a robot may know in time of a corner that it can turn while it drives, and
+        # goes on in the next calls with what it picks or drops.
+        self._handling = 0
+        if self.cell_steps > 1:
+            self._room += 0.0 if self.spec.turns_on_the_spot else CORNER
+            self._handling = max(0, round(self.spec.dwell / self.spec.time_step) - self._substeps)
+        self._switches = flag("switches", switches)
         self._layout: Layout | None = None
         self._driver: Driver | None = None
 
@@ -116,7 +131,7 @@ class DrivingMotion(BodyMotion):
         drawn = self._drawn(seed)
         # What robots that brake get back beyond what a call costs pays for their next calls.
         self._surplus = np.zeros(len(cells))
-        self._driver = Driver(arena, self.spec, cells, self.disturbances, drawn)
+        self._driver = Driver(arena, self.spec, cells, self.disturbances, drawn, self._switches)
         self._begin(layout, cells, drawn)
 
     def ways(self) -> Ways:

@@ -21,6 +21,7 @@ from agents.lab.commands.grade.grade import grade
 from agents.lab.commands.planners.compare_planners import compare_planners
 from agents.lab.commands.planners.mapf import mapf
 from agents.lab.commands.play import play
+from agents.lab.commands.playground import playground
 from agents.lab.commands.pogema.pogema import pogema
 from agents.lab.commands.race import race
 from agents.lab.commands.run import report_episode, run
@@ -90,6 +91,7 @@ GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
     "Start": {
         "run": run,
         "play": play,
+        "playground": playground,
         "race": race,
         "demo": demo,
         "replay": replay,

@@ -46,6 +46,11 @@ def run_episode(
         ValueError: an unknown name or a number out of range.
         EpisodeError: the agent failed.
         EpisodeInterrupted: Ctrl-C was pressed during the episode.
+
+    Example:
+        >>> from agents.run_episode import run_episode
+        >>> run_episode("greedy", seed=12).outcome
+        'delivered'
     """
     layout = layout or DEFAULT_LAYOUT
     motion = make_backend(backend)

@@ -145,7 +145,7 @@ def search(
     show: options.Show = None,
     still: options.Still = False,
 ) -> None:
-    """Compare uniform-cost, A* and greedy search.
+    """Compare search algorithms on one floor.
 
     Example: warehouse search --layout trap --weights 0,1,5,inf
     """

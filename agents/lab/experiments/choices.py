@@ -29,13 +29,21 @@ from agents.lab.toml_text import MAX_BYTES, parse_toml
 from warehouse_core.files.reading import read_file
 from warehouse_core.wording import brief
 
+__all__ = ["PlanFile", "parse_flags", "read_plan_file"]
+
 NUMBERS = {"episodes": Whole(1), "seed": Whole(0, MAX_SEED)}
 
 WORDS: dict[str, bool] = {"on": True, "off": False, "true": True, "false": False}
 
 
 class PlanFile(NamedTuple):
-    """The value, list of values or range of each parameter, and two numbers if they are given."""
+    """The value, list of values or range of each parameter, and two numbers if they are given.
+
+    Example:
+        >>> from agents.lab.experiments.choices import PlanFile
+        >>> PlanFile({"memory": [5, 10]}, episodes=20)
+        PlanFile(choices={'memory': [5, 10]}, episodes=20, seed=None)
+    """
 
     choices: dict[str, Any]
     episodes: int | None = None
@@ -48,6 +56,13 @@ def read_plan_file(path: Path) -> PlanFile:
     Raises:
         ParameterError: the file is no plan; the message names file, key and what is allowed.
         OSError: the file is longer than ``toml_text.MAX_BYTES``, or cannot be read.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from agents.lab.experiments.choices import read_plan_file
+        >>> size = Path("plan.toml").write_text("episodes = 20")
+        >>> read_plan_file(Path("plan.toml")).episodes
+        20
     """
     data = read_file(path, MAX_BYTES)
     try:
@@ -79,7 +94,13 @@ def _parse(content: Mapping[str, Any]) -> PlanFile:
 
 
 def parse_flags(flags: Sequence[str]) -> dict[str, Any]:
-    """Return the choices of ``NAME=VALUE``, ``NAME=VALUE,VALUE,...`` or ``NAME=FROM:TO:STEP``."""
+    """Return the choices of ``NAME=VALUE``, ``NAME=VALUE,VALUE,...`` or ``NAME=FROM:TO:STEP``.
+
+    Example:
+        >>> from agents.lab.experiments.choices import parse_flags
+        >>> parse_flags(["escape=on,off", "battery=40:200:80"])
+        {'escape': [True, False], 'battery': {'from': 40, 'to': 200, 'step': 80}}
+    """
     choices: dict[str, Any] = {}
     for flag in flags:
         name, equals, words = flag.partition("=")

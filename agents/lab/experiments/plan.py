@@ -12,6 +12,8 @@ from agents.errors import ParameterError
 from agents.lab.experiments.case import Case, key_of, make_case
 from agents.lab.parameters import MAX_SEED, MAX_VALUE, Value, Whole, checked, find
 
+__all__ = ["SweepPlan", "make_plan"]
+
 MAX_CASES = 10_000
 MAX_EPISODES = 100_000_000
 
@@ -21,7 +23,14 @@ DIGITS = 12
 
 @dataclass(frozen=True, slots=True)
 class SweepPlan:
-    """The episodes to run: as many of each case, with seeds ``seed``, ``seed + 1``, ..."""
+    """The episodes to run: as many of each case, with seeds ``seed``, ``seed + 1``, ...
+
+    Example:
+        >>> from agents.lab.experiments.plan import make_plan
+        >>> plan = make_plan({"memory": [5, 10]}, episodes=3, seed=7)
+        >>> plan.seeds, plan.total
+        (range(7, 10), 6)
+    """
 
     cases: tuple[Case, ...]
     episodes: int
@@ -43,6 +52,12 @@ def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> SweepPlan
 
     Each parameter has a value, a list of values, or ``{from, to, step}``; each combination has
     episodes with seeds from the first one on.
+
+    Example:
+        >>> from agents.lab.experiments.plan import make_plan
+        >>> plan = make_plan({"memory": [5, 10], "escape": [True, False]}, episodes=3, seed=7)
+        >>> len(plan.cases), plan.total
+        (3, 9)
     """
     values = {name: spread(name, choice) for name, choice in choices.items()}
     _check_number(values, episodes)

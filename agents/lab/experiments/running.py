@@ -24,6 +24,8 @@ from agents.lab.experiments.store import Store
 from agents.lab.trials.rows import AnyRow
 from agents.lab.trials.workers import ending_of
 
+__all__ = ["run_missing"]
+
 TASK_SECONDS, MAX_TASK_EPISODES = 0.5, 10_000
 
 SEEDS_AT_ONCE = 100_000
@@ -131,6 +133,17 @@ def run_missing(
     """Run what is not in the store, and return how many episodes of each case have failed.
 
     An error of the store, the executor or ``report`` ends the run; the rows written before stay.
+
+    Example:
+        >>> from agents.lab.experiments.plan import make_plan
+        >>> from agents.lab.experiments.running import run_missing
+        >>> from agents.lab.experiments.store import Store
+        >>> from agents.lab.trials.workers import Here
+        >>> plan = make_plan({"memory": [5, 10]}, episodes=3, seed=7)
+        >>> with Store("results.sqlite") as store:
+        ...     failures = run_missing(plan, store, Here(), 1, lambda rows, messages: None)
+        ...     store.count(plan.cases[0], plan.seeds)
+        3
     """
     queue, running = Queue(plan, store), dict[Future[Done], WorkerTask]()
     while True:

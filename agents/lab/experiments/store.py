@@ -31,6 +31,8 @@ from agents.lab.experiments.tables import (
 from agents.lab.trials.rows import AnyRow, Row
 from warehouse_core.files.kinds import not_a_file
 
+__all__ = ["Store"]
+
 TIMEOUT, BUSY_SECONDS = 30.0, 0.1
 """Seconds to wait for another program that writes to the same file, and between two checks."""
 
@@ -48,6 +50,15 @@ class Store:
         read_only: Create no file and write to none; one without write permission can be read.
         mix: Add episodes to cases that another program has begun.
         check: Function to call while another program holds a lock; what it raises ends the wait.
+
+    Example:
+        >>> from agents.lab.experiments.plan import make_plan
+        >>> from agents.lab.experiments.store import Store
+        >>> plan = make_plan({"memory": [5, 10]}, episodes=3, seed=7)
+        >>> with Store("results.sqlite") as store:
+        ...     store.add_cases(plan.cases)
+        ...     len(store.cases()), store.episodes()
+        (2, [])
     """
 
     def __init__(

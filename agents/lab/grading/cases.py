@@ -6,6 +6,7 @@ import shlex
 from dataclasses import dataclass
 from pathlib import Path
 
+from agents.lab.grading.slipping import SlippingGrid
 from agents.lab.parameters import usual
 from agents.lab.place import RANDOM, Stations, usual_stations, what_to_draw
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, Observation, WarehouseEnv, random_layout
@@ -22,6 +23,7 @@ class GradedCase:
         stations: source of pickup and dropoff; ``None`` leaves it to the rule of ``warehouse run``.
         start: start cell, or ``None`` to draw it.
         visible: the report may tell the seeds and what happened.
+        slip: chance with which a move goes to a side, see ``SlippingGrid``.
     """
 
     name: str
@@ -36,6 +38,13 @@ class GradedCase:
     max_steps: int = usual("max_steps")
     view_radius: int = usual("view_radius")
     visible: bool = True
+    slip: float = 0.0
+
+    @property
+    def files(self) -> list[Path]:
+        """The file of the layout, if it has one."""
+        path = Path(self.layout)
+        return [path] if path.is_absolute() else []
 
     @property
     def seeds(self) -> range:
@@ -63,7 +72,9 @@ class GradedCase:
     def begin(self, seed: int) -> tuple[WarehouseEnv, Observation]:
         """Return the environment of an episode, and the first observation."""
         layout = self.layout_of(seed)
-        env = WarehouseEnv(layout, self.start, self.max_steps, self.battery, self.view_radius)
+        limits = self.max_steps, self.battery, self.view_radius
+        backend = SlippingGrid(self.slip) if self.slip else "grid"
+        env = WarehouseEnv(layout, self.start, *limits, backend=backend)
         return env, env.reset(what_to_draw(self.stations_of(layout), self.start), seed)
 
     def command(self, agent: str, seed: int) -> str:
@@ -84,6 +95,9 @@ class GradedCase:
         for name in ("battery", "max_steps", "view_radius"):
             if getattr(self, name) != usual(name):
                 words += [f"--{name.replace('_', '-')}", str(getattr(self, name))]
+        if self.slip:
+            kind = f"{SlippingGrid.__module__}:{SlippingGrid.__name__}"
+            words += ["--backend", f"{kind}:chance={self.slip:g}"]
         return before + shlex.join(words)
 
 

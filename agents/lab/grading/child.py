@@ -11,6 +11,8 @@ word chosen at random that its answer repeats, so that nothing else that is writ
 
 from __future__ import annotations
 
+import ast
+import builtins
 import gc
 import importlib
 import importlib.util
@@ -23,7 +25,11 @@ import socket
 import sys
 import tempfile
 import traceback
+from collections.abc import Callable, Iterator
 from contextlib import suppress
+from functools import reduce
+from operator import getitem
+from types import ModuleType
 from typing import Any
 
 SUBREAPER, DEATH_SIGNAL = 36, 1
@@ -50,7 +56,12 @@ def load_file(name: str, file: str) -> Any:
     return module
 
 
-walls = load_file("walls of an agent", os.path.join(os.path.dirname(__file__), "walls.py"))
+def load_beside(name: str) -> Any:
+    """Return the module in a file beside this one."""
+    return load_file(f"{name} of an agent", os.path.join(os.path.dirname(__file__), f"{name}.py"))
+
+
+walls, notebook, likeness = map(load_beside, ("walls", "notebook", "likeness"))
 
 
 def serve(control: socket.socket, bounds: dict[str, Any], rules: int | None) -> None:
@@ -127,7 +138,10 @@ def control_process(option: int, value: int) -> None:
 
 
 def play(questions: int, answers: int, bounds: dict[str, Any], rules: int | None) -> None:
-    """Load the agent that the first line names, and answer each observation by an action."""
+    """Load the agent or the function that the first line names, and answer each question.
+
+    An agent answers observations by actions, a function answers arguments by values.
+    """
     lines = os.fdopen(questions, "rb")
     task = json.loads(lines.readline())
 
@@ -137,17 +151,47 @@ def play(questions: int, answers: int, bounds: dict[str, Any], rules: int | None
     word = task["word"]
     try:
         limit(bounds, rules)
-        agent = make_agent(task)
-        agent.reset()
-        answer(word, name=type(agent).__name__)
+        if "sources" in task:
+            answer(word, shape=likeness.shape_of(parsed(task["sources"])))
+            return
+        if task["allowed"] is not None or task["denied"]:
+            guard_imports(task)
+        name, reply = begin(task)
+        answer(word, name=name)
         for line in lines:
             question = json.loads(line)
-            word, observation = question["word"], question["observation"]
-            for key in CELLS:
-                observation[key] = observation[key] and tuple(observation[key])
-            answer(word, action=as_action(agent.act(observation)))
+            word = question["word"]
+            answer(word, **reply(question))
     except BaseException as error:  # an agent may raise anything, SystemExit too
-        answer(word, **described(error, task["file"]))
+        answer(word, **described(error, task.get("file")))
+
+
+def begin(task: dict[str, Any]) -> tuple[str, Callable[[dict[str, Any]], dict[str, Any]]]:
+    """Load what a task names, and return its name and what answers questions."""
+    if task["function"] is not None:
+        called = find_function(task)
+        return task["function"], lambda question: {
+            "value": as_value(called(as_tuples(question["arguments"])))
+        }
+    agent = make_agent(task)
+    agent.reset()
+
+    def act(question: dict[str, Any]) -> dict[str, Any]:
+        observation = question["observation"]
+        for key in CELLS:
+            observation[key] = observation[key] and tuple(observation[key])
+        return {"action": as_action(agent.act(observation))}
+
+    return type(agent).__name__, act
+
+
+def parsed(sources: list[tuple[str, str]]) -> Iterator[ast.AST]:
+    """Yield the syntax trees of sources, none of which is run."""
+    for suffix, text in sources:
+        if suffix == ".ipynb":
+            yield from notebook.trees_of(text.encode(), "").values()
+        else:
+            yield ast.parse(text)
 
 
 def limit(bounds: dict[str, Any], rules: int | None) -> None:
@@ -169,15 +213,16 @@ def limit(bounds: dict[str, Any], rules: int | None) -> None:
             resource.setrlimit(kind, (value, value))
     if walls.PROCESSES in bounds["walls"]:
         walls.refuse_calls()
-    forbid()
+    forbid(tuple(bounds["denied"]))
 
 
-def forbid() -> None:
+def forbid(denied: tuple[str, ...]) -> None:
     """Make Python say what an agent may not do, where the system would refuse it in fewer words.
 
     It is no wall: compiled code passes by it.
     """
     own, error, decode, is_from = os.getpid(), PermissionError, os.fsdecode, str.startswith
+    absolute = os.path.abspath
 
     def refuse(event: str, values: tuple[Any, ...]) -> None:
         if event in {"os.kill", "os.killpg"} and values[0] == own:
@@ -196,8 +241,55 @@ def forbid() -> None:
         is_path = event == "open" and isinstance(values[0], str | bytes)
         if is_path and is_from(decode(values[0]), "/proc/"):
             raise error("a graded agent may not read /proc")
+        if is_path and denied and is_from(absolute(decode(values[0])), denied):
+            raise error("the rubric denies the import of this module")
 
     sys.addaudithook(refuse)
+
+
+def guard_imports(task: dict[str, Any]) -> None:
+    """Refuse the imports in the files of an agent that its rubric does not allow.
+
+    Other modules may import what they need. This is no wall; the packages of this program that are
+    denied cannot be read either, where the system keeps files from agents.
+    """
+    allowed, denied, folders = task["allowed"], task["denied"], (*task["paths"], task["file"])
+    real, by_name = builtins.__import__, importlib.import_module
+
+    def is_of(name: str, modules: list[str]) -> bool:
+        return any(name == each or name.startswith(f"{each}.") for each in modules)
+
+    def is_own(name: str) -> bool:
+        top = name.partition(".")[0]
+        return any(os.path.exists(os.path.join(each, top + end))
+                   for each in task["paths"] for end in (".py", ""))  # fmt: skip
+
+    def check(name: str) -> None:
+        if is_of(name, denied):
+            raise ImportError(f"the rubric denies the import of {name}")
+        if allowed is not None and not is_of(name, [*allowed, "__future__"]) and not is_own(name):
+            raise ImportError(f"the rubric allows no import of {name}, but of {', '.join(allowed)}")
+
+    def guarded(
+        name: str,
+        globals: Any = None,  # noqa: A002
+        locals: Any = None,  # noqa: A002
+        fromlist: Any = (),
+        level: int = 0,
+    ) -> Any:
+        if level == 0 and globals and str(globals.get("__file__", "")).startswith(folders):
+            check(name)
+            for each in fromlist or ():
+                if is_of(f"{name}.{each}", denied):
+                    check(f"{name}.{each}")
+        return real(name, globals, locals, fromlist, level)
+
+    def guarded_by_name(name: str, package: str | None = None) -> Any:
+        if is_of(name, denied):
+            check(name)
+        return by_name(name, package)
+
+    builtins.__import__, importlib.import_module = guarded, guarded_by_name
 
 
 def make_agent(task: dict[str, Any]) -> Any:
@@ -227,7 +319,12 @@ def load_module(task: dict[str, Any]) -> Any:
     """Return the module of the agent, run from its file, or imported if it has none."""
     if task["file"] is None:
         return importlib.import_module(task["module"])
-    return load_file(f"agent file {task['module']}", task["file"])
+    name = f"agent file {task['module']}"
+    if task["file"].endswith(".ipynb"):
+        module = sys.modules[name] = ModuleType(name)
+        notebook.load(module, task["file"])
+        return module
+    return load_file(name, task["file"])
 
 
 def find_class(module: Any, task: dict[str, Any]) -> Any:
@@ -250,6 +347,43 @@ def find_class(module: Any, task: dict[str, Any]) -> Any:
         names = ", ".join(kind.__name__ for kind in found) or "none"
         raise AttributeError(f"one class with reset() and act() is needed; there are: {names}")
     return found[0]
+
+
+def find_function(task: dict[str, Any]) -> Callable[[tuple[Any, ...]], Any]:
+    """Return what answers arguments: a function of the file, or a dictionary looked up by them."""
+    random.seed(task["seed"])
+    name = task["function"]
+    found = getattr(load_module(task), name, None)
+    if callable(found):
+        return lambda arguments: found(*arguments)
+    if isinstance(found, dict):
+        return lambda arguments: reduce(getitem, arguments, found)
+    raise AttributeError(f"there is no function and no dictionary {name}")
+
+
+def as_tuples(value: Any) -> Any:
+    """Return a value with tuples in place of lists, which JSON has instead; cells are tuples."""
+    if isinstance(value, list):
+        return tuple(map(as_tuples, value))
+    if isinstance(value, dict):
+        return {key: as_tuples(each) for key, each in value.items()}
+    return value
+
+
+def as_value(value: Any) -> Any:
+    """Return an answer as it is sent; ``TypeError`` if JSON has nothing like it."""
+    if isinstance(value, dict):
+        return {str(key): as_value(each) for key, each in value.items()}
+    if isinstance(value, set | frozenset):
+        value = sorted(value)
+    if isinstance(value, list | tuple):
+        return list(map(as_value, value))
+    if value is None or isinstance(value, bool | int | float | str):
+        return value
+    if hasattr(value, "tolist"):  # a number or an array of NumPy
+        return value.tolist()
+    name = type(value).__name__
+    raise TypeError(f"an answer is of type {name}; allowed: numbers, words, lists and dictionaries")
 
 
 def as_action(action: Any) -> str | int:

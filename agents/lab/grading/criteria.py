@@ -13,8 +13,15 @@ from agents.lab.trials.wording import percent
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted, listed
 
+__all__ = ["Criterion"]
+
+VISIBILITIES = ("visible", "after_due_date", "after_published", "hidden")
+"""Times at which a student sees a criterion, one after the other."""
+
 MAX_USELESS = 10
 """Useless actions that an agent may take in an episode without a way."""
+
+EPISODE, CALL = "episode", "call"
 
 Runs = Sequence[Run]
 
@@ -29,6 +36,7 @@ class GradedMeasure(NamedTuple):
         seen: says what was seen, beside the number.
         is_secret: the number is not told, because it is different each time; such a measure gives
             all points or none.
+        unit: ``EPISODE`` or ``CALL``, what it judges.
     """
 
     asked: str
@@ -40,6 +48,7 @@ class GradedMeasure(NamedTuple):
     seen: Callable[[Runs], str]
     more_is_better: bool = True
     is_secret: bool = False
+    unit: str = EPISODE
 
     def is_better(self, value: float, other: float, *, or_equal: bool = False) -> bool:
         """Return whether a number is better than another."""
@@ -58,7 +67,14 @@ class Criterion(NamedTuple):
         zero: the number that gives none; between the two they grow evenly. If it is ``full``,
             there are all points or none.
         needs: an earlier criterion; without any points there are none here either.
-        visibility: time at which Gradescope shows it, one of ``VISIBILITIES``.
+        visibility: time at which pages and Gradescope show it, one of ``VISIBILITIES``.
+        leaderboard: Gradescope shows the number on its leaderboard.
+
+    Example:
+        >>> from agents.lab.grading.criteria import Criterion
+        >>> criterion = Criterion("delivers", 10, "delivered", ("hidden",), full=1.0, zero=0.5)
+        >>> criterion.points_for(0.75), criterion.points_for(0.2)
+        (5.0, 0.0)
     """
 
     name: str
@@ -69,6 +85,7 @@ class Criterion(NamedTuple):
     zero: float
     needs: str | None = None
     visibility: str = "visible"
+    leaderboard: bool = False
 
     @property
     def measure(self) -> GradedMeasure:
@@ -109,7 +126,7 @@ def _slowness(run: Run) -> float:
     return (math.inf if run.failure else run.charged_steps) / (run.needed or 1)
 
 
-def _modes(runs: Runs) -> str:
+def outcomes(runs: Runs) -> str:
     """Return how often each outcome occurs, the most frequent first."""
     counts = Counter(run.outcome for run in runs)
     rows = sorted(counts.items(), key=lambda row: (row[0] != DELIVERED, -row[1], row[0]))
@@ -122,6 +139,10 @@ def _is_calm(run: Run) -> bool:
 
 def _is_valid(run: Run) -> bool:
     return not run.failure and not run.unknown
+
+
+def _is_flawless(run: Run) -> bool:
+    return run.delivered and not run.useless
 
 
 def _useless(runs: Runs) -> str:
@@ -166,16 +187,16 @@ MEASURES = {
         "{} of the episodes end with the delivery",
         percent, _share(lambda run: run.delivered),
         lambda run: 0 if run.delivered else 1 + bool(run.failure),
-        _has_way, WITH_WAY, _modes,
+        _has_way, WITH_WAY, outcomes,
     ),
     "steps_of_fewest": GradedMeasure(
         "at most {} the fewest possible steps, an episode without a delivery counted with all",
         _times, lambda runs: _steps(runs) / sum(run.needed or 0 for run in runs),
-        _slowness, _has_way, WITH_WAY, _modes, more_is_better=False,
+        _slowness, _has_way, WITH_WAY, outcomes, more_is_better=False,
     ),
     "greedy_steps": GradedMeasure(
         "the greedy agent takes {} as many steps",
-        _times, _greedy_ratio, _slowness, _has_way, WITH_WAY, _modes,
+        _times, _greedy_ratio, _slowness, _has_way, WITH_WAY, outcomes,
     ),
     "calm_without_way": GradedMeasure(
         "in {} of the episodes without a way no failure, and at most "
@@ -194,5 +215,23 @@ MEASURES = {
         "each answer takes less than {}",
         lambda seconds: f"{seconds:g} s", lambda runs: max(map(_slowest, runs)),
         _slowest, lambda _: True, "", _in_time, more_is_better=False, is_secret=True,
+    ),
+    "flawless": GradedMeasure(
+        "{} of the episodes end with the delivery, without a useless action (pick, drop, bump, "
+        "unknown one)",
+        percent, _share(_is_flawless),
+        lambda run: 0 if _is_flawless(run) else 1 + run.useless + 1000 * bool(run.failure),
+        _has_way, WITH_WAY, lambda runs: f"{outcomes(runs)}; {_useless(runs)}",
+    ),
+    "reward": GradedMeasure(
+        "a mean reward of at least {}",
+        lambda value: f"{value:.2f}", lambda runs: sum(run.reward for run in runs) / len(runs),
+        lambda run: 1000 * bool(run.failure) - run.reward, lambda _: True, "", outcomes,
+    ),
+    "answered": GradedMeasure(
+        "{} of the calls give the right answer",
+        percent, _share(lambda run: run.is_right),
+        lambda run: 0 if run.is_right else 1 + bool(run.failure),
+        lambda _: True, "", outcomes, unit=CALL,
     ),
 }  # fmt: skip

@@ -11,14 +11,12 @@ from typing import Any
 
 from agents.errors import GradeError
 from agents.lab.grading.grading import GradeReport
-from agents.lab.grading.rubric import Rubric
+from agents.lab.grading.rubric import TAKEN, Rubric
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.files.reading import read_file
 from warehouse_core.wording import counted, printable, spreadsheet_text
 
-NAME, POINTS, MOST, FAILURE, CODE, RUBRIC = (
-    "submission", "points", "of", "failure", "code", "rubric",
-)  # fmt: skip
+NAME, POINTS, MOST, LATE, FAILURE, OUTCOMES, SIMILAR, CODE, RUBRIC = TAKEN
 
 MAX_BYTES, MAX_COLUMNS = 5_000_000, 1_000
 """Limits on the bytes of a table, enough for ten thousand submissions, and on its columns."""
@@ -28,7 +26,8 @@ GradeRow = dict[str, str]
 
 def columns_of(rubric: Rubric) -> list[str]:
     """Return the columns of the table of a rubric."""
-    return [NAME, POINTS, MOST, *(each.name for each in rubric.criteria), FAILURE, CODE, RUBRIC]
+    names = (each.name for each in rubric.criteria)
+    return [NAME, POINTS, MOST, *names, LATE, FAILURE, OUTCOMES, SIMILAR, CODE, RUBRIC]
 
 
 def row_of(name: str, report: GradeReport) -> GradeRow:
@@ -37,18 +36,22 @@ def row_of(name: str, report: GradeReport) -> GradeRow:
     most = f"{report.max_points:g}"
     first = {NAME: plain(name), POINTS: f"{report.points:g}", MOST: most}
     last = {
-        FAILURE: plain("; ".join(report.remarks) if report.failure else ""),
+        LATE: str(report.late),
+        FAILURE: plain("" if report.points else "; ".join(report.remarks)),
+        OUTCOMES: report.outcomes,
+        SIMILAR: "",
         CODE: report.code,
         RUBRIC: report.rubric,
     }
     return first | numbers | last
 
 
-def failed_row(name: str, reason: str, rubric: Rubric, code: str = "") -> GradeRow:
+def failed_row(name: str, reason: str, rubric: Rubric, code: str = "", late: int = 0) -> GradeRow:
     """Return the line of a submission that was not graded: no points."""
     numbers = {each.name: "0" for each in rubric.criteria}
     first = {NAME: plain(name), POINTS: "0", MOST: f"{rubric.points:g}"}
-    return first | numbers | {FAILURE: plain(reason), CODE: code, RUBRIC: rubric.digest}
+    last = {LATE: str(late), FAILURE: plain(reason), OUTCOMES: "", SIMILAR: ""}
+    return first | numbers | last | {CODE: code, RUBRIC: rubric.digest}
 
 
 def plain(text: str) -> str:

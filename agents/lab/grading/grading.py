@@ -2,16 +2,20 @@
 
 from __future__ import annotations
 
+from collections import Counter
 from collections.abc import Callable, Collection
 from typing import NamedTuple
 
 from agents.errors import GradeError
-from agents.lab.grading.criteria import Criterion, Runs
+from agents.lab.grading.cases import GradedCase
+from agents.lab.grading.criteria import CALL, EPISODE, VISIBILITIES, Criterion, Runs, outcomes
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.runs import Run, run_cases
-from agents.lab.grading.submissions import Submission
+from agents.lab.grading.submissions import NOTEBOOK, Submission
 from agents.lab.trials.wording import percent
 from warehouse_core.wording import counted, printable
+
+__all__ = ["Grade", "GradeReport", "grade"]
 
 
 class Grade(NamedTuple):
@@ -19,7 +23,17 @@ class Grade(NamedTuple):
 
     Attributes:
         worst: course of the worst episode in words, or "" if all points were given.
-        command: command that shows the worst episode, or "" if there is none or it is hidden.
+        value: number that was measured.
+        run: worst episode, or ``None`` if there is none or it is hidden.
+        command: command that shows the worst episode, or "" if there is none, if it is hidden, and
+            of a notebook, which ``warehouse run`` does not read.
+
+    Example:
+        >>> from agents.lab.grading.criteria import Criterion
+        >>> from agents.lab.grading.grading import Grade
+        >>> criterion = Criterion("delivers", 10, "delivered", ("hidden",), full=1.0, zero=0.5)
+        >>> Grade(criterion, 5.0, seen="75% of 8 episodes").is_full
+        False
     """
 
     criterion: Criterion
@@ -27,6 +41,8 @@ class Grade(NamedTuple):
     seen: str
     worst: str = ""
     command: str = ""
+    value: float = 0.0
+    run: Run | None = None
 
     @property
     def is_full(self) -> bool:
@@ -41,7 +57,22 @@ class GradeReport(NamedTuple):
         agent: name of the agent and of its class.
         rubric: the digest of the rubric; ``code`` is the digest of the agent's code.
         failure: reason why no episode could begin, or "".
+        reason: reason why there are no points at all, or "".
         note: names of its files that hide modules, as a sentence, or "".
+        outcomes: number of episodes with each outcome, in words.
+        late: days that it is late; ``taken`` are the points that this takes.
+        withheld: points of criteria that are not shown yet.
+
+    Example:
+        >>> from dataclasses import replace
+        >>> from agents.lab.grading.grading import grade
+        >>> from agents.lab.grading.rubric import MINI_LAB, load_rubric
+        >>> from agents.lab.grading.submissions import find_submission
+        >>> rubric = load_rubric(MINI_LAB)
+        >>> one = rubric.criteria[3]._replace(needs=None)
+        >>> report = grade(find_submission("greedy"), replace(rubric, criteria=(one,)))
+        >>> report.agent, report.points, report.max_points, report.failure
+        ('greedy', 10.0, 10.0, '')
     """
 
     agent: str
@@ -50,23 +81,44 @@ class GradeReport(NamedTuple):
     code: str
     grades: tuple[Grade, ...]
     failure: str
+    reason: str
     note: str
     episodes: int
+    outcomes: str = ""
+    late: int = 0
+    taken: float = 0.0
+    withheld: float = 0.0
 
     @property
     def remarks(self) -> list[str]:
-        """The failure and the note, if there are any."""
-        return list(filter(None, (self.failure, self.note)))
+        """The reason for no points, what was taken, what is not shown yet, and the note."""
+        late = f"{counted(self.late, 'day')} late: {self.taken:g} points less" if self.late else ""
+        withheld = f"{self.withheld:g} more points are not shown yet" if self.withheld else ""
+        return list(filter(None, (self.failure or self.reason, late, withheld, self.note)))
 
     @property
     def points(self) -> float:
-        """The sum of the points."""
-        return round(sum(grade.points for grade in self.grades), 2)
+        """The sum of the points, less those that were taken."""
+        return max(round(sum(grade.points for grade in self.grades) - self.taken, 2), 0.0)
 
     @property
     def max_points(self) -> float:
         """The sum of all points that there are."""
         return sum(grade.criterion.points for grade in self.grades)
+
+    @property
+    def worst(self) -> Grade | None:
+        """The grade that lacks most points, of those with an episode that can be shown."""
+        shown = [each for each in self.grades if each.run is not None and each.run.actions]
+        return max(shown, key=lambda each: each.criterion.points - each.points, default=None)
+
+    def shown(self, when: str = VISIBILITIES[0]) -> GradeReport:
+        """Return what a student sees at a time, one of ``VISIBILITIES``."""
+        seen = VISIBILITIES[: VISIBILITIES.index(when) + 1]
+        grades = tuple(each for each in self.grades if each.criterion.visibility in seen)
+        withheld = self.max_points - sum(each.criterion.points for each in grades)
+        reason = "" if withheld else self.reason
+        return self._replace(grades=grades, withheld=withheld, reason=reason)
 
 
 def grade(
@@ -74,27 +126,59 @@ def grade(
     rubric: Rubric,
     user: str | None = None,
     advance: Callable[[], None] = lambda: None,
+    late: int = 0,
+    *,
+    is_here: bool = False,
 ) -> GradeReport:
     """Run the episodes of a rubric with an agent, and judge them.
 
     The report depends on the agent and the rubric alone, if the agent does, except that an answer
     near a time limit may be within it or not. If no episode counts for a criterion, or agents
     cannot be run here, that is a ``GradeError``. The agent may run as another ``user``, see
-    ``Sandbox``; ``advance`` is called after each episode.
+    ``Sandbox``; ``advance`` is called after each episode. It is some days ``late``. If ``is_here``,
+    it runs in this process, where nothing keeps it from anything; see ``SameProcess``.
+
+    Example:
+        >>> from dataclasses import replace
+        >>> from agents.lab.grading.grading import grade
+        >>> from agents.lab.grading.rubric import MINI_LAB, load_rubric
+        >>> from agents.lab.grading.submissions import find_submission
+        >>> rubric = load_rubric(MINI_LAB)
+        >>> one = rubric.criteria[3]._replace(needs=None)
+        >>> report = grade(find_submission("greedy"), replace(rubric, criteria=(one,)))
+        >>> [(grade.criterion.name, grade.points) for grade in report.grades]
+        [('handles that there is no way', 10.0)]
     """
     # Hidden ones last: what an agent keeps of them in files is not told in visible ones.
     cases = sorted(rubric.used_cases, key=lambda case: not case.visible)
-    runs = run_cases(submission, cases, rubric.limits, user, rubric.files, advance)
-    name = submission.called(next((run.agent for run in runs if run.agent), None))
+    with submission.unpacked(user) as unpacked:
+        runs = run_cases(unpacked, cases, rubric.limits, user, rubric.files, advance, is_here)
+        note = _note(unpacked.hiding)
+    played = (run.agent for run in runs if run.agent and isinstance(run.case, GradedCase))
+    name = submission.called(next(played, None))
     grades: dict[str, Grade] = {}
     for criterion in rubric.criteria:
         grades[criterion.name] = _judge(criterion, runs, grades, name)
     is_loaded = any(run.agent for run in runs)
     failure = "" if is_loaded else runs[0].told
-    return GradeReport(
+    reason = "" if any(each.points for each in grades.values()) else _reason(runs)
+    report = GradeReport(
         printable(name), rubric.title, rubric.digest, submission.digest, tuple(grades.values()),
-        failure, _note(submission.hiding), len(runs),
+        failure, reason, note, len(runs), outcomes(runs), late,
     )  # fmt: skip
+    return report._replace(taken=rubric.late.taken(late, report.points))
+
+
+def _reason(runs: Runs) -> str:
+    """Return why an agent has no points: what it fails with most, or how its episodes end."""
+    failures = Counter(run.failure.kind for run in runs if run.failure)
+    unit = EPISODE if isinstance(runs[0].case, GradedCase) else CALL
+    if not failures:
+        return f"no points: {counted(len(runs), unit)}, {outcomes(runs)}"
+    [(kind, count)] = failures.most_common(1)
+    failed = [run for run in runs if run.failure and run.failure.kind == kind]
+    first = next((run for run in failed if run.case.visible), failed[0])
+    return f"no points: {count} of {counted(len(runs), unit)} failed: it {first.told}"
 
 
 def _note(hiding: Collection[str]) -> str:
@@ -113,16 +197,16 @@ def _judge(criterion: Criterion, runs: Runs, before: dict[str, Grade], name: str
         )
     value = measure.value(asked)
     joint = "of" if measure.shown is percent else "in"
-    episodes = counted(len(asked), "episode")
+    episodes = counted(len(asked), measure.unit)
     seen = f"{_told(criterion, value)} {joint} {episodes}: {measure.seen(asked)}"
-    found = Grade(criterion, criterion.points_for(value), seen)
+    found = Grade(criterion, criterion.points_for(value), seen, value=value)
     if not found.is_full:
         worst = _worst(criterion, asked)
         if worst.case.visible:
-            command = worst.case.command(name, worst.seed)
-            found = found._replace(worst=worst.told, command=command)
+            command = "" if NOTEBOOK in name else worst.case.command(name, worst.seed)
+            found = found._replace(worst=worst.told, command=command, run=worst)
         else:
-            found = found._replace(worst=f"{worst.told} (a hidden episode)")
+            found = found._replace(worst=f"{worst.told} (a hidden {measure.unit})")
     if criterion.needs is not None and not before[criterion.needs].points:
         found = found._replace(points=0.0, seen=f"{seen}; no points without {criterion.needs!r}")
     return found

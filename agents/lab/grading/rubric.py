@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import hashlib
+import json
 import math
 import re
 from collections.abc import Mapping
@@ -11,8 +12,10 @@ from pathlib import Path
 from typing import Any
 
 from agents.errors import GradeError
+from agents.lab.grading.calls import Call, CallCase
 from agents.lab.grading.cases import GradedCase
-from agents.lab.grading.criteria import MEASURES, Criterion
+from agents.lab.grading.criteria import CALL, EPISODE, MEASURES, VISIBILITIES, Criterion
+from agents.lab.grading.late import MAX_DAYS, LateRule
 from agents.lab.grading.sandbox import AgentLimits
 from agents.lab.parameters import PARAMETERS, CheckValue, Number, Whole, flag, one_of
 from agents.lab.place import RANDOM, Stations, check_stations
@@ -20,6 +23,8 @@ from agents.lab.toml_text import MAX_BYTES, parse_toml
 from warehouse_core import LayoutError
 from warehouse_core.files.reading import read_file
 from warehouse_core.wording import brief
+
+__all__ = ["Rubric", "load_rubric"]
 
 MINI_LAB = Path(__file__).parent / "mini_lab.toml"
 
@@ -29,8 +34,10 @@ read with the rubric."""
 
 MAX_EPISODES, MAX_COUNT, MAX_SEED = 10_000, 1_000_000, 2**31 - 1
 
-VISIBILITIES = ("visible", "hidden", "after_due_date", "after_published")
-"""Times at which Gradescope shows a test."""
+TAKEN = (
+    "submission", "points", "of", "late", "failure", "outcomes", "similar", "code", "rubric",
+)  # fmt: skip
+"""Columns of a table of grades that are not of a criterion."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -38,19 +45,31 @@ class Rubric:
     """The criteria by which an agent is graded, in the order of the file, and its episodes.
 
     The digest is of the file and of the layouts that it names.
+
+    Example:
+        >>> from agents.lab.grading.rubric import MINI_LAB, load_rubric
+        >>> rubric = load_rubric(MINI_LAB)
+        >>> rubric.title, rubric.points
+        ('Mini-lab: a robot that delivers', 100.0)
     """
 
     title: str
     limits: AgentLimits
-    cases: Mapping[str, GradedCase]
+    cases: Mapping[str, GradedCase | CallCase]
     criteria: tuple[Criterion, ...]
     digest: str
     file: Path
+    late: LateRule
 
     @property
     def points(self) -> float:
         """The sum of all points."""
         return sum(criterion.points for criterion in self.criteria)
+
+    def shown(self, when: str) -> list[Criterion]:
+        """Return the criteria that students see at a time, one of ``VISIBILITIES``."""
+        seen = VISIBILITIES[: VISIBILITIES.index(when) + 1]
+        return [each for each in self.criteria if each.visibility in seen]
 
     @property
     def starter(self) -> Path:
@@ -60,11 +79,10 @@ class Rubric:
     @property
     def files(self) -> list[Path]:
         """The files of the rubric and its layouts, which agents must not read."""
-        layouts = (Path(case.layout) for case in self.cases.values())
-        return [self.file, *(path for path in layouts if path.is_absolute())]
+        return [self.file, *(file for case in self.cases.values() for file in case.files)]
 
     @property
-    def used_cases(self) -> list[GradedCase]:
+    def used_cases(self) -> list[GradedCase | CallCase]:
         """The cases that criteria judge, in the order of the file."""
         used = {name for criterion in self.criteria for name in criterion.cases}
         return [case for name, case in self.cases.items() if name in used]
@@ -84,6 +102,16 @@ def names(value: Any) -> tuple[str, ...]:
     return tuple(value)
 
 
+def modules(value: Any) -> tuple[str, ...]:
+    """Check that a value is a list of names of modules."""
+    if not isinstance(value, list) or not all(
+        isinstance(each, str) and all(part.isidentifier() for part in each.split("."))
+        for each in value
+    ):
+        raise ValueError('a list of names of modules, as in ["math", "numpy"]')
+    return tuple(value)
+
+
 def pair(minimum: int, example: str) -> CheckValue:
     """Return a check of lists of two whole numbers."""
 
@@ -96,11 +124,26 @@ def pair(minimum: int, example: str) -> CheckValue:
     return check
 
 
+def calls(value: Any) -> tuple[Call, ...]:
+    """Check that a value is a list of calls with their answers, of values that JSON has too."""
+    try:
+        found = [Call(**each) for each in value]
+        json.dumps(found)
+        if not found or not all(isinstance(each.arguments, list) for each in found):
+            raise ValueError
+    except (TypeError, ValueError):
+        raise ValueError(
+            "a list of calls, as in [{ arguments = [1, [2, 3]], answer = 4 }]"
+        ) from None
+    return tuple(found)
+
+
 SECONDS = Number(0.01, 3600)
 
 LIMITS: dict[str, CheckValue] = {
     "start_seconds": SECONDS, "answer_seconds": SECONDS, "episode_seconds": SECONDS,
     "memory_mb": Whole(64, MAX_COUNT), "give_up_after": Whole(1, MAX_EPISODES),
+    "allow_imports": modules, "deny_imports": modules,
 }  # fmt: skip
 
 CASE: dict[str, CheckValue] = {
@@ -108,18 +151,23 @@ CASE: dict[str, CheckValue] = {
     "first_seed": Whole(0, MAX_SEED), "episodes": Whole(1, MAX_EPISODES),
     "stations": lambda value: Stations(one_of(*Stations)(value)), "start": pair(0, "[1, 1]"),
     **{name: PARAMETERS[name].check for name in ("battery", "max_steps", "view_radius")},
-    "visible": flag,
+    "visible": flag, "slip": Number(0, 1),
 }  # fmt: skip
+
+CALLED: dict[str, CheckValue] = {"function": text, "calls": calls, "visible": flag}
+"""Keys of a case of calls, which has a function."""
 
 CRITERION: dict[str, CheckValue] = {
     "name": text, "points": Number(0, MAX_COUNT), "measure": one_of(*MEASURES), "cases": names,
     "full": Number(0, MAX_COUNT), "zero": Number(0, MAX_COUNT), "needs": text,
-    "visibility": one_of(*VISIBILITIES),
+    "visibility": one_of(*VISIBILITIES), "leaderboard": flag,
 }  # fmt: skip
 NEEDED = ("name", "points", "measure", "cases", "full")
 
+LATE: dict[str, CheckValue] = {"points": Number(0, MAX_COUNT), "days": Whole(0, MAX_DAYS)}
+
 TOP: dict[str, CheckValue] = {"title": text}
-PARTS = ("limits", "cases", "criteria")
+PARTS = ("limits", "late", "cases", "criteria")
 
 
 class _Reader:
@@ -173,6 +221,11 @@ def load_rubric(path: Path) -> Rubric:
     Raises:
         GradeError: the file is no rubric; the message has the line, the key and what is allowed.
         OSError: the file is longer than ``toml_text.MAX_BYTES``, or cannot be read.
+
+    Example:
+        >>> from agents.lab.grading.rubric import MINI_LAB, load_rubric
+        >>> [criterion.name for criterion in load_rubric(MINI_LAB).criteria]
+        ['delivers', 'escapes loops', 'delivers on floors it has never seen', 'handles that ...
     """
     data = read_file(path, MAX_BYTES)
     try:
@@ -186,6 +239,7 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
     single = {key: value for key, value in values.items() if key not in PARTS}
     top = reader.table(single, TOP | dict.fromkeys(PARTS, text), "")
     limits = AgentLimits(**reader.table(values.get("limits", {}), LIMITS, "[limits]"))
+    late = LateRule(**reader.table(values.get("late", {}), LATE, "[late]"))
     tables = values.get("cases")
     if not isinstance(tables, dict) or not tables:
         raise reader.fail("there are no [cases.NAME]; a rubric needs episodes")
@@ -194,7 +248,8 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
     cases = {name: _make_case(reader, name, each) for name, each in tables.items()}
     cells = 0
     for case in cases.values():
-        cells += _check_case(reader, case, digest, MAX_CELLS - cells)
+        if isinstance(case, GradedCase):
+            cells += _check_case(reader, case, digest, MAX_CELLS - cells)
     rows = values.get("criteria")
     if not isinstance(rows, list) or not rows:
         raise reader.fail("there are no [[criteria]]; a rubric needs at least one")
@@ -202,11 +257,16 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
     for count, row in enumerate(rows, 1):
         criteria.append(_make_criterion(reader, row, count, cases, criteria))
     title = top.get("title", reader.path.stem)
-    return Rubric(title, limits, cases, tuple(criteria), digest.hexdigest(), reader.path)
+    return Rubric(title, limits, cases, tuple(criteria), digest.hexdigest(), reader.path, late)
 
 
-def _make_case(reader: _Reader, name: str, values: Any) -> GradedCase:
+def _make_case(reader: _Reader, name: str, values: Any) -> GradedCase | CallCase:
     header = f"[cases.{name}]"
+    if isinstance(values, dict) and "function" in values:
+        found = reader.table(values, CALLED, header)
+        if "calls" not in found:
+            raise reader.fail("function needs calls", header, key="function")
+        return CallCase(name, **found)
     found = reader.table(values, CASE, header)
     if "layout" in found:
         beside = reader.path.resolve().parent / found["layout"]
@@ -248,7 +308,7 @@ def _make_criterion(
     reader: _Reader,
     values: Any,
     count: int,
-    cases: Mapping[str, GradedCase],
+    cases: Mapping[str, GradedCase | CallCase],
     before: list[Criterion],
 ) -> Criterion:
     header = "[[criteria]]"
@@ -263,15 +323,24 @@ def _make_criterion(
     for name in found["cases"]:
         if name not in cases:
             raise fail(f"cases has {name!r}; allowed: {', '.join(cases)}", "cases")
+        unit = CALL if isinstance(cases[name], CallCase) else EPISODE
+        if unit != MEASURES[found["measure"]].unit:
+            kind = found["measure"]
+            message = f"measure is {kind!r}, which does not judge {unit}s, as case {name!r} has"
+            raise fail(message, "measure")
     earlier = [each.name for each in before]
     if found["name"] in earlier:
         raise fail(f"name is {found['name']!r}, which an earlier one has", "name")
     if found.get("needs") not in (None, *earlier):
         allowed = ", ".join(earlier) or "none, as there is none before it"
         raise fail(f"needs is {found['needs']!r}; allowed: {allowed}", "needs")
+    if found["name"] in TAKEN:
+        raise fail(f"name is {found['name']!r}, which is a column of every table of grades", "name")
     found["zero"] = found.get("zero", found["full"])
     found["kind"] = found.pop("measure")
     measure = MEASURES[found["kind"]]
+    if found.get("leaderboard") and measure.is_secret:
+        raise fail(f"{found['kind']} is different each time, and on no leaderboard", "leaderboard")
     if not measure.is_better(found["full"], found["zero"], or_equal=True):
         side = "above" if measure.more_is_better else "below"
         raise fail(f"full is {found['full']:g} and zero {found['zero']:g}; "

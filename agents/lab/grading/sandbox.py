@@ -18,7 +18,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
@@ -69,6 +69,8 @@ class AgentLimits(NamedTuple):
         give_up_after: number of successive episodes of a case in which it takes too long or ends
             its process; further ones of the case count as the last one, unrun. If it cannot be
             loaded, further cases do too.
+        allow_imports: modules that an agent may import, beside its own; ``None`` for all.
+        deny_imports: modules that it may not import.
     """
 
     start_seconds: float = 10.0
@@ -76,6 +78,8 @@ class AgentLimits(NamedTuple):
     episode_seconds: float = 20.0
     memory_mb: int = 1024
     give_up_after: int = 3
+    allow_imports: tuple[str, ...] | None = None
+    deny_imports: tuple[str, ...] = ()
 
     def of_process(self) -> dict[str, int]:
         """Return the limits that the operating system enforces, by their names in ``resource``.
@@ -120,14 +124,17 @@ class AgentProcess:
         self._left = limits.episode_seconds
         self.name, self.slowest = "", 0.0
 
-    def start(self, submission: Submission, seed: int) -> None:
-        """Load and reset the agent, or raise its ``AgentFailureError``."""
+    def start(self, submission: Submission, seed: int, function: str | None = None) -> None:
+        """Load and reset the agent, or load a function, or raise its ``AgentFailureError``."""
         task = {
             "file": None if submission.file is None else str(submission.file),
             "module": submission.module,
             "class": submission.kind,
             "seed": seed,
-            "paths": [] if submission.folder is None else [str(submission.folder)],
+            "function": function,
+            "paths": submission.paths,
+            "allowed": self._limits.allow_imports,
+            "denied": self._limits.deny_imports,
         }
         try:
             answer = self._ask(task, self._limits.start_seconds)
@@ -137,17 +144,29 @@ class AgentProcess:
                 failure.kind = LOAD
             raise
 
+    def shape(self, sources: list[tuple[str, str]]) -> frozenset[int]:
+        """Return the fingerprints of sources; they are parsed in the process, and not run."""
+        answer = self._ask({"sources": sources}, self._limits.start_seconds)
+        return frozenset(answer["shape"])
+
     def act(self, observation: Observation) -> str | int:
         """Return the action for an observation, or raise the ``AgentFailureError``."""
-        begin, seconds = monotonic(), min(self._limits.answer_seconds, self._left)
-        answer = self._ask({"observation": observation}, seconds)
-        taken = monotonic() - begin
-        self._left -= taken
-        self.slowest = max(self.slowest, taken)
-        action = answer.get("action")
+        action = self._ask_in_time({"observation": observation}).get("action")
         if not isinstance(action, str | int):
             raise AgentFailureError(ENDS, "it wrote to the channel of its answers")
         return action
+
+    def call(self, arguments: Sequence[Any]) -> Any:
+        """Return the answer of a function to its arguments, or raise the ``AgentFailureError``."""
+        return self._ask_in_time({"arguments": arguments}).get("value")
+
+    def _ask_in_time(self, question: dict[str, Any]) -> dict[str, Any]:
+        begin, seconds = monotonic(), min(self._limits.answer_seconds, self._left)
+        answer = self._ask(question, seconds)
+        taken = monotonic() - begin
+        self._left -= taken
+        self.slowest = max(self.slowest, taken)
+        return answer
 
     def _ask(self, question: dict[str, Any], seconds: float) -> dict[str, Any]:
         word = secrets.token_hex(8)
@@ -164,7 +183,7 @@ class AgentProcess:
         if not is_own:
             raise AgentFailureError(ENDS, "it wrote to the channel of its answers")
         if "error" in answer:
-            raise _failure(answer)
+            raise failure_of(answer)
         return answer
 
     def _read_line(self, seconds: float) -> bytes:
@@ -191,7 +210,8 @@ class AgentProcess:
         return AgentFailureError(SLOW, f"no answer within {limits.answer_seconds:g} s")
 
 
-def _failure(answer: dict[str, Any]) -> AgentFailureError:
+def failure_of(answer: dict[str, Any]) -> AgentFailureError:
+    """Return the failure of an agent that answers by an exception, see ``child.described``."""
     name, text, place = (str(answer.get(key, ""))[:MAX_TEXT] for key in ("error", "text", "place"))
     where = f" ({place})" if place else ""
     kind = getattr(builtins, name, None)
@@ -220,7 +240,9 @@ class Sandbox:
         if sys.platform == "win32":
             raise GradeError("agents are graded on Linux and macOS; on Windows, use WSL")
         self._submission, self._limits = submission, limits
-        readable, listed = _files_of(submission, secrets)
+        if submission.is_built_in:  # it is one of the packages that may be denied to others
+            self._limits = limits = limits._replace(allow_imports=None, deny_imports=())
+        readable, listed = _files_of(submission, secrets, limits.deny_imports)
         self._bounds = {
             "user": None if user is None else _ids_of(user),
             "walls": sorted(walls.held()),
@@ -228,6 +250,7 @@ class Sandbox:
             "readable": readable,
             "listed": listed,
             "limits": limits.of_process(),
+            "denied": [str(Path(OWN, *name.split("."))) for name in limits.deny_imports],
         }
         self._server: subprocess.Popen[bytes] | None = None
         self._children: tuple[int, ...] = ()
@@ -300,9 +323,14 @@ class Sandbox:
 
     def _start(self) -> None:
         self._control, theirs = socket.socketpair()
+        denied = self._limits.deny_imports
+        imports = [
+            each for each in self._submission.imports
+            if not any(f"{each}.".startswith(f"{name}.") for name in denied)
+        ]  # fmt: skip
         words = [
             sys.executable, "-s", "-P", "-B", child.__file__, str(theirs.fileno()),
-            json.dumps(self._bounds), *self._submission.imports,
+            json.dumps(self._bounds), *imports,
         ]  # fmt: skip
         try:
             self._server = subprocess.Popen(
@@ -319,7 +347,7 @@ class Sandbox:
             theirs.close()
         self._control.settimeout(IMPORT_SECONDS)
         if not self._control.recv(1):
-            raise GradeError(f"importing {', '.join(self._submission.imports)} ended the process")
+            raise GradeError(f"importing {', '.join(imports)} ended the process")
         self._control.settimeout(ENDING_SECONDS)
 
     def _stop(self) -> None:
@@ -336,9 +364,11 @@ class Sandbox:
                 child.kill_strays(self._children)
 
 
-def _files_of(submission: Submission, secrets: Iterable[Path]) -> tuple[list[str], list[str]]:
+def _files_of(
+    submission: Submission, secrets: Iterable[Path], denied: Collection[str]
+) -> tuple[list[str], list[str]]:
     """Return the files and folders that an agent may read, and the folders that it may list."""
-    own = [str(Path(OWN, name)) for name in programs.OWN]
+    own = [str(Path(OWN, name)) for name in programs.OWN if name not in denied]
     folder = submission.folder
     if folder is None:
         return [*own, str(submission.file)], []

@@ -7,14 +7,20 @@ import os
 import re
 import stat
 import sys
-from collections.abc import Iterable, Iterator
-from pathlib import Path
+from collections.abc import Callable, Collection, Iterable, Iterator
+from contextlib import contextmanager
+from itertools import islice
+from pathlib import Path, PurePath, PurePosixPath
+from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from agents.errors import AgentError
+from agents.lab.grading.archives import MAX_BYTES, MAX_FILES, members_of, read_member, unpack
 from agents.lab.runs.programs import ROOT, digest_of, fingerprint
 from warehouse_core.files.kinds import not_a_file
-from warehouse_core.wording import counted, printable
+from warehouse_core.wording import printable
+
+__all__ = ["Submission", "find_submission", "in_folder"]
 
 IMPORTED_ONCE = (
     "abc", "agents", "collections", "copy", "dataclasses", "enum", "functools", "heapq",
@@ -24,19 +30,19 @@ IMPORTED_ONCE = (
 """Modules that are imported once a submission and not in each of its processes."""
 
 IMPORT = re.compile(
-    rb"^[ \t]*(?:from[ \t]+([\w.]+)[ \t]+import[ \t]*\(?([\w \t,\n]*)|import[ \t]+([\w \t,.]+))",
+    rb"^[ \t]*\"?(?:from[ \t]+([\w.]+)[ \t]+import[ \t]*\(?([\w \t,\n]*)|import[ \t]+([\w \t,.]+))",
     re.MULTILINE,
 )
-"""An import statement, as far as its modules and names can be told without parsing the source."""
+"""An import statement, as far as its modules and names can be told without parsing the source,
+which in a notebook is in quotes."""
 
 MAX_SOURCE = 1024 * 1024
 """Most bytes of a source in which imports are looked for."""
 
-MAX_FILES, MAX_BYTES = 1_000, 256 * 1024**2
-"""Most files and bytes of a submission."""
+CODE, NOTEBOOK, ARCHIVE = ".py", ".ipynb", ".zip"
 
-USUAL = "agent.py"
-"""The file of a submission that is a folder with several files."""
+USUAL = "agent"
+"""Name of the file of the agent where there are several, without its suffix."""
 
 
 class Submission(NamedTuple):
@@ -45,7 +51,7 @@ class Submission(NamedTuple):
     Attributes:
         name: name as it was given, or in a folder the name of its file or folder.
         shown: its file or module as it was given, for commands.
-        file: file of the agent, or ``None`` if it is imported.
+        file: file of the agent, in its archive if it has one; ``None`` if it is imported.
         module: the name of the file without a suffix, or of the module.
         kind: the name of the class; ``None`` for the only one with ``reset`` and ``act``.
         folder: folder in which its process runs, and looks up imports first; ``None`` for a file
@@ -53,6 +59,13 @@ class Submission(NamedTuple):
         digest: the digest of its code: of its file, of all files of its folder if it is one of
             many, or of its module and what that imports from its package; "" for a built-in one.
         imports: modules that are imported once; none has code of the submission.
+        archive: archive that ``unpacked`` unpacks, or ``None``.
+
+    Example:
+        >>> from agents.lab.grading.submissions import find_submission
+        >>> submission = find_submission("greedy")
+        >>> submission.is_built_in, submission.kind
+        (True, 'GreedyAgent')
     """
 
     name: str
@@ -63,6 +76,31 @@ class Submission(NamedTuple):
     folder: Path | None
     digest: str
     imports: tuple[str, ...] = ()
+    archive: Path | None = None
+
+    @property
+    def paths(self) -> list[str]:
+        """The folders in which its process looks up imports first."""
+        if self.folder is None or self.file is None:
+            return [] if self.folder is None else [str(self.folder)]
+        return list(dict.fromkeys([str(self.file.parent), str(self.folder)]))
+
+    @contextmanager
+    def unpacked(self, user: str | None) -> Iterator[Submission]:
+        """Yield the submission with its files in a folder, removed after the block.
+
+        A ``user`` that runs the agent can read them. That an archive cannot be unpacked is an
+        ``AgentError``.
+        """
+        if self.archive is None or self.file is None:
+            yield self
+            return
+        with TemporaryDirectory(prefix="warehouse-") as name:
+            folder = Path(name).resolve()
+            if user is not None:
+                folder.chmod(0o755)
+            unpack(self.archive, folder)
+            yield self._replace(file=folder / self.file, folder=folder)
 
     def called(self, kind: str | None) -> str:
         """Return the name by which ``warehouse run --agent`` finds it, with the class it loaded."""
@@ -78,7 +116,8 @@ class Submission(NamedTuple):
     def hiding(self) -> list[str]:
         """The names of files and folders beside its file that hide modules from all imports."""
         known = {*sys.stdlib_module_names, *IMPORTED_ONCE}
-        beside = sorted(self.folder.iterdir()) if self.folder and self.file else ()
+        places = map(Path, self.paths if self.file else ())
+        beside = (path for place in places if place.is_dir() for path in sorted(place.iterdir()))
         return [
             printable(path.name) for path in beside
             if path.stem in known and path != ROOT / path.name
@@ -96,14 +135,22 @@ class Unusable(NamedTuple):
 def find_submission(name: str) -> Submission:
     """Return the agent ``file.py:Class``, ``file.py``, ``module:Class`` or a built-in one.
 
-    If there is none, or it needs the map, that is an ``AgentError``.
+    The file may be a notebook or an archive too. If there is none, or it needs the map, that is an
+    ``AgentError``.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from agents.lab.grading.submissions import find_submission
+        >>> size = Path("mine.py").write_text("class Mine: ...")
+        >>> find_submission("mine.py:Mine").kind
+        'Mine'
     """
-    if name.endswith(".py"):
+    if name.endswith((CODE, NOTEBOOK, ARCHIVE)):
         return of_file(name, Path(name), None)
     source, colon, kind = name.rpartition(":")
     if not colon:
         return _built_in(name)
-    if source.endswith(".py"):
+    if source.endswith((CODE, NOTEBOOK, ARCHIVE)):
         return of_file(name, Path(source), kind)
     return Submission(name, source, None, source, kind, Path.cwd(), fingerprint(None, source) or "")
 
@@ -112,8 +159,60 @@ def of_file(name: str, file: Path, kind: str | None) -> Submission:
     """Return the agent in a file; that there is none is an ``AgentError``."""
     if not file.is_file():
         raise AgentError(f"agent file {file}: {not_a_file(file) or 'there is no such file'}")
+    if file.suffix == ARCHIVE:
+        try:
+            return _of_archive(name, file, kind)
+        except AgentError as error:
+            raise AgentError(f"agent file {file}: {error}") from None
     path = file.resolve().parent / file.name
     return _of_files(name, file, kind, path.parent, [path])
+
+
+def of_folder(name: str, folder: Path, kind: str | None) -> Submission:
+    """Return the agent in a folder; that there is none, or that it is a link, is an ``AgentError``.
+
+    A folder with an archive and no other code, as Moodle makes it, is as the archive.
+    """
+    names = list(islice(_paths_in(folder), MAX_FILES + 1))
+    chosen = folder / _choose(names, (CODE, NOTEBOOK, ARCHIVE))
+    if (reason := _unusable(chosen) or not_a_file(chosen)) is not None:
+        raise AgentError(f"{chosen.relative_to(folder).as_posix()}: {reason}")
+    if chosen.suffix == ARCHIVE:
+        return _of_archive(name, chosen, kind)
+    return _of_files(name, chosen, kind, folder.resolve(), _files_in(folder.resolve()))
+
+
+def _of_archive(name: str, file: Path, kind: str | None) -> Submission:
+    """Return the agent in an archive, which is not unpacked here."""
+    members = members_of(file)
+    inner = _choose(members, (CODE, NOTEBOOK))
+    own = {PurePath(part).stem for member in members for part in member.parts}
+    once = _imported_once(read_member(file, PurePosixPath(inner), MAX_SOURCE), own.__contains__)
+    return Submission(
+        name, str(inner), Path(inner), inner.stem, kind, None, _content_digest(file), once,
+        file.resolve(),
+    )  # fmt: skip
+
+
+def _choose(names: Iterable[PurePath], suffixes: Iterable[str]) -> PurePath:
+    """Return the file of the agent, out of the files of a submission.
+
+    It is the only file ``agent.py`` that is nearest to the top, or else the only ``.py`` file that
+    is; without any, the same of the next suffix. There being none is an ``AgentError``.
+    """
+    shown = [each for each in names if not any(part[:1] == "." or part[:2] == "__"
+                                               for part in each.parts)]  # fmt: skip
+    for suffix in suffixes:
+        found = [each for each in shown if each.suffix == suffix]
+        for group in ([each for each in found if each.stem == USUAL], found):
+            depth = min((len(each.parts) for each in group), default=0)
+            top = [each for each in group if len(each.parts) == depth]
+            if len(top) == 1:
+                return top[0]
+        if found:
+            raise AgentError(f"it has {len(found)} {suffix} files, and none is {USUAL}{suffix}")
+    *_, last = suffixes = tuple(suffixes)
+    raise AgentError(f"it has no {', '.join(suffixes[:-1])} or {last} file")
 
 
 def _of_files(
@@ -123,21 +222,25 @@ def _of_files(
     path = file.resolve().parent / file.name
 
     def is_own(top: str) -> bool:
-        return folder is not None and any(map(Path.exists, (folder / f"{top}.py", folder / top)))
+        places = () if folder is None else (folder, path.parent)
+        return any((place / each).exists() for place in places for each in (f"{top}.py", top))
 
-    imports = {
-        module for module in _imports_in(path)
-        if (top := module.partition(".")[0]) in IMPORTED_ONCE and not is_own(top)
-    }  # fmt: skip
-    digest = digest_of(_few(files, path.parent), path.parent, _content_digest)
-    once = tuple(sorted(imports))
+    base = folder or path.parent
+    digest = digest_of(_few(files, base), base, _content_digest)
+    with path.open("rb") as source:
+        once = _imported_once(source.read(MAX_SOURCE), is_own)
     return Submission(name, str(file), path, file.stem, kind, folder, digest, once)
 
 
-def _imports_in(file: Path) -> Iterator[str]:
-    """Yield what the source seems to import; it is not parsed, which may take any memory."""
-    with file.open("rb") as source:
-        text = source.read(MAX_SOURCE)
+def _imported_once(text: bytes, is_own: Callable[[str], bool]) -> tuple[str, ...]:
+    """Return what the source seems to import once; it is not parsed, which may take any memory."""
+    return tuple(sorted({
+        module for module in _imports_in(text)
+        if (top := module.partition(".")[0]) in IMPORTED_ONCE and not is_own(top)
+    }))  # fmt: skip
+
+
+def _imports_in(text: bytes) -> Iterator[str]:
     for module, names, modules in IMPORT.findall(text):
         if module:
             yield module.decode()
@@ -158,14 +261,26 @@ def _built_in(name: str) -> Submission:
     return Submission(name, name, None, module, made.__name__, Path.cwd(), "", (module,))
 
 
-def in_folder(folder: Path, kind: str | None) -> Iterator[Submission | Unusable]:
-    """Yield the submissions in a folder by name: each ``.py`` file, and each folder with one.
+def in_folder(
+    folder: Path, kind: str | None, other: Collection[Path] = ()
+) -> Iterator[Submission | Unusable]:
+    """Yield the submissions in a folder by name: each file and folder, but hidden ones.
 
-    Files and folders that cannot be graded are ``Unusable``; other files are none of both. Links
-    are not followed, so that nobody is graded with the file of another. Each has a class ``kind``.
+    What cannot be graded is ``Unusable``. Links are not followed, so that nobody is graded with the
+    file of another. Each has a class ``kind``. Files in ``other`` are of the lecturer.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from agents.lab.grading.submissions import in_folder
+        >>> Path("class").mkdir()
+        >>> for name in ("one.py", "two.py"):
+        ...     Path("class", name).touch()
+        >>> [submission.name for submission in in_folder(Path("class"), None)]
+        ['one.py', 'two.py']
     """
+    ours = {path.resolve() for path in other}
     for path in sorted(folder.iterdir()):
-        if path.name.startswith((".", "__")) or not (path.suffix == ".py" or path.is_dir()):
+        if path.name.startswith((".", "__")) or folder.resolve() / path.name in ours:
             continue
         try:
             yield _entry(path, kind)
@@ -173,19 +288,16 @@ def in_folder(folder: Path, kind: str | None) -> Iterator[Submission | Unusable]
             yield Unusable(path.name, str(error))
 
 
-def _entry(path: Path, kind: str | None) -> Submission | Unusable:
+def _entry(path: Path, kind: str | None) -> Submission:
     if (reason := _unusable(path)) is not None:
-        return Unusable(path.name, reason)
-    if path.is_file():
-        return _of_files(path.name, path, kind, None, [path.resolve()])
-    files = sorted(path.glob("*.py"))
-    chosen = next((each for each in files if len(files) == 1 or each.name == USUAL), None)
-    if chosen is None:
-        return Unusable(path.name, f"it has {counted(len(files), '.py file')}, and none is {USUAL}")
-    if (reason := _unusable(chosen) or not_a_file(chosen)) is not None:
-        return Unusable(path.name, f"{chosen.name}: {reason}")
-    folder = path.resolve()
-    return _of_files(path.name, chosen, kind, folder, _files_in(folder))
+        raise AgentError(reason)
+    if path.is_dir():
+        return of_folder(path.name, path, kind)
+    if path.suffix == ARCHIVE:
+        return _of_archive(path.name, path, kind)
+    if path.suffix not in (CODE, NOTEBOOK):
+        raise AgentError(f"it is no {CODE}, {NOTEBOOK} or {ARCHIVE} file, and no folder")
+    return _of_files(path.name, path, kind, None, [path.resolve()])
 
 
 def _unusable(path: Path) -> str | None:
@@ -193,6 +305,14 @@ def _unusable(path: Path) -> str | None:
     if path.is_symlink():
         return "it is a link, which is not followed"
     return None if path.is_dir() else not_a_file(path)
+
+
+def _paths_in(folder: Path) -> Iterator[PurePath]:
+    """Yield what is in a folder and its folders, relative to it; links are not followed."""
+    for place, folders, names in os.walk(folder):
+        for name in (*folders, *names):
+            if not Path(place, name).is_dir() or name.endswith(CODE):
+                yield Path(place, name).relative_to(folder)
 
 
 def _files_in(folder: Path) -> Iterator[Path]:

@@ -23,6 +23,7 @@ from warehouse_core.files.atomic import atomic_path
 from warehouse_core.render.palette import style_rules
 from warehouse_core.viz.player import player_frame
 from warehouse_core.viz.player.page import digest, script
+from warehouse_core.viz.tracks.track import Track
 from warehouse_core.wording import printable
 
 NUMBER = re.compile(r"[-+\u2212]?\d[\d,. ]*( ?%| ?[a-zA-Z/]{1,3})?( ?(\[.*\]|\(.*\)|\u00b1.*))?")
@@ -99,7 +100,12 @@ def _shown(value: object) -> object:
 def _player(example: Example) -> Markup:
     assert example.track is not None, "only asked for if there is one"
     title = f"Replay of an episode that ended as {example.found.mode}: {example.sentence}"
-    return Markup(player_frame([example.track], title=title))
+    return player_of(example.track, title)
+
+
+def player_of(track: Track, title: str) -> Markup:
+    """Return the player of an episode, as part of a page."""
+    return Markup(player_frame([track], title=title))
 
 
 def _data_uri(data: bytes, kind: str) -> str:

@@ -21,6 +21,8 @@ from warehouse_core.fleet import FleetBatch
 from warehouse_core.fleet.env import Actions
 from warehouse_core.records import FleetAgent
 
+__all__ = ["FleetTask", "Task"]
+
 MakeWatch = Callable[[object, str], Watch]
 """Makes what watches an agent, given its name, through an episode."""
 
@@ -36,6 +38,13 @@ class Task(NamedTuple):
     """What a lone robot has to do, by arguments of ``WarehouseEnv`` and of its ``reset``.
 
     The layout has walls, and the stations if they are not drawn; random ones differ for each seed.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from agents.lab.trials.task import Task
+        >>> scores = Task(battery=100).evaluate(GreedyAgent, range(20))
+        >>> int(scores.delivered.sum()), len(scores.rows)
+        (11, 20)
     """
 
     layout: Layout | RandomLayouts = DEFAULT_LAYOUT
@@ -96,7 +105,16 @@ class Task(NamedTuple):
 
 
 class FleetTask(NamedTuple):
-    """What the robots of a fleet have to do: arguments of ``FleetEnv`` and ``FleetBatch``."""
+    """What the robots of a fleet have to do: arguments of ``FleetEnv`` and ``FleetBatch``.
+
+    Example:
+        >>> from agents.lab.trials.task import FleetTask
+        >>> from agents.registry import make_team
+        >>> task = FleetTask(robots=2, max_steps=50)
+        >>> scores = task.evaluate_fleet(lambda seed: make_team("greedy", 2, seed), range(3))
+        >>> len(scores.rows)
+        3
+    """
 
     layout: Layout = DEFAULT_LAYOUT
     robots: int = 4

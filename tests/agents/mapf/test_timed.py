@@ -46,7 +46,7 @@ def test_clocks_count_corners_and_those_who_wait_for_late_robots() -> None:
 def test_a_late_robot_stays_for_a_step_and_one_without_corners_does_not() -> None:
     walls = Layout(["..####", "#..###", "##..##", "###..#", "####.."])
     for layout, goal, waits in (walls, 29, 3), (Layout(["." * 10]), 9, 0):
-        planner, cells = TimedPlanner(Graph(layout), spec=RobotSpec()), [0]
+        planner, cells = TimedPlanner(Graph(layout)), [0]
         while cells[-1] != goal:
             cells += planner.next_cells(situation(cells[-1:], [goal])).tolist()
         assert cells.count(cells[0]) == 1

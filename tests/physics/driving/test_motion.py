@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from warehouse_core import Cell, Layout
+from warehouse_core.motion.backends import make_motion
 from warehouse_physics import DrivingMotion, RobotSpec
 from warehouse_physics.arena import Hit
 from warehouse_physics.driving.dependencies import HISTORY
@@ -49,7 +50,7 @@ def test_a_joint_step_with_a_conflict_is_refused_and_nothing_changes(
 def test_a_joint_step_of_a_plan_needs_no_room() -> None:
     motion = motion_at((0, 0))
     for col in range(1, 5):
-        assert motion.ways().has_room == [col - 1 <= 2.0]  # for a second, a corner, and to stop
+        assert motion.ways().has_room == [col - 1 <= 1.5]  # to stop, and for a second
         motion.extend([(0, col)])
     assert motion.ways()[:3] == ([(0, 4)], [False], [False])
     assert motion.drive(5.0)[0].cell == (0, 4)
@@ -74,6 +75,14 @@ def test_a_way_that_grows_in_time_leads_round_corners_as_fast_as_a_whole_one() -
         whole.drive(0.25)
         assert whole.ways().at_rest == growing.ways().at_rest or ahead
     assert whole.ways().at_rest == [True]
+
+
+def test_the_name_of_the_backend_may_have_the_period_among_the_numbers_of_the_robot() -> None:
+    motion = make_motion("driving:period=0.25,top_speed=0.5")
+    assert isinstance(motion, DrivingMotion)
+    assert (motion.period, motion.spec.top_speed) == pytest.approx((0.25, 0.5))
+    assert motion.cell_steps == pytest.approx(8)
+    assert make_motion("driving:top_speed=0.5").period == pytest.approx(2.0)
 
 
 @pytest.mark.parametrize("period", [0.25, 0.5, 1.0])

@@ -33,6 +33,13 @@ class Battery:
     Raises:
         ValueError: a value that is not allowed.
         TypeError: ``capacity`` or ``charge`` is not an integer.
+
+    Example:
+        >>> from warehouse_core import Battery, FleetEnv
+        >>> env = FleetEnv(robots=2, battery=Battery(20_000, "joules"))
+        >>> observations, info = env.reset()
+        >>> env.state_of_charge
+        [1.0, 1.0]
     """
 
     capacity: int = 200

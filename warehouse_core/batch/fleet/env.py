@@ -49,6 +49,13 @@ class FleetBatch(ArrayEnv[FleetArrays]):
         ValueError: a value that is not allowed; also as ``LayoutError``, ``OrderError`` or
             ``BackendError``.
         TypeError: an argument of another type.
+
+    Example:
+        >>> from warehouse_core.fleet import FleetBatch
+        >>> batch = FleetBatch(8, robots=4, orders=0.1)
+        >>> observation, info = batch.reset(seed=1)
+        >>> observation["robot_pos"].shape
+        (32, 2)
     """
 
     def __init__(

@@ -52,6 +52,13 @@ class People:
     Raises:
         ValueError: a value that is not allowed.
         TypeError: ``count`` is not an integer.
+
+    Example:
+        >>> from warehouse_core import FleetEnv, People
+        >>> env = FleetEnv(robots=2, people=People(3, habit="aisles"), seed=1)
+        >>> observations, info = env.reset()
+        >>> len(env.people)
+        3
     """
 
     count: int

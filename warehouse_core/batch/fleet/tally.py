@@ -45,6 +45,14 @@ class FleetMeasures:
         stranded: robots whose battery is empty, or which have failed.
         lost: orders that will never be delivered: a stranded robot carries the item, is the only
             one that may take it, or stands where it is to be picked or dropped.
+
+    Example:
+        >>> from warehouse_core import FleetEnv
+        >>> env = FleetEnv(robots=2, starts=[(1, 1), (1, 2)])
+        >>> observations, info = env.reset()
+        >>> step = env.step(["N", "E"])
+        >>> env.measures.distance, env.measures.blocked_by_wall
+        (1, 1)
     """
 
     steps: int

@@ -76,6 +76,14 @@ class BatchEnv(ArrayEnv[ObservationArrays]):
     Raises:
         ValueError: a value that is not allowed; also as ``LayoutError`` or ``BackendError``.
         TypeError: an argument of another type.
+
+    Example:
+        >>> from warehouse_core import BatchEnv
+        >>> batch = BatchEnv(3)
+        >>> observation, info = batch.reset(seed=1)
+        >>> observation, rewards, terminated, truncated, info = batch.step([0, 1, 2])
+        >>> rewards.shape, observation["robot_pos"].shape
+        ((3,), (3, 2))
     """
 
     def __init__(

@@ -21,6 +21,7 @@ from warehouse_core.world.tables import Flags, Integers, LayoutSet, Rows
 
 NEXT_STEP, SAME_STEP, DISABLED = "NextStep", "SameStep", "Disabled"
 AUTORESET_MODES = (NEXT_STEP, SAME_STEP, DISABLED)
+"""Modes in which a batch may begin new episodes; named as in Gymnasium."""
 
 ALL = slice(None)
 NO_FLOORS = np.empty(0, np.intp)
@@ -123,8 +124,8 @@ class ArrayEnv(Generic[Observed]):
             actions: ``[N]`` integers, 0 to 6.
 
         Returns:
-            Observation, ``[N]`` float64 rewards, ``[N]`` bool terminated and truncated, and info:
-            ``action_mask`` ``[N, 7]`` int8; ``motion`` with ``blocked``, ``seconds`` and
+            Observation, ``[N]`` float64 rewards, ``[N]`` bool terminated and truncated, and info,
+            with ``action_mask`` ``[N, 7]`` int8; ``motion``, which has ``blocked``, ``seconds`` and
             ``joules``; and, in the same-step mode if episodes have ended, their ``final_obs`` and
             ``final_info``. Each key ``k`` has a key ``_k``, ``[N]`` bool: the rows that it applies
             to. All arrays are fresh.

@@ -29,8 +29,17 @@ def draw_grid(
 ) -> None:
     """Prepare axes for a layout of ``size`` rows and columns, in units of cells, row 0 on top.
 
-    Each ``every``th row and column has a number, whose size and distance from the grid are in
-    points, as is the width of the lines between cells; 0 draws none.
+    Rows and columns whose number is a multiple of ``every`` show it. The size of these numbers,
+    their distance from the grid and the width of the lines between cells are in points; a width of
+    0 draws no lines.
+
+    Example:
+        >>> import matplotlib.pyplot as plt
+        >>> from warehouse_core.viz.axes import draw_grid
+        >>> figure, axes = plt.subplots()
+        >>> draw_grid(axes, (7, 12), every=2, line_width=0.5)
+        >>> [label.get_text() for label in axes.get_yticklabels()]
+        ['0', '2', '4', '6']
     """
     height, width = size
     axes.set(xlim=(0, width), ylim=(height, 0), facecolor=COLORS[EMPTY])
@@ -50,7 +59,14 @@ def draw_grid(
 def box_in(
     size: tuple[float, float], left: float, top: float, width: float, height: float
 ) -> tuple[float, float, float, float]:
-    """Return a box measured from the top left corner, as ``Figure.add_axes`` takes it."""
+    """Return a box measured from the top left corner, as ``Figure.add_axes`` takes it.
+
+    Example:
+        >>> import matplotlib.pyplot as plt
+        >>> from warehouse_core.viz.axes import box_in
+        >>> figure = plt.figure(figsize=(4, 2))
+        >>> axes = figure.add_axes(box_in((4, 2), left=1, top=0.5, width=2, height=1))
+    """
     whole_width, whole_height = size
     return (
         left / whole_width,
@@ -61,7 +77,14 @@ def box_in(
 
 
 def style_chart(axes: Axes, lines: Literal["both", "x", "y"] | None = "both") -> None:
-    """Give a chart its look: no frame, small numbers, and faint grid lines behind the rest."""
+    """Give a chart its look: no frame, small numbers, and faint grid lines behind the rest.
+
+    Example:
+        >>> import matplotlib.pyplot as plt
+        >>> from warehouse_core.viz.axes import style_chart
+        >>> figure, axes = plt.subplots()
+        >>> style_chart(axes, lines="y")
+    """
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=SMALLEST)
     if lines:

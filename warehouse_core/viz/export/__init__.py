@@ -1,4 +1,10 @@
-"""The formats of replays, and what writing them needs."""
+"""The formats of replays, and what writing them needs.
+
+Example:
+    >>> from warehouse_core.viz.export import FORMATS
+    >>> FORMATS
+    ('.gif', '.mp4', '.html', '.svg', '.png')
+"""
 
 from warehouse_core.viz.export.formats import FORMATS, ffmpeg, has_live_terminal, progress_bar
 

@@ -11,6 +11,7 @@ from warehouse_core.errors import FormatError
 from warehouse_core.extras import install_command
 
 FORMATS = (".gif", ".mp4", ".html", ".svg", ".png")
+"""Suffixes of the files that a replay can be saved as."""
 
 MIN_BAR_FRAMES = 40
 """Exports with fewer frames show no progress bar."""
@@ -22,6 +23,10 @@ def has_live_terminal() -> bool:
     """Return whether standard error is a terminal on which a line can be drawn again.
 
     A notebook gives the commands in its cells a terminal too, but keeps all that they draw.
+
+    Example:
+        >>> from warehouse_core.viz.export import has_live_terminal
+        >>> shows_a_bar = has_live_terminal()
     """
     return sys.stderr.isatty() and "JPY_PARENT_PID" not in os.environ
 
@@ -31,6 +36,12 @@ def progress_bar(frames: int, label: str) -> Iterator[Progress]:
     """Yield a callback for ``(frame, frames)`` that moves a bar on standard error.
 
     There is no bar for short exports, or without a live terminal.
+
+    Example:
+        >>> from warehouse_core.viz.export import progress_bar
+        >>> with progress_bar(frames=100, label="replay.gif") as advance:
+        ...     for frame in range(100):
+        ...         advance(frame, 100)
     """
     if frames < MIN_BAR_FRAMES or not has_live_terminal():
         yield lambda frame, _: None
@@ -48,6 +59,12 @@ def ffmpeg() -> str:
 
     Raises:
         FormatError: imageio-ffmpeg is not installed.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from warehouse_core.viz.export import ffmpeg
+        >>> Path(ffmpeg()).exists()
+        True
     """
     try:
         from imageio_ffmpeg import get_ffmpeg_exe

@@ -64,6 +64,15 @@ def player_page(
     Raises:
         ValueError: ``speed`` is not within ``MIN_PACE`` and ``MAX_PACE``, ``opens_at`` is negative
             or not finite, or a place is not finite.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> from warehouse_core.viz.player import player_page
+        >>> from warehouse_core.viz.tracks import track_of_record
+        >>> episode = record_episode(WarehouseEnv(), GreedyAgent(seed=12), seed=12)
+        >>> player_page([track_of_record(episode)], title="Seed 12")[:15]
+        '<!DOCTYPE html>'
     """
     speed = real_number("speed", speed, MIN_PACE, MAX_PACE)
     if opens_at is not None:
@@ -93,6 +102,14 @@ def save_page(
 
     Raises:
         OSError: the file cannot be written.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> from warehouse_core.viz.player import save_page
+        >>> from warehouse_core.viz.tracks import track_of_record
+        >>> episode = record_episode(WarehouseEnv(), GreedyAgent(seed=12), seed=12)
+        >>> save_page("replay.html", [track_of_record(episode)])
     """
     page = player_page(tracks, title=title, speed=speed, opens_at=opens_at)
     with atomic_path(path) as part:
@@ -116,6 +133,15 @@ def player_frame(
         ValueError: as for ``player_page``, or ``height`` is not within 1 and
             ``MAX_FRAME_HEIGHT``.
         TypeError: ``height`` is not an integer.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> from warehouse_core.viz.player import player_frame
+        >>> from warehouse_core.viz.tracks import track_of_record
+        >>> episode = record_episode(WarehouseEnv(), GreedyAgent(seed=12), seed=12)
+        >>> player_frame([track_of_record(episode)], height=480)[:7]
+        '<iframe'
     """
     height = whole_number("height", height, 1, MAX_FRAME_HEIGHT)
     page = html.escape(player_page(tracks, title=title, speed=speed, opens_at=opens_at))

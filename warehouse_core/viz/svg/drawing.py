@@ -78,6 +78,15 @@ def animated_svg(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0
     Raises:
         FormatError: the drawing would have more than ``MAX_SVG_BYTES``.
         ValueError: ``speed`` is not within ``MIN_PACE`` and ``MAX_PACE``.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> from warehouse_core.viz.svg import MAX_SVG_BYTES, animated_svg
+        >>> from warehouse_core.viz.tracks import track_of_record
+        >>> episode = record_episode(WarehouseEnv(), GreedyAgent(seed=12), seed=12)
+        >>> len(animated_svg([track_of_record(episode)])) < MAX_SVG_BYTES
+        True
     """
     speed = real_number("speed", speed, MIN_PACE, MAX_PACE)
     timeline = Timeline(tracks)

@@ -21,6 +21,12 @@ def track_of_frames(
     Raises:
         ValueError: frames of different sizes, an unknown character, an unknown metric, a metric
             with more or fewer entries than frames, or an entry that cannot be plotted.
+
+    Example:
+        >>> from warehouse_core import WarehouseEnv
+        >>> from warehouse_core.viz.tracks import track_of_frames
+        >>> len(track_of_frames([WarehouseEnv().render_grid()]).frames)
+        1
     """
     grids = [["".join(row) for row in frame] for frame in frames]
     _check_grids(grids)

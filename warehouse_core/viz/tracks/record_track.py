@@ -68,6 +68,14 @@ def track_of_record(
             record.
         TypeError: an argument of another type.
         RecordError: continuous motions take more than ``MAX_FRAMES`` frames.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> from warehouse_core.viz.tracks import track_of_record
+        >>> episode = record_episode(WarehouseEnv(backend="physics"), GreedyAgent(seed=12), seed=12)
+        >>> track_of_record(episode).is_continuous
+        True
     """
     instance_of("record", record, Episode)
     plans, has_paths = sequence_of("plans", plans, StepPlans), bool(record.motions)

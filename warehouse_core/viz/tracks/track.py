@@ -51,7 +51,13 @@ class DrawnHit:
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Where a robot is, in cells, its heading (radians, or ``None``), and whether it is loaded."""
+    """Where a robot is, in cells, its heading (radians, or ``None``), and whether it is loaded.
+
+    Example:
+        >>> from warehouse_core.viz.tracks import Pose
+        >>> Pose(at=(1.5, 2.5), heading=None, loaded=True)
+        Pose(at=(1.5, 2.5), heading=None, loaded=True)
+    """
 
     at: Point
     heading: float | None
@@ -115,6 +121,13 @@ class Frame:
         energy: used so far by all robots, in joules.
         route: the planned way of the robot; empty where no plan is shown.
         fleet: orders and batteries of a fleet.
+
+    Example:
+        >>> from warehouse_core import WarehouseEnv
+        >>> from warehouse_core.viz.tracks import track_of_frames
+        >>> frame = track_of_frames([WarehouseEnv().render_grid()]).frames[0]
+        >>> frame.robots[0].at, frame.progress
+        ((1.5, 1.5), 0.0)
     """
 
     tiles: TileRows
@@ -150,6 +163,14 @@ class Track:
         motor_strength: actual share of the motor force.
         marks: cells that a search has coloured.
         tells_next: true if a caption is about the next step, false if about the last one.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> from warehouse_core.viz.tracks import track_of_record
+        >>> track = track_of_record(record_episode(WarehouseEnv(), GreedyAgent(seed=12), seed=12))
+        >>> track.steps, track.is_continuous
+        (23, False)
     """
 
     frames: list[Frame]

@@ -133,7 +133,7 @@ def fleet(
     still: options.Still = False,
     speed: options.Speed = 1.0,
 ) -> None:
-    """Run a shift of several robots and replay it.
+    """Run a shift of robots and replay it.
 
     Each robot is directed by the agent, its goal given by its order. A robot
     whose battery is low drives to a charger. With --planner, a planner leads

@@ -22,6 +22,7 @@ from warehouse_core import FleetEnv, FleetEpisode, Layout
 from warehouse_core.batch.fleet.battery import JOULES
 from warehouse_core.batch.fleet.tally import SECONDS_PER_HOUR
 from warehouse_core.fleet import Battery
+from warehouse_core.motion.grid import NOMINAL_SECONDS
 
 TOP_SPEED = 1.0
 """Nominal top speed of the robots of all worlds in m/s."""
@@ -130,7 +131,9 @@ def make_env(
 
 def score_of(record: FleetEpisode, orders: list[TimedOrder], late_plans: int) -> Score:
     """Return the measures of a record, whose orders were made of ``orders``, one by one."""
-    clock = np.concatenate([[0.0], record.seconds.max(axis=1).cumsum()])
+    steps = record.seconds.max(axis=1)
+    # A drop that takes longer than the step in which it begins has not ended with it.
+    clock = np.append(0.0, steps.cumsum() + np.maximum(NOMINAL_SECONDS - steps, 0.0))
     times = [
         clock[done.delivered] if done.delivered is not None else math.inf for done in record.orders
     ]

@@ -2,19 +2,24 @@
 
 from __future__ import annotations
 
-import json
+from collections.abc import Mapping
 from concurrent.futures import Future, as_completed
 from pathlib import Path
 
-from agents.errors import GradeError, WorkerError
+from agents.errors import AgentError, GradeError, WorkerError
+from agents.lab.commands.grade.pages import INDEX, are_written, write_files, write_index
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
+from agents.lab.grading.copies import find_copies
+from agents.lab.grading.criteria import VISIBILITIES
 from agents.lab.grading.grades import (
     CODE,
     FAILURE,
+    LATE,
     NAME,
     POINTS,
     RUBRIC,
+    SIMILAR,
     GradeRow,
     columns_of,
     failed_row,
@@ -23,32 +28,15 @@ from agents.lab.grading.grades import (
     row_of,
     save_grades,
 )
-from agents.lab.grading.gradescope import results_of
-from agents.lab.grading.grading import GradeReport, grade
+from agents.lab.grading.grading import grade
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.submissions import Submission, Unusable, in_folder
+from agents.lab.grading.summary import summary_of
 from agents.lab.grading.trust import most_jobs
 from agents.lab.trials.workers import process_pool
-from warehouse_core.files.atomic import atomic_path
 from warehouse_core.wording import counted
 
-RESULTS, PAGE, TABLE = ".json", ".html", ".csv"
-
-
-def write_report(path: Path, report: GradeReport) -> None:
-    """Write a report by the suffix of the file; the file is complete or not there.
-
-    On a page the words of the agent are escaped text.
-    """
-    if path.suffix.lower() == PAGE:
-        from agents.lab.reports.page import write_template  # Jinja takes long to import
-
-        title = f"{report.points:g} of {report.max_points:g} points"
-        write_template(path, "grade.html", title, has_players=False, report=report)
-        return
-    text = json.dumps(results_of(report), indent=2, ensure_ascii=True)
-    with atomic_path(path) as part:
-        part.write_text(f"{text}\n", encoding="utf-8")
+NOBODY_LATE: Mapping[str, int] = {}
 
 
 def grade_folder(
@@ -59,7 +47,9 @@ def grade_folder(
     pages: Path | None,
     user: str | None,
     jobs: int,
-) -> None:
+    late: Mapping[str, int] = NOBODY_LATE,
+    when: str = VISIBILITIES[0],
+) -> dict[str, GradeRow]:
     """Grade the submissions in a folder that have changed, and write the table after each.
 
     Args:
@@ -70,18 +60,26 @@ def grade_folder(
         pages: folder for the page and the results of each, or ``None``.
         user: user that runs agents, see ``Sandbox``.
         jobs: number of processes.
+        late: days by which submissions are late, by their names; others are not.
+        when: time at which students see the pages, one of ``VISIBILITIES``.
+
+    Returns:
+        the rows of the table, by the names of the submissions.
     """
     from agents.lab.console.progress import progress_bar  # Rich takes long to import
 
-    found = list(in_folder(folder, kind))
-    if not found:
-        raise GradeError(f"{folder}: there is no .py file in it, nor a folder with one")
+    ours = [target, *rubric.files, rubric.starter, *([pages] if pages else [])]
+    found = list(in_folder(folder, kind, ours))
+    _check_names(folder, [each.name for each in found], late)
     before, rows = load_grades(target), dict[str, GradeRow]()
     waiting = list[Submission]()
     for each in found:
+        days = late.get(each.name, 0)
         if isinstance(each, Unusable):
-            rows[each.name] = failed_row(each.name, each.reason, rubric)
-        elif _is_done(each, before, rubric, pages):
+            rows[each.name] = failed_row(each.name, each.reason, rubric, late=days)
+        elif _is_done(each, before, rubric, days) and (
+            pages is None or are_written(pages, each, rubric, when)
+        ):
             rows[each.name] = before[plain(each.name)]
         else:
             waiting.append(each)
@@ -94,52 +92,70 @@ def grade_folder(
             process_pool(max(min(most_jobs(user, jobs), len(waiting)), 1)) as (pool, _),
             progress_bar(len(waiting), "submissions") as advance,
         ):
-            futures = {pool.submit(_grade, each, rubric, user, pages): each for each in waiting}
+            futures = {
+                pool.submit(_grade, each, rubric, user, pages, late.get(each.name, 0), when): each
+                for each in waiting
+            }
             for number, future in enumerate(as_completed(futures), 1):
                 each = futures[future]
-                rows[each.name] = _row(future, each, rubric)
+                rows[each.name] = _row(future, each, rubric, late.get(each.name, 0))
                 save_grades(target, columns_of(rubric), rows)
                 advance(number, each.name)
     except KeyboardInterrupt:
         done = f"{len(rows)} of {counted(len(found), 'submission')} are in {target}"
         say(f"{done}; run the same command again to resume")
         raise
+    alike = find_copies([each for each in found if isinstance(each, Submission)], rubric)
+    for name, row in rows.items():
+        rows[name] = row | {SIMILAR: plain(alike.get(name, ""))}
+    save_grades(target, columns_of(rubric), rows)
     _print_grades(rows, rubric)
+    if pages is not None:
+        say(f"saved {write_index(pages, rows, rubric)}, the page of the class")
     say(f"saved {target}: {counts}")
+    return rows
 
 
-def _is_done(
-    each: Submission, before: dict[str, GradeRow], rubric: Rubric, pages: Path | None
-) -> bool:
+def _check_names(folder: Path, names: list[str], late: Mapping[str, int]) -> None:
+    if not names:
+        raise GradeError(f"{folder}: there is no submission in it")
+    if INDEX in names:
+        raise GradeError(f"{folder / INDEX}: the page of the class has this name; choose another")
+    unknown = [name for name in late if name not in names]
+    if unknown:
+        raise GradeError(
+            f"{folder}: no submission is called {unknown[0]!r}, which is said to be late"
+        )
+
+
+def _is_done(each: Submission, before: dict[str, GradeRow], rubric: Rubric, late: int = 0) -> bool:
     row = before.get(plain(each.name))
     if row is None or not row.keys() >= set(columns_of(rubric)):
         return False
-    if (row[CODE], row[RUBRIC]) != (each.digest, rubric.digest):
-        return False
-    return pages is None or all(path.exists() for path in _files(pages, each))
+    return (row[CODE], row[RUBRIC], row[LATE]) == (each.digest, rubric.digest, str(late))
 
 
-def _files(pages: Path, each: Submission) -> list[Path]:
-    return [pages / f"{each.name}{suffix}" for suffix in (PAGE, RESULTS)]
-
-
-def _grade(each: Submission, rubric: Rubric, user: str | None, pages: Path | None) -> GradeReport:
+def _grade(
+    each: Submission, rubric: Rubric, user: str | None, pages: Path | None, late: int, when: str
+) -> GradeRow:
     """Grade a submission, in a process of its own."""
-    report = grade(each, rubric, user)
-    for path in _files(pages, each) if pages else ():
-        write_report(path, report)
-    return report
+    report = grade(each, rubric, user, late=late)
+    if pages is not None:
+        write_files(pages, each, report, when)
+    return row_of(each.name, report)
 
 
-def _row(future: Future[GradeReport], each: Submission, rubric: Rubric) -> GradeRow:
+def _row(future: Future[GradeRow], each: Submission, rubric: Rubric, late: int = 0) -> GradeRow:
     try:
-        return row_of(each.name, future.result())
+        return future.result()
     except WorkerError as error:  # an agent has ended the grader
-        return failed_row(each.name, f"it ended the grader: {error}", rubric, each.digest)
+        return failed_row(each.name, f"it ended the grader: {error}", rubric, each.digest, late)
+    except AgentError as error:  # an archive that cannot be unpacked
+        return failed_row(each.name, str(error), rubric, each.digest, late)
 
 
 def _print_grades(rows: dict[str, GradeRow], rubric: Rubric) -> None:
-    """Print the points of each submission, the best first, and why some could not be graded.
+    """Print the points of each submission, the best first, why some have none, and a summary.
 
     Columns have the numbers of criteria, whose names would make the table wider than a terminal.
     """
@@ -154,3 +170,8 @@ def _print_grades(rows: dict[str, GradeRow], rubric: Rubric) -> None:
     for row in ordered:
         if row[FAILURE]:
             say(f"{row[NAME]}: {row[FAILURE]}")
+    for row in ordered:
+        if row[SIMILAR]:
+            say(f"{row[NAME]} is like {row[SIMILAR]}: a hint to look, and no verdict")
+    for sentence in summary_of(rows.values(), rubric).sentences:
+        say(sentence)

@@ -12,25 +12,28 @@ import typer
 
 from agents.errors import GradeError
 from agents.lab.commands.grade.folder import (
-    PAGE,
-    RESULTS,
-    TABLE,
     grade_folder,
-    write_report,
 )
+from agents.lab.commands.grade.pages import PAGE, RESULTS, write_report
 from agents.lab.console import options
 from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.terminal import say
+from agents.lab.grading.autograder import write_autograder
+from agents.lab.grading.criteria import VISIBILITIES
+from agents.lab.grading.exercises import find_rubric, rubric_name
 from agents.lab.grading.gradescope import lines_of
 from agents.lab.grading.grading import GradeReport
 from agents.lab.grading.grading import grade as grade_agent
+from agents.lab.grading.late import load_days
+from agents.lab.grading.lms import save_canvas, save_moodle
 from agents.lab.grading.rubric import MINI_LAB, Rubric, load_rubric
 from agents.lab.grading.submissions import MAX_SOURCE, find_submission
 from agents.lab.grading.trust import check_trust
+from agents.lab.parameters import one_of
 from warehouse_core.files.atomic import atomic_path, check_suffix, check_target
 from warehouse_core.files.reading import read_file
 
-CODE = ".py"
+CODE, TABLE, ARCHIVE = ".py", ".csv", ".zip"
 
 
 def _print_rubric(wanted: bool) -> None:
@@ -44,16 +47,18 @@ def grade(
         str,
         typer.Argument(
             metavar="AGENT",
-            help="file.py:Class, or a folder of submissions: .py files, and folders with one "
-            "(or with agent.py). Without :Class the only class that has reset and act.",
+            help="file.py:Class, or a folder of submissions: .py and .ipynb files, and folders and "
+            ".zip files with one (or with agent.py). Without :Class the only class that has reset "
+            "and act.",
             show_default=False,
         ),
     ] = "",
     rubric: Annotated[
         Path,
         option(
-            "--rubric FILE",
-            "What is asked, a .toml file. Default: that of the mini-lab.",
+            "--rubric NAME|FILE",
+            "What is asked: an exercise such as exercise-07, or a .toml file. Default: the "
+            "mini-lab.",
             show_default=False,
         ),
     ] = MINI_LAB,
@@ -61,8 +66,33 @@ def grade(
         Path | None,
         option(
             "--pages FOLDER",
-            "Folder to write the page and the results of each submission to.",
+            "Folder to write the page and the results of each submission to, and a page of the "
+            "class.",
         ),
+    ] = None,
+    reveal: Annotated[
+        str,
+        option(
+            f"--reveal {'|'.join(VISIBILITIES[:3])}",
+            "Pages show criteria that are visible then.",
+            one_of(*VISIBILITIES[:3]),
+        ),
+    ] = VISIBILITIES[0],
+    late: Annotated[
+        Path | None,
+        option(
+            "--late FILE",
+            "Days that submissions are late, a .csv with the columns submission and days; [late] "
+            "of the rubric says what a day takes.",
+        ),
+    ] = None,
+    moodle: Annotated[
+        Path | None,
+        option("--moodle FILE", "Save grades for Moodle, as .csv.", callback=writable(TABLE)),
+    ] = None,
+    canvas: Annotated[
+        Path | None,
+        option("--canvas FILE", "Save grades for Canvas, as .csv.", callback=writable(TABLE)),
     ] = None,
     kind: Annotated[str | None, option("--class NAME", "Class of the agents in a folder.")] = None,
     user: Annotated[
@@ -99,6 +129,14 @@ def grade(
             callback=writable(CODE),
         ),
     ] = None,
+    autograder: Annotated[
+        Path | None,
+        option(
+            "--autograder FILE",
+            "Write what Gradescope takes for the rubric, a .zip, and grade nothing.",
+            callback=writable(ARCHIVE),
+        ),
+    ] = None,
     *,
     save: Annotated[
         list[Path],
@@ -127,9 +165,13 @@ def grade(
 
     Example: warehouse grade my_agent.py:Agent --save results.json
     """
-    wanted = load_rubric(rubric)
+    wanted = load_rubric(find_rubric(rubric))
     if starter is not None:
         write_starter(wanted, starter)
+    if autograder is not None:
+        write_autograder(autograder, wanted)
+        say(f"saved {autograder}")
+    if starter is not None or autograder is not None:
         return
     if not agent:
         raise typer.BadParameter("AGENT is missing; see: warehouse grade -h")
@@ -143,9 +185,18 @@ def grade(
         if pages is not None:
             pages.mkdir(parents=True, exist_ok=True)
         say(check_trust(user, trust, are_many=True))
-        grade_folder(folder, kind, wanted, target, pages, user, jobs or os.cpu_count() or 1)
+        days = load_days(late) if late else {}
+        rows = grade_folder(
+            folder, kind, wanted, target, pages, user, jobs or os.cpu_count() or 1, days, reveal
+        )
+        for path, save_grades in ((moodle, save_moodle), (canvas, save_canvas)):
+            if path is not None:
+                save_grades(path, rows, wanted)
+                say(f"saved {path}")
         return
-    for name, value in (("--pages", pages), ("--class", kind)):
+    for name, value in {
+        "--pages": pages, "--class": kind, "--late": late, "--moodle": moodle, "--canvas": canvas,
+    }.items():  # fmt: skip
         if value is not None:
             raise typer.BadParameter(f"{name} needs a folder of submissions; {agent!r} is none")
     for path in save:
@@ -158,7 +209,7 @@ def grade(
     with progress_bar(sum(case.episodes for case in wanted.used_cases), "episodes") as show:
         report = grade_agent(submission, wanted, user, lambda: show(next(done)))
     for path in save:
-        write_report(path, report)
+        write_report(path, report.shown(reveal) if path.suffix.lower() == PAGE else report)
     print_report(report)
     for path in save:
         say(f"saved {path}")
@@ -173,7 +224,8 @@ def write_starter(rubric: Rubric, target: Path) -> None:
     text = read_file(rubric.starter, MAX_SOURCE)
     with atomic_path(target) as part:
         part.write_bytes(text)
-    asked = "" if rubric.file == MINI_LAB else f" --rubric {shlex.quote(str(rubric.file))}"
+    name = shlex.quote(rubric_name(rubric.file))
+    asked = "" if rubric.file == MINI_LAB else f" --rubric {name}"
     say(f"saved {target}; to grade it: warehouse grade {shlex.quote(str(target))}{asked}")
 
 

@@ -121,7 +121,7 @@ def mapf(
         ),
     ],
 ) -> None:
-    """Run planners on a problem of several robots.
+    """Run planners on a problem of robots.
 
     Prints makespan, sum of costs and time of plans, or the goals or tasks
     that a lifelong run reaches in a step, each beside a bound. For several

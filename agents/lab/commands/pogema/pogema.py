@@ -90,7 +90,7 @@ def pogema(
         ),
     ],
 ) -> None:
-    """Compare planners with the results of POGEMA.
+    """Compare planners with POGEMA's results.
 
     Maps, starts and goals equal the published ones. Run the same command with the
     same .csv again to resume, or with more episodes or planners to add those.

@@ -6,7 +6,7 @@ import pytest
 from matplotlib.backend_bases import KeyEvent
 from PIL import Image
 
-from agents.lab.commands.demos import DEMOS, STILLS
+from agents.lab.commands.demos import CROSSING_PLAN, DEMOS, STILLS, STOP
 from agents.lab.console import output
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.replay import replay_of_tracks
@@ -46,6 +46,17 @@ def test_the_plan_fails_on_the_slippery_floor():
     plan, slipped = DEMOS["slip"]().tracks
     assert (plan.ending, slipped.ending) == ("delivered", "not delivered")
     assert "slippery" in slipped.title
+
+
+def test_robots_behind_one_that_stops_wait_or_cross_before_it():
+    demo = DEMOS["passing"]()
+    kept, bent = map(float, re.findall(r"([\d.]+) s", demo.said))
+    assert bent < STOP < kept
+    ends = [[robot.at for robot in track.frames[-1].robots] for track in demo.tracks]
+    cells = [(col + 0.5, row + 0.5) for row, col in CROSSING_PLAN[-1]]
+    for places in ends:
+        for place, cell in zip(places, cells, strict=True):
+            assert place == pytest.approx(cell, abs=0.02)
 
 
 def test_a_robot_on_two_wheels_turns_on_the_spot_before_it_drives_on():

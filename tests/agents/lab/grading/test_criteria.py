@@ -1,6 +1,7 @@
 """What each measure makes of episodes, in points, in words and by the worst of them."""
 
 from collections.abc import Sequence
+from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any, cast
 
@@ -10,6 +11,7 @@ from agents.lab.grading import grading
 from agents.lab.grading.cases import GradedCase
 from agents.lab.grading.criteria import Criterion
 from agents.lab.grading.grading import Grade, GradeReport, grade
+from agents.lab.grading.late import LateRule
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.runs import Run, _count_useless
 from agents.lab.grading.sandbox import ENDS, FAILS, LOAD, SLOW, AgentFailureError
@@ -36,9 +38,15 @@ def report_of(criteria: Sequence[Criterion], *runs: Run, hiding: Sequence[str] =
     cases = list(dict.fromkeys(run.case for run in runs))
     numbered = [run._replace(seed=seed) for seed, run in enumerate(runs, 1)]
     rubric = SimpleNamespace(
-        criteria=criteria, used_cases=cases, limits=None, files=(), title="A title", digest="r"
+        criteria=criteria, used_cases=cases, limits=None, files=(), title="A title", digest="r",
+        late=LateRule(),
+    )  # fmt: skip
+    submission = SimpleNamespace(
+        called=lambda name: f"mine:{name}",
+        digest="c",
+        hiding=hiding,
+        unpacked=lambda user: nullcontext(submission),
     )
-    submission = SimpleNamespace(called=lambda name: f"mine:{name}", digest="c", hiding=hiding)
     with pytest.MonkeyPatch.context() as patch:
         patch.setattr(grading, "run_cases", lambda *_: numbered)
         return grade(cast("Submission", submission), cast("Rubric", rubric))
@@ -120,6 +128,36 @@ def on(kind: str, full: float, zero: float, case: str = "open", **others: Any) -
             0,
             "0% of 2 episodes: 1 failure, 60 unknown actions",
             (2, "fails: ValueError: 3"),
+        ),
+        (
+            on("flawless", 1, 0),
+            [GOOD, GOOD._replace(useless=2), GOOD._replace(useless=1), LOST, CALM],
+            2.5,
+            "25% of 4 episodes: 3 delivered and 1 oscillation; 0 failures, at most 2 useless "
+            "actions in an episode",
+            (2, "It delivered.; 2 useless actions"),
+        ),
+        (
+            on("flawless", 1, 0),
+            [GOOD._replace(useless=2), LOST._replace(failure=CRASH, step=3)],
+            0,
+            "0% of 2 episodes: 1 delivered and 1 fails; 1 failure, at most 2 useless actions in "
+            "an episode",
+            (2, "fails at step 3: ValueError: 3"),
+        ),
+        (
+            on("reward", 8, 4),  # an episode without a way counts too
+            [GOOD._replace(reward=12.0), CALM._replace(case=OPEN, reward=-1.0)],
+            3.75,
+            "5.50 in 2 episodes: 1 delivered and 1 unreachable",
+            (2, "unreachable: There is no way."),
+        ),
+        (
+            on("reward", 8, 4),  # one that failed is the worst, however much it has
+            [LOST._replace(reward=-20.0), LOST._replace(reward=9.0, failure=CRASH, step=2)],
+            0,
+            "-5.50 in 2 episodes: 1 fails and 1 oscillation",
+            (2, "fails at step 2: ValueError: 3"),
         ),
         (
             on("answer_seconds", 0.1, 0.1),  # the first that is too slow, not the slowest

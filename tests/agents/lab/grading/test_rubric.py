@@ -135,6 +135,5 @@ def test_the_digest_of_a_rubric_has_that_of_its_layouts(tmp_path: Path) -> None:
 def test_the_rubric_of_the_mini_lab_has_100_points_and_names_every_measure() -> None:
     rubric = load_rubric(MINI_LAB)
     assert rubric.points == 100
-    assert {each.kind for each in rubric.criteria} == MEASURES.keys()
     text = MINI_LAB.read_text(encoding="utf-8")
     assert all(f"#   {name} " in text for name in MEASURES)

@@ -7,6 +7,8 @@ import re
 import shutil
 import signal
 from pathlib import Path
+from tempfile import gettempdir
+from zipfile import ZipFile
 
 import pytest
 from helpers.attacks import BEFORE, DEEDS, attempt
@@ -17,12 +19,14 @@ from helpers.submissions import (
     Expected,
     good,
     idle,
+    notebook_of,
     running_in,
     write_rubric,
 )
 
 from agents.errors import GradeError
 from agents.lab.grading import sandbox, submissions, walls
+from agents.lab.grading.grades import row_of
 from agents.lab.grading.gradescope import results_of
 from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import load_rubric
@@ -258,6 +262,7 @@ def test_a_folder_has_files_and_folders(tmp_path: Path, monkeypatch: pytest.Monk
         "mine.py", "searches", "waits",
     }  # fmt: skip
     assert {name: each.reason for name, each in found.items() if isinstance(each, Unusable)} == {
+        "notes.txt": "it is no .py, .ipynb or .zip file, and no folder",
         "copied.py": "it is a link, which is not followed",
         "folder": "agent.py: it is a folder, not a file",
         "gone.py": "it is a link, which is not followed",
@@ -267,6 +272,89 @@ def test_a_folder_has_files_and_folders(tmp_path: Path, monkeypatch: pytest.Monk
         "two: a": "it has 2 .py files, and none is agent.py",
         "zero": "agent.py: it is a link, which is not followed",
     }
+
+
+def test_notebooks_archives_and_nested_files_are_graded_and_leave_nothing(tmp_path: Path) -> None:
+    """An agent is found in each form, imports its own files, and is removed when unpacked."""
+    before, after = GOOD.split("class Agent:")
+    nested = f"import helper\nfrom helper import *\nclass Agent:{after}"
+    folder, rubric = tmp_path / "all", load_rubric(write_rubric(tmp_path))
+    for name, text in {
+        "cells.ipynb": notebook_of("import numpy", before, f"class Agent:{after}", "1 / 0"),
+        "nested/src/agent.py": nested, "nested/src/helper.py": before, "nested/notes.txt": "",
+        "nested/.ipynb_checkpoints/agent.py": "", "two/a.ipynb": "", "two/b.ipynb": "",
+        "twice/a/agent.py": "", "twice/b/agent.py": "", "bad.zip": "PK",
+    }.items():  # fmt: skip
+        (folder / name).parent.mkdir(parents=True, exist_ok=True)
+        (folder / name).write_text(text, encoding="utf-8")
+    (folder / "moodle").mkdir()
+    for name in ("archive.zip", "moodle/any.zip"):
+        with ZipFile(folder / name, "w") as archive:
+            archive.writestr("ann/agent.py", nested)
+            archive.writestr("ann/helper.py", before)
+            archive.writestr("__MACOSX/agent.py", "")
+    temporary = {*Path(gettempdir()).glob("warehouse-*")}
+    found, refused = {}, {}
+    for each in in_folder(folder, None, [folder / "two"]):
+        if isinstance(each, Unusable):
+            refused[each.name] = each.reason
+        else:
+            found[each.name] = grade(each, rubric)
+    assert {name: each.points for name, each in found.items()} == dict.fromkeys(
+        ("archive.zip", "cells.ipynb", "moodle", "nested"), 100
+    )
+    assert found["archive.zip"].agent == "ann/agent.py:Agent"
+    assert refused == {
+        "bad.zip": "it cannot be unpacked: it is no ZIP archive",
+        "twice": "it has 2 .py files, and none is agent.py",
+    }
+    assert {*Path(gettempdir()).glob("warehouse-*")} == temporary
+
+
+@pytest.mark.parametrize(
+    ("limits", "source", "said"),
+    [
+        ('deny_imports = ["agents"]', "from agents.search import ExploringAgent as A",
+         "ImportError: the rubric denies the import of agents.search (agent.py, line 1)"),
+        ('deny_imports = ["agents"]', "import importlib\n"
+         "A = importlib.import_module('agents.search').ExploringAgent",
+         "ImportError: the rubric denies the import of agents.search (agent.py, line 2)"),
+        ('deny_imports = ["agents"]', "import importlib._bootstrap as own\n"
+         "A = own._gcd_import('agents.search').ExploringAgent",
+         "PermissionError: the rubric denies the import of this module (agent.py, line 2)"),
+        ('deny_imports = ["numpy.random"]', "from numpy import random",
+         "ImportError: the rubric denies the import of numpy.random (agent.py, line 1)"),
+        ('allow_imports = ["numpy", "math"]', "import numpy.random, math, mine, os",
+         "ImportError: the rubric allows no import of os, but of numpy, math (agent.py, line 1)"),
+        ('allow_imports = ["warehouse_core"]\ndeny_imports = ["numpy"]',
+         f"import warehouse_core\n{GOOD}",
+         "ImportError: the rubric allows no import of collections, but of warehouse_core "
+         "(agent.py, line 4)"),
+    ],
+)  # fmt: skip
+def test_a_rubric_says_what_agents_may_import(
+    tmp_path: Path, limits: str, source: str, said: str
+) -> None:
+    (tmp_path / "mine.py").touch()
+    rubric = RUBRIC.replace("give_up_after = 1", f"give_up_after = 1\n{limits}")
+    report = grade_source(tmp_path, f"{source}\nclass Agent(A):\n    pass\n", rubric)
+    assert report.failure == f"cannot be loaded: {said}"
+    ours = find_submission("exploring")
+    assert grade(ours, load_rubric(tmp_path / "rubric.toml")).points == 100
+
+
+def test_no_points_have_a_reason(tmp_path: Path) -> None:
+    for source, reason in {
+        idle("1 / 0"): "no points: 10 of 10 episodes failed: it fails at step 1: "
+        "ZeroDivisionError: division by zero (agent.py, line 8)",
+        idle("pass"): "no points: 10 episodes, 8 ineffective and 2 unreachable",
+        idle("time.sleep(9)", "import time"): "no points: 10 of 10 episodes failed: it takes too "
+        "long at step 1: no answer within 0.5 s",
+    }.items():
+        report = grade_source(tmp_path, source)
+        assert report.reason == reason
+        assert row_of("ann", report)["failure"] == reason
+    assert not grade_source(tmp_path, GOOD).remarks
 
 
 @pytest.mark.usefixtures("no_walls")

@@ -89,7 +89,8 @@ def test_the_time_of_all_robots_is_spent_on_something(
     spent = time_spent(record, 1.0)
     assert spent.sum() == pytest.approx(3 * record.measures.seconds)
     assert (spent[[0, 2, 3, 4]] >= 0).all()
-    assert spent[3] >= 2 * 5 * 0.99, "five items are picked and dropped"
+    rest = max(1 - make_world(world, SETTING.shocks, 3, 60.0, 3).step_seconds, 0.0)
+    assert spent[3] >= (2 * 5 - rest) * 0.99, "five items are picked and dropped, the last partly"
     moves = np.count_nonzero(np.diff(record.cells, axis=0))
     assert spent[0] == pytest.approx(moves, rel=0.1), "a cell takes a second at top speed"
 

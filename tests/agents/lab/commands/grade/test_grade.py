@@ -24,7 +24,8 @@ from helpers.submissions import (
 
 from agents.errors import WorkerError
 from agents.lab.commands.grade.folder import _is_done, _row
-from agents.lab.grading.grading import GradeReport, grade
+from agents.lab.grading.grades import GradeRow
+from agents.lab.grading.grading import grade
 from agents.lab.grading.rubric import MINI_LAB, load_rubric
 from agents.lab.grading.submissions import find_submission
 
@@ -132,17 +133,20 @@ def test_a_folder_is_graded_once_and_again_where_something_has_changed(
     result = warehouse(*words, "--jobs", 2, "--pages", "pages")
     assert result.code == 0
     assert "4 graded, 0 unchanged, 1 that cannot" in result.out
-    _, *table, none, syntax, _ = result.out.splitlines()
-    assert max(map(len, table)) <= 80
-    assert table[-4:-2] == ["  1  delivers, of 60", "  2  no way, of 20"]
-    assert none == "none: it has 0 .py files, and none is agent.py"
-    assert syntax.startswith("syntax: cannot be loaded: SyntaxError")
+    _, *lines = result.out.splitlines()
+    place = lines.index("  1  delivers, of 60")
+    assert max(map(len, lines[:place])) <= 80
+    assert lines[place + 1] == "  2  no way, of 20"
+    assert "none: it has no .py, .ipynb or .zip file" in lines
+    assert any(each.startswith("syntax: cannot be loaded: SyntaxError") for each in lines)
+    assert "mean 20.0, median 0; 1 have all points, 4 none" in lines
+    assert "most miss 'delivers': 4 of 5 lack points of it, and the mean has 20%" in lines
     rows, first = rows_of("grades.csv"), Path("grades.csv").read_bytes()
     points = {name: row["points"] for name, row in rows.items()}
     assert points == {"searches": "100", "picks": "0", "syntax": "0", "none": "0", "'=cmd.py": "0"}
     assert rows["syntax"]["failure"].startswith("cannot be loaded: SyntaxError")
-    assert rows["none"]["failure"] == "it has 0 .py files, and none is agent.py"
-    assert len(list(Path("pages").iterdir())) == 8
+    assert rows["none"]["failure"] == "it has no .py, .ipynb or .zip file"
+    assert len(list(Path("pages").iterdir())) == 9
     assert "0 graded, 4 unchanged, 1 that cannot" in warehouse(*words).out
     assert Path("grades.csv").read_bytes() == first
     Path("all", "picks", "agent.py").write_text(GOOD, encoding="utf-8")
@@ -155,7 +159,7 @@ def test_a_folder_is_graded_once_and_again_where_something_has_changed(
 
 def test_an_agent_that_ended_the_grader_has_no_points(rubric: Path) -> None:
     """Compiled code may, where the system does not keep agents from other processes."""
-    future: Future[GradeReport] = Future()
+    future: Future[GradeRow] = Future()
     future.set_exception(WorkerError("its process was ended by signal 9"))
     file = Path("agent.py")
     file.write_text(GOOD, encoding="utf-8")
@@ -163,9 +167,10 @@ def test_an_agent_that_ended_the_grader_has_no_points(rubric: Path) -> None:
     row = _row(future, submission, asked)
     assert row["points"] == "0"
     assert row["failure"] == "it ended the grader: its process was ended by signal 9"
-    assert _is_done(submission, {submission.name: row}, asked, None)
+    assert _is_done(submission, {submission.name: row}, asked)
+    assert not _is_done(submission, {submission.name: row}, asked, late=1)
     del row["no way"]  # a criterion
-    assert not _is_done(submission, {submission.name: row}, asked, None)
+    assert not _is_done(submission, {submission.name: row}, asked)
 
 
 def test_an_interrupted_folder_is_resumed_and_nothing_is_left_running(
@@ -237,3 +242,60 @@ def test_the_starting_file_runs_and_has_few_points_and_none_is_written_over(
     rubric.with_suffix(".py").write_text(GOOD, encoding="utf-8")
     assert f"warehouse grade start.py --rubric {rubric}" in warehouse(*words).out
     assert Path("start.py").read_text(encoding="utf-8") == GOOD
+
+
+LATER = RUBRIC.replace("points = 20\n", 'points = 20\nvisibility = "after_due_date"\n').replace(
+    "[limits]", "[late]\npoints = 5\n[limits]"
+)
+
+
+def test_pages_show_what_is_visible_by_then_in_one_file_each(
+    warehouse: Warehouse, rubric: Path
+) -> None:
+    rubric.write_text(LATER.replace("points = 60\n", "points = 60\nleaderboard = true\n"))
+    write_submissions(Path("all"), "none_without_way")
+    Path("all", "<b>").mkdir()
+    Path("all", "<b>", "agent.py").write_text("", encoding="utf-8")
+    Path("late.csv").write_text("submission,days\nnone_without_way,2\n")
+    words = ("grade", "--trust", "all", "--rubric", rubric, "--jobs", 1, "--pages", "pages",
+             "--late", "late.csv")  # fmt: skip
+    warehouse(*words)
+    assert rows_of("grades.csv")["none_without_way"]["points"] == "60"
+    page, results = (Path("pages", f"none_without_way{end}") for end in (".html", ".json"))
+    text, found = page.read_text(encoding="utf-8"), json.loads(results.read_text())
+    assert [test["name"] for test in found["tests"]] == ["delivers", "protocol", "fewest"]
+    assert found["leaderboard"] == [{"name": "delivers", "value": 1.0, "order": "desc"}]
+    assert "60 of 80 points" in text
+    assert "2 days late: 10 points less" in text
+    assert "20 more points are not shown yet" in text
+    assert "no way" not in text
+    assert "<iframe" in text, "the worst episode plays"
+    assert not re.search(r'(src|href)="(?!data:|#)', text)
+    index = Path("pages", "index.html").read_text(encoding="utf-8")
+    assert 'href="./none_without_way.html"' in index
+    assert "<b>" not in index
+    assert "0 graded, 2 unchanged" in warehouse(*words).out
+    assert "2 graded, 0 unchanged" in warehouse(*words, "--reveal", "after_due_date").out
+    assert "no way" in page.read_text(encoding="utf-8")
+    assert "0 graded, 2 unchanged" in warehouse(*words, "--reveal", "after_due_date").out
+
+
+def test_names_that_cannot_be_are_refused(refused: Refused, rubric: Path) -> None:
+    write_submissions(Path("all"), "searches")
+    Path("late.csv").write_text("submission,days\nsearch,2\n")
+    words = "grade", "--trust", "all", "--rubric", rubric, "--late", "late.csv"
+    assert refused(*words) == "all: no submission is called 'search', which is said to be late"
+    Path("all", "index").mkdir()
+    assert refused(*words).startswith("all/index: the page of the class has this name")
+
+
+def test_tables_for_others_and_an_autograder_are_saved(warehouse: Warehouse, rubric: Path) -> None:
+    Path("all").mkdir()
+    Path("all", "ann.py").write_text("", encoding="utf-8")
+    words = ("grade", "--trust", "all", "--rubric", rubric, "--jobs", 1)
+    out = warehouse(*words, "--moodle", "m.csv", "--canvas", "c.csv").out
+    assert "saved m.csv\nsaved c.csv\n" in out
+    assert "ann,,0,100" in Path("m.csv").read_text()
+    assert ",,,ann,,0" in Path("c.csv").read_text()
+    assert warehouse("grade", "--autograder", "a.zip").out == "saved a.zip\n"
+    assert Path("a.zip").stat().st_size > 100_000

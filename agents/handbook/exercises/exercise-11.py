@@ -1,0 +1,14 @@
+"""Exercise 11: remember the map."""
+
+
+def walls_seen(looks):
+    """Return all walls that the robot has seen, each (row, column) once, in ascending order.
+
+    looks: the observations so far, each as (robot_pos, local_grid). local_grid has an odd number
+        of strings; the robot is in the middle of it.
+    """
+    walls = set()
+    for (row, column), local_grid in looks:
+        radius = len(local_grid) // 2
+        # Write here: add the cell of each "#" in local_grid to walls.
+    return sorted(walls)

@@ -1,0 +1,16 @@
+"""Exercise 9: am I in a loop?"""
+
+
+def is_looping(cells, memory):
+    """Return True if the last cell is among the `memory` cells right before it."""
+    *before, here = cells
+    return here in before[max(len(before) - memory, 0) :]
+
+
+def loop_length(cells):
+    """Return after how many steps the robot is on its last cell again; 0 if it was never there."""
+    *before, here = cells
+    for steps, cell in enumerate(reversed(before), start=1):
+        if cell == here:
+            return steps
+    return 0

@@ -1,0 +1,64 @@
+"""Exercise 18: which of several stations?"""
+
+from collections import deque
+
+MOVES = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
+FAR = 40
+
+
+def way(here, goal, walls):
+    """Return the moves of a shortest way, None if there is none."""
+    before = {here: None}  # the cell and the move before each cell that was reached
+    frontier = deque([here])
+    while frontier:
+        cell = frontier.popleft()
+        if cell == goal:
+            moves = []
+            while before[cell]:
+                cell, move = before[cell]
+                moves.insert(0, move)
+            return moves
+        for move, (down, right) in MOVES.items():
+            there = cell[0] + down, cell[1] + right
+            is_near = max(abs(there[0]), abs(there[1])) <= FAR
+            if is_near and there not in walls and there not in before:
+                before[there] = cell, move
+                frontier.append(there)
+    return None
+
+
+class Chooser:
+    def reset(self):
+        self.walls, self.pickups, self.dropoffs = set(), set(), set()
+
+    def act(self, observation):
+        here, has_item = observation["robot_pos"], observation["has_item"]
+        # The robot stands on what it would see in its own cell: the first look has it, if it is
+        # the one that is told.
+        self.pickups.add(observation["pickup_pos"])
+        self.dropoffs.add(observation["dropoff_pos"])
+        radius = len(observation["local_grid"]) // 2
+        for down, line in enumerate(observation["local_grid"]):
+            for right, tile in enumerate(line):
+                cell = here[0] + down - radius, here[1] + right - radius
+                if tile == "#":
+                    self.walls.add(cell)
+                if tile == "P":
+                    self.pickups.add(cell)
+                if tile == "D":
+                    self.dropoffs.add(cell)
+        if has_item:
+            goal = min(self.dropoffs, key=lambda cell: self.steps(here, cell))
+        else:
+            goal = min(self.pickups, key=lambda cell: self.steps(here, cell) + self.rest(cell))
+        if here == goal:
+            return "DROP" if has_item else "PICK"
+        return way(here, goal, self.walls)[0]
+
+    def steps(self, here, goal):
+        moves = way(here, goal, self.walls)
+        return float("inf") if moves is None else len(moves)
+
+    def rest(self, pickup):
+        """Return the moves from a pickup to the dropoff that is nearest to it."""
+        return min(self.steps(pickup, cell) for cell in self.dropoffs)

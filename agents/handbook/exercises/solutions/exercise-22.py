@@ -1,0 +1,14 @@
+"""Exercise 22: what Q-learning learns from one step."""
+
+
+def updated(values, action, reward, next_values, ended, alpha, gamma):
+    """Return the new value of an action after one step."""
+    future = 0.0 if ended else gamma * max(next_values)
+    return values[action] + alpha * (reward + future - values[action])
+
+
+def choose(values, epsilon, chance, random_action):
+    """Return the index of an action: a random one or the best, the first of several."""
+    if chance < epsilon:
+        return random_action
+    return list(values).index(max(values))

@@ -1,0 +1,51 @@
+"""A floor on which moves sometimes go to a side: the simplest stochastic warehouse."""
+
+from __future__ import annotations
+
+import random
+from collections.abc import Sequence
+
+from warehouse_core import Cell, GridMotion, Layout, Outcome
+from warehouse_core.arguments import real_number
+
+STAY = (0, 0)
+
+
+class SlippingGrid:
+    """A motion by whole cells, sometimes to the left or to the right of where a robot drives.
+
+    It does what ``GridMotion`` does with the displacements that are left after slipping.
+
+    Args:
+        chance: chance that a move goes to a side, 0 to 1; both sides are equally likely.
+
+    Raises:
+        ValueError: ``chance`` is out of range.
+
+    Source: the 4 x 3 world of Russell and Norvig, 4th ed., section 17.1, with a chance of 0.2.
+    """
+
+    def __init__(self, chance: float = 0.2) -> None:
+        self.chance = real_number("chance", chance, 0, 1)
+        self._grid, self._random = GridMotion(), random.Random()
+        self.cell_size = self._grid.cell_size
+
+    def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
+        """Put robots in their cells, and begin again with the random numbers of the seed."""
+        self._grid.reset(layout, cells, seed)
+        self._random = random.Random(seed)
+
+    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
+        """Move every robot by one action; see ``Motion.advance``."""
+        return self._grid.advance([*map(self._slipped, displacements)], loaded)
+
+    def close(self) -> None:
+        """Forget the robots; see ``Motion.close``."""
+        self._grid.close()
+
+    def _slipped(self, displacement: Cell) -> Cell:
+        number = self._random.random()
+        if displacement == STAY or number >= self.chance:
+            return displacement
+        down, right = displacement
+        return (right, -down) if number < self.chance / 2 else (-right, down)

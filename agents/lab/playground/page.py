@@ -1,0 +1,81 @@
+"""The folder of the playground's page: all that a server of files has to serve."""
+
+from __future__ import annotations
+
+import json
+from collections.abc import Callable
+from pathlib import Path
+
+from agents.lab.grading.rubric import MINI_LAB
+from agents.lab.playground.runtime import SERVER, copy_runtime
+from agents.lab.playground.wheel import write_wheel
+from warehouse_core.files.atomic import atomic_path
+from warehouse_core.render.palette import style_rules
+from warehouse_core.viz.player import page as player
+from warehouse_core.world.named_layouts import NAMES, find_layout
+
+FOLDER = Path(__file__).parent
+
+SCRIPTS = ("editor.js", "main.js", "painter.js", "python.js", "share.js", "worker.js")
+
+RUNTIME = "pyodide"
+"""Folder of Pyodide's files, beside the page."""
+
+LARGEST = 40, 60
+"""Most rows and columns of a layout that the page offers; larger ones cannot be painted there."""
+
+
+def write_playground(
+    folder: Path, source: str = SERVER, advance: Callable[[], None] = lambda: None
+) -> None:
+    """Write the page into a folder, which is made if it is missing.
+
+    Args:
+        folder: folder of the page; files of an earlier page are replaced, others stay.
+        source: place of Pyodide's files, as for ``copy_runtime``.
+        advance: called after each of these files.
+
+    Raises:
+        PyodideError: as ``copy_runtime``.
+        OSError: the folder cannot be written.
+    """
+    copy_runtime(source, folder / RUNTIME, advance)
+    for name in SCRIPTS:
+        _write(folder / name, _text(name))
+    _write(folder / "page.css", style_rules() + _text("page.css"))
+    # The text of a script must not end its element.
+    settings = json.dumps(_settings(write_wheel(folder))).replace("<", "\\u003c")
+    page = _text("page.html").replace("{policy}", _policy()).replace("{settings}", settings)
+    _write(folder / "index.html", page)
+
+
+def _text(name: str) -> str:
+    return (FOLDER / name).read_text(encoding="utf-8")
+
+
+def _write(target: Path, text: str) -> None:
+    with atomic_path(target) as part:
+        part.write_text(text, encoding="utf-8")
+
+
+def _settings(wheel: str) -> dict[str, object]:
+    layouts = {name: list(find_layout(name).rows) for name in NAMES}
+    height, width = LARGEST
+    return {
+        "wheel": wheel,
+        "starter": MINI_LAB.with_suffix(".py").read_text(encoding="utf-8"),
+        "layouts": {
+            name: rows
+            for name, rows in layouts.items()
+            if len(rows) <= height and len(rows[0]) <= width
+        },
+    }
+
+
+def _policy() -> str:
+    """Return the Content-Security-Policy of the page, in which the player's frame can play."""
+    return (
+        "default-src 'none'; connect-src 'self'; worker-src 'self'; img-src data:; "
+        f"script-src 'self' 'wasm-unsafe-eval' {player.digest(player.script())}; "
+        f"style-src 'self' {player.digest(player.style())}; base-uri 'none'; form-action 'none'"
+    )

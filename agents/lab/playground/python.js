@@ -1,0 +1,66 @@
+// Asks Python in a worker, which is ended when it takes too long: an agent may never return.
+
+export class Python {
+  /**
+   * @param {() => Worker} start makes the worker.
+   * @param {string} wheel address of the project's wheel.
+   * @param {number} limit milliseconds without a message after which a question is given up.
+   * @param {(state: string) => void} tell is told what Python is doing.
+   */
+  constructor(start, wheel, limit, tell) {
+    Object.assign(this, { start, wheel, limit, tell, asked: null, isReady: false });
+    this.begin();
+  }
+
+  /** Begin with a new worker. */
+  begin() {
+    this.isReady = false;
+    this.worker = this.start();
+    this.worker.onmessage = ({ data }) => this.hear(data);
+    this.worker.onerror = (event) => this.end(new Error(event.message || "Python cannot be loaded"));
+    this.worker.postMessage({ wheel: this.wheel });
+  }
+
+  /** Return the answer to a question; fail if it takes too long, or is stopped. */
+  ask(question) {
+    return new Promise((resolve, reject) => {
+      this.asked = { resolve, reject };
+      this.wait();
+      this.worker.postMessage({ wheel: this.wheel, question });
+    });
+  }
+
+  /** Give up a question, and begin anew. */
+  stop(reason = "stopped") {
+    this.worker.terminate();
+    this.end(new Error(reason));
+    this.begin();
+  }
+
+  wait() {
+    clearTimeout(this.timer);
+    this.timer = setTimeout(() => this.stop(`no answer in ${this.limit / 1000} s: an endless loop?`), this.limit);
+  }
+
+  hear({ state, isReady, done, all, answer, failure }) {
+    if (state) this.tell(state);
+    if (isReady) {
+      this.isReady = true;
+      this.tell("");
+    }
+    if (done !== undefined) {
+      this.wait();
+      this.tell(`Episode ${done} of ${all}`);
+    }
+    if (answer) this.end(null, answer);
+    if (failure) this.end(new Error(failure));
+  }
+
+  end(error, answer) {
+    clearTimeout(this.timer);
+    const asked = this.asked;
+    this.asked = null;
+    if (asked) error ? asked.reject(error) : asked.resolve(answer);
+    if (error) this.tell(error.message);
+  }
+}

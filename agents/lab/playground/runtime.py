@@ -1,0 +1,80 @@
+"""The files of Pyodide that a page needs, from a folder or a server, by their digests."""
+
+from __future__ import annotations
+
+import hashlib
+import http.client
+import json
+from collections.abc import Callable
+from pathlib import Path
+from urllib.error import URLError
+from urllib.parse import urljoin, urlsplit
+from urllib.request import urlopen
+
+from agents.errors import PyodideError
+from warehouse_core.files.atomic import atomic_path
+from warehouse_core.wording import brief
+
+PINNED = json.loads((Path(__file__).parent / "pyodide.json").read_text(encoding="utf-8"))
+
+VERSION: str = PINNED["version"]
+"""Version of Pyodide."""
+
+FILES: dict[str, str] = PINNED["files"]
+"""SHA-256 digests, by names of files: Python, its library, and NumPy."""
+
+SERVER = f"https://cdn.jsdelivr.net/pyodide/v{VERSION}/full/"
+"""Address from which the files are loaded unless another place is given."""
+
+TIMEOUT = 60.0
+"""Longest silence of a server, in seconds."""
+
+MAX_BYTES = 64 * 1024 * 1024
+"""Most bytes in a file."""
+
+
+def copy_runtime(source: str, folder: Path, advance: Callable[[], None] = lambda: None) -> None:
+    """Copy the files of Pyodide into a folder; those that are there already stay.
+
+    Args:
+        source: folder, or address of one that begins with ``http://`` or ``https://``.
+        folder: folder, which is made once there is a file for it.
+        advance: called after each file.
+
+    Raises:
+        PyodideError: a file cannot be read, or is one of another version.
+        OSError: the folder cannot be written.
+    """
+    for name, digest in FILES.items():
+        target = folder / name
+        if not (target.is_file() and _digest_of(target.read_bytes()) == digest):
+            content = _read(source, name)
+            if _digest_of(content) != digest:
+                raise PyodideError(
+                    f"{name} in {brief(source)} is not of Pyodide {VERSION}: its SHA-256 is "
+                    f"{_digest_of(content)}; needed: {digest}"
+                )
+            folder.mkdir(parents=True, exist_ok=True)
+            with atomic_path(target) as part:
+                part.write_bytes(content)
+        advance()
+
+
+def _read(source: str, name: str) -> bytes:
+    try:
+        if urlsplit(source).scheme in ("http", "https"):
+            with urlopen(urljoin(source.rstrip("/") + "/", name), timeout=TIMEOUT) as answer:
+                content: bytes = answer.read(MAX_BYTES + 1)
+        else:
+            with (Path(source) / name).open("rb") as file:
+                content = file.read(MAX_BYTES + 1)
+    except (OSError, URLError, http.client.HTTPException) as error:
+        raise PyodideError(
+            f"{name} cannot be read from {brief(source)}: {error}; give a folder or an address "
+            f"that has the files of Pyodide {VERSION}"
+        ) from None
+    return content
+
+
+def _digest_of(content: bytes) -> str:
+    return hashlib.sha256(content).hexdigest()

@@ -1,0 +1,160 @@
+"""The Python part of the playground: runs and grades the agent of the page, in its worker.
+
+Questions and answers are objects of JSON. The page shows what an answer has, whatever was asked.
+"""
+
+from __future__ import annotations
+
+import io
+import json
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager, redirect_stdout
+from itertools import count
+from pathlib import Path
+from typing import Any
+
+from agents.errors import AgentError, frames_in, reason_of
+from agents.lab.grading.grading import grade
+from agents.lab.grading.rubric import MINI_LAB, load_rubric
+from agents.lab.grading.submissions import find_submission
+from agents.lab.place import Stations, what_to_draw
+from agents.registry import make_agent
+from warehouse_core import EpisodeRecorder, Layout, WarehouseEnv, WarehouseError
+from warehouse_core.records.failure_modes import diagnose
+from warehouse_core.viz.player.page import player_page
+from warehouse_core.viz.tracks.record_track import track_of_record
+from warehouse_core.wording import counted
+
+FILE = Path("agent.py")
+"""File that the code of the page is written to."""
+
+MAX_OUTPUT = 10_000
+"""Most characters of what an agent prints in an answer that are shown."""
+
+
+class Session:
+    """An episode of the agent in the page, as far as it has come.
+
+    Args:
+        file: file that the agent is written to and loaded from.
+    """
+
+    def __init__(self, file: Path = FILE) -> None:
+        self._file = file
+        self._recorder: EpisodeRecorder | None = None
+        self._agent: Any = None
+        self._observation: Any = None
+
+    def answer(self, question: str, advance: Callable[[int, int], None]) -> str:
+        """Do what the page asks, and return what it is to show.
+
+        Args:
+            question: object with ``do``: ``"begin"``, which makes the agent in ``code`` and resets
+                the warehouse with its ``rows``, ``stations`` and ``seed``; ``"step"``; or
+                ``"run"``, which takes all steps that are left; or ``"grade"``, which grades
+                ``code`` by the rubric of the mini-lab.
+            advance: called with the number of episodes that are graded, and of all.
+
+        Returns:
+            An object with what is known of ``page``, ``told``, ``steps``, ``ended``, ``printed``,
+            of ``error`` and the ``line`` of the agent's file that it names, and of ``points``,
+            ``max`` and ``grades``.
+        """
+        asked, output = json.loads(question), io.StringIO()
+        found: dict[str, Any] = {}
+        with redirect_stdout(output):
+            try:
+                with self._named_errors():
+                    if asked["do"] == "grade":
+                        found |= self._grade(asked, advance)
+                    else:
+                        getattr(self, f"_{asked['do']}")(asked)
+            except WarehouseError as error:
+                found["error"] = str(error)
+                found["line"] = _line_of(error, self._file)
+        if self._recorder is not None and asked["do"] != "grade":
+            found |= self._shown(rests=asked["do"] != "run")
+        found["printed"] = output.getvalue()[-MAX_OUTPUT:]
+        return json.dumps(found)
+
+    def _begin(self, asked: dict[str, Any]) -> None:
+        self._recorder = None
+        self._file.write_text(asked["code"], encoding="utf-8")
+        layout, seed = Layout(asked["rows"]), asked["seed"]
+        self._agent = make_agent(str(self._file), seed, layout)
+        env = WarehouseEnv(layout, None)
+        self._observation = env.reset(what_to_draw(Stations(asked["stations"])), seed)
+        self._agent.reset()
+        self._recorder = EpisodeRecorder(env, seed=seed, agent=self._file.name)
+
+    def _step(self, asked: dict[str, Any]) -> None:
+        if self._recorder is not None and not self._recorder.ended:
+            self._observation = self._recorder.step(self._agent.act(self._observation))
+
+    def _run(self, asked: dict[str, Any]) -> None:
+        while self._recorder is not None and not self._recorder.ended:
+            self._step(asked)
+
+    def _grade(self, asked: dict[str, Any], advance: Callable[[int, int], None]) -> dict[str, Any]:
+        """Grade the agent by what all of a class may see of the mini-lab's rubric."""
+        self._file.write_text(asked["code"], encoding="utf-8")
+        rubric, done = load_rubric(MINI_LAB), count(1)
+        total = sum(case.episodes for case in rubric.used_cases)
+        report = grade(
+            find_submission(str(self._file)),
+            rubric,
+            advance=lambda: advance(next(done), total),
+            is_here=True,
+        ).shown()
+        rows = [
+            {"name": row.criterion.name, "points": row.points, "max": row.criterion.points,
+             "seen": row.seen}
+            for row in report.grades
+        ]  # fmt: skip
+        told = [f"{report.points:g} of {report.max_points:g} points", *report.remarks]
+        return {
+            "points": report.points,
+            "max": report.max_points,
+            "grades": rows,
+            "told": "; ".join(told),
+        }
+
+    @contextmanager
+    def _named_errors(self) -> Iterator[None]:
+        """Raise what goes wrong in the code of the page as an ``AgentError``."""
+        try:
+            yield
+        except WarehouseError:
+            raise
+        except (Exception, SystemExit) as error:
+            raise AgentError(reason_of(error, self._file)) from error
+
+    def _shown(self, *, rests: bool) -> dict[str, Any]:
+        assert self._recorder is not None
+        episode = self._recorder.episode
+        done = counted(episode.steps, "step")
+        if self._recorder.ended:
+            found = diagnose(episode)
+            done = (
+                found.sentence
+                if found.mode in found.sentence
+                else f"{found.mode}: {found.sentence}"
+            )
+        opens_at = float(episode.steps) if rests else None
+        return {
+            "page": player_page([track_of_record(episode)], opens_at=opens_at),
+            "told": f"{done}; reward {episode.total_reward:.1f}",
+            "steps": episode.steps,
+            "ended": self._recorder.ended,
+        }
+
+
+def _line_of(error: BaseException | None, file: Path) -> int | None:
+    """Return the last line of a file that an error, or what caused it, names."""
+    while error is not None:
+        if isinstance(error, SyntaxError):
+            return error.lineno
+        if frames := frames_in(file, error):
+            return frames[-1].lineno
+        error = error.__cause__
+    return None

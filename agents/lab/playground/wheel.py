@@ -1,0 +1,59 @@
+"""The wheel of this project as it is installed, for Python in a browser."""
+
+from __future__ import annotations
+
+import base64
+import hashlib
+from collections.abc import Iterator
+from importlib.metadata import Distribution, distribution
+from pathlib import Path
+from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
+
+from agents.lab.runs.programs import OWN, ROOT
+from warehouse_core.extras import DISTRIBUTION
+from warehouse_core.files.atomic import atomic_path
+
+DATE = (1980, 1, 1, 0, 0, 0)
+"""Time of all files in a wheel, so that equal files make equal wheels."""
+
+KEPT = ("METADATA", "entry_points.txt")
+"""Files of the installed distribution that its wheel has too."""
+
+LEFT_OUT = {"__pycache__", "handbook"}
+"""Folders that a wheel for a browser does without."""
+
+TAGS = "Wheel-Version: 1.0\nGenerator: warehouse-lab\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
+
+
+def write_wheel(folder: Path) -> str:
+    """Write the wheel into a folder, and return the name of its file.
+
+    Raises:
+        OSError: the folder cannot be written.
+    """
+    own = distribution(DISTRIBUTION)
+    stem = f"{DISTRIBUTION.replace('-', '_')}-{own.version}"
+    path = folder / f"{stem}-py3-none-any.whl"
+    rows = []
+    with atomic_path(path) as part, ZipFile(part, "w", ZIP_DEFLATED) as archive:
+        for name, content in _contents(own, f"{stem}.dist-info"):
+            info = ZipInfo(name, DATE)
+            info.compress_type = ZIP_DEFLATED
+            archive.writestr(info, content)
+            digest = base64.urlsafe_b64encode(hashlib.sha256(content).digest()).decode().rstrip("=")
+            rows.append(f"{name},sha256={digest},{len(content)}\n")
+        record = f"{stem}.dist-info/RECORD"
+        archive.writestr(ZipInfo(record, DATE), "".join([*rows, f"{record},,\n"]))
+    return path.name
+
+
+def _contents(own: Distribution, info: str) -> Iterator[tuple[str, bytes]]:
+    """Yield the name and the content of each file of the wheel but its record."""
+    for package in OWN:
+        for path in sorted((ROOT / package).rglob("*")):
+            inner = path.relative_to(ROOT)
+            if path.is_file() and not LEFT_OUT.intersection(inner.parts):
+                yield inner.as_posix(), path.read_bytes()
+    yield f"{info}/WHEEL", TAGS.encode()
+    for name in KEPT:
+        yield f"{info}/{name}", (own.read_text(name) or "").encode()

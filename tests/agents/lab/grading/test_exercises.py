@@ -1,0 +1,93 @@
+"""The exercises: what their solutions, their starting files and other solutions are graded."""
+
+from itertools import pairwise
+from pathlib import Path
+
+import pytest
+from helpers.command_line import Refused, Warehouse
+
+from agents.lab.grading.criteria import MEASURES
+from agents.lab.grading.exercises import SOLUTIONS, exercise_names, find_rubric
+from agents.lab.grading.grading import GradeReport, grade
+from agents.lab.grading.rubric import MINI_LAB, load_rubric
+from agents.lab.grading.sandbox import ENDS, FAILS, LOAD, SLOW
+from agents.lab.grading.submissions import find_submission
+from agents.lab.grading.walls import FILES, held
+
+NAMES = exercise_names()
+
+AGENTS = (
+    "exercise-04", "exercise-05", "exercise-06", "exercise-08", "exercise-10", "exercise-13",
+    "exercise-18", "exercise-21", "exercise-23",
+)  # fmt: skip
+"""Exercises that ask for an agent, each for more than the one before it."""
+
+
+def graded(source: str, folder: Path, exercise: str) -> GradeReport:
+    """Return the grade of a program in a folder of its own, as no agent may read our files."""
+    file = folder / "mine.py"
+    file.write_text(source, encoding="utf-8")
+    return grade(find_submission(str(file)), load_rubric(find_rubric(Path(exercise))))
+
+
+def solution(name: str) -> str:
+    return (SOLUTIONS / f"{name}.py").read_text(encoding="utf-8")
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_a_solution_has_all_points_and_a_starting_file_runs_and_has_few(
+    name: str, tmp_path: Path
+) -> None:
+    rubric = load_rubric(find_rubric(Path(name)))
+    assert rubric.points == 100
+    assert graded(solution(name), tmp_path, name).points == 100
+    begun = rubric.starter.read_text(encoding="utf-8")
+    start = graded(begun, tmp_path, name)
+    assert start.points < 40
+    failures = (ENDS, FAILS, LOAD, SLOW)
+    assert not [each.seen for each in start.grades if any(kind in each.seen for kind in failures)]
+    assert "Write here" in begun or begun.count('"?"') == 25
+
+
+@pytest.mark.parametrize(("before", "name"), [*pairwise(AGENTS)])
+def test_the_solution_of_the_exercise_before_is_not_enough(
+    before: str, name: str, tmp_path: Path
+) -> None:
+    assert graded(solution(before), tmp_path, name).points < 70
+
+
+def test_a_robot_that_does_not_charge_is_not_enough_where_it_has_to(tmp_path: Path) -> None:
+    assert graded(solution("exercise-13"), tmp_path, "exercise-14").points < 40
+
+
+def test_neither_our_agents_nor_our_solutions_are_answers(tmp_path: Path) -> None:
+    ours = "from agents import ExploringAgent\nclass Mine(ExploringAgent): pass\n"
+    copied = f"exec(open({str(SOLUTIONS / 'exercise-13.py')!r}).read())\n"
+    for source in (ours, copied) if FILES in held() else (ours,):
+        report = graded(source, tmp_path, "exercise-13")
+        assert report.points == 0
+        assert report.failure.startswith("cannot be loaded: ")
+    rubrics = [load_rubric(find_rubric(Path(name))) for name in NAMES]
+    assert all(rubric.limits.deny_imports == ("agents",) for rubric in rubrics)
+
+
+def test_there_are_exercises_for_every_measure_that_the_mini_lab_does_not_have() -> None:
+    assert [f"exercise-{number:02}" for number in range(1, 27)] == NAMES
+    assert [path.stem for path in sorted(SOLUTIONS.glob("*.py"))] == NAMES
+    rubrics = [load_rubric(path) for path in (MINI_LAB, *map(find_rubric, map(Path, NAMES)))]
+    assert {each.kind for rubric in rubrics for each in rubric.criteria} == MEASURES.keys()
+
+
+def test_an_exercise_is_begun_and_graded_by_its_name(
+    warehouse: Warehouse, refused: Refused, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    out = warehouse("grade", "--rubric", "exercise-02", "--starter", "mine.py").out
+    assert "warehouse grade mine.py --rubric exercise-02" in out
+    Path("mine.py").write_text(solution("exercise-02"))
+    out = warehouse("grade", "mine.py", "--rubric", "exercise-02", "--trust").out
+    assert out.startswith("agents cannot")
+    assert "Exercise 2: how far is it?: mine.py\n" in out
+    assert out.endswith("100 of 100 points\n")
+    line = refused("grade", "mine.py", "--rubric", "exercise-99")
+    assert "no rubric exercise-99; allowed: a file, or exercise-01 to exercise-26" in line

@@ -1,0 +1,55 @@
+"""Agents in notebooks: which statements of the cells count."""
+
+from pathlib import Path
+from types import ModuleType
+
+import pytest
+from helpers.submissions import notebook_of
+
+from agents.lab.grading.notebook import cells_of, load
+
+CELLS = (
+    "import no_such_module\nimport math\n%matplotlib inline\n!pip install x\nmath.pi?",
+    "MOVES = 'NESW'\nothers = no_such_name()\nindex: int = MOVES.index('E')",
+    "def turn(move):\n    return MOVES[index]\ndef unused():\n    return others",
+    "%%time\nraise SystemExit",
+    "%%bash\nexit 1",
+    "%%writefile my_agent.py\nclass Agent:\n    def act(self, seen):\n        return turn(seen)",
+    "%%writefile notes.txt\nclass ( is no Python",
+    "for _ in range(10**9):\n    Agent().act(None)",
+)
+
+
+def module_of(folder: Path, text: str) -> ModuleType:
+    file = folder / "mine.ipynb"
+    file.write_text(text, encoding="utf-8")
+    module = ModuleType("mine")
+    load(module, str(file))
+    return module
+
+
+def test_classes_count_and_what_they_need(tmp_path: Path) -> None:
+    module = module_of(tmp_path, notebook_of(*CELLS))
+    assert module.Agent().act(None) == "E"
+    names = {name for name in vars(module) if not name.startswith("__")}
+    assert names == {"MOVES", "index", "turn", "Agent"}
+
+
+def test_the_last_of_several_definitions_counts_and_cells_of_text_do_not(tmp_path: Path) -> None:
+    text = notebook_of("class A:\n    x = 1", "class A:\n    x = 2")
+    assert module_of(tmp_path, text).A.x == 2
+    assert list(cells_of(notebook_of("class A: pass", kind="markdown").encode())) == []
+
+
+def test_errors_name_the_cell_and_its_line(tmp_path: Path) -> None:
+    with pytest.raises(SyntaxError) as caught:
+        module_of(tmp_path, notebook_of("x = 1", "# y\nclass A\n    pass"))
+    assert (Path(str(caught.value.filename)).name, caught.value.lineno) == (
+        "mine.ipynb, cell 2", 2,
+    )  # fmt: skip
+
+
+@pytest.mark.parametrize("text", ["", "[]", '{"cells": 1}', '{"cells": [1]}', "[" * 100_000])
+def test_what_is_no_notebook_is_refused(tmp_path: Path, text: str) -> None:
+    with pytest.raises(ValueError, match="no notebook"):
+        module_of(tmp_path, text)

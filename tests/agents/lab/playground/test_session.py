@@ -1,0 +1,105 @@
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.command_line import Warehouse
+
+from agents.lab.grading.grading import grade
+from agents.lab.grading.rubric import MINI_LAB, load_rubric
+from agents.lab.grading.submissions import find_submission
+from agents.lab.playground.session import Session
+from warehouse_core import DEFAULT_LAYOUT, Episode
+
+STARTER = MINI_LAB.with_suffix(".py").read_text(encoding="utf-8")
+AGENT = """class Agent:
+    def reset(self):
+        pass
+    def act(self, observation):
+        {}
+"""
+
+
+class Page:
+    """What the page asks a session, and is answered."""
+
+    def __init__(self, folder: Path) -> None:
+        self._session = Session(folder / "agent.py")
+
+    def ask(self, do: str, code: str = STARTER, **more: Any) -> dict[str, Any]:
+        question = {"do": do, "code": code, "rows": DEFAULT_LAYOUT.rows, "seed": 1} | more
+        question = {"stations": "drawn"} | question
+        answer: dict[str, Any] = json.loads(
+            self._session.answer(json.dumps(question), lambda done, total: None)
+        )
+        return answer
+
+
+@pytest.fixture
+def page(tmp_path: Path) -> Page:
+    return Page(tmp_path)
+
+
+def test_an_episode_is_that_of_warehouse_run(
+    page: Page, tmp_path: Path, warehouse: Warehouse
+) -> None:
+    assert page.ask("begin", seed=7)["steps"] == 0
+    steps = [page.ask("step")["steps"], page.ask("step")["steps"]]
+    answer = page.ask("run")
+    saved = tmp_path / "episode.npz"
+    warehouse("run", "--agent", tmp_path / "agent.py", "--seed", 7, "-o", saved)
+    expected = Episode.load(saved)
+    assert steps == [1, 2]
+    assert (answer["steps"], answer["ended"]) == (expected.steps, True)
+    assert answer["told"].endswith(f"; reward {expected.total_reward:.1f}")
+    assert "<!DOCTYPE html>" in answer["page"]
+
+
+@pytest.mark.parametrize(
+    ("code", "error", "line"),
+    [
+        ("\nx = ", "invalid syntax", 2),
+        ("\n\n1 / 0", "division by zero", 3),
+        ("pass", "agent.py has 0 classes with reset and act", None),
+        (AGENT.format("return observation['nothing']"), "KeyError: 'nothing'", 5),
+        (AGENT.format("return 1.5"), "action 1.5 is float", None),
+        (AGENT.format("raise SystemExit(3)"), "SystemExit: 3", 5),
+    ],
+)
+def test_an_error_has_the_line_of_the_agent(
+    code: str, error: str, line: int | None, page: Page
+) -> None:
+    answer = page.ask("begin", code)
+    if "error" not in answer:
+        answer = page.ask("run")
+    assert error in answer["error"]
+    assert answer["line"] == line
+
+
+def test_a_layout_that_is_none_is_named(page: Page) -> None:
+    assert "row 1 has 1 columns" in page.ask("begin", rows=["##", "#"])["error"]
+    assert "page" not in page.ask("step")
+
+
+def test_what_an_agent_prints_is_shown(page: Page) -> None:
+    page.ask("begin", AGENT.format("print(observation['steps']); return 'WAIT'"))
+    page.ask("step")
+    assert page.ask("step")["printed"] == "1\n"
+
+
+def test_a_grade_is_that_of_warehouse_grade(
+    page: Page, tmp_path: Path, warehouse: Warehouse
+) -> None:
+    code = STARTER.replace('self.random.choice("NESW")', '"WAIT"')
+    answer = page.ask("grade", code)
+    report = grade(find_submission(str(tmp_path / "agent.py")), load_rubric(MINI_LAB))
+    assert answer["told"].startswith(f"{report.points:g} of 100 points")
+    assert [(row["name"], row["points"], row["seen"]) for row in answer["grades"]] == [
+        (row.criterion.name, row.points, row.seen) for row in report.grades
+    ]
+
+
+def test_a_grade_of_what_cannot_be_loaded_says_why(page: Page) -> None:
+    answer = page.ask("grade", "1 / 0")
+    assert answer["points"] == 0
+    assert "division by zero (agent.py, line 1)" in answer["told"]

@@ -1,0 +1,12 @@
+// Runs a file of Python by Pyodide in node, with the project's wheel: node pyodide.mjs FOLDER WHEEL FILE.
+
+import { readFileSync } from "node:fs";
+import { pathToFileURL } from "node:url";
+
+const [folder, wheel, file] = process.argv.slice(2);
+const { loadPyodide } = await import(pathToFileURL(`${folder}/pyodide.mjs`));
+const pyodide = await loadPyodide({ indexURL: `${folder}/` });
+await pyodide.loadPackage("numpy", { messageCallback() {} });
+pyodide.FS.writeFile("own.whl", new Uint8Array(readFileSync(wheel)));
+pyodide.runPython('import shutil, site; shutil.unpack_archive("own.whl", site.getsitepackages()[0], "zip")');
+pyodide.runPython(readFileSync(file, "utf8"));

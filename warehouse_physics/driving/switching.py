@@ -1,0 +1,263 @@
+"""Who passes first after a delay: a robot that would be waited for lets others go before it.
+
+``Dependencies`` hold the order of a plan, in which a robot that has stopped is waited for, and then
+those that wait for it. Here robots are let through: a visit of a late robot is put off until after
+another one of the same cell, and so are its other visits through which the two would wait for each
+other, in both directions of a lane as well. Only visits to which nobody has committed are put off.
+The new order has no circles but the rings of the plan, so that nobody waits forever.
+
+Times are estimated: every robot takes as long for each cell, and may enter a cell when the robot
+before it moves on. The search goes down from switch to switch, beginning with the longest wait, and
+keeps those with which robots arrive sooner. It finds no proved optimum.
+
+Sources: Berndt, van Duijkeren, Palmieri and Keviczky (2020), A feedback scheme to reorder a
+multi-agent execution schedule by persistently optimizing a switchable action dependency graph;
+Feng, Paul, Chen and Li (2024), A real-time rescheduling algorithm for multi-robot plan execution.
+"""
+
+from __future__ import annotations
+
+from itertools import accumulate
+from typing import NamedTuple
+
+import numpy as np
+
+from warehouse_core import Cell
+from warehouse_physics.driving.dependencies import Dependencies, Visit
+from warehouse_physics.profile import Floats
+
+MAX_TRIES = 50
+"""Most switches whose effect is estimated in one search."""
+
+SHORT = 0.5
+"""Seconds of a wait for which no switch is tried."""
+
+GAIN = 0.5
+"""Seconds that a switch has to gain, for all robots together."""
+
+WAY = 0.1
+"""Weight of the time of each visit; an arrival weighs 1 more. A robot that gets farther before it
+waits again counts a little, as the next switch may let it through there."""
+
+APART = 1e5
+"""Seconds between the times of robots where these are accumulated in one array."""
+
+CLOSE = 1e-6
+"""Seconds to which times are exact."""
+
+
+class Progress(NamedTuple):
+    """How far ``R`` robots are on their ways.
+
+    Attributes:
+        passed: ``[R]``, last node whose middle each robot has passed.
+        present: ``[R]``, first node whose cell it has not left, this one or the next.
+        reached: ``[R]``, last node that it cannot stop before.
+        starts: ``[R]`` seconds after which it would have been at its node 0, without other robots.
+        pace: seconds that every robot takes for a cell.
+    """
+
+    passed: list[int]
+    present: list[int]
+    reached: list[int]
+    starts: Floats
+    pace: float
+
+
+class Timetable:
+    """The visits ahead of ``R`` robots, the order at each cell, and the estimated times.
+
+    The ``N`` visits that have not begun are numbered robot by robot.
+    """
+
+    def __init__(self, ways: Dependencies, progress: Progress) -> None:
+        self._ways, self._progress = ways, progress
+        robots, passed = range(len(progress.passed)), progress.passed
+        self._lasts = [ways.last(robot) for robot in robots]
+        ahead = [last - before for last, before in zip(self._lasts, passed, strict=True)]
+        self._firsts = [0, *accumulate(ahead)]
+        self.visits = [
+            Visit(robot, number)
+            for robot in robots
+            for number in range(passed[robot] + 1, self._lasts[robot] + 1)
+        ]
+        self._ends = np.array(
+            [end - 1 for end, each in zip(self._firsts[1:], ahead, strict=True) if each], int
+        )
+        robot_of, numbers = np.array(self.visits, int).reshape(-1, 2).T
+        self._free = progress.starts[robot_of] + numbers * progress.pace
+        self._shift = robot_of * APART
+        self._in: dict[Cell, list[Visit]] = {}
+        self._leaders = np.full(len(self.visits), len(self.visits))
+        for robot in robots:
+            for number in range(progress.present[robot], self._lasts[robot] + 1):
+                visit, node = Visit(robot, number), ways.node(robot, number)
+                self._in.setdefault(node.cell, []).append(visit)
+                if number > passed[robot] and node.after:
+                    self._lead(visit, node.after[0])
+        self._orders: dict[Cell, list[Visit]] = {}
+
+    def order(self, cell: Cell) -> list[Visit]:
+        """Return the visits of a cell, in the order in which they take place."""
+        if cell not in self._orders:
+            followers: dict[Visit | None, Visit] = {}
+            latest: dict[int, Visit] = {}
+            for visit in self._in[cell]:
+                after = self._ways.node(*visit).after
+                followers[after[0] if after else latest.get(visit.robot)] = visit
+                latest[visit.robot] = visit
+            first = followers.keys() - self._in[cell]
+            found = [followers[each] for each in first]
+            while found[-1] in followers:
+                found.append(followers[found[-1]])
+            self._orders[cell] = found
+        return self._orders[cell]
+
+    def times(self) -> Floats:
+        """Return when robots will be in the middle of the cells of visits, ``[N]`` seconds."""
+        times = np.append(self._free, -np.inf)
+        while True:
+            late = np.maximum(times[self._leaders] - self._free, 0.0) + self._shift
+            found: Floats = self._free + np.maximum.accumulate(late) - self._shift
+            if (found <= times[:-1] + CLOSE).all():
+                return found
+            times[:-1] = found
+
+    def total(self, times: Floats) -> float:
+        """Return how late robots are, ``times`` of their visits taken together, in seconds."""
+        return float(times[self._ends].sum() + WAY * (times - self._free).sum())
+
+    def waits(self, times: Floats) -> list[tuple[Visit, Visit]]:
+        """Return the visits that wait for another robot to leave the cell, and the visits of it.
+
+        The longest waits are first.
+        """
+        late = times - self._free
+        waits = np.diff(late, prepend=0.0)
+        starts = [at for at, end in zip(self._firsts, self._firsts[1:], strict=False) if at < end]
+        waits[starts] = late[starts]
+        longest = np.argsort(-waits, kind="stable")
+        found = (self.visits[at] for at in longest[waits[longest] > SHORT].tolist())
+        return [(visit, self._before(visit)) for visit in found]
+
+    def let_through(self, late: Visit, other: Visit) -> dict[Cell, list[Visit]]:
+        """Return the orders of cells in which the robot of a visit lets another robot go first.
+
+        Whatever has to take place before the other robot leaves the cell has to take place before
+        the late one enters it. Where the late robot is in the way of that, it waits there too.
+
+        Returns:
+            The orders of the cells that change. There are none if it is not possible, because the
+            late robot or another one has committed to a cell, or somebody stays in one.
+        """
+        (robot, least), reached = late, self._progress.reached
+        before: set[Visit] = set()
+        pending = [] if self._stays(other) else [Visit(other.robot, other.number + 1)]
+        while pending:
+            self._collect(pending, before, robot)
+            while least > reached[robot] and self._overtaken(Visit(robot, least - 1), before):
+                least -= 1
+            if least <= reached[robot]:
+                return {}
+            for number in range(least, self._lasts[robot] + 1):
+                for each in self._overtaken(Visit(robot, number), before):
+                    if self._stays(each):
+                        return {}
+                    if (leaving := Visit(each.robot, each.number + 1)) not in before:
+                        pending.append(leaving)
+        return self._put_off(robot, least, before)
+
+    def apply(self, orders: dict[Cell, list[Visit]]) -> dict[Cell, list[Visit]]:
+        """Take over orders of cells, and return what they were before."""
+        old = {cell: self.order(cell) for cell in orders}
+        self._orders |= orders
+        for visits in orders.values():
+            for before, visit in zip([None, *visits], visits, strict=False):
+                if visit.number > self._progress.passed[visit.robot]:
+                    self._lead(visit, before)
+        return old
+
+    def _collect(self, pending: list[Visit], before: set[Visit], robot: int) -> None:
+        """Add visits, and all that have to begin before them if ``robot`` lets them through."""
+        passed = self._progress.passed
+        while pending:
+            visit = pending.pop()
+            if visit in before or visit.number <= passed[visit.robot]:
+                continue
+            before.add(visit)
+            pending.append(Visit(visit.robot, visit.number - 1))
+            order = self.order(self._cell(visit))
+            others = (each for each in order[: order.index(visit)][::-1] if each.robot != robot)
+            leader = next(others, None)
+            if leader and leader.robot != visit.robot:
+                pending.append(Visit(leader.robot, leader.number + 1))
+
+    def _overtaken(self, visit: Visit, before: set[Visit]) -> list[Visit]:
+        """Return the later visits of the same cell that are to begin ``before`` a visit ends."""
+        order = self.order(self._cell(visit))
+        return [each for each in order[order.index(visit) + 1 :] if each in before]
+
+    def _put_off(self, robot: int, least: int, before: set[Visit]) -> dict[Cell, list[Visit]]:
+        """Return the orders in which visits of a robot, from ``least`` on, are put off."""
+        found: dict[Cell, list[Visit]] = {}
+        for number in range(self._lasts[robot], least - 1, -1):
+            visit = Visit(robot, number)
+            overtaken = self._overtaken(visit, before)
+            if not overtaken:
+                continue
+            order = found.setdefault(self._cell(visit), [*self.order(self._cell(visit))])
+            at, to = order.index(visit), order.index(overtaken[-1])
+            if any(
+                each.number <= self._progress.reached[each.robot] for each in order[at : to + 2]
+            ):
+                return {}
+            order.insert(to, order.pop(at))
+        return found
+
+    def _lead(self, visit: Visit, leader: Visit | None) -> None:
+        """Set the visit that has to end before another one begins, if it is of another robot."""
+        at = len(self.visits)
+        if leader and leader.robot != visit.robot and not self._stays(leader):
+            at = self._index(Visit(leader.robot, leader.number + 1))
+        self._leaders[self._index(visit)] = at
+
+    def _index(self, visit: Visit) -> int:
+        """Return the number of a visit among the ``N`` ahead, or ``N`` if it has begun."""
+        ahead = visit.number - self._progress.passed[visit.robot] - 1
+        return self._firsts[visit.robot] + ahead if ahead >= 0 else len(self.visits)
+
+    def _cell(self, visit: Visit) -> Cell:
+        return self._ways.node(*visit).cell
+
+    def _stays(self, visit: Visit) -> bool:
+        """Return whether a visit is the last of its robot."""
+        return visit.number == self._lasts[visit.robot]
+
+    def _before(self, visit: Visit) -> Visit:
+        order = self.order(self._cell(visit))
+        return order[order.index(visit) - 1]
+
+
+def find_switches(ways: Dependencies, progress: Progress) -> dict[Cell, list[Visit]]:
+    """Return the orders of cells in which robots arrive sooner, of the cells where these change."""
+    table = Timetable(ways, progress)
+    times = table.times()
+    least, tries, tried = table.total(times), 0, set[tuple[Visit, Visit]]()
+    found: dict[Cell, list[Visit]] = {}
+    while pair := next((each for each in table.waits(times) if each not in tried), None):
+        tried.add(pair)
+        orders = table.let_through(pair[1], pair[0])
+        if not orders:
+            continue
+        if tries == MAX_TRIES:
+            break
+        tries += 1
+        old = table.apply(orders)
+        switched = table.times()
+        total = table.total(switched)
+        if total < least - GAIN:
+            found |= orders
+            least, times = total, switched
+        else:
+            table.apply(old)
+    return found
