@@ -14,6 +14,7 @@ from warehouse_core.arguments import (
     seed_number,
     whole_number,
 )
+from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import BackendError
 from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.motion.base import DrivesThrough, Motion, Outcome, conditions_of
@@ -36,7 +37,7 @@ def legend(has_chargers: bool) -> dict[str, str]:
     return {sign: meaning for sign, meaning in LEGEND.items() if has_chargers or sign != CHARGER}
 
 
-class WarehouseEnv:
+class WarehouseEnv(CopiedWhole):
     """The warehouse of the chapter's exercise.
 
     Description:

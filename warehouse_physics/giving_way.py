@@ -15,6 +15,12 @@ into its cell. Everybody else is held until all robots are at rest. Then, in one
    follower where that drives anyway, and bodies without friction slide off each other.
 4. Where all together get stuck, one alone does not: every other time one of them drives, in turn,
    while the others brake.
+5. A light robot may be caught behind a heavy one that is back and brakes. At the acceleration ``a``
+   of all robots the one with mass ``m`` pushes with ``m * a``, and the one with ``M`` holds with
+   ``M * a``. So after ``STUCK`` rounds the robot that is farthest from its target drives alone, up
+   to ``TRIES`` times, with all the force ``F`` of its motor. It then pushes with ``F - D`` or more,
+   where ``D`` is the drag of a loaded robot. As the motor can drive a loaded robot at ``a``, that
+   is no less than ``M * a``.
 
 When all are at rest again this is repeated, until each robot is at its target.
 """
@@ -28,12 +34,19 @@ from collections.abc import Sequence
 from warehouse_core import Cell
 from warehouse_physics.robot import REST, Robot
 
+STUCK = 20
+"""Rounds after which robots use all their force; nearly all jams end in fewer."""
+
+TRIES = 8
+"""Most drives in a row of one robot that uses all its force."""
+
 
 class GivingWay:
     """Moves on the robots of one action that are held; made after all have begun it."""
 
     def __init__(self, robots: Sequence[Robot]) -> None:
         self._robots, self._rounds = robots, 0
+        self._caught = robots[0]
         self._drivers: dict[Cell, list[Robot]] = defaultdict(list)
         for robot in robots:
             if robot.action.goal != robot.action.home:
@@ -56,8 +69,25 @@ class GivingWay:
                 away.append(robot)
             elif robot.phase != REST:
                 robot.rest(now)
-        self._drive(self._next_of(away), now)
+        if away and self._rounds >= STUCK:
+            self._force_through(away, now)
+        else:
+            self._drive(self._next_of(away), now)
+        self._rounds += 1
         return bool(away)
+
+    def _force_through(self, away: Sequence[Robot], now: int) -> None:
+        """Let the robot that was farthest from its target drive alone with all its force.
+
+        It tries both ways around a wall, in turn.
+        """
+        for robot in self._robots:
+            robot.brake_as_usual()
+        if (self._rounds - STUCK) % TRIES == 0 or self._caught not in away:
+            ways = [math.dist(robot.position, robot.action.target) for robot in away]
+            self._caught = away[ways.index(max(ways))]
+        waypoint = self._caught.waypoint(longer_first=bool(self._rounds % 2))
+        self._caught.drive(now, waypoint, is_hard=True)
 
     def _tell_all(self) -> None:
         """Make all give up that are stopped by those that have."""
@@ -73,7 +103,6 @@ class GivingWay:
     def _next_of(self, away: list[Robot]) -> list[Robot]:
         """Return all robots, or every other time one of them in turn."""
         turn, is_alone = divmod(self._rounds, 2)
-        self._rounds += 1
         return [away[turn % len(away)]] if is_alone and away else away
 
     def _drive(self, robots: Sequence[Robot], now: int) -> None:

@@ -40,8 +40,8 @@ class RigidBodyMotion(BodyMotion):
     Robots with ``turn_seconds`` first turn on the spot, the shorter way round, and drive back
     backwards. All that move set off together, after the longest turn of any of them, as a robot
     that follows another, or goes round with others in a ring, needs them to leave at the same time.
-    Those that have less to turn turn more slowly. So do robots with differential drive, see
-    ``wheeled_robot.py``, but that each turns as fast as it can, and then waits.
+    Those that have less to turn turn more slowly. Robots with differential drive set off together
+    too, but each of them turns as fast as it can and then waits; see ``wheeled_robot.py``.
 
     Args:
         spec: numbers of the robots; ``None`` is the default robot.

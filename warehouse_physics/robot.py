@@ -174,9 +174,15 @@ class Robot:
         else:
             self.drive(now, self.waypoint())
 
-    def drive(self, now: int, waypoint: Position, share: float = 1.0) -> None:
-        """Drive to a position, with a share of the usual speed and acceleration."""
-        pace = self._pace * share
+    def drive(
+        self, now: int, waypoint: Position, share: float = 1.0, *, is_hard: bool = False
+    ) -> None:
+        """Drive to a position.
+
+        The speed and acceleration are a share of the usual ones; or the drive is a hard one, with
+        all the force of the motor.
+        """
+        pace = self._spec.greatest_acceleration(self._loaded) if is_hard else self._pace * share
         self._start, self._energy = self.position, 0.0
         profile = plan_profile(self._start, waypoint, *self._spec.limits(pace, share))
         if self._uneven is not None:
@@ -184,21 +190,27 @@ class Robot:
         self._control.velocity = profile.velocity
         # The floor brakes too; the motor does the rest, so that the pace is the same both ways
         # where the floor alone does not brake harder.
-        self._braking_force = max(self._mass * pace - self._nominal_drag, 0.0)
+        self._brake_at(pace)
         self._push(self._mass * pace + self._nominal_drag)
         self.phase, self.until, self._braking = GO, now + profile.go, profile.brake
+
+    def brake_as_usual(self) -> None:
+        """Brake with the usual force at rest, also after a hard drive."""
+        self._brake_at(self._pace)
+        self._push(self._braking_force)
 
     def rest(self, now: int) -> None:
         """End the action at substep ``now``, at rest."""
         self.phase, self.until, self.action.rested = REST, NEVER, now
 
-    def waypoint(self) -> Position:
+    def waypoint(self, *, longer_first: bool = False) -> Position:
         """Return the next position to drive to on the way to the target.
 
         That is the target, unless a wall beside its cell could be in the way of a robot that was
         pushed aside. Then it first drives the shorter way along one axis: it is beside its lane,
         further from the target than from the middle of the lane, and on the way to that middle it
-        comes closer to no wall.
+        comes closer to no wall. A robot that was pushed further may meet another wall there, which
+        it gets around if it drives the longer way first.
         """
         (x, y), (to_x, to_y) = self.position, self.action.target
         half = self._spec.cell_size / 2
@@ -208,7 +220,8 @@ class Robot:
         for corner in product((to_x - half, to_x + half), (to_y - half, to_y + half)):
             before, after = apart(self.position, corner), apart((to_x, to_y), corner)
             if comes_closer(before, after, self._spec.radius):
-                return (to_x, y) if abs(x - to_x) == aside else (x, to_y)
+                along_x = (abs(x - to_x) == aside) != longer_first
+                return (to_x, y) if along_x else (x, to_y)
         return to_x, to_y
 
     def meet(self, now: int, hit: Hit, other: Robot | None) -> None:
@@ -309,6 +322,10 @@ class Robot:
         self._push(self._braking_force)
         self.phase, self.until = BRAKE, now + substeps
 
+    def _brake_at(self, pace: float) -> None:
+        """Let the motor brake at ``pace`` m/s², or less if the floor alone brakes harder."""
+        self._braking_force = max(self._mass * pace - self._nominal_drag, 0.0)
+
     def _braking_from(self, speed: float) -> int:
         deceleration = max(self._pace, self._spec.floor_deceleration)
         return braking(speed, deceleration, self._spec.time_step)
@@ -390,7 +407,7 @@ class Robot:
         self._drag = self._nominal_drag = self._spec.drag_force(loaded)
         self.body.mass = self._mass = self._spec.total_mass(loaded)
         self.body.moment = pymunk.moment_for_circle(self._mass, 0.0, self._spec.radius)
-        self._braking_force = max(self._mass * pace - self._nominal_drag, 0.0)
+        self._brake_at(pace)
         if self._uneven is not None:
             self._drag *= self._uneven.drag_factor(self._on)
         self._floor.max_force = self._drag

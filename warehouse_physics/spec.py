@@ -62,7 +62,7 @@ class RobotSpec:
         drivetrain_efficiency: work at the wheel over energy from the battery, above 0, up to 1.
         idle_power: power of computer and sensors, W.
         recuperation: share of the work of a braking motor that gets back into the battery, 0 to 1;
-            turns on the spot give none back.
+            turns that take ``turn_seconds`` give none back.
         dwell: duration of waiting, picking and dropping, seconds.
         turn_seconds: duration of a quarter turn on the spot, seconds. A robot with two driven
             wheels turns before it drives in another direction; a half turn takes twice as long.
@@ -256,21 +256,24 @@ class RobotSpec:
         return self.floor_drag * GRAVITY
 
     def attainable_acceleration(self, loaded: bool) -> float:
-        """Return the nominal acceleration or, if that is less, what the motor can reach, in m/s².
+        """Return the nominal acceleration in m/s², or what the motor reaches if that is less."""
+        return min(self.acceleration, self.greatest_acceleration(loaded))
+
+    def greatest_acceleration(self, loaded: bool) -> float:
+        """Return the acceleration in m/s² that the motor can reach.
 
         Top speed is never reached in less than a substep; otherwise the motor could push a robot
         into a wall harder than the rounds of the solver can correct.
         """
-        return self._attainable(loaded, self.total_mass(loaded))
+        return self._greatest(loaded, self.total_mass(loaded))
 
     def turning_acceleration(self, loaded: bool) -> float:
-        """Return the same of the wheels as the robot turns on the spot."""
-        return self._attainable(loaded, self.turning_mass(loaded))
+        """Return ``attainable_acceleration`` for wheels as the robot turns on the spot."""
+        return min(self.acceleration, self._greatest(loaded, self.turning_mass(loaded)))
 
-    def _attainable(self, loaded: bool, mass: float) -> float:
+    def _greatest(self, loaded: bool, mass: float) -> float:
         spare = self.motor_force - self.drag_force(loaded)
-        at_once = self.top_speed / self.time_step
-        return min(self.acceleration, spare / mass, at_once)
+        return min(spare / mass, self.top_speed / self.time_step)
 
     def _turning(self, loaded: bool) -> tuple[float, float]:
         """Return how fast wheels speed up and the floor slows them down on the spot, in m/s²."""

@@ -90,10 +90,12 @@ class WheeledRobot(Robot):
         else:
             super().next_phase(now)
 
-    def drive(self, now: int, waypoint: Position, share: float = 1.0) -> None:
+    def drive(
+        self, now: int, waypoint: Position, share: float = 1.0, *, is_hard: bool = False
+    ) -> None:
         """Drive to a position, or turn on the spot where it would otherwise be missed.
 
-        The speed and acceleration of a drive are a share of the usual ones.
+        See ``Robot.drive`` for ``share`` and ``is_hard``.
         """
         angle = self._angle_to(waypoint)
         has_turned = self._control.angle != self.body.angle
@@ -106,7 +108,9 @@ class WheeledRobot(Robot):
         else:
             self._is_to_face = False
             right, down = self._driven(pymunk.Vec2d(*apart(waypoint, self.position)))
-            super().drive(now, (self.position[0] + right, self.position[1] + down), share)
+            super().drive(
+                now, (self.position[0] + right, self.position[1] + down), share, is_hard=is_hard
+            )
 
     def has_arrived(self) -> bool:
         """Return whether the robot was at its target at the last look."""

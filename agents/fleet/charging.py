@@ -84,7 +84,8 @@ class Needs(NamedTuple):
         cells: cells of the robots.
         battery: units left; robots without any have no turn.
         may_go: true for robots that may go to charge now.
-        limits: units below which a robot goes to a charger that nobody uses.
+        limits: units below which a robot goes to a charger that nobody uses, where chargers charge
+            up to a full battery at a constant current.
     """
 
     cells: Integers
@@ -126,6 +127,8 @@ class Chargers:
         # Beyond the knee a charger is slow, and does more for the next robot.
         knee = battery.capacity - battery.tail
         self._full = max(min(battery.capacity - charge, knee), ENOUGH * battery.capacity)
+        # A robot that its charger would send away at once does not go there.
+        self._scale = max(knee / battery.capacity, ENOUGH)
         # What is missing at the end of a turn, and what of the turn is at a constant voltage, where
         # what is missing falls exponentially to what a step costs.
         self._slow, self._fall = max(self._full - knee, 0.0), battery.tail / charge
@@ -154,7 +157,8 @@ class Chargers:
         holder = self._choose_first(needs.cells)
         until = self._until(holder, needs)
         may_go = needs.may_go & np.isfinite(self.home[needs.cells])
-        for low, most in (self._low(holder, until, needs), 1), (needs.battery < needs.limits, 0):
+        is_below = needs.battery < self._scale * needs.limits
+        for low, most in (self._low(holder, until, needs), 1), (is_below, 0):
             robots = np.flatnonzero(low & may_go & (self.turn == NONE))
             counts = np.bincount(self.turn + 1, minlength=len(holder) + 1)[1:]
             chargers = np.flatnonzero((counts <= most) & ~is_blocked)

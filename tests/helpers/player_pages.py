@@ -17,6 +17,8 @@ MAX_WAIT = 30.0
 """Seconds."""
 
 LISTENING = """
+globalThis.isPainted = false;
+new PerformanceObserver(() => (isPainted = true)).observe({type: "paint", buffered: true});
 globalThis.violations = [];
 addEventListener("securitypolicyviolation", (event) => violations.push(event.blockedURI));
 """
@@ -109,9 +111,12 @@ class Shown:
         page.add_init_script(LISTENING)
 
     def open(self, file: Path, fragment: str = "") -> "Shown":
-        """Load a file, and wait until the page shows it."""
+        """Load a file, and wait until the page shows it.
+
+        Chromium drops keys until a page is first painted, which may be late on a busy machine.
+        """
         self.page.goto(file.as_uri() + fragment)
-        wait_until(self.page, "globalThis.player !== undefined")
+        wait_until(self.page, "globalThis.player !== undefined && isPainted")
         return self
 
     def read(self, expression: str) -> Any:

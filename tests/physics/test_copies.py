@@ -4,61 +4,108 @@ import copy
 import pickle
 import random
 from collections.abc import Callable
+from itertools import product
 from typing import Any
 
+import gymnasium
+import numpy as np
 import pytest
 
 from warehouse_core import DEFAULT_LAYOUT, BatchEnv, FleetEnv, WarehouseEnv
-from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, Stop
+from warehouse_core.gymnasium_env import WarehouseGymnasiumEnv, WarehouseVectorEnv
+from warehouse_core.pettingzoo_env import env as in_turn
+from warehouse_core.pettingzoo_env import parallel_env
+from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, RobotSpec, Stop
 
+WHEELED = RobotSpec(drive="differential", recuperation=0.5)
 ROUGH = Disturbances(
-    actuation_noise=0.2, drag_spread=0.3, slippery=frozenset({(1, 2), (2, 1)}), motor_strength=0.9
+    actuation_noise=0.2,
+    drag_spread=0.3,
+    slippery=frozenset({(1, 2), (2, 1)}),
+    motor_strength=0.9,
+    odometry=0.02,
 )
-BROKEN = Disturbances(actuation_noise=0.1, stops=(Stop(1, 3.0, 4.0),))
+BROKEN = Disturbances(actuation_noise=0.1, stops=(Stop(1, 3.0, 4.0),), odometry=0.02)
 
-Env = WarehouseEnv | FleetEnv
-
-
-def fleet(motion: Any, **settings: Any) -> FleetEnv:
-    return FleetEnv(robots=3, people=1, backend=motion, **settings)
+Clone = Callable[[Any], Any]
 
 
-@pytest.mark.parametrize(
-    "make",
-    [
-        lambda: WarehouseEnv(backend="physics"),
-        lambda: WarehouseEnv(backend=RigidBodyMotion(None, ROUGH)),
-        lambda: fleet(RigidBodyMotion(None, ROUGH)),
-        lambda: fleet("driving", orders=0.2),
-        lambda: fleet(DrivingMotion(None, BROKEN)),
-    ],
-)
-@pytest.mark.parametrize("clone", [copy.deepcopy, lambda it: pickle.loads(pickle.dumps(it))])
-def test_a_copy_goes_on_like_its_original(
-    make: Callable[[], Env], clone: Callable[[Env], Env]
-) -> None:
-    env, draws = make(), random.Random(1)
-    env.reset()  # the seed of the disturbances is drawn
-    for steps in (0, 12):
-        actions(env, steps, draws)
+def by_pickle(env: Any) -> Any:
+    return pickle.loads(pickle.dumps(env))
+
+
+CLONES = [copy.copy, copy.deepcopy, by_pickle]
+
+
+def moving() -> RigidBodyMotion:
+    return RigidBodyMotion(WHEELED, ROUGH)
+
+
+def driving() -> DrivingMotion:
+    return DrivingMotion(WHEELED, BROKEN, switches=True)
+
+
+def made(**settings: Any) -> Any:
+    return gymnasium.make("warehouse_core.gymnasium_env:Warehouse-v0", **settings)
+
+
+OWN: dict[str, Callable[[], Any]] = {
+    "alone": lambda: WarehouseEnv(backend="physics"),
+    "alone, disturbed": lambda: WarehouseEnv(backend=moving()),
+    "fleet": lambda: FleetEnv(robots=3, people=1, backend=moving(), orders=0.2),
+    "driving": lambda: FleetEnv(robots=3, people=1, backend="driving", orders=0.2),
+    "driving, disturbed": lambda: FleetEnv(robots=3, people=1, backend=driving()),
+    "gymnasium": lambda: WarehouseGymnasiumEnv(backend=moving(), scan=4),
+    "gymnasium, vectors": lambda: WarehouseGymnasiumEnv(backend="physics", observation="vector"),
+    "pettingzoo": lambda: parallel_env(robots=3, backend=moving()),
+    "pettingzoo, driving": lambda: parallel_env(robots=3, backend=driving()),
+}
+WRAPPED: dict[str, Callable[[], Any]] = {
+    "gymnasium.make": lambda: made(backend=moving(), scan=4),
+    "pettingzoo, in turn": lambda: in_turn(robots=3, backend=driving()),
+}
+"""Forms in wrappers of other packages, of which ``copy.copy`` copies the wrapper alone."""
+
+
+@pytest.mark.parametrize(("form", "clone"), [*product(OWN, CLONES), *product(WRAPPED, CLONES[1:])])
+def test_a_copy_goes_on_like_its_original(form: str, clone: Clone) -> None:
+    env, draws = (OWN | WRAPPED)[form](), random.Random(1)
+    env.reset(seed=3)
+    for steps in (0, 8):
+        act(env, steps, draws)
         twin, state = clone(env), draws.getstate()
-        expected = actions(env, 5, draws)
+        expected = act(env, 4, draws)
         draws.setstate(state)
-        assert actions(twin, 5, draws) == expected
+        assert act(twin, 4, draws) == expected
 
 
-def actions(env: Env, steps: int, draws: random.Random) -> list[bytes]:
-    """Take random moves, which also lead into walls, and return all that the motion did."""
-    done = []
+def act(env: Any, steps: int, draws: random.Random) -> list[Any]:
+    """Take random moves, which also lead into walls; return all that was seen and felt."""
+    seen = []
     for _ in range(steps):
-        if isinstance(env, WarehouseEnv):
-            env.step(draws.randrange(4))
-            outcomes = [env.last_motion]
+        if hasattr(env, "agent_selection"):
+            for _ in env.agents:
+                seen.append(env.last())
+                env.step(draws.randrange(5))
+        elif hasattr(env, "possible_agents"):
+            seen.append(env.step({agent: draws.randrange(5) for agent in env.agents}))
+        elif isinstance(env, FleetEnv):
+            seen.append((env.step([draws.randrange(5) for _ in range(3)]), env.last_motion))
         else:
-            env.step([draws.randrange(5) for _ in range(3)])
-            outcomes = [*env.last_motion]
-        done += [pickle.dumps(each) for each in outcomes]
-    return done
+            seen.append(env.step(draws.randrange(5)))
+            seen.append(getattr(env, "last_motion", None))
+    return [plain(each) for each in seen]
+
+
+def plain(value: Any) -> Any:
+    """Return a value in which arrays are bytes, so that two can be compared to the last bit."""
+    if isinstance(value, np.ndarray):
+        return value.dtype.str, value.shape, value.tobytes()
+    if isinstance(value, dict):
+        return {key: plain(each) for key, each in value.items()}
+    if isinstance(value, (list, tuple)):
+        return [plain(each) for each in value]
+    return value
 
 
 def test_a_copy_stays_in_its_own_space() -> None:
@@ -88,10 +135,12 @@ def test_robots_that_were_led_and_failed_have_done_the_same_in_the_copy() -> Non
     assert len({*then}) == 1
 
 
-def test_what_cannot_be_repeated_is_refused_in_a_line() -> None:
-    batch = BatchEnv(2, backend="physics")
+@pytest.mark.parametrize("clone", CLONES)
+@pytest.mark.parametrize("kind", [BatchEnv, WarehouseVectorEnv])
+def test_what_cannot_be_repeated_is_refused_in_a_line(kind: Any, clone: Clone) -> None:
+    batch = kind(2, backend="physics")
     with pytest.raises(TypeError, match=r"^a batch of bodies can be neither copied nor pickled; "):
-        copy.deepcopy(batch)
+        clone(batch)
 
 
 def test_a_copy_of_a_closed_motion_needs_a_reset_like_its_original() -> None:

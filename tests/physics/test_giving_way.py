@@ -1,9 +1,17 @@
 """Jams, queues and rings of robots that stop each other, and actions that are cut off."""
 
 import math
+import random
 
 import pytest
-from helpers.physics_truth import differences_in_jams, queue, straight_queue, winding_queue
+from helpers.physics_truth import (
+    differences_in_jams,
+    jams,
+    queue,
+    random_spec,
+    straight_queue,
+    winding_queue,
+)
 from helpers.rigid_bodies import EAST, NORTH, SOUTH, STAY, WEST, together
 
 from warehouse_core import Layout
@@ -22,6 +30,50 @@ def test_heavily_loaded_jams_end_as_the_table_says() -> None:
     made, wrong, cut_off = differences_in_jams(MOVES)
     assert made >= MOVES
     assert (wrong, cut_off) == (0, 0)
+
+
+@pytest.mark.parametrize(
+    ("seed", "actions"), [(8009, 6), (8985, 5), (9015, 8), (10075, 5), (10506, 2)]
+)
+def test_a_light_robot_that_is_caught_behind_heavy_ones_gets_home(seed: int, actions: int) -> None:
+    """The usual force leaves it there, and so does all the force without patience or detours."""
+    *_, last = jams(seed, actions)
+    assert [outcome[:2] for outcome, _, _ in last] == [(cell, stopped) for _, cell, stopped in last]
+    assert not any(outcome.cut_off for outcome, _, _ in last)
+
+
+def test_a_motor_can_push_away_any_one_robot_at_rest() -> None:
+    draws = random.Random(1)
+    for number in range(200):
+        spec = random_spec(draws, is_round=bool(number % 2))
+        holding = spec.total_mass(True) * spec.attainable_acceleration(True)
+        if spec.greatest_acceleration(False) < spec.top_speed / spec.time_step:
+            pushing = spec.total_mass(False) * spec.greatest_acceleration(False)
+            assert pushing >= holding * (1 - 1e-9)
+
+
+@pytest.mark.parametrize(
+    ("is_hard", "is_heavy", "least", "most"),
+    [(False, True, 0.0, 1e-3), (True, True, 0.1, 0.2), (True, False, 0.8, 0.9)],
+)
+def test_a_light_robot_pushes_a_heavy_one_away_with_all_its_force_only(
+    is_hard: bool, is_heavy: bool, least: float, most: float
+) -> None:
+    """The other one has driven hard before, and brakes as usual again."""
+    spec = RobotSpec(radius=0.498, payload_mass=340, motor_force=510)
+    arena = RobotArena(Layout(["....."]), [(0, 1), (0, 2)], spec)
+    light, other = arena.robots
+    light.begin(EAST, False, spec.acceleration)
+    other.begin(STAY, is_heavy, spec.acceleration)
+    light.give_up()  # so that it does not brake at the touch
+    other.drive(0, other.position, is_hard=True)
+    other.halt(0)
+    other.brake_as_usual()
+    light.drive(0, (3.5, 0.5), is_hard=is_hard)
+    now = 0
+    while now < 60:
+        now = arena.run(now, 60)
+    assert least <= other.body.position.x - 2.5 <= most
 
 
 @pytest.mark.parametrize("kilograms", [20, 38, 40, 90, 340])

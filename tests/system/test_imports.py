@@ -15,6 +15,7 @@ PACKAGES = ("warehouse_core", "warehouse_physics", "agents")
 
 MAX_FOLDERS_AND_LEVELS = {"warehouse_core": (22, 9), "agents": (18, 8)}
 MAY_IMPORT = {
+    "warehouse_core/copies": "",
     "warehouse_core/errors": "",
     "warehouse_core/extras": "",
     "warehouse_core/wording": "",
@@ -24,23 +25,25 @@ MAY_IMPORT = {
     "warehouse_core/motion": "arguments errors extras wording world",
     "warehouse_core/orders": "arguments errors files wording world",
     "warehouse_core/task": "arguments errors wording world",
-    "warehouse_core/batch/shell": "arguments errors motion task wording world",
+    "warehouse_core/batch/shell": "arguments copies errors motion task wording world",
     "warehouse_core/conformance": "errors motion world",
     "warehouse_core/render": "arguments errors task world",
-    "warehouse_core/warehouse_env": "arguments errors motion task wording world",
+    "warehouse_core/warehouse_env": "arguments copies errors motion task wording world",
     "warehouse_core/batch/fleet": "arguments batch/shell errors motion orders task wording world",
     "warehouse_core/batch/lone": "arguments batch/shell errors motion task wording world",
     "warehouse_core/viz/export": "errors extras render",
     "warehouse_core/batch": "batch/lone batch/shell",
-    "warehouse_core/fleet": "arguments batch/fleet errors motion orders task wording world",
+    "warehouse_core/fleet": (
+        "arguments batch/fleet copies errors motion orders task wording world"
+    ),
     "warehouse_core/gymnasium_env": (
-        "arguments batch batch/shell errors motion render task warehouse_env wording world"
+        "arguments batch batch/shell copies errors motion render task warehouse_env wording world"
     ),
     "warehouse_core/records": (
         "arguments batch/fleet errors files fleet motion orders task warehouse_env wording world"
     ),
     "warehouse_core/pettingzoo_env": (
-        "arguments errors extras fleet gymnasium_env render task wording world"
+        "arguments copies errors extras fleet gymnasium_env render task wording world"
     ),
     "warehouse_core/viz/axes": "motion records render wording world",
     "warehouse_core/viz/tracks": "arguments errors motion orders records render wording world",

@@ -168,7 +168,7 @@ def test_players_in_frames_play_by_themselves_while_they_are_in_sight(
 ) -> None:
     frames = "<p style='height: 500px'></p>".join([player_frame([track])] * 3)
     outer = tmp_path / "frames.html"
-    outer.write_text(f"<!DOCTYPE html><script>globalThis.player = 0</script>{frames}")
+    outer.write_text(f"<!DOCTYPE html><script>globalThis.player = 0</script>Players{frames}")
     page = opened(outer)
     _, *players = page.page.frames
     for seen in (0, 2, 1):

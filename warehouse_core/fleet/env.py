@@ -16,6 +16,7 @@ from warehouse_core.batch.fleet.engine import FleetEngine
 from warehouse_core.batch.fleet.people import People
 from warehouse_core.batch.fleet.settings import FleetSettings
 from warehouse_core.batch.fleet.tally import FleetMeasures
+from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import EndedError, OrderError
 from warehouse_core.fleet.observation import FleetObservation, observation_of
 from warehouse_core.motion.backends import Backend, make_motion
@@ -37,7 +38,7 @@ FleetStepResult = tuple[FleetArrays, NDArray[np.float64], Flags, Flags, dict[str
 MOTION_KEYS = ("blocked", "stopped_by", "seconds", "joules")
 
 
-class FleetEnv:
+class FleetEnv(CopiedWhole):
     """``R`` robots that bring items from pickups to dropoffs in one warehouse.
 
     Description:

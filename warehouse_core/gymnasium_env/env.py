@@ -13,6 +13,7 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from warehouse_core.arguments import as_cell, seed_number
+from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import LayoutError
 from warehouse_core.gymnasium_env.sensors import Sensors
 from warehouse_core.gymnasium_env.spaces import (
@@ -57,7 +58,7 @@ _Known = tuple[Window, NDArray[np.int32], NDArray[np.int8]]
 UNSTARTED = "there has been no reset() yet"
 
 
-class WarehouseGymnasiumEnv(Limited, gymnasium.Env[Any, Any]):
+class WarehouseGymnasiumEnv(CopiedWhole, Limited, gymnasium.Env[Any, Any]):
     """``Warehouse-v0``: ``WarehouseEnv`` with the interface of Gymnasium.
 
     Description:

@@ -16,6 +16,7 @@ from warehouse_core.arguments import MAX_STEPS, one_of, whole_number
 from warehouse_core.batch import BatchEnv
 from warehouse_core.batch.shell.checks import Seeds
 from warehouse_core.batch.shell.env import NEXT_STEP
+from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import EndedError
 from warehouse_core.gymnasium_env.spaces import (
     FORMS,
@@ -39,7 +40,7 @@ AutoresetMode: Any = getattr(gymnasium.vector, "AutoresetMode", str)
 """Gymnasium's enumeration; version 1.0 has none, and strings are used."""
 
 
-class WarehouseVectorEnv(Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
+class WarehouseVectorEnv(CopiedWhole, Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
     """``Warehouse-v0`` as a batch: ``BatchEnv`` with the vector interface of Gymnasium.
 
     Description:

@@ -125,7 +125,8 @@ def _read_numbers(text: str, words: Collection[str]) -> dict[str, float | str]:
         try:
             numbers[name] = value if name in words else float(value)
         except ValueError:
-            raise ValueError(f"{brief(part)} is not of the form name=1.5") from None
+            forms = " or ".join(["name=1.5", *(f"{word}=word" for word in words)])
+            raise ValueError(f"{brief(part)} is not of the form {forms}") from None
     return numbers
 
 

@@ -21,7 +21,7 @@ depend on the order of the robots. "Occupied" spreads backwards along a queue of
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Hashable, Sequence
 
 from warehouse_core.motion.base import WALL_CONTACT
 from warehouse_core.world.layout import Layout
@@ -37,8 +37,19 @@ def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -
     The cells are open and different; each target is the robot's cell, or a neighbour of it.
     """
     stops: list[Obstacle] = [None if layout.is_open(target) else WALL_CONTACT for target in targets]
+    stop_by_robots(stops, cells, targets)
+    return stops
+
+
+def stop_by_robots(
+    stops: list[Obstacle], cells: Sequence[Hashable], targets: Sequence[Hashable]
+) -> None:
+    """Fill in the robots that stop those which no wall stops; see ``find_stops``.
+
+    ``stops`` are obstacles of ``R`` robots, ``None`` but for walls; cells may be numbers.
+    """
     robot_in = {cell: robot for robot, cell in enumerate(cells)}
-    movers_to: dict[Cell, list[int]] = {}
+    movers_to: dict[Hashable, list[int]] = {}
     for robot, target in enumerate(targets):
         if stops[robot] is None and target != cells[robot]:
             movers_to.setdefault(target, []).append(robot)
@@ -61,7 +72,6 @@ def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -
             behind = followers.pop(ahead)
             stops[behind] = ahead
             staying.append(behind)
-    return stops
 
 
 def check_joint_step(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -> None:

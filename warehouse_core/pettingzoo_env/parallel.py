@@ -11,6 +11,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
+from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import EndedError
 from warehouse_core.fleet.env import FleetEnv
 from warehouse_core.gymnasium_env.spaces import RENDER_FPS, Extent, check_render_mode
@@ -31,7 +32,7 @@ ParallelStep = tuple[
 ]
 
 
-class WarehouseParallelEnv(ParallelEnv[str, Any, int]):
+class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
     """``FleetEnv`` with the interface of PettingZoo: its agents are ``robot_0``, ``robot_1``, ...
 
     Description:

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from itertools import cycle
 from typing import TYPE_CHECKING, Annotated, NamedTuple
@@ -313,22 +314,27 @@ def drive_plan(
     robots, size = len(plan[0]), motion.spec.cell_size
     fleet = FleetFrame((), (None,) * robots, (1.0,) * robots, StepPlans({}))
 
-    def frame_of(poses: Sequence[Pose], clock: float) -> Frame:
+    def frame_of(poses: Sequence[Pose], clock: float, speed: float = 0.0) -> Frame:
         caption = f"{sum(rests)} of {counted(robots, 'robot')} at rest"
-        return Frame(layout.rows, (*poses,), clock, caption, clock=clock, fleet=fleet)
+        moment = Frame(layout.rows, (*poses,), clock, caption, clock=clock, fleet=fleet)
+        moment.speed, moment.energy = speed, energy
+        return moment
 
     rests: Sequence[bool] = [False] * robots
-    arrivals = [0.0] * robots
+    arrivals, energy = [0.0] * robots, 0.0
     frames = [frame_of([Pose(middle(cell), None, loaded=False) for cell in plan[0]], 0.0)]
     while not all(rests):
         clock = round(FRAME_SECONDS * len(frames), 3)
-        paths = [outcome.path[-1, 1:].tolist() for outcome in motion.drive(FRAME_SECONDS)]
+        outcomes = motion.drive(FRAME_SECONDS)
+        paths = [outcome.path[-1, 1:].tolist() for outcome in outcomes]
+        energy += sum(outcome.joules for outcome in outcomes)
         rests = motion.ways().at_rest
         arrivals = [
             at if has_arrived else clock for at, has_arrived in zip(arrivals, rests, strict=True)
         ]
         poses = [Pose((x / size, y / size), heading, loaded=False) for x, y, heading in paths]
-        frames.append(frame_of(poses, clock))
+        way = math.dist(outcomes[0].path[0, 1:3], outcomes[0].path[-1, 1:3])
+        frames.append(frame_of(poses, clock, way / FRAME_SECONDS))
     motion.close()
     return Track(frames, {}, is_continuous=True), arrivals
 

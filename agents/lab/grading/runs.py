@@ -22,7 +22,7 @@ from warehouse_core.wording import counted
 from warehouse_core.world.actions import DROP, INVALID, PICK, action_index
 
 Runner = Sandbox | SameProcess
-"""Runs agents, each in an episode of its own."""
+"""Runs the agents of a submission, each in an episode of its own."""
 
 
 class Run(NamedTuple):
@@ -98,12 +98,11 @@ def run_cases(
     user: str | None,
     secrets: Iterable[Path],
     advance: Callable[[], None],
-    is_here: bool = False,
+    runner: type[Runner],
 ) -> list[Run]:
     """Run all episodes of cases, with each of their seeds; ``advance`` is called after each."""
     runs, hopeless = list[Run](), 0
-    makes = SameProcess(limits) if is_here else Sandbox(submission, limits, user, secrets)
-    with makes as sandbox:
+    with runner(submission, limits, user, secrets) as sandbox:
         for case in cases:
             if runs and runs[-1].agent:  # it was loaded, so another case may be another matter
                 hopeless = 0

@@ -8,12 +8,14 @@ from __future__ import annotations
 
 import json
 import sys
-from collections.abc import Iterator
+from collections.abc import Iterable, Iterator
 from contextlib import contextmanager
+from pathlib import Path
 from typing import Any
 
 from agents.lab.grading import child
 from agents.lab.grading.sandbox import AgentLimits, AgentProcess, failure_of
+from agents.lab.grading.submissions import Submission
 
 
 class AgentHere(AgentProcess):
@@ -38,9 +40,22 @@ class AgentHere(AgentProcess):
 
 
 class SameProcess:
-    """Stands for a ``Sandbox`` where agents run in this process."""
+    """Stands for a ``Sandbox`` where agents run in this process, which has no walls.
 
-    def __init__(self, limits: AgentLimits) -> None:
+    Args:
+        submission: agent to run.
+        limits: limits on it; those on its memory and time are not kept.
+        user: no other user, who would need a process.
+        secrets: files that it must not read; nothing keeps it from them.
+    """
+
+    def __init__(
+        self,
+        submission: Submission,
+        limits: AgentLimits,
+        user: str | None = None,
+        secrets: Iterable[Path] = (),
+    ) -> None:
         self._limits = limits
 
     def __enter__(self) -> SameProcess:

@@ -97,12 +97,9 @@ class Playground {
   /** Take one step or all, from the start if anything has changed since. */
   async ask(what) {
     const { code, seed, rows, drawn } = this.kept;
-    const start = { do: "begin", code, rows, seed, stations: drawn ? "drawn" : "kept" };
-    if (what === "run" || !this.isBegun) {
-      const begun = await this.answer(start);
-      if (!begun || begun.error) return;
-    }
-    const answer = await this.answer({ do: what });
+    const goesOn = what === "step" && this.isBegun;
+    const start = goesOn ? null : { code, rows, seed, stations: drawn ? "drawn" : "kept" };
+    const answer = await this.answer({ do: what, start });
     this.isBegun = Boolean(answer) && !answer.ended && !answer.error;
   }
 

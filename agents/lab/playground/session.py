@@ -16,6 +16,7 @@ from typing import Any
 from agents.errors import AgentError, frames_in, reason_of
 from agents.lab.grading.grading import grade
 from agents.lab.grading.rubric import MINI_LAB, load_rubric
+from agents.lab.grading.same_process import SameProcess
 from agents.lab.grading.submissions import find_submission
 from agents.lab.place import Stations, what_to_draw
 from agents.registry import make_agent
@@ -49,10 +50,10 @@ class Session:
         """Do what the page asks, and return what it is to show.
 
         Args:
-            question: object with ``do``: ``"begin"``, which makes the agent in ``code`` and resets
-                the warehouse with its ``rows``, ``stations`` and ``seed``; ``"step"``; or
-                ``"run"``, which takes all steps that are left; or ``"grade"``, which grades
-                ``code`` by the rubric of the mini-lab.
+            question: object with ``do``: ``"step"``; ``"run"``, which takes all steps that are
+                left; or ``"grade"``, which grades ``code`` by the rubric of the mini-lab. With
+                ``start``, an object, an episode begins before the steps: of the agent in its
+                ``code``, in the warehouse of its ``rows``, ``stations`` and ``seed``.
             advance: called with the number of episodes that are graded, and of all.
 
         Returns:
@@ -66,45 +67,46 @@ class Session:
             try:
                 with self._named_errors():
                     if asked["do"] == "grade":
-                        found |= self._grade(asked, advance)
+                        found |= self._grade(asked["code"], advance)
                     else:
-                        getattr(self, f"_{asked['do']}")(asked)
+                        self._play(asked["do"], asked.get("start"))
             except WarehouseError as error:
                 found["error"] = str(error)
                 found["line"] = _line_of(error, self._file)
         if self._recorder is not None and asked["do"] != "grade":
-            found |= self._shown(rests=asked["do"] != "run")
+            found |= self._shown(rests=asked["do"] == "step")
         found["printed"] = output.getvalue()[-MAX_OUTPUT:]
         return json.dumps(found)
 
-    def _begin(self, asked: dict[str, Any]) -> None:
+    def _play(self, what: str, start: dict[str, Any] | None) -> None:
+        """Take one step or all that are left, in a new episode if there is a start."""
+        if start is not None:
+            self._begin(start)
+        while self._recorder is not None and not self._recorder.ended:
+            self._observation = self._recorder.step(self._agent.act(self._observation))
+            if what == "step":
+                return
+
+    def _begin(self, start: dict[str, Any]) -> None:
         self._recorder = None
-        self._file.write_text(asked["code"], encoding="utf-8")
-        layout, seed = Layout(asked["rows"]), asked["seed"]
+        self._file.write_text(start["code"], encoding="utf-8")
+        layout, seed = Layout(start["rows"]), start["seed"]
         self._agent = make_agent(str(self._file), seed, layout)
         env = WarehouseEnv(layout, None)
-        self._observation = env.reset(what_to_draw(Stations(asked["stations"])), seed)
+        self._observation = env.reset(what_to_draw(Stations(start["stations"])), seed)
         self._agent.reset()
         self._recorder = EpisodeRecorder(env, seed=seed, agent=self._file.name)
 
-    def _step(self, asked: dict[str, Any]) -> None:
-        if self._recorder is not None and not self._recorder.ended:
-            self._observation = self._recorder.step(self._agent.act(self._observation))
-
-    def _run(self, asked: dict[str, Any]) -> None:
-        while self._recorder is not None and not self._recorder.ended:
-            self._step(asked)
-
-    def _grade(self, asked: dict[str, Any], advance: Callable[[int, int], None]) -> dict[str, Any]:
+    def _grade(self, code: str, advance: Callable[[int, int], None]) -> dict[str, Any]:
         """Grade the agent by what all of a class may see of the mini-lab's rubric."""
-        self._file.write_text(asked["code"], encoding="utf-8")
+        self._file.write_text(code, encoding="utf-8")
         rubric, done = load_rubric(MINI_LAB), count(1)
         total = sum(case.episodes for case in rubric.used_cases)
         report = grade(
             find_submission(str(self._file)),
             rubric,
             advance=lambda: advance(next(done), total),
-            is_here=True,
+            runner=SameProcess,
         ).shown()
         rows = [
             {"name": row.criterion.name, "points": row.points, "max": row.criterion.points,

@@ -130,6 +130,17 @@ def test_a_charger_that_nobody_uses_is_for_robots_below_their_limits() -> None:
     assert chargers.turn.tolist() == [0, NONE, NONE]  # there is one at 0, and 29 is far away
 
 
+def test_no_idle_robot_goes_to_a_charger_that_sends_it_away_at_once() -> None:
+    limits = np.array([180.0])
+    for knee, below in ((1.0, 180), (0.8, 144), (0.4, 126)):
+        chargers = chargers_of(1, battery=Battery(200, knee=knee))
+        chargers.update(needs([8], [below], limits=limits))
+        assert chargers.turn.tolist() == [NONE]
+        chargers.update(needs([8], [below - 1], limits=limits))
+        assert chargers.turn.tolist() == [0]
+        assert below < chargers._full
+
+
 def test_a_robot_that_would_run_empty_goes_to_any_charger_that_it_can_reach() -> None:
     split = Layout(["C...#...C"])
     chargers = chargers_of(3, split)

@@ -21,6 +21,8 @@ Floats = NDArray[np.float64]
 class Battery:
     """The battery of each robot of a fleet.
 
+    Ageing and temperature are left out: a full charge is the same for ever.
+
     Args:
         capacity: units of a full charge, at least 1.
         unit: ``"steps"``: every step costs one; ``"joules"``: it costs what its motion cost.

@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.arguments import one_of
 from warehouse_core.batch.shell.checks import Seeds, checked_actions, checked_mask, checked_seeds
+from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import EndedError
 from warehouse_core.motion.batch import BatchOutcome
 from warehouse_core.task.encoding import ObservationArrays
@@ -66,7 +67,7 @@ class Engine(Protocol[Observed]):
         """Close the motion backend."""
 
 
-class ArrayEnv(Generic[Observed]):
+class ArrayEnv(CopiedWhole, Generic[Observed]):
     """``B`` episodes of ``R`` robots each; row ``b * R + r`` is robot ``r`` of episode ``b``.
 
     Attributes:

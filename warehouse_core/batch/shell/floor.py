@@ -70,6 +70,11 @@ class Floor:
         places = np.arange(0, self._windows.shape[1], self._numbers)
         self._centre = places[len(places) // 2]
         self._place_of = np.full(2 * self._reach + 1, self._centre)
+        # For pickups and dropoffs: where their tile's marks begin, and what is written there.
+        stations = (PICKUP, DROPOFF)
+        firsts = [tiles.index(tile) if tiles else 0 for tile in stations]
+        values = [1 if tiles else CELL_CODES[tile] for tile in stations]
+        self._first_marks, self._mark_values = np.array([firsts, values])[..., None]
         side = np.arange(-radius, radius + 1)
         offsets = side[:, None] * self._stride + side + self._reach
         self._place_of[offsets.ravel()] = places
@@ -122,21 +127,21 @@ class Floor:
         """Return the windows without the robots in their middle."""
         windows = self._windows.take(self._base[rows] + cells, axis=0)
         if self.moving_stations and self._radius:
-            for tile, stations in zip((PICKUP, DROPOFF), self.station_places, strict=True):
-                self._mark(windows, tile, stations[rows], robots)
+            self._mark(windows, self.station_places[:, rows], robots)
         return windows
 
-    def _mark(self, windows: Window, tile: str, stations: Integers, robots: Integers) -> None:
-        """Write a tile where the stations are; those out of sight go to the middle."""
-        first, value = (self._tiles.index(tile), 1) if self._tiles else (0, CELL_CODES[tile])
+    def _mark(self, windows: Window, stations: Integers, robots: Integers) -> None:
+        """Write tiles where the stations are; those out of sight go to the middle."""
         way = stations - robots
         # Offsets on a large grid can exceed 32 bits.
-        offset = np.multiply(way[:, 0], self._stride, dtype=np.intp)
-        offset += way[:, 1] + self._reach
-        offset[stations[:, 0] < 0] = 0  # of none: out of sight, though NOWHERE is next to a corner
+        offset = np.multiply(way[..., 0], self._stride, dtype=np.intp)
+        offset += way[..., 1]
+        offset += self._reach
+        offset[stations[..., 0] < 0] = 0  # without a station: NOWHERE is next to a corner
         place = self._place_of.take(offset, mode="clip")
-        place += np.arange(first, windows.size, windows.shape[1])
-        windows.reshape(-1)[place] = value
+        place += self._first_marks
+        place += np.arange(0, windows.size, windows.shape[1])
+        windows.reshape(-1)[place] = self._mark_values
 
 
 def _first_stations(layout: Layout) -> list[int]:

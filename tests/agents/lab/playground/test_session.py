@@ -26,13 +26,15 @@ class Page:
     def __init__(self, folder: Path) -> None:
         self._session = Session(folder / "agent.py")
 
-    def ask(self, do: str, code: str = STARTER, **more: Any) -> dict[str, Any]:
-        question = {"do": do, "code": code, "rows": DEFAULT_LAYOUT.rows, "seed": 1} | more
-        question = {"stations": "drawn"} | question
+    def ask(self, **question: Any) -> dict[str, Any]:
         answer: dict[str, Any] = json.loads(
             self._session.answer(json.dumps(question), lambda done, total: None)
         )
         return answer
+
+    def begin(self, do: str, code: str = STARTER, **more: Any) -> dict[str, Any]:
+        start = {"code": code, "rows": DEFAULT_LAYOUT.rows, "seed": 1, "stations": "drawn"}
+        return self.ask(do=do, start=start | more)
 
 
 @pytest.fixture
@@ -43,9 +45,8 @@ def page(tmp_path: Path) -> Page:
 def test_an_episode_is_that_of_warehouse_run(
     page: Page, tmp_path: Path, warehouse: Warehouse
 ) -> None:
-    assert page.ask("begin", seed=7)["steps"] == 0
-    steps = [page.ask("step")["steps"], page.ask("step")["steps"]]
-    answer = page.ask("run")
+    steps = [page.begin("step", seed=7)["steps"], page.ask(do="step", start=None)["steps"]]
+    answer = page.ask(do="run", start=None)
     saved = tmp_path / "episode.npz"
     warehouse("run", "--agent", tmp_path / "agent.py", "--seed", 7, "-o", saved)
     expected = Episode.load(saved)
@@ -69,29 +70,26 @@ def test_an_episode_is_that_of_warehouse_run(
 def test_an_error_has_the_line_of_the_agent(
     code: str, error: str, line: int | None, page: Page
 ) -> None:
-    answer = page.ask("begin", code)
-    if "error" not in answer:
-        answer = page.ask("run")
+    answer = page.begin("run", code)
     assert error in answer["error"]
     assert answer["line"] == line
 
 
 def test_a_layout_that_is_none_is_named(page: Page) -> None:
-    assert "row 1 has 1 columns" in page.ask("begin", rows=["##", "#"])["error"]
-    assert "page" not in page.ask("step")
+    assert "row 1 has 1 columns" in page.begin("run", rows=["##", "#"])["error"]
+    assert "page" not in page.ask(do="step", start=None)
 
 
 def test_what_an_agent_prints_is_shown(page: Page) -> None:
-    page.ask("begin", AGENT.format("print(observation['steps']); return 'WAIT'"))
-    page.ask("step")
-    assert page.ask("step")["printed"] == "1\n"
+    page.begin("step", AGENT.format("print(observation['steps']); return 'WAIT'"))
+    assert page.ask(do="step", start=None)["printed"] == "1\n"
 
 
 def test_a_grade_is_that_of_warehouse_grade(
     page: Page, tmp_path: Path, warehouse: Warehouse
 ) -> None:
     code = STARTER.replace('self.random.choice("NESW")', '"WAIT"')
-    answer = page.ask("grade", code)
+    answer = page.ask(do="grade", code=code)
     report = grade(find_submission(str(tmp_path / "agent.py")), load_rubric(MINI_LAB))
     assert answer["told"].startswith(f"{report.points:g} of 100 points")
     assert [(row["name"], row["points"], row["seen"]) for row in answer["grades"]] == [
@@ -100,6 +98,6 @@ def test_a_grade_is_that_of_warehouse_grade(
 
 
 def test_a_grade_of_what_cannot_be_loaded_says_why(page: Page) -> None:
-    answer = page.ask("grade", "1 / 0")
+    answer = page.ask(do="grade", code="1 / 0")
     assert answer["points"] == 0
     assert "division by zero (agent.py, line 1)" in answer["told"]
