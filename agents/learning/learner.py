@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any, Protocol
 
 from warehouse_core import Agent
 
@@ -18,3 +19,19 @@ WatchTraining = Callable[[int, float, MakeAgent], None]
 It is given the steps taken so far, the share of the latest episodes that ended with the delivery
 (NaN without any), and what makes the agent in its present state.
 """
+
+
+class Learner(Protocol):
+    """A training that can be stopped while it is watched, and resumed later to the same result."""
+
+    def learn(self, watch: WatchTraining) -> MakeAgent:
+        """Train to the end, and return what makes the agent."""
+
+    def state(self) -> Any:
+        """Return all that further training depends on, to be pickled before the training goes on.
+
+        It is whole while ``watch`` is called.
+        """
+
+    def restore(self, state: Any) -> None:
+        """Go on from a state that a learner with the same arguments had."""

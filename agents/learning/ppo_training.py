@@ -9,6 +9,7 @@ Closer Look at Invalid Action Masking in Policy Gradient Algorithms*, 2022.
 
 from __future__ import annotations
 
+import io
 import math
 from pathlib import Path
 from typing import Any
@@ -71,6 +72,7 @@ class PPOLearner:
     def __init__(self, batch: Batch, steps: int, seed: int, **settings: Any) -> None:
         torch.set_num_threads(1)  # the network is small, and sums are repeatable
         self._view_radius, self._tiles = batch.view_radius, tiles_of(batch)
+        self._batch = batch
         self._round = batch.num_envs * ROUND
         self._rounds = rounds = math.ceil(steps / self._round)
         self.model = MaskablePPO(
@@ -85,8 +87,27 @@ class PPOLearner:
 
     def learn(self, watch: WatchTraining) -> MakeAgent:
         """Train, and return what makes the agent."""
-        self.model.learn(self._rounds * self._round, callback=_Watcher(self, watch))
+        left = self._rounds * self._round - self.model.num_timesteps
+        # Without a reset the counters go on where a restored training had stopped.
+        self.model.learn(left, callback=_Watcher(self, watch), reset_num_timesteps=False)
         return self.agents()
+
+    def state(self) -> Any:
+        """Return the model with its optimiser, the warehouses, and the random streams."""
+        model = io.BytesIO()
+        self.model.save(model)
+        return model.getvalue(), self._batch, torch.get_rng_state(), np.random.get_state()
+
+    def restore(self, state: Any) -> None:
+        """Go on from a state that a learner with the same arguments had."""
+        model, self._batch, of_torch, of_numpy = state
+        # A forced reset would begin new episodes.
+        self.model = MaskablePPO.load(
+            io.BytesIO(model), BatchVecEnv(self._batch), device="cpu", force_reset=False
+        )
+        self.model.set_logger(Logger(None, []))
+        torch.set_rng_state(of_torch)
+        np.random.set_state(of_numpy)
 
     def agents(self) -> MakeAgent:
         """Return what makes the agent in its present state; further training does not change it."""

@@ -85,11 +85,16 @@ def best_action(values: list[float], stream: random.Random) -> int:
 
 
 def learn(
-    table: QTable, env: WarehouseEnv, steps: int, seed: int, randomize: bool | str = True
+    table: QTable,
+    env: WarehouseEnv,
+    steps: int,
+    seed: int | random.Random,
+    randomize: bool | str = True,
 ) -> Iterator[tuple[int, bool]]:
     """Fill a table by whole episodes, in ``steps`` steps or a few more.
 
     What of stations and start is drawn in an episode is ``randomize``, see ``WarehouseEnv.reset``.
+    A random stream in place of the ``seed`` is used, and so a training goes on.
 
     Yields:
         Steps taken so far, after each episode, and true if it ended with a delivery.
@@ -103,7 +108,7 @@ def learn(
         >>> len(table) > 100, sum(deliveries) > 0
         (True, True)
     """
-    stream, taken = random.Random(seed), 0
+    stream, taken = seed if isinstance(seed, random.Random) else random.Random(seed), 0
     while taken < steps:
         state, done = state_of(env.reset(randomize, stream.randrange(TRAINING_SEEDS))), False
         while not done:

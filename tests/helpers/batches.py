@@ -200,7 +200,9 @@ class Walk:
         has_finals = self.mode == SAME_STEP and ended.any()
         keys = {"action_mask", "_action_mask", "motion", "_motion"}
         assert set(info) == (keys | finals if has_finals else keys)
-        assert tuple(info["motion"]) == MOTION
+        motion = info["motion"]
+        assert set(motion) == {*MOTION, *(f"_{key}" for key in MOTION)}
+        assert all(motion[f"_{key}"].tolist() == info["_motion"].tolist() for key in MOTION)
         assert info["_action_mask"].all()
         if has_finals:
             final = info["final_info"]

@@ -114,6 +114,17 @@ def in_a_process(*words: object, folder: Path, **variables: str) -> Result:
     return Result(done.returncode, done.stdout, done.stderr)
 
 
+def in_the_background(program: str, *words: object) -> subprocess.Popen[str]:
+    """Start a program with ``words`` in its own process here; SIGINT interrupts it."""
+    return subprocess.Popen(
+        [sys.executable, "-c", program, *map(str, words)],
+        stdout=subprocess.PIPE,
+        stderr=subprocess.PIPE,
+        text=True,
+        preexec_fn=heed_interrupts,
+    )
+
+
 def heed_interrupts() -> None:
     """Make SIGINT interrupt again; who starts tests in the background has them ignore it."""
     signal.signal(signal.SIGINT, signal.default_int_handler)

@@ -99,7 +99,7 @@ MAY_IMPORT = {
     ),
     "agents/lab/experiments": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/grading": "errors lab lab/runs lab/trials registry warehouse_agent_greedy",
-    "agents/lab/training": "lab/trials learning",
+    "agents/lab/training": "lab/console lab/trials learning",
     "agents/lab/commands/export": "errors lab/console lab/experiments lab/trials",
     "agents/lab/reports/analysis": "lab lab/experiments lab/trials",
     "agents/lab/reports/figures": "errors lab lab/experiments lab/reports/analysis lab/trials",

@@ -173,7 +173,7 @@ IMPOSSIBLE = {
     f"compare agents -n 2 --layout random --seed {TRAINING_LAYOUTS - 1}": (
         f"the seed of a random layout is {TRAINING_LAYOUTS}; allowed: 0.."
     ),
-    "train ppo --layout random --size 4x4": "is one of the 1024 of the training; use a larger",
+    "train ppo --layout random --size 4x4": "each of the 1024 of the training is also one of",
     "train ppo --output m.zip": "m.zip: cannot save as .zip; allowed: .npz",
     "train q --output q.zip": "q.zip: cannot save as .zip; allowed: .npz",
     "train q --output q.NPZ": "q.NPZ: cannot save as .NPZ; allowed: .npz",

@@ -1,31 +1,25 @@
 """Pyodide, in node and in headless Chromium, does what CPython does; ``.ci/pyodide`` fetches it."""
 
-import http.server
 import json
 import os
 import subprocess
 import sys
-import threading
-from collections.abc import Callable, Iterator
-from functools import partial
+from collections.abc import Iterator
 from pathlib import Path
-from time import monotonic, sleep
 from typing import Any
 
 import pytest
 from helpers import wasm_digests
-from helpers.command_line import ROOT
+from helpers.playground import MAX_DOWNLOAD, Playground, run_in_node, served, write_page
 
 from agents.lab.grading.rubric import MINI_LAB
-from agents.lab.playground.page import RUNTIME, write_playground
 from agents.lab.playground.session import Session
 from warehouse_core import DEFAULT_LAYOUT
 
 pytestmark = pytest.mark.wasm
 
-FILES = ROOT / ".venv" / "pyodide"
-MAX_DOWNLOAD = 25_000_000
-SECONDS = 120
+PLAIN = os.environ | {"WAREHOUSE_FAST": "0"}
+"""Environment in which planners are not compiled, as in a browser."""
 
 LOOP = """class Agent:
     def reset(self):
@@ -40,21 +34,15 @@ LOOP = """class Agent:
 @pytest.fixture(scope="module")
 def page_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return the folder of a playground."""
-    assert FILES.is_dir(), f"{FILES} is missing; .ci/pyodide fetches it"
-    folder = tmp_path_factory.mktemp("playground")
-    write_playground(folder, str(FILES))
-    return folder
+    return write_page(tmp_path_factory.mktemp("playground"))
 
 
 def test_node_has_the_digests_of_cpython(page_folder: Path) -> None:
-    [wheel] = page_folder.glob("*.whl")
-    helpers, script = ROOT / "tests" / "helpers", wasm_digests.__file__
-    node = ["node", str(helpers / "pyodide.mjs"), str(page_folder / RUNTIME), str(wheel), script]
-    environment = os.environ | {"WAREHOUSE_FAST": "0"}
-    cpython, pyodide = (
-        subprocess.run(words, capture_output=True, text=True, env=environment, check=True).stdout
-        for words in ([sys.executable, script], node)
-    )
+    script = Path(wasm_digests.__file__)
+    cpython = subprocess.run(
+        [sys.executable, script], capture_output=True, text=True, env=PLAIN, check=True
+    ).stdout
+    pyodide = run_in_node(page_folder, script)
     assert len(cpython.splitlines()) > 20
     assert pyodide == cpython
 
@@ -62,52 +50,8 @@ def test_node_has_the_digests_of_cpython(page_folder: Path) -> None:
 @pytest.fixture(scope="module")
 def address(page_folder: Path) -> Iterator[str]:
     """Yield the address of a server of the page."""
-
-    class Quiet(http.server.SimpleHTTPRequestHandler):
-        def log_message(self, *_: object) -> None:
-            pass
-
-    handler = partial(Quiet, directory=page_folder)
-    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        yield f"http://127.0.0.1:{server.server_port}/"
-        server.shutdown()
-
-
-class Playground:
-    """The page in a browser, and what it has loaded."""
-
-    def __init__(self, page: Any, address: str) -> None:
-        self.page, self.errors, self.requests = page, list[str](), list[str]()
-        self.size = 0
-        page.on("pageerror", lambda error: self.errors.append(str(error)))
-        page.on("console", lambda message: self.errors.append(message.text))
-        page.on("request", lambda request: self.requests.append(request.url))
-        page.on("response", self._count)
-        page.goto(address)
-        self.until(lambda: page.is_enabled("[data-do=run]"))
-
-    def _count(self, response: Any) -> None:
-        self.size += int(response.headers.get("content-length", 0))
-
-    def until(self, is_so: Callable[[], Any]) -> None:
-        """Wait until something is so; the page's policy forbids that the browser evaluates it."""
-        end = monotonic() + SECONDS
-        while not is_so():
-            assert monotonic() < end, (self.text("state"), self.text("error"), self.errors)
-            sleep(0.05)
-
-    def text(self, part: str) -> str:
-        found: str = self.page.locator(f"[data-part={part}]").inner_text()
-        return found
-
-    def press(self, name: str) -> None:
-        """Press a button, and wait until what it does is done."""
-        self.page.click(f"[data-do={name}]")
-        self.until(lambda: self.page.is_enabled("[data-do=run]"))
-
-    def type(self, code: str) -> None:
-        self.page.fill("[data-part=code]", code)
+    with served(page_folder) as found:
+        yield found
 
 
 @pytest.fixture(scope="module")
@@ -130,8 +74,7 @@ START = {"code": CODE, "rows": DEFAULT_LAYOUT.rows, "seed": 1, "stations": "draw
 def test_the_page_runs_and_grades_as_cpython_does(playground: Playground, tmp_path: Path) -> None:
     playground.press("run")
     assert playground.text("told") == answered(tmp_path, {"do": "run", "start": START})["told"]
-    player = playground.page.frame_locator("[data-part=player]")
-    player.locator("canvas").first.wait_for()
+    playground.wait_for_player()
     playground.press("step")
     playground.press("step")
     assert playground.text("told").startswith("2 steps")

@@ -15,6 +15,7 @@ from warehouse_core.arguments import MAX_STEPS, instance_of, one_of, whole_numbe
 from warehouse_core.render.observation_image import ObservationImage
 from warehouse_core.task.encoding import MARKED_TILES, ObservationArrays, vector, vector_limits
 from warehouse_core.wording import brief
+from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import CELL_CODES
 
 FORMS = ("dict", "vector", "image")
@@ -125,14 +126,17 @@ def _dict_space(extent: Extent) -> spaces.Dict:
 
 
 class Limited:
-    """An environment whose spec has the limit of steps that holds."""
+    """An environment whose spec has the limit of steps that holds, and can be written as JSON."""
 
     max_steps: int
     _spec: EnvSpec | None = None
 
     @property
     def spec(self) -> EnvSpec | None:
-        """The spec that Gymnasium made it from, with ``max_steps`` as ``max_episode_steps``."""
+        """The spec that Gymnasium made it from.
+
+        ``max_steps`` is its ``max_episode_steps``, and layouts are their rows.
+        """
         return self._spec
 
     @spec.setter
@@ -140,6 +144,18 @@ class Limited:
         self._spec = copy(spec)
         if self._spec is not None:
             self._spec.max_episode_steps = self.max_steps
+            kwargs = self._spec.kwargs
+            if "layout" in kwargs:
+                self._spec.kwargs = {**kwargs, "layout": _rows_of(kwargs["layout"])}
+
+
+def _rows_of(layout: Any) -> Any:
+    """Return the rows of a layout, or of each of several; other forms are JSON already."""
+    if isinstance(layout, Layout):
+        return list(layout.rows)
+    if isinstance(layout, (list, tuple)):
+        return [_rows_of(each) for each in layout]
+    return layout
 
 
 def check_options(options: object, allowed: set[str]) -> dict[str, Any]:

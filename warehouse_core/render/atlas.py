@@ -265,6 +265,9 @@ def _fill(points: Pixels, shape: Shape, color: Color) -> None:
     points[np.broadcast_to(shape, points.shape[:2])] = color_bytes(color)
 
 
+@cache
 def color_bytes(color: Color) -> NDArray[np.uint8]:
-    """Return a colour as three bytes."""
-    return np.array([round(255 * part) for part in color], np.uint8)
+    """Return a colour as three bytes, read-only."""
+    color_in_bytes = np.array([round(255 * part) for part in color], np.uint8)
+    color_in_bytes.setflags(write=False)
+    return color_in_bytes

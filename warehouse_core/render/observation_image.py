@@ -7,12 +7,13 @@ hatched. Two bars below show the battery level and the steps taken.
 from __future__ import annotations
 
 import math
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.arguments import whole_number
-from warehouse_core.render.atlas import CODES, NO_ROBOT, ROBOT_CODES, UNSEEN, Pixels
+from warehouse_core.render.atlas import CODES, NO_ROBOT, ROBOT_CODES, UNSEEN, Pixels, atlas
 from warehouse_core.render.painter import TilePainter, bar
 from warehouse_core.render.palette import BATTERY, INK
 from warehouse_core.task.encoding import ObservationArrays
@@ -20,6 +21,8 @@ from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP
 
 TILE_PIXELS = 8
 """Side of a tile; the picture of the default layout has 64 x 96 pixels."""
+
+STATION_CODES = (CODES[PICKUP, NO_ROBOT], CODES[DROPOFF, NO_ROBOT])
 
 
 class ObservationImage:
@@ -46,7 +49,9 @@ class ObservationImage:
         )
         self._battery = whole_number("battery", battery, 1)
         self._max_steps = whole_number("max_steps", max_steps, 1)
-        self._painter = TilePainter(TILE_PIXELS)
+        self._atlas = atlas(TILE_PIXELS)
+        nothing = np.full((self._height + 1, self._width), CODES[UNSEEN, NO_ROBOT])
+        self._unseen = TilePainter(TILE_PIXELS).paint(nothing)
 
     @property
     def shape(self) -> tuple[int, int, int]:
@@ -55,33 +60,44 @@ class ObservationImage:
 
     def paint(self, arrays: ObservationArrays) -> Pixels:
         """Return new pictures of observations: ``[..., (H + 1) * T, W * T, 3]`` uint8."""
-        width, half = self._width * TILE_PIXELS, TILE_PIXELS // 2
-        battery = bar(arrays["battery"][..., 0] / self._battery, width, half, BATTERY)
-        steps = bar(arrays["steps"][..., 0] / self._max_steps, width, half, INK)
-        return np.concatenate([self._painter.paint(self._known(arrays)), battery, steps], axis=-3)
+        pictures = np.empty((*arrays["robot_pos"].shape[:-1], *self.shape), np.uint8)
+        each = pictures.reshape(-1, *self.shape)
+        each[:] = self._unseen
+        windows = arrays["local_grid"].reshape(len(each), -1)
+        numbers = np.column_stack(
+            [
+                arrays["robot_pos"].reshape(-1, 2),
+                arrays["pickup_pos"].reshape(-1, 2),
+                arrays["dropoff_pos"].reshape(-1, 2),
+                arrays["battery"].reshape(-1),
+                arrays["steps"].reshape(-1),
+            ]
+        ).tolist()
+        loaded = np.reshape(arrays["has_item"], -1).tolist()
+        for picture, window, known, has_item in zip(each, windows, numbers, loaded, strict=True):
+            self._paint(picture, window, known, has_item)
+        return pictures
 
-    def _known(self, arrays: ObservationArrays) -> NDArray[np.uint8]:
-        """Return the known codes of cells, ``[..., H, W]``."""
-        batch = arrays["robot_pos"].shape[:-1]
-        robots = arrays["robot_pos"].reshape(-1, 2)
-        windows = arrays["local_grid"].reshape(len(robots), -1)
-        side = math.isqrt(windows.shape[1])
-        radius = side // 2
-        size = (self._height + 2 * radius, self._width + 2 * radius)
-        cells = np.full((len(robots), *size), CODES[UNSEEN, NO_ROBOT], np.uint8)
-        each = np.arange(len(robots))
-        rows, cols = (robots[:, axis, None] + np.arange(side) for axis in (0, 1))
-        under = np.full(len(robots), CODES[EMPTY, NO_ROBOT])
-        for tile, positions in ((PICKUP, arrays["pickup_pos"]), (DROPOFF, arrays["dropoff_pos"])):
-            stations = positions.reshape(-1, 2)
-            there = np.flatnonzero(stations[:, 0] >= 0)
-            code = CODES[tile, NO_ROBOT]
-            cells[there, stations[there, 0] + radius, stations[there, 1] + radius] = code
-            under[(stations == robots).all(axis=1)] = code
-        cells[each[:, None, None], rows[:, :, None], cols[:, None, :]] = windows.reshape(
-            -1, side, side
-        )
-        loaded = np.asarray(arrays["has_item"]).reshape(-1)
-        cells[each, robots[:, 0] + radius, robots[:, 1] + radius] = ROBOT_CODES[loaded, under]
-        inner = cells[:, radius : radius + self._height, radius : radius + self._width]
-        return inner.reshape(*batch, self._height, self._width)
+    def _paint(
+        self, picture: Pixels, window: NDArray[Any], known: list[int], has_item: int
+    ) -> None:
+        """Paint one observation where nothing is seen yet; ``known`` are its eight numbers."""
+        row, col, *stations, battery, steps = known
+        end, half = self._height * TILE_PIXELS, TILE_PIXELS // 2
+        cells = picture[:end].reshape(self._height, TILE_PIXELS, self._width, TILE_PIXELS, 3)
+        under = CODES[EMPTY, NO_ROBOT]
+        for code, place in zip(STATION_CODES, (stations[:2], stations[2:]), strict=True):
+            if place[0] >= 0:
+                cells[place[0], :, place[1]] = self._atlas[code]
+            if place == [row, col]:
+                under = code
+        side = math.isqrt(len(window))
+        top, left = row - side // 2, col - side // 2
+        tiles = self._atlas.take(window, axis=0).reshape(side, side, *self._atlas.shape[1:])
+        shown = tiles[max(-top, 0) : self._height - top, max(-left, 0) : self._width - left]
+        rows, cols = slice(max(top, 0), top + side), slice(max(left, 0), left + side)
+        cells[rows, :, cols] = shown.swapaxes(1, 2)
+        cells[row, :, col] = self._atlas[ROBOT_CODES[has_item, under]]
+        width = picture.shape[1]
+        picture[end : end + half] = bar(battery / self._battery, width, half, BATTERY)
+        picture[end + half :] = bar(steps / self._max_steps, width, half, INK)

@@ -143,17 +143,22 @@ def layout_codes(layout: Layout) -> NDArray[np.uint8]:
     return codes
 
 
-def bar(share: ArrayLike, width: int, height: int, color: Color = BATTERY) -> Pixels:
-    """Return bars filled from the left: shares ``[...]`` to ``[..., height, width, 3]``.
+def bar(share: float, width: int, height: int, color: Color = BATTERY) -> Pixels:
+    """Return a new bar filled from the left, ``[height, width, 3]``.
 
     The last pixel of the filling is blended, to show small changes of the share, which is clipped
     to 0..1. There is a margin of one pixel, unless the bar is less than 4 pixels high.
     """
     edge = 1 if height >= 4 else 0
-    ground, filling = (color_bytes(part).astype(float) for part in (FAINT, color))
-    ends = (width - 2 * edge) * np.clip(np.asarray(share, np.float64), 0, 1)[..., None]
-    filled = np.clip(ends - np.arange(-edge, width - edge), 0, 1)
-    filled[..., :edge] = 0
-    shares = np.stack([np.zeros_like(filled), filled], axis=-2)[..., None]
-    lines: Pixels = np.rint(ground + shares * (filling - ground)).astype(np.uint8)
-    return lines.take([0] * edge + [1] * (height - 2 * edge) + [0] * edge, axis=-3)
+    ground, filling = color_bytes(FAINT), color_bytes(color)
+    pixels = np.empty((height, width, 3), np.uint8)
+    pixels[:] = ground
+    inner = pixels[edge : height - edge, edge:]
+    end = (width - 2 * edge) * min(max(share, 0.0), 1.0)
+    whole = int(end)
+    inner[:, :whole] = filling
+    if end > whole:
+        inner[:, whole] = np.rint(
+            ground + (end - whole) * np.subtract(filling, ground, dtype=float)
+        )
+    return pixels

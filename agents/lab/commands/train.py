@@ -4,12 +4,12 @@ from __future__ import annotations
 
 import math
 import time
-from collections import deque
-from collections.abc import Callable, Iterable, Mapping, Sequence
+from collections.abc import Callable, Iterable, Mapping
+from contextlib import suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated
+from typing import TYPE_CHECKING, Annotated, Any
 
 import numpy as np
 import typer
@@ -23,16 +23,20 @@ from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_layout
 from agents.lab.parameters import Whole
-from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner, ExamPoint
+from agents.lab.training.checkpoint import load_checkpoint, save_checkpoint
+from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner
+from agents.lab.training.points import events, save_points
 from agents.lab.trials.random_layouts import RandomLayouts
 from agents.lab.trials.scores import FleetScores, Scores
 from agents.lab.trials.task import FleetTask, Task
 from agents.lab.trials.wording import mean, share
-from agents.learning.learner import RECENT_EPISODES, MakeAgent, WatchTraining
-from agents.learning.q_learning import QAgent, QTable, learn
+from agents.lab.trials.workers import CheckInterrupt, deferred_interrupts
+from agents.learning.learner import Learner, MakeAgent
 from agents.learning.q_table import save_table
+from agents.learning.q_training import QLearner
 from agents.registry import make_team
 from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import Layout
 from warehouse_core.errors import FormatError
 from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import check_target
@@ -43,16 +47,24 @@ if TYPE_CHECKING:
 LIBRARIES = ("torch", "stable_baselines3", "sb3_contrib")
 """Libraries that training by PPO needs."""
 
-MODEL_SUFFIX, CURVE_SUFFIX = ".npz", ".png"
+MODEL_SUFFIX, CURVE_SUFFIX, POINTS_SUFFIX = ".npz", ".png", ".csv"
+CHECKPOINT_SUFFIX, EVENTS_SUFFIX = ".checkpoint", ".tensorboard"
 
-Learn = Callable[[WatchTraining], MakeAgent]
-"""Trains an agent, calls ``WatchTraining`` during that, and returns what makes the agent."""
+VERSIONS = ("numpy", "stable_baselines3", "sb3_contrib", "torch", "warehouse-lab")
+"""Distributions on whose versions the result of a training depends."""
 
 Writer = Callable[[Path], None]
 
 Steps = Annotated[int, option("--steps N", "Minimum training steps.", Whole(1))]
 TrainingSeed = Annotated[int, option("--seed N", options.SEED, Whole(0, 2**32 - 1))]
 AgentFile = Annotated[Path, option("--save -o FILE", f"{options.SAVE} The agent, as .npz.")]
+Resume = Annotated[
+    bool,
+    option(
+        "--resume",
+        "Go on from the checkpoint of an interrupted training, given the same options as then.",
+    ),
+]
 
 
 def train_ppo(
@@ -69,14 +81,17 @@ def train_ppo(
     density: random_layouts.Density = None,
     layouts: random_layouts.Pool = None,
     save: AgentFile = Path("ppo.npz"),
+    resume: Resume = False,
 ) -> None:
     """Train a network by PPO.
 
     Writes the agent (.npz), which "warehouse run --agent ppo:FILE" takes, a
-    picture of its learning curve (.png), and the model of Stable-Baselines3
-    (.zip) for further training. The .zip holds pickled Python: load only
-    files of that kind that you trust. By default the training takes
-    about a minute.
+    picture of its learning curve (.png), its points (.csv, and events for
+    TensorBoard where that is installed), and the model of Stable-Baselines3
+    (.zip) for further training. At each exam it writes a .checkpoint, from
+    which --resume goes on to the same network. The .zip and the .checkpoint
+    hold pickled Python: load only files of that kind that you trust. By
+    default the training takes about a minute.
 
     Several robots deliver orders of the layout's own stations; they share the
     network, and each is rewarded for its own deliveries.
@@ -98,11 +113,13 @@ def train_ppo(
         task = FleetTask(load_layout(layout), robots, order_rate, battery, max_steps)
     else:
         task = Task(load_layout(layout), battery, max_steps)
+    check_agent_file(save)
+    if isinstance(task, Task) and isinstance(task.layout, RandomLayouts):
+        task = task._replace(layout=task.layout.without([*EXAM_SEEDS, *FINAL_SEEDS]))
     training = Training("PPO", task, steps, seed, save)
-    if isinstance(task.layout, RandomLayouts):
-        task.layout.check_unseen([*EXAM_SEEDS, *FINAL_SEEDS])
     learner = make_learner(task, steps, seed)
-    training.run(learner.learn, {MODEL_SUFFIX: learner.save_network, ".zip": learner.save_model})
+    writers = {MODEL_SUFFIX: learner.save_network, ".zip": learner.save_model}
+    training.run(learner, writers, resume=resume)
     if isinstance(task.layout, RandomLayouts):
         say(
             f"ppo:{save}:revisit=4 avoids cells where it has been, which ends circles; compare "
@@ -131,38 +148,49 @@ def train_q(
     battery: options.BatteryOption = 200,
     max_steps: options.MaxSteps = 200,
     save: AgentFile = Path("q.npz"),
+    resume: Resume = False,
 ) -> None:
     """Train a table by Q-learning.
 
-    Writes the table (.npz), which "warehouse run --agent q:FILE" takes, and a
-    picture of its learning curve (.png), and compares the agent with the greedy
-    one.
+    Writes the table (.npz), which "warehouse run --agent q:FILE" takes, a
+    picture of its learning curve (.png) and its points (.csv, and events for
+    TensorBoard where that is installed), and compares the agent with the greedy
+    one. At each exam it writes a .checkpoint, from which --resume goes on to
+    the same table. It holds pickled Python: resume only what you trust.
 
     Example: warehouse train q --steps 600000 -o q.npz
     """
     floor = load_layout(layout)
     task = Task(floor, battery, max_steps)
-    training, table = Training("Q-learning", task, steps, seed, save), QTable()
-    learn = partial(fill_table, table, task, steps, seed)
-    training.run(learn, {MODEL_SUFFIX: partial(save_table, table, floor)})
+    check_agent_file(save)
+    learner = QLearner(task.make_env(), steps, seed)
+    training = Training("Q-learning", task, steps, seed, save)
+    training.run(learner, {MODEL_SUFFIX: partial(save_table, learner.table, floor)}, resume=resume)
 
 
-def fill_table(table: QTable, task: Task, steps: int, seed: int, watch: WatchTraining) -> MakeAgent:
-    """Train a table, and return what makes its agent."""
-    recent = deque[bool](maxlen=RECENT_EPISODES)
-    make_agent = partial(QAgent, table)
-    for taken, delivered in learn(table, task.make_env(), steps, seed):
-        recent.append(delivered)
-        watch(taken, sum(recent) / len(recent), make_agent)
-    return make_agent
+def check_agent_file(path: Path) -> None:
+    """Raise ``FormatError`` unless a file is one of an agent."""
+    if path.suffix != MODEL_SUFFIX:
+        raise FormatError(
+            f"{path}: cannot save as {path.suffix or 'a file without a suffix'}; "
+            f"allowed: {MODEL_SUFFIX}"
+        )
+
+
+@dataclass
+class Progress:
+    """What is known of a training that is under way."""
+
+    examiner: Examiner
+    steps: int = 0
+    seconds: float = 0.0
 
 
 @dataclass(frozen=True)
 class Training:
     """A training with a progress bar, and the files and the table that it results in.
 
-    The picture of the learning curve goes beside the file of the agent, ``output``. If that is no
-    ``.npz``, it is a ``FormatError``.
+    Each file has the name of the agent's file, ``output``, and a suffix of its own.
     """
 
     name: str
@@ -171,44 +199,29 @@ class Training:
     seed: int
     output: Path
 
-    def __post_init__(self) -> None:
-        if self.output.suffix != MODEL_SUFFIX:
-            raise FormatError(
-                f"{self.output}: cannot save as {self.output.suffix or 'a file without a suffix'}; "
-                f"allowed: {MODEL_SUFFIX}"
-            )
-
-    def run(self, learn: Learn, writers: Mapping[str, Writer]) -> None:
+    def run(self, learner: Learner, writers: Mapping[str, Writer], *, resume: bool) -> None:
         """Train an agent, write its files by suffix, and compare it with the greedy agent.
 
         An interrupt ends the training; if there has been an examination by then, the files are
         written all the same. A file that cannot be written is an ``OSError`` before the training.
         """
-        for suffix in (*writers, CURVE_SUFFIX):
+        for suffix in (*writers, CURVE_SUFFIX, POINTS_SUFFIX, CHECKPOINT_SUFFIX):
             check_target(self.output.with_suffix(suffix))
-        from agents.lab.console.progress import progress_bar
-
         final = FINAL_SEEDS[:: self.task.seed_stride]
         greedy = greedy_scores(self.task, final)
-        started, examiner = time.perf_counter(), Examiner(self.task, self.steps)
-
-        def save() -> None:
-            self._save(examiner.points, time.perf_counter() - started, greedy, writers)
-
-        try:
-            with progress_bar(self.steps, self.name) as show_progress:
-
-                def watch(steps: int, delivers: float, make_agent: MakeAgent) -> None:
-                    examiner.watch(steps, make_agent)
-                    news = f"delivers {_percent(delivers)}, exam {examiner.summary}"
-                    show_progress(steps, news)
-
-                make_agent = learn(watch)
-        except KeyboardInterrupt:
-            if examiner.points:
-                save()
-            raise
-        save()
+        progress = Progress(Examiner(self.task, self.steps))
+        if resume:
+            progress = self._restored(learner) or progress
+        with deferred_interrupts() as check:
+            try:
+                make_agent = self._train(learner, progress, check)
+            except KeyboardInterrupt:
+                if progress.examiner.points:
+                    self._checkpoint(learner, progress)
+                    self._save(progress, greedy, writers)
+                    say("the same command with --resume goes on from here")
+                raise
+            self._save(progress, greedy, writers)
         scores = self.task.evaluate(make_agent, final)
         table = comparison_table({self.name: scores, "greedy": greedy})
         if isinstance(self.task.layout, RandomLayouts):
@@ -218,16 +231,61 @@ class Training:
             )
         print_table(table)
 
+    @property
+    def options(self) -> dict[str, Any]:
+        """All that a training follows from, to the last bit of its result."""
+        layout = self.task.layout
+        return {
+            "training": self.name,
+            "steps": self.steps,
+            "seed": self.seed,
+            **self.task._asdict(),
+            "layout": layout.rows if isinstance(layout, Layout) else repr(layout),
+            **_installed_versions(),
+        }
+
+    def _restored(self, learner: Learner) -> Progress | None:
+        path = self.output.with_suffix(CHECKPOINT_SUFFIX)
+        if not path.exists():
+            say(f"{path} does not exist; the training begins", error=True)
+            return None
+        progress: Progress = load_checkpoint(path, self.options, learner)
+        say(f"resumed after {progress.steps:,} of {self.steps:,} steps")
+        return progress
+
+    def _checkpoint(self, learner: Learner, progress: Progress) -> None:
+        path = self.output.with_suffix(CHECKPOINT_SUFFIX)
+        save_checkpoint(path, self.options, learner, progress)
+
+    def _train(self, learner: Learner, progress: Progress, check: CheckInterrupt) -> MakeAgent:
+        """Train to the end, or to an interrupt that comes to ``check``; a checkpoint each exam."""
+        from agents.lab.console.progress import progress_bar
+
+        examiner, started = progress.examiner, time.perf_counter() - progress.seconds
+        folder = self.output.with_suffix(EVENTS_SUFFIX)
+        with (
+            progress_bar(self.steps, self.name) as show_progress,
+            events(folder, resumed=progress.steps > 0) as add_event,
+        ):
+
+            def watch(steps: int, delivers: float, make_agent: MakeAgent) -> None:
+                is_examined = examiner.watch(steps, make_agent)
+                progress.steps, progress.seconds = steps, time.perf_counter() - started
+                show_progress(steps, f"delivers {_percent(delivers)}, exam {examiner.summary}")
+                if is_examined:
+                    add_event(examiner.points[-1])
+                    save_points(self.output.with_suffix(POINTS_SUFFIX), examiner.points)
+                    self._checkpoint(learner, progress)
+                check()
+
+            return learner.learn(watch)
+
     def _save(
-        self,
-        points: Sequence[ExamPoint],
-        seconds: float,
-        greedy: Scores | FleetScores,
-        writers: Mapping[str, Writer],
+        self, progress: Progress, greedy: Scores | FleetScores, writers: Mapping[str, Writer]
     ) -> None:
-        steps = points[-1].steps
-        of = "" if steps >= self.steps else f" of {self.steps:,}"
-        say(f"{steps:,}{of} steps in {seconds:.1f} s, seed {self.seed}")
+        points = progress.examiner.points
+        of = "" if progress.steps >= self.steps else f" of {self.steps:,}"
+        say(f"{progress.steps:,}{of} steps in {progress.seconds:.1f} s, seed {self.seed}")
 
         def draw(path: Path) -> None:
             from agents.lab.training.curve import save_learning_curve
@@ -237,10 +295,24 @@ class Training:
             title = f"Learning to deliver{unseen}: {self.name}, seed {self.seed}"
             save_learning_curve(path, self.name, title, points, greedy)
 
-        for suffix, write in {**writers, CURVE_SUFFIX: draw}.items():
+        curves: dict[str, Writer] = {
+            CURVE_SUFFIX: draw,
+            POINTS_SUFFIX: partial(save_points, points=points),
+        }
+        for suffix, write in {**writers, **curves}.items():
             target = self.output.with_suffix(suffix)
             write(target)
             say(f"saved {target}")
+
+
+def _installed_versions() -> dict[str, str]:
+    from importlib.metadata import PackageNotFoundError, version  # takes long to import
+
+    found = {}
+    for name in VERSIONS:
+        with suppress(PackageNotFoundError):
+            found[name] = version(name)
+    return found
 
 
 def greedy_scores(task: Task | FleetTask, seeds: Iterable[int]) -> Scores | FleetScores:

@@ -1,7 +1,8 @@
-"""The progress bar of long commands, on standard error and only if that is a live terminal."""
+"""The progress of long commands on standard error: a bar, or a line a minute without a terminal."""
 
 from __future__ import annotations
 
+import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from datetime import timedelta
@@ -19,8 +20,12 @@ from rich.progress import (
 )
 from rich.text import Text
 
+from agents.lab.console.terminal import say
 from warehouse_core.viz.export import has_live_terminal
 from warehouse_core.wording import printable
+
+LINE_SECONDS = 60.0
+"""Time between two lines where no bar can be drawn."""
 
 Item = TypeVar("Item")
 
@@ -49,7 +54,7 @@ def rate_of(speed: float | None) -> str:
 
 @contextmanager
 def progress_bar(total: int, label: str = "") -> Iterator[Callable[..., None]]:
-    """Show a bar while the block runs, and yield what shows how much is completed, and news."""
+    """Yield what shows, while the block runs, how much is completed, and news."""
     columns = (
         TextColumn("{task.description}", markup=False),  # it may be the name of an agent
         BarColumn(),
@@ -61,7 +66,7 @@ def progress_bar(total: int, label: str = "") -> Iterator[Callable[..., None]]:
     console = Console(stderr=True)
     # Before 14.3 Rich writes a line end even for a disabled bar.
     if not (has_live_terminal() and console.is_terminal):
-        yield _show_nothing
+        yield _lines(total, label)
         return
     with Progress(*columns, console=console, transient=True) as bar:
         task = bar.add_task(printable(label), total=total, news="")
@@ -72,8 +77,21 @@ def progress_bar(total: int, label: str = "") -> Iterator[Callable[..., None]]:
         yield advance
 
 
-def _show_nothing(completed: int, news: str = "") -> None:
-    pass
+def _lines(total: int, label: str) -> Callable[..., None]:
+    """Return what prints a line if the last one is ``LINE_SECONDS`` old."""
+    started = shown = time.monotonic()
+
+    def advance(completed: int, news: str = "") -> None:
+        nonlocal shown
+        now = time.monotonic()
+        if now - shown < LINE_SECONDS:
+            return
+        shown = now
+        done = f"{completed:,} of {total:,} in {timedelta(seconds=int(now - started))}"
+        name = f"{label}: " if label else ""
+        say(name + ", ".join(filter(None, (done, news))), error=True)
+
+    return advance
 
 
 def track(items: Sequence[Item], label: str) -> Iterator[Item]:

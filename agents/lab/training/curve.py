@@ -12,6 +12,7 @@ from matplotlib.patheffects import withStroke
 from matplotlib.ticker import EngFormatter, MaxNLocator, PercentFormatter
 
 from agents.lab.training.exams import ExamPoint
+from agents.lab.training.points import mean_length
 from agents.lab.trials.interval import Interval
 from agents.lab.trials.scores import FleetScores, Scores
 from warehouse_core.files.atomic import atomic_path
@@ -68,11 +69,6 @@ def learning_curve(
     )
     figure.text(0.065, 0.03, caption, fontsize=8.5, color="0.4")
     return figure
-
-
-def mean_length(scores: Scores) -> float:
-    """Return the mean number of steps of all episodes, including those without a delivery."""
-    return float(scores.lengths.mean())
 
 
 def _draw_lengths(axes: Axes, name: str, points: Sequence[ExamPoint], greedy: Scores) -> None:

@@ -36,10 +36,14 @@ class Examiner:
         self._task, self._goal = task, steps
         self._next_exam = steps / EXAMS
 
-    def watch(self, steps: int, make_agent: MakeAgent) -> None:
-        """Examine the agent after ``steps`` of its training, if it is time."""
-        if steps >= min(self._next_exam, self._goal):
+    def watch(self, steps: int, make_agent: MakeAgent) -> bool:
+        """Examine the agent after ``steps`` of its training if it is time, and return whether."""
+        is_time = steps >= min(self._next_exam, self._goal)
+        # A training that is resumed is watched again where it had stopped.
+        is_time &= not self.points or self.points[-1].steps < steps
+        if is_time:
             scores = self._task.evaluate(make_agent, EXAM_SEEDS[:: self._task.seed_stride])
             self.points.append(ExamPoint(steps, scores))
             self.summary = scores.summary
             self._next_exam = steps + self._goal / EXAMS
+        return is_time

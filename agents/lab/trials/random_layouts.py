@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import random
 from collections.abc import Iterable
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 
 from warehouse_core import Layout, LayoutError, random_layout
 
@@ -25,6 +25,7 @@ class RandomLayouts:
     Args:
         count: layouts of the pool for training, 1 to ``MAX_POOL``.
         pool_seed: seed of this pool.
+        left_out: numbers of layouts of the pool that are left out of it.
     """
 
     height: int = 7
@@ -33,6 +34,7 @@ class RandomLayouts:
     highest: float = 0.4
     count: int = 1024
     pool_seed: int = 1
+    left_out: frozenset[int] = frozenset()
 
     def __post_init__(self) -> None:
         for density in (self.lowest, self.highest):
@@ -65,17 +67,24 @@ class RandomLayouts:
     def pool(self) -> list[Layout]:
         """Return the layouts for training."""
         first = TRAINING_LAYOUTS + self.pool_seed * MAX_POOL
-        return [self._made(first + number) for number in range(self.count)]
+        numbers = (number for number in range(self.count) if number not in self.left_out)
+        return [self._made(first + number) for number in numbers]
 
-    def check_unseen(self, seeds: Iterable[int]) -> None:
-        """Raise ``LayoutError`` if the layout of an episode has the walls of one in the pool."""
-        known = {_walls(layout) for layout in self.pool()}
-        for seed in seeds:
-            if _walls(self.layout(seed)) in known:
-                raise LayoutError(
-                    f"{self.name}: the layout of seed {seed} is one of the {self.count} of the "
-                    "training; use a larger size, a wider range of densities or fewer layouts"
-                )
+    def without(self, seeds: Iterable[int]) -> RandomLayouts:
+        """Leave out of the pool what has the walls of the layouts of some episodes.
+
+        Raises:
+            LayoutError: nothing is left.
+        """
+        seen = {_walls(self.layout(seed)) for seed in seeds}
+        pool = enumerate(replace(self, left_out=frozenset()).pool())
+        left_out = frozenset(number for number, layout in pool if _walls(layout) in seen)
+        if len(left_out) == self.count:
+            raise LayoutError(
+                f"{self.name}: each of the {self.count} of the training is also one of the exams; "
+                "use a larger size or a wider range of densities"
+            )
+        return replace(self, left_out=left_out)
 
     def _made(self, seed: int) -> Layout:
         stream = random.Random(f"density {seed}")  # not the stream of the walls

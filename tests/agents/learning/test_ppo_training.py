@@ -1,5 +1,9 @@
 """Training by PPO. Run with ``-m learning``; it needs the extra ``rl``."""
 
+import pickle
+import re
+import signal
+import time
 from collections.abc import Callable
 from itertools import pairwise
 from pathlib import Path
@@ -7,7 +11,8 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.command_line import Warehouse
+from helpers.command_line import Warehouse, in_the_background
+from helpers.training import PROGRAM, shorten_exams
 
 from agents.lab.commands import train
 from agents.lab.commands.train import make_learner
@@ -123,6 +128,40 @@ def test_steps_are_rounded_up_to_whole_rounds() -> None:
         assert learning.model.num_timesteps == expected
 
 
+@pytest.mark.parametrize(
+    "task",
+    [
+        Task(ROOM, 30, 30),
+        Task(RandomLayouts(6, 8, 0.1, 0.3, count=40), 60, 60),
+        FleetTask(ROOM, robots=2, max_steps=60),
+    ],
+    ids=["a room", "random layouts", "a fleet"],
+)
+def test_a_training_that_is_resumed_is_the_same_to_the_last_bit(task: Task | FleetTask) -> None:
+    begun = make_learner(task, 6 * ROUND, 1)
+    stored: list[bytes] = []
+
+    def store_and_stop(steps: int, _: float, __: Any) -> None:
+        if steps == begun._round * 3:
+            stored.append(pickle.dumps(begun.state()))
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        begun.learn(store_and_stop)
+    whole, whole_calls, calls = make_learner(task, 6 * ROUND, 1), [], []
+    whole.learn(lambda steps, delivers, _: whole_calls.append((steps, delivers)))
+    resumed = make_learner(task, 6 * ROUND, 1)
+    resumed.restore(pickle.loads(stored[0]))
+    resumed.learn(lambda steps, delivers, _: calls.append((steps, delivers)))
+    assert repr(calls) == repr(whole_calls[3:])  # two NaNs are not equal
+    assert equal(whole.network(), resumed.network())
+    of_whole, of_resumed = (
+        pickle.dumps([each.numpy() for each in learning.model.policy.state_dict().values()])
+        for learning in (whole, resumed)
+    )
+    assert of_whole == of_resumed, "the critic too"
+
+
 def test_watch_is_called_at_every_round_and_at_the_end() -> None:
     calls: list[tuple[int, float, PPOAgent]] = []
     make_agent = learner(rounds=2).learn(
@@ -148,7 +187,7 @@ def test_a_policy_delivers_in_layouts_that_it_has_not_seen() -> None:
     from agents.learning.ppo_training import FOR_RANDOM_LAYOUTS
 
     task = Task(RandomLayouts(6, 8, 0.1, 0.3, count=40), 60, 60)
-    task.layout.check_unseen(range(100))  # type: ignore[union-attr]
+    task = task._replace(layout=task.layout.without(range(100)))  # type: ignore[union-attr]
     learning = make_learner(task, 15 * ROUND, 1)
     assert learning.model.gamma == FOR_RANDOM_LAYOUTS["gamma"]
     learning.learn(ignore)
@@ -218,3 +257,26 @@ def test_the_command_trains_an_agent_that_run_takes(
     assert "saved m.npz\nsaved m.zip\nsaved m.png\n" in result.out
     words = ("--agent", "ppo:m.npz", "--layout", "room.txt", "--seed", 1, "--no-show")
     assert warehouse("run", *words).out.startswith("PPOAgent on the grid backend, seed 1")
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+def test_the_command_resumes_a_training(
+    warehouse: Warehouse, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, number: signal.Signals
+) -> None:
+    monkeypatch.chdir(tmp_path)
+    shorten_exams(monkeypatch)
+    ROOM.save("room.txt")
+    words = ("train", "ppo", "--layout", "room.txt", "--steps", 8 * ROUND)
+    with in_the_background(PROGRAM, *words) as process:
+        while not Path("ppo.checkpoint").exists():
+            assert process.poll() is None
+            time.sleep(0.001)
+        time.sleep(0.1)  # between two checkpoints
+        process.send_signal(number)
+        process.communicate(timeout=60)
+    assert process.returncode == (-number if number is signal.SIGKILL else 130)
+    resumed = warehouse(*words, "--resume")
+    assert re.match(r"resumed after [\d,]+ of 65,536 steps\n", resumed.out)
+    warehouse(*words, "-o", "whole.npz")
+    assert Path("ppo.csv").read_text() == Path("whole.csv").read_text()
+    assert equal(PolicyNetwork.load("ppo.npz"), PolicyNetwork.load("whole.npz"))

@@ -8,6 +8,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.batches import MOTION
 from helpers.fleet_truth import charged_layout, plain
 
 from warehouse_core import FleetEnv, Layout, OrderQueue, OrderStream
@@ -69,7 +70,9 @@ def test_each_fleet_is_a_fleet_env_that_restarts(mode: str, kind: str) -> None:
             assert np.array_equal(info["_action_mask"], np.repeat(chosen, ROBOTS))
         over, actions = many._ended(), helpful_actions(many.action_masks(), stream)
         arrays, rewards, terminated, truncated, info = many.step(actions)
-        motion = info["motion"]
+        motion = {key: info["motion"][key] for key in MOTION}
+        for key in MOTION:
+            assert np.array_equal(info["motion"][f"_{key}"], info["_motion"])
         for fleet, env in enumerate(single):
             rows = slice(fleet * ROBOTS, (fleet + 1) * ROBOTS)
             if over[fleet]:  # in this step no action is taken

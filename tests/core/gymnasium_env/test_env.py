@@ -111,6 +111,16 @@ def test_an_environment_can_be_recreated_from_json() -> None:
     assert again.unwrapped.warehouse.start_pos == (2, 2)
 
 
+def test_a_spec_with_a_layout_can_be_written_as_json() -> None:
+    env = make(layout=ROOM)
+    again = gymnasium.make(EnvSpec.from_json(env.spec.to_json()))
+    assert again.unwrapped.warehouse.layout == ROOM
+    both = gymnasium.make_vec(
+        "Warehouse-v0", 2, "vector_entry_point", layout=[ROOM, ROOM.with_stations(None, None)]
+    )
+    assert EnvSpec.from_json(both.spec.to_json()).kwargs["layout"][0] == list(ROOM.rows)
+
+
 @over_forms
 def test_observations_equal_those_of_the_chapters_environment(form: str) -> None:
     env = plain(layout=ROOM, observation=form, max_steps=12)

@@ -11,6 +11,7 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
+from gymnasium.wrappers.vector import DictInfoToList
 from gymnasium.wrappers.vector import RecordEpisodeStatistics as RecordBatchStatistics
 from helpers.gymnasium_envs import (
     CORRIDOR,
@@ -300,3 +301,13 @@ def test_both_environments_have_the_same_arguments_in_the_same_order() -> None:
         for kind in (WarehouseGymnasiumEnv, WarehouseVectorEnv)
     )
     assert [name for name in batch if name not in ONLY_BATCH] == single
+
+
+def test_the_infos_of_rows_can_be_listed() -> None:
+    envs = DictInfoToList(WarehouseVectorEnv(3, max_steps=2, autoreset_mode="NextStep"))
+    envs.reset(seed=1)
+    for has_motion in (True, True, False):
+        *_, infos = envs.step([0, 1, 4])
+        assert len(infos) == 3
+        for info in infos:
+            assert ("seconds" in info.get("motion", {})) == has_motion

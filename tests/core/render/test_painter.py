@@ -440,14 +440,10 @@ def test_a_larger_share_fills_more(one: float, other: float) -> None:
     assert (filled[0] - filled[1]) * (one - other) >= -1e-6
 
 
-def test_bars_come_in_any_shape_and_colour_and_shares_are_limited_to_0_and_1() -> None:
-    shares = np.linspace(0, 1, 6).reshape(2, 3)
-    bars = bar(shares, 12, 5, WARNING)
-    assert bars.shape == (2, 3, 5, 12, 3)
-    for index in np.ndindex(2, 3):
-        assert np.array_equal(bars[index], bar(float(shares[index]), 12, 5, WARNING))
-    assert where(bars[1, 2, 1:-1, 1:-1], WARNING).all()
-    assert np.array_equal(bar([-1, 2], 10, 4), bar([0, 1], 10, 4))
+def test_bars_have_any_colour_and_shares_are_limited_to_0_and_1() -> None:
+    assert where(bar(1.0, 12, 5, WARNING)[1:-1, 1:-1], WARNING).all()
+    assert np.array_equal(bar(-1, 10, 4), bar(0, 10, 4))
+    assert np.array_equal(bar(2, 10, 4), bar(1, 10, 4))
 
 
 @pytest.mark.parametrize("side", [6, 8, 12])

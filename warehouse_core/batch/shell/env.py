@@ -129,7 +129,7 @@ class ArrayEnv(CopiedWhole, Generic[Observed]):
             with ``action_mask`` ``[N, 7]`` int8; ``motion``, which has ``blocked``, ``seconds`` and
             ``joules``; and, in the same-step mode if episodes have ended, their ``final_obs`` and
             ``final_info``. Each key ``k`` has a key ``_k``, ``[N]`` bool: the rows that it applies
-            to. All arrays are fresh.
+            to, also within ``motion``. All arrays are fresh.
 
         Raises:
             ValueError: a wrong shape, or an action out of range; nothing has changed.
@@ -146,12 +146,13 @@ class ArrayEnv(CopiedWhole, Generic[Observed]):
             terminated[fresh] = truncated[fresh] = outcome.blocked[fresh] = False
             outcome.seconds[fresh] = outcome.joules[fresh] = 0.0
         motion = {name: getattr(outcome, name) for name in ("blocked", "seconds", "joules")}
-        info = {"motion": motion, "_motion": ~fresh}
+        info: dict[str, Any] = {"motion": motion, "_motion": ~fresh}
         if self.autoreset_mode == SAME_STEP:
             over = np.flatnonzero(self._ended())
             if over.size:
                 info |= self._final_info(motion, self._rows_of(self._ended()))
                 engine.begin(over, [None] * over.size)
+        info["motion"] = _flagged(motion, info["_motion"])
         info |= {"action_mask": engine.masks(), "_action_mask": np.ones_like(fresh)}
         return engine.observe(), rewards, terminated, truncated, info
 
@@ -190,7 +191,7 @@ class ArrayEnv(CopiedWhole, Generic[Observed]):
         observed: dict[str, Any] = {**self._engine.observe(rows)}
         final_motion = {key: values.copy() for key, values in motion.items()}
         final = {
-            "motion": final_motion | {f"_{key}": ended.copy() for key in motion},
+            "motion": _flagged(final_motion, ended),
             "_motion": ended.copy(),
             "action_mask": self._engine.masks(),
             "_action_mask": ended.copy(),
@@ -204,6 +205,11 @@ class ArrayEnv(CopiedWhole, Generic[Observed]):
             "final_info": final,
             "_final_info": ended.copy(),
         }
+
+
+def _flagged(motion: dict[str, NDArray[Any]], rows: Flags) -> dict[str, NDArray[Any]]:
+    """Return the values of a motion, each with flags of the rows that have one."""
+    return motion | {f"_{key}": rows.copy() for key in motion}
 
 
 def _check_running(ended: Flags) -> None:

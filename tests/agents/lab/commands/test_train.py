@@ -1,26 +1,29 @@
 """The commands ``warehouse train``; training by PPO itself is in learning/test_ppo_training.py."""
 
+import pickle
 import re
+import signal
 import sys
-from collections.abc import Callable
+import time
 from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.command_line import Refused, Warehouse
+from helpers.command_line import Refused, Warehouse, in_the_background
 from helpers.results_files import row, scores_of
+from helpers.training import PROGRAM, shorten_exams
 from PIL import Image
 
 from agents.lab.commands import train
-from agents.lab.commands.train import Training, comparison_table, fill_table
-from agents.lab.training import curve, exams
+from agents.lab.commands.train import Training, comparison_table
+from agents.lab.training import curve
 from agents.lab.training.exams import ExamPoint
 from agents.lab.trials.random_layouts import RandomLayouts
 from agents.lab.trials.scores import Scores
 from agents.lab.trials.task import Task
 from agents.learning.learner import MakeAgent, WatchTraining
-from agents.learning.q_learning import QTable
 from agents.learning.q_table import load_table
+from agents.learning.q_training import QLearner
 from warehouse_core import Layout, Observation
 
 ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
@@ -31,8 +34,7 @@ WORDS = ("train", "q", "--layout", "room.txt", "--max-steps", 30)
 @pytest.fixture(autouse=True)
 def room(monkeypatch: pytest.MonkeyPatch) -> None:
     """Work with a small layout and short examinations."""
-    monkeypatch.setattr(exams, "EXAM_SEEDS", exams.EXAM_SEEDS[:3])
-    monkeypatch.setattr(train, "FINAL_SEEDS", train.FINAL_SEEDS[:4])
+    shorten_exams(monkeypatch)
     ROOM.save("room.txt")
 
 
@@ -61,27 +63,41 @@ class Waiter:
         return "WAIT"
 
 
-def learner(
-    *steps: int, ends: type[BaseException] | None = None
-) -> Callable[[WatchTraining], MakeAgent]:
-    """Return a learner that calls ``watch`` after these steps, and that may end with an error."""
+class Learning:
+    """Calls ``watch`` after some steps, and then may end with an error."""
 
-    def learn(watch: WatchTraining) -> MakeAgent:
-        for taken in steps:
-            watch(taken, 0.5, Waiter)
-        if ends:
-            raise ends
+    def __init__(self, *steps: int, ends: type[BaseException] | None = None) -> None:
+        self.steps, self.ends = list(steps), ends
+
+    def learn(self, watch: WatchTraining) -> MakeAgent:
+        while self.steps:
+            watch(self.steps.pop(0), 0.5, Waiter)
+        if self.ends:
+            raise self.ends
         return Waiter
 
-    return learn
+    def state(self) -> list[int]:
+        return self.steps
+
+    def restore(self, state: list[int]) -> None:
+        self.steps = state
+
+
+def trained(learning: Learning, name: str = "X", task: Task = TASK, steps: int = 1000) -> None:
+    """Train, and write two files of the agent."""
+    writers = {".npz": write, ".zip": write}
+    Training(name, task, steps, 7, Path("x.npz")).run(learning, writers, resume=False)
 
 
 def write(path: Path) -> None:
     path.write_text("what was learned")
 
 
+FILES = ["x.checkpoint", "x.csv", "x.npz", "x.png", "x.zip"]
+
+
 def files() -> list[str]:
-    return sorted(path.name for path in Path().glob("x*"))
+    return sorted(path.name for path in Path().glob("x*") if path.is_file())
 
 
 # A training.
@@ -90,13 +106,16 @@ def files() -> list[str]:
 def test_the_files_are_written_and_reported(
     capsys: pytest.CaptureFixture[str], curves: list[list[ExamPoint]]
 ) -> None:
-    training = Training("Waiting", TASK, 1000, 7, Path("x.npz"))
-    training.run(learner(500, 1020), {".npz": write, ".zip": write})
+    trained(Learning(500, 1020), "Waiting")
     out = capsys.readouterr().out
-    first, *saved = out.splitlines()[:4]
+    first, *saved = out.splitlines()[:5]
     assert re.fullmatch(r"1,020 steps in \d+\.\d s, seed 7", first)
-    assert saved == ["saved x.npz", "saved x.zip", "saved x.png"]
-    assert files() == ["x.npz", "x.png", "x.zip"]
+    assert saved == ["saved x.npz", "saved x.zip", "saved x.png", "saved x.csv"]
+    assert files() == FILES
+    header, *lines = Path("x.csv").read_text().splitlines()
+    assert header == "steps,delivered,low,high,mean_episode_steps"
+    assert [line.split(",")[0] for line in lines] == ["500", "1020"]
+    assert lines[0].endswith(",5.0"), "every episode ends after 5 steps"
     assert Path("x.png").read_text() == "Waiting: Learning to deliver: Waiting, seed 7"
     assert [point.steps for point in curves[0]] == [500, 1020]
     assert "4 random starts, the same for each" in out
@@ -108,7 +127,7 @@ def test_in_random_layouts_the_comparison_names_them(
     capsys: pytest.CaptureFixture[str], curves: list[list[ExamPoint]]
 ) -> None:
     task = Task(RandomLayouts(5, 6, 0.2, 0.2), max_steps=5)
-    Training("X", task, 1000, 1, Path("x.npz")).run(learner(1000), {".npz": write})
+    trained(Learning(1000), task=task)
     out = " ".join(capsys.readouterr().out.split())
     assert "random layouts of 5 x 6 with density 0.2 " in out
     assert "4 layouts, none of them in the training, the same for each" in out
@@ -128,12 +147,12 @@ def test_an_interrupt_saves_an_agent_that_was_examined_and_a_fault_does_not(
     capsys: pytest.CaptureFixture[str], kind: type[BaseException], steps: int, is_saved: bool
 ) -> None:
     Path("x.npz").write_text("from before")
-    training = Training("X", TASK, 1000, 1, Path("x.npz"))
     with pytest.raises(kind):
-        training.run(learner(steps, steps + 10, ends=kind), {".npz": write})
-    assert files() == (["x.npz", "x.png"] if is_saved else ["x.npz"])
+        trained(Learning(steps, steps + 10, ends=kind))
+    assert (files() == FILES) == is_saved
     assert (Path("x.npz").read_text() == "from before") != is_saved
-    assert capsys.readouterr().out.startswith("300 of 1,000 steps in ") == is_saved
+    # The agent is that of the last steps, although the last exam was earlier.
+    assert capsys.readouterr().out.startswith("310 of 1,000 steps in ") == is_saved
 
 
 def test_the_agent_is_saved_before_the_comparison(
@@ -144,17 +163,17 @@ def test_the_agent_is_saved_before_the_comparison(
 
     monkeypatch.setattr(train, "comparison_table", interrupted)
     with pytest.raises(KeyboardInterrupt):
-        Training("X", TASK, 10, 1, Path("x.npz")).run(learner(10), {".npz": write})
-    assert files() == ["x.npz", "x.png"]
+        trained(Learning(10), steps=10)
+    assert files() == FILES
 
 
-@pytest.mark.parametrize("suffix", [".npz", ".zip", ".png"])
+@pytest.mark.parametrize("suffix", [".npz", ".zip", ".png", ".csv", ".checkpoint"])
 def test_files_that_cannot_be_written_are_errors_before_the_training(suffix: str) -> None:
     Path(f"x{suffix}").mkdir()
     for target, says in (("missing/x.npz", "the folder missing"), ("x.npz", f"x{suffix} is a")):
         with pytest.raises(OSError, match=says):
             Training("X", TASK, 10, 1, Path(target)).run(
-                lambda _: pytest.fail("it trained"), {".npz": write, ".zip": write}
+                Learning(ends=AssertionError), {".npz": write, ".zip": write}, resume=False
             )
 
 
@@ -209,9 +228,74 @@ def test_battery_and_steps_limit_the_training(
 
 def test_the_share_of_deliveries_is_that_of_the_latest_episodes() -> None:
     shares: list[float] = []
-    fill_table(QTable(), Task(ROOM, 30, 30), 2000, 1, lambda _, share, __: shares.append(share))
+    learner = QLearner(Task(ROOM, 30, 30).make_env(), 2000, 1)
+    learner.learn(lambda _, share, __: shares.append(share))
     assert shares[0] in (0, 1)
     assert all(0 < share < 1 for share in shares[len(shares) // 2 :])
+
+
+# Interrupts, and what comes after them.
+
+LONG = (*WORDS, "--steps", 20_000)
+
+
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.usefixtures("curves")
+def test_a_training_that_is_resumed_ends_as_if_it_had_not_been_interrupted(
+    warehouse: Warehouse, number: signal.Signals
+) -> None:
+    checkpoint = Path("a.checkpoint")
+    with in_the_background(PROGRAM, *LONG, "-o", "a.npz") as process:
+        while not checkpoint.exists():
+            assert process.poll() is None
+            time.sleep(0.001)
+        process.send_signal(number)
+        out, err = process.communicate(timeout=60)
+    if number is signal.SIGKILL:
+        assert process.returncode == -number
+        assert not Path("a.npz").exists()
+    else:
+        assert (process.returncode, err) == (130, "warehouse: interrupted\n")
+        assert re.match(r"[\d,]+ of 20,000 steps in ", out)
+        assert "saved a.npz" in out
+    resumed, whole = (warehouse(*LONG, *w) for w in (("--resume", "-o", "a.npz"), ("-o", "b.npz")))
+    assert re.match(r"resumed after [\d,]+ of 20,000 steps\n", resumed.out)
+    assert resumed.err == whole.err == ""
+    assert load_table("a.npz")[0] == load_table("b.npz")[0]
+    assert Path("a.csv").read_text() == Path("b.csv").read_text()
+
+
+def test_an_interrupt_in_the_middle_of_an_episode_ends_the_training_after_it() -> None:
+    learner = QLearner(Task(ROOM, 30, 30).make_env(), 2000, 1)
+    step, calls = learner._env.step, iter(range(10**6))
+
+    def interrupted(action: Any) -> Any:
+        if next(calls) == 500:
+            signal.raise_signal(signal.SIGTERM)
+        return step(action)
+
+    learner._env.step = interrupted  # type: ignore[method-assign]
+    with pytest.raises(KeyboardInterrupt):
+        Training("X", TASK, 2000, 7, Path("x.npz")).run(learner, {".npz": write}, resume=False)
+    assert learner._taken >= 500
+    assert next(calls) == learner._taken
+
+
+@pytest.mark.usefixtures("curves")
+def test_a_checkpoint_is_of_the_same_training_and_whole(
+    warehouse: Warehouse, refused: Refused
+) -> None:
+    words = ("train", "q", "--steps", 300, "--max-steps", 30, "-o", "a.npz")
+    begun = warehouse(*words, "--resume")
+    assert begun.err == "a.checkpoint does not exist; the training begins\n"
+    path = Path("a.checkpoint")
+    assert "seed was 1 and is 2 now" in refused(*words, "--seed", 2, "--resume")
+    assert "layout was " in refused(*words, "--layout", "room.txt", "--resume")
+    content = path.read_bytes()
+    path.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
+    assert refused(*words, "--resume") == "a.checkpoint: it is damaged; its digest is another"
+    path.write_bytes(pickle.dumps(0))
+    assert refused(*words, "--resume").startswith("a.checkpoint: its first line is not that of")
 
 
 # PPO where PyTorch is missing.

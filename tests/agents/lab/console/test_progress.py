@@ -43,8 +43,22 @@ def test_a_rate_below_one_is_the_time_for_one(speed: float | None, text: str) ->
     assert rate_of(speed) == text
 
 
-def test_without_a_terminal_there_is_no_bar(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_without_a_terminal_there_is_no_bar_but_a_line_a_minute(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     assert shown(monkeypatch, io.StringIO(), 100) == ""
+    now = 5.0
+    monkeypatch.setattr(time, "monotonic", lambda: now)
+    screen = io.StringIO()
+    monkeypatch.setattr(sys, "stderr", screen)
+    with progress_bar(20_000, "Q-learning") as advance:
+        for step in range(130):
+            now += 1
+            advance(step * 100, "delivers 5%")
+    assert screen.getvalue() == (
+        "Q-learning: 5,900 of 20,000 in 0:01:00, delivers 5%\n"
+        "Q-learning: 11,900 of 20,000 in 0:02:00, delivers 5%\n"
+    )
 
 
 def test_a_command_in_a_notebook_has_a_terminal_but_no_bar(

@@ -40,13 +40,21 @@ def test_no_layout_of_a_pool_is_one_of_another_pool_or_of_an_episode() -> None:
     episodes = [RandomLayouts().layout(seed) for seed in range(300)]
     assert len({*pools[0], *pools[1], *episodes}) == 900
     assert pools[0] == RandomLayouts(count=300, pool_seed=1).pool()
-    RandomLayouts(count=300).check_unseen(range(300))
+    assert RandomLayouts(count=300).without(range(300)).pool() == pools[0]
 
 
-def test_a_layout_that_is_also_in_the_pool_is_an_error() -> None:
+def test_a_layout_that_is_also_that_of_an_episode_is_left_out_of_the_pool() -> None:
+    episodes = range(2_000_000, 2_001_000)
+    all_of_77 = RandomLayouts(pool_seed=77)
+    some = all_of_77.without(episodes)
+    assert len(some.left_out) == 1
+    assert len(some.pool()) == 1023
+    [left_out] = set(all_of_77.pool()) - set(some.pool())
+    bare = {all_of_77.layout(seed).with_stations(None, None) for seed in episodes}
+    assert left_out.with_stations(None, None) in bare
     tiny = RandomLayouts(4, 4, 0.1, 0.2, count=50)
-    with pytest.raises(LayoutError, match=r"of 4 x 4 .* seed 0 is one of the 50 of"):
-        tiny.check_unseen(range(10))
+    with pytest.raises(LayoutError, match=r"of 4 x 4 .*: each of the 50 of the training is also"):
+        tiny.without(range(100))
 
 
 def test_a_layout_of_the_training_cannot_be_that_of_an_episode() -> None:

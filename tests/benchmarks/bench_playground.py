@@ -1,0 +1,75 @@
+"""The playground in headless Chromium: its size, its first animation, and steps a second."""
+
+from collections.abc import Callable, Iterator
+from os import cpu_count, getloadavg
+from pathlib import Path
+from statistics import median
+from time import perf_counter
+from typing import Any
+
+import pytest
+from helpers import wasm_speed
+from helpers.player_pages import headless_chromium
+from helpers.playground import MAX_DOWNLOAD, Playground, run_in_node, served, write_page
+
+MIN_STEPS = 15_000
+"""Steps a second."""
+
+MAX_COLD, MAX_WARM = 30.0, 8.0
+"""Seconds from a click on a link to the first animation, with nothing and with all in the cache."""
+
+ROUNDS = 3
+
+Measured = Callable[[str, object], None]
+
+
+@pytest.fixture(scope="module")
+def page_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
+    return write_page(tmp_path_factory.mktemp("playground"))
+
+
+@pytest.fixture
+def browser() -> Iterator[Any]:
+    with headless_chromium() as chromium:
+        yield chromium
+
+
+def test_the_core_by_pyodide_in_node(page_folder: Path, measured: Measured) -> None:
+    steps = [float(line) for line in run_in_node(page_folder, Path(wasm_speed.__file__)).split()]
+    alone, directed = (f"{each:,.0f}" for each in steps)
+    figure = f"{alone} a second by random actions, {directed} by the greedy agent"
+    measured("steps of the default warehouse, by Pyodide in node", figure)
+    assert min(steps) >= MIN_STEPS
+
+
+def test_the_first_animation_of_the_playground(
+    page_folder: Path, browser: Any, measured: Measured
+) -> None:
+    cold, warm, sizes = [], [], set()
+    with served(page_folder) as address:
+        for _ in range(ROUNDS):  # each with an empty cache
+            context = browser.new_context(viewport={"width": 1366, "height": 768})
+            for times in (cold, warm):
+                seconds, size = first_animation(context, address)
+                times.append(seconds)
+                sizes.add(size)
+            context.close()
+    measured(
+        f"from a click to the first animation of the playground, median of {ROUNDS}",
+        f"{median(cold):.1f} s cold, {median(warm):.1f} s warm, {max(sizes) / 1e6:.1f} MB; "
+        f"{getloadavg()[0] / (cpu_count() or 1):.1f} running processes for each processor",
+    )
+    assert max(sizes) <= MAX_DOWNLOAD
+    assert median(cold) <= MAX_COLD
+    assert median(warm) <= MAX_WARM
+
+
+def first_animation(context: Any, address: str) -> tuple[float, int]:
+    """Return the seconds until the player of a new page shows an episode, and bytes loaded."""
+    page, start = context.new_page(), perf_counter()
+    playground = Playground(page, address)
+    playground.press("run")
+    playground.wait_for_player()
+    seconds = perf_counter() - start
+    page.close()
+    return seconds, playground.size

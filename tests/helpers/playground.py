@@ -1,0 +1,91 @@
+"""The page of the playground in a headless Chromium, and a server of its folder."""
+
+import http.server
+import subprocess
+import threading
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
+from functools import partial
+from pathlib import Path
+from time import monotonic, sleep
+from typing import Any
+
+from agents.lab.playground.page import RUNTIME, write_playground
+from helpers.command_line import ROOT
+
+FILES = ROOT / ".venv" / "pyodide"
+"""Folder of Pyodide's files, which ``.ci/pyodide`` fetches."""
+
+MAX_DOWNLOAD = 25_000_000
+"""Most bytes that the page loads."""
+
+SECONDS = 120
+
+
+def write_page(folder: Path) -> Path:
+    """Write the playground into a folder, and return it."""
+    assert FILES.is_dir(), f"{FILES} is missing; .ci/pyodide fetches it"
+    write_playground(folder, str(FILES))
+    return folder
+
+
+def run_in_node(page: Path, script: Path) -> str:
+    """Return what a script prints that Pyodide runs in node, with the wheel of a page."""
+    [wheel] = page.glob("*.whl")
+    words = ["node", ROOT / "tests" / "helpers" / "pyodide.mjs", page / RUNTIME, wheel, script]
+    return subprocess.run(words, capture_output=True, text=True, check=True).stdout
+
+
+@contextmanager
+def served(folder: Path) -> Iterator[str]:
+    """Yield the address of a server of a folder."""
+
+    class Quiet(http.server.SimpleHTTPRequestHandler):
+        def log_message(self, *_: object) -> None:
+            pass
+
+    handler = partial(Quiet, directory=folder)
+    with http.server.ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        yield f"http://127.0.0.1:{server.server_port}/"
+        server.shutdown()
+
+
+class Playground:
+    """The page in a browser, and what it has loaded."""
+
+    def __init__(self, page: Any, address: str) -> None:
+        self.page, self.errors, self.requests = page, list[str](), list[str]()
+        self.size = 0
+        page.on("pageerror", lambda error: self.errors.append(str(error)))
+        page.on("console", lambda message: self.errors.append(message.text))
+        page.on("request", lambda request: self.requests.append(request.url))
+        page.on("response", self._count)
+        page.goto(address)
+        self.until(lambda: page.is_enabled("[data-do=run]"))
+
+    def _count(self, response: Any) -> None:
+        self.size += int(response.headers.get("content-length", 0))
+
+    def until(self, is_so: Callable[[], Any]) -> None:
+        """Wait until something is so; the page's policy forbids that the browser evaluates it."""
+        end = monotonic() + SECONDS
+        while not is_so():
+            assert monotonic() < end, (self.text("state"), self.text("error"), self.errors)
+            sleep(0.05)
+
+    def text(self, part: str) -> str:
+        found: str = self.page.locator(f"[data-part={part}]").inner_text()
+        return found
+
+    def press(self, name: str) -> None:
+        """Press a button, and wait until what it does is done."""
+        self.page.click(f"[data-do={name}]")
+        self.until(lambda: self.page.is_enabled("[data-do=run]"))
+
+    def wait_for_player(self) -> None:
+        """Wait until the player shows its floor."""
+        self.page.frame_locator("[data-part=player]").locator("canvas").first.wait_for()
+
+    def type(self, code: str) -> None:
+        self.page.fill("[data-part=code]", code)
