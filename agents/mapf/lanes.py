@@ -118,7 +118,8 @@ def traffic(graph: Graph, cells: Integers) -> NDArray[np.float64]:
     """
     before, after = cells[:-1].ravel(), cells[1:].ravel()
     moves = (graph.neighbours[before] == after[:, None]).argmax(1)
-    counts = np.bincount(before * (WAIT + 1) + moves, minlength=graph.size * (WAIT + 1))
+    made = (before * (WAIT + 1) + moves).astype(np.intp)  # 32 bits in a browser
+    counts = np.bincount(made, minlength=graph.size * (WAIT + 1))
     return counts.reshape(-1, WAIT + 1) / (len(cells) - 1)
 
 

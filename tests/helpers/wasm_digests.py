@@ -6,6 +6,7 @@ from typing import Any
 
 from agents.learning import QTable
 from agents.learning.q_learning import learn
+from agents.mapf.anytime import solve_anytime
 from agents.mapf.graph import Graph
 from agents.mapf.lacam import lacam
 from agents.mapf.problem import Problem
@@ -15,6 +16,7 @@ from warehouse_core import (
     FleetEnv,
     OrderStream,
     WarehouseEnv,
+    random_layout,
     record_episode,
     record_fleet_episode,
     shelf_layout,
@@ -56,6 +58,14 @@ def fleet(planner: str, seed: int) -> str:
     return told(record_fleet_episode(env, agent, seed=seed))
 
 
+def refined() -> str:
+    """Return a digest of a plan on a crowded floor, which guidance and refinement improve."""
+    layout = random_layout(16, 16, 0.2, seed=2)
+    cells = layout.open_cells.tolist()
+    problem = Problem(Graph(layout), cells[:24], cells[-24:])
+    return digest_of(solve_anytime(problem, 120.0, trials=20).cells.tolist())
+
+
 def plan() -> str:
     """Return a digest of a joint plan."""
     layout = shelf_layout()
@@ -73,4 +83,5 @@ if __name__ == "__main__":
     for planner, seed in FLEETS:
         print(planner, seed, fleet(planner, seed))
     print("lacam", plan())
+    print("anytime", refined())
     print("q", digest_of(list(learn(QTable(), WarehouseEnv(), 5000, seed=0))))

@@ -12,6 +12,7 @@ import pytest
 from helpers import wasm_digests
 from helpers.playground import MAX_DOWNLOAD, Playground, run_in_node, served, write_page
 
+from agents.lab.grading.exercises import SOLUTIONS
 from agents.lab.grading.rubric import MINI_LAB
 from agents.lab.playground.session import Session
 from warehouse_core import DEFAULT_LAYOUT
@@ -79,9 +80,27 @@ def test_the_page_runs_and_grades_as_cpython_does(playground: Playground, tmp_pa
     playground.press("step")
     assert playground.text("told").startswith("2 steps")
     playground.press("grade")
-    grade = answered(tmp_path, {"do": "grade", "code": CODE})
+    grade = answered(tmp_path, {"do": "grade", "code": CODE, "exercise": "mini_lab"})
     assert playground.text("told") == grade["told"]
     assert playground.page.locator("[data-part=grades] tr").count() == len(grade["grades"])
+    assert playground.errors == []
+
+
+def test_an_exercise_is_chosen_and_graded_and_code_of_the_other_is_kept(
+    playground: Playground,
+) -> None:
+    playground.page.select_option("[data-part=exercise]", "exercise-02")
+    assert "def distance" in playground.page.input_value("[data-part=code]")
+    playground.press("grade")
+    assert "of 100 points" in playground.text("told")
+    playground.type((SOLUTIONS / "exercise-02.py").read_text(encoding="utf-8"))
+    playground.press("grade")
+    assert playground.text("told").startswith("100 of 100 points")
+    playground.page.set_viewport_size({"width": 360, "height": 800})
+    assert playground.page.evaluate("document.documentElement.scrollWidth") == 360
+    playground.page.set_viewport_size({"width": 1366, "height": 768})
+    playground.page.select_option("[data-part=exercise]", "mini_lab")
+    assert playground.page.input_value("[data-part=code]") == CODE
     assert playground.errors == []
 
 

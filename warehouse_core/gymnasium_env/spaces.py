@@ -13,6 +13,7 @@ from numpy.typing import ArrayLike
 
 from warehouse_core.arguments import MAX_STEPS, instance_of, one_of, whole_number
 from warehouse_core.render.observation_image import ObservationImage
+from warehouse_core.render.window import may_have_display
 from warehouse_core.task.encoding import MARKED_TILES, ObservationArrays, vector, vector_limits
 from warehouse_core.wording import brief
 from warehouse_core.world.layout import Layout
@@ -123,6 +124,17 @@ def _dict_space(extent: Extent) -> spaces.Dict:
             "dropoff_pos": whole(-1, last_cell, 2),
         }
     )
+
+
+def listed(metadata: dict[str, Any]) -> dict[str, Any]:
+    """Return metadata whose modes can be used here: without a display, not ``"human"``.
+
+    Checkers try all modes that are listed.
+    """
+    if may_have_display():
+        return metadata
+    modes = [mode for mode in metadata["render_modes"] if mode != "human"]
+    return metadata | {"render_modes": modes}
 
 
 class Limited:

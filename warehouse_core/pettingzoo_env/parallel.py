@@ -14,7 +14,7 @@ from pettingzoo import ParallelEnv
 from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import EndedError
 from warehouse_core.fleet.env import FleetEnv
-from warehouse_core.gymnasium_env.spaces import RENDER_FPS, Extent, check_render_mode
+from warehouse_core.gymnasium_env.spaces import RENDER_FPS, Extent, check_render_mode, listed
 from warehouse_core.pettingzoo_env.spaces import make_fleet_form, state_of, state_space
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.render.window import PictureWindow
@@ -58,7 +58,8 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
         robots: ``R``, number of ``possible_agents``.
         max_cycles: ``max_steps`` of ``FleetEnv``.
         observation: ``"dict"`` or ``"vector"``.
-        render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``.
+        render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``. Without a
+            display ``metadata`` does not list ``"human"``.
         tile_pixels: side of a cell in a picture, at least 2; ``None`` fits it to the layout.
         settings: all other arguments of ``FleetEnv``, such as ``orders``.
 
@@ -94,6 +95,7 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
         **settings: Any,
     ) -> None:
         check_render_mode(render_mode, self.metadata["render_modes"])
+        self.metadata = listed(self.metadata)
         self.fleet = fleet = FleetEnv(as_layout(layout), robots, max_steps=max_cycles, **settings)
         height, width = fleet.layout.height, fleet.layout.width
         capacity, radius = fleet.settings.battery.capacity, fleet.settings.view_radius

@@ -37,6 +37,10 @@ NEAR = 0.02
 SLOW = 1e-3
 """Speed in m/s below which a robot may begin another leg."""
 
+PACE = 1.25
+"""Estimated time for a cell over that at top speed: robots brake for corners, with noise earlier.
+Each alone on the floor of the Kiva warehouse takes 1.26 with 5% noise, and 1.1 without."""
+
 SHORTEST_PAUSE, LONGEST_PAUSE = 1.0, 8.0
 """Seconds between searches for switches; each that finds none doubles the next pause."""
 
@@ -315,14 +319,15 @@ class Driver:
         begun = [stop for stop in self._stops if stop.at <= now]
         if not begun or now < self._switches_at or self.failed.any():
             return
-        starts = -self._done / self._spec.top_speed
+        pace = PACE * size / self._spec.top_speed
+        starts = -self._done / size * pace
         for stop in begun:
             starts[stop.robot] += max(stop.at + stop.seconds - now, 0.0)
         passed = np.clip(self._passed // size, 0, self._lasts).astype(int)
         present = np.clip(self._present(), passed, self._lasts)
         reached = np.maximum(self._committed(), present)
         nodes = passed.tolist(), present.tolist(), reached.tolist()
-        progress = Progress(*nodes, starts, size / self._spec.top_speed)
+        progress = Progress(*nodes, starts, pace)
         orders = find_switches(self.ways, progress)
         changed = {robot for visits in orders.values() for robot in self.ways.reorder(visits)}
         for robot in sorted(changed):

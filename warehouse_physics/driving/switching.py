@@ -7,16 +7,21 @@ other, in both directions of a lane as well. Only visits to which nobody has com
 The new order has no circles but the rings of the plan, so that nobody waits forever.
 
 Times are estimated: every robot takes as long for each cell, and may enter a cell when the robot
-before it moves on. The search goes down from switch to switch, beginning with the longest wait, and
-keeps those with which robots arrive sooner. It finds no proved optimum.
+before it moves on. A switch often gains nothing until others follow it, so the search is simulated
+annealing: at first it also accepts switches with which robots arrive later, towards its end hardly
+any. It takes over the best order that it has met, which is no proved optimum.
 
 Sources: Berndt, van Duijkeren, Palmieri and Keviczky (2020), A feedback scheme to reorder a
 multi-agent execution schedule by persistently optimizing a switchable action dependency graph;
-Feng, Paul, Chen and Li (2024), A real-time rescheduling algorithm for multi-robot plan execution.
+Feng, Paul, Chen and Li (2024), A real-time rescheduling algorithm for multi-robot plan execution;
+Kirkpatrick, Gelatt and Vecchi (1983), Optimization by simulated annealing.
 """
 
 from __future__ import annotations
 
+import math
+import random
+from collections.abc import Sequence
 from itertools import accumulate
 from typing import NamedTuple
 
@@ -26,14 +31,18 @@ from warehouse_core import Cell
 from warehouse_physics.driving.dependencies import Dependencies, Visit
 from warehouse_physics.profile import Floats
 
-MAX_TRIES = 50
-"""Most switches whose effect is estimated in one search."""
+MAX_TRIES = 200
+"""Switches that one search tries."""
+
+HOTTEST = 30.0
+"""Temperature at the beginning of a search: seconds by which all robots together arrive later with
+a switch that is accepted with a chance of 1 / e."""
 
 SHORT = 0.5
 """Seconds of a wait for which no switch is tried."""
 
 GAIN = 0.5
-"""Seconds that a switch has to gain, for all robots together."""
+"""Seconds that a new order has to gain, for all robots together."""
 
 WAY = 0.1
 """Weight of the time of each visit; an arrival weighs 1 more. A robot that gets farther before it
@@ -87,31 +96,19 @@ class Timetable:
         robot_of, numbers = np.array(self.visits, int).reshape(-1, 2).T
         self._free = progress.starts[robot_of] + numbers * progress.pace
         self._shift = robot_of * APART
-        self._in: dict[Cell, list[Visit]] = {}
+        visits_of: dict[Cell, list[Visit]] = {}
         self._leaders = np.full(len(self.visits), len(self.visits))
         for robot in robots:
             for number in range(progress.present[robot], self._lasts[robot] + 1):
                 visit, node = Visit(robot, number), ways.node(robot, number)
-                self._in.setdefault(node.cell, []).append(visit)
+                visits_of.setdefault(node.cell, []).append(visit)
                 if number > passed[robot] and node.after:
                     self._lead(visit, node.after[0])
-        self._orders: dict[Cell, list[Visit]] = {}
-
-    def order(self, cell: Cell) -> list[Visit]:
-        """Return the visits of a cell, in the order in which they take place."""
-        if cell not in self._orders:
-            followers: dict[Visit | None, Visit] = {}
-            latest: dict[int, Visit] = {}
-            for visit in self._in[cell]:
-                after = self._ways.node(*visit).after
-                followers[after[0] if after else latest.get(visit.robot)] = visit
-                latest[visit.robot] = visit
-            first = followers.keys() - self._in[cell]
-            found = [followers[each] for each in first]
-            while found[-1] in followers:
-                found.append(followers[found[-1]])
-            self._orders[cell] = found
-        return self._orders[cell]
+        self.orders = {cell: self._first_order(visits) for cell, visits in visits_of.items()}
+        self._cells = {visit: cell for cell, order in self.orders.items() for visit in order}
+        self._before: dict[Visit, Visit | None] = {}
+        for order in self.orders.values():
+            self._before.update(zip(order, [None, *order], strict=False))
 
     def times(self) -> Floats:
         """Return when robots will be in the middle of the cells of visits, ``[N]`` seconds."""
@@ -138,7 +135,7 @@ class Timetable:
         waits[starts] = late[starts]
         longest = np.argsort(-waits, kind="stable")
         found = (self.visits[at] for at in longest[waits[longest] > SHORT].tolist())
-        return [(visit, self._before(visit)) for visit in found]
+        return [(visit, leader) for visit in found if (leader := self._before[visit])]
 
     def let_through(self, late: Visit, other: Visit) -> dict[Cell, list[Visit]]:
         """Return the orders of cells in which the robot of a visit lets another robot go first.
@@ -169,13 +166,28 @@ class Timetable:
 
     def apply(self, orders: dict[Cell, list[Visit]]) -> dict[Cell, list[Visit]]:
         """Take over orders of cells, and return what they were before."""
-        old = {cell: self.order(cell) for cell in orders}
-        self._orders |= orders
+        old = {cell: self.orders[cell] for cell in orders}
+        self.orders |= orders
         for visits in orders.values():
             for before, visit in zip([None, *visits], visits, strict=False):
+                self._before[visit] = before
                 if visit.number > self._progress.passed[visit.robot]:
                     self._lead(visit, before)
         return old
+
+    def _first_order(self, visits: Sequence[Visit]) -> list[Visit]:
+        """Return visits of a cell, robot by robot, in the order in which they take place."""
+        followers: dict[Visit | None, Visit] = {}
+        latest: dict[int, Visit] = {}
+        for visit in visits:
+            after = self._ways.node(*visit).after
+            followers[after[0] if after else latest.get(visit.robot)] = visit
+            latest[visit.robot] = visit
+        (first,) = followers.keys() - visits
+        found = [followers[first]]
+        while found[-1] in followers:
+            found.append(followers[found[-1]])
+        return found
 
     def _collect(self, pending: list[Visit], before: set[Visit], robot: int) -> None:
         """Add visits, and all that have to begin before them if ``robot`` lets them through."""
@@ -186,15 +198,15 @@ class Timetable:
                 continue
             before.add(visit)
             pending.append(Visit(visit.robot, visit.number - 1))
-            order = self.order(self._cell(visit))
-            others = (each for each in order[: order.index(visit)][::-1] if each.robot != robot)
-            leader = next(others, None)
+            leader = self._before[visit]
+            while leader and leader.robot == robot:
+                leader = self._before[leader]
             if leader and leader.robot != visit.robot:
                 pending.append(Visit(leader.robot, leader.number + 1))
 
     def _overtaken(self, visit: Visit, before: set[Visit]) -> list[Visit]:
         """Return the later visits of the same cell that are to begin ``before`` a visit ends."""
-        order = self.order(self._cell(visit))
+        order = self.orders[self._cells[visit]]
         return [each for each in order[order.index(visit) + 1 :] if each in before]
 
     def _put_off(self, robot: int, least: int, before: set[Visit]) -> dict[Cell, list[Visit]]:
@@ -205,7 +217,8 @@ class Timetable:
             overtaken = self._overtaken(visit, before)
             if not overtaken:
                 continue
-            order = found.setdefault(self._cell(visit), [*self.order(self._cell(visit))])
+            cell = self._cells[visit]
+            order = found.setdefault(cell, [*self.orders[cell]])
             at, to = order.index(visit), order.index(overtaken[-1])
             if any(
                 each.number <= self._progress.reached[each.robot] for each in order[at : to + 2]
@@ -226,38 +239,32 @@ class Timetable:
         ahead = visit.number - self._progress.passed[visit.robot] - 1
         return self._firsts[visit.robot] + ahead if ahead >= 0 else len(self.visits)
 
-    def _cell(self, visit: Visit) -> Cell:
-        return self._ways.node(*visit).cell
-
     def _stays(self, visit: Visit) -> bool:
         """Return whether a visit is the last of its robot."""
         return visit.number == self._lasts[visit.robot]
 
-    def _before(self, visit: Visit) -> Visit:
-        order = self.order(self._cell(visit))
-        return order[order.index(visit) - 1]
-
 
 def find_switches(ways: Dependencies, progress: Progress) -> dict[Cell, list[Visit]]:
     """Return the orders of cells in which robots arrive sooner, of the cells where these change."""
-    table = Timetable(ways, progress)
-    times = table.times()
-    least, tries, tried = table.total(times), 0, set[tuple[Visit, Visit]]()
-    found: dict[Cell, list[Visit]] = {}
-    while pair := next((each for each in table.waits(times) if each not in tried), None):
-        tried.add(pair)
-        orders = table.let_through(pair[1], pair[0])
+    table, stream = Timetable(ways, progress), random.Random(0)
+    times, planned = table.times(), table.orders.copy()
+    total = least = table.total(times)
+    allowed, best, waits = least - GAIN, planned, table.waits(times)
+    for tries in range(MAX_TRIES):
+        if not waits:
+            break
+        # The square prefers long waits.
+        visit, leader = waits.pop(int(len(waits) * stream.random() ** 2))
+        orders = table.let_through(leader, visit)
         if not orders:
             continue
-        if tries == MAX_TRIES:
-            break
-        tries += 1
-        old = table.apply(orders)
+        old, temperature = table.apply(orders), HOTTEST * (1 - tries / MAX_TRIES)
         switched = table.times()
-        total = table.total(switched)
-        if total < least - GAIN:
-            found |= orders
-            least, times = total, switched
-        else:
+        later = table.total(switched) - total
+        if later >= 0 and stream.random() >= math.exp(-later / temperature):
             table.apply(old)
-    return found
+            continue
+        total, waits = total + later, table.waits(switched)
+        if total < min(least, allowed):
+            least, best = total, table.orders.copy()
+    return {cell: order for cell, order in best.items() if order != planned[cell]}

@@ -5,6 +5,7 @@ from __future__ import annotations
 from pathlib import Path
 
 from agents.errors import GradeError
+from agents.lab.grading.rubric import MINI_LAB
 
 FOLDER = Path(__file__).parents[2] / "handbook" / "exercises"
 SOLUTIONS = FOLDER / "solutions"
@@ -14,6 +15,11 @@ SOLUTIONS = FOLDER / "solutions"
 def exercise_names() -> list[str]:
     """Return the names of all exercises, such as ``"exercise-07"``."""
     return sorted(path.stem for path in FOLDER.glob("*.toml"))
+
+
+def own_rubrics() -> dict[str, Path]:
+    """Return the files of the rubrics of this program by name: mini-lab first, then exercises."""
+    return {MINI_LAB.stem: MINI_LAB} | {name: FOLDER / f"{name}.toml" for name in exercise_names()}
 
 
 def find_rubric(path: Path) -> Path:

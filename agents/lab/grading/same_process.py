@@ -6,6 +6,8 @@ grades it so has to trust it, and to end the process.
 
 from __future__ import annotations
 
+import builtins
+import importlib
 import json
 import sys
 from collections.abc import Iterable, Iterator
@@ -31,6 +33,8 @@ class AgentHere(AgentProcess):
         try:
             if self._reply is None:
                 self._file = asked["file"]
+                if asked["allowed"] is not None or asked["denied"]:
+                    child.guard_imports(asked)
                 name, self._reply = child.begin(asked)
                 return {"name": name}
             answer: dict[str, Any] = self._reply(asked)
@@ -66,9 +70,10 @@ class SameProcess:
 
     @contextmanager
     def episode(self) -> Iterator[AgentHere]:
-        """Yield an agent that is not loaded yet; where it looks up imports is forgotten after."""
-        paths = sys.path[:]
+        """Yield an agent that is not loaded yet; what it may import is forgotten after."""
+        paths, by_statement, by_name = sys.path[:], builtins.__import__, importlib.import_module
         try:
             yield AgentHere(self._limits)
         finally:
             sys.path[:] = paths
+            builtins.__import__, importlib.import_module = by_statement, by_name

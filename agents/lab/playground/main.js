@@ -16,7 +16,9 @@ const button = (name) => document.querySelector(`[data-do="${name}"]`);
 
 /** What was kept is begun with, but a link goes first. */
 async function opened() {
-  const usual = { code: settings.starter, seed: 1, rows: settings.layouts.default, drawn: true };
+  const [exercise] = Object.keys(settings.exercises);
+  const { starter: code } = settings.exercises[exercise];
+  const usual = { exercise, code, codes: {}, seed: 1, rows: settings.layouts.default, drawn: true };
   const text = location.hash.startsWith("#p=") ? location.hash.slice(3) : "";
   try {
     if (text) return { ...usual, ...(await unpacked(text)) };
@@ -35,6 +37,8 @@ class Playground {
     this.python = new Python(
       () => new Worker("worker.js", { type: "module" }), settings.wheel, LIMIT, (state) => this.say(state),
     );
+    for (const [name, { title }] of Object.entries(settings.exercises)) part("exercise").append(new Option(title, name));
+    part("exercise").value = kept.exercise;
     this.editor.text = kept.code;
     this.showPlace();
     part("seed").value = kept.seed;
@@ -48,6 +52,7 @@ class Playground {
     for (const [name, act] of Object.entries(doing)) button(name).addEventListener("click", act);
     addEventListener("keydown", (event) => event.ctrlKey && event.key === "Enter" && !button("run").disabled && this.ask("run"));
     part("seed").addEventListener("change", () => this.keep({ seed: Math.trunc(Math.min(Math.max(Number(part("seed").value), 0), 999_999)) }));
+    part("exercise").addEventListener("change", () => this.openExercise(part("exercise").value));
     part("drawn").addEventListener("change", () => this.keep({ drawn: part("drawn").checked }));
     part("layout").addEventListener("change", () => this.openLayout(part("layout").value));
     for (const name of ["height", "width"]) part(name).addEventListener("change", () => this.resize());
@@ -83,6 +88,14 @@ class Playground {
     part("layout").value = names.find((name) => settings.layouts[name].join("\n") === text) ?? "painted";
   }
 
+  /** Keep what was written, and show what was written in another exercise, or its starting file. */
+  openExercise(name) {
+    const codes = { ...this.kept.codes, [this.kept.exercise]: this.kept.code };
+    this.keep({ exercise: name, codes });
+    this.editor.text = codes[name] ?? settings.exercises[name].starter;
+    part("grades").hidden = true;
+  }
+
   openLayout(name) {
     if (name in settings.layouts) this.keep({ rows: settings.layouts[name], drawn: name === "default" });
     this.showPlace();
@@ -104,7 +117,7 @@ class Playground {
   }
 
   async grade() {
-    const answer = await this.answer({ do: "grade", code: this.kept.code });
+    const answer = await this.answer({ do: "grade", code: this.kept.code, exercise: this.kept.exercise });
     if (!answer?.grades) return;
     const table = document.createElement("table");
     table.createCaption().textContent = `${answer.points} of ${answer.max} points`;
@@ -145,8 +158,8 @@ class Playground {
   }
 
   async share() {
-    const { code, seed, rows, drawn } = this.kept;
-    const link = new URL(`#p=${await packed({ code, seed, rows, drawn })}`, location.href);
+    const { exercise, code, seed, rows, drawn } = this.kept;
+    const link = new URL(`#p=${await packed({ exercise, code, seed, rows, drawn })}`, location.href);
     history.replaceState(null, "", link);
     try {
       await navigator.clipboard.writeText(link.href);

@@ -6,7 +6,8 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from agents.lab.grading.rubric import MINI_LAB
+from agents.lab.grading.exercises import own_rubrics
+from agents.lab.grading.rubric import load_rubric
 from agents.lab.playground.runtime import SERVER, copy_runtime
 from agents.lab.playground.wheel import write_wheel
 from warehouse_core.files.atomic import atomic_path
@@ -63,7 +64,13 @@ def _settings(wheel: str) -> dict[str, object]:
     height, width = LARGEST
     return {
         "wheel": wheel,
-        "starter": MINI_LAB.with_suffix(".py").read_text(encoding="utf-8"),
+        "exercises": {
+            name: {
+                "title": load_rubric(file).title,
+                "starter": file.with_suffix(".py").read_text(encoding="utf-8"),
+            }
+            for name, file in own_rubrics().items()
+        },
         "layouts": {
             name: rows
             for name, rows in layouts.items()

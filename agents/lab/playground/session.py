@@ -14,8 +14,9 @@ from pathlib import Path
 from typing import Any
 
 from agents.errors import AgentError, frames_in, reason_of
+from agents.lab.grading.exercises import own_rubrics
 from agents.lab.grading.grading import grade
-from agents.lab.grading.rubric import MINI_LAB, load_rubric
+from agents.lab.grading.rubric import load_rubric
 from agents.lab.grading.same_process import SameProcess
 from agents.lab.grading.submissions import find_submission
 from agents.lab.place import Stations, what_to_draw
@@ -51,7 +52,7 @@ class Session:
 
         Args:
             question: object with ``do``: ``"step"``; ``"run"``, which takes all steps that are
-                left; or ``"grade"``, which grades ``code`` by the rubric of the mini-lab. With
+                left; or ``"grade"``, which grades ``code`` by the rubric of the ``exercise``. With
                 ``start``, an object, an episode begins before the steps: of the agent in its
                 ``code``, in the warehouse of its ``rows``, ``stations`` and ``seed``.
             advance: called with the number of episodes that are graded, and of all.
@@ -67,7 +68,7 @@ class Session:
             try:
                 with self._named_errors():
                     if asked["do"] == "grade":
-                        found |= self._grade(asked["code"], advance)
+                        found |= self._grade(asked["code"], asked["exercise"], advance)
                     else:
                         self._play(asked["do"], asked.get("start"))
             except WarehouseError as error:
@@ -97,10 +98,12 @@ class Session:
         self._agent.reset()
         self._recorder = EpisodeRecorder(env, seed=seed, agent=self._file.name)
 
-    def _grade(self, code: str, advance: Callable[[int, int], None]) -> dict[str, Any]:
-        """Grade the agent by what all of a class may see of the mini-lab's rubric."""
+    def _grade(
+        self, code: str, exercise: str, advance: Callable[[int, int], None]
+    ) -> dict[str, Any]:
+        """Grade what was written by what all of a class may see of a rubric."""
         self._file.write_text(code, encoding="utf-8")
-        rubric, done = load_rubric(MINI_LAB), count(1)
+        rubric, done = load_rubric(own_rubrics()[exercise]), count(1)
         total = sum(case.episodes for case in rubric.used_cases)
         report = grade(
             find_submission(str(self._file)),

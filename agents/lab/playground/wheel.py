@@ -19,8 +19,8 @@ DATE = (1980, 1, 1, 0, 0, 0)
 KEPT = ("METADATA", "entry_points.txt")
 """Files of the installed distribution that its wheel has too."""
 
-LEFT_OUT = {"__pycache__", "handbook"}
-"""Folders that a wheel for a browser does without."""
+LEFT_OUT = {"__pycache__", "solutions"}
+"""Folders that are not in the wheel: solutions of exercises are for lecturers."""
 
 TAGS = "Wheel-Version: 1.0\nGenerator: warehouse-lab\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
 

@@ -6,6 +6,7 @@ from typing import Any
 from unittest.mock import Mock
 
 import pytest
+from helpers.command_line import DISPLAY_VARIABLES
 
 with warnings.catch_warnings():
     # The tests import one of PettingZoo's own games in a way that it deprecates.
@@ -67,9 +68,17 @@ def test_max_cycles() -> None:
 
 
 def test_pictures(settings: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DISPLAY", ":0")  # never opened
     window = Mock()
     monkeypatch.setattr(
         "warehouse_core.pettingzoo_env.parallel.PictureWindow", Mock(return_value=window)
     )
     render_test(partial(pettingzoo_env.env, **settings))
     assert len({call.args[0].tobytes() for call in window.show.call_args_list}) > 1
+
+
+def test_pictures_are_tested_where_there_is_no_display(monkeypatch: pytest.MonkeyPatch) -> None:
+    for name in DISPLAY_VARIABLES:
+        monkeypatch.delenv(name, raising=False)
+    assert pettingzoo_env.env().metadata["render_modes"] == ["rgb_array", "ansi"]
+    render_test(pettingzoo_env.env)

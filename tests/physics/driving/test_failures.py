@@ -1,6 +1,7 @@
 """Robots that fail while they drive through joint plans: all others come to rest at open cells."""
 
 import math
+import random
 import re
 from dataclasses import replace
 
@@ -136,6 +137,19 @@ def test_a_robot_that_is_caught_between_two_that_fail_stops_and_fails_too(at: fl
     assert failed[::2] == [True, True]
     assert failed[1] == (at != 1.0)
     assert not failed[3]
+
+
+@pytest.mark.parametrize("seed", range(5))
+def test_a_failure_in_a_corner_leaves_the_order_of_all_others_as_it_is(seed: int) -> None:
+    stream, starts = random.Random(seed), [(0, 5), (4, 2), (1, 1), (1, 2)]
+    crowd = Failures(Layout(["......"] * 5), [starts], FAST, [False] * 4)
+    for step in range(40):
+        if step == 5:
+            crowd.motion.fail(0)
+        crowd.move([(0, 0), *(stream.choice(MOVES) for _ in starts[1:])])
+    crowd.come_to_rest()
+    crowd.check()
+    assert crowd.motion.ways().closed == [(0, 5)]
 
 
 def test_no_way_is_extended_for_a_robot_that_has_failed_or_into_its_cell() -> None:

@@ -10,10 +10,12 @@ from collections.abc import Iterator
 from functools import partial
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
 from pathlib import Path
+from zipfile import ZipFile
 
 import pytest
 from helpers.command_line import Refused, Warehouse
 
+from agents.lab.grading.exercises import exercise_names
 from agents.lab.playground import runtime
 from agents.lab.playground.page import SCRIPTS
 
@@ -65,7 +67,8 @@ def test_the_folder_has_all_that_the_page_loads(
     }  # fmt: skip
     assert {path.name: path.read_bytes() for path in (page / "pyodide").iterdir()} == CONTENTS
     assert "trap" in settings["layouts"]
-    assert "class MyAgent" in settings["starter"]
+    assert "class MyAgent" in settings["exercises"]["mini_lab"]["starter"]
+    assert settings["exercises"].keys() == {"mini_lab", *exercise_names()}
 
 
 def test_files_come_from_a_server_and_only_if_they_are_missing(
@@ -115,6 +118,9 @@ def test_the_wheel_can_be_installed_and_is_the_same_each_time(tmp_path: Path) ->
     for folder in folders:
         folder.mkdir()
     names = [write_wheel(folder) for folder in folders]
+    members = ZipFile(folders[0] / names[0]).namelist()
+    assert "agents/handbook/exercises/exercise-02.py" in members
+    assert not [name for name in members if "solutions" in name]
     first, second = (folder / name for folder, name in zip(folders, names, strict=True))
     assert first.read_bytes() == second.read_bytes()
     target = tmp_path / "installed"

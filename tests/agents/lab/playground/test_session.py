@@ -5,6 +5,7 @@ from typing import Any
 import pytest
 from helpers.command_line import Warehouse
 
+from agents.lab.grading.exercises import SOLUTIONS, own_rubrics
 from agents.lab.grading.grading import grade
 from agents.lab.grading.rubric import MINI_LAB, load_rubric
 from agents.lab.grading.submissions import find_submission
@@ -89,7 +90,7 @@ def test_a_grade_is_that_of_warehouse_grade(
     page: Page, tmp_path: Path, warehouse: Warehouse
 ) -> None:
     code = STARTER.replace('self.random.choice("NESW")', '"WAIT"')
-    answer = page.ask(do="grade", code=code)
+    answer = page.ask(do="grade", code=code, exercise="mini_lab")
     report = grade(find_submission(str(tmp_path / "agent.py")), load_rubric(MINI_LAB))
     assert answer["told"].startswith(f"{report.points:g} of 100 points")
     assert [(row["name"], row["points"], row["seen"]) for row in answer["grades"]] == [
@@ -97,7 +98,22 @@ def test_a_grade_is_that_of_warehouse_grade(
     ]
 
 
+@pytest.mark.parametrize("name", ["exercise-02", "exercise-14"])
+def test_an_exercise_is_graded_by_its_rubric(name: str, page: Page) -> None:
+    code = (SOLUTIONS / f"{name}.py").read_text(encoding="utf-8")
+    assert page.ask(do="grade", code=code, exercise=name)["points"] == 100
+    start = own_rubrics()[name].with_suffix(".py").read_text(encoding="utf-8")
+    assert page.ask(do="grade", code=start, exercise=name)["points"] < 40
+
+
+def test_an_exercise_denies_what_its_rubric_denies_and_the_program_goes_on(page: Page) -> None:
+    code = "import agents.search\ndistance = nearer_moves = print\n"
+    answer = page.ask(do="grade", code=code, exercise="exercise-02")
+    assert "the rubric denies the import of agents.search" in answer["told"]
+    assert page.ask(do="grade", code=STARTER, exercise="mini_lab")["points"] > 0
+
+
 def test_a_grade_of_what_cannot_be_loaded_says_why(page: Page) -> None:
-    answer = page.ask(do="grade", code="1 / 0")
+    answer = page.ask(do="grade", code="1 / 0", exercise="mini_lab")
     assert answer["points"] == 0
     assert "division by zero (agent.py, line 1)" in answer["told"]
