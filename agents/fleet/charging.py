@@ -16,6 +16,8 @@ from agents.mapf.assignment import NONE, OUT_OF_REACH
 from agents.mapf.graph import CLOSED, MOVES, Costs, Graph
 from agents.mapf.matching import cheapest_matching
 from warehouse_core import FleetEnv, Layout
+from warehouse_core.batch.fleet.battery import STEPS
+from warehouse_core.motion.base import cell_steps_of
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.tables import Integers
 
@@ -116,7 +118,10 @@ class Chargers:
         self._ways = np.array(ways, np.float64).reshape(-1, graph.size)
         self.home = self._ways.min(axis=0, initial=np.inf)
         self._capacity, self._cost = battery.capacity, battery.step_cost(env.cell_size)
-        charge = battery.step_charge(env.cell_size)
+        # Costs and charges are those of the time of a cell at top speed.
+        cell_steps = cell_steps_of(env.motion)
+        self._cost *= cell_steps if battery.unit == STEPS else 1.0
+        charge = battery.step_charge(env.cell_size) * cell_steps
         self._reserve = min(SPARE_STEPS, SPARE_SHARE * battery.capacity / self._cost)
         self._gain = max(charge - self._cost, 0.0) or self._cost
         # Beyond the knee a charger is slow, and does more for the next robot.

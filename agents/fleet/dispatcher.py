@@ -12,10 +12,11 @@ from agents.fleet.charging import Chargers, Needs
 from agents.fleet.detours import Detours
 from agents.fleet.escapes import Escapes
 from agents.mapf.assignment import ASSIGNMENTS, NONE, REASSIGNING, Tasks
-from agents.mapf.graph import Costs, Fields, Graph
+from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels.floor import FAR
 from agents.mapf.planner import Situation
 from warehouse_core import Cell, FleetEnv
+from warehouse_core.motion.base import cell_steps_of
 from warehouse_core.world.actions import DISPLACEMENTS, DROP, PICK, WAIT
 from warehouse_core.world.distances import nearest
 from warehouse_core.world.layout import Layout
@@ -50,12 +51,18 @@ class Dispatcher:
     Args:
         env: fleet.
         assignment: a name of ``ASSIGNMENTS``.
-        costs: costs of moves by which robots find their ways, see ``Graph``.
+        known: graph of the planner, with the costs of moves by which robots find their ways, and
+            the time that they take to turn; ``None`` is without both.
     """
 
-    def __init__(self, env: FleetEnv, assignment: str, costs: Costs | None = None) -> None:
-        self.graph, roads = Graph(env.layout), Graph(env.layout, costs)
+    def __init__(self, env: FleetEnv, assignment: str, known: Graph | None = None) -> None:
+        self.graph = Graph(env.layout)
+        roads = Graph(env.layout, known.costs) if known else self.graph
         self._fields = Fields(self.graph)
+        # Who is near is a matter of time: of cells at top speed, and of turns.
+        turns = known.turn_cost if known else 0.0
+        self._times = Fields(self.graph.with_turns(turns)) if turns else self._fields
+        self._cell_steps = cell_steps_of(env.motion)
         self.chargers = Chargers(env, roads)
         self._assign, self._reassigns = ASSIGNMENTS[assignment], assignment in REASSIGNING
         self._capacity = env.settings.battery.capacity
@@ -117,6 +124,7 @@ class Dispatcher:
         """Let no way lead through the cells of robots that have failed."""
         if cells != self.graph.closed:
             self.graph.close(cells)
+            self._times.graph.close(cells)
             self._trips = self._homes = np.empty(0)
             self._assigned = (b"", b"")
 
@@ -176,7 +184,8 @@ class Dispatcher:
             ways[~self.chargers.lasts(robots.battery[free, None], whole)] = np.inf
         ways[:, ~np.isfinite(self._trips[columns])] = np.inf
         held = np.where(order[free] == NONE, NONE, np.searchsorted(columns, order[free]))
-        given = self._assign(Tasks(ways, self._trips[columns], known.due[columns], env.steps, held))
+        due, now = known.due[columns] / self._cell_steps, env.steps / self._cell_steps
+        given = self._assign(Tasks(ways, self._trips[columns], due, now, held))
         new = np.where(given == NONE, NONE, columns[given])
         changed = np.flatnonzero(new != order[free])
         for robot in free[changed[order[free[changed]] != NONE]].tolist():
@@ -194,10 +203,14 @@ class Dispatcher:
             self._homes = np.concatenate([self._homes, self.chargers.home[dropoffs[first:]]])
 
     def _ways(self, cells: Integers, goals: Integers) -> NDArray[np.float32]:
-        """Return the steps from cells to goals, arrays that are broadcast."""
-        rows = self._fields.rows(goals)
-        ways = self._fields.matrix[rows, cells]
-        return np.where(ways == FAR, np.inf, ways).astype(np.float32)
+        """Return the times from cells to goals, arrays that are broadcast; a cell takes 1.
+
+        Robots begin in the best direction.
+        """
+        times = self._times
+        rows, headings = times.rows(goals), np.arange(0, times.graph.places, times.graph.size)
+        ways = times.matrix[rows[..., None], cells[..., None] + headings].min(axis=-1)
+        return np.where(ways == FAR, np.inf, ways / times.step).astype(np.float32)
 
     def _goals(self, robots: RobotStates) -> Integers:
         """Return where each robot is to go; those without anything to do out of the way."""

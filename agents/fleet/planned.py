@@ -120,8 +120,8 @@ class PlannedFleet:
         if self._dispatcher is None:
             if isinstance(self.planner, MotionPlanner):
                 self.planner.plan_for(env.motion)
-            costs = self.planner.graph.costs if isinstance(self.planner, GraphPlanner) else None
-            self._dispatcher = Dispatcher(env, self._assignment, costs)
+            roads = self.planner.graph if isinstance(self.planner, GraphPlanner) else None
+            self._dispatcher = Dispatcher(env, self._assignment, roads)
         situation, actions = self._dispatcher.situation(env)
         graph, cells = self._dispatcher.graph, situation.cells
         known = self.planner.graph if isinstance(self.planner, GraphPlanner) else graph

@@ -52,11 +52,12 @@ class Tasks(NamedTuple):
     """Robots that wait for an order and orders that wait for a robot.
 
     Attributes:
-        ways: ``[N, K]``, the steps of each robot to the pickup of each order, infinite where it
-            cannot or must not take the order.
-        trips: ``[K]``, the steps from pickup to dropoff.
-        due: ``[K]``, the step by which each is due. Orders are in order of release.
-        now: steps taken.
+        ways: ``[N, K]``, the time of each robot to the pickup of each order, infinite where it
+            cannot or must not take the order. A unit of time is a cell at top speed, on the grid a
+            step.
+        trips: ``[K]``, the times from pickup to dropoff.
+        due: ``[K]``, the time by which each is due. Orders are in order of release.
+        now: present time.
         held: ``[N]``, the order that each robot goes for already, or ``NONE``.
 
     Example:
@@ -70,8 +71,8 @@ class Tasks(NamedTuple):
 
     ways: NDArray[np.floating]
     trips: NDArray[np.floating]
-    due: Integers
-    now: int
+    due: NDArray[np.floating]
+    now: float
     held: Integers
 
 

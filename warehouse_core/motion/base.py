@@ -226,6 +226,22 @@ class Ways(NamedTuple):
 
 
 @runtime_checkable
+class HasPace(Protocol):
+    """A motion that says how many of its steps a robot takes for a cell.
+
+    Attributes:
+        cell_steps: steps of a cell at top speed.
+    """
+
+    cell_steps: float
+
+
+def cell_steps_of(motion: object) -> float:
+    """Return how many steps of a motion a robot takes for a cell, 1 if it does not say so."""
+    return motion.cell_steps if isinstance(motion, HasPace) else 1.0
+
+
+@runtime_checkable
 class DrivesThrough(Motion, Protocol):
     """A motion whose robots have ways ahead of them, and drive through the cells of these ways.
 

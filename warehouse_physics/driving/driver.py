@@ -91,14 +91,17 @@ class Driver:
         self._lasts = np.zeros(robots, np.int64)  # nodes of the whole ways
         # Robots that brake for a failure, go back when they rest, and so turn before this node.
         self._backs = np.full(robots, NOWHERE)
+        self._handling = np.zeros(robots, np.int64)  # substeps until items are picked or dropped
         self.work = np.zeros(robots)
         self._motors.load()
         self._look()
 
-    def load(self, loaded: Sequence[bool]) -> None:
-        """Set which robots carry items."""
+    def load(self, loaded: Sequence[bool], handling: int) -> None:
+        """Set which robots carry items; those that pick or drop do it for more substeps."""
         now = np.array(loaded)
-        if (now != self._limits.loaded).any():
+        changes = now != self._limits.loaded
+        if changes.any():
+            self._handling[changes] = handling
             self._limits.load(now)
             self._motors.load()
 
@@ -120,7 +123,7 @@ class Driver:
     def at_rest(self) -> Flags:
         """Return whether each robot is at rest at the end of its way, ``[R]``."""
         is_last: Flags = self._ends == self._lasts
-        return self._have_arrived() & is_last & ~self.stands
+        return self._have_arrived() & is_last & self._are_free()
 
     def left(self) -> Floats:
         """Return how many cells of its way each robot has yet to go, ``[R]``."""
@@ -143,6 +146,7 @@ class Driver:
         for robot in (self._may_turn() & (self._ends < self._lasts)).nonzero()[0].tolist():
             self.ways.forget(robot, int(self._ends[robot]))
             self._set_leg(robot, int(self._ends[robot]))
+        self._handling = np.maximum(self._handling - 1, 0)
         self._leaders.drop(self._passed)
         across = self._along[:, ::-1] * (-1.0, 1.0)
         aside = _dots(self._offsets + self._velocities * self._dt, across)
@@ -177,6 +181,11 @@ class Driver:
         if self._slippery and entered:
             self._expect_slips(range(len(self.stands)))
 
+    def _are_free(self) -> Flags:
+        """Return whether each robot neither stands nor still picks or drops, ``[R]``."""
+        is_free: Flags = ~self.stands & (self._handling == 0)
+        return is_free
+
     def _have_arrived(self) -> Flags:
         """Return whether each robot is at rest at the end of its leg."""
         off = np.abs(self._ends * self._size - self._done)
@@ -193,7 +202,7 @@ class Driver:
         if is_turning.any():
             is_turning &= self._leaders.leave(self._ends, self._passed, speeds + self._closing)
         goes_back: Flags = (self._backs == self._ends) & (np.abs(speeds) <= SLOW)
-        return (self._have_arrived() | is_turning | goes_back) & ~self.stands
+        return (self._have_arrived() | is_turning | goes_back) & self._are_free()
 
     def _turning(self) -> Flags:
         """Return whether each robot is off the line of its leg, ``[R]``."""
@@ -223,7 +232,7 @@ class Driver:
         wanted = np.where(is_before, wanted, -wanted)
         fastest = self._motors.fastest(self._speeds, np.where(self._speeds < 0, downs, ups))
         speeds: Floats = np.minimum(wanted, fastest) if is_exact else wanted
-        stands = self._headings.turn(self.stands | (self._backs != NOWHERE))
+        stands = self._headings.turn(~self._are_free() | (self._backs != NOWHERE))
         if stands.any():
             # Robots that drive otherwise than they are commanded brake as hard as they can.
             slower = np.maximum(np.abs(self._speeds) - downs * dt, 0.0) if is_exact else 0.0

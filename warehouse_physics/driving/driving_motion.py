@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
+from typing import Any, Self
 
 import numpy as np
 
@@ -17,6 +18,7 @@ from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.driven_arena import DrivenArena
 from warehouse_physics.driving.driver import Driver
 from warehouse_physics.driving.leaders import corner_distance
+from warehouse_physics.driving.limits import CORNER
 from warehouse_physics.driving.wheels import WheeledArena
 from warehouse_physics.energy import joules_of
 from warehouse_physics.exclusive import exclusive
@@ -47,11 +49,16 @@ class DrivingMotion(BodyMotion):
     Args:
         spec: numbers of the robots; ``None`` is the default robot.
         disturbances: departure of the physics from the nominal; ``None`` is no departure.
-        period: duration of a call in seconds; ``None`` is the time for a cell at top speed.
+        period: duration of a call in seconds; ``None`` is the time for a cell at top speed. With
+            shorter calls ways grow sooner than they are driven, and robots know of corners before
+            they have to brake there. Picking and dropping take ``dwell`` even then.
         switches: let others go first where robots would wait for one that a stop of the
             disturbances has delayed; see ``switching``. Without stops it changes nothing.
         record_path: record the path of each robot, not only its start and end.
         path_every: substeps between rows of a path, at least 1.
+
+    Attributes:
+        cell_steps: calls in which a robot crosses a cell at top speed.
 
     Raises:
         ValueError: ``period`` is not above 0 or too long, or the robots are too wide to follow each
@@ -86,11 +93,25 @@ class DrivingMotion(BodyMotion):
         usual = self.cell_size / self.spec.top_speed
         self._substeps = self._substeps_in("period", usual if period is None else period)
         self.period = self._substeps * self.spec.time_step
+        self.cell_steps = usual / self.period
         # With less ahead of it, a robot would have to brake before the end of the next call.
         self._room = (self.period + self.spec.top_speed / (2 * self.spec.acceleration)) / usual
+        # In short calls a robot may know in time of a corner that it can turn while it drives, and
+        # goes on in the next calls with what it picks or drops.
+        self._handling = 0
+        if self.cell_steps > 1:
+            self._room += 0.0 if self.spec.turns_on_the_spot else CORNER
+            self._handling = max(0, round(self.spec.dwell / self.spec.time_step) - self._substeps)
         self._switches = flag("switches", switches)
         self._layout: Layout | None = None
         self._driver: Driver | None = None
+
+    @classmethod
+    def from_numbers(cls, numbers: Mapping[str, Any]) -> Self:
+        """Return a motion of nominal robots; ``period`` may be among the numbers of the robot."""
+        robot = dict(numbers)
+        period = robot.pop("period", None)
+        return cls(RobotSpec.from_numbers(robot), period=period)
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         """Build a new arena with robots at rest; see ``Motion.reset``.
@@ -158,7 +179,7 @@ class DrivingMotion(BodyMotion):
             target if stop is None else end
             for end, target, stop in zip(ends, open_to, stops, strict=True)
         ]
-        driver.load(loaded)
+        driver.load(loaded, self._handling)
         driver.extend(targets)
         return [
             outcome._replace(blocked=target != other)

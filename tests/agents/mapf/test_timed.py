@@ -11,6 +11,7 @@ from agents.mapf.planner import MotionPlanner
 from agents.mapf.timed import Clocks, Pace, TimedPlanner, pace_of
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import GridMotion, Layout, shelf_layout
+from warehouse_core.motion.base import cell_steps_of
 from warehouse_physics import DrivingMotion, RobotSpec
 
 ROOM = Graph(Layout(["." * 6] * 4))
@@ -73,3 +74,9 @@ def test_bodies_keep_the_times_of_a_timed_plan() -> None:
         assert driven.hits == 0
         late[name] = driven.seconds - steps
     assert late["timed"] < 0.5 * late["windowed"]
+
+
+def test_a_motion_says_how_many_steps_a_cell_takes() -> None:
+    assert cell_steps_of(GridMotion()) == 1
+    assert cell_steps_of(DrivingMotion(period=0.25)) == pytest.approx(4)
+    assert cell_steps_of(DrivingMotion(RobotSpec(top_speed=0.5))) == pytest.approx(1)

@@ -8,6 +8,7 @@ import numpy as np
 import pytest
 
 from warehouse_core import Cell, Layout
+from warehouse_core.motion.backends import make_motion
 from warehouse_physics import DrivingMotion, RobotSpec
 from warehouse_physics.arena import Hit
 from warehouse_physics.driving.dependencies import HISTORY
@@ -56,14 +57,53 @@ def test_a_joint_step_of_a_plan_needs_no_room() -> None:
     assert motion.ways()[:3] == ([(0, 4)], [True], [True])
 
 
+def test_a_way_that_grows_in_time_leads_round_corners_as_fast_as_a_whole_one() -> None:
+    floor = Layout(["." * 5] * 5)
+    cells = [(0, col) for col in range(5)] + [(row, 4) for row in range(1, 5)]
+    growing, whole = DrivingMotion(period=0.25), DrivingMotion()
+    for motion in growing, whole:
+        motion.reset(floor, cells[:1], 0)
+    for cell in cells[1:]:
+        whole.extend([cell])
+    ahead = cells[1:]
+    for _ in range(60):
+        (end,), (has_room,), (is_there,), *_ = growing.ways()
+        if is_there and not ahead:
+            break
+        row, col = ahead.pop(0) if has_room and ahead else end
+        growing.advance([(row - end[0], col - end[1])], [False])
+        whole.drive(0.25)
+        assert whole.ways().at_rest == growing.ways().at_rest or ahead
+    assert whole.ways().at_rest == [True]
+
+
+def test_the_name_of_the_backend_may_have_the_period_among_the_numbers_of_the_robot() -> None:
+    motion = make_motion("driving:period=0.25,top_speed=0.5")
+    assert isinstance(motion, DrivingMotion)
+    assert (motion.period, motion.spec.top_speed) == pytest.approx((0.25, 0.5))
+    assert motion.cell_steps == pytest.approx(8)
+    assert make_motion("driving:top_speed=0.5").period == pytest.approx(2.0)
+
+
+@pytest.mark.parametrize("period", [0.25, 0.5, 1.0])
+def test_picking_takes_its_time_however_short_the_calls_are(period: float) -> None:
+    motion = motion_at((0, 0), period=period)
+    motion.advance([STAY], [False])  # the call in which it picks
+    starts = []
+    for call in range(1, 9):
+        (outcome,) = motion.advance([EAST if call == 1 else STAY], [True])
+        starts += [call * period] * bool(outcome.path[-1, 1] > outcome.path[0, 1])
+    assert starts[0] == pytest.approx(1.0)
+
+
 def test_a_way_without_room_is_not_extended_by_a_displacement() -> None:
     motion = motion_at((0, 0), period=0.05)
     ends = []
-    for _ in range(4):  # the robot needs half a cell to stop
+    for _ in range(4):  # the robot needs half a cell to stop, and half a cell for a corner
         (outcome,) = motion.advance([EAST], [False])
         ends.append(motion.ways().ends[0])
         assert not outcome.blocked
-    assert ends == [(0, 1)] * 4
+    assert ends == [(0, 1)] + [(0, 2)] * 3
 
 
 def test_robots_that_cannot_extend_their_ways_are_blocked() -> None:

@@ -85,9 +85,9 @@ def gap(
     An episode ends when all orders are delivered. A step of --order-rate and
     --due is 1 s, one of the plan: orders come and are due at the same seconds
     in all worlds. A joint step of bodies that stop lasts as long as the move of
-    a loaded robot.
+    a loaded robot; bodies that drive through are planned for in quarters of 1 s.
 
-    By default this takes about 15 s. Give -n 20 for 95% intervals, in five times
+    By default this takes about 20 s. Give -n 20 for 95% intervals, in five times
     as long.
 
     Example: warehouse gap --robots 8 --count 20 -n 3 --save gap.html

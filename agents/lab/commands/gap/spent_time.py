@@ -6,6 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core import FleetEpisode
+from warehouse_core.motion.grid import NOMINAL_SECONDS
 from warehouse_core.world.actions import DROP, PICK
 
 KINDS = (
@@ -34,7 +35,7 @@ def time_spent(episode: FleetEpisode, top_speed: float) -> Times:
     steps = episode.seconds.max(axis=1, initial=0.0)[:, None]
     moving, metres = _motion(episode)
     driving = metres / top_speed
-    handles = np.isin(episode.actions, (PICK, DROP))
+    handles = _handles(episode, steps)
     charges = np.diff(episode.battery, axis=0) > 0
     own = np.where(charges, steps, np.where(handles, episode.seconds, moving))
     handling = np.maximum(own - moving, 0.0)
@@ -42,6 +43,18 @@ def time_spent(episode: FleetEpisode, top_speed: float) -> Times:
     has_order = _has_order(episode)
     parts = (driving, moving - driving, resting * has_order, handling, resting * ~has_order)
     return np.array([part.sum() for part in parts])
+
+
+def _handles(episode: FleetEpisode, steps: Times) -> NDArray[np.bool_]:
+    """Return whether each robot picks or drops in each step, ``[T, R]``.
+
+    Where steps are shorter than ``NOMINAL_SECONDS``, it goes on with it in the next.
+    """
+    begins = np.isin(episode.actions, (PICK, DROP))
+    found, shortest = begins.copy(), float(steps.min(initial=NOMINAL_SECONDS))
+    for later in range(1, round(NOMINAL_SECONDS / shortest)):
+        found[later:] |= begins[:-later]
+    return found
 
 
 def _motion(episode: FleetEpisode) -> tuple[Times, Times]:

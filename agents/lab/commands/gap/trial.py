@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 import warnings
 from contextlib import closing
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import NamedTuple
 
 import numpy as np
@@ -19,8 +19,10 @@ from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import run
 from agents.registry import make_fleet_agent
 from warehouse_core import FleetEnv, FleetEpisode, Layout
+from warehouse_core.batch.fleet.battery import JOULES
 from warehouse_core.batch.fleet.tally import SECONDS_PER_HOUR
 from warehouse_core.fleet import Battery
+from warehouse_core.motion.grid import NOMINAL_SECONDS
 
 TOP_SPEED = 1.0
 """Nominal top speed of the robots of all worlds in m/s."""
@@ -108,6 +110,10 @@ def make_env(
     setting: Setting, world: World, orders: list[TimedOrder], dispatch: bool = True
 ) -> FleetEnv:
     """Return the fleet of a setting in a world; a ``ValueError`` says why it cannot be made."""
+    battery, motion = setting.battery, world.motion()
+    if battery.unit == JOULES:  # a charger supplies as much in a second in all worlds
+        charge = battery.step_charge(motion.cell_size) * world.step_seconds
+        battery = replace(battery, charge=max(round(charge), 1))
     last = max(order.due for order in orders)
     seconds = last + MAX_SECONDS * math.ceil(len(orders) / setting.robots)
     with warnings.catch_warnings():
@@ -115,17 +121,19 @@ def make_env(
         return FleetEnv(
             setting.layout,
             setting.robots,
-            backend=world.motion(),
+            backend=motion,
             orders=in_steps(orders, world.step_seconds),
             max_steps=math.ceil(seconds / world.step_seconds),
-            battery=setting.battery,
+            battery=battery,
             dispatch=dispatch,
         )
 
 
 def score_of(record: FleetEpisode, orders: list[TimedOrder], late_plans: int) -> Score:
     """Return the measures of a record, whose orders were made of ``orders``, one by one."""
-    clock = np.concatenate([[0.0], record.seconds.max(axis=1).cumsum()])
+    steps = record.seconds.max(axis=1)
+    # A drop that takes longer than the step in which it begins has not ended with it.
+    clock = np.append(0.0, steps.cumsum() + np.maximum(NOMINAL_SECONDS - steps, 0.0))
     times = [
         clock[done.delivered] if done.delivered is not None else math.inf for done in record.orders
     ]

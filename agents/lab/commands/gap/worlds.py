@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
@@ -16,6 +17,12 @@ PLAN, STOPPING, DRIVING, DISTURBED = "grid plan", "stopping", "driving through",
 WORLDS = (PLAN, STOPPING, DRIVING, DISTURBED)
 """The names of the worlds: the plan on the grid, bodies that stop in every cell, bodies that drive
 through, and these with disturbances."""
+
+
+STEPS_OF_A_CELL = 4
+"""Steps in which a robot that drives through crosses a cell. With one, ways would grow no faster
+than they are driven, so that corners would be known too late, and robots that have come to rest
+would wait for the next step."""
 
 
 class Shocks(NamedTuple):
@@ -39,8 +46,9 @@ class World(NamedTuple):
 def make_world(name: str, shocks: Shocks, robots: int, busy_seconds: float, seed: int) -> World:
     """Return a world by name.
 
-    A step of the grid and of robots that drive through lasts for the time of a cell at top speed.
-    Where all robots stop in each cell, it lasts until the slowest is at rest: a loaded one.
+    A step of the grid lasts for the time of a cell at top speed, and has ``STEPS_OF_A_CELL`` steps
+    of robots that drive through. Where all robots stop in each cell, a step lasts until the slowest
+    is at rest: a loaded one.
 
     Args:
         name: one of ``WORLDS``.
@@ -55,12 +63,13 @@ def make_world(name: str, shocks: Shocks, robots: int, busy_seconds: float, seed
         backend: Any = load_backend("physics")
         return World(backend, backend().spec.move_seconds(loaded=True))
     backend = load_backend("driving")
+    period = backend().period / STEPS_OF_A_CELL
     if name == DRIVING:
-        return World(backend, backend().period)
+        return World(partial(backend, period=period), period)
     from warehouse_physics import Disturbances, Stop
 
     stream = np.random.default_rng(seed)
     robot, at = int(stream.integers(robots)), float(stream.uniform(0, busy_seconds / 2))
     stops = (Stop(robot, at, shocks.stop),) if shocks.stop else ()
     disturbances = Disturbances(actuation_noise=shocks.noise, stops=stops)
-    return World(lambda: backend(disturbances=disturbances), backend().period)
+    return World(partial(backend, disturbances=disturbances, period=period), period)

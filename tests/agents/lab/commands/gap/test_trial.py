@@ -1,5 +1,6 @@
 """Runs of ``warehouse gap``: orders in seconds, hits, and what time is spent on."""
 
+from contextlib import closing
 from dataclasses import replace
 from math import inf
 
@@ -8,7 +9,7 @@ import pytest
 
 from agents.lab.commands.gap.orders import TimedOrder, draw_orders, in_steps
 from agents.lab.commands.gap.spent_time import time_spent
-from agents.lab.commands.gap.trial import Setting, count_hits, run_trial, score_of
+from agents.lab.commands.gap.trial import Setting, count_hits, make_env, run_trial, score_of
 from agents.lab.commands.gap.worlds import (
     DISTURBED,
     DRIVING,
@@ -56,9 +57,17 @@ def test_times_in_steps_are_never_too_early_nor_due_too_late() -> None:
     assert found == [(0, 4), (3, 3)]
 
 
-def test_a_step_lasts_for_a_cell_at_top_speed_or_until_a_loaded_robot_is_at_rest() -> None:
+def test_a_step_lasts_for_a_cell_or_a_quarter_of_it_or_until_a_loaded_robot_is_at_rest() -> None:
     seconds = [make_world(world, SETTING.shocks, 3, 60.0, 1).step_seconds for world in WORLDS]
-    assert seconds == pytest.approx([1.0, 2.37, 1.0, 1.0], abs=0.05)
+    assert seconds == pytest.approx([1.0, 2.37, 0.25, 0.25], abs=0.05)
+
+
+@pytest.mark.parametrize("world", WORLDS)
+def test_chargers_supply_as_much_in_a_second_in_all_worlds(world: str) -> None:
+    made, orders = make_world(world, SETTING.shocks, 3, 60.0, 1), SETTING.orders(3)
+    with closing(make_env(replace(SETTING, battery=Battery(9_000, "joules")), made, orders)) as env:
+        supplied = env.settings.battery.step_charge(env.cell_size) / made.step_seconds
+    assert supplied == pytest.approx(Battery(9_000, "joules").step_charge(1.0), rel=0.01)
 
 
 def test_worlds_have_the_same_starts_and_orders(records: dict[str, FleetEpisode]) -> None:
@@ -80,7 +89,8 @@ def test_the_time_of_all_robots_is_spent_on_something(
     spent = time_spent(record, 1.0)
     assert spent.sum() == pytest.approx(3 * record.measures.seconds)
     assert (spent[[0, 2, 3, 4]] >= 0).all()
-    assert spent[3] >= 2 * 5 * 0.99, "five items are picked and dropped"
+    rest = max(1 - make_world(world, SETTING.shocks, 3, 60.0, 3).step_seconds, 0.0)
+    assert spent[3] >= (2 * 5 - rest) * 0.99, "five items are picked and dropped, the last partly"
     moves = np.count_nonzero(np.diff(record.cells, axis=0))
     assert spent[0] == pytest.approx(moves, rel=0.1), "a cell takes a second at top speed"
 
