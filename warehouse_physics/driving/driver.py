@@ -285,9 +285,7 @@ class Driver:
             number += bool(nearest[robot] - number * size >= apart + NEAR * size)
             is_between = farthest[robot] > (number + 1) * size - apart
             reached[robot] = min(number + is_between, int(self._lasts[robot]))
-        self.closed |= {
-            self.ways.node(robot, each).cell for each in range(number, reached[robot] + 1)
-        }
+        closed = {self.ways.node(robot, each).cell for each in range(number, reached[robot] + 1)}
         changed = self.ways.cut(robot, number, reached.tolist(), self._present().tolist())
         for each, goes_back in changed.items():
             self._lasts[each] = last = self.ways.last(each)
@@ -298,6 +296,9 @@ class Driver:
                 self._ends[each], self._has_corner[each] = last, False
                 self._backs[each] = NOWHERE
         self._lasts[robot] = number
+        # The robot kept clear of those that rest, and so does not reach into their cells.
+        rests = self._have_arrived() & (self._ends == self._lasts) & ~self.failed
+        self.closed |= closed - {self.ways.end(each) for each in rests.nonzero()[0].tolist()}
         for each in range(len(self.stands)):
             self._leaders.find_anew(each, self._passed)
         if self._slippery:
@@ -305,8 +306,10 @@ class Driver:
         goes_back = self._backs != NOWHERE
         done = np.where(goes_back, 2 * self._backs * size - self._done, self._done)
         for each in range(len(self.stands)):
-            ahead = self.ways.nodes(each, int(done[each] // size) + 1)
-            if not self.failed[each] and any(node.cell in self.closed for _, node in ahead):
+            ahead = [node.cell for _, node in self.ways.nodes(each, int(done[each] // size) + 1)]
+            # The end of a way may also be behind a robot, which then comes back to it.
+            cells = ahead if rests[each] else [*ahead, self.ways.end(each)]
+            if not self.failed[each] and self.closed.intersection(cells):
                 self.fail(each)
 
     def _switch(self) -> None:

@@ -1,5 +1,6 @@
 """Robots that fail while they drive through joint plans: all others come to rest at open cells."""
 
+import itertools
 import math
 import random
 import re
@@ -14,7 +15,7 @@ from hypothesis import strategies as st
 
 from warehouse_core import Cell, Layout
 from warehouse_core.world.actions import DISPLACEMENTS
-from warehouse_physics import DrivingMotion, RobotSpec
+from warehouse_physics import Disturbances, DrivingMotion, RobotSpec, Stop
 
 FAST = RobotSpec.fast()
 SPECS = RobotSpec(), FAST, replace(FAST, turn_seconds=0.5)
@@ -90,6 +91,30 @@ def test_robots_come_to_rest_and_go_on_around_those_that_fail(drawn, spec, pause
         crowd.move([stream.choice(MOVES) for _ in robots])
     crowd.come_to_rest()
     crowd.check()
+
+
+def test_a_robot_that_fails_on_its_way_back_leaves_others_cells_to_them() -> None:
+    """The first robot fails where it stands, so the second stays, and the third turns back.
+
+    Then the third fails, close behind the second. Each cell has at most one of them.
+    """
+    layout, stays = Layout(["......", "#####."]), (Stop(0, 0.0, 60.0),)
+    plan = [[(0, 5), (0, 4), (0, 1)], [(0, 5), (0, 4), (0, 2)],
+            [(1, 5), (0, 4), (0, 3)], [(1, 5), (0, 5), (0, 4)]]  # fmt: skip
+    for spec, at in itertools.product((RobotSpec(), FAST), np.arange(2.0, 5.0, 0.25)):
+        motion = DrivingMotion(spec, Disturbances(stops=stays))
+        motion.reset(layout, [(0, 5), (0, 4), (0, 0)], 0)
+        for cells in plan:
+            motion.extend(cells)
+        hits = [*motion.drive(at)]
+        motion.fail(0)
+        hits += motion.drive(0.02)
+        motion.fail(2)
+        hits += motion.drive(5.0)
+        ways = motion.ways()
+        live = [end for end, fails in zip(ways.ends, ways.failed, strict=True) if not fails]
+        assert len({*live, *ways.closed}) == len(live) + len(ways.closed), at
+        assert not any(outcome.contacts for outcome in hits), at
 
 
 @pytest.mark.parametrize("back", [False, True])
