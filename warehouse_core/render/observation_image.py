@@ -7,6 +7,7 @@ hatched. Two bars below show the battery level and the steps taken.
 from __future__ import annotations
 
 import math
+from functools import cached_property
 from typing import Any
 
 import numpy as np
@@ -50,13 +51,17 @@ class ObservationImage:
         self._battery = whole_number("battery", battery, 1)
         self._max_steps = whole_number("max_steps", max_steps, 1)
         self._atlas = atlas(TILE_PIXELS)
-        nothing = np.full((self._height + 1, self._width), CODES[UNSEEN, NO_ROBOT])
-        self._unseen = TilePainter(TILE_PIXELS).paint(nothing)
 
     @property
     def shape(self) -> tuple[int, int, int]:
         """Height, width and channels of a picture, with one tile of height for the bars."""
         return (self._height + 1) * TILE_PIXELS, self._width * TILE_PIXELS, 3
+
+    @cached_property
+    def _unseen(self) -> Pixels:
+        """The picture of a layout of which nothing is seen, with one more row."""
+        nothing = np.full((self._height + 1, self._width), CODES[UNSEEN, NO_ROBOT])
+        return TilePainter(TILE_PIXELS).paint(nothing)
 
     def paint(self, arrays: ObservationArrays) -> Pixels:
         """Return new pictures of observations: ``[..., (H + 1) * T, W * T, 3]`` uint8."""
