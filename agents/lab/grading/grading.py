@@ -10,7 +10,7 @@ from agents.errors import GradeError
 from agents.lab.grading.cases import GradedCase
 from agents.lab.grading.criteria import CALL, EPISODE, VISIBILITIES, Criterion, Runs, outcomes
 from agents.lab.grading.rubric import Rubric
-from agents.lab.grading.runs import Run, Runner, run_cases
+from agents.lab.grading.runs import MakeRunner, Run, run_cases
 from agents.lab.grading.sandbox import Sandbox
 from agents.lab.grading.submissions import NOTEBOOK, Submission
 from agents.lab.trials.wording import percent
@@ -129,15 +129,15 @@ def grade(
     advance: Callable[[], None] = lambda: None,
     late: int = 0,
     *,
-    runner: type[Runner] = Sandbox,
+    make_runner: MakeRunner = Sandbox,
 ) -> GradeReport:
     """Run the episodes of a rubric with an agent, and judge them.
 
     The report depends on the agent and the rubric alone, if the agent does, except that an answer
     near a time limit may be within it or not. If no episode counts for a criterion, or agents
     cannot be run here, that is a ``GradeError``. The agent may run as another ``user``, see
-    ``Sandbox``; ``advance`` is called after each episode. It is some days ``late``. The ``runner``
-    is the class that runs its episodes: in processes of their own, or ``SameProcess`` in this one.
+    ``Sandbox``; ``advance`` is called after each episode. It is some days ``late``. What
+    ``make_runner`` returns runs its episodes: in processes of their own, or in this one.
 
     Example:
         >>> from dataclasses import replace
@@ -153,7 +153,7 @@ def grade(
     # Hidden ones last: what an agent keeps of them in files is not told in visible ones.
     cases = sorted(rubric.used_cases, key=lambda case: not case.visible)
     with submission.unpacked(user) as unpacked:
-        runs = run_cases(unpacked, cases, rubric.limits, user, rubric.files, advance, runner)
+        runs = run_cases(unpacked, cases, rubric.limits, user, rubric.files, advance, make_runner)
         note = _note(unpacked.hiding)
     played = (run.agent for run in runs if run.agent and isinstance(run.case, GradedCase))
     name = submission.called(next(played, None))

@@ -24,6 +24,9 @@ from warehouse_core.world.actions import DROP, INVALID, PICK, action_index
 Runner = Sandbox | SameProcess
 """Runs the agents of a submission, each in an episode of its own."""
 
+MakeRunner = Callable[[Submission, AgentLimits, str | None, Iterable[Path]], Runner]
+"""Returns what runs a submission: its limits, its user, and files kept from it; see ``Sandbox``."""
+
 
 class Run(NamedTuple):
     """The outcome of one episode.
@@ -98,11 +101,11 @@ def run_cases(
     user: str | None,
     secrets: Iterable[Path],
     advance: Callable[[], None],
-    runner: type[Runner],
+    make_runner: MakeRunner,
 ) -> list[Run]:
     """Run all episodes of cases, with each of their seeds; ``advance`` is called after each."""
     runs, hopeless = list[Run](), 0
-    with runner(submission, limits, user, secrets) as sandbox:
+    with make_runner(submission, limits, user, secrets) as sandbox:
         for case in cases:
             if runs and runs[-1].agent:  # it was loaded, so another case may be another matter
                 hopeless = 0

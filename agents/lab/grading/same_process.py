@@ -10,14 +10,12 @@ import builtins
 import importlib
 import json
 import sys
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterator
 from contextlib import contextmanager
-from pathlib import Path
 from typing import Any
 
 from agents.lab.grading import child
 from agents.lab.grading.sandbox import AgentLimits, AgentProcess, failure_of
-from agents.lab.grading.submissions import Submission
 
 
 class AgentHere(AgentProcess):
@@ -44,22 +42,9 @@ class AgentHere(AgentProcess):
 
 
 class SameProcess:
-    """Stands for a ``Sandbox`` where agents run in this process, which has no walls.
+    """Stands for a ``Sandbox`` where agents run in this process; limits of memory are not kept."""
 
-    Args:
-        submission: agent to run.
-        limits: limits on it; those on its memory and time are not kept.
-        user: no other user, who would need a process.
-        secrets: files that it must not read; nothing keeps it from them.
-    """
-
-    def __init__(
-        self,
-        submission: Submission,
-        limits: AgentLimits,
-        user: str | None = None,
-        secrets: Iterable[Path] = (),
-    ) -> None:
+    def __init__(self, limits: AgentLimits) -> None:
         self._limits = limits
 
     def __enter__(self) -> SameProcess:

@@ -109,7 +109,7 @@ class Session:
             find_submission(str(self._file)),
             rubric,
             advance=lambda: advance(next(done), total),
-            runner=SameProcess,
+            make_runner=lambda _, limits, *__: SameProcess(limits),
         ).shown()
         rows = [
             {"name": row.criterion.name, "points": row.points, "max": row.criterion.points,
