@@ -122,8 +122,7 @@ class Driver:
 
     def at_rest(self) -> Flags:
         """Return whether each robot is at rest at the end of its way, ``[R]``."""
-        is_last: Flags = self._ends == self._lasts
-        return self._have_arrived() & is_last & self._are_free()
+        return self._are_at_ends() & self._are_free()
 
     def left(self) -> Floats:
         """Return how many cells of its way each robot has yet to go, ``[R]``."""
@@ -185,6 +184,11 @@ class Driver:
         """Return whether each robot neither stands nor still picks or drops, ``[R]``."""
         is_free: Flags = ~self.stands & (self._handling == 0)
         return is_free
+
+    def _are_at_ends(self) -> Flags:
+        """Return whether each robot has arrived at the end of its way, ``[R]``."""
+        is_last: Flags = self._ends == self._lasts
+        return self._have_arrived() & is_last
 
     def _have_arrived(self) -> Flags:
         """Return whether each robot is at rest at the end of its leg."""
@@ -297,7 +301,7 @@ class Driver:
                 self._backs[each] = NOWHERE
         self._lasts[robot] = number
         # The robot kept clear of those that rest, and so does not reach into their cells.
-        rests = self._have_arrived() & (self._ends == self._lasts) & ~self.failed
+        rests = self._are_at_ends() & ~self.failed
         self.closed |= closed - {self.ways.end(each) for each in rests.nonzero()[0].tolist()}
         for each in range(len(self.stands)):
             self._leaders.find_anew(each, self._passed)
@@ -306,10 +310,10 @@ class Driver:
         goes_back = self._backs != NOWHERE
         done = np.where(goes_back, 2 * self._backs * size - self._done, self._done)
         for each in range(len(self.stands)):
-            ahead = [node.cell for _, node in self.ways.nodes(each, int(done[each] // size) + 1)]
-            # The end of a way may also be behind a robot, which then comes back to it.
-            cells = ahead if rests[each] else [*ahead, self.ways.end(each)]
-            if not self.failed[each] and self.closed.intersection(cells):
+            cells = {node.cell for _, node in self.ways.nodes(each, int(done[each] // size) + 1)}
+            if not rests[each]:  # the end may be behind it, so that it comes back
+                cells.add(self.ways.end(each))
+            if not self.failed[each] and self.closed & cells:
                 self.fail(each)
 
     def _switch(self) -> None:

@@ -106,15 +106,15 @@ def test_a_robot_that_fails_on_its_way_back_leaves_others_cells_to_them() -> Non
         motion.reset(layout, [(0, 5), (0, 4), (0, 0)], 0)
         for cells in plan:
             motion.extend(cells)
-        hits = [*motion.drive(at)]
+        outcomes = [*motion.drive(at)]
         motion.fail(0)
-        hits += motion.drive(0.02)
+        outcomes += motion.drive(0.02)
         motion.fail(2)
-        hits += motion.drive(5.0)
+        outcomes += motion.drive(5.0)
         ways = motion.ways()
         live = [end for end, fails in zip(ways.ends, ways.failed, strict=True) if not fails]
         assert len({*live, *ways.closed}) == len(live) + len(ways.closed), at
-        assert not any(outcome.contacts for outcome in hits), at
+        assert not any(outcome.contacts for outcome in outcomes), at
 
 
 @pytest.mark.parametrize("back", [False, True])
