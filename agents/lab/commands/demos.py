@@ -316,9 +316,7 @@ def drive_plan(
 
     def frame_of(poses: Sequence[Pose], clock: float, speed: float = 0.0) -> Frame:
         caption = f"{sum(rests)} of {counted(robots, 'robot')} at rest"
-        moment = Frame(layout.rows, (*poses,), clock, caption, clock=clock, fleet=fleet)
-        moment.speed, moment.energy = speed, energy
-        return moment
+        return Frame(layout.rows, (*poses,), clock, caption, (), clock, speed, energy, fleet=fleet)
 
     rests: Sequence[bool] = [False] * robots
     arrivals, energy = [0.0] * robots, 0.0
