@@ -40,6 +40,9 @@ class BodyMotion:
     WORDS = ("drive",)
     """Settings of ``from_numbers`` that are words."""
 
+    NUMBERS: ClassVar[tuple[str, ...]] = ()
+    """Numbers that ``from_numbers`` takes for the motion itself, not for its robots."""
+
     is_busy = False
     """True while a call is running that no other may overlap; see ``exclusive``."""
 
@@ -66,8 +69,10 @@ class BodyMotion:
 
     @classmethod
     def from_numbers(cls, numbers: Mapping[str, Any]) -> Self:
-        """Return a motion of nominal robots; see ``RobotSpec.from_numbers``."""
-        return cls(RobotSpec.from_numbers(numbers))
+        """Return a motion of nominal robots; see ``RobotSpec.from_numbers`` and ``NUMBERS``."""
+        robot = {name: number for name, number in numbers.items() if name not in cls.NUMBERS}
+        own = {name: number for name, number in numbers.items() if name in cls.NUMBERS}
+        return cls(RobotSpec.from_numbers(robot, cls.NUMBERS), **own)
 
     @property
     def conditions(self) -> Conditions:

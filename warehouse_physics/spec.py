@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, fields, replace
 from typing import Any
 
@@ -164,8 +164,10 @@ class RobotSpec:
         return replace(cls(), time_step=FAST_STEP)
 
     @classmethod
-    def from_numbers(cls, numbers: Mapping[str, Any]) -> RobotSpec:
+    def from_numbers(cls, numbers: Mapping[str, Any], others: Sequence[str] = ()) -> RobotSpec:
         """Return the default robot with other numbers, or another drive.
+
+        ``others`` are names of numbers that are allowed too where these were read.
 
         Raises:
             ValueError: there is no such number, or it is out of range.
@@ -173,7 +175,7 @@ class RobotSpec:
         allowed = [each.name for each in fields(cls)]
         for name in numbers:
             if name not in allowed:
-                known = ", ".join(allowed)
+                known = ", ".join([*allowed, *others])
                 raise ValueError(f"no number is called {brief(name)}; allowed: {known}")
         return cls(**numbers)
 

@@ -2,8 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from typing import Any, Self
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -77,6 +76,7 @@ class DrivingMotion(BodyMotion):
     """
 
     BODIES = "_driver"
+    NUMBERS = ("period",)
 
     def __init__(
         self,
@@ -105,13 +105,6 @@ class DrivingMotion(BodyMotion):
         self._switches = flag("switches", switches)
         self._layout: Layout | None = None
         self._driver: Driver | None = None
-
-    @classmethod
-    def from_numbers(cls, numbers: Mapping[str, Any]) -> Self:
-        """Return a motion of nominal robots; ``period`` may be among the numbers of the robot."""
-        robot = dict(numbers)
-        period = robot.pop("period", None)
-        return cls(RobotSpec.from_numbers(robot), period=period)
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         """Build a new arena with robots at rest; see ``Motion.reset``.
