@@ -30,8 +30,8 @@ FAILING = Disturbances(stops=(Stop(1, 20.0, math.inf), Stop(2, 40.0, math.inf)))
 
 def shift(
     planner: str, robots: int, seed: int, disturbances: Disturbances
-) -> tuple[FleetMeasures, int, int]:
-    """Return measures, hits, and how many orders wait where a robot has failed."""
+) -> tuple[FleetMeasures, int]:
+    """Return measures and hits."""
     stream, layout = np.random.default_rng(seed), LAYOUTS[robots]
     count = robots * ORDERS_OF_A_ROBOT
     ends = (stream.integers(len(each), size=count) for each in (layout.pickups, layout.dropoffs))
@@ -55,10 +55,7 @@ def shift(
     while not all(env.ended):
         env.step(agent.act(env))
         hits += sum(len(outcome.contacts) for outcome in env.last_motion)
-    closed = env.ways.closed
-    waiting = [order for order in env.orders if order.delivered is None and order.taken is None]
-    blocked = sum(order.pickup in closed or order.dropoff in closed for order in waiting)
-    return env.measures, hits, blocked
+    return env.measures, hits
 
 
 @pytest.mark.parametrize("planner", ["windowed-lanes", "pibt-lanes"])
@@ -67,9 +64,9 @@ def shift(
 def test_disturbed_fleets_deliver_every_order_in_time_and_hit_nobody(
     planner: str, robots: int, seed: int, measured
 ) -> None:
-    nominal, *_ = shift(planner, robots, seed, Disturbances())
-    noisy, noisy_hits, _ = shift(planner, robots, seed, NOISY)
-    failing, failing_hits, blocked = shift(planner, robots, seed, FAILING)
+    nominal, _ = shift(planner, robots, seed, Disturbances())
+    noisy, noisy_hits = shift(planner, robots, seed, NOISY)
+    failing, failing_hits = shift(planner, robots, seed, FAILING)
     name = f"{planner}, {robots} robots, seed {seed}"
     measured(f"{name}: nominal makespan", f"{nominal.seconds:.0f} s")
     share = (noisy.seconds - STOP) / nominal.seconds
@@ -79,12 +76,12 @@ def test_disturbed_fleets_deliver_every_order_in_time_and_hit_nobody(
     )
     measured(
         f"{name}: with two failures",
-        f"{failing.seconds:.0f} s, {failing.lost} of {failing.orders} items lost, {blocked} orders "
-        f"where a robot has failed, {failing_hits} hits",
+        f"{failing.seconds:.0f} s, {failing.lost} of {failing.orders} items lost, "
+        f"{failing_hits} hits",
     )
     assert nominal.delivered == nominal.orders
     assert (noisy.delivered, noisy_hits) == (noisy.orders, 0)
     assert share <= 1.3
-    assert failing.delivered + failing.lost + blocked == failing.orders
+    assert failing.delivered + failing.lost == failing.orders
     assert failing_hits == 0
     assert failing.stranded == 2
