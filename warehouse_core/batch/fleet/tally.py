@@ -11,14 +11,14 @@ from numpy.typing import NDArray
 
 from warehouse_core.motion.batch import WALL, BatchOutcome
 from warehouse_core.orders.order import Order
-from warehouse_core.world.actions import WAIT
+from warehouse_core.world.moves import ActionSet
 from warehouse_core.world.tables import Flags, Integers
 
-MOVED, WAITED, CHARGED, BY_WALL, BY_ROBOT, BY_PERSON, HANDLED, ENDED = range(8)
+MOVED, WAITED, CHARGED, BY_WALL, BY_ROBOT, BY_PERSON, HANDLED, ENDED, TURNED = range(9)
 """Kinds of a robot's steps; a robot that has ended does nothing."""
 
-_DONE = np.array([MOVED] * WAIT + [WAITED, HANDLED, HANDLED])
-"""Kind of step that each action counts as, for a robot that is free and does not charge."""
+_KINDS = {"RIGHT": TURNED, "LEFT": TURNED, "WAIT": WAITED, "PICK": HANDLED, "DROP": HANDLED}
+"""Kinds of steps of actions that are no moves, for a robot that does not charge."""
 
 SECONDS_PER_HOUR = 3600.0
 
@@ -78,9 +78,10 @@ class FleetMeasures:
 class Tally:
     """Counts for ``R`` robots on each of ``B`` floors."""
 
-    def __init__(self, floors: int, robots: int) -> None:
+    def __init__(self, floors: int, robots: int, actions: ActionSet) -> None:
         self._robots, self._rows = robots, np.arange(floors * robots)
-        self._counts = np.zeros((ENDED + 1, floors * robots), np.int64)
+        self._kinds = np.array([_KINDS.get(word, MOVED) for word in actions.words])
+        self._counts = np.zeros((TURNED + 1, floors * robots), np.int64)
         self._joules = np.zeros(floors * robots)
         self._seconds = np.zeros(floors)
         self._deliveries = np.zeros(floors, np.int64)
@@ -100,7 +101,7 @@ class Tally:
         active: Flags,
     ) -> None:
         """Count one step of all robots, ``[N]``; those not ``active`` had ended before."""
-        did = _DONE.take(actions)
+        did = self._kinds.take(actions)
         did[charging] = CHARGED
         blocked = outcome.blocked.nonzero()[0]
         assert outcome.stopped_by is not None, "the motion of a fleet tells it"
@@ -112,7 +113,7 @@ class Tally:
         self._seconds += outcome.seconds.reshape(-1, self._robots).max(axis=1)
 
     def counts(self, floor: int) -> NDArray[np.int64]:
-        """Return how often each robot of a floor did what, ``[8, R]``; see ``MOVED``."""
+        """Return how often each robot of a floor did what, ``[9, R]``; see ``MOVED``."""
         return self._counts[:, floor * self._robots : (floor + 1) * self._robots].copy()
 
     def measures(self, floor: int, steps: int, orders: Sequence[Order] | None) -> FleetMeasures:
