@@ -67,7 +67,7 @@ MAY_IMPORT = {
     "warehouse_physics/odometry": "arena profile",
     "warehouse_physics/robot": "arena disturbances energy profile spec",
     "warehouse_physics/batch": "arena driven_arena energy exclusive profile robot spec walls",
-    "warehouse_physics/body_motion": "disturbances odometry profile spec",
+    "warehouse_physics/body_motion": "disturbances energy odometry profile spec",
     "warehouse_physics/giving_way": "robot",
     "warehouse_physics/wheeled_robot": "arena energy profile robot spec",
     "warehouse_physics/driving": (

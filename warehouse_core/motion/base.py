@@ -260,6 +260,17 @@ def cell_steps_of(motion: object) -> float:
 
 
 @runtime_checkable
+class HasCost(Protocol):
+    """A motion that says how much energy a cell takes.
+
+    Attributes:
+        cell_joules: joules that a robot with an item takes for a cell.
+    """
+
+    cell_joules: float
+
+
+@runtime_checkable
 class DrivesThrough(Motion, Protocol):
     """A motion whose robots have ways ahead of them, and drive through the cells of these ways.
 

@@ -14,8 +14,9 @@ from warehouse_core.orders.order import Order
 from warehouse_core.world.moves import ActionSet
 from warehouse_core.world.tables import Flags, Integers
 
-MOVED, WAITED, CHARGED, BY_WALL, BY_ROBOT, BY_PERSON, HANDLED, ENDED, TURNED = range(9)
-"""Kinds of a robot's steps; a robot that has ended does nothing."""
+MOVED, WAITED, CHARGED, BY_WALL, BY_ROBOT, BY_PERSON, HANDLED, BUSY, ENDED, TURNED = range(10)
+"""Kinds of a robot's steps. A robot without an action of its own is busy while it drives on, or
+still picks or drops; one that has ended does nothing."""
 
 _KINDS = {"RIGHT": TURNED, "LEFT": TURNED, "WAIT": WAITED, "PICK": HANDLED, "DROP": HANDLED}
 """Kinds of steps of actions that are no moves, for a robot that does not charge."""
@@ -39,7 +40,7 @@ class FleetMeasures:
         joules: energy of all motions.
         joules_per_delivery: energy of all motions for each item delivered.
         blocked_by_wall, blocked_by_robot, blocked_by_person: moves that were blocked.
-        waits: steps in which a robot waited, not on a charger.
+        waits: steps in which a robot was at rest and waited, not on a charger.
         charging: steps in which a robot charged.
         distance: cells driven.
         stranded: robots whose battery is empty, or which have failed.
@@ -102,6 +103,8 @@ class Tally:
     ) -> None:
         """Count one step of all robots, ``[N]``; those not ``active`` had ended before."""
         did = self._kinds.take(actions)
+        if outcome.driving is not None:
+            did[(did == WAITED) & outcome.driving] = BUSY
         did[charging] = CHARGED
         blocked = outcome.blocked.nonzero()[0]
         assert outcome.stopped_by is not None, "the motion of a fleet tells it"
@@ -113,7 +116,7 @@ class Tally:
         self._seconds += outcome.seconds.reshape(-1, self._robots).max(axis=1)
 
     def counts(self, floor: int) -> NDArray[np.int64]:
-        """Return how often each robot of a floor did what, ``[9, R]``; see ``MOVED``."""
+        """Return how often each robot of a floor did what, ``[10, R]``; see ``MOVED``."""
         return self._counts[:, floor * self._robots : (floor + 1) * self._robots].copy()
 
     def measures(self, floor: int, steps: int, orders: Sequence[Order] | None) -> FleetMeasures:
