@@ -13,12 +13,14 @@ if TYPE_CHECKING:
     from agents.kinds.model_based import ModelBasedAgent
     from agents.kinds.simple_reflex import ReflexAgent
     from agents.kinds.utility_based import UtilityBasedAgent
+    from agents.learning.clone_agent import CloneAgent
     from agents.learning.ppo_agent import PPOAgent
     from agents.learning.q_learning import QAgent
     from agents.search.agents import ExploringAgent, SearchAgent
     from agents.warehouse_agent_greedy import GreedyAgent
 
 __all__ = [
+    "CloneAgent",
     "ExploringAgent",
     "GoalBasedAgent",
     "GreedyAgent",
@@ -31,6 +33,7 @@ __all__ = [
 ]
 
 _MODULES = {
+    "CloneAgent": "agents.learning.clone_agent",
     "ExploringAgent": "agents.search.agents",
     "GoalBasedAgent": "agents.kinds.goal_based",
     "GreedyAgent": "agents.warehouse_agent_greedy",

@@ -34,6 +34,7 @@ from agents.kinds.model_based import ModelBasedAgent
 from agents.kinds.simple_reflex import ReflexAgent
 from agents.kinds.utility_based import UtilityBasedAgent
 from agents.learning.baselines import RandomAgent
+from agents.learning.clone_agent import CloneAgent
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
 from agents.mapf.assignment import ASSIGNMENTS
@@ -85,7 +86,11 @@ PLANNERS: dict[str, Callable[..., Planner]] = {
 }
 """Planners of the robots of a fleet, by name."""
 
-TRAINED: dict[str, Callable[..., Agent]] = {"ppo": PPOAgent.load, "q": load_agent}
+TRAINED: dict[str, Callable[..., Agent]] = {
+    "clone": CloneAgent.load,
+    "ppo": PPOAgent.load,
+    "q": load_agent,
+}
 """Functions that load an agent of ``warehouse train``, by the word before the colon."""
 
 FIXED = ("seed", "layout", "graph", "algorithm")

@@ -112,7 +112,7 @@ KINDS = "bfs, ucs, greedy-best-first, astar, weighted-astar"
         (
             "clever",
             f"no agent is called 'clever'; allowed: random, reflex, model, goal, utility, "
-            f"greedy, exploring, {KINDS}, ppo:FILE, q:FILE, or your own as file.py, "
+            f"greedy, exploring, {KINDS}, clone:FILE, ppo:FILE, q:FILE, or your own as file.py, "
             "file.py:Class or module:Class",
         ),
         ("", "no agent is called ''*"),

@@ -26,7 +26,7 @@ from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
 from agents.registry import AGENTS, PLANNERS
 from agents.search import RouteProblem
-from helpers.networks import random_network
+from helpers.networks import random_moves, random_network
 from warehouse_core import (
     DEFAULT_LAYOUT,
     FleetEnv,
@@ -166,6 +166,7 @@ VALID: dict[str, Any] = {
     "max_steps": 200,
     "name": "dict",
     "network": random_network(0),
+    "CloneAgent.network": random_moves(0),
     "num_envs": 2,
     "order": None,
     "planner": PIBT(Graph(DEFAULT_LAYOUT)),

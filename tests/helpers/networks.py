@@ -4,6 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from agents.learning.map_memory import view_size
+from agents.learning.move_network import MoveNetwork
 from agents.learning.policy_network import Layer, PolicyNetwork, input_size
 
 
@@ -23,6 +25,12 @@ def random_network(seed: int, view_radius: int = 2) -> PolicyNetwork:
     stream = np.random.default_rng(seed)
     widths = input_size(view_radius), 8, 6, 7
     return PolicyNetwork(view_radius, layers_of(*widths, stream=stream))
+
+
+def random_moves(seed: int, radius: int = 3, view_radius: int = 2) -> MoveNetwork:
+    """Return a network of moves with random weights."""
+    stream = np.random.default_rng(seed)
+    return MoveNetwork(view_radius, radius, layers_of(view_size(radius), 8, 6, 1, stream=stream))
 
 
 def constant_network(*logits: float, view_radius: int = 2) -> PolicyNetwork:

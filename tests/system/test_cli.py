@@ -107,7 +107,9 @@ def test_backends_that_the_help_lists_exist_for_the_command(name: str) -> None:
 
 
 def test_agents_that_the_help_lists_exist() -> None:
-    for name in LEAVES["run"].params[0].help.partition(": ")[2].split(", ppo:FILE")[0].split(", "):
+    for name in (
+        LEAVES["run"].params[0].help.partition(": ")[2].split(", clone:FILE")[0].split(", ")
+    ):
         make_agent(name, 1)
 
 

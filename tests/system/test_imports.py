@@ -174,12 +174,12 @@ EXPORTS = {
     "warehouse_physics.driving": "DrivingMotion",
     "warehouse_physics.batch": "RigidBodyBatch",
     "agents": """
-        ExploringAgent GoalBasedAgent GreedyAgent ModelBasedAgent PPOAgent QAgent ReflexAgent
-        SearchAgent UtilityBasedAgent
+        CloneAgent ExploringAgent GoalBasedAgent GreedyAgent ModelBasedAgent PPOAgent QAgent
+        ReflexAgent SearchAgent UtilityBasedAgent
     """,
     "agents.fleet": "PlannedFleet Team",
     "agents.kinds": "GoalBasedAgent ModelBasedAgent ReflexAgent UtilityBasedAgent",
-    "agents.learning": "PPOAgent QAgent QTable load_agent load_table save_table",
+    "agents.learning": "CloneAgent PPOAgent QAgent QTable load_agent load_table save_table",
     "agents.search": """
         DeliveryProblem ExploringAgent Problem RouteProblem SearchAgent Solution
         astar_search best_first_search breadth_first_search greedy_best_first_search

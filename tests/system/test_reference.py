@@ -13,8 +13,12 @@ from helpers.reference import REFERENCE, examples, objects_on, public_objects, s
 
 EXAMPLES = examples()
 
-NOT_RUN = {"agents.learning.ppo_training:PPOLearner", "warehouse_core.render.window:PictureWindow"}
-"""Classes whose examples are not run: one needs PyTorch, the other a display."""
+NOT_RUN = {
+    "agents.learning.clone_training:CloneLearner",
+    "agents.learning.ppo_training:PPOLearner",
+    "warehouse_core.render.window:PictureWindow",
+}
+"""Classes whose examples are not run: two need PyTorch, the last a display."""
 
 
 @pytest.mark.parametrize("name", EXAMPLES)

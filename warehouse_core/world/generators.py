@@ -73,6 +73,60 @@ def random_layout(height: int, width: int, density: float, seed: int) -> Layout:
     return layout.with_stations(layout.open_cell(pickup), layout.open_cell(dropoff))
 
 
+def maze_layout(height: int, width: int, seed: int) -> Layout:
+    """Return a perfect maze: between any two open cells leads exactly one way, one cell wide.
+
+    It has no stations. A random walk that turns back where it is stuck cuts the ways.
+
+    Args:
+        height: rows, border included, odd and at least 5.
+        width: columns, border included, odd and at least 5.
+        seed: seed of the random numbers.
+
+    Raises:
+        LayoutError: a size that is not allowed.
+        ValueError: a negative seed.
+        TypeError: a size or a seed that is not an integer.
+
+    Example:
+        >>> from warehouse_core.world.generators import maze_layout
+        >>> for row in maze_layout(5, 11, seed=1).rows:
+        ...     print(row)
+        ###########
+        #.....#...#
+        #####.###.#
+        #.........#
+        ###########
+    """
+    height, width = whole_number("height", height), whole_number("width", width)
+    if min(height, width) < 5 or not (height % 2 and width % 2):
+        raise LayoutError(
+            f"the size is {brief(height)} x {brief(width)}; a maze must have odd sides of at "
+            "least 5"
+        )
+    check_size(height, width)
+    stream = random.Random(seed_number(seed))
+    tiles = [[WALL] * width for _ in range(height)]
+    row, col = CHAPTER_START
+    tiles[row][col] = EMPTY
+    way = [CHAPTER_START]
+    while way:
+        row, col = way[-1]
+        ways = [
+            (down, right)
+            for down, right in _RING[::2]
+            if 0 < row + 2 * down < height and 0 < col + 2 * right < width
+            and tiles[row + 2 * down][col + 2 * right] == WALL
+        ]  # fmt: skip
+        if not ways:
+            way.pop()
+            continue
+        down, right = stream.choice(ways)
+        tiles[row + down][col + right] = tiles[row + 2 * down][col + 2 * right] = EMPTY
+        way.append((row + 2 * down, col + 2 * right))
+    return Layout(["".join(row) for row in tiles])
+
+
 def shelf_layout(
     shelf_rows: int = 2,
     shelf_columns: int = 3,

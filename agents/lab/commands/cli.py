@@ -9,6 +9,7 @@ from typing import Annotated
 import typer
 
 from agents.lab.commands import layout as layout_commands
+from agents.lab.commands.clone import train_clone
 from agents.lab.commands.compare_agents import compare_agents
 from agents.lab.commands.compare_backends import compare_backends
 from agents.lab.commands.demos import demo
@@ -83,7 +84,10 @@ comparing.command("backends")(compare_backends)
 comparing.command("agents")(compare_agents)
 comparing.command("planners")(compare_planners)
 
-training = typer.Typer(cls=CommandGroup, no_args_is_help=True, help="Train an agent by reward.")
+training = typer.Typer(
+    cls=CommandGroup, no_args_is_help=True, help="Train an agent by reward or by imitation."
+)
+training.command("clone")(train_clone)
 training.command("ppo")(train_ppo)
 training.command("q")(train_q)
 

@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Iterable, Mapping
-from contextlib import suppress
+from collections.abc import Callable, Iterable, Iterator, Mapping
+from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
@@ -45,7 +45,7 @@ if TYPE_CHECKING:
     from agents.learning.ppo_training import PPOLearner
 
 LIBRARIES = ("torch", "stable_baselines3", "sb3_contrib")
-"""Libraries that training by PPO needs."""
+"""Libraries that training of networks needs."""
 
 MODEL_SUFFIX, CURVE_SUFFIX, POINTS_SUFFIX = ".npz", ".png", ".csv"
 CHECKPOINT_SUFFIX, EVENTS_SUFFIX = ".checkpoint", ".tensorboard"
@@ -129,16 +129,23 @@ def train_ppo(
 
 def make_learner(task: Task | FleetTask, steps: int, seed: int) -> PPOLearner:
     """Return a learner for a task; an ``AgentError`` says how to install what is missing."""
-    try:
+    with needed_libraries("training by PPO"):
         from agents.learning.ppo_training import ENVS, FOR_RANDOM_LAYOUTS, PPOLearner
+    differs = FOR_RANDOM_LAYOUTS if isinstance(task.layout, RandomLayouts) else {}
+    return PPOLearner(task.make_batch(ENVS), steps, seed, **differs)
+
+
+@contextmanager
+def needed_libraries(what: str) -> Iterator[None]:
+    """Raise an ``AgentError`` that says how to install a library that an import has missed."""
+    try:
+        yield
     except ImportError as error:
         if (error.name or "").partition(".")[0] not in LIBRARIES:
             raise
         raise AgentError(
-            f"training by PPO needs {error.name}, which is not installed: {install_command('rl')}"
+            f"{what} needs {error.name}, which is not installed: {install_command('rl')}"
         ) from error
-    differs = FOR_RANDOM_LAYOUTS if isinstance(task.layout, RandomLayouts) else {}
-    return PPOLearner(task.make_batch(ENVS), steps, seed, **differs)
 
 
 def train_q(

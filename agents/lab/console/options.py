@@ -112,8 +112,8 @@ def writable(*suffixes: str, replays: bool = False) -> Callable[[Any], Any]:
 
 AGENT = (
     "Agent by name: random, reflex, model, goal, utility, greedy, exploring, bfs, ucs, astar, "
-    "weighted-astar, greedy-best-first, ppo:FILE, q:FILE, or your own as file.py or file.py:Class; "
-    "arguments may follow, as in greedy:memory=20."
+    "weighted-astar, greedy-best-first, clone:FILE, ppo:FILE, q:FILE, or your own as file.py or "
+    "file.py:Class; arguments may follow, as in greedy:memory=20."
 )
 AgentOption = Annotated[str, option("--agent NAME", AGENT)]
 Memory = Annotated[int | None, parameter_option("memory")]

@@ -7,12 +7,20 @@ from collections.abc import Iterable
 from dataclasses import dataclass, replace
 
 from warehouse_core import Layout, LayoutError, random_layout
+from warehouse_core.world.generators import maze_layout
+from warehouse_core.world.tiles import WALL
 
 TRAINING_LAYOUTS = 2**40
 """Layouts with seeds from this one on are for training, those with lower ones for evaluation."""
 
 MAX_POOL = 100_000
 """Limit on the layouts of a pool, so that the pools of two training seeds share no seed."""
+
+MAZES = 0.4
+"""Share of mazes among varied layouts."""
+
+SMALLEST = 5
+"""Fewest rows and columns of varied layouts."""
 
 
 @dataclass(frozen=True)
@@ -90,6 +98,42 @@ class RandomLayouts:
         stream = random.Random(f"density {seed}")  # not the stream of the walls
         density = round(stream.uniform(self.lowest, self.highest), 2)
         return random_layout(self.height, self.width, density, seed)
+
+
+@dataclass(frozen=True)
+class VariedLayouts(RandomLayouts):
+    """Random layouts of any size up to one, and among them perfect mazes.
+
+    Walls fill what a smaller layout leaves of the size, so that a batch can draw from all.
+    """
+
+    height: int = 25
+    width: int = 25
+    lowest: float = 0.0
+
+    def __post_init__(self) -> None:
+        if min(self.height, self.width) < SMALLEST:
+            raise LayoutError(
+                f"the largest size is {self.height} x {self.width}; it must be at least "
+                f"{SMALLEST} x {SMALLEST}"
+            )
+        super().__post_init__()
+
+    @property
+    def name(self) -> str:
+        """The sizes and kinds in words."""
+        return f"random layouts and mazes of up to {self.height} x {self.width}"
+
+    def _made(self, seed: int) -> Layout:
+        stream = random.Random(f"kind {seed}")
+        height, width = (stream.randint(SMALLEST, side) for side in (self.height, self.width))
+        if stream.random() < MAZES:
+            made = maze_layout(height - 1 + height % 2, width - 1 + width % 2, seed)
+        else:
+            density = round(stream.uniform(self.lowest, self.highest), 2)
+            made = random_layout(height, width, density, seed).with_tiles((), (), ())
+        rows = [row.ljust(self.width, WALL) for row in made.rows]
+        return Layout(rows + [WALL * self.width] * (self.height - len(rows)))
 
 
 def _walls(layout: Layout) -> tuple[str, ...]:

@@ -10,7 +10,7 @@ from contextlib import closing, nullcontext
 from typing import NamedTuple, Protocol, runtime_checkable
 
 from agents.lab.runs.run import Watch, run
-from agents.lab.trials.random_layouts import RandomLayouts
+from agents.lab.trials.random_layouts import RandomLayouts, VariedLayouts
 from agents.lab.trials.rows import fleet_row, lone_row
 from agents.lab.trials.scores import FleetScores, Scores
 from agents.learning.learner import MakeAgent
@@ -56,8 +56,8 @@ class Task(NamedTuple):
 
     @property
     def seed_stride(self) -> int:
-        """1: each seed of an evaluation is used."""
-        return 1
+        """1: each seed of an evaluation is used; 4 on varied layouts, with their long ways."""
+        return 4 if isinstance(self.layout, VariedLayouts) else 1
 
     def layout_for(self, seed: int) -> Layout:
         """Return the layout of the episode with a seed."""

@@ -9,7 +9,12 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warehouse_core import Layout, LayoutError, WarehouseEnv, random_layout, shelf_layout
-from warehouse_core.world.generators import MAX_DENSITY, benchmark_warehouse, kiva_warehouse
+from warehouse_core.world.generators import (
+    MAX_DENSITY,
+    benchmark_warehouse,
+    kiva_warehouse,
+    maze_layout,
+)
 from warehouse_core.world.tiles import manhattan_distance
 
 sizes = st.integers(4, 16)
@@ -236,3 +241,21 @@ BLOCK_SIZES = ("columns", "rows", "length", "depth", "aisle")
 def test_a_wrong_size_is_named(make: Callable[[], object], message: str) -> None:
     with pytest.raises(LayoutError, match=message):
         make()
+
+
+def test_one_way_leads_between_any_two_cells_of_a_maze() -> None:
+    mazes = {maze_layout(7, 11, seed) for seed in range(30)}
+    assert len(mazes) == 30
+    assert maze_layout(7, 11, 3) == maze_layout(7, 11, 3)
+    for maze in mazes:
+        assert_usable(maze)
+        cells = {maze.open_cell(index) for index in range(len(maze.open_cells))}
+        ways = [pair for pair in combinations(cells, 2) if manhattan_distance(*pair) == 1]
+        assert len(cells) == 29, "each of 15 rooms, and the ways that join them"
+        assert len(ways) == len(cells) - 1
+
+
+@pytest.mark.parametrize("size", [(6, 7), (7, 8), (3, 7)])
+def test_a_maze_has_odd_sides(size: tuple[int, int]) -> None:
+    with pytest.raises(LayoutError, match=r"a maze must have odd sides of at least 5"):
+        maze_layout(*size, seed=1)

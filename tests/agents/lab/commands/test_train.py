@@ -303,7 +303,8 @@ def test_a_checkpoint_is_of_the_same_training_and_whole(
 
 def without(monkeypatch: pytest.MonkeyPatch, library: str) -> None:
     """Make the import of a library fail, whether it is installed or not."""
-    for name in ("agents.learning.ppo_training", "agents.learning.vec_env"):
+    for name in ("ppo_training", "clone_training", "vec_env"):
+        name = f"agents.learning.{name}"
         monkeypatch.delitem(sys.modules, name, raising=False)
     monkeypatch.setitem(sys.modules, library, None)
 
@@ -316,7 +317,8 @@ def test_a_missing_library_is_one_line_with_the_command_that_installs_it(
         "training by PPO needs torch, which is not installed: pip install "
         "'sb3-contrib>=2.4' 'stable-baselines3>=2.4'"
     )
-    assert not list(Path().glob("ppo*"))
+    assert refused("train", "clone").startswith("imitation needs torch, which is not installed")
+    assert not [*Path().glob("ppo*"), *Path().glob("clone*")]
 
 
 def test_an_error_in_our_own_imports_keeps_its_traceback(

@@ -1,11 +1,17 @@
 from dataclasses import replace
 
+import numpy as np
 import pytest
 
-from agents.lab.trials.random_layouts import MAX_POOL, TRAINING_LAYOUTS, RandomLayouts
+from agents.lab.trials.random_layouts import (
+    MAX_POOL,
+    TRAINING_LAYOUTS,
+    RandomLayouts,
+    VariedLayouts,
+)
 from agents.lab.trials.task import Task
 from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import LayoutError
+from warehouse_core import Layout, LayoutError
 from warehouse_core.world.tiles import WALL
 
 SMALL = RandomLayouts(5, 6, 0.1, 0.3, count=20)
@@ -96,3 +102,22 @@ def test_rows_for_training_are_in_layouts_of_the_pool() -> None:
     drawn = {batch.row(row)[0].with_stations(None, None) for row in range(60)}
     assert drawn <= pool
     assert len(drawn) > 10
+
+
+def test_varied_layouts_have_many_sizes_and_two_in_five_are_mazes() -> None:
+    varied = VariedLayouts(15, 17, count=200)
+    made = varied.pool()
+    assert {(layout.height, layout.width) for layout in made} == {(15, 17)}
+    free = [np.array([layout.cell(number) for number in layout.open_cells]) for layout in made]
+    assert len({tuple(cells.max(axis=0)) for cells in free}) > 80
+    # A tree has a way less than it has cells.
+    trees = sum(_ways(layout) == len(layout.open_cells) - 1 for layout in made)
+    assert 70 < trees < 100
+    assert varied.name == "random layouts and mazes of up to 15 x 17"
+    for layout in made:
+        assert len(layout.reachable_from(layout.open_cell(0))) == len(layout.open_cells)
+
+
+def _ways(layout: Layout) -> int:
+    is_open = np.array([list(row) for row in layout.rows]) != WALL
+    return int((is_open[1:] & is_open[:-1]).sum() + (is_open[:, 1:] & is_open[:, :-1]).sum())

@@ -1,0 +1,203 @@
+"""Imitation of a teacher by a network with a memory; needs PyTorch.
+
+The network moves the robots, so that it learns where its own mistakes lead (DAgger); the teacher
+says what would have been right there. A network that cannot know what its teacher knows would
+go round in circles, since it takes the likeliest move each time. Therefore only moves to the
+neighbours that a robot has visited least are right: the teacher's, if it is one of them, or else
+all. From this the network learns to search, and from the teacher where to begin.
+
+Source: Ross, Gordon and Bagnell, *A Reduction of Imitation Learning and Structured Prediction to
+No-Regret Online Learning*, 2011; Koenig and Szymanski, *Value-Update Rules for Real-Time Search*,
+1999, on visiting the cell that was visited least.
+"""
+
+from __future__ import annotations
+
+import math
+from collections import deque
+from pathlib import Path
+from typing import Any
+
+import numpy as np
+import torch
+
+from agents.learning.clone_agent import CloneAgent
+from agents.learning.learner import RECENT_EPISODES, MakeAgent, WatchTraining
+from agents.learning.map_memory import MOVES, WALLS, MapMemory, SingleFloats, turns, view_size
+from agents.learning.move_network import MoveNetwork
+from agents.learning.policy_network import Layer
+from agents.learning.teachers import Teacher
+from warehouse_core.batch import BatchEnv
+from warehouse_core.world.actions import action_index
+from warehouse_core.world.tables import Flags
+
+ENVS = 256
+"""Warehouses side by side."""
+
+ROUND = 32
+"""Steps of each warehouse between two updates of the network."""
+
+KEPT = 10
+"""Rounds whose views are learned from."""
+
+UPDATES, VIEWS = 16, 1024
+"""Updates of a round, and views that each learns from."""
+
+LEARNING_RATE = 2e-3
+"""Learning rate of the first round; it decreases linearly."""
+
+BEST = 0.7
+"""Share of warehouses where the best move is taken; elsewhere moves are drawn."""
+
+RADIUS, WIDTH = 3, 64
+"""Cells of the map in each direction that a view shows, and outputs of the hidden layers."""
+
+PICK, DROP = action_index("PICK"), action_index("DROP")
+
+
+class CloneLearner:
+    """Learns from what a teacher would do in the episodes of a batch.
+
+    Args:
+        batch: environments with ``autoreset_mode="SameStep"``, usually ``ENVS`` rows.
+        teacher: teacher of the rows of this batch.
+        steps: steps of the whole training, rounded up to whole rounds of all rows.
+        seed: seed that repeats a training on the same machine with the same versions.
+
+    Example:
+        >>> from agents.learning.clone_training import CloneLearner  # doctest: +SKIP
+        >>> from agents.learning.teachers import ShortestWays
+        >>> from warehouse_core import BatchEnv
+        >>> batch = BatchEnv(64, autoreset_mode="SameStep")
+        >>> learner = CloneLearner(batch, ShortestWays(batch), 100_000, seed=1)  # doctest: +SKIP
+    """
+
+    def __init__(self, batch: BatchEnv, teacher: Teacher, steps: int, seed: int) -> None:
+        torch.set_num_threads(1)  # the network is small, and sums are repeatable
+        torch.manual_seed(seed)
+        self._batch, self._teacher = batch, teacher
+        self._round, self._rounds = 0, math.ceil(steps / (batch.num_envs * ROUND))
+        widths = view_size(RADIUS), WIDTH, WIDTH
+        self._layers = torch.nn.Sequential(
+            torch.nn.Linear(*widths[:2]), torch.nn.ReLU(), torch.nn.Linear(*widths[1:]),
+            torch.nn.ReLU(), torch.nn.Linear(WIDTH, 1),
+        )  # fmt: skip
+        self._optimiser = torch.optim.Adam(self._layers.parameters(), LEARNING_RATE)
+        self._stream = np.random.default_rng(seed)
+        self._memory = MapMemory(batch.num_envs, batch.view_radius, RADIUS)
+        self._drawn = np.arange(batch.num_envs) >= BEST * batch.num_envs
+        self._lessons = Lessons(KEPT * ROUND * batch.num_envs, widths[0])
+        self._recent = deque[bool](maxlen=RECENT_EPISODES)
+        self._arrays, _ = batch.reset(seed=seed)
+        teacher.begin(np.arange(batch.num_envs), self._arrays)
+        self._views = self._memory.look(self._arrays)
+
+    def learn(self, watch: WatchTraining) -> MakeAgent:
+        """Train, and return what makes the agent."""
+        size = self._batch.num_envs * ROUND
+        while self._round < self._rounds:
+            self._watched(watch, size)
+            self._act()
+            self._update()
+            self._round += 1
+        self._watched(watch, size)
+        return self.agents()
+
+    def state(self) -> Any:
+        """Return all but the teacher's distances, which follow from the layouts."""
+        learned = self._layers.state_dict(), self._optimiser.state_dict()
+        episodes = self._batch, self._teacher, self._memory, self._arrays, self._views
+        return learned, episodes, self._round, self._stream, self._lessons, self._recent
+
+    def restore(self, state: Any) -> None:
+        """Go on from a state that a learner with the same arguments had."""
+        learned, episodes, self._round, self._stream, self._lessons, self._recent = state
+        self._layers.load_state_dict(learned[0])
+        self._optimiser.load_state_dict(learned[1])
+        self._batch, self._teacher, self._memory, self._arrays, self._views = episodes
+
+    def agents(self) -> MakeAgent:
+        """Return what makes the agent in its present state; further training does not change it."""
+        network = self.network()
+        return lambda seed: CloneAgent(network)
+
+    def network(self) -> MoveNetwork:
+        """Return a copy of the network."""
+        parts = [part for part in self._layers if isinstance(part, torch.nn.Linear)]
+        return MoveNetwork(self._batch.view_radius, RADIUS, [_copy(part) for part in parts])
+
+    def save_network(self, path: Path) -> None:
+        """Write the file that ``CloneAgent.load`` reads."""
+        self.network().save(path)
+
+    def _watched(self, watch: WatchTraining, size: int) -> None:
+        delivers = float(np.mean(self._recent)) if self._recent else math.nan
+        watch(self._round * size, delivers, self.agents())
+
+    def _act(self) -> None:
+        """Let the network move the robots, and keep what it saw and what would have been right."""
+        network = self.network()
+        for _ in range(ROUND):
+            right = self._right()
+            self._lessons.add(self._views, right)
+            scores = network.scores(self._views)
+            scores[self._drawn] += self._stream.gumbel(size=scores[self._drawn].shape)
+            masks = self._batch.action_masks()
+            actions = np.where(self._memory.is_open, scores, -np.inf).argmax(axis=1)
+            actions[masks[:, PICK] > 0], actions[masks[:, DROP] > 0] = PICK, DROP
+            self._arrays, _, terminated, truncated, _ = self._batch.step(actions)
+            ended = terminated | truncated
+            if ended.any():
+                self._recent.extend(terminated[ended].tolist())
+                self._teacher.begin(np.flatnonzero(ended), self._arrays)
+                self._memory.forget(ended)
+            self._views = self._memory.look(self._arrays)
+
+    def _right(self) -> Flags:
+        """Return the right moves, ``[B, 4]``; none for a robot that its teacher does not move."""
+        taught, memory = self._teacher.moves(self._arrays), self._memory
+        visits = np.where(memory.is_open, memory.beside, np.iinfo(np.int32).max)
+        least = visits == visits.min(axis=1, keepdims=True)
+        both = taught & least
+        right: Flags = np.where(both.any(axis=1, keepdims=True), both, least)
+        return right & taught.any(axis=1, keepdims=True)
+
+    def _update(self) -> None:
+        rate = LEARNING_RATE * (1 - self._round / self._rounds)
+        self._optimiser.param_groups[0]["lr"] = rate
+        for _ in range(UPDATES):
+            views, right = self._lessons.draw(self._stream)
+            by_move = torch.from_numpy(views[:, turns(RADIUS)[self._stream.integers(2)]])
+            walls = torch.from_numpy(views[:, WALLS] > 0)
+            scores = self._layers(by_move)[..., 0].masked_fill(walls, -math.inf)
+            wrong = torch.from_numpy(~right)
+            # The likelihood that the move is any of the right ones.
+            gain = scores.masked_fill(wrong, -math.inf).logsumexp(1) - scores.logsumexp(1)
+            self._optimiser.zero_grad()
+            (-gain.mean()).backward()
+            self._optimiser.step()
+
+
+class Lessons:
+    """The latest views with the moves that would have been right, at most so many."""
+
+    def __init__(self, most: int, size: int) -> None:
+        self._views = np.zeros((most, size), np.float16)
+        self._right = np.zeros((most, len(MOVES)), np.bool_)
+        self._added = 0
+
+    def add(self, views: SingleFloats, right: Flags) -> None:
+        """Add the views for which a move is right, in place of the oldest."""
+        useful = right.any(axis=1)
+        places = (self._added + np.arange(useful.sum())) % len(self._views)
+        self._views[places], self._right[places] = views[useful], right[useful]
+        self._added += len(places)
+
+    def draw(self, stream: np.random.Generator) -> tuple[SingleFloats, Flags]:
+        """Return ``VIEWS`` views, ``[VIEWS, L]``, and what would have been right."""
+        drawn = stream.integers(min(self._added, len(self._views)), size=VIEWS)
+        return self._views[drawn].astype(np.float32), self._right[drawn]
+
+
+def _copy(part: Any) -> Layer:
+    return part.weight.detach().numpy().copy(), part.bias.detach().numpy().copy()

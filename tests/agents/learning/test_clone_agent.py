@@ -1,0 +1,118 @@
+import copy
+import inspect
+import subprocess
+import sys
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.networks import random_moves
+
+from agents.errors import AgentError
+from agents.lab.trials.task import Task
+from agents.learning.clone_agent import CloneAgent
+from agents.learning.map_memory import MapMemory, view_size
+from agents.learning.move_network import MoveNetwork
+from agents.registry import make_agent
+from warehouse_core import (
+    BatchEnv,
+    Layout,
+    RecordError,
+    WarehouseEnv,
+    random_layout,
+    record_episode,
+)
+from warehouse_core.world.actions import ACTIONS
+
+FLOOR = random_layout(8, 9, 0.2, seed=1)
+
+
+def test_a_network_is_read_as_it_was_written(tmp_path: Path) -> None:
+    network, path = random_moves(1), tmp_path / "n.npz"
+    network.save(path)
+    read = MoveNetwork.load(path)
+    views = np.random.default_rng(2).random((5, view_size(3))).astype(np.float32)
+    assert (read.view_radius, read.radius) == (2, 3)
+    assert np.array_equal(read.scores(views), network.scores(views))
+
+
+def test_the_same_layers_judge_each_move() -> None:
+    """What is the same in all directions makes all moves equally good."""
+    views = np.ones((1, view_size(3)), np.float32)
+    assert np.ptp(random_moves(3).scores(views)) < 1e-5
+
+
+def test_layers_that_do_not_fit_are_refused(tmp_path: Path) -> None:
+    network = random_moves(1)
+    with pytest.raises(ValueError, match="layer 0 has the shapes"):
+        MoveNetwork(2, 4, network.layers)
+    weights, biases = network.layers[2]
+    with pytest.raises(ValueError, match="layer 2 has numbers that are not finite"):
+        MoveNetwork(2, 3, [*network.layers[:2], (weights * np.nan, biases)])
+    network.radius = 4
+    network.save(tmp_path / "n.npz")
+    with pytest.raises(RecordError, match=r"n\.npz: layer 0 has the shapes"):
+        MoveNetwork.load(tmp_path / "n.npz")
+
+
+def test_an_agent_does_what_a_batch_of_its_network_does() -> None:
+    network = random_moves(5)
+    batch, memory = (
+        BatchEnv(1, FLOOR, randomize=False, autoreset_mode="Disabled"),
+        MapMemory(1, 2, 3),
+    )
+    arrays, info = batch.reset(seed=12)
+    expected, ended = [], False
+    while not ended:
+        scores, masks = network.scores(memory.look(arrays))[0], info["action_mask"][0]
+        action = int(np.where(memory.is_open[0], scores, -np.inf).argmax())
+        action = next((special for special in (5, 6) if masks[special]), action)
+        expected.append(ACTIONS[action])
+        arrays, _, terminated, truncated, info = batch.step([action])
+        ended = bool(terminated[0] or truncated[0])
+    episode = record_episode(WarehouseEnv(FLOOR), CloneAgent(network), randomize=False)
+    assert list(episode.actions) == expected
+    assert episode.reasons[0].endswith("% sure")
+
+
+def test_a_memory_belongs_to_an_episode_and_to_an_agent() -> None:
+    agent = CloneAgent(random_moves(5))
+    env = WarehouseEnv()
+    first = record_episode(env, agent, seed=12)
+    assert record_episode(env, agent, seed=12).actions == first.actions
+    observation = env.reset(seed=3)
+    agent.reset()
+    agent.act(observation)
+    other = copy.deepcopy(agent)
+    assert [agent.act(observation) for _ in range(3)] == [other.act(observation) for _ in range(3)]
+
+
+def test_there_may_be_nowhere_to_go() -> None:
+    agent = CloneAgent(random_moves(5))
+    assert agent.act(WarehouseEnv(Layout(["...", ".D."])).reset()) == "WAIT"
+    assert agent.reason == "nowhere to go"
+    walled = WarehouseEnv(Layout(["#####", "#.#P#", "##..#", "#D..#", "#####"]), (1, 1))
+    agent.reset()
+    assert agent.act(walled.reset()) == "WAIT"
+
+
+def test_another_view_radius_is_refused(tmp_path: Path) -> None:
+    random_moves(1).save(tmp_path / "n.npz")
+    agent = make_agent(f"clone:{tmp_path / 'n.npz'}")
+    with pytest.raises(AgentError, match="was trained with view radius 2; this robot has 1"):
+        agent.act(WarehouseEnv(view_radius=1).reset())
+    (tmp_path / "x.npz").write_bytes(b"no network")
+    with pytest.raises(AgentError, match="needs what 'warehouse train clone' saves"):
+        make_agent(f"clone:{tmp_path / 'x.npz'}")
+
+
+def test_an_agent_runs_without_torch(tmp_path: Path) -> None:
+    random_moves(1).save(tmp_path / "n.npz")
+    program = (
+        "import sys; from agents.registry import make_agent; from warehouse_core import *; "
+        f"record_episode(WarehouseEnv(), make_agent('clone:{tmp_path / 'n.npz'}'), seed=1); "
+        "sys.exit('torch' in sys.modules)"
+    )
+    assert subprocess.run([sys.executable, "-c", program]).returncode == 0
+    assert "seed" not in inspect.signature(CloneAgent).parameters
+    assert len(Task().evaluate(lambda seed: CloneAgent(random_moves(1)), range(2)).rows) == 2

@@ -1,0 +1,69 @@
+import numpy as np
+
+from agents.learning.teachers import AgentTeacher, ShortestWays, observation_of
+from agents.search.agents import ExploringAgent
+from warehouse_core import BatchEnv, Layout, WarehouseEnv, random_layout
+from warehouse_core.world.actions import ACTIONS
+from warehouse_core.world.distances import distances
+from warehouse_core.world.tiles import MOVE_DELTAS, moved
+
+
+def test_the_observation_of_a_row_is_that_of_an_environment() -> None:
+    for layout in (random_layout(8, 9, 0.2, seed=1), Layout(["....", ".P.."])):
+        batch = BatchEnv(2, layout, randomize=False)
+        arrays, _ = batch.reset(seed=4)
+        env = WarehouseEnv(layout)
+        assert observation_of(arrays, 1) == env.reset(seed=4)
+        assert observation_of(batch.step([1, 1])[0], 1) == env.step("E")[0]
+
+
+def test_each_first_move_of_a_shortest_way_is_right_and_no_other() -> None:
+    batch = BatchEnv(40, random_layout(8, 9, 0.2, seed=1), autoreset_mode="SameStep")
+    arrays, _ = batch.reset(seed=1)
+    teacher, stream = ShortestWays(batch), np.random.default_rng(2)
+    teacher.begin(np.arange(40), arrays)
+    chosen = 0
+    for _ in range(60):
+        right = teacher.moves(arrays)
+        for row in range(40):
+            layout, state = batch.row(row)
+            goal = arrays["dropoff_pos" if state.has_item else "pickup_pos"][row].tolist()
+            steps = distances(layout, [(goal[0], goal[1])])
+            here = state.robot_pos
+            expected = [
+                bool(steps[moved(here, delta)] < steps[here]) for delta in MOVE_DELTAS.values()
+            ]
+            assert right[row].tolist() == expected
+            chosen += sum(expected)
+        masks = batch.action_masks()
+        actions = np.where(right.any(1), right.argmax(1), 6 - masks[:, ::-1].argmax(1))
+        wild = stream.random(40) < 0.2
+        actions[wild] = masks[wild].argmax(1)
+        arrays, _, terminated, truncated, _ = batch.step(actions)
+        teacher.begin(np.flatnonzero(terminated | truncated), arrays)
+    assert chosen > 1000
+
+
+def test_an_agent_teaches_what_it_would_do() -> None:
+    layout = random_layout(8, 9, 0.3, seed=1)
+    batch = BatchEnv(3, layout, autoreset_mode="SameStep")
+    made: list[Layout] = []
+
+    def make(given: Layout) -> ExploringAgent:
+        made.append(given)
+        return ExploringAgent()
+
+    arrays, _ = batch.reset(seed=1)
+    teacher = AgentTeacher(batch, make)
+    teacher.begin(np.arange(3), arrays)
+    agents = [ExploringAgent() for _ in range(3)]
+    for _ in range(12):
+        right = teacher.moves(arrays)
+        actions = [agent.act(observation_of(arrays, row)) for row, agent in enumerate(agents)]
+        expected = [[word == action for word in MOVE_DELTAS] for action in actions]
+        assert right.tolist() == expected
+        arrays, _, terminated, truncated, _ = batch.step([ACTIONS.index(a) for a in actions])
+        for row in np.flatnonzero(terminated | truncated).tolist():
+            agents[row] = ExploringAgent()
+        teacher.begin(np.flatnonzero(terminated | truncated), arrays)
+    assert made[0] == batch.layouts.kinds[0]

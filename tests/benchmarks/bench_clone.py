@@ -1,0 +1,112 @@
+"""A network with a memory that was cloned from A*, on floors of many kinds that it has never seen.
+
+``SEEDS=0 pytest tests/benchmarks/bench_clone.py`` trains with one seed. The settings were chosen
+with seeds from 100 on. Training takes the steps of ``warehouse train clone --layout random``, and
+each agent acts alone, by NumPy, without a penalty.
+"""
+
+import inspect
+import os
+import time
+from collections.abc import Callable, Iterator
+from functools import cache, partial
+from typing import NamedTuple
+
+import pytest
+from helpers.floors import rooms, scattered, shelves
+
+from agents import CloneAgent, ExploringAgent, GreedyAgent, ModelBasedAgent, PPOAgent
+from agents.lab.commands.clone import make_clone_learner, train_clone
+from agents.lab.commands.train import make_learner
+from agents.lab.trials.random_layouts import RandomLayouts, VariedLayouts
+from agents.lab.trials.task import Task
+from agents.learning.learner import MakeAgent
+from warehouse_core import Layout, random_layout
+from warehouse_core.world.generators import maze_layout
+
+SEEDS = [int(seed) for seed in os.environ.get("SEEDS", "0 1 2").split()]
+FIRST, PPO_STEPS = 900_000, 2_500_000
+EPISODES = 150
+TRAINING_MINUTES = 30.0
+
+
+class Floors(NamedTuple):
+    """A kind of floors, the limit of steps, and the least share that the clone delivers."""
+
+    make: Callable[[int], Layout]
+    max_steps: int
+    least: float
+
+
+FLOORS = {
+    "the project's, 7 x 12": Floors(RandomLayouts().layout, 200, 0.99),
+    "the project's, 12 x 20": Floors(RandomLayouts(12, 20).layout, 200, 0.99),
+    "rooms, 7 x 12": Floors(partial(rooms, 7, 12), 200, 0.99),
+    "rooms, 12 x 20": Floors(partial(rooms, 12, 20), 200, 0.9),
+    "shelves, 7 x 12": Floors(partial(shelves, 7, 12), 200, 0.99),
+    "shelves, 12 x 20": Floors(partial(shelves, 12, 20), 200, 0.99),
+    "density 0.45, 7 x 12": Floors(partial(scattered, 7, 12), 200, 0.99),
+    "density 0.45, 12 x 20": Floors(partial(scattered, 12, 20), 200, 0.99),
+    "density 0.1, 25 x 25": Floors(partial(random_layout, 25, 25, 0.1), 200, 0.95),
+    "density 0.4, 25 x 25": Floors(partial(random_layout, 25, 25, 0.4), 400, 0.95),
+    "perfect mazes, 25 x 25": Floors(partial(maze_layout, 25, 25), 800, 0.6),
+}
+
+OTHERS: dict[str, MakeAgent] = {
+    "greedy": GreedyAgent,
+    "model": lambda seed: ModelBasedAgent(),
+    "exploring": lambda seed: ExploringAgent(),
+}
+
+
+def delivered(make_agent: MakeAgent, floors: Floors) -> float:
+    """Return the share of episodes in which an agent delivers."""
+    done = [
+        Task(floors.make(seed).with_tiles((), (), ()), floors.max_steps, floors.max_steps)
+        .evaluate(make_agent, [seed])
+        .delivered[0]
+        for seed in range(FIRST, FIRST + EPISODES)
+    ]
+    return sum(done) / len(done)
+
+
+@cache
+def clone_of_astar(seed: int) -> tuple[MakeAgent, float]:
+    """Return a clone, and the minutes of processor time of its training."""
+    steps = inspect.signature(train_clone).parameters["steps"].default
+    task = Task(VariedLayouts(pool_seed=seed), 800, 800)
+    begin = time.process_time()
+    learner = make_clone_learner("astar", task, steps, seed)
+    learner.learn(lambda *_: None)
+    return learner.agents(), (time.process_time() - begin) / 60
+
+
+def agents() -> Iterator[tuple[str, MakeAgent]]:
+    yield from OTHERS.items()
+    learner = make_learner(Task(RandomLayouts(pool_seed=SEEDS[0])), PPO_STEPS, SEEDS[0])
+    learner.learn(lambda *_: None)
+    network = learner.network()
+    yield "PPO without memory", lambda seed: PPOAgent(network)
+    yield "PPO without memory, revisit=4", lambda seed: PPOAgent(network, revisit=4.0)
+
+
+@pytest.mark.parametrize("seed", SEEDS)
+def test_the_clone_delivers_where_it_has_never_been(seed: int, measured) -> None:
+    make_agent, minutes = clone_of_astar(seed)
+    assert isinstance(make_agent(0), CloneAgent)
+    shares = {name: delivered(make_agent, floors) for name, floors in FLOORS.items()}
+    words = ", ".join(f"{name} {share:.1%}" for name, share in shares.items())
+    measured(
+        f"delivered by a clone of A* with a memory, seed {seed}, {EPISODES} unseen floors each",
+        f"{words}; trained in {minutes:.1f} minutes of one processor",
+    )
+    assert minutes < TRAINING_MINUTES
+    for name, floors in FLOORS.items():
+        assert shares[name] >= floors.least, name
+
+
+def test_other_agents_on_the_same_floors(measured) -> None:
+    for agent, make_agent in agents():
+        shares = {name: delivered(make_agent, floors) for name, floors in FLOORS.items()}
+        words = ", ".join(f"{name} {share:.1%}" for name, share in shares.items())
+        measured(f"delivered by {agent}, {EPISODES} floors each", words)
