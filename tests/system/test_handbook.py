@@ -53,6 +53,7 @@ def in_a_folder_without_a_display(
 ) -> Iterator[None]:
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))  # a page sets it too
     without_display(monkeypatch)
     yield
     plt.close("all")
