@@ -220,6 +220,7 @@ SEAMS = {
     "advance",
     "batch",
     "extend",
+    "face",
     "fleet_batch",
     *(f"{motion.__name__}.reset" for motion in (GridMotion, RigidBodyMotion, DrivingMotion)),
 }

@@ -67,7 +67,7 @@ MAY_IMPORT = {
     "warehouse_physics/odometry": "arena profile",
     "warehouse_physics/robot": "arena disturbances energy profile spec",
     "warehouse_physics/batch": "arena driven_arena energy exclusive profile robot spec walls",
-    "warehouse_physics/body_motion": "disturbances odometry profile spec",
+    "warehouse_physics/body_motion": "disturbances energy odometry profile spec",
     "warehouse_physics/giving_way": "robot",
     "warehouse_physics/wheeled_robot": "arena energy profile robot spec",
     "warehouse_physics/driving": (
@@ -120,8 +120,8 @@ MAY_IMPORT = {
     "agents/lab/commands": (
         "errors fleet lab lab/commands/export lab/commands/fleet lab/commands/gap "
         "lab/commands/grade lab/commands/planners lab/commands/pogema lab/console lab/datasets "
-        "lab/experiments lab/playground lab/reports lab/runs lab/training lab/trials learning mapf registry search "
-        "warehouse_agent_greedy"
+        "lab/experiments lab/playground lab/reports lab/runs lab/training lab/trials learning mapf "
+        "registry search warehouse_agent_greedy"
     ),
     "agents/handbook": "lab/commands",
     "agents/__main__": "lab/commands",

@@ -30,8 +30,8 @@ def dataset(
         str,
         option(
             "--save -o NAME",
-            "Name of the dataset and its version, as in warehouse/greedy-v0, by which "
-            "minari.load_dataset finds it.",
+            f"{options.SAVE} A dataset by its name and version, as in warehouse/greedy-v0, by "
+            "which minari.load_dataset finds it.",
         ),
     ],
     agent: options.AgentOption = "greedy",
@@ -44,7 +44,11 @@ def dataset(
     ] = None,
     order_rate: options.OrderRate = 0.2,
     backend: Annotated[
-        str, option("--backend NAME", "Name of an installed motion backend: grid, physics.")
+        str,
+        option(
+            "--backend NAME",
+            "Name of the motion backend. Allowed: grid, physics, or another that is installed.",
+        ),
     ] = "grid",
     layout: options.LayoutOption = None,
     stations: options.StationsOption = None,
@@ -55,9 +59,9 @@ def dataset(
     max_steps: options.MaxSteps = 200,
     view_radius: options.ViewRadius = 2,
 ) -> None:
-    """Write a dataset of Minari for offline learning.
+    """Write episodes for offline learning.
 
-    It has whole episodes, with masks of actions and what the motion did as
+    They are a dataset of Minari: whole episodes, with masks of actions and what the motion did as
     infos, and a Croissant card, in the folder MINARI_DATASETS_PATH or in
     ~/.minari/datasets. A reset of Warehouse-v0 with the seed of an episode and
     its actions repeat it. The data of several robots is joint: actions [T, R],

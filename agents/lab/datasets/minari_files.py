@@ -94,8 +94,9 @@ def check_name(name: str) -> str:
 
 def _prepare(name: str) -> Path:
     """Return the path of a new dataset, whose namespace exists."""
-    path = Path(get_dataset_path(check_name(name)))
-    space = path.relative_to(get_dataset_path()).parent.as_posix()
+    # Absolute, as the sizes of files at relative paths are not found by Minari.
+    path = Path(get_dataset_path(check_name(name))).absolute()
+    space = Path(name).parent.as_posix()
     if space != "." and space not in list_local_namespaces():
         create_namespace(space)
     return path

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.batch.fleet.battery import STEPS
 from warehouse_core.batch.fleet.floor import FleetFloor
+from warehouse_core.batch.fleet.headed_robots import HeadedRobots
 from warehouse_core.batch.fleet.mingling import MingledMotion
 from warehouse_core.batch.fleet.order_books import OrderBooks
 from warehouse_core.batch.fleet.people import Crowd
@@ -23,10 +24,12 @@ from warehouse_core.motion.backends import Backend, make_fleet_motion, make_moti
 from warehouse_core.motion.batch import BatchOutcome, CanFail, FleetBatchMotion
 from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.task.rules import judge
-from warehouse_core.world.actions import PICK, WAIT
+from warehouse_core.world.actions import PICK
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Flags, Integers, LayoutSet, Rows
 from warehouse_core.world.tiles import EMPTY
+
+NO_HEADINGS = np.empty(0, np.intp)
 
 TAKEN = judge(PICK, EMPTY, False, False)
 """The verdict on a robot whose item another one has just taken."""
@@ -58,8 +61,10 @@ class FleetEngine:
         if settings.people.count:
             motion = MingledMotion(motion, settings.robots, self.crowd)
         self.motion = motion
-        self.robots = Robots(self._floor, motion, rows)
-        self.tally = Tally(floors, settings.robots)
+        make_robots = HeadedRobots if settings.has_headings else Robots
+        self.robots = make_robots(self._floor, motion, rows)
+        self._wait = settings.actions.wait
+        self.tally = Tally(floors, settings.robots, settings.actions)
         self._streams = [np.random.default_rng() for _ in layouts]
         self._charge = settings.battery.step_charge(make_motion(backend).cell_size)
         self.battery = np.zeros(rows)
@@ -97,7 +102,7 @@ class FleetEngine:
     def step(self, actions: NDArray[np.intp], over: Integers = NO_FLOORS) -> EngineStep:
         """Carry out one action for each robot; see ``Engine.step``."""
         active, had_item = ~self.ended, self.robots.has_item
-        chosen = np.where(active, actions, WAIT)
+        chosen = np.where(active, actions, self._wait)
         outcome, rewards, delivered, charging = self.robots.step(chosen)
         charging = np.zeros_like(active) if charging is None else charging & active
         rewards[~active] = 0.0
@@ -132,8 +137,13 @@ class FleetEngine:
         return arrays
 
     def masks(self) -> NDArray[np.int8]:
-        """Return ``[N, 7]`` int8: 1 for each action that does something now."""
+        """Return int8 ``[N, 7]``, or with headings ``[N, 6]``: 1 for what does something now."""
         return self.robots.masks()
+
+    @property
+    def headings(self) -> Integers:
+        """``[N]`` headings, 0 to 3 for N, E, S and W; none of robots without headings."""
+        return self.robots.headings if isinstance(self.robots, HeadedRobots) else NO_HEADINGS
 
     def measures(self, floor: int) -> FleetMeasures:
         """Return the measures of the present episode on a floor."""
