@@ -39,7 +39,7 @@ CONTEXT: dict[str, Any] = {
     "examples": {"@id": "cr:examples", "@type": "@json"},
     **{word: f"cr:{word}" for word in OF_CROISSANT},
 }
-"""What the words of a card mean: the context that each card of the format has."""
+"""Meanings of the words of a card, the same for each card of the format."""
 
 
 def write_card(
@@ -51,8 +51,8 @@ def write_card(
         folder: folder of the dataset.
         file: path in it of the file that has the data.
         name: name of the dataset and its version, as in ``warehouse/greedy-v0``.
-        source: where the episodes come from.
-        totals: how many of what there are.
+        source: source of the episodes.
+        totals: number of episodes and of steps.
     """
     title, _, version = name.rpartition("-v")
     counts = ", ".join(f"{count:,} {what}" for what, count in totals.items())

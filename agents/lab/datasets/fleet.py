@@ -1,8 +1,8 @@
 """Episodes of a fleet, as the joint data of all its robots.
 
-Minari has datasets of one actor. A fleet is one here: its observations and actions are those of all
-robots, one after the other, as in the storage of OG-MARL. What belongs to a robot and has no place
-there, above all its reward, is in the infos.
+Minari has datasets of one actor. A fleet is one here: an observation and an action hold all robots,
+one after the other, as in the storage of OG-MARL. Infos hold what the format has no place for,
+above all the reward of each robot.
 """
 
 from __future__ import annotations

@@ -116,7 +116,7 @@ class _Rows:
         self._seeds, self._over = [0] * count, np.ones(count, np.bool_)
         self._rows, self._steps = np.arange(count), np.zeros(count, np.intp)
         self._buffers: dict[str, NDArray[Any]] = {}
-        """For each name ``[B, max_steps + 1, ...]``: what has been recorded of the episodes."""
+        """Records of the episodes so far, ``[B, max_steps + 1, ...]`` for each name."""
 
     def step(self) -> list[EpisodeArrays]:
         """Carry out one action in each row, and return the episodes that have ended by it."""

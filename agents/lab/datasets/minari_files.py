@@ -53,7 +53,7 @@ def save_dataset(name: str, source: Source, episodes: Iterable[EpisodeArrays]) -
 
     Args:
         name: name and version, as in ``warehouse/greedy-v0``.
-        source: where they come from.
+        source: source of the episodes.
         episodes: the episodes, in the order in which they are numbered.
 
     Raises:

@@ -21,7 +21,7 @@ OF_STEPS = ("actions", "rewards", "terminations", "truncations")
 """Names of the arrays that have an element for each step; others have one more, for the start."""
 
 MOTION = ("blocked", "seconds", "joules")
-"""What infos tell about a move."""
+"""Names of the columns of ``infos/motion``."""
 
 INFO_FIELDS = {
     "infos/action_mask": "1 for each action that has an effect",
@@ -59,7 +59,7 @@ class Source(Protocol):
         action_space: space of an action.
         spec: spec from which Gymnasium makes the environment again; ``None`` for a fleet.
         layout: layout of the floor.
-        task: what the agent did, in words.
+        task: the task of the agent, in words.
         fields: meaning of each array, by its name.
     """
 
