@@ -18,6 +18,7 @@ MAY_IMPORT = {
     "warehouse_core/copies": "",
     "warehouse_core/errors": "",
     "warehouse_core/extras": "",
+    "warehouse_core/registration": "",
     "warehouse_core/wording": "",
     "warehouse_core/arguments": "wording",
     "warehouse_core/files": "errors wording",
@@ -37,7 +38,8 @@ MAY_IMPORT = {
         "arguments batch/fleet copies errors motion orders task wording world"
     ),
     "warehouse_core/gymnasium_env": (
-        "arguments batch batch/shell copies errors motion render task warehouse_env wording world"
+        "arguments batch batch/shell copies errors motion registration render task warehouse_env "
+        "wording world"
     ),
     "warehouse_core/records": (
         "arguments batch/fleet errors files fleet motion orders task warehouse_env wording world"
@@ -143,7 +145,8 @@ EXPORTS = {
     "warehouse_core.fleet": "Battery FleetBatch FleetEnv FleetMeasures FleetObservation People",
     "warehouse_core.files": "atomic_path read_arrays write_arrays",
     "warehouse_core.gymnasium_env": """
-        FORMS ID Extent Form WarehouseGymnasiumEnv WarehouseVectorEnv make_form
+        FORMS GOAL_ID ID Extent Form WarehouseGoalEnv WarehouseGymnasiumEnv WarehouseVectorEnv
+        make_form
     """,
     "warehouse_core.motion": """
         BatchMotion BatchOutcome Batchable Conditions Contact HasConditions Motion Outcome
