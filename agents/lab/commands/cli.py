@@ -12,6 +12,7 @@ from agents.lab.commands import layout as layout_commands
 from agents.lab.commands.clone import train_clone
 from agents.lab.commands.compare_agents import compare_agents
 from agents.lab.commands.compare_backends import compare_backends
+from agents.lab.commands.dataset import dataset
 from agents.lab.commands.demos import demo
 from agents.lab.commands.explore import explore
 from agents.lab.commands.export.export import export
@@ -106,6 +107,7 @@ GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
     "Study": {
         "compare": comparing,
         "train": training,
+        "dataset": dataset,
         "sweep": sweep,
         "report": report,
         "grade": grade,
