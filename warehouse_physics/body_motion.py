@@ -13,6 +13,7 @@ from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 from warehouse_physics.disturbances import Disturbances
+from warehouse_physics.energy import move_joules
 from warehouse_physics.odometry import Odometry
 from warehouse_physics.profile import Floats
 from warehouse_physics.spec import RobotSpec
@@ -61,6 +62,7 @@ class BodyMotion:
             else instance_of("disturbances", disturbances, Disturbances)
         )
         self.cell_size = self.spec.cell_size
+        self.cell_joules = move_joules(self.spec, loaded=True)
         self._record_path = flag("record_path", record_path)
         self._path_every = whole_number("path_every", path_every, 1, MAX_STEPS)
         self._begun: tuple[Layout, tuple[Cell, ...], int] | None = None

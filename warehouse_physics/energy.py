@@ -17,7 +17,7 @@ from typing import TypeVar
 
 import numpy as np
 
-from warehouse_physics.profile import Floats
+from warehouse_physics.profile import Floats, plan_profile
 from warehouse_physics.spec import RobotSpec
 
 Amount = TypeVar("Amount", float, Floats)
@@ -48,6 +48,15 @@ def turn_work(spec: RobotSpec, quarters: int, loaded: bool) -> float:
     energy, drag = kinetic(mass, speed, 0.0), spec.drag_force(loaded)
     braked = drag * (speed * dt * profile.go - way) - energy
     return spent(energy + drag * way) - regained(spec, braked)
+
+
+def move_joules(spec: RobotSpec, loaded: bool) -> float:
+    """Return what a free move over one cell takes from the battery, at most; nominal, in J."""
+    pace = spec.attainable_acceleration(loaded)
+    profile = plan_profile((0.0, 0.0), (spec.cell_size, 0.0), *spec.limits(pace))
+    work = kinetic(spec.total_mass(loaded), *profile.velocity)
+    work += spec.drag_force(loaded) * spec.cell_size
+    return joules_of(spec, work, (profile.go + profile.brake) * spec.time_step)
 
 
 def joules_of(spec: RobotSpec, work: Amount, seconds: Amount | float) -> Amount:

@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from warehouse_core import Cell, Layout, Outcome
-from warehouse_core.motion.base import check_moves, check_starts
+from warehouse_core.motion.base import check_directions, check_moves, check_starts
 from warehouse_physics.batch.rigid_body_batch import RigidBodyBatch
 from warehouse_physics.body_motion import PATH_EVERY, BodyMotion
 from warehouse_physics.disturbances import Disturbances, FloorConditions
@@ -42,6 +42,8 @@ class RigidBodyMotion(BodyMotion):
     that follows another, or goes round with others in a ring, needs them to leave at the same time.
     Those that have less to turn turn more slowly. Robots with differential drive set off together
     too, but each of them turns as fast as it can and then waits; see ``wheeled_robot.py``.
+
+    Robots of fleets with headings turn in their cells, while others drive; see ``face``.
 
     Args:
         spec: numbers of the robots; ``None`` is the default robot.
@@ -82,6 +84,7 @@ class RigidBodyMotion(BodyMotion):
             )
         self._paces = [self.spec.attainable_acceleration(loaded) for loaded in (False, True)]
         self._arena: RobotArena | None = None
+        self._facing: Sequence[Cell] = ()
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         """Build a new arena with robots at rest; see ``Motion.reset``.
@@ -100,8 +103,17 @@ class RigidBodyMotion(BodyMotion):
             )
         drawn = self._drawn(seed)
         floor = FloorConditions(self.disturbances, drawn) if self.disturbances.is_felt else None
-        self._arena = RobotArena(layout, cells, self.spec, floor)
+        self._arena, self._facing = RobotArena(layout, cells, self.spec, floor), ()
         self._begin(layout, cells, drawn)
+
+    @exclusive
+    def face(self, directions: Sequence[Cell]) -> None:
+        """Let robots turn on the spot in the next ``advance``; see ``Turns``."""
+        if self._arena is None:
+            raise RuntimeError("face() needs a reset() before it")
+        check_directions(len(self._arena.robots), directions)
+        self._facing = tuple(directions)
+        self._note("face", self._facing)
 
     @exclusive
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
@@ -123,6 +135,10 @@ class RigidBodyMotion(BodyMotion):
         )
         for robot in robots:
             robot.set_off(turning)
+        facing, self._facing = self._facing, ()
+        for robot, direction in zip(robots, facing, strict=False):
+            if direction != STAY and robot.action.goal == robot.action.home:
+                robot.turn_to(direction)
         paths = [[self._row(0.0, robot)] for robot in robots]
         substeps = self._drive(self._arena, paths)
         return self._measured(

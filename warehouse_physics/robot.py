@@ -156,6 +156,17 @@ class Robot:
         else:
             self.drive(0, self.action.target)
 
+    def turn_to(self, direction: Cell) -> None:
+        """Turn on the spot, the shorter way round, in an action that stays in its cell.
+
+        A robot that need not turn before it drives takes as long for it as for a free move.
+        """
+        spec = self._spec
+        substeps = self._turn_towards(direction)
+        if substeps:
+            self._steering.max_bias = abs(self._turn) / (substeps * spec.time_step)
+        self._brake(0, substeps or math.ceil(spec.move_seconds(self._loaded) / spec.time_step))
+
     def next_phase(self, now: int) -> None:
         """Start the phase that is due at substep ``now``."""
         self.look()

@@ -75,6 +75,11 @@ class WheeledRobot(Robot):
             self.action.deadline += turning
             self.drive(0, self.action.target)
 
+    def turn_to(self, direction: Cell) -> None:
+        """Turn on the spot in an action that stays in its cell; see ``Robot.turn_to``."""
+        self._leaves = 0
+        self._turn_by(0, math.remainder(math.atan2(*direction) - self.body.angle, math.tau))
+
     def next_phase(self, now: int) -> None:
         """Start the phase that is due at substep ``now``."""
         rim = abs(self.body.angular_velocity) * self._spec.wheel_arm

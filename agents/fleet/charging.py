@@ -17,7 +17,7 @@ from agents.mapf.graph import CLOSED, MOVES, Costs, Graph
 from agents.mapf.matching import cheapest_matching
 from warehouse_core import FleetEnv, Layout
 from warehouse_core.batch.fleet.battery import STEPS
-from warehouse_core.motion.base import cell_steps_of
+from warehouse_core.motion.base import HasCost, cell_steps_of
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.tables import Integers
 
@@ -77,6 +77,20 @@ def costs_around_chargers(layout: Layout, costs: Costs | None = None) -> Costs |
     return around
 
 
+def use_and_charge(env: FleetEnv) -> tuple[float, float]:
+    """Return the units that a robot uses for a cell, and those that a charger adds meanwhile.
+
+    In joules a robot uses what the motion says of its body, or what is nominal.
+    """
+    battery, motion, cell_steps = env.settings.battery, env.motion, cell_steps_of(env.motion)
+    use = battery.step_cost(env.cell_size)
+    if battery.unit == STEPS:
+        use *= cell_steps
+    elif isinstance(motion, HasCost):
+        use = motion.cell_joules
+    return use, battery.step_charge(env.cell_size) * cell_steps
+
+
 class Needs(NamedTuple):
     """What ``R`` robots need; all arrays are ``[R]``.
 
@@ -117,11 +131,7 @@ class Chargers:
         ways = [_ways_into(graph, cell) for cell in self.cells.tolist()]
         self._ways = np.array(ways, np.float64).reshape(-1, graph.size)
         self.home = self._ways.min(axis=0, initial=np.inf)
-        self._capacity, self._cost = battery.capacity, battery.step_cost(env.cell_size)
-        # Costs and charges are those of the time of a cell at top speed.
-        cell_steps = cell_steps_of(env.motion)
-        self._cost *= cell_steps if battery.unit == STEPS else 1.0
-        charge = battery.step_charge(env.cell_size) * cell_steps
+        self._capacity, (self._cost, charge) = battery.capacity, use_and_charge(env)
         self._reserve = min(SPARE_STEPS, SPARE_SHARE * battery.capacity / self._cost)
         self._gain = max(charge - self._cost, 0.0) or self._cost
         # Beyond the knee a charger is slow, and does more for the next robot.

@@ -6,7 +6,7 @@ import random
 
 import numpy as np
 
-from agents.fleet.charging import DETOUR, ENOUGH
+from agents.fleet.charging import DETOUR, ENOUGH, use_and_charge
 from warehouse_core import Agent, Cell, FleetEnv
 from warehouse_core.fleet.observation import FleetObservation
 from warehouse_core.records.recorder import explanation_of
@@ -26,7 +26,7 @@ CLOSED = (WALL, OTHER_EMPTY, OTHER_LOADED, PERSON)
 """Tiles of an observation that no robot can drive into."""
 
 NEARLY_FULL = 0.9
-"""Share of a full battery with which a robot leaves its charger."""
+"""Share of a full battery with which a robot leaves its charger, unless charging is slow before."""
 
 SPARE_MOVES = 10
 """Moves beyond ``DETOUR`` times the shortest way for which the battery of a robot still lasts when
@@ -45,21 +45,24 @@ class Site:
     Attributes:
         stations: cells where nobody should stand without a reason.
         enough: units with which no robot goes to charge, see ``ENOUGH``.
-        full: units with which a robot leaves its charger, see ``NEARLY_FULL``.
+        full: units with which a robot leaves its charger: ``NEARLY_FULL``, or less where the knee
+            of its battery is lower.
         free: chargers that no robot goes to.
     """
 
     def __init__(self, env: FleetEnv) -> None:
         layout, battery = env.layout, env.settings.battery
         self.stations = {*layout.pickups, *layout.dropoffs, *layout.chargers}
-        self.enough, self.full = ENOUGH * battery.capacity, NEARLY_FULL * battery.capacity
+        self.enough = ENOUGH * battery.capacity
+        knee = battery.capacity - battery.tail
+        self.full = max(min(NEARLY_FULL * battery.capacity, knee), self.enough)
         self.free = list(layout.chargers)
         self._ways = distances(layout, layout.chargers)
-        self._cost = battery.step_cost(env.cell_size)
+        self._cost, charge = use_and_charge(env)
         # Robots that start together run low together: those before one go to charge and do it.
         before = max(env.settings.robots / max(len(self.free), 1) - 1, 0)
         trip = DETOUR * float(self._ways[self._ways < np.inf].mean()) if self.free else 0.0
-        charging = self.full / battery.step_charge(env.cell_size)
+        charging = self.full / charge
         self._spare = SPARE_MOVES + before * (SPARE_MOVES + trip + charging)
 
     def reserve(self, cell: Cell) -> float:

@@ -56,6 +56,7 @@ longer, because Python is loaded. Commands of a terminal need an installation.*"
 
 COMMANDS = "commands are processes, which a browser does not have"
 GRADES = "the episodes of a grade are processes, which a browser does not have"
+DATA = "Minari keeps data in HDF5, which is not there in this browser"
 BODIES = "bodies need Pymunk, which is not made for browsers"
 
 NOT_THERE = {
@@ -63,6 +64,11 @@ NOT_THERE = {
     "my_distance.py": f"a command writes this file, and {COMMANDS}",
     "find_submission": GRADES,
     "report.grades": GRADES,
+    "minari": DATA,
+    "MINARI": DATA,
+    "recover_environment(": DATA,
+    "in data]": DATA,
+    "EvenInfos": DATA,
     "physics": BODIES,
     "Rigid": BODIES,
     "RobotSpec": BODIES,

@@ -148,8 +148,10 @@ VALID: dict[str, Any] = {
     "columns": 2,
     "count": 2,
     "FleetRecorder.env": FleetEnv(),
+    "achieved_goal": (0.1, 0.1, 0.0),
     "density": 0.2,
     "depth": 1,
+    "desired_goal": (0.5, 0.6, 1.0),
     "backend": "grid",
     "env": WarehouseEnv(),
     "episode": RECORD,
@@ -220,6 +222,7 @@ SEAMS = {
     "advance",
     "batch",
     "extend",
+    "face",
     "fleet_batch",
     *(f"{motion.__name__}.reset" for motion in (GridMotion, RigidBodyMotion, DrivingMotion)),
 }

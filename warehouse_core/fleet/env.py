@@ -25,9 +25,10 @@ from warehouse_core.orders.book import NONE, OrderBook
 from warehouse_core.orders.order import Order, OrderArrays, Orders
 from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.wording import brief, counted
-from warehouse_core.world.actions import DROP, INVALID, PICK, WAIT, action_index
+from warehouse_core.world.actions import INVALID
 from warehouse_core.world.display import display
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
+from warehouse_core.world.moves import COMPASS
 from warehouse_core.world.tables import Flags
 from warehouse_core.world.tiles import Cell
 
@@ -54,7 +55,8 @@ class FleetEnv(CopiedWhole):
         end.
 
     Actions:
-        The actions of ``WarehouseEnv`` for each robot.
+        The actions of ``WarehouseEnv`` for each robot; with ``moves="turn"``, FORWARD, RIGHT,
+        LEFT, WAIT, PICK and DROP, see ``world/moves.py``.
 
     Observations:
         ``FleetArrays`` with a leading ``R``; ``observe(robot)`` is one of them as a dictionary.
@@ -88,6 +90,8 @@ class FleetEnv(CopiedWhole):
             not, open orders are for whoever picks them first, or for ``assign``.
         late_penalty: reward lost for each step by which a delivery is late, at least 0.
         team_reward: give each robot that has not ended the mean of all rewards.
+        moves: ``"compass"``: each robot moves N, E, S or W; ``"turn"``: it has a heading, at first
+            east, moves forward, and turns in its cell, a quarter a step.
         seed: seed of the first reset without one.
 
     Attributes:
@@ -127,6 +131,7 @@ class FleetEnv(CopiedWhole):
         dispatch: bool = True,
         late_penalty: float = 0.0,
         team_reward: bool = False,
+        moves: str = COMPASS,
         seed: int | None = None,
     ) -> None:
         if layout is None:
@@ -143,6 +148,7 @@ class FleetEnv(CopiedWhole):
             dispatch=dispatch,
             late_penalty=late_penalty,
             team_reward=team_reward,
+            moves=moves,
         )
         self.motion = motion = make_motion(backend)
         self.cell_size, self.conditions = motion.cell_size, conditions_of(motion, self.layout)
@@ -192,9 +198,9 @@ class FleetEnv(CopiedWhole):
 
         Returns:
             Observations, ``[R]`` float64 rewards, ``[R]`` bool terminated and truncated, and info,
-            with ``action_mask`` ``[R, 7]`` int8, ``invalid_action`` ``[R]`` bool, and ``motion``,
-            which has ``blocked``, ``stopped_by`` (see ``BatchOutcome``), ``seconds`` and
-            ``joules``. All arrays are fresh.
+            with ``action_mask``, int8 ``[R, 7]`` or with headings ``[R, 6]``, ``invalid_action``
+            ``[R]`` bool, and ``motion``, which has ``blocked``, ``stopped_by`` (see
+            ``BatchOutcome``), ``seconds`` and ``joules``. All arrays are fresh.
 
         Raises:
             ValueError: a number of actions that is not ``R``, an action for a robot that does not
@@ -209,7 +215,8 @@ class FleetEnv(CopiedWhole):
         is_invalid = chosen == INVALID
         if is_invalid.any():
             # The same verdict: the mistake that the robot cannot help making.
-            mistakes = np.where(self._engine.robots.has_item, PICK, DROP)
+            pick, drop = self.settings.actions.pick, self.settings.actions.drop
+            mistakes = np.where(self._engine.robots.has_item, pick, drop)
             chosen = np.where(is_invalid, mistakes, chosen)
         outcome, rewards, terminated, truncated = self._engine.step(chosen)
         info = {
@@ -307,6 +314,11 @@ class FleetEnv(CopiedWhole):
         return self.layout.cells(self._engine.robots.cells)
 
     @property
+    def headings(self) -> list[int]:
+        """Where each robot heads, 0 to 3 for N, E, S and W; none of robots without headings."""
+        return list(self._engine.headings.tolist())
+
+    @property
     def ways(self) -> Ways:
         """What robots, and then people, have ahead of them: nothing, unless they drive through."""
         every = [True] * self.settings.bodies
@@ -370,7 +382,7 @@ class FleetEnv(CopiedWhole):
 
     def action_indices(self, actions: Actions) -> NDArray[np.intp]:
         """Return the indices ``[R]`` of actions, ``INVALID`` for unknown ones; see ``step``."""
-        robots = self.settings.robots
+        robots, allowed = self.settings.robots, self.settings.actions
         if isinstance(actions, Mapping):
             actions = self._listed(actions)
         if isinstance(actions, str) or not isinstance(actions, (Sequence, np.ndarray)):
@@ -379,10 +391,10 @@ class FleetEnv(CopiedWhole):
             )
         if isinstance(actions, np.ndarray) and actions.dtype.kind in "iu":
             given = actions.astype(np.intp)
-            given[(given < 0) | (given >= INVALID)] = INVALID
+            given[(given < 0) | (given >= len(allowed))] = INVALID
         else:
             # One more than there may be, as a range can be very long.
-            given = np.array([action_index(each) for each in islice(actions, robots + 1)], np.intp)
+            given = np.array([allowed.index(each) for each in islice(actions, robots + 1)], np.intp)
         if given.shape != (robots,):
             raise ValueError(f"actions of the shape {given.shape} for {robots} robots; one each")
         return given
@@ -396,7 +408,7 @@ class FleetEnv(CopiedWhole):
         missing = [robot for robot in range(robots) if robot not in actions and not ended[robot]]
         if missing:
             raise ValueError(f"no action for robot {missing[0]}; each that has not ended needs one")
-        return [actions.get(robot, WAIT) for robot in range(robots)]
+        return [actions.get(robot, self.settings.actions.wait) for robot in range(robots)]
 
     def _warn_of_supply(self) -> None:
         """Warn if the batteries do not last, and the chargers supply less than the robots use."""

@@ -9,11 +9,12 @@ from numpy.typing import NDArray
 
 from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.task.state import Observation
+from warehouse_core.world.moves import HEADINGS
 from warehouse_core.world.tiles import CELL_CODES, Cell
 
 
 class FleetObservation(Observation, total=False):
-    """The observation of a robot of a fleet: the keys of the chapter, and two more.
+    """The observation of a robot of a fleet: the keys of the chapter, and three more.
 
     ``pickup_pos`` is where the robot's order waits for it, and ``dropoff_pos`` where it is due. In
     ``local_grid``, ``O`` and ``o`` are other robots without and with an item, ``H`` is a person,
@@ -23,6 +24,7 @@ class FleetObservation(Observation, total=False):
         due: the step by which the robot's order is due, or ``None``; with orders only.
         charger_pos: the nearest charger, or ``None``; with chargers only, and not for a robot that
             is alone without orders.
+        heading: ``"N"``, ``"E"``, ``"S"`` or ``"W"``; of a robot with a heading only.
 
     Example:
         >>> from warehouse_core import FleetEnv
@@ -36,6 +38,7 @@ class FleetObservation(Observation, total=False):
 
     due: int | None
     charger_pos: Cell | None
+    heading: str
 
 
 _CHARACTERS = bytes(map(ord, CELL_CODES)).ljust(256, b"?")
@@ -59,6 +62,8 @@ def observation_of(arrays: FleetArrays, row: int) -> FleetObservation:
         observation["due"] = None if due < 0 else due
     if "charger_pos" in arrays:
         observation["charger_pos"] = _cell(arrays["charger_pos"][row])
+    if "heading" in arrays:
+        observation["heading"] = HEADINGS[arrays["heading"][row]]
     return observation
 
 

@@ -205,6 +205,24 @@ class Motion(Protocol):
         """Release resources; safe to call twice."""
 
 
+@runtime_checkable
+class Turns(Motion, Protocol):
+    """A motion whose robots can turn on the spot; any other waits instead."""
+
+    def face(self, directions: Sequence[Cell]) -> None:
+        """Let robots that stay in their cells in the next ``advance`` turn in it.
+
+        Args:
+            directions: displacement of a move in the direction that each robot turns to, the
+                shorter way round; ``(0, 0)`` for robots that do not turn.
+
+        Raises:
+            ValueError: another number of directions than robots, or another displacement; nothing
+                has changed.
+            RuntimeError: before ``reset`` or after ``close``.
+        """
+
+
 class Ways(NamedTuple):
     """The ways that ``R`` robots have ahead of them.
 
@@ -239,6 +257,17 @@ class HasPace(Protocol):
 def cell_steps_of(motion: object) -> float:
     """Return how many steps of a motion a robot takes for a cell, 1 if it does not say so."""
     return motion.cell_steps if isinstance(motion, HasPace) else 1.0
+
+
+@runtime_checkable
+class HasCost(Protocol):
+    """A motion that says how much energy a cell takes.
+
+    Attributes:
+        cell_joules: joules that a robot with an item takes for a cell.
+    """
+
+    cell_joules: float
 
 
 @runtime_checkable
@@ -330,6 +359,17 @@ def check_starts(layout: Layout, cells: Sequence[Cell]) -> None:
 _ALLOWED = frozenset(DISPLACEMENTS)
 
 
+def check_directions(robots: int, directions: Sequence[Cell]) -> None:
+    """Raise unless there is one direction to turn to for each robot; for backends, in ``face``.
+
+    Raises:
+        ValueError: naming the robot and the direction, or the two counts.
+    """
+    if len(directions) != robots:
+        raise ValueError(f"{len(directions)} directions for {robots} robots; one each")
+    _check_displacements("direction", directions)
+
+
 def check_moves(robots: int, displacements: Sequence[Cell], loaded: Sequence[bool]) -> None:
     """Raise unless there is one action for each robot; for backends to call in ``advance``.
 
@@ -341,6 +381,10 @@ def check_moves(robots: int, displacements: Sequence[Cell], loaded: Sequence[boo
             f"{len(displacements)} displacements and {len(loaded)} loads for {robots} robots; "
             "one of each is needed for every robot"
         )
+    _check_displacements("displacement", displacements)
+
+
+def _check_displacements(name: str, displacements: Sequence[Cell]) -> None:
     if not _ALLOWED.issuperset(displacements):
         robot, bad = next(each for each in enumerate(displacements) if each[1] not in _ALLOWED)
-        raise ValueError(f"displacement {bad!r} of robot {robot}; allowed: {sorted(_ALLOWED)}")
+        raise ValueError(f"{name} {bad!r} of robot {robot}; allowed: {sorted(_ALLOWED)}")

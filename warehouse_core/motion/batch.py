@@ -129,6 +129,19 @@ class CanFail(Protocol):
 
 
 @runtime_checkable
+class CanTurn(Protocol):
+    """A batch motion whose robots can turn on the spot."""
+
+    def face(self, actions: Integers) -> None:
+        """Let robots that stay in their cells in the next ``advance`` turn in it.
+
+        Args:
+            actions: ``[N]``, indices into ``DISPLACEMENTS`` of the directions that the robots turn
+                to; ``WAIT`` for those that do not turn.
+        """
+
+
+@runtime_checkable
 class Batchable(Protocol):
     """A motion that can move one robot in each of many layouts by arrays.
 

@@ -20,6 +20,7 @@ from warehouse_core.motion.base import (
     Contact,
     Outcome,
     centre_of,
+    check_directions,
     check_moves,
     check_starts,
     robot_contact,
@@ -84,6 +85,7 @@ class GridMotion:
         self._layout = Layout([EMPTY])
         self._cells: list[Cell] = []
         self._headings: list[Cell] = []
+        self._facing: Sequence[Cell] = ()
         self._lone: dict[tuple[Cell, Cell, Cell], tuple[Outcome]] = {}
         self._paths: dict[Cell, NDArray[np.float64]] = {}
 
@@ -94,7 +96,14 @@ class GridMotion:
             self._lone, self._paths = {}, {}
         self._layout = layout
         self._cells = list(cells)
-        self._headings = [EAST] * len(cells)
+        self._headings, self._facing = [EAST] * len(cells), ()
+
+    def face(self, directions: Sequence[Cell]) -> None:
+        """Let robots turn on the spot in the next ``advance``; see ``Turns``."""
+        if not self._cells:
+            raise RuntimeError("face() needs a reset() before it")
+        check_directions(len(self._cells), directions)
+        self._facing = tuple(directions)
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
         """Move every robot by one action; see ``Motion.advance``.
@@ -102,7 +111,7 @@ class GridMotion:
         The outcome for a lone robot depends only on the walls, so it is cached for each cell,
         displacement and heading.
         """
-        if not len(self._cells) == len(displacements) == len(loaded) == 1:
+        if self._facing or not len(self._cells) == len(displacements) == len(loaded) == 1:
             return self._advance_all(displacements, loaded)
         displacement = displacements[0]
         heading = self._headings[0] if displacement == STAY else displacement
@@ -135,11 +144,16 @@ class GridMotion:
         check_moves(len(self._cells), displacements, loaded)
         targets = list(map(moved, self._cells, displacements))
         stops = find_stops(self._layout, self._cells, targets)
-        self._headings = [
-            heading if displacement == STAY else displacement
-            for heading, displacement in zip(self._headings, displacements, strict=True)
+        turns, self._facing = self._facing or displacements, ()
+        starts = [
+            heading if move == STAY else move
+            for heading, move in zip(self._headings, displacements, strict=True)
         ]
-        outcomes = tuple(map(self._outcome, self._cells, targets, self._headings, stops))
+        self._headings = [
+            turn if move == STAY != turn else heading
+            for heading, move, turn in zip(starts, displacements, turns, strict=True)
+        ]
+        outcomes = tuple(map(self._outcome, self._cells, targets, self._headings, stops, starts))
         self._cells = [outcome.cell for outcome in outcomes]
         return outcomes
 
@@ -157,13 +171,18 @@ class GridMotion:
             self._lone.clear()
         return self._outcome(cell, target, heading, None if is_open else WALL_CONTACT)
 
-    def _outcome(self, cell: Cell, target: Cell, heading: Cell, stop: Obstacle) -> Outcome:
+    def _outcome(
+        self, cell: Cell, target: Cell, heading: Cell, stop: Obstacle, start: Cell | None = None
+    ) -> Outcome:
+        """Return the outcome of a move, or of a turn to ``heading`` from ``start``."""
         end = target if stop is None else cell
         x0, y0 = centre_of(cell, self.cell_size)
         x1, y1 = centre_of(end, self.cell_size)
-        angle = ANGLES[heading]
+        angle = before = ANGLES[heading]
+        if start is not None and start != heading:
+            before -= math.remainder(angle - ANGLES[start], math.tau)
         # An array over bytes is read-only, and faster to make than one from tuples.
-        data = _pack(0.0, x0, y0, angle, NOMINAL_SECONDS, x1, y1, angle)
+        data = _pack(0.0, x0, y0, before, NOMINAL_SECONDS, x1, y1, angle)
         path = np.ndarray((2, 4), np.float64, data)
         joules = self._waiting_joules if target == cell else self._moving_joules
         if stop is None:
@@ -259,8 +278,9 @@ class GridFleetBatch(GridBatch):
         self._floor = np.repeat([0, *ends[:-1].tolist()], robots)
         self._traffic = ArrayTraffic(int(ends[-1]), len(layouts), robots)
         self._before = np.full_like(self._cells, NOT_MOVED)
-        self._headings = np.full(len(self._cells), DISPLACEMENTS.index(EAST))
+        self._headings = self._starts = np.full(len(self._cells), DISPLACEMENTS.index(EAST))
         self._moving = self._cells > 0
+        self._facing: Integers | None = None
 
     def place(
         self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
@@ -270,10 +290,18 @@ class GridFleetBatch(GridBatch):
         self._before[rows] = NOT_MOVED
         self._headings[rows] = DISPLACEMENTS.index(EAST)
 
+    def face(self, actions: Integers) -> None:
+        """Let robots turn on the spot in the next ``advance``; see ``CanTurn``."""
+        self._facing = actions
+
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
         """Move every robot by one action; see ``BatchMotion.advance``."""
         self._before, self._moving = self._cells, actions < WAIT
-        self._headings = np.where(self._moving, actions, self._headings)
+        self._headings = self._starts = np.where(self._moving, actions, self._headings)
+        if self._facing is not None:
+            turning = (self._facing < WAIT) & ~self._moving
+            self._headings = np.where(turning, self._facing, self._headings)
+            self._facing = None
         wanted = super().advance(actions, loaded)
         if self._robots == 1:  # only walls stop it
             return wanted._replace(stopped_by=np.where(wanted.blocked, WALL, NOTHING))
@@ -292,9 +320,13 @@ class GridFleetBatch(GridBatch):
             raise RuntimeError(f"outcomes() needs an advance() after the place() of floor {floor}")
         layout = self._layouts.kinds[self._layouts.kind[floor]]
         self._motion.reset(layout, layout.cells(starts), None)
-        headings = [DISPLACEMENTS[heading] for heading in self._headings[rows].tolist()]
-        self._motion._headings = headings
-        moves = [way if moves else STAY for way, moves in zip(headings, moving, strict=True)]
+        starts, ends = (
+            [DISPLACEMENTS[heading] for heading in headings[rows].tolist()]
+            for headings in (self._starts, self._headings)
+        )
+        self._motion._headings = starts
+        self._motion.face(ends)
+        moves = [way if moves else STAY for way, moves in zip(starts, moving, strict=True)]
         return self._motion.advance(moves, moving)
 
 

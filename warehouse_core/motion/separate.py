@@ -10,7 +10,14 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.motion.base import DrivesThrough, Motion, Outcome, check_starts, robot_contact
+from warehouse_core.motion.base import (
+    DrivesThrough,
+    Motion,
+    Outcome,
+    Turns,
+    check_starts,
+    robot_contact,
+)
 from warehouse_core.motion.batch import NOTHING, WALL, BatchOutcome
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.layout import Layout
@@ -97,6 +104,12 @@ class SeparateMotions:
             np.array(driving, np.bool_) if driving else None,
             np.array(failed, np.bool_) if failed else None,
         )
+
+    def face(self, actions: Integers) -> None:
+        """Let robots turn on the spot, where the motion can do that; see ``CanTurn``."""
+        for motion, chosen in zip(self._motions, self._by_floor(actions).tolist(), strict=True):
+            if isinstance(motion, Turns):
+                motion.face([DISPLACEMENTS[action] for action in chosen])
 
     def outcomes(self, floor: int) -> Sequence[Outcome]:
         """Return what the last ``advance`` did on one floor; see ``BatchMotion.outcomes``."""

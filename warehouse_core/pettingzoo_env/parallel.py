@@ -20,7 +20,7 @@ from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.render.window import PictureWindow
 from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.wording import brief
-from warehouse_core.world.actions import ACTIONS, WAIT, valid_action
+from warehouse_core.world.actions import valid_action
 from warehouse_core.world.named_layouts import GivenLayout, as_layout
 from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED
 
@@ -40,7 +40,8 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
 
     Actions:
         ``Discrete(7)`` for each robot: N, E, S, W, WAIT, PICK, DROP. ``info["action_mask"]``,
-        ``[7]`` int8, has a 1 for each action that does something now.
+        ``[7]`` int8, has a 1 for each action that does something now. With ``moves="turn"``,
+        ``Discrete(6)``: FORWARD, RIGHT, LEFT, WAIT, PICK, DROP.
 
     Observations:
         ``"dict"``: a flat ``Dict`` of the keys of ``FleetArrays``, and ``action_mask``.
@@ -103,8 +104,9 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
         self._space, self._form = make_fleet_form(observation, extent, fleet)
         self._has_masks = observation == "dict"
         self.possible_agents = [f"robot_{robot}" for robot in range(fleet.settings.robots)]
-        self._actions = {agent: spaces.Discrete(len(ACTIONS)) for agent in self.possible_agents}
-        self.state_space = state_space(extent, len(self.possible_agents))
+        count = len(fleet.settings.actions)
+        self._actions = {agent: spaces.Discrete(count) for agent in self.possible_agents}
+        self.state_space = state_space(extent, fleet)
         self.agents: list[str] = []
         self._running = np.zeros(len(self.possible_agents), np.bool_)
         self.render_mode = render_mode
@@ -144,7 +146,7 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
         return self._dicts(arrays, info["action_mask"])
 
     def step(self, actions: Mapping[str, int]) -> ParallelStep:
-        """Carry out one action, an integer 0 to 6, for each of ``agents``.
+        """Carry out one action, an integer, for each of ``agents``.
 
         Returns:
             Observations, rewards, terminated, truncated and infos of these agents. When all have
@@ -209,8 +211,10 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
             odd = sorted(actions.keys() ^ set(self.agents), key=str)[0]
             what = "an action for" if odd in actions else "no action for"
             raise ValueError(f"{what} {odd}; needed: one for each of agents and no other")
-        chosen = np.full(len(self._running), WAIT)
-        chosen[self._running] = [valid_action(actions[agent]) for agent in self.agents]
+        allowed = self.fleet.settings.actions
+        chosen = np.full(len(self._running), allowed.wait)
+        given = [valid_action(actions[agent], len(allowed)) for agent in self.agents]
+        chosen[self._running] = given
         return chosen
 
     def _dicts(self, arrays: FleetArrays, masks: NDArray[np.int8]) -> Dicts:
@@ -219,7 +223,10 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
         form: Any = self._form(arrays)
         observed, masked = form, list(masks)
         if self._has_masks:
-            columns = {**form, "has_item": form["has_item"].tolist(), "action_mask": masked}
+            columns = {**form, "action_mask": masked}
+            columns |= {
+                name: form[name].tolist() for name in ("has_item", "heading") if name in form
+            }
             observed = [{} for _ in masked]
             for key, column in columns.items():  # faster than row by row
                 for each, value in zip(observed, column, strict=True):
@@ -233,9 +240,8 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
 
     def _picture(self) -> NDArray[np.uint8]:
         fleet = self.fleet
-        return self._painter.fleet_picture(
-            fleet.layout, zip(fleet.cells, fleet.loaded, strict=True), fleet.people
-        )
+        robots = zip(fleet.cells, fleet.loaded, strict=True)
+        return self._painter.fleet_picture(fleet.layout, robots, fleet.people, fleet.headings)
 
     def _text(self) -> str:
         """Return the layout as text, with robots and people on top."""

@@ -15,7 +15,7 @@ from warehouse_core.arguments import MAX_STEPS, one_of
 from warehouse_core.fleet.env import FleetEnv
 from warehouse_core.gymnasium_env.spaces import Extent, Form, make_form
 from warehouse_core.task.encoding import FLEET_TILES, ObservationArrays, vector, vector_limits
-from warehouse_core.world.actions import ACTIONS
+from warehouse_core.world.moves import HEADINGS
 
 MAX_STATE_ORDERS = 32
 """Number of open orders in a state, the oldest ones; missing ones are filled with -1."""
@@ -34,14 +34,17 @@ def make_fleet_form(name: str, extent: Extent, fleet: FleetEnv) -> Form:
         form = make_form("dict", extent)
         known = dict(cast(spaces.Dict, form.space))
         extra: dict[str, spaces.Space[Any]] = {
-            "action_mask": spaces.Box(0, 1, (len(ACTIONS),), np.int8)
+            "action_mask": spaces.Box(0, 1, (len(fleet.settings.actions),), np.int8)
         }
         if fleet.settings.orders is not None:
             extra["due"] = spaces.Box(-1, MAX_STEPS, (1,), np.int32)
         if fleet.layout.chargers and not fleet.settings.is_lone:
             extra["charger_pos"] = known["pickup_pos"]
+        if fleet.settings.has_headings:
+            extra["heading"] = spaces.Discrete(len(HEADINGS))
         return Form(spaces.Dict(known | extra), form.of)
-    low, high = vector_limits(*extent, FLEET_TILES)
+    has_headings = fleet.settings.has_headings
+    low, high = vector_limits(*extent, FLEET_TILES, has_headings=has_headings)
     return Form(spaces.Box(low, high, dtype=np.float32), _fleet_vector)
 
 
@@ -49,12 +52,15 @@ def _fleet_vector(arrays: ObservationArrays) -> NDArray[np.float32]:
     return vector(arrays, FLEET_TILES)  # a lambda could not be pickled
 
 
-def state_space(extent: Extent, robots: int) -> spaces.Box[Any]:
+def state_space(extent: Extent, fleet: FleetEnv) -> spaces.Box[Any]:
     """Return the space of ``state_of``."""
     cell = (extent.height, extent.width)
-    robot = (*cell, 1, extent.battery, *cell, *cell, MAX_STEPS, 1)
+    heading = (len(HEADINGS) - 1,) if fleet.settings.has_headings else ()
+    robot = (*cell, 1, extent.battery, *cell, *cell, MAX_STEPS, 1, *heading)
     order = (*cell, *cell, extent.max_steps, MAX_STEPS)
-    high = np.array([extent.max_steps, *robot * robots, *order * MAX_STATE_ORDERS], np.float32)
+    high = np.array(
+        [extent.max_steps, *robot * fleet.settings.robots, *order * MAX_STATE_ORDERS], np.float32
+    )
     return spaces.Box(np.full(len(high), -1, np.float32), high, dtype=np.float32)
 
 
@@ -69,7 +75,7 @@ def state_of(fleet: FleetEnv, running: NDArray[np.bool_]) -> NDArray[np.float32]
             steps at which it was released and is due
     ======  =======================================================================================
 
-    What does not exist is -1.
+    What does not exist is -1. With headings there are 11 numbers for each robot, its heading last.
 
     Args:
         fleet: a fleet that has been reset.
@@ -84,6 +90,7 @@ def state_of(fleet: FleetEnv, running: NDArray[np.bool_]) -> NDArray[np.float32]
         arrays["dropoff_pos"],
         arrays.get("due", np.full((robots, 1), -1)),
         running[:, None],
+        np.reshape(fleet.headings, (robots, -1)),  # no column without headings
     )
     orders, waiting = fleet.orders, np.full((MAX_STATE_ORDERS, ORDER_FEATURES), -1)
     for row, number in enumerate(fleet.open_orders[:MAX_STATE_ORDERS]):

@@ -26,7 +26,7 @@ from warehouse_core.motion.batch import WALL
 from warehouse_core.orders.order import Order
 from warehouse_core.task.settings import Settings, conditions_in
 from warehouse_core.wording import brief, listed
-from warehouse_core.world.actions import INVALID
+from warehouse_core.world.actions import INVALID, WAIT
 from warehouse_core.world.layout import MAX_CELLS, Layout, check_size
 from warehouse_core.world.tiles import Cell
 
@@ -95,6 +95,9 @@ FLEET_COLUMNS: ColumnSpecs = {
 REASONED_COLUMNS: ColumnSpecs = FLEET_COLUMNS | {"reasons": ("<i4", "TR")}
 """Columns of a fleet whose agent gave reasons."""
 
+HEADED_COLUMNS: ColumnSpecs = REASONED_COLUMNS | {"headings": ("|i1", "FR")}
+"""Columns of a fleet whose robots have headings; it has reasons too, if only empty ones."""
+
 FIELD_OF = {"seconds": "step_seconds", "joules": "step_joules"}
 """Fields of ``Episode`` whose arrays have another name."""
 
@@ -126,7 +129,7 @@ Word = TypeVar("Word", bound=Hashable)
 
 SCHEMAS: tuple[Schema, ...] = tuple(
     {name: (dtype, len(axes)) for name, (dtype, axes) in columns.items()}
-    for columns in (LONE_COLUMNS, FLEET_COLUMNS, REASONED_COLUMNS)
+    for columns in (LONE_COLUMNS, FLEET_COLUMNS, REASONED_COLUMNS, HEADED_COLUMNS)
 )
 
 
@@ -187,7 +190,7 @@ def unpack(arrays: Arrays) -> EpisodeFields:
     fields["layout"] = unpack_layout(arrays["layout"])
     kind = FleetSettings if is_fleet else Settings
     fields["settings"] = kind.from_json(header.get("settings"))
-    _check_arrays(arrays, REASONED_COLUMNS if is_fleet else LONE_COLUMNS, fields["settings"])
+    _check_arrays(arrays, HEADED_COLUMNS if is_fleet else LONE_COLUMNS, fields["settings"])
     fields["motions"] = unpack_motions(arrays, header)
     (_unpack_fleet if is_fleet else _unpack_lone)(arrays, header, fields)
     return fields
@@ -237,9 +240,13 @@ def _pack_fleet(
     if fields["unknown_actions"]:
         given = fields["unknown_actions"].items()
         header["unknown_actions"] = [(*place, action) for place, action in given]
-    if fields["reasons"]:
-        header["reasons"], codes = encode_words(chain.from_iterable(fields["reasons"]))
-        arrays["reasons"] = codes.reshape(len(fields["reasons"]), -1)
+    settings, reasons = fields["settings"], fields["reasons"]
+    if settings.has_headings:
+        arrays["headings"] = np.asarray(fields["headings"])
+        reasons = reasons or [("",) * settings.robots] * len(fields["actions"])
+    if reasons or settings.has_headings:
+        header["reasons"], codes = encode_words(chain.from_iterable(reasons))
+        arrays["reasons"] = codes.reshape(-1, settings.robots)
     arrays["orders"] = np.array([*map(_numbers, fields["orders"])]).reshape(-1, LENGTHS["O"])
     arrays["assignments"] = np.array([*map(_without_none, fields["assignments"])]).reshape(-1, 3)
 
@@ -258,6 +265,7 @@ def _unpack_fleet(arrays: Arrays, header: EpisodeFields, fields: EpisodeFields) 
     bodies = np.hstack([arrays["cells"], arrays["people"]])[1:].ravel()
     _check_ends(arrays, layout.places(bodies[: len(arrays["motion_cells"])]))
     _check_numbers(arrays, settings)
+    _check_headings(arrays, settings)
     _check_orders(arrays["orders"], layout, settings.robots, len(arrays["actions"]))
     for name in FLEET_COLUMNS.keys() - MOTION_COLUMNS.keys() - {"header", "layout"}:
         fields[FIELD_OF.get(name, name)] = arrays[name]
@@ -269,6 +277,9 @@ def _unpack_fleet(arrays: Arrays, header: EpisodeFields, fields: EpisodeFields) 
     if "reasons" in arrays:
         words = decode_words(header, "reasons", arrays["reasons"].ravel())
         fields["reasons"] = _rows(words, settings.robots)
+    if settings.has_headings:
+        fields["headings"] = arrays["headings"]
+        fields["reasons"] = fields["reasons"] if any(words) else []
 
 
 def _check_arrays(arrays: Arrays, columns: ColumnSpecs, settings: Any) -> None:
@@ -332,6 +343,17 @@ def _check_numbers(arrays: Arrays, settings: FleetSettings) -> None:
     ):
         if not ((numbers >= low) & (numbers <= high)).all():
             raise RecordError(f"{name}: a number is outside {low}..{high}")
+
+
+def _check_headings(arrays: Arrays, settings: FleetSettings) -> None:
+    """Raise unless there are headings with ``moves="turn"`` only, and actions of these moves."""
+    if ("headings" in arrays) != settings.has_headings:
+        raise RecordError(f"headings do not go with moves {settings.moves!r}, or are missing")
+    last, actions = len(settings.actions) - 1, arrays["actions"]
+    if not ((actions <= last) | (actions == INVALID)).all():
+        raise RecordError(f"actions: a number is outside 0..{last}, and not {INVALID}")
+    if not np.isin(arrays.get("headings", 0), range(WAIT)).all():
+        raise RecordError(f"headings: a number is outside 0..{WAIT - 1}")
 
 
 def _check_orders(orders: NDArray[Any], layout: Layout, robots: int, steps: int) -> None:

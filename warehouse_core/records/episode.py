@@ -15,6 +15,7 @@ from pathlib import Path
 from typing import Any
 
 import numpy as np
+from numpy.typing import NDArray
 
 from warehouse_core.batch.fleet.settings import FleetSettings
 from warehouse_core.batch.fleet.tally import FleetMeasures
@@ -24,9 +25,10 @@ from warehouse_core.orders.order import Order
 from warehouse_core.records.arrays import SCHEMAS, is_equal, pack, schema_of, unpack
 from warehouse_core.task.settings import Settings
 from warehouse_core.wording import counted
-from warehouse_core.world.actions import ACTIONS, INVALID
+from warehouse_core.world.actions import INVALID
 from warehouse_core.world.display import display
 from warehouse_core.world.layout import Layout
+from warehouse_core.world.moves import COUNTS_AS, TURN_ACTIONS
 from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED, Cell, manhattan_distance
 
 DELIVERED = "delivered"
@@ -77,6 +79,8 @@ class Episode:
         motor_strength: Actual share of the motor force.
         unknown_actions: Actions of a fleet that are not allowed, as given, by step and robot.
         people: ``[F, P]`` int32, where the people were; () for a lone robot.
+        headings: ``[F, R]`` int8, 0 to 3 for N, E, S and W, where the robots headed; () without
+            headings.
         stopped_by: ``[T, R]`` int32, what blocked a move, see ``BatchOutcome``; people have the
             numbers from ``R`` on. () for a lone robot.
         step_seconds: ``[T, R]`` float64, duration of each motion; () for a lone robot.
@@ -113,6 +117,7 @@ class Episode:
     motor_strength: float = 1.0
     unknown_actions: dict[tuple[int, int], Action] = field(default_factory=dict)
     people: Column = ()
+    headings: Column = ()
     stopped_by: Column = ()
     step_seconds: Column = ()
     step_joules: Column = ()
@@ -193,12 +198,30 @@ class Episode:
         """
         if not self.is_fleet:
             return list(self.actions)
-        words: list[Action] = [*ACTIONS, INVALID]
+        words: dict[int, Action] = {
+            **dict(enumerate(self.settings.actions.words)),
+            INVALID: INVALID,
+        }
         return [
             tuple(self.unknown_actions.get((step, robot), words[action])
                   for robot, action in enumerate(actions))
             for step, actions in enumerate(self.actions.tolist())
         ]  # fmt: skip
+
+    def counted_actions(self, steps: int | slice = slice(None)) -> NDArray[np.integer]:
+        """Return what the actions of a fleet in some steps count as; see ``world/moves.py``.
+
+        Args:
+            steps: a step, or ``T`` of them; all if none are given.
+
+        Returns:
+            ``[R]`` or ``[T, R]`` indices into ``ACTIONS``, or ``INVALID``.
+        """
+        actions: NDArray[np.integer] = self.actions[steps]
+        if not self.settings.has_headings:
+            return actions
+        known = np.minimum(actions, len(TURN_ACTIONS) - 1)
+        return np.where(actions == INVALID, INVALID, COUNTS_AS[self.headings[:-1][steps], known])
 
     @property
     def frames(self) -> list[GridFrame]:

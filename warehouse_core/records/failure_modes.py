@@ -534,7 +534,7 @@ def _starvation(episode: Episode) -> Evidence | None:
 
 def _congested(episode: Episode) -> Evidence | None:
     by = episode.stopped_by
-    moves, blocked = int((episode.actions < WAIT).sum()), int((by >= 0).sum())
+    moves, blocked = int((episode.counted_actions() < WAIT).sum()), int((by >= 0).sum())
     if not blocked or blocked < BLOCKED_SHARE * moves:
         return None
     [(worst, times)] = Counter(episode.cells[:-1][by >= 0].tolist()).most_common(1)

@@ -19,7 +19,7 @@ def held_up(episode: FleetEpisode) -> NDArray[np.bool_]:
     """
     layout, cells = episode.layout, episode.cells
     chargers = layout.numbers(layout.chargers)
-    waits = (episode.actions == WAIT) & ~np.isin(cells[:-1], chargers)
+    waits = (episode.counted_actions() == WAIT) & ~np.isin(cells[:-1], chargers)
     found: NDArray[np.bool_] = waits & _has_order(episode) | (episode.stopped_by != NOTHING)
     found[1:] |= (cells[2:] == cells[:-2]) & (cells[1:-1] != cells[2:])
     return found

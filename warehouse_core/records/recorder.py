@@ -15,7 +15,7 @@ from warehouse_core.fleet.env import Actions, FleetEnv
 from warehouse_core.motion.backends import Backend
 from warehouse_core.motion.base import Outcome
 from warehouse_core.motion.grid import GridMotion
-from warehouse_core.records.arrays import FIELD_OF, FLEET_COLUMNS
+from warehouse_core.records.arrays import FIELD_OF, HEADED_COLUMNS
 from warehouse_core.records.episode import Action, Episode
 from warehouse_core.task.state import Observation
 from warehouse_core.warehouse_env import WarehouseEnv
@@ -27,6 +27,9 @@ NO_PATHS = ("grid", GridMotion.__name__)
 OF_FRAMES = ("cells", "loaded", "battery", "people")
 OF_STEPS = ("rewards", "actions", "stopped_by", "seconds", "joules")
 """Arrays of a fleet with a row a frame, and with a row a step."""
+
+HEADINGS_TOO = ("headings",)
+"""Array with a row a frame that a fleet with headings has too."""
 
 
 class Agent(Protocol):
@@ -203,7 +206,8 @@ class FleetRecorder:
         drawn = int(np.random.default_rng().integers(2**32))
         self._seed = drawn if seed is None else whole_number("seed", seed, 0, MAX_SEED)
         self._settings = FleetSettings.from_json(env.settings.to_json())
-        self._columns: dict[str, list[Any]] = {name: [] for name in (*OF_FRAMES, *OF_STEPS)}
+        self._of_frames = OF_FRAMES + HEADINGS_TOO * env.settings.has_headings
+        self._columns: dict[str, list[Any]] = {name: [] for name in (*self._of_frames, *OF_STEPS)}
         self._reasons: list[tuple[str, ...]] = []
         self._motions: list[tuple[Outcome, ...]] = []
         self._unknown: dict[tuple[int, int], Action] = {}
@@ -251,7 +255,7 @@ class FleetRecorder:
         env, arrays = self._env, dict[str, Any]()
         for name, rows in self._columns.items():
             bodies = len(env.people) if name == "people" else env.settings.robots
-            array = np.array(rows, FLEET_COLUMNS[name][0]).reshape(len(rows), bodies)
+            array = np.array(rows, HEADED_COLUMNS[name][0]).reshape(len(rows), bodies)
             arrays[FIELD_OF.get(name, name)] = array
         return Episode(
             env.layout,
@@ -275,7 +279,7 @@ class FleetRecorder:
     def _keep_frame(self) -> None:
         env = self._env
         as_arrays = {"cells": env.layout.numbers, "people": env.layout.numbers}
-        for name in OF_FRAMES:
+        for name in self._of_frames:
             self._columns[name].append(as_arrays.get(name, np.array)(getattr(env, name)))
 
 

@@ -123,6 +123,17 @@ def atlas(tile_pixels: int) -> Pixels:
     return tiles
 
 
+def noses(tile_pixels: int) -> NDArray[np.bool_]:
+    """Return the pixels of the nose of a robot by its heading, N, E, S and W, ``[4, T, T]``.
+
+    It is a triangle between the disc and the edge of the tile; tiles from 4 pixels on have one.
+    """
+    along = (np.arange(tile_pixels) + 0.5) / tile_pixels - 0.5
+    forward, aside = -along[:, None], np.abs(along)
+    north = (forward > ROBOT_RADIUS) & (aside <= 0.5 - forward)
+    return np.stack([np.rot90(north, -quarters) for quarters in range(4)])
+
+
 def _draw_cell(tile: str, robot: str, side: int) -> Pixels:
     points = np.empty((side * SAMPLES, side * SAMPLES, 3), np.uint8)
     points[:] = color_bytes({WALL: COLORS[WALL], UNSEEN: UNKNOWN}.get(tile, COLORS[EMPTY]))

@@ -21,8 +21,9 @@ from warehouse_core.render.atlas import (
     Pixels,
     atlas,
     color_bytes,
+    noses,
 )
-from warehouse_core.render.palette import BATTERY, FAINT, Color
+from warehouse_core.render.palette import BATTERY, FAINT, INK, Color
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import tile_codes
 from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED, WALL, Cell
@@ -67,7 +68,7 @@ class TilePainter:
 
     def __init__(self, tile_pixels: int) -> None:
         self.tile_pixels = whole_number("tile_pixels", tile_pixels, 2, MAX_TILE_PIXELS)
-        self._atlas = atlas(self.tile_pixels)
+        self._atlas, self._noses = atlas(self.tile_pixels), noses(self.tile_pixels)
         self._layout: Layout | None = None
         self._background: Pixels = np.empty((0, 0, 3), np.uint8)
 
@@ -95,7 +96,11 @@ class TilePainter:
         return self._picture(layout, [robot, *((cell, WAITING_ITEM) for cell in waiting)])
 
     def fleet_picture(
-        self, layout: Layout, robots: Iterable[tuple[Cell, bool]], people: Iterable[Cell] = ()
+        self,
+        layout: Layout,
+        robots: Iterable[tuple[Cell, bool]],
+        people: Iterable[Cell] = (),
+        headings: Iterable[int] = (),
     ) -> Pixels:
         """Return a new picture of a layout with robots and people, ``[H*T, W*T, 3]``.
 
@@ -106,20 +111,29 @@ class TilePainter:
             layout: layout to paint.
             robots: cell of each robot, and ``True`` if it is loaded.
             people: the cells of persons.
+            headings: heading of each robot, 0 to 3 for N, E, S and W, shown by a nose; none for
+                robots without headings.
 
         Raises:
             KeyError: a robot or a person is on a wall.
         """
         placed = [(cell, ROBOT_LOADED if loaded else ROBOT_EMPTY) for cell, loaded in robots]
-        return self._picture(layout, [*placed, *((cell, PERSON) for cell in people)])
+        picture = self._picture(layout, [*placed, *((cell, PERSON) for cell in people)])
+        for (cell, _), heading in zip(placed, headings, strict=False):
+            self._tile(picture, cell)[self._noses[heading]] = color_bytes(INK)
+        return picture
+
+    def _tile(self, picture: Pixels, cell: Cell) -> Pixels:
+        """Return the view of a cell in a picture."""
+        (row, col), side = cell, self.tile_pixels
+        return picture[row * side : (row + 1) * side, col * side : (col + 1) * side]
 
     def _picture(self, layout: Layout, placed: Iterable[tuple[Cell, str]]) -> Pixels:
         if layout is not self._layout:
             self._background, self._layout = self.paint(layout_codes(layout)), layout
-        picture, side = self._background.copy(), self.tile_pixels
+        picture = self._background.copy()
         for (row, col), sign in placed:
-            tile = self._atlas[CODES[layout.rows[row][col], sign]]
-            picture[row * side : (row + 1) * side, col * side : (col + 1) * side] = tile
+            self._tile(picture, (row, col))[:] = self._atlas[CODES[layout.rows[row][col], sign]]
         return picture
 
 

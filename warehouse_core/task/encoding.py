@@ -7,17 +7,19 @@ that take arrays accept any leading shape ``...``: one observation or a batch.
 
 from __future__ import annotations
 
-from typing import Any, TypedDict
+from typing import Any, TypedDict, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.task.state import Observation
+from warehouse_core.world.moves import HEADINGS
 from warehouse_core.world.tiles import (
     CELL_CODES,
     CHARGER,
     CODE_OF_BYTE,
     DROPOFF,
+    MOVE_DELTAS,
     OTHER_EMPTY,
     OTHER_LOADED,
     PERSON,
@@ -45,6 +47,8 @@ _CELL, _STEP = 1 / CELLS_PER_UNIT, 1 / STEPS_PER_UNIT
 
 _SCALES = np.array([_CELL, _CELL, *[1.0, _CELL, _CELL] * 2, 1.0, _STEP, _STEP], np.float32)
 
+
+_DIRECTIONS = np.array([MOVE_DELTAS[heading] for heading in HEADINGS], np.float32)
 
 Window = NDArray[np.uint8] | NDArray[np.bool_]
 """Codes of cells, or ``marks`` of them."""
@@ -74,16 +78,18 @@ class ObservationArrays(TypedDict):
 
 
 class FleetArrays(ObservationArrays, total=False):
-    """The observations of ``N`` robots: ``ObservationArrays`` with two more keys.
+    """The observations of ``N`` robots: ``ObservationArrays`` with three more keys.
 
     Attributes:
         due: ``[N, 1]`` int32, the step by which the robot's order is due, or -1; with orders only.
         charger_pos: ``[N, 2]`` int32, the nearest charger; with chargers only, and not for a robot
             that is alone without orders.
+        heading: ``[N]`` int64, 0 to 3 for N, E, S and W; of robots with headings only.
     """
 
     due: NDArray[np.int32]
     charger_pos: NDArray[np.int32]
+    heading: NDArray[np.int64]
 
 
 def encode(observation: Observation) -> ObservationArrays:
@@ -128,10 +134,14 @@ def arrays_of(window: Window, numbers: NDArray[np.int32], has_item: bool) -> Obs
 def vector(arrays: ObservationArrays, tiles: tuple[str, ...] = MARKED_TILES) -> NDArray[np.float32]:
     """Return an observation as one vector of ``T * K * K + 11`` numbers, ``[..., L]`` float32.
 
+    With headings there are two more.
+
     ======================  =====================================================================
     ``T * K * K``           for each cell of the window, row by row, a number for each of
                             ``tiles``: whether it is this one; by default wall, pickup, dropoff;
                             all else counts as floor
+    2                       with headings only: rows and columns to the cell that the robot heads
+                            for
     2                       row and column of the robot, in tens of cells
     3                       pickup: whether there is one, then rows and columns from the robot to
                             it, in tens of cells, 0 without a pickup
@@ -158,7 +168,9 @@ def vector(arrays: ObservationArrays, tiles: tuple[str, ...] = MARKED_TILES) -> 
     rest[8] = np.asarray(arrays["has_item"]).T
     rest[9:10] = arrays["battery"].T
     rest[10:11] = arrays["steps"].T
-    return np.concatenate([marked, rest.T * _SCALES], axis=-1, dtype=np.float32)
+    headings = cast(FleetArrays, arrays).get("heading")
+    facing = () if headings is None else (_DIRECTIONS[headings],)
+    return np.concatenate([marked, *facing, rest.T * _SCALES], axis=-1, dtype=np.float32)
 
 
 def marks(window: NDArray[Any], tiles: tuple[str, ...]) -> NDArray[np.bool_]:
@@ -176,13 +188,16 @@ def vector_limits(
     battery: int,
     max_steps: int,
     tiles: tuple[str, ...] = MARKED_TILES,
+    *,
+    has_headings: bool = False,
 ) -> tuple[NDArray[np.float32], NDArray[np.float32]]:
     """Return the lower and upper bounds of a vector, each ``[L]`` float32."""
     window = len(tiles) * (2 * view_radius + 1) ** 2
     row, col = height - 1, width - 1
     low = np.array([0, 0, *[0, -row, -col] * 2, 0, 0, 0], np.float32) * _SCALES
     high = np.array([row, col, *[1, row, col] * 2, 1, battery, max_steps], np.float32) * _SCALES
+    direction = np.ones(2 if has_headings else 0, np.float32)
     return (
-        np.concatenate([np.zeros(window, np.float32), low]),
-        np.concatenate([np.ones(window, np.float32), high]),
+        np.concatenate([np.zeros(window, np.float32), -direction, low]),
+        np.concatenate([np.ones(window, np.float32), direction, high]),
     )

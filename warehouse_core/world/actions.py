@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import operator
+from collections.abc import Mapping
 from typing import Any, SupportsIndex
 
 from warehouse_core.wording import brief
@@ -23,31 +24,35 @@ DISPLACEMENTS: tuple[Cell, ...] = tuple(
 _INDEX_OF_WORD = {word: index for index, word in enumerate(ACTIONS)}
 
 
-def action_index(action: str | SupportsIndex) -> int:
+def action_index(action: str | SupportsIndex, index_of: Mapping[str, int] = _INDEX_OF_WORD) -> int:
     """Return the index of an action given as a word (any case) or an integer (NumPy included).
 
     An unknown word or an integer out of range is ``INVALID``: it costs a step, as in the chapter.
+
+    Args:
+        action: the word or integer.
+        index_of: index of each allowed word, in order from 0.
 
     Raises:
         TypeError: ``action`` is neither a string nor an integer.
     """
     if isinstance(action, str):
-        index = _INDEX_OF_WORD.get(action)
+        index = index_of.get(action)
         if index is None:  # some letters outside ASCII have an upper case inside it
-            return _INDEX_OF_WORD.get(action.upper() if action.isascii() else "", INVALID)
+            return index_of.get(action.upper() if action.isascii() else "", INVALID)
         return index
     try:
         number = operator.index(action)
     except Exception:  # a user's ``__index__`` may raise anything
         raise TypeError(
             f"action {brief(action)} is {type(action).__name__}; "
-            f"allowed: one of {', '.join(ACTIONS)} or its index 0..{INVALID - 1}"
+            f"allowed: one of {', '.join(index_of)} or its index 0..{len(index_of) - 1}"
         ) from None
-    return number if 0 <= number < INVALID else INVALID
+    return number if 0 <= number < len(index_of) else INVALID
 
 
-def valid_action(action: Any) -> int:
-    """Return the index of an action given as an integer, which must be in range.
+def valid_action(action: Any, count: int = INVALID) -> int:
+    """Return the index of one of ``count`` actions given as an integer, which must be in range.
 
     Raises:
         ValueError: it is out of range.
@@ -57,9 +62,8 @@ def valid_action(action: Any) -> int:
         index = operator.index(action)
     except Exception:
         raise TypeError(
-            f"action {brief(action)} is {type(action).__name__}; "
-            f"allowed: an integer 0..{INVALID - 1}"
+            f"action {brief(action)} is {type(action).__name__}; allowed: an integer 0..{count - 1}"
         ) from None
-    if not 0 <= index < INVALID:
-        raise ValueError(f"action {brief(index)} is out of range; allowed: 0..{INVALID - 1}")
+    if not 0 <= index < count:
+        raise ValueError(f"action {brief(index)} is out of range; allowed: 0..{count - 1}")
     return index

@@ -10,10 +10,12 @@ from agents.fleet.charging import (
     Chargers,
     Needs,
     costs_around_chargers,
+    use_and_charge,
 )
 from agents.mapf.graph import Graph
 from warehouse_core import FleetEnv, Layout
 from warehouse_core.fleet import Battery
+from warehouse_physics import DrivingMotion, RigidBodyMotion, RobotSpec
 
 pytestmark = pytest.mark.filterwarnings("ignore:.*can keep")
 
@@ -68,6 +70,17 @@ def test_the_end_of_a_turn_is_foreseen(knee: float) -> None:
         units += battery.supplied(1000 - units, 20.0)
         steps += 1
     assert foreseen == pytest.approx(steps, abs=1)
+
+
+def test_a_heavy_robot_counts_with_what_its_own_body_needs() -> None:
+    heavy = RobotSpec(mass=400.0, motor_force=600.0)
+    batteries = [Battery(200_000, "joules"), Battery(2_000)]
+    ways, units = np.array([10.0]), np.array([20_000.0])
+    for motion, lasts in (("grid", True), (RigidBodyMotion(), True), (DrivingMotion(heavy), False)):
+        env = FleetEnv(HALL, 1, battery=batteries[0], backend=motion)
+        assert Chargers(env, Graph(HALL)).lasts(units, ways).tolist() == [lasts]
+    env = FleetEnv(HALL, 1, battery=batteries[1], backend=DrivingMotion(heavy, period=0.25))
+    assert use_and_charge(env) == pytest.approx((4, 4 * batteries[1].step_charge(1.0)))
 
 
 def test_two_robots_at_one_charger_take_turns_and_keep_the_way_out_free() -> None:

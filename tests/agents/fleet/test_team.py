@@ -206,6 +206,11 @@ def test_a_robot_drives_to_a_charger_in_time_and_stays_until_nearly_full(has_ite
     assert agent.seen[-1]["dropoff_pos"] == (3, 1)
 
 
+def test_a_robot_leaves_its_charger_where_charging_gets_slow() -> None:
+    full = [hall(battery=Battery(200, knee=knee)).full for knee in (1.0, 0.8, 0.5)]
+    assert full == pytest.approx([NEARLY_FULL * 200, 160, ENOUGH * 200])
+
+
 def test_the_reserve_is_in_the_unit_of_the_battery() -> None:
     batteries = [Battery(100_000, unit) for unit in ("steps", "joules")]
     steps, joules = (hall(battery=each).reserve((2, 3)) for each in batteries)

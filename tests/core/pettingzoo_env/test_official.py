@@ -27,8 +27,9 @@ SETTINGS: list[dict[str, Any]] = [
     {},
     {"layout": YARD, "robots": 3, "orders": 0.3, "max_cycles": 60, "people": 2},
     {"layout": YARD, "robots": 4, "orders": 0.1, "max_cycles": 80, "battery": 25},
+    {"layout": YARD, "robots": 3, "orders": 0.3, "max_cycles": 60, "moves": "turn"},
 ]
-"""Robots that end by deliveries, together, and one after the other by empty batteries."""
+"""Robots that end by deliveries, together, and one after the other; and robots with headings."""
 
 NOT_LISTED = "Observation is not a NumPy array|Observation space for each agent probably should be"
 """What ``api_test`` says of every ``Dict`` unless the environment is one of PettingZoo's own."""

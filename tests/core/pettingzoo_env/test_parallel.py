@@ -138,6 +138,32 @@ def test_a_state_has_all_robots_and_the_oldest_open_orders() -> None:
     assert few.state()[21 + 6 :].tolist() == [-1] * 6 * (MAX_STATE_ORDERS - 1)
 
 
+def test_headings_are_observed_and_stand_in_the_state() -> None:
+    settings: dict[str, Any] = {"starts": [(0, 0), (0, 1)], "moves": "turn"}
+    env = pettingzoo_env.parallel_env(YARD, 2, **settings)
+    assert env.action_space("robot_0").n == 6
+    env.reset(seed=1)
+    observations, *_, infos = env.step({"robot_0": 1, "robot_1": 2})
+    assert [each["heading"] for each in observations.values()] == [2, 0]
+    assert infos["robot_1"]["action_mask"].tolist() == [0, 1, 1, 1, 0, 0]
+    state = env.state()
+    assert env.state_space.contains(state)
+    assert state[1:23].reshape(2, 11)[:, -1].tolist() == [2, 0]
+    with pytest.raises(ValueError, match=r"^action 6 is out of range; allowed: 0\.\.5"):
+        env.step({"robot_0": 6, "robot_1": 0})
+    vectors = pettingzoo_env.parallel_env(YARD, 2, observation="vector", **settings)
+    vectors.reset(seed=1)
+    seen = vectors.step({"robot_0": 1, "robot_1": 2})[0]
+    plain = pettingzoo_env.parallel_env(YARD, 2, observation="vector", starts=settings["starts"])
+    plain.reset(seed=1)
+    without = plain.step({"robot_0": 4, "robot_1": 4})[0]
+    for agent, direction in (("robot_0", [1, 0]), ("robot_1", [-1, 0])):
+        assert vectors.observation_space(agent).contains(seen[agent])
+        assert seen[agent].tolist() == [
+            *without[agent][:-11].tolist(), *direction, *without[agent][-11:].tolist()
+        ]  # fmt: skip
+
+
 def test_pictures_and_text() -> None:
     people = People(1)
     env = pettingzoo_env.parallel_env(YARD, 2, render_mode="ansi", battery=300, people=people)

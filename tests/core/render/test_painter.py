@@ -374,6 +374,23 @@ def test_a_fleet_and_people_are_painted_on_what_they_stand_on() -> None:
     assert np.array_equal(painter.fleet_picture(YARD, []), painter.paint(layout_codes(YARD)))
 
 
+@pytest.mark.parametrize("side", [4, 9, 20])
+def test_a_nose_shows_where_a_robot_heads(side: int) -> None:
+    painter, robot = TilePainter(side), [((1, 1), False)]
+    plain, yard = painter.fleet_picture(YARD, robot), painter.fleet_picture(YARD, [])
+    for heading, quarters in enumerate([0, -1, -2, -3]):
+        nosed = painter.fleet_picture(YARD, robot, (), [heading])
+        changed = (nosed != plain).any(axis=-1)
+        rows, cols = np.nonzero(changed[side : 2 * side, side : 2 * side])
+        assert changed.sum() == len(rows) > 0
+        ahead = ((side - 1) / 2 - rows, cols - (side - 1) / 2)[heading % 2] * (1 - heading // 2 * 2)
+        assert (ahead > 0.3 * side - 0.5).all()
+        turned = np.rot90(changed[side : 2 * side, side : 2 * side], -quarters)
+        north = (painter.fleet_picture(YARD, robot, (), [0]) != plain).any(axis=-1)
+        assert np.array_equal(turned, north[side : 2 * side, side : 2 * side])
+    assert np.array_equal(painter.fleet_picture(YARD, []), yard)
+
+
 def test_a_picture_is_a_new_array() -> None:
     painter = TilePainter(8)
     first = painter.picture(YARD, (1, 1), False)

@@ -54,6 +54,20 @@ def test_a_robot_picks_and_drops_only_at_rest() -> None:
     assert env.measures.delivered == 1
 
 
+def test_a_robot_waits_only_in_steps_at_whose_end_it_rests() -> None:
+    env = FleetEnv(["P...D"], 1, starts=[(0, 0)], backend=DrivingMotion(period=0.25))
+    env.reset(seed=0)
+    env.step(["PICK"])
+    rests = 0
+    for step in range(36):
+        drives = step >= 6 and env.ways.has_room[0] and env.ways.ends[0] != (0, 4)
+        env.step(["E" if drives else "WAIT"])
+        rests += not drives and env.ways.at_rest[0]
+    assert env.cells == [(0, 4)]
+    assert (env.measures.distance, env.measures.waits) == (4, rests)
+    assert 5 <= rests <= 15  # of 36, of which it picks in 3 and drives in about 20
+
+
 def test_a_robot_that_drives_over_a_charger_is_not_charged() -> None:
     motion = DrivingMotion(period=0.25)
     env = FleetEnv(

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.batch.fleet.battery import STEPS
 from warehouse_core.batch.fleet.floor import FleetFloor
+from warehouse_core.batch.fleet.headed_robots import HeadedRobots
 from warehouse_core.batch.fleet.mingling import MingledMotion
 from warehouse_core.batch.fleet.order_books import OrderBooks
 from warehouse_core.batch.fleet.people import Crowd
@@ -23,10 +24,12 @@ from warehouse_core.motion.backends import Backend, make_fleet_motion, make_moti
 from warehouse_core.motion.batch import BatchOutcome, CanFail, FleetBatchMotion
 from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.task.rules import judge
-from warehouse_core.world.actions import PICK, WAIT
+from warehouse_core.world.actions import PICK
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Flags, Integers, LayoutSet, Rows
 from warehouse_core.world.tiles import EMPTY
+
+NO_HEADINGS = np.empty(0, np.intp)
 
 TAKEN = judge(PICK, EMPTY, False, False)
 """The verdict on a robot whose item another one has just taken."""
@@ -58,8 +61,10 @@ class FleetEngine:
         if settings.people.count:
             motion = MingledMotion(motion, settings.robots, self.crowd)
         self.motion = motion
-        self.robots = Robots(self._floor, motion, rows)
-        self.tally = Tally(floors, settings.robots)
+        make_robots = HeadedRobots if settings.has_headings else Robots
+        self.robots = make_robots(self._floor, motion, rows)
+        self._wait = settings.actions.wait
+        self.tally = Tally(floors, settings.robots, settings.actions)
         self._streams = [np.random.default_rng() for _ in layouts]
         self._charge = settings.battery.step_charge(make_motion(backend).cell_size)
         self.battery = np.zeros(rows)
@@ -97,9 +102,10 @@ class FleetEngine:
     def step(self, actions: NDArray[np.intp], over: Integers = NO_FLOORS) -> EngineStep:
         """Carry out one action for each robot; see ``Engine.step``."""
         active, had_item = ~self.ended, self.robots.has_item
-        chosen = np.where(active, actions, WAIT)
+        chosen = np.where(active, actions, self._wait)
         outcome, rewards, delivered, charging = self.robots.step(chosen)
-        charging = np.zeros_like(active) if charging is None else charging & active
+        if charging is not None:
+            charging &= active
         rewards[~active] = 0.0
         self.steps += 1
         if self.orders:
@@ -132,8 +138,13 @@ class FleetEngine:
         return arrays
 
     def masks(self) -> NDArray[np.int8]:
-        """Return ``[N, 7]`` int8: 1 for each action that does something now."""
+        """Return int8 ``[N, 7]``, or with headings ``[N, 6]``: 1 for what does something now."""
         return self.robots.masks()
+
+    @property
+    def headings(self) -> Integers:
+        """``[N]`` headings, 0 to 3 for N, E, S and W; none of robots without headings."""
+        return self.robots.headings if isinstance(self.robots, HeadedRobots) else NO_HEADINGS
 
     def measures(self, floor: int) -> FleetMeasures:
         """Return the measures of the present episode on a floor."""
@@ -158,30 +169,32 @@ class FleetEngine:
     ) -> None:
         """Book picks and deliveries, in the order of the robots."""
         has_item, robots = self.robots.has_item, self.settings.robots
-        for row in np.flatnonzero(has_item & ~had_item).tolist():
+        for row in (has_item & ~had_item).nonzero()[0].tolist():
             step = int(self.steps[row // robots])
             if not orders.take(row, int(self.robots.cells[row]), step):
                 has_item[row], rewards[row] = False, TAKEN.reward
-        for row in np.flatnonzero(delivered).tolist():
+        for row in delivered.nonzero()[0].tolist():
             late = orders.deliver(row, int(self.steps[row // robots]))
             rewards[row] -= self.settings.late_penalty * late
 
-    def _use_batteries(self, outcome: BatchOutcome, charging: Flags, active: Flags) -> None:
+    def _use_batteries(self, outcome: BatchOutcome, charging: Flags | None, active: Flags) -> None:
         battery = self.settings.battery
         cost = np.where(active, 1.0 if battery.unit == STEPS else outcome.joules, 0.0)
         self.battery -= cost
-        self.battery += charging * battery.supplied(battery.capacity - self.battery, self._charge)
+        if charging is not None:
+            missing = battery.capacity - self.battery
+            self.battery += charging * battery.supplied(missing, self._charge)
         np.maximum(self.battery, 0.0, out=self.battery)  # the last step may cost more than is left
 
     def _release(self) -> None:
         """Give back what stranded robots were to take, and let orders appear, or be lost."""
         if self.orders:
             active, is_out = ~self.ended, self._is_out
-            if is_out.any():
+            rows = is_out.nonzero()[0]
+            if len(rows):
                 self.orders.strand(np.flatnonzero(active & is_out))
             self.orders.release(self.steps, self.robots.cells, active & ~is_out)
-            if is_out.any():
-                rows = np.flatnonzero(is_out)
+            if len(rows):
                 freed = self.orders.lose(rows, self.robots.cells[rows])
                 self.robots.has_item[freed] = False
 
@@ -193,10 +206,12 @@ class FleetEngine:
             done = np.repeat(self.orders.all_delivered, robots)
             is_over = is_over | self.orders.rest_is_lost
         self.terminated |= active & done
-        empty = np.flatnonzero(active & (self.battery <= 0) & ~self.failed)
-        if len(empty) and isinstance(self.motion, CanFail):
-            self.motion.fail(empty)
-        self.truncated |= active & (self._is_out | np.repeat(is_over, robots))
+        is_out = self._is_out
+        if is_out.any() and isinstance(self.motion, CanFail):
+            empty = np.flatnonzero(active & is_out & ~self.failed)
+            if len(empty):
+                self.motion.fail(empty)
+        self.truncated |= active & (is_out | np.repeat(is_over, robots))
 
     @property
     def _is_out(self) -> Flags:

@@ -24,7 +24,7 @@ class FleetBatch(ArrayEnv[FleetArrays]):
         that is trained on the rows is shared by all robots.
 
     Actions:
-        ``[N]`` integers, 0 to 6: N, E, S, W, WAIT, PICK, DROP; ``N = B * R``.
+        ``[N]`` integers, indices of the actions of ``FleetEnv``; ``N = B * R``.
 
     Observations:
         ``FleetArrays`` with a leading ``N``.
@@ -74,7 +74,8 @@ class FleetBatch(ArrayEnv[FleetArrays]):
         self.max_steps, self.max_battery = self.settings.max_steps, self.settings.battery.capacity
         self.view_radius = self.settings.view_radius
         self._fleets = FleetEngine(layouts, self.settings, backend)
-        super().__init__(self._fleets, self.fleets, self.settings.robots, autoreset_mode)
+        actions = len(self.settings.actions)
+        super().__init__(self._fleets, self.fleets, self.settings.robots, autoreset_mode, actions)
 
     def measures(self, fleet: int) -> FleetMeasures:
         """Return how well a fleet has done in its present episode."""

@@ -10,7 +10,8 @@ from numpy.typing import NDArray
 
 from warehouse_core.batch.fleet.people import Crowd
 from warehouse_core.motion.base import Outcome
-from warehouse_core.motion.batch import BatchOutcome, CanFail, FleetBatchMotion
+from warehouse_core.motion.batch import BatchOutcome, CanFail, CanTurn, FleetBatchMotion
+from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Flags, Integers
 
 
@@ -44,6 +45,11 @@ class MingledMotion:
         self._crowd.move(self._of_people(outcome.cells), self._of_people(ends))
         of_robots: list[Any] = [None if each is None else self._of_robots(each) for each in outcome]
         return BatchOutcome(*of_robots)
+
+    def face(self, actions: Integers) -> None:
+        """Let robots turn on the spot, if the motion can do that; see ``CanTurn``."""
+        if isinstance(self._motion, CanTurn):
+            self._motion.face(self._joined(actions, np.full_like(self._crowd.cells, WAIT)))
 
     def fail(self, rows: Integers) -> None:
         """Let robots stay where they are for good; see ``CanFail``."""

@@ -12,6 +12,7 @@ from warehouse_core.arguments import (
     MAX_VIEW_RADIUS,
     as_cell,
     flag,
+    one_of,
     real_number,
     settle,
     whole_number,
@@ -20,6 +21,7 @@ from warehouse_core.batch.fleet.battery import Battery
 from warehouse_core.batch.fleet.people import MAX_BODIES, People
 from warehouse_core.orders.order import Order, OrderQueue, OrderStream
 from warehouse_core.wording import brief
+from warehouse_core.world.moves import ACTION_SETS, COMPASS, MOVES, TURN, ActionSet
 from warehouse_core.world.tiles import Cell
 
 
@@ -42,6 +44,7 @@ class FleetSettings:
     dispatch: bool = True
     late_penalty: float = 0.0
     team_reward: bool = False
+    moves: str = COMPASS
 
     def __post_init__(self) -> None:
         settle(
@@ -52,6 +55,7 @@ class FleetSettings:
             dispatch=flag("dispatch", self.dispatch),
             late_penalty=real_number("late_penalty", self.late_penalty),
             team_reward=flag("team_reward", self.team_reward),
+            moves=one_of("moves", self.moves, MOVES),
         )
         whole_number("robots and people", self.bodies, 1, MAX_BODIES)
         if self.starts is not None and len(self.starts) != self.robots:
@@ -66,8 +70,11 @@ class FleetSettings:
     def to_json(self) -> dict[str, Any]:
         """Return the settings as values that JSON can hold."""
         values = asdict(self)
-        if self.battery.knee == 1:  # so that files are as they were before there was a knee
+        # Files are as they were before there was a knee, and before there were other moves.
+        if self.battery.knee == 1:
             del values["battery"]["knee"]
+        if self.moves == COMPASS:
+            del values["moves"]
         return values
 
     @classmethod
@@ -78,7 +85,7 @@ class FleetSettings:
             ValueError: a key is missing or unknown, or a value is of the wrong type or size.
         """
         try:
-            if set(values) != set(names := [each.name for each in fields(cls)]):
+            if {*values, "moves"} != set(names := [each.name for each in fields(cls)]):
                 raise TypeError(f"their keys must be {', '.join(names)}")
             starts, orders = values["starts"], values["orders"]
             read = {
@@ -100,6 +107,16 @@ class FleetSettings:
     def is_lone(self) -> bool:
         """Whether one robot has the task of ``WarehouseEnv``, and observes what it does there."""
         return self.robots == 1 and not self.has_orders
+
+    @property
+    def has_headings(self) -> bool:
+        """Whether robots drive forward and turn on the spot."""
+        return self.moves == TURN
+
+    @property
+    def actions(self) -> ActionSet:
+        """The actions of each robot."""
+        return ACTION_SETS[self.moves]
 
     @property
     def bodies(self) -> int:

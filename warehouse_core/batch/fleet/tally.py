@@ -11,14 +11,15 @@ from numpy.typing import NDArray
 
 from warehouse_core.motion.batch import WALL, BatchOutcome
 from warehouse_core.orders.order import Order
-from warehouse_core.world.actions import WAIT
+from warehouse_core.world.moves import ActionSet
 from warehouse_core.world.tables import Flags, Integers
 
-MOVED, WAITED, CHARGED, BY_WALL, BY_ROBOT, BY_PERSON, HANDLED, ENDED = range(8)
-"""Kinds of a robot's steps; a robot that has ended does nothing."""
+MOVED, WAITED, CHARGED, BY_WALL, BY_ROBOT, BY_PERSON, HANDLED, BUSY, ENDED, TURNED = range(10)
+"""Kinds of a robot's steps. A robot without an action of its own is busy while it drives on, or
+still picks or drops; one that has ended does nothing."""
 
-_DONE = np.array([MOVED] * WAIT + [WAITED, HANDLED, HANDLED])
-"""Kind of step that each action counts as, for a robot that is free and does not charge."""
+_KINDS = {"RIGHT": TURNED, "LEFT": TURNED, "WAIT": WAITED, "PICK": HANDLED, "DROP": HANDLED}
+"""Kinds of steps of actions that are no moves, for a robot that does not charge."""
 
 SECONDS_PER_HOUR = 3600.0
 
@@ -39,7 +40,7 @@ class FleetMeasures:
         joules: energy of all motions.
         joules_per_delivery: energy of all motions for each item delivered.
         blocked_by_wall, blocked_by_robot, blocked_by_person: moves that were blocked.
-        waits: steps in which a robot waited, not on a charger.
+        waits: steps in which a robot was at rest and waited, not on a charger.
         charging: steps in which a robot charged.
         distance: cells driven.
         stranded: robots whose battery is empty, or which have failed.
@@ -78,9 +79,10 @@ class FleetMeasures:
 class Tally:
     """Counts for ``R`` robots on each of ``B`` floors."""
 
-    def __init__(self, floors: int, robots: int) -> None:
+    def __init__(self, floors: int, robots: int, actions: ActionSet) -> None:
         self._robots, self._rows = robots, np.arange(floors * robots)
-        self._counts = np.zeros((ENDED + 1, floors * robots), np.int64)
+        self._kinds = np.array([_KINDS.get(word, MOVED) for word in actions.words])
+        self._counts = np.zeros((TURNED + 1, floors * robots), np.int64)
         self._joules = np.zeros(floors * robots)
         self._seconds = np.zeros(floors)
         self._deliveries = np.zeros(floors, np.int64)
@@ -95,13 +97,19 @@ class Tally:
         self,
         actions: Integers,
         outcome: BatchOutcome,
-        charging: Flags,
+        charging: Flags | None,
         delivered: Flags,
         active: Flags,
     ) -> None:
-        """Count one step of all robots, ``[N]``; those not ``active`` had ended before."""
-        did = _DONE.take(actions)
-        did[charging] = CHARGED
+        """Count one step of all robots, ``[N]``; those not ``active`` had ended before.
+
+        ``charging`` is ``None`` on floors without chargers.
+        """
+        did = self._kinds.take(actions)
+        if outcome.driving is not None:
+            did[(did == WAITED) & outcome.driving] = BUSY
+        if charging is not None:
+            did[charging] = CHARGED
         blocked = outcome.blocked.nonzero()[0]
         assert outcome.stopped_by is not None, "the motion of a fleet tells it"
         did[blocked] = _counterpart(outcome.stopped_by[blocked], self._robots)
@@ -112,7 +120,7 @@ class Tally:
         self._seconds += outcome.seconds.reshape(-1, self._robots).max(axis=1)
 
     def counts(self, floor: int) -> NDArray[np.int64]:
-        """Return how often each robot of a floor did what, ``[8, R]``; see ``MOVED``."""
+        """Return how often each robot of a floor did what, ``[10, R]``; see ``MOVED``."""
         return self._counts[:, floor * self._robots : (floor + 1) * self._robots].copy()
 
     def measures(self, floor: int, steps: int, orders: Sequence[Order] | None) -> FleetMeasures:

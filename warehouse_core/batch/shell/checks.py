@@ -11,15 +11,14 @@ from numpy.typing import ArrayLike, NDArray
 from warehouse_core.arguments import MAX_SEED, seed_number, sequence_of, whole_number
 from warehouse_core.errors import EndedError, LayoutError
 from warehouse_core.wording import brief
-from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
 from warehouse_core.world.tables import Flags
 
 Seeds = int | Sequence[int | None] | None
 
 
-def checked_actions(actions: ArrayLike, rows: int) -> NDArray[np.intp]:
-    """Return a checked copy of the actions."""
+def checked_actions(actions: ArrayLike, rows: int, count: int) -> NDArray[np.intp]:
+    """Return a checked copy of the actions, each of which is one of ``count``."""
     if isinstance(actions, range):  # which may be too long for an array
         actions = actions[: rows + 1]
     try:
@@ -32,9 +31,9 @@ def checked_actions(actions: ArrayLike, rows: int) -> NDArray[np.intp]:
         raise ValueError(f"the actions have the shape {given.shape}; it must be ({rows},)")
     chosen = given.astype(np.intp)
     # As unsigned numbers, negative ones are very large.
-    if chosen.view(np.uintp).max() >= len(ACTIONS):
-        row = int(np.argmax(chosen.view(np.uintp) >= len(ACTIONS)))
-        raise ValueError(f"the action of row {row} is {given[row]}; allowed: 0..{len(ACTIONS) - 1}")
+    if chosen.view(np.uintp).max() >= count:
+        row = int(np.argmax(chosen.view(np.uintp) >= count))
+        raise ValueError(f"the action of row {row} is {given[row]}; allowed: 0..{count - 1}")
     return chosen
 
 

@@ -18,6 +18,7 @@ from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import EndedError
 from warehouse_core.motion.batch import BatchOutcome
 from warehouse_core.task.encoding import ObservationArrays
+from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.tables import Flags, Integers, LayoutSet, Rows
 
 NEXT_STEP, SAME_STEP, DISABLED = "NextStep", "SameStep", "Disabled"
@@ -76,13 +77,18 @@ class ArrayEnv(CopiedWhole, Generic[Observed]):
     """
 
     def __init__(
-        self, engine: Engine[Observed], episodes: int, robots: int, autoreset_mode: str
+        self,
+        engine: Engine[Observed],
+        episodes: int,
+        robots: int,
+        autoreset_mode: str,
+        actions: int = len(ACTIONS),
     ) -> None:
         self.autoreset_mode = one_of("autoreset_mode", autoreset_mode, AUTORESET_MODES)
         self.num_envs = episodes * robots
         self.layouts = engine.layouts
         self._engine, self._episodes, self._robots = engine, episodes, robots
-        self._started = False
+        self._started, self._actions = False, actions
 
     @property
     def size(self) -> tuple[int, int]:
@@ -122,7 +128,7 @@ class ArrayEnv(CopiedWhole, Generic[Observed]):
         """Carry out one action for each robot.
 
         Args:
-            actions: ``[N]`` integers, 0 to 6.
+            actions: ``[N]`` integers, 0 to 6, or indices of other actions of fleets.
 
         Returns:
             Observation, ``[N]`` float64 rewards, ``[N]`` bool terminated and truncated, and info,
@@ -137,7 +143,8 @@ class ArrayEnv(CopiedWhole, Generic[Observed]):
             EndedError: before a reset, or if episodes have ended in the disabled mode.
         """
         self._check_started("step")
-        chosen, engine, ended = checked_actions(actions, self.num_envs), self._engine, self._ended()
+        chosen = checked_actions(actions, self.num_envs, self._actions)
+        engine, ended = self._engine, self._ended()
         if self.autoreset_mode == DISABLED:
             _check_running(ended)
         over, fresh = np.flatnonzero(ended), self._rows_of(ended)

@@ -46,7 +46,13 @@ class Robots:
             The outcome of the motion, the rewards, whether each robot has delivered its item, and
             whether it charges, ``None`` if no floor has a charger. The arrays belong to the caller.
         """
-        outcome = self.motion.advance(actions, self.has_item)
+        return self._carry_out(actions, actions)
+
+    def _carry_out(
+        self, moves: Integers, actions: Integers
+    ) -> tuple[BatchOutcome, NDArray[np.float64], Flags, Flags | None]:
+        """Let the motion carry out ``moves``, and judge the robots by ``actions``; see ``step``."""
+        outcome = self.motion.advance(moves, self.has_item)
         self.cells = outcome.cells
         on = self.floor.stations(self.cells)
         if outcome.driving is not None:

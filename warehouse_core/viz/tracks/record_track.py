@@ -14,6 +14,7 @@ from warehouse_core.arguments import instance_of, real_number, sequence_of
 from warehouse_core.errors import RecordError
 from warehouse_core.motion.base import Contact, Outcome
 from warehouse_core.motion.batch import NOTHING
+from warehouse_core.motion.grid import ANGLES
 from warehouse_core.records.episode import UNFINISHED, Episode
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.records.held_up import held_up
@@ -30,6 +31,8 @@ from warehouse_core.viz.tracks.track import (
 )
 from warehouse_core.wording import counted, printable
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
+from warehouse_core.world.moves import HEADINGS
+from warehouse_core.world.tiles import MOVE_DELTAS
 
 FRAME_SECONDS = 0.2
 """Simulated seconds from one frame of a continuous motion to the next."""
@@ -205,25 +208,31 @@ def _fleet_frames(
             yield last
 
 
+_ANGLES = np.array([ANGLES[MOVE_DELTAS[heading]] for heading in HEADINGS])
+"""Angle of each heading."""
+
+
 def _headings(episode: Episode) -> Iterator[list[float | None]]:
-    """Yield for each frame the direction in which each body moved last, as an angle."""
+    """Yield for each frame the heading of each body, or else its last direction, as an angle."""
     headings: list[float | None] = [None] * episode.settings.bodies
-    yield headings
+    of_frames = np.reshape(episode.headings, (episode.steps + 1, -1)).astype(np.intp)
+    known = _ANGLES.take(of_frames).tolist()  # no columns without headings
+    yield [*known[0], *headings[len(known[0]) :]]
     width = episode.layout.width
     angle_of = {1: 0.0, width: math.pi / 2, -1: math.pi, -width: -math.pi / 2}
     moved = np.diff(np.hstack([episode.cells, episode.people]), axis=0)
-    for row in moved:
+    for row, of_robots in zip(moved, known[1:], strict=True):
         pairs = zip(row.tolist(), headings, strict=True)
         headings = [angle_of.get(by, before) for by, before in pairs]
-        yield headings
+        yield [*of_robots, *headings[len(of_robots) :]]
 
 
 def _hits(episode: Episode, step: int) -> tuple[DrawnHit, ...]:
     """Return where robots were blocked in a step: half way to the cell that they did not reach."""
-    hits = []
+    hits, actions = [], episode.counted_actions(step)
     for robot in np.flatnonzero(episode.stopped_by[step] != NOTHING).tolist():
         row, col = episode.layout.cell(episode.cells[step, robot])
-        action = int(episode.actions[step, robot])
+        action = int(actions[robot])
         down, right = DISPLACEMENTS[action] if action < WAIT else (0, 0)
         hits.append(DrawnHit((col + 0.5 + right / 2, row + 0.5 + down / 2), "", robot))
     return tuple(hits)

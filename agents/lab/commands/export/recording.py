@@ -124,10 +124,10 @@ def contacts_of(record: Episode, step: int) -> Iterator[tuple[int, Contact]]:
 
 def _nominal(record: Episode, step: int) -> Iterator[tuple[int, Contact]]:
     """Yield the contacts of ``GridMotion``, which a fleet's record does not keep."""
-    size = record.cell_size
+    size, actions = record.cell_size, record.counted_actions(step)
     for robot in np.flatnonzero(record.stopped_by[step] != NOTHING).tolist():
         by = int(record.stopped_by[step, robot])
-        down, right = DISPLACEMENTS[int(record.actions[step, robot])]
+        down, right = DISPLACEMENTS[actions[robot]]
         x, y = centre_of(record.layout.cell(record.cells[step, robot]), size)
         yield (
             robot,

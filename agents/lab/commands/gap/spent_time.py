@@ -50,7 +50,7 @@ def _handles(episode: FleetEpisode, steps: Times) -> NDArray[np.bool_]:
 
     Where steps are shorter than ``NOMINAL_SECONDS``, it goes on with it in the next.
     """
-    begins = np.isin(episode.actions, (PICK, DROP))
+    begins = np.isin(episode.counted_actions(), (PICK, DROP))
     found, shortest = begins.copy(), float(steps.min(initial=NOMINAL_SECONDS))
     for later in range(1, round(NOMINAL_SECONDS / shortest)):
         found[later:] |= begins[:-later]
