@@ -56,7 +56,7 @@ longer, because Python is loaded. Commands of a terminal need an installation.*"
 
 COMMANDS = "commands are processes, which a browser does not have"
 GRADES = "the episodes of a grade are processes, which a browser does not have"
-DATA = "Minari keeps data in HDF5, which is not there in this browser"
+DATA = "Minari needs h5py, which is not served with this page"
 BODIES = "bodies need Pymunk, which is not made for browsers"
 
 NOT_THERE = {
