@@ -1,5 +1,6 @@
 """A grid warehouse for rational agents, with a motion backend that can be swapped."""
 
+import warehouse_core.registration  # tells Gymnasium the names of environments
 import warehouse_core.viz.notebooks  # noqa: F401 - says what notebooks show
 from warehouse_core.batch import BatchEnv
 from warehouse_core.batch.fleet.battery import Battery

@@ -4,6 +4,7 @@ import re
 import runpy
 from collections.abc import Iterator
 from pathlib import Path
+from typing import Any
 
 import jupytext
 import matplotlib.pyplot as plt
@@ -53,6 +54,7 @@ def in_a_folder_without_a_display(
 ) -> Iterator[None]:
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))  # a page sets it too
     without_display(monkeypatch)
     yield
     plt.close("all")
@@ -92,6 +94,32 @@ def test_the_commands_that_need_pytorch_run() -> None:
     assert Path("model.png").exists()
 
 
+@pytest.mark.neighbours
+@pytest.mark.filterwarnings("ignore")  # of libraries, in the names of others
+def test_the_programs_for_other_libraries_run_and_learn(monkeypatch: pytest.MonkeyPatch) -> None:
+    import torch
+
+    torch.set_num_threads(1)  # more are slower for networks of this size
+    monkeypatch.setenv("RAY_AUTH_MODE", "disabled")
+    names: dict[str, Any] = run_page(HANDBOOK / "libraries.md", torch=True)
+    rewards = names["rewards_of_updates"]
+    assert sum(rewards[-10:]) > sum(rewards[:10]) + 3
+    goals, delivered = names["goals"], 0
+    for seed in range(20):
+        observation, _ = goals.reset(seed=seed)
+        ended = False
+        while not ended:
+            action, _ = names["hindsight"].predict(observation, deterministic=True)
+            observation, _, terminated, truncated, _ = goals.step(int(action))
+            ended = terminated or truncated
+        delivered += terminated
+    assert delivered >= 18
+    assert names["rollout"]["next", "reward"].shape == (100, 1)
+    assert all(each.grad is not None for each in names["actor"].parameters())
+    assert (names["tianshou_result"].train_step, names["tianshou_result"].update_step) == (400, 10)
+    assert names["rllib_result"]["env_runners"]["num_env_steps_sampled"] == 400
+
+
 @each_page
 def test_every_block_is_of_a_kind_that_is_run(page: Path) -> None:
     fences = re.findall(r"^```+([^`\s]+)", TEXTS[page], flags=re.MULTILINE)
@@ -109,7 +137,8 @@ def test_a_page_with_cells_is_a_notebook(page: Path) -> None:
     cells = [each.source for each in jupytext.read(page).cells if each.cell_type == "code"]
     assert not [cell for cell in cells if "assert " in cell], "readers of a notebook see it"
     assert TEXTS[page].count("<!-- test\n") == sum(b.language == TEST for b in blocks_of(page))
-    assert cells == [block.text.rstrip("\n") for block in blocks_of(page) if block.language == CELL]
+    run = [each for each in blocks_of(page) if each.language == CELL and not each.needs_torch]
+    assert cells == [block.text.rstrip("\n") for block in run]
 
 
 @each_page

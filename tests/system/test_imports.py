@@ -18,6 +18,7 @@ MAY_IMPORT = {
     "warehouse_core/copies": "",
     "warehouse_core/errors": "",
     "warehouse_core/extras": "",
+    "warehouse_core/registration": "",
     "warehouse_core/wording": "",
     "warehouse_core/arguments": "wording",
     "warehouse_core/files": "errors wording",
@@ -37,7 +38,8 @@ MAY_IMPORT = {
         "arguments batch/fleet copies errors motion orders task wording world"
     ),
     "warehouse_core/gymnasium_env": (
-        "arguments batch batch/shell copies errors motion render task warehouse_env wording world"
+        "arguments batch batch/shell copies errors motion registration render task warehouse_env "
+        "wording world"
     ),
     "warehouse_core/records": (
         "arguments batch/fleet errors files fleet motion orders task warehouse_env wording world"
@@ -99,6 +101,7 @@ MAY_IMPORT = {
     ),
     "agents/lab/experiments": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/grading": "errors lab lab/runs lab/trials registry warehouse_agent_greedy",
+    "agents/lab/datasets": "errors lab registry",
     "agents/lab/training": "lab/console lab/trials learning",
     "agents/lab/commands/export": "errors lab/console lab/experiments lab/trials",
     "agents/lab/reports/analysis": "lab lab/experiments lab/trials",
@@ -118,9 +121,9 @@ MAY_IMPORT = {
     ),
     "agents/lab/commands": (
         "errors fleet lab lab/commands/export lab/commands/fleet lab/commands/gap "
-        "lab/commands/grade lab/commands/planners lab/commands/pogema lab/console lab/experiments "
-        "lab/playground lab/reports lab/runs lab/training lab/trials learning mapf registry search "
-        "warehouse_agent_greedy"
+        "lab/commands/grade lab/commands/planners lab/commands/pogema lab/console lab/datasets "
+        "lab/experiments lab/playground lab/reports lab/runs lab/training lab/trials learning mapf "
+        "registry search warehouse_agent_greedy"
     ),
     "agents/handbook": "lab/commands",
     "agents/__main__": "lab/commands",
@@ -142,7 +145,8 @@ EXPORTS = {
     "warehouse_core.fleet": "Battery FleetBatch FleetEnv FleetMeasures FleetObservation People",
     "warehouse_core.files": "atomic_path read_arrays write_arrays",
     "warehouse_core.gymnasium_env": """
-        FORMS ID Extent Form WarehouseGymnasiumEnv WarehouseVectorEnv make_form
+        FORMS GOAL_ID ID Extent Form WarehouseGoalEnv WarehouseGymnasiumEnv WarehouseVectorEnv
+        make_form
     """,
     "warehouse_core.motion": """
         BatchMotion BatchOutcome Batchable Conditions Contact HasConditions Motion Outcome

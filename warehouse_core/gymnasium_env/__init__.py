@@ -1,7 +1,8 @@
-"""The warehouse as Gymnasium environments: importing this package registers ``Warehouse-v0``.
+"""The warehouse as Gymnasium environments, ``Warehouse-v0`` and ``WarehouseGoal-v0``.
 
-``gymnasium.make("warehouse_core.gymnasium_env:Warehouse-v0", backend="physics")`` does so. The
-rules are not here: this package adds spaces and infos to ``WarehouseEnv`` and ``BatchEnv``.
+Importing ``warehouse_core`` registers them, and so does
+``gymnasium.make("warehouse_core.gymnasium_env:Warehouse-v0", backend="physics")``. The rules are
+not here: this package adds spaces and infos to ``WarehouseEnv`` and ``BatchEnv``.
 
 Example:
     >>> import gymnasium
@@ -17,26 +18,19 @@ Example:
 import warehouse_core.gymnasium_env.browser  # noqa: F401 - lets Gymnasium be imported there
 
 # isort: split
-import gymnasium
-
 from warehouse_core.gymnasium_env.env import WarehouseGymnasiumEnv
+from warehouse_core.gymnasium_env.goals import WarehouseGoalEnv
 from warehouse_core.gymnasium_env.spaces import FORMS, Extent, Form, make_form
 from warehouse_core.gymnasium_env.vector import WarehouseVectorEnv
-
-ID = "Warehouse-v0"
-"""Name under which ``gymnasium.make`` finds the environment."""
-
-gymnasium.register(
-    ID,
-    entry_point=f"{__name__}:{WarehouseGymnasiumEnv.__name__}",
-    vector_entry_point=f"{__name__}:{WarehouseVectorEnv.__name__}",
-)
+from warehouse_core.registration import GOAL_ID, ID
 
 __all__ = [
     "FORMS",
+    "GOAL_ID",
     "ID",
     "Extent",
     "Form",
+    "WarehouseGoalEnv",
     "WarehouseGymnasiumEnv",
     "WarehouseVectorEnv",
     "make_form",

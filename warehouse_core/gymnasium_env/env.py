@@ -57,6 +57,7 @@ _Known = tuple[Window, NDArray[np.int32], NDArray[np.int8]]
 """The window, the numbers and the mask of a cell."""
 
 UNSTARTED = "there has been no reset() yet"
+ENDED = "the episode has ended; a reset() must come first"
 
 
 class WarehouseGymnasiumEnv(CopiedWhole, Limited, gymnasium.Env[Any, Any]):
@@ -213,7 +214,7 @@ class WarehouseGymnasiumEnv(CopiedWhole, Limited, gymnasium.Env[Any, Any]):
         warehouse = self._warehouse
         reward, terminated, truncated = warehouse.advance(index)
         if terminated or truncated:
-            self._over = "the episode has ended; a reset() must come first"
+            self._over = ENDED
         motion = warehouse.last_motion
         assert motion is not None, "every step has a motion"
         if self.render_mode == "human":

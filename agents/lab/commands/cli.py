@@ -11,6 +11,7 @@ import typer
 from agents.lab.commands import layout as layout_commands
 from agents.lab.commands.compare_agents import compare_agents
 from agents.lab.commands.compare_backends import compare_backends
+from agents.lab.commands.dataset import dataset
 from agents.lab.commands.demos import demo
 from agents.lab.commands.explore import explore
 from agents.lab.commands.export.export import export
@@ -102,6 +103,7 @@ GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
     "Study": {
         "compare": comparing,
         "train": training,
+        "dataset": dataset,
         "sweep": sweep,
         "report": report,
         "grade": grade,

@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 
 from warehouse_core import Layout
-from warehouse_core.gymnasium_env import ID
+from warehouse_core.gymnasium_env import GOAL_ID, ID
 from warehouse_core.gymnasium_env.spaces import FORMS
 
 pytestmark = pytest.mark.learning
@@ -62,3 +62,17 @@ def test_learning_with_the_same_seed_gives_the_same_policy() -> None:
         return np.concatenate([each.detach().numpy().ravel() for each in model.policy.parameters()])
 
     assert np.array_equal(weights(), weights())
+
+
+def test_hindsight_replays_episodes_with_the_goals_that_they_achieved() -> None:
+    from stable_baselines3 import DQN, HerReplayBuffer
+
+    env = gymnasium.make(GOAL_ID, layout=ROOM, max_steps=30)
+    settings = {"learning_starts": 60, "batch_size": 32, "seed": 0, "device": "cpu"}
+    model = DQN("MultiInputPolicy", env, replay_buffer_class=HerReplayBuffer, **settings)
+    model.learn(200)
+    batch = model.replay_buffer.sample(300)
+    goals = (batch.next_observations[name].numpy() for name in ("achieved_goal", "desired_goal"))
+    rewards = env.unwrapped.compute_reward(*goals, None)
+    assert batch.rewards[:, 0].tolist() == rewards.tolist()
+    assert 0.05 < (rewards == 0).mean() < 0.95

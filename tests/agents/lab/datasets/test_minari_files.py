@@ -1,0 +1,202 @@
+"""Datasets in the files of Minari: what is read is what was written, as by Minari itself."""
+
+import hashlib
+import json
+import warnings
+from collections.abc import Iterator
+from pathlib import Path
+from typing import Any
+
+import h5py
+import minari
+import numpy as np
+import pytest
+from minari.data_collector import EpisodeBuffer
+
+from agents.errors import StoreError
+from agents.lab.datasets.card import CARD
+from agents.lab.datasets.fleet import FleetSource
+from agents.lab.datasets.lone import LoneSource
+from agents.lab.datasets.minari_files import MAX_COMPACT, check_name, save_dataset
+from agents.lab.datasets.source import EpisodeArrays, Source
+from agents.registry import make_team
+from warehouse_core import FleetEnv
+
+SEEDS = range(3, 15)
+
+
+@pytest.fixture(autouse=True)
+def datasets(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
+    return tmp_path
+
+
+def lone() -> Source:
+    return LoneSource("greedy", battery=90)
+
+
+def fleet() -> Source:
+    """Return a source of episodes with arrays that no header has room for."""
+    return FleetSource(
+        "greedy",
+        lambda seed: make_team("greedy", 4, seed),
+        FleetEnv(robots=4, orders=0.2, max_steps=30),
+    )
+
+
+both = pytest.mark.parametrize("make", [lone, fleet])
+
+
+def nested(arrays: dict[str, Any]) -> dict[str, Any]:
+    """Return arrays by their names in dictionaries within each other, as Minari has infos."""
+    found: dict[str, Any] = {}
+    for name, values in arrays.items():
+        group, _, rest = name.partition("/")
+        if rest:
+            found.setdefault(group, {})[rest] = values
+        else:
+            found[name] = values
+    return found
+
+
+@both
+def test_what_minari_loads_is_bit_for_bit_what_was_recorded(make) -> None:
+    source = make()
+    episodes = [*source.episodes(SEEDS)]
+    save_dataset("warehouse/test-v3", source, episodes)
+    loaded = minari.load_dataset("warehouse/test-v3")
+    assert (loaded.total_episodes, loaded.total_steps) == (
+        len(SEEDS), sum(each.steps for each in episodes),
+    )  # fmt: skip
+    assert loaded.observation_space == source.observation_space
+    assert loaded.action_space == source.action_space
+    for number, (seed, arrays) in enumerate(episodes):
+        read = vars(loaded[number])
+        assert read.pop("id") == number
+        for name, values in nested(arrays).items():
+            pairs = values.items() if isinstance(values, dict) else [(None, values)]
+            for key, array in pairs:
+                back = read[name] if key is None else read[name][key]
+                assert (back.dtype, back.shape) == (array.dtype, array.shape)
+                assert back.tobytes() == array.tobytes()
+        assert read.keys() == nested(arrays).keys()
+        [about] = loaded.storage.get_episode_metadata([number])
+        assert about == {"id": number, "seed": seed, "total_steps": len(arrays["rewards"])}
+
+
+@both
+def test_the_file_is_the_one_that_minari_writes_but_for_the_room_to_grow(make) -> None:
+    source = make()
+    episodes = [*source.episodes(SEEDS)]
+    ours = save_dataset("ours-v0", source, episodes)
+    with warnings.catch_warnings():
+        warnings.simplefilter("ignore")  # of an author who is not named
+        minari.create_dataset_from_buffers(
+            "theirs-v0",
+            [EpisodeBuffer(seed=seed, **nested(arrays)) for seed, arrays in episodes],
+            source.spec,
+            observation_space=source.observation_space,
+            action_space=source.action_space,
+        )
+    theirs = ours.parent / "theirs-v0"
+    with (
+        h5py.File(ours / "data/main_data.hdf5") as a,
+        h5py.File(theirs / "data/main_data.hdf5") as b,
+    ):
+        assert dict(contents(a)) == dict(contents(b))
+    about = [json.loads((path / "data/metadata.json").read_text()) for path in (ours, theirs)]
+    same = {"total_episodes", "total_steps", "data_format", "observation_space", "action_space"}
+    assert {key: about[0].get(key) for key in same} == {key: about[1].get(key) for key in same}
+    assert about[0].get("env_spec") == about[1].get("env_spec")
+    assert sum(path.stat().st_size for path in ours.rglob("*")) < sum(
+        path.stat().st_size for path in theirs.rglob("*")
+    )
+
+
+def contents(group: h5py.Group, path: str = "") -> Iterator[tuple[str, Any]]:
+    """Yield what is in a group, by its path: types, shapes, values and attributes."""
+    yield f"{path}@", {name: int(value) for name, value in group.attrs.items()}
+    for name, each in group.items():
+        if isinstance(each, h5py.Group):
+            yield from contents(each, f"{path}/{name}")
+        else:
+            yield f"{path}/{name}", (each.dtype, each.shape, each[()].tobytes())
+
+
+def test_the_environment_comes_back_and_repeats_an_episode() -> None:
+    source = lone()
+    save_dataset("again-v0", source, source.episodes(SEEDS))
+    loaded = minari.load_dataset("again-v0")
+    env = loaded.recover_environment()
+    episode = loaded[4]
+    observation, _ = env.reset(seed=SEEDS[4])
+    assert (observation == episode.observations[0]).all()
+    steps = [env.step(action) for action in episode.actions]
+    assert (np.array([step[0] for step in steps]) == episode.observations[1:]).all()
+    assert [step[1] for step in steps] == episode.rewards.tolist()
+    assert steps[-1][2:4] == (episode.terminations[-1], episode.truncations[-1])
+
+
+def test_the_same_episodes_give_the_same_bytes_and_the_card_has_their_digest() -> None:
+    cards = []
+    for name in ("one-v0", "two-v12"):
+        source = lone()
+        folder = save_dataset(name, source, source.episodes(SEEDS))
+        cards.append(json.loads((folder / CARD).read_text()))
+        [file] = cards[-1]["distribution"]
+        data = (folder / file["contentUrl"]).read_bytes()
+        assert file["sha256"] == hashlib.sha256(data).hexdigest()
+        assert file["contentSize"] == f"{len(data)} B"
+    assert cards[0]["distribution"] == cards[1]["distribution"]
+    assert [(card["name"], card["version"]) for card in cards] == [
+        ("one", "0.0.0"), ("two", "12.0.0"),
+    ]  # fmt: skip
+    names = [each["name"] for each in cards[0]["variableMeasured"]]
+    assert names == [*source.fields]
+    assert {*names} == {*next(source.episodes(SEEDS)).arrays}
+
+
+@pytest.mark.parametrize("bytes_more", [0, 8])
+def test_arrays_of_any_size_can_be_written(bytes_more: int) -> None:
+    source = lone()
+    [episode] = source.episodes(range(1))
+    large = np.arange((MAX_COMPACT + bytes_more) // 8, dtype=np.float64)
+    arrays = episode.arrays | {"infos/large": large, "infos/deep/er": large[:0]}
+    save_dataset("large-v0", source, [EpisodeArrays(0, arrays)])
+    infos = minari.load_dataset("large-v0")[0].infos
+    assert infos["large"].tobytes() == large.tobytes()
+    assert infos["deep"]["er"].shape == (0,)
+
+
+def test_a_dataset_is_whole_or_not_there(datasets: Path) -> None:
+    source = lone()
+
+    def interrupted() -> Iterator[EpisodeArrays]:
+        yield from source.episodes(SEEDS)
+        raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        save_dataset("space/part-v0", source, interrupted())
+    assert [path.name for path in datasets.rglob("*")] == ["space", "namespace_metadata.json"]
+    save_dataset("space/part-v0", source, source.episodes(SEEDS))
+    assert minari.list_local_datasets().keys() == {"space/part-v0"}
+
+
+def test_a_name_is_one_of_minari_and_is_new() -> None:
+    for name in (
+        "test",
+        "test-v",
+        "a/b-v0",
+        "../up-v0",
+        "/root-v0",
+        "one/two/-v0",
+        "",
+        "ä-v0",
+        "x-v0\n",
+    ):
+        with pytest.raises(StoreError, match="names no dataset; allowed: a name and a version"):
+            check_name(name)
+    source = lone()
+    save_dataset("one/two/three-v0", source, source.episodes(range(1)))
+    with pytest.raises(StoreError, match="three-v0 exists; give the dataset another name"):
+        check_name("one/two/three-v0")
