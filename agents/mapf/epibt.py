@@ -54,7 +54,7 @@ class EPIBT:
         >>> graph = Graph(random_layout(12, 12, 0.2, seed=1))
         >>> run = run_lifelong(graph, EPIBT(graph), robots=8, steps=50, seed=1, has_headings=True)
         >>> run.reached
-        31
+        29
     """
 
     def __init__(self, graph: Graph, seed: int = 0, window: int = 3, tries: float = 0.0) -> None:
