@@ -104,7 +104,8 @@ class FleetEngine:
         active, had_item = ~self.ended, self.robots.has_item
         chosen = np.where(active, actions, self._wait)
         outcome, rewards, delivered, charging = self.robots.step(chosen)
-        charging = np.zeros_like(active) if charging is None else charging & active
+        if charging is not None:
+            charging &= active
         rewards[~active] = 0.0
         self.steps += 1
         if self.orders:
@@ -168,30 +169,32 @@ class FleetEngine:
     ) -> None:
         """Book picks and deliveries, in the order of the robots."""
         has_item, robots = self.robots.has_item, self.settings.robots
-        for row in np.flatnonzero(has_item & ~had_item).tolist():
+        for row in (has_item & ~had_item).nonzero()[0].tolist():
             step = int(self.steps[row // robots])
             if not orders.take(row, int(self.robots.cells[row]), step):
                 has_item[row], rewards[row] = False, TAKEN.reward
-        for row in np.flatnonzero(delivered).tolist():
+        for row in delivered.nonzero()[0].tolist():
             late = orders.deliver(row, int(self.steps[row // robots]))
             rewards[row] -= self.settings.late_penalty * late
 
-    def _use_batteries(self, outcome: BatchOutcome, charging: Flags, active: Flags) -> None:
+    def _use_batteries(self, outcome: BatchOutcome, charging: Flags | None, active: Flags) -> None:
         battery = self.settings.battery
         cost = np.where(active, 1.0 if battery.unit == STEPS else outcome.joules, 0.0)
         self.battery -= cost
-        self.battery += charging * battery.supplied(battery.capacity - self.battery, self._charge)
+        if charging is not None:
+            missing = battery.capacity - self.battery
+            self.battery += charging * battery.supplied(missing, self._charge)
         np.maximum(self.battery, 0.0, out=self.battery)  # the last step may cost more than is left
 
     def _release(self) -> None:
         """Give back what stranded robots were to take, and let orders appear, or be lost."""
         if self.orders:
             active, is_out = ~self.ended, self._is_out
-            if is_out.any():
+            rows = is_out.nonzero()[0]
+            if len(rows):
                 self.orders.strand(np.flatnonzero(active & is_out))
             self.orders.release(self.steps, self.robots.cells, active & ~is_out)
-            if is_out.any():
-                rows = np.flatnonzero(is_out)
+            if len(rows):
                 freed = self.orders.lose(rows, self.robots.cells[rows])
                 self.robots.has_item[freed] = False
 
@@ -203,10 +206,12 @@ class FleetEngine:
             done = np.repeat(self.orders.all_delivered, robots)
             is_over = is_over | self.orders.rest_is_lost
         self.terminated |= active & done
-        empty = np.flatnonzero(active & (self.battery <= 0) & ~self.failed)
-        if len(empty) and isinstance(self.motion, CanFail):
-            self.motion.fail(empty)
-        self.truncated |= active & (self._is_out | np.repeat(is_over, robots))
+        is_out = self._is_out
+        if is_out.any() and isinstance(self.motion, CanFail):
+            empty = np.flatnonzero(active & is_out & ~self.failed)
+            if len(empty):
+                self.motion.fail(empty)
+        self.truncated |= active & (is_out | np.repeat(is_over, robots))
 
     @property
     def _is_out(self) -> Flags:

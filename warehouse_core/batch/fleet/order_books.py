@@ -58,7 +58,7 @@ class OrderBooks:
         for floor in self._touched:
             self._update(floor)
         self._touched.clear()
-        for floor in np.flatnonzero(self._next_release <= steps).tolist():
+        for floor in (self._next_release <= steps).nonzero()[0].tolist():
             self.books[floor].release(int(steps[floor]))
             self._update(floor)
         if not self._dispatches or not self._has_open.any():

@@ -97,15 +97,19 @@ class Tally:
         self,
         actions: Integers,
         outcome: BatchOutcome,
-        charging: Flags,
+        charging: Flags | None,
         delivered: Flags,
         active: Flags,
     ) -> None:
-        """Count one step of all robots, ``[N]``; those not ``active`` had ended before."""
+        """Count one step of all robots, ``[N]``; those not ``active`` had ended before.
+
+        ``charging`` is ``None`` on floors without chargers.
+        """
         did = self._kinds.take(actions)
         if outcome.driving is not None:
             did[(did == WAITED) & outcome.driving] = BUSY
-        did[charging] = CHARGED
+        if charging is not None:
+            did[charging] = CHARGED
         blocked = outcome.blocked.nonzero()[0]
         assert outcome.stopped_by is not None, "the motion of a fleet tells it"
         did[blocked] = _counterpart(outcome.stopped_by[blocked], self._robots)
