@@ -106,7 +106,7 @@ class Timetable:
                     self._lead(visit, node.after[0])
         self.orders = {cell: self._first_order(visits) for cell, visits in visits_of.items()}
         self._cells = {visit: cell for cell, order in self.orders.items() for visit in order}
-        self._before: dict[Visit, Visit | None] = {}
+        self._before: dict[tuple[int, int], Visit | None] = {}
         for order in self.orders.values():
             self._before.update(zip(order, [None, *order], strict=False))
 
@@ -148,7 +148,7 @@ class Timetable:
             late robot or another one has committed to a cell, or somebody stays in one.
         """
         (robot, least), reached = late, self._progress.reached
-        before: set[Visit] = set()
+        before = self._progress.passed.copy()
         pending = [] if self._stays(other) else [Visit(other.robot, other.number + 1)]
         while pending:
             self._collect(pending, before, robot)
@@ -160,8 +160,8 @@ class Timetable:
                 for each in self._overtaken(Visit(robot, number), before):
                     if self._stays(each):
                         return {}
-                    if (leaving := Visit(each.robot, each.number + 1)) not in before:
-                        pending.append(leaving)
+                    if each.number + 1 > before[each.robot]:
+                        pending.append(Visit(each.robot, each.number + 1))
         return self._put_off(robot, least, before)
 
     def apply(self, orders: dict[Cell, list[Visit]]) -> dict[Cell, list[Visit]]:
@@ -189,27 +189,32 @@ class Timetable:
             found.append(followers[found[-1]])
         return found
 
-    def _collect(self, pending: list[Visit], before: set[Visit], robot: int) -> None:
-        """Add visits, and all that have to begin before them if ``robot`` lets them through."""
-        passed = self._progress.passed
+    def _collect(self, pending: list[Visit], before: list[int], robot: int) -> None:
+        """Add visits, and all that have to begin before them if ``robot`` lets them through.
+
+        Where a visit is among them, so are those before it on the same way: ``before`` has the last
+        one of each robot.
+        """
         while pending:
-            visit = pending.pop()
-            if visit in before or visit.number <= passed[visit.robot]:
-                continue
-            before.add(visit)
-            pending.append(Visit(visit.robot, visit.number - 1))
-            leader = self._before[visit]
-            while leader and leader.robot == robot:
-                leader = self._before[leader]
-            if leader and leader.robot != visit.robot:
-                pending.append(Visit(leader.robot, leader.number + 1))
+            last = pending.pop()
+            first, before[last.robot] = before[last.robot] + 1, max(before[last.robot], last.number)
+            for number in range(first, last.number + 1):
+                leader = self._before[last.robot, number]
+                while leader and leader.robot == robot:
+                    leader = self._before[leader]
+                if leader and leader.robot != last.robot and leader.number >= before[leader.robot]:
+                    pending.append(Visit(leader.robot, leader.number + 1))
 
-    def _overtaken(self, visit: Visit, before: set[Visit]) -> list[Visit]:
+    def _overtaken(self, visit: Visit, before: list[int]) -> list[Visit]:
         """Return the later visits of the same cell that are to begin ``before`` a visit ends."""
-        order = self.orders[self._cells[visit]]
-        return [each for each in order[order.index(visit) + 1 :] if each in before]
+        order, passed = self.orders[self._cells[visit]], self._progress.passed
+        return [
+            each
+            for each in order[order.index(visit) + 1 :]
+            if passed[each.robot] < each.number <= before[each.robot]
+        ]
 
-    def _put_off(self, robot: int, least: int, before: set[Visit]) -> dict[Cell, list[Visit]]:
+    def _put_off(self, robot: int, least: int, before: list[int]) -> dict[Cell, list[Visit]]:
         """Return the orders in which visits of a robot, from ``least`` on, are put off."""
         found: dict[Cell, list[Visit]] = {}
         for number in range(self._lasts[robot], least - 1, -1):
