@@ -37,6 +37,7 @@ from agents.learning.baselines import RandomAgent
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
 from agents.mapf.assignment import ASSIGNMENTS
+from agents.mapf.epibt import EPIBT
 from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Planner
@@ -77,6 +78,8 @@ PLANNERS: dict[str, Callable[..., Planner]] = {
     "pibt": PIBT,
     "pibt-lanes": Guided(PIBT, on_lanes),
     "pibt-learned": Guided(PIBT, on_learned),
+    "epibt": EPIBT,
+    "epibt-lanes": Guided(EPIBT, on_lanes),
     "windowed": WindowedPlanner,
     "windowed-lanes": Guided(WindowedPlanner, on_lanes),
     "windowed-learned": Guided(WindowedPlanner, on_learned),

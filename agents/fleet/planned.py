@@ -9,16 +9,20 @@ from numpy.typing import NDArray
 
 from agents.errors import AgentError, file_of, reason_of
 from agents.fleet.dispatcher import Dispatcher, shares_cell
+from agents.fleet.parting import part
 from agents.fleet.plan_log import PlanLog
+from agents.fleet.turning import turning_actions
 from agents.mapf.assignment import ASSIGNMENTS
-from agents.mapf.graph import CLOSED, Graph
+from agents.mapf.graph import Graph
 from agents.mapf.planner import (
     GraphPlanner,
+    HeadedPlanner,
     MotionPlanner,
     Planner,
     PushingPlanner,
     Situation,
     check_step,
+    check_turns,
 )
 from agents.mapf.time_limit import time_limit
 from warehouse_core import FleetEnv
@@ -116,56 +120,57 @@ class PlannedFleet:
 
         Raises:
             PlanError: the plan of the step has a conflict.
+            AgentError: the robots have headings, and the planner does not know any.
         """
         if self._dispatcher is None:
+            if env.settings.has_headings and not isinstance(self.planner, HeadedPlanner):
+                raise AgentError(
+                    f"planner {type(self.planner).__name__} does not know headings, which robots "
+                    'with moves="turn" have; it needs a method next_places, as EPIBT has'
+                )
             if isinstance(self.planner, MotionPlanner):
                 self.planner.plan_for(env.motion)
             roads = self.planner.graph if isinstance(self.planner, GraphPlanner) else None
             self._dispatcher = Dispatcher(env, self._assignment, roads)
         situation, actions = self._dispatcher.situation(env)
-        graph, cells = self._dispatcher.graph, situation.cells
+        graph, cells, headings = self._dispatcher.graph, situation.cells, np.array(env.headings)
+        stays = headings * graph.size + cells if len(headings) else cells
         known = self.planner.graph if isinstance(self.planner, GraphPlanner) else graph
         if known.closed != graph.closed:
             known.close(graph.closed)
             self.planner.reset()
         try:
-            with time_limit(self._seconds):
-                chosen = self.planner.next_cells(situation)
-            chosen = check_step(graph, situation, chosen)
+            chosen = self._plan(graph, situation, headings)
             if self._log:
-                self._log.add(self.planner, graph, situation, chosen)
+                self._log.add(self.planner, graph, situation, chosen % graph.size)
         except TimeoutError:
-            chosen = self._lose(env, cells, f"the plan took more than {self._seconds:g} s")
+            chosen = self._lose(env, stays, f"the plan took more than {self._seconds:g} s")
         except Exception as error:  # the planner of a user may raise anything
             if not self._goes_on:
                 raise
-            chosen = self._lose(env, cells, reason_of(error, file_of(self.planner)))
+            chosen = self._lose(env, stays, reason_of(error, file_of(self.planner)))
+        if env.settings.has_headings:
+            return turning_actions(graph, situation, headings, chosen, actions)
         if shares_cell(cells).any():
             chosen = part(graph, situation, chosen)
         moves = (graph.neighbours[cells] == chosen[:, None]).argmax(axis=1)
         return np.where(actions == WAIT, moves, actions)
 
-    def _lose(self, env: FleetEnv, cells: Integers, reason: str) -> Integers:
+    def _plan(self, graph: Graph, situation: Situation, headings: Integers) -> Integers:
+        """Return the next cells of the robots, or with headings their next places, checked."""
+        planner = self.planner
+        with time_limit(self._seconds):
+            if isinstance(planner, HeadedPlanner) and len(headings):
+                chosen = planner.next_places(situation, headings)
+            else:
+                chosen = planner.next_cells(situation)
+        if len(headings):
+            return check_turns(graph, situation, headings, chosen)
+        return check_step(graph, situation, chosen)
+
+    def _lose(self, env: FleetEnv, stays: Integers, reason: str) -> Integers:
         self.lost.append((env.steps + 1, reason))
         self.planner.reset()
         if self._log:
             self._log.plans.append(NO_PLANS)
-        return cells
-
-
-def part(graph: Graph, situation: Situation, chosen: Integers) -> Integers:
-    """Return the next cells where of robots that share a cell the first leaves it, if it can.
-
-    Bodies may come to rest over one cell after a disturbance. To the planner both stay.
-    """
-    cells = situation.cells
-    first = np.unique(cells, return_index=True)[1]
-    others = np.setdiff1d(np.arange(len(cells)), first)
-    taken = {CLOSED, *cells.tolist(), *chosen.tolist(), *situation.closed.tolist()}
-    parted = chosen.copy()
-    for cell in np.unique(cells[others]).tolist():
-        free = [side for side in graph.neighbours[cell].tolist() if side not in taken]
-        if free:
-            parted[np.argmax(cells == cell)] = free[0]
-            taken.add(free[0])
-    return parted
+        return stays

@@ -5,13 +5,14 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
+from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from agents.errors import PlanError
-from agents.mapf.graph import Graph
-from agents.mapf.planner import NO_CELLS, Planner, Situation
+from agents.mapf.graph import EAST, Graph
+from agents.mapf.planner import NO_CELLS, GraphPlanner, HeadedPlanner, Planner, Situation
 from warehouse_core.world.tables import Integers
 
 __all__ = ["LifelongRun", "run_lifelong"]
@@ -63,6 +64,8 @@ def run_lifelong(
     seed: int,
     starts: Integers | None = None,
     goals: Integers | None = None,
+    *,
+    has_headings: bool = False,
 ) -> LifelongRun:
     """Reset a planner and let it lead robots to goals that are drawn anew when they are reached.
 
@@ -77,6 +80,7 @@ def run_lifelong(
         seed: seed of starts and goals.
         starts: cells that starts are drawn from; ``None`` is all open cells.
         goals: cells that goals are drawn from; ``None`` is all open cells.
+        has_headings: let robots drive forward and turn, at first heading east.
 
     Raises:
         PlanError: there are fewer cells to start from than robots, or fewer than two goals.
@@ -108,19 +112,33 @@ def run_lifelong(
                 wanted[robot] = streams[robot].choice(goals)
         return wanted
 
-    return lead(planner, cells, wanted, new_goals, steps)
+    headings = np.full(robots, EAST) if has_headings else NO_CELLS
+    return lead(planner, cells, wanted, new_goals, steps, headings)
 
 
 def lead(
-    planner: Planner, cells: Integers, goals: Integers, new_goals: NewGoals, steps: int
+    planner: Planner,
+    cells: Integers,
+    goals: Integers,
+    new_goals: NewGoals,
+    steps: int,
+    headings: Integers = NO_CELLS,
 ) -> LifelongRun:
-    """Reset a planner and let it lead robots from their first cells to goals that change."""
+    """Reset a planner and let it lead robots from their first cells to goals that change.
+
+    The planner of robots with headings is a ``HeadedPlanner`` with a graph.
+    """
     nobody = np.zeros(len(cells), np.bool_)
     ways, all_goals, seconds = [cells], [goals], []
     planner.reset()
     for _ in range(steps):
         start = time.process_time()
-        cells = planner.next_cells(Situation(cells, goals, nobody, NO_CELLS))
+        situation = Situation(cells, goals, nobody, NO_CELLS)
+        if len(headings):
+            places = cast(HeadedPlanner, planner).next_places(situation, headings)
+            headings, cells = np.divmod(places, cast(GraphPlanner, planner).graph.size)
+        else:
+            cells = planner.next_cells(situation)
         seconds.append(time.process_time() - start)
         goals = new_goals(cells, goals)
         ways.append(cells)

@@ -13,18 +13,24 @@ from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.motion.base import Motion
 from warehouse_core.wording import brief, counted
+from warehouse_core.world.moves import HEADINGS
 from warehouse_core.world.tables import Integers
 
 __all__ = [
     "ForesightedPlanner",
     "GraphPlanner",
+    "HeadedPlanner",
     "MotionPlanner",
     "Planner",
     "PushingPlanner",
     "Situation",
     "check_step",
+    "check_turns",
     "solve_by_steps",
 ]
+
+SIDES = ("north", "east", "south", "west")
+"""Headings in words."""
 
 NO_CELLS = np.empty(0, np.intp)
 
@@ -104,6 +110,31 @@ class GraphPlanner(Protocol):
     """
 
     graph: Graph
+
+
+@runtime_checkable
+class HeadedPlanner(Planner, Protocol):
+    """A planner that knows the headings of robots which drive forward and turn on the spot.
+
+    Example:
+        >>> from agents.mapf.epibt import EPIBT
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.planner import HeadedPlanner
+        >>> from warehouse_core import DEFAULT_LAYOUT
+        >>> isinstance(EPIBT(Graph(DEFAULT_LAYOUT)), HeadedPlanner)
+        True
+    """
+
+    def next_places(self, situation: Situation, headings: Integers) -> Integers:
+        """Return the place of each robot after the next joint step, ``[R]``.
+
+        A place is ``heading * H * W + cell``. A robot moves to the cell that it heads for, or it
+        keeps its cell and turns by a quarter at most; what ``next_cells`` says holds for the cells.
+
+        Args:
+            situation: situation of the robots, as for ``next_cells``.
+            headings: ``[R]``, 0 to 3 for N, E, S and W.
+        """
 
 
 @runtime_checkable
@@ -247,4 +278,44 @@ def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
             f"robots {one} and {other_in[one]} are to change places, {place(cells[one])} and "
             f"{place(found[one])}"
         )
+    return found
+
+
+def check_turns(graph: Graph, situation: Situation, headings: Integers, chosen: object) -> Integers:
+    """Return the next places that a planner has chosen for robots with headings, checked.
+
+    Raises:
+        PlanError: as for ``check_step``, or a robot moves where it does not head, turns round, or
+            turns though it stays; the message names it.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.planner import Situation, check_turns
+        >>> from warehouse_core import Layout
+        >>> cell, none = np.array([0]), np.array([], int)
+        >>> situation = Situation(cell, cell, np.array([False]), none)
+        >>> check_turns(Graph(Layout([".."])), situation, np.array([0]), [1 * 2 + 1])
+        Traceback (most recent call last):
+            ...
+        agents.errors.PlanError: robot 0 heads north at (0, 0) and is to be at (0, 1), heading east
+    """
+    cells = situation.cells
+    found = np.asarray(chosen)
+    if found.shape != cells.shape or found.dtype.kind not in "iu":
+        raise PlanError(
+            f"the planner returned {brief(chosen)}; needed: a place for each of {len(cells)} robots"
+        )
+    turned, to = np.divmod(found, graph.size)
+    is_place = (found >= 0) & (turned < len(HEADINGS))
+    ahead = graph.neighbours[cells, headings]
+    quarters = (turned - headings) % len(HEADINGS)
+    is_move = (to == ahead) & (quarters == 0) & ~situation.stays
+    is_turn = (to == cells) & np.where(situation.stays, quarters == 0, quarters != 2)
+    for robot in np.flatnonzero(~is_place | ~(is_move | is_turn))[:1]:
+        here, there = (str(graph.layout.cell(each[robot])) for each in (cells, to))
+        way = f"robot {robot} heads {SIDES[headings[robot]]} at {here} and is to be at {there}"
+        is_known = is_place[robot]
+        raise PlanError(f"{way}, heading {SIDES[turned[robot]] if is_known else turned[robot]}")
+    check_step(graph, situation, to)
     return found

@@ -8,6 +8,7 @@ from hashlib import sha256
 
 import numpy as np
 
+from agents.mapf.epibt import EPIBT
 from agents.mapf.graph import Graph
 from agents.mapf.kernels.buffers import IS_COMPILED
 from agents.mapf.lacam import LaCAM, lacam
@@ -81,9 +82,19 @@ def once() -> Iterator[tuple[str, np.ndarray]]:
             yield f"lacam-star {robots} {seed}", np.array([-1]) if best is None else best.cells
 
 
+def turning() -> Iterator[tuple[str, np.ndarray]]:
+    """Yield lifelong runs of robots with headings, and of others, by EPIBT."""
+    for seed in SEEDS:
+        graph = Graph(random_layout(14, 14, 0.2, seed))
+        for has_headings, tries in ((False, 0), (True, 0), (True, 2)):
+            planner = EPIBT(graph, seed, window=3 if has_headings else 2, tries=tries)
+            run = run_lifelong(graph, planner, 30, 20, seed, has_headings=has_headings)
+            yield f"epibt {has_headings} {tries} {seed}", run.cells
+
+
 if __name__ == "__main__":
     print("compiled" if IS_COMPILED else "plain")
-    for part in (lifelong, once):
+    for part in (lifelong, once, turning):
         for what, cells in part():
             numbers = np.ascontiguousarray(cells, np.int64)
             print(f"{what}: {sha256(repr(cells.shape).encode() + numbers.tobytes()).hexdigest()}")

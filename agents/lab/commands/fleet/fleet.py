@@ -33,6 +33,7 @@ from warehouse_core.orders import load_orders
 from warehouse_core.orders.order import Orders
 from warehouse_core.records.recorder import FleetAgent
 from warehouse_core.wording import counted
+from warehouse_core.world.moves import COMPASS, TURN
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
 RATE, DUE = usual("order_rate"), usual("due")
@@ -106,6 +107,14 @@ def fleet(
     max_steps: options.MaxSteps = 1000,
     battery: options.FleetBattery = "400steps",
     people: Annotated[int, parameter_option("people")] = 0,
+    moves: Annotated[
+        str,
+        option(
+            "--moves NAME",
+            "compass: robots move N, E, S or W; turn: they drive forward, and turn on the spot, "
+            "which needs --planner epibt or epibt-lanes.",
+        ),
+    ] = COMPASS,
     late_penalty: Annotated[
         float,
         option(
@@ -148,6 +157,10 @@ def fleet(
         raise typer.BadParameter("--planner does not go with --agent: it directs all robots")
     if planner is None and assignment is not None:
         raise typer.BadParameter("--assignment needs a planner; add --planner NAME")
+    if planner is None and moves == TURN:
+        raise typer.BadParameter(
+            "--moves turn needs a planner that knows headings; add --planner epibt"
+        )
     watched = parse_robots(show_plans, robots)
     if planner is None and (watched or show_pushes):
         raise typer.BadParameter(
@@ -166,6 +179,7 @@ def fleet(
         view_radius=view_radius,
         people=people,
         late_penalty=late_penalty,
+        moves=moves,
     )
 
     first = draw_seed() if seed is None else seed

@@ -259,6 +259,21 @@ def test_a_plan_that_takes_too_long_is_cut_off_and_reported(warehouse: Warehouse
     )
 
 
+def test_robots_with_headings_need_a_planner_that_knows_them(warehouse: Warehouse) -> None:
+    turning = (*SMALL, "--moves", "turn")
+    done = warehouse(*turning, "--planner", "epibt", "--order-rate", 0.2, "--save", "a.npz")
+    assert (done.code, done.err) == (0, "")
+    episode = FleetEpisode.load("a.npz")
+    assert episode.measures.blocked_by_robot == 0
+    assert {1, 2} < {*episode.actions.ravel().tolist()}
+    assert warehouse(*turning).err == (
+        "warehouse: --moves turn needs a planner that knows headings; add --planner epibt\n"
+    )
+    done = warehouse(*turning, "--planner", "pibt")
+    assert done.code == 1
+    assert "planner PIBT does not know headings" in done.err
+
+
 def test_an_interrupt_ends_the_shift_and_prints_the_measures(warehouse: Warehouse) -> None:
     write_mine("act", "raise KeyboardInterrupt", "['N'] * 3")
     done = warehouse(*SMALL, "--planner", "mine.py:Mine", "--save", "a.npz")

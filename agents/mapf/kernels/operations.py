@@ -1,0 +1,417 @@
+"""One joint step by EPIBT: each robot chooses its next few actions, in the order of priorities.
+
+An *operation* is a sequence of actions, one for each step of a window. A robot takes the best
+operation whose way meets no robot that has chosen. Those that have not chosen are expected to do
+the rest of what they chose in the step before, and then to wait. Whoever of them it meets it
+pushes: they choose next, one after the other, and if one finds no way, the robot tries its next
+operation, and those pushed before are as they were. With windows, a robot that has to turn before
+it leaves a cell can be pushed out of it.
+
+Source: Yukhnevich and Andreychuk (2025), Enhancing PIBT via multi-action operations.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+from agents.mapf.kernels.buffers import Buffer, Table, buffer, buffer_of, kernel
+from agents.mapf.kernels.floor import NONE
+from agents.mapf.kernels.rounds import CHANCE_KEY, NOBODY, SPREAD, draw, first_random, mix
+from warehouse_core.world.tables import Integers
+
+BLOCKED = -2
+"""Stands for what nobody can be pushed out of."""
+
+FREE, CHOOSING, CHOSEN = range(3)
+"""States of a robot: it has not chosen; it chooses, or pushes others; it has its way."""
+
+MAX_VISITS = 8
+"""Most times that a robot is pushed in a step, which bounds the time that it takes."""
+
+USED = 1 << 62
+"""Key of an operation that leads into a wall, or has been tried."""
+
+END_WEIGHT, CHANCE_KEYS = 4, CHANCE_KEY + 1
+"""Weight of the distance at the end of the window against those before; keys by chance."""
+
+
+class Crew(NamedTuple):
+    """Robots in a round; all buffers are ``[R]`` but for those that say so.
+
+    Attributes:
+        size: number of cells; the cell of a place is its remainder by it.
+        actions: number of actions, ``A``.
+        window: steps of an operation, ``W``.
+        near: ``[places * A]``, place that each action leads to, or ``NONE``.
+        operations: ``[N * W]``, actions of each operation; the first one waits.
+        places: present places.
+        rows: index of the distance field of each goal in the table of fields.
+        order: robots by falling priority.
+        ways: ``[R * W]``, places after each step of the window.
+        kept: ``[R * W]``, places after each step if they go on as expected.
+        states: ``FREE``, ``CHOOSING`` or ``CHOSEN``.
+        is_fixed: 1 for robots that wait in this step.
+        visits: number of times that each has begun to choose in this step.
+        pushed: robot that each has pushed last in vain, or ``NOBODY``.
+        pushed_at: step of the window in which it would have met that one.
+        met_at: ``[1]``, step of the window in which a way has met a robot.
+        keys: ``[R * N]``, keys of the operations, the least is the best.
+        stack: robots that push others.
+        marks: length of the trail when each began its operation.
+        trail: robots that have chosen in this turn, and number of them at the end, ``[R + 1]``.
+        robot_in: ``[size]``, robot in each cell now, or ``NOBODY``.
+        holder: ``[W * size]``, robot whose way is in each cell after each step, or ``NOBODY``;
+            those that are ``FREE`` have none.
+        expected: ``[W * size]``, robot that is expected in each cell, likewise.
+        is_closed: ``[size]``, 1 for cells that nobody can enter.
+        random: ``[1]``, state of the random numbers.
+    """
+
+    size: int
+    actions: int
+    window: int
+    near: Buffer
+    operations: Buffer
+    places: Buffer
+    rows: Buffer
+    order: Buffer
+    ways: Buffer
+    kept: Buffer
+    states: Buffer
+    is_fixed: Buffer
+    visits: Buffer
+    pushed: Buffer
+    pushed_at: Buffer
+    met_at: Buffer
+    keys: Buffer
+    stack: Buffer
+    marks: Buffer
+    trail: Buffer
+    robot_in: Buffer
+    holder: Buffer
+    expected: Buffer
+    is_closed: Buffer
+    random: Buffer
+
+
+def crew_of(size: int, near: Integers, operations: Integers, robots: int, seed: int | None) -> Crew:
+    """Return the buffers of robots on so many cells.
+
+    Args:
+        size: number of cells.
+        near: ``[places, A]``, see ``Crew``.
+        operations: ``[N, W]``, likewise.
+        robots: number of robots.
+        seed: seed of the random numbers.
+    """
+    count, window = operations.shape
+    return Crew(
+        size=size, actions=near.shape[1], window=window, near=buffer_of(near),
+        operations=buffer_of(operations), places=buffer(robots), rows=buffer(robots),
+        order=buffer(robots), ways=buffer(robots * window, NONE), kept=buffer(robots * window),
+        states=buffer(robots), is_fixed=buffer(robots), visits=buffer(robots),
+        pushed=buffer(robots), pushed_at=buffer(robots), met_at=buffer(1),
+        keys=buffer(robots * count), stack=buffer(robots), marks=buffer(robots),
+        trail=buffer(robots + 1), robot_in=buffer(size, NOBODY),
+        holder=buffer(window * size, NOBODY), expected=buffer(window * size, NOBODY),
+        is_closed=buffer(size), random=first_random(seed),
+    )  # fmt: skip
+
+
+@kernel
+def hold(crew: Crew, robot: int) -> None:
+    """Enter the way of a robot."""
+    for time in range(crew.window):
+        cell = crew.ways[robot * crew.window + time] % crew.size
+        crew.holder[time * crew.size + cell] = robot
+
+
+@kernel
+def release(crew: Crew, robot: int) -> None:
+    """Remove the way of a robot."""
+    for time in range(crew.window):
+        cell = crew.ways[robot * crew.window + time] % crew.size
+        crew.holder[time * crew.size + cell] = NOBODY
+
+
+@kernel
+def go_on(crew: Crew, robot: int) -> None:
+    """Let a robot choose what is expected of it."""
+    for at in range(robot * crew.window, (robot + 1) * crew.window):
+        crew.ways[at] = crew.kept[at]
+    crew.states[robot] = CHOSEN
+    hold(crew, robot)
+
+
+@kernel
+def keep(crew: Crew, robot: int, waits: bool) -> None:
+    """Expect a robot to do the rest of its way and then wait, or to wait only."""
+    first, place = robot * crew.window, crew.places[robot]
+    for at in range(first, first + crew.window):
+        if not waits and at + 1 < first + crew.window:
+            place = crew.ways[at + 1]
+        crew.kept[at] = place
+
+
+@kernel
+def misses(crew: Crew, robot: int) -> int:
+    """Return a robot that cannot go on as expected since it meets another, or ``NOBODY``.
+
+    It is the robot given, or the one that enters a cell in which this one waits.
+    """
+    size, before, moves = crew.size, crew.places[robot] % crew.size, False
+    found = NOBODY
+    for time in range(crew.window):
+        cell = crew.kept[robot * crew.window + time] % size
+        other = crew.expected[time * size + cell]
+        if other != robot:
+            found = other
+        if cell != before:
+            moves = True
+            there = crew.robot_in[cell] if time == 0 else crew.expected[(time - 1) * size + cell]
+            is_swap = there != NOBODY and crew.expected[time * size + before] == there
+            if is_swap or crew.is_closed[cell]:
+                return robot
+        before = cell
+    return robot if found != NOBODY and moves else found
+
+
+@kernel
+def expect(crew: Crew) -> None:
+    """Set what is expected of all robots, so that no two meet."""
+    for robot in range(len(crew.places)):
+        is_lost = crew.ways[robot * crew.window] != crew.places[robot]
+        keep(crew, robot, is_lost or crew.states[robot] == CHOSEN)
+    is_changed = True
+    while is_changed:
+        is_changed = False
+        for at in range(len(crew.expected)):
+            crew.expected[at] = NOBODY
+        for robot in range(len(crew.places)):
+            for time in range(crew.window):
+                cell = crew.kept[robot * crew.window + time] % crew.size
+                crew.expected[time * crew.size + cell] = robot
+        for robot in range(len(crew.places)):
+            other = misses(crew, robot)
+            if other != NOBODY:
+                keep(crew, other, True)
+                is_changed = True
+
+
+@kernel
+def who(crew: Crew, time: int, cell: int, robot: int) -> int:
+    """Return who but a robot is in a cell after a step of the window, or before the first."""
+    if time < 0:
+        return crew.robot_in[cell]
+    there = crew.expected[time * crew.size + cell]
+    holder = crew.holder[time * crew.size + cell]
+    if holder in (NOBODY, robot):
+        return there if there != NOBODY and crew.states[there] == FREE else NOBODY
+    return holder
+
+
+@kernel
+def undo(crew: Crew, mark: int) -> None:
+    """Let robots that have chosen since the trail had a length be free again."""
+    last = len(crew.trail) - 1
+    while crew.trail[last] > mark:
+        crew.trail[last] -= 1
+        robot = crew.trail[crew.trail[last]]
+        release(crew, robot)
+        crew.states[robot] = FREE
+
+
+@kernel
+def follow(crew: Crew, robot: int, operation: int) -> bool:
+    """Write the places of an operation into the way of a robot; return whether no wall is there."""
+    place = crew.places[robot]
+    for time in range(crew.window):
+        action = crew.operations[operation * crew.window + time]
+        place = crew.near[place * crew.actions + action]
+        if place == NONE:
+            return False
+        crew.ways[robot * crew.window + time] = place
+    return True
+
+
+@kernel
+def cost(crew: Crew, fields: Table, robot: int, ways: Buffer) -> int:
+    """Return the cost of one of the ways of a robot: its distances from the goal, weighted."""
+    total, row = 0, crew.rows[robot]
+    for at in range(robot * crew.window, (robot + 1) * crew.window):
+        total += fields[row + ways[at]]
+    return total + (END_WEIGHT - 1) * fields[row + ways[(robot + 1) * crew.window - 1]]
+
+
+@kernel
+def weigh(crew: Crew, fields: Table, robot: int) -> None:
+    """Write the keys of all operations of a robot."""
+    count = len(crew.operations) // crew.window
+    bits = mix(crew.random[0] + robot * SPREAD)
+    for operation in range(count):
+        key = USED
+        if follow(crew, robot, operation):
+            key = cost(crew, fields, robot, crew.ways) * CHANCE_KEYS
+            if operation > 0:  # waiting is best where nothing else brings a robot nearer
+                key += 1 + (bits + operation * 5) % CHANCE_KEY
+        crew.keys[robot * count + operation] = key
+
+
+@kernel
+def begin(crew: Crew, fields: Table, robot: int) -> None:
+    """Let a robot begin to choose."""
+    crew.states[robot], crew.pushed[robot] = CHOOSING, NOBODY
+    crew.visits[robot] += 1
+    weigh(crew, fields, robot)
+
+
+@kernel
+def next_operation(crew: Crew, robot: int) -> int:
+    """Return the best operation that a robot has not tried, or ``NONE``."""
+    count = len(crew.operations) // crew.window
+    best, least = NONE, USED
+    for operation in range(count):
+        key = crew.keys[robot * count + operation]
+        if key < least:
+            best, least = operation, key
+    if best != NONE:
+        crew.keys[robot * count + best] = USED
+    return best
+
+
+@kernel
+def meets(crew: Crew, robot: int) -> int:
+    """Return the first robot that the way of a robot meets, ``NOBODY``, or ``BLOCKED``.
+
+    Robots that are not free, or have chosen too often, and closed cells block the way. So does a
+    robot that was pushed in vain when it would have been met as early or later.
+    """
+    found, before = NOBODY, crew.places[robot] % crew.size
+    for time in range(crew.window):
+        cell = crew.ways[robot * crew.window + time] % crew.size
+        other, opposite = who(crew, time, cell, robot), NOBODY
+        if cell != before:
+            if crew.is_closed[cell]:
+                return BLOCKED
+            opposite = who(crew, time - 1, cell, robot)
+            if opposite != NOBODY and who(crew, time, before, robot) != opposite:
+                opposite = NOBODY
+        for one in (other, opposite):
+            if one == NOBODY:
+                continue
+            if crew.states[one] != FREE or crew.visits[one] >= MAX_VISITS:
+                return BLOCKED
+            if found == NOBODY:
+                found, crew.met_at[0] = one, time
+        before = cell
+    is_vain = found == crew.pushed[robot] and crew.met_at[0] <= crew.pushed_at[robot]
+    return BLOCKED if found != NOBODY and is_vain else found
+
+
+@kernel
+def push(crew: Crew, fields: Table, robot: int) -> bool:
+    """Let a free robot choose, and those that it pushes; return whether it has found a way.
+
+    Those that have chosen are on the trail then. Otherwise all are as they were.
+    """
+    last, depth, other = len(crew.trail) - 1, 0, BLOCKED
+    crew.trail[last] = 0
+    begin(crew, fields, robot)
+    while True:
+        if other == BLOCKED:  # the operation does not do, or there is none yet
+            operation = next_operation(crew, robot)
+            if operation == NONE:
+                crew.states[robot] = FREE
+                if depth == 0:
+                    return False
+                depth -= 1
+                robot = crew.stack[depth]
+                release(crew, robot)
+                undo(crew, crew.marks[robot])
+                continue
+            follow(crew, robot, operation)
+            crew.marks[robot] = crew.trail[last]
+            other = meets(crew, robot)
+            if other == BLOCKED:
+                continue
+            hold(crew, robot)
+        if other != NOBODY:
+            crew.pushed[robot], crew.pushed_at[robot] = other, crew.met_at[0]
+            crew.stack[depth] = robot
+            depth += 1
+            robot, other = other, BLOCKED
+            begin(crew, fields, robot)
+            continue
+        crew.states[robot] = CHOSEN
+        crew.trail[crew.trail[last]] = robot
+        crew.trail[last] += 1
+        if depth == 0:
+            return True
+        depth -= 1
+        robot = crew.stack[depth]
+        other = meets(crew, robot)
+        if other == BLOCKED:
+            release(crew, robot)
+            undo(crew, crew.marks[robot])
+
+
+@kernel
+def plan(crew: Crew, fields: Table) -> None:
+    """Choose the ways of all robots that are ``FREE``; those that are ``CHOSEN`` wait."""
+    draw(crew.random)
+    expect(crew)
+    for robot in range(len(crew.places)):
+        crew.visits[robot] = 0
+        if crew.states[robot] == CHOSEN:
+            go_on(crew, robot)
+    for at in range(len(crew.order)):
+        robot = crew.order[at]
+        if crew.states[robot] != CHOSEN and not push(crew, fields, robot):
+            go_on(crew, robot)
+
+
+@kernel
+def enter(crew: Crew, robot: int, mark: int) -> None:
+    """Write a robot, or ``NOBODY``, into the cells in which the robot is expected."""
+    for time in range(crew.window):
+        cell = crew.kept[robot * crew.window + time] % crew.size
+        crew.expected[time * crew.size + cell] = mark
+
+
+@kernel
+def improve(crew: Crew, fields: Table, tries: int) -> None:
+    """Let random robots choose once more, and keep what lowers the sum of the costs of all ways.
+
+    Robots that are fixed do not choose.
+    """
+    last = len(crew.trail) - 1
+    for at in range(len(crew.holder)):
+        crew.holder[at] = crew.expected[at] = NOBODY
+    for robot in range(len(crew.places)):
+        for at in range(robot * crew.window, (robot + 1) * crew.window):
+            crew.kept[at] = crew.ways[at]
+        crew.visits[robot] = 0
+        enter(crew, robot, robot)
+        if crew.is_fixed[robot]:
+            hold(crew, robot)
+        else:
+            crew.states[robot] = FREE
+    for _ in range(tries):
+        robot = draw(crew.random) % len(crew.places)
+        if crew.is_fixed[robot] or not push(crew, fields, robot):
+            continue
+        gain = 0
+        for at in range(crew.trail[last]):
+            robot = crew.trail[at]
+            gain += cost(crew, fields, robot, crew.kept) - cost(crew, fields, robot, crew.ways)
+        if gain > 0:
+            for at in range(crew.trail[last]):
+                enter(crew, crew.trail[at], NOBODY)
+            for at in range(crew.trail[last]):
+                robot = crew.trail[at]
+                for step in range(robot * crew.window, (robot + 1) * crew.window):
+                    crew.kept[step] = crew.ways[step]
+                enter(crew, robot, robot)
+        undo(crew, 0)
+    for at in range(len(crew.ways)):
+        crew.ways[at] = crew.kept[at]
