@@ -29,14 +29,18 @@ def write_page(folder: Path) -> Path:
     return folder
 
 
-def run_in_node(page: Path, script: Path, *packages: str) -> str:
-    """Return what a script prints that Pyodide runs in node, with the wheel of a page.
-
-    More packages than the page has are taken from what ``.ci/pyodide`` fetches.
-    """
+def run_in_node(page: Path, script: Path) -> str:
+    """Return what a script prints that Pyodide runs in node, with the wheel of a page."""
     [wheel] = page.glob("*.whl")
-    runtime = FILES if packages else page / RUNTIME
-    words = ["node", ROOT / "tests" / "helpers" / "pyodide.mjs", runtime, wheel, script, *packages]
+    return run_by(page / RUNTIME, script, wheel)
+
+
+def run_by(runtime: Path, script: Path, loaded: Path) -> str:
+    """Return what a script prints that Pyodide runs in node.
+
+    Before it, a wheel is loaded, with NumPy, or the packages that another script imports.
+    """
+    words = ["node", ROOT / "tests" / "helpers" / "pyodide.mjs", runtime, script, loaded]
     return subprocess.run(words, capture_output=True, text=True, check=True).stdout
 
 

@@ -21,9 +21,14 @@ DPI = 100
 MAX_WAIT_SECONDS = 0.01
 """Longest time that events of the window wait while the next picture is not due."""
 
+IS_IN_BROWSER = sys.platform == "emscripten"
+"""``True`` if Python runs in a browser, in which no window can be opened."""
+
 
 def may_have_display() -> bool:
     """Return ``False`` if certainly no window can be opened, without importing matplotlib."""
+    if IS_IN_BROWSER:
+        return False
     return sys.platform != "linux" or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
 
 
@@ -36,6 +41,8 @@ def has_display() -> bool:
         >>> from warehouse_core.render import has_display
         >>> where = "in a window" if has_display() else "in a file"
     """
+    if IS_IN_BROWSER:  # whose matplotlib may be too old for what follows
+        return False
     import matplotlib.pyplot as plt
     from matplotlib.backends.registry import backend_registry
 

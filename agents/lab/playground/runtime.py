@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import http.client
 import json
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path
 from urllib.error import URLError
 from urllib.parse import urljoin, urlsplit
@@ -23,6 +23,9 @@ VERSION: str = PINNED["version"]
 FILES: dict[str, str] = PINNED["files"]
 """SHA-256 digests, by names of files: Python, its library, and NumPy."""
 
+SCRIPT: dict[str, str] = PINNED["script"]
+"""Digest of the one file that notebooks need beside these, by its name."""
+
 SERVER = f"https://cdn.jsdelivr.net/pyodide/v{VERSION}/full/"
 """Address from which the files are loaded unless another place is given."""
 
@@ -34,9 +37,20 @@ MAX_BYTES = 64 * 1024 * 1024
 
 
 def copy_runtime(source: str, folder: Path, advance: Callable[[], None] = lambda: None) -> None:
-    """Copy the files of Pyodide into a folder; those that are there already stay.
+    """Copy the files of Pyodide into a folder, as ``copy_files`` does."""
+    copy_files(FILES, source, folder, advance)
+
+
+def copy_files(
+    files: Mapping[str, str],
+    source: str,
+    folder: Path,
+    advance: Callable[[], None] = lambda: None,
+) -> None:
+    """Copy files into a folder; those that are there already stay.
 
     Args:
+        files: SHA-256 digests by names of files.
         source: folder, or address of one that begins with ``http://`` or ``https://``.
         folder: folder, which is made once there is a file for it.
         advance: called after each file.
@@ -45,14 +59,14 @@ def copy_runtime(source: str, folder: Path, advance: Callable[[], None] = lambda
         PyodideError: a file cannot be read, or is one of another version.
         OSError: the folder cannot be written.
     """
-    for name, digest in FILES.items():
+    for name, digest in files.items():
         target = folder / name
-        if not (target.is_file() and _digest_of(target.read_bytes()) == digest):
+        if not (target.is_file() and digest_of(target.read_bytes()) == digest):
             content = _read(source, name)
-            if _digest_of(content) != digest:
+            if digest_of(content) != digest:
                 raise PyodideError(
                     f"{name} in {brief(source)} is not of Pyodide {VERSION}: its SHA-256 is "
-                    f"{_digest_of(content)}; needed: {digest}"
+                    f"{digest_of(content)}; needed: {digest}"
                 )
             folder.mkdir(parents=True, exist_ok=True)
             with atomic_path(target) as part:
@@ -76,5 +90,6 @@ def _read(source: str, name: str) -> bytes:
     return content
 
 
-def _digest_of(content: bytes) -> str:
+def digest_of(content: bytes) -> str:
+    """Return the SHA-256 digest of some bytes in hexadecimal digits."""
     return hashlib.sha256(content).hexdigest()

@@ -68,6 +68,15 @@ def desktop(monkeypatch: pytest.MonkeyPatch) -> Desktop:
     return desktop
 
 
+def test_a_browser_is_no_display(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("DISPLAY", ":0")
+    monkeypatch.setattr(window_module, "IS_IN_BROWSER", True)
+    monkeypatch.setattr("matplotlib.pyplot.get_backend", lambda: "tkagg")
+    monkeypatch.setattr("matplotlib.pyplot.switch_backend", lambda _: None)
+    assert not window_module.may_have_display()
+    assert not window_module.has_display()
+
+
 def test_without_a_display_there_is_no_window(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(window_module, "has_display", lambda: False)
     with pytest.raises(NoDisplayError, match='render_mode="human" needs a window'):
