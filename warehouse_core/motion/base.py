@@ -264,7 +264,7 @@ class HasCost(Protocol):
     """A motion that says how much energy a cell takes.
 
     Attributes:
-        cell_joules: joules that a robot with an item takes for a cell.
+        cell_joules: joules that a robot is to count with for a cell.
     """
 
     cell_joules: float

@@ -19,7 +19,7 @@ from warehouse_physics.driving.driver import Driver
 from warehouse_physics.driving.leaders import corner_distance
 from warehouse_physics.driving.limits import CORNER
 from warehouse_physics.driving.wheels import WheeledArena
-from warehouse_physics.energy import joules_of
+from warehouse_physics.energy import joules_of, kinetic
 from warehouse_physics.exclusive import exclusive
 from warehouse_physics.spec import RobotSpec
 from warehouse_physics.walls import wall_boxes
@@ -91,6 +91,10 @@ class DrivingMotion(BodyMotion):
         super().__init__(spec, disturbances, record_path=record_path, path_every=path_every)
         corner_distance(self.spec)
         usual = self.cell_size / self.spec.top_speed
+        # It does not stop in each cell, but speeds up again and again.
+        work = kinetic(self.spec.mass, self.spec.top_speed, 0.0)
+        work += self.spec.drag_force(loaded=False) * self.cell_size
+        self.cell_joules = joules_of(self.spec, work, usual)
         self._substeps = self._substeps_in("period", usual if period is None else period)
         self.period = self._substeps * self.spec.time_step
         self.cell_steps = usual / self.period
