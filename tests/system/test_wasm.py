@@ -130,7 +130,13 @@ def answered(tmp_path: Path, question: dict[str, Any]) -> Any:
 
 
 CODE = MINI_LAB.with_suffix(".py").read_text(encoding="utf-8")
-START = {"code": CODE, "rows": DEFAULT_LAYOUT.rows, "seed": 1, "stations": "drawn"}
+START = {
+    "exercise": "mini_lab",
+    "code": CODE,
+    "rows": DEFAULT_LAYOUT.rows,
+    "seed": 1,
+    "stations": "drawn",
+}
 
 
 def test_the_page_runs_and_grades_as_cpython_does(playground: Playground, tmp_path: Path) -> None:
@@ -160,8 +166,11 @@ def test_an_exercise_is_chosen_and_graded_and_code_of_the_other_is_kept(
     playground.page.set_viewport_size({"width": 360, "height": 800})
     assert playground.page.evaluate("document.documentElement.scrollWidth") == 360
     playground.page.set_viewport_size({"width": 1366, "height": 768})
+    playground.page.select_option("[data-part=exercise]", "exercise-08")
+    assert playground.page.input_value("[data-part=layout]") == "maze"
     playground.page.select_option("[data-part=exercise]", "mini_lab")
     assert playground.page.input_value("[data-part=code]") == CODE
+    assert playground.page.input_value("[data-part=layout]") == "default"
     assert playground.errors == []
 
 

@@ -72,10 +72,16 @@ class GradedCase:
     def begin(self, seed: int) -> tuple[WarehouseEnv, Observation]:
         """Return the environment of an episode, and the first observation."""
         layout = self.layout_of(seed)
+        return self.begin_in(layout, self.stations_of(layout), seed)
+
+    def begin_in(
+        self, layout: Layout, stations: Stations, seed: int
+    ) -> tuple[WarehouseEnv, Observation]:
+        """Return the environment of an episode in another layout, and the first observation."""
         limits = self.max_steps, self.battery, self.view_radius
         backend = SlippingGrid(self.slip) if self.slip else "grid"
         env = WarehouseEnv(layout, self.start, *limits, backend=backend)
-        return env, env.reset(what_to_draw(self.stations_of(layout), self.start), seed)
+        return env, env.reset(what_to_draw(stations, self.start), seed)
 
     def command(self, agent: str, seed: int) -> str:
         """Return the command that shows an episode."""

@@ -72,6 +72,11 @@ class Rubric:
         return [each for each in self.criteria if each.visibility in seen]
 
     @property
+    def first_case(self) -> GradedCase | None:
+        """The first episodes that criteria judge; ``None`` if they only judge calls."""
+        return next((case for case in self.used_cases if isinstance(case, GradedCase)), None)
+
+    @property
     def starter(self) -> Path:
         """The starting file that students get: beside the rubric, of the same name, in Python."""
         return self.file.with_suffix(".py")

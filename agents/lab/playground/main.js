@@ -17,8 +17,8 @@ const button = (name) => document.querySelector(`[data-do="${name}"]`);
 /** What was kept is begun with, but a link goes first. */
 async function opened() {
   const [exercise] = Object.keys(settings.exercises);
-  const { starter: code } = settings.exercises[exercise];
-  const usual = { exercise, code, codes: {}, seed: 1, rows: settings.layouts.default, drawn: true };
+  const { starter: code, rows, drawn } = settings.exercises[exercise];
+  const usual = { exercise, code, codes: {}, seed: 1, rows, drawn };
   const text = location.hash.startsWith("#p=") ? location.hash.slice(3) : "";
   try {
     if (text) return { ...usual, ...(await unpacked(text)) };
@@ -88,11 +88,13 @@ class Playground {
     part("layout").value = names.find((name) => settings.layouts[name].join("\n") === text) ?? "painted";
   }
 
-  /** Keep what was written, and show what was written in another exercise, or its starting file. */
+  /** Keep what was written, and show what was written in another exercise, or its starting file; the layout is that of the exercise. */
   openExercise(name) {
     const codes = { ...this.kept.codes, [this.kept.exercise]: this.kept.code };
-    this.keep({ exercise: name, codes });
-    this.editor.text = codes[name] ?? settings.exercises[name].starter;
+    const { starter, rows = this.kept.rows, drawn = this.kept.drawn } = settings.exercises[name];
+    this.keep({ exercise: name, codes, rows, drawn });
+    this.showPlace();
+    this.editor.text = codes[name] ?? starter;
     part("grades").hidden = true;
   }
 
@@ -109,9 +111,9 @@ class Playground {
 
   /** Take one step or all, from the start if anything has changed since. */
   async ask(what) {
-    const { code, seed, rows, drawn } = this.kept;
+    const { exercise, code, seed, rows, drawn } = this.kept;
     const goesOn = what === "step" && this.isBegun;
-    const start = goesOn ? null : { code, rows, seed, stations: drawn ? "drawn" : "kept" };
+    const start = goesOn ? null : { exercise, code, rows, seed, stations: drawn ? "drawn" : "kept" };
     const answer = await this.answer({ do: what, start });
     this.isBegun = Boolean(answer) && !answer.ended && !answer.error;
   }

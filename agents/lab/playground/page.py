@@ -7,7 +7,8 @@ from collections.abc import Callable
 from pathlib import Path
 
 from agents.lab.grading.exercises import own_rubrics
-from agents.lab.grading.rubric import load_rubric
+from agents.lab.grading.rubric import Rubric, load_rubric
+from agents.lab.place import Stations
 from agents.lab.playground.runtime import SERVER, copy_runtime
 from agents.lab.playground.wheel import write_wheel
 from warehouse_core.files.atomic import atomic_path
@@ -65,11 +66,7 @@ def _settings(wheel: str) -> dict[str, object]:
     return {
         "wheel": wheel,
         "exercises": {
-            name: {
-                "title": load_rubric(file).title,
-                "starter": file.with_suffix(".py").read_text(encoding="utf-8"),
-            }
-            for name, file in own_rubrics().items()
+            name: exercise_settings(load_rubric(file)) for name, file in own_rubrics().items()
         },
         "layouts": {
             name: rows
@@ -77,6 +74,19 @@ def _settings(wheel: str) -> dict[str, object]:
             if len(rows) <= height and len(rows[0]) <= width
         },
     }
+
+
+def exercise_settings(rubric: Rubric) -> dict[str, object]:
+    """Return what the page shows of an exercise; one without episodes has no layout."""
+    shown: dict[str, object] = {
+        "title": rubric.title,
+        "starter": rubric.starter.read_text(encoding="utf-8"),
+    }
+    if case := rubric.first_case:
+        layout = case.layout_of(case.first_seed)
+        shown["rows"] = layout.rows
+        shown["drawn"] = case.stations_of(layout) is Stations.DRAWN
+    return shown
 
 
 def _policy() -> str:

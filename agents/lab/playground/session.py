@@ -14,14 +14,15 @@ from pathlib import Path
 from typing import Any
 
 from agents.errors import AgentError, frames_in, reason_of
+from agents.lab.grading.cases import GradedCase
 from agents.lab.grading.exercises import own_rubrics
 from agents.lab.grading.grading import grade
 from agents.lab.grading.rubric import load_rubric
 from agents.lab.grading.same_process import SameProcess
 from agents.lab.grading.submissions import find_submission
-from agents.lab.place import Stations, what_to_draw
+from agents.lab.place import Stations
 from agents.registry import make_agent
-from warehouse_core import EpisodeRecorder, Layout, WarehouseEnv, WarehouseError
+from warehouse_core import EpisodeRecorder, Layout, WarehouseError
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.viz.player.page import player_page
 from warehouse_core.viz.tracks.record_track import track_of_record
@@ -54,7 +55,8 @@ class Session:
             question: object with ``do``: ``"step"``; ``"run"``, which takes all steps that are
                 left; or ``"grade"``, which grades ``code`` by the rubric of the ``exercise``. With
                 ``start``, an object, an episode begins before the steps: of the agent in its
-                ``code``, in the warehouse of its ``rows``, ``stations`` and ``seed``.
+                ``code``, in the warehouse of its ``rows``, ``stations`` and ``seed``, with the
+                battery and the other settings of the first episodes of its ``exercise``.
             advance: called with the number of episodes that are graded, and of all.
 
         Returns:
@@ -93,8 +95,8 @@ class Session:
         self._file.write_text(start["code"], encoding="utf-8")
         layout, seed = Layout(start["rows"]), start["seed"]
         self._agent = make_agent(str(self._file), seed, layout)
-        env = WarehouseEnv(layout, None)
-        self._observation = env.reset(what_to_draw(Stations(start["stations"])), seed)
+        case = load_rubric(own_rubrics()[start["exercise"]]).first_case or GradedCase("own")
+        env, self._observation = case.begin_in(layout, Stations(start["stations"]), seed)
         self._agent.reset()
         self._recorder = EpisodeRecorder(env, seed=seed, agent=self._file.name)
 

@@ -69,6 +69,8 @@ def test_the_folder_has_all_that_the_page_loads(
     assert "trap" in settings["layouts"]
     assert "class MyAgent" in settings["exercises"]["mini_lab"]["starter"]
     assert settings["exercises"].keys() == {"mini_lab", *exercise_names()}
+    assert settings["exercises"]["exercise-08"]["rows"] == settings["layouts"]["maze"]
+    assert "rows" not in settings["exercises"]["exercise-02"]
 
 
 def test_files_come_from_a_server_and_only_if_they_are_missing(

@@ -9,7 +9,9 @@ from agents.lab.grading.exercises import SOLUTIONS, own_rubrics
 from agents.lab.grading.grading import grade
 from agents.lab.grading.rubric import MINI_LAB, load_rubric
 from agents.lab.grading.submissions import find_submission
+from agents.lab.playground.page import exercise_settings
 from agents.lab.playground.session import Session
+from agents.registry import make_agent
 from warehouse_core import DEFAULT_LAYOUT, Episode
 
 STARTER = MINI_LAB.with_suffix(".py").read_text(encoding="utf-8")
@@ -25,7 +27,8 @@ class Page:
     """What the page asks a session, and is answered."""
 
     def __init__(self, folder: Path) -> None:
-        self._session = Session(folder / "agent.py")
+        self.file = folder / "agent.py"
+        self._session = Session(self.file)
 
     def ask(self, **question: Any) -> dict[str, Any]:
         answer: dict[str, Any] = json.loads(
@@ -34,7 +37,10 @@ class Page:
         return answer
 
     def begin(self, do: str, code: str = STARTER, **more: Any) -> dict[str, Any]:
-        start = {"code": code, "rows": DEFAULT_LAYOUT.rows, "seed": 1, "stations": "drawn"}
+        start = {
+            "exercise": "mini_lab", "code": code, "rows": DEFAULT_LAYOUT.rows, "seed": 1,
+            "stations": "drawn",
+        }  # fmt: skip
         return self.ask(do=do, start=start | more)
 
 
@@ -55,6 +61,25 @@ def test_an_episode_is_that_of_warehouse_run(
     assert (answer["steps"], answer["ended"]) == (expected.steps, True)
     assert answer["told"].endswith(f"; reward {expected.total_reward:.1f}")
     assert "<!DOCTYPE html>" in answer["page"]
+
+
+@pytest.mark.parametrize("name", ["exercise-14", "exercise-21"])
+def test_an_episode_of_an_exercise_is_as_the_exercise_has_it(name: str, page: Page) -> None:
+    settings = exercise_settings(load_rubric(own_rubrics()[name]))
+    stations = "drawn" if settings["drawn"] else "kept"
+    code = (SOLUTIONS / f"{name}.py").read_text(encoding="utf-8")
+    place = {"exercise": name, "rows": settings["rows"], "stations": stations}
+    told = [page.begin("run", code, seed=seed, **place)["told"] for seed in range(1, 6)]
+    case = load_rubric(own_rubrics()[name]).first_case
+    assert case is not None
+    for seed, each in enumerate(told, 1):
+        env, observation = case.begin(seed)
+        agent, is_over = make_agent(str(page.file), seed, env.layout), False
+        agent.reset()
+        while not is_over:
+            observation, _, terminated, truncated, _ = env.step(agent.act(observation))
+            is_over = terminated or truncated
+        assert f" in {env.state.steps} steps" in each
 
 
 @pytest.mark.parametrize(
