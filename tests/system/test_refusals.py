@@ -60,6 +60,9 @@ ARGUMENTS = {
 }
 """Arguments of commands that need some; options are refused before these files are read."""
 
+NEEDED = ARGUMENTS | {"dataset": ("-o", "warehouse/greedy-v0")}
+"""The same, and the options that commands need."""
+
 BACKENDS = {"sleigh": "no backend is called 'sleigh'; installed: driving, grid, physics"}
 CELLS = {
     "0,0": "row 0, column 0 is wall; it must be an open cell",
@@ -308,7 +311,7 @@ def folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
 def test_a_wrong_value_is_refused_before_any_work(
     refused: Refused, name: str, option: str, value: str, code: int, message: str
 ) -> None:
-    line = refused(*name.split(), *ARGUMENTS.get(name, ()), option, value, code=code)
+    line = refused(*name.split(), *NEEDED.get(name, ()), option, value, code=code)
     assert message in line
     assert len(line) < 1000
     if message == "; allowed: ":
@@ -336,7 +339,7 @@ def test_the_limits_of_numbers_are_those_of_the_table() -> None:
             if pair is not None:
                 limits.setdefault(option, set()).add(pair)
                 for value in pair:
-                    words = [*ARGUMENTS.get(name, ()), option, str(value)]
+                    words = [*NEEDED.get(name, ()), option, str(value)]
                     leaf.make_context(name, words)  # raises if a limit is refused
             else:
                 assert parameter.type_descriptor.annotation not in (int, float), option
@@ -345,7 +348,7 @@ def test_the_limits_of_numbers_are_those_of_the_table() -> None:
 
 @each_command
 def test_what_a_command_does_not_have_is_wrong_usage(refused: Refused, name: str) -> None:
-    words = (*name.split(), *ARGUMENTS.get(name, ()))
+    words = (*name.split(), *NEEDED.get(name, ()))
     line = refused(*words, "--qqqqqq", code=2)
     assert line.startswith("no option is called '--qqqqqq'; see: ")
     assert line.endswith(f" {name} -h")

@@ -30,8 +30,8 @@ def dataset(
         str,
         option(
             "--save -o NAME",
-            f"{options.SAVE} A dataset by its name and version, as in warehouse/greedy-v0, by "
-            "which minari.load_dataset finds it.",
+            "Name and version of the dataset, as in warehouse/greedy-v0, by which "
+            "minari.load_dataset finds it.",
         ),
     ],
     agent: options.AgentOption = "greedy",
@@ -40,7 +40,7 @@ def dataset(
     ] = 1,
     planner: Annotated[
         str | None,
-        option("--planner NAME", f"{options.PLANNER} It directs several robots."),
+        option("--planner NAME", f"{options.PLANNER} Its robots have orders."),
     ] = None,
     order_rate: options.OrderRate = 0.2,
     backend: Annotated[
@@ -76,17 +76,15 @@ def dataset(
     check_name(save)
     first = draw_seed() if seed is None else seed
     seeds = range(first, first + episodes)
-    if robots == 1:
-        if planner is not None:
-            raise typer.BadParameter("--planner directs several robots; add --robots N")
+    if robots == 1 and planner is None:
         place = load_place(layout, stations, start)
         lone = LoneSource(agent, place, backend, battery, max_steps, view_radius)
         write(save, lone, seeds)
         return
     if stations is not None or start is not None:
         raise typer.BadParameter(
-            "--stations and --start do not go with --robots: orders use the stations of the "
-            "layout, and starts are drawn"
+            "--stations and --start do not go with --robots and --planner: orders use the stations "
+            "of the layout, and starts are drawn"
         )
     floor = load_layout(layout)
     make_one: Callable[[int], FleetAgent] = partial(make_team, agent, robots, layout=floor)

@@ -57,7 +57,7 @@ def save_dataset(name: str, source: Source, episodes: Iterable[EpisodeArrays]) -
         episodes: the episodes, in the order in which they are numbered.
 
     Raises:
-        StoreError: the name is none, or a dataset has it.
+        StoreError: the name has another form, or there is a dataset of this name.
     """
     path = _prepare(name)
     with atomic_path(path) as folder:
@@ -84,8 +84,8 @@ def check_name(name: str) -> str:
     """Return the name of a dataset that does not exist yet; see ``save_dataset``."""
     if not NAME.fullmatch(name):
         raise StoreError(
-            f"{brief(name)} names no dataset; allowed: a name and a version, after namespaces if "
-            "you like, as in warehouse/greedy-v0"
+            f"{brief(name)} cannot name a dataset; allowed: a name and a version, after "
+            "namespaces if you like, as in warehouse/greedy-v0"
         )
     if (path := get_dataset_path(name)).exists():
         raise StoreError(f"{path} exists; give the dataset another name or version than {name}")

@@ -59,9 +59,7 @@ def test_a_dataset_of_a_fleet_is_joint(warehouse: Warehouse, director: tuple[str
 def test_what_cannot_be_is_refused_before_any_episode(
     refused: Refused, monkeypatch: pytest.MonkeyPatch, datasets: Path
 ) -> None:
-    assert refused("dataset", "-o", "old").startswith("'old' names no dataset; allowed: a name")
-    line = refused("dataset", "-o", "new-v0", "--planner", "pibt", code=2)
-    assert line == "--planner directs several robots; add --robots N"
+    assert refused("dataset", "-o", "old").startswith("'old' cannot name a dataset; allowed: ")
     line = refused("dataset", "-o", "new-v0", "-r", 2, "--start", "1,1", code=2)
     assert line.startswith("--stations and --start do not go with --robots")
     line = refused("dataset", "-o", "new-v0", "--backend", "mine.py")

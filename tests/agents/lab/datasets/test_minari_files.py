@@ -194,7 +194,9 @@ def test_a_name_is_one_of_minari_and_is_new() -> None:
         "ä-v0",
         "x-v0\n",
     ):
-        with pytest.raises(StoreError, match="names no dataset; allowed: a name and a version"):
+        with pytest.raises(
+            StoreError, match="cannot name a dataset; allowed: a name and a version"
+        ):
             check_name(name)
     source = lone()
     save_dataset("one/two/three-v0", source, source.episodes(range(1)))
