@@ -41,10 +41,16 @@ class LivePage:
         page.context.on("request", lambda request: self.requests.append(request.url))
         page.context.on("response", self._count)
         page.goto(f"{address}{live.ADDRESS.format(page=name)}")
-        page.locator(".jp-KernelName >> text=Pyodide").wait_for()  # before it nothing is run
+        # Before the kernel is there nothing is run.
+        page.locator(".jp-KernelName >> text=Pyodide").wait_for(state="attached")
 
     def _count(self, response: Any) -> None:
         self.sizes[response.url] = int(response.headers.get("content-length", 0))
+
+    @property
+    def size(self) -> int:
+        """Bytes loaded, or in the cache."""
+        return sum(self.sizes.values())
 
     def run(self) -> None:
         """Begin to run all cells."""

@@ -93,9 +93,10 @@ def test_a_clone_is_trained_and_run(
     result = warehouse(*words, "-o", "a.npz")
     assert (result.code, result.err) == (0, "")
     assert "clone of exploring" in result.out
-    assert sorted(path.name for path in Path().glob("a.*")) == [
-        "a.checkpoint", "a.csv", "a.npz", "a.png",
-    ]  # fmt: skip
+    # Where TensorBoard is installed there are its events too.
+    assert {path.suffix for path in Path().glob("a.*")} - {".tensorboard"} == {
+        ".checkpoint", ".csv", ".npz", ".png",
+    }  # fmt: skip
     resumed = warehouse(*words, "-o", "a.npz", "--resume")
     assert resumed.out.startswith("resumed after 8,192 of 8,192 steps\n")
     run = ("run", "--agent", "clone:a.npz", "--layout", "room.txt", "--seed", 3, "--no-show")
