@@ -30,7 +30,7 @@ def dataset(
         str,
         option(
             "--save -o NAME",
-            "Name and version of the dataset, as in warehouse/greedy-v0, by which "
+            f"{options.SAVE} Its name and version, as in warehouse/greedy-v0; by them "
             "minari.load_dataset finds it.",
         ),
     ],
