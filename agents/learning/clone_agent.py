@@ -9,9 +9,9 @@ from pathlib import Path
 
 import numpy as np
 
-from agents.errors import AgentError
 from agents.learning.map_memory import MapMemory
 from agents.learning.move_network import MoveNetwork
+from agents.learning.view_radius import check_view_radius
 from agents.warehouse_agent_greedy import goal_of
 from warehouse_core.arguments import instance_of
 from warehouse_core.task.encoding import ObservationArrays, encode
@@ -71,12 +71,7 @@ class CloneAgent:
         Raises:
             AgentError: the view radius differs from the training.
         """
-        radius = len(observation["local_grid"]) // 2
-        if radius != self._network.view_radius:
-            raise AgentError(
-                f"{self._name} was trained with view radius {self._network.view_radius}; "
-                f"this robot has {radius}"
-            )
+        check_view_radius(observation, self._network.view_radius, self._name)
         [scores] = self._network.scores(self._memory.look(_batch_of(encode(observation))))
         goal, [is_open] = goal_of(observation), self._memory.is_open
         if goal == observation["robot_pos"]:

@@ -22,10 +22,10 @@ import numpy as np
 import torch
 
 from agents.learning.clone_agent import CloneAgent
+from agents.learning.layers import Layer, SingleFloats
 from agents.learning.learner import RECENT_EPISODES, MakeAgent, WatchTraining
-from agents.learning.map_memory import MOVES, WALLS, MapMemory, SingleFloats, turns, view_size
+from agents.learning.map_memory import MOVES, WALLS, MapMemory, turns, view_size
 from agents.learning.move_network import MoveNetwork
-from agents.learning.policy_network import Layer
 from agents.learning.teachers import Teacher
 from warehouse_core.batch import BatchEnv
 from warehouse_core.world.actions import action_index

@@ -7,7 +7,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.learning.policy_network import TIMES, SingleFloats, Tiles, network_input
+from agents.learning.layers import SingleFloats
+from agents.learning.policy_network import TIMES, Tiles, network_input
 from warehouse_core.batch import BatchEnv
 from warehouse_core.batch.fleet.env import FleetBatch
 from warehouse_core.task.encoding import FLEET_TILES, MARKED_TILES, vector_limits

@@ -4,16 +4,14 @@ import pickle
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from helpers.command_line import Refused, Warehouse
-from helpers.training import shorten_exams
+from helpers.training import check_seeds, equal, ignore, shorten_exams
 
 from agents.lab.commands.clone import make_clone_learner
 from agents.lab.trials.random_layouts import VariedLayouts
 from agents.lab.trials.task import Task
 from agents.learning.clone_agent import CloneAgent
-from agents.learning.move_network import MoveNetwork
 from warehouse_core import Layout
 
 pytestmark = pytest.mark.learning
@@ -27,28 +25,8 @@ def learner(rounds: int = 2, seed: int = 1, teacher: str = "astar", task: Any = 
     return make_clone_learner(teacher, task or Task(ROOM, 30, 30), rounds * ROUND, seed)
 
 
-def equal(one: MoveNetwork, other: MoveNetwork) -> bool:
-    return all(
-        np.array_equal(mine, theirs)
-        for layer, layer_of_other in zip(one.layers, other.layers, strict=True)
-        for mine, theirs in zip(layer, layer_of_other, strict=True)
-    )
-
-
-def ignore(*_: Any) -> None:
-    """Do nothing."""
-
-
 def test_the_same_seed_trains_the_same_network() -> None:
-    networks = [learner().network()]
-    for seed in (1, 1, 2):
-        learning = learner(seed=seed)
-        learning.learn(ignore)
-        networks.append(learning.network())
-    untrained, first, again, other = networks
-    assert equal(first, again)
-    assert not equal(first, other)
-    assert not equal(first, untrained)
+    check_seeds(learner)
 
 
 @pytest.mark.parametrize("teacher", ["astar", "exploring"])

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.command_line import Warehouse, in_the_background
-from helpers.training import PROGRAM, shorten_exams
+from helpers.training import PROGRAM, check_seeds, equal, ignore, shorten_exams, weights
 
 from agents.lab.commands import train
 from agents.lab.commands.train import make_learner
@@ -36,28 +36,8 @@ def learner(rounds: int = 1, seed: int = 1) -> Any:
     return make_learner(Task(ROOM, 30, 30), rounds * ROUND, seed)
 
 
-def weights(network: PolicyNetwork) -> list[np.ndarray]:
-    return [array for layer in network.layers for array in layer]
-
-
-def equal(one: PolicyNetwork, other: PolicyNetwork) -> bool:
-    return all(map(np.array_equal, weights(one), weights(other)))
-
-
-def ignore(*_: Any) -> None:
-    """Do nothing."""
-
-
 def test_the_same_seed_trains_the_same_network() -> None:
-    networks = [learner().network()]
-    for seed in (1, 1, 2):
-        learning = learner(seed=seed)
-        learning.learn(ignore)
-        networks.append(learning.network())
-    untrained, first, again, other = networks
-    assert equal(first, again)
-    assert not equal(first, other)
-    assert not equal(first, untrained)
+    check_seeds(learner)
 
 
 def test_the_network_chooses_what_the_model_chooses(tmp_path: Path) -> None:
