@@ -3,20 +3,18 @@
 from __future__ import annotations
 
 from collections.abc import Callable
-from typing import Protocol
+from typing import Protocol, cast
 
 import numpy as np
 
 from agents.learning.map_memory import MOVES
 from warehouse_core import Agent, BatchEnv, Layout
-from warehouse_core.task.encoding import ObservationArrays
-from warehouse_core.task.state import Observation
+from warehouse_core.fleet.observation import observation_of
+from warehouse_core.task.encoding import FleetArrays, ObservationArrays
 from warehouse_core.world.actions import ACTIONS, action_index
 from warehouse_core.world.distances import distances
 from warehouse_core.world.tables import Flags, Integers
-from warehouse_core.world.tiles import CELL_CODES, Cell
-
-CELL_OF_CODE = {code: tile for tile, code in CELL_CODES.items()}
+from warehouse_core.world.tiles import Cell
 
 
 class Teacher(Protocol):
@@ -84,31 +82,11 @@ class AgentTeacher:
     def moves(self, arrays: ObservationArrays) -> Flags:
         """Return the move of each agent, none if it does something else."""
         chosen = [
-            action_index(agent.act(observation_of(arrays, row)))
+            action_index(agent.act(observation_of(cast(FleetArrays, arrays), row)))
             for row, agent in enumerate(self._agents)
         ]
         return np.eye(len(ACTIONS), dtype=np.bool_)[chosen][:, : len(MOVES)]
 
 
-def observation_of(arrays: ObservationArrays, row: int) -> Observation:
-    """Return the chapter's observation of a row of a batch."""
-    codes = arrays["local_grid"][row]
-    side = round(len(codes) ** 0.5)
-    tiles = "".join(CELL_OF_CODE[code] for code in codes.tolist())
-    return {
-        "robot_pos": _cell(arrays["robot_pos"][row]),
-        "local_grid": [tiles[start : start + side] for start in range(0, len(tiles), side)],
-        "has_item": bool(np.asarray(arrays["has_item"])[row]),
-        "battery": int(arrays["battery"][row, 0]),
-        "steps": int(arrays["steps"][row, 0]),
-        "pickup_pos": _station(arrays["pickup_pos"][row]),
-        "dropoff_pos": _station(arrays["dropoff_pos"][row]),
-    }
-
-
 def _cell(place: Integers) -> Cell:
     return int(place[0]), int(place[1])
-
-
-def _station(place: Integers) -> Cell | None:
-    return None if place[0] < 0 else _cell(place)

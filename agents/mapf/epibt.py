@@ -42,7 +42,6 @@ class EPIBT:
         graph: floor.
         seed: seed of random tie-breaks.
         window: steps for which each robot chooses its actions, 1 to ``MAX_WINDOW``.
-
         tries: mean number of times that a robot chooses once more, to lower the sum of all costs,
             0 to ``MAX_TRIES``. That helps where there is room, and takes time.
 

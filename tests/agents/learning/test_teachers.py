@@ -1,8 +1,9 @@
 import numpy as np
 
-from agents.learning.teachers import AgentTeacher, ShortestWays, observation_of
+from agents.learning.teachers import AgentTeacher, ShortestWays
 from agents.search.agents import ExploringAgent
 from warehouse_core import BatchEnv, Layout, WarehouseEnv, random_layout
+from warehouse_core.fleet.observation import observation_of
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.distances import distances
 from warehouse_core.world.tiles import MOVE_DELTAS, moved
