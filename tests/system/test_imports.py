@@ -89,7 +89,7 @@ MAY_IMPORT = {
     "agents/kinds": "search warehouse_agent_greedy",
     "agents/learning": "errors warehouse_agent_greedy",
     "agents/mapf": "errors mapf/kernels",
-    "agents/mapf/league": "errors mapf mapf/kernels",
+    "agents/mapf/league": "errors mapf",
     "agents/fleet": "errors mapf mapf/kernels",
     "agents/lab": "errors fleet mapf",
     "agents/lab/runs": "errors fleet",

@@ -27,7 +27,7 @@ class View(NamedTuple):
         cells, headings: ``[R]``, where the robots are once they have carried out ``staged``.
         known: tasks that are known and not finished, by number.
         schedule: ``[R]``, the task of each robot, or ``NO_TASK``.
-        passed: for each robot, the cells that its staged actions lead it through.
+        passed: ``[R]`` lists of the cells that staged actions lead each robot through.
     """
 
     step: int

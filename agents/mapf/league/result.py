@@ -57,9 +57,9 @@ class Result:
         seconds: time of each plan.
         tasks: step at which each task was revealed, and its cells; empty if not in a file.
         errands: visits to cells of tasks.
-        schedule: for each robot, pairs of the step at which its task changed and the new task.
+        schedule: ``[R]`` lists of pairs: step of each change of a robot's task, and the new one.
         schedule_errors: errors of schedules.
-        delays: for each robot, pairs of the first tick of a delay and the tick after its last.
+        delays: ``[R]`` lists of pairs: the first tick of a delay, and the tick after its last.
     """
 
     year: int

@@ -82,7 +82,7 @@ class TaskPool:
         tasks: all tasks that have been revealed.
         known: tasks that are not finished, by number.
         schedule: ``[R]``, the task of each robot, or ``NO_TASK``.
-        given: for each robot, pairs of the step at which its task changed and the new task.
+        given: ``[R]`` lists of pairs: the step at which a robot's task changed, and the new task.
         errands: visits so far.
         errors: errors of schedules so far.
         finished: number of finished tasks.

@@ -27,6 +27,7 @@ from agents.mapf.league.scheduler import Scheduler
 from agents.mapf.league.simulator import play
 from agents.mapf.planner import HeadedPlanner
 from agents.registry import make_planner
+from warehouse_core import DEFAULT_LAYOUT, Layout
 from warehouse_core.wording import counted
 from warehouse_core.world.robot_runners import League, load_league
 
@@ -82,7 +83,7 @@ def league(
         ),
     ],
 ) -> None:
-    """Play problems of the League of Robot Runners.
+    """Play the League of Robot Runners.
 
     Robots drive forward, turn and wait. A scheduler gives them tasks, of
     which all cells are to be visited in turn; of 2023, the problem does.
@@ -97,6 +98,8 @@ def league(
         )
     if save and len(files) * len(planners) != 1:
         raise typer.BadParameter("--save takes the result of one problem and one planner")
+    for name in planners:
+        headed_planner(name, seed, DEFAULT_LAYOUT, 1)  # what is wrong with it is told before files
     rows = []
     for file, other in zip_longest(files, beside or ()):
         with warnings_printed():
@@ -132,19 +135,29 @@ def play_checked(problem: League, name: str, steps: int, seconds: float, seed: i
     """Return the result of a planner by name, which has been found to keep the rules.
 
     Raises:
-        PlanError: the planner knows no headings, or its result breaks a rule.
-        AgentError: there is no such planner.
+        PlanError: the result breaks a rule.
     """
     layout, robots = problem.layout, len(problem.starts)
     graph = Graph(layout)
     scheduler = None if problem.strategy else Scheduler(graph, problem.revealed)
-    planner = make_planner(name, seed, layout, robots)
-    if not isinstance(planner, HeadedPlanner):
-        raise PlanError(f"planner {name!r} plans for robots without headings")
+    planner = headed_planner(name, seed, layout, robots)
     result = play(problem, PlannedEntry(graph, planner, scheduler), steps, seconds)
     if error := check_result(problem, result).error:
         raise PlanError(f"planner {name!r} breaks a rule of the League: {error}")
     return result
+
+
+def headed_planner(name: str, seed: int, layout: Layout, robots: int) -> HeadedPlanner:
+    """Return a planner by name.
+
+    Raises:
+        PlanError: the planner knows no headings.
+        AgentError: there is no such planner.
+    """
+    made = make_planner(name, seed, layout, robots)
+    if not isinstance(made, HeadedPlanner):
+        raise PlanError(f"planner {name!r} plans for robots without headings")
+    return made
 
 
 def row_of(problem: str, name: str, result: Result, theirs: Result | None) -> tuple[str, ...]:

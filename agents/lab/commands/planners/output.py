@@ -34,7 +34,7 @@ class Record(NamedTuple):
 
     Attributes:
         tasks: step at which each task was released, and its cells.
-        given: for each robot, pairs of the step at which it got a task and the task's number.
+        given: ``[R]`` lists of pairs: the step at which a robot got a task, and the task's number.
         errands: visits to cells of tasks.
         finished: number of finished tasks.
     """
