@@ -1,7 +1,7 @@
 """Delays of robots, as problems of 2026 say how they are drawn.
 
-The distributions are those of the League; the numbers are NumPy's, so that a seed gives other
-delays than in the Start-Kit. ``R`` is the number of robots.
+Delays have the League's distributions and NumPy's random numbers, so that a seed gives other delays
+than in the Start-Kit. ``R`` is the number of robots.
 
 Source: ``src/DelayGenerator.cpp`` of the League's Start-Kit, 3.1.0.
 """
