@@ -7,7 +7,6 @@ from typing import Any
 import pytest
 from helpers.command_line import Refused, Warehouse
 
-
 SLOW = ("--step-seconds", 1000)
 """No plan is late, however slow the machine is."""
 
