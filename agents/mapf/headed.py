@@ -58,7 +58,7 @@ class HeadedFields(Fields):
 
 
 class PackedFields(HeadedFields):
-    """Distances as those of ``HeadedFields``, with one number for each open cell.
+    """Distances between places, of which each open cell has the four in one number.
 
     That is a quarter of the memory or less. Ways of ``PACKED_FAR`` and more count as none; see
     ``kernels/packed.py``.
