@@ -34,7 +34,7 @@ TAUGHT = 0.2
 """Share of the episodes, the first ones, in which the teacher moves the robots."""
 
 LEARNED_FROM = 0.125
-"""Share of the robots that are learned from in a step: those of one step have much in common."""
+"""Share of the robots that are learned from in a step; views of one step have much in common."""
 
 MOST = 80_000
 """Views that are kept to learn from."""
@@ -66,7 +66,7 @@ class FleetCloneLearner:
     Args:
         floors: layouts, each with the most robots on it.
         make_teacher: makes the teacher.
-        lanes: whether shortest ways are by the costs of lanes.
+        lanes: true if shortest ways are by the costs of lanes.
         episode_steps: steps of an episode.
         steps: steps of all robots in the whole training, rounded up to whole episodes.
         seed: seed that repeats a training on the same machine with the same versions.
@@ -163,9 +163,9 @@ class Taught:
     Args:
         teacher: planner that does what is right.
         pupil: planner of the network.
-        lessons: where the lessons are kept.
+        lessons: lessons, to which new ones are added.
         stream: random numbers that draw the robots that are learned from.
-        follows: whether the robots move as the teacher says; otherwise as the pupil does.
+        follows: true if the robots move as the teacher says, false if they move by the pupil.
     """
 
     def __init__(

@@ -29,7 +29,7 @@ class TrafficNetwork:
     """Layers with fixed weights, with rectified outputs between them.
 
     Args:
-        lanes: whether the shortest ways of its robots are by the costs of lanes.
+        lanes: true if the shortest ways of its robots are by the costs of lanes.
         layers: ``LAYERS`` layers, from ``SIZE`` inputs to one output.
 
     Raises:

@@ -90,7 +90,7 @@ class TrafficView:
         self._read_floor()
 
     def look(self, traffic: Traffic) -> SingleFloats:
-        """Return the views of N, E, S, W and waiting, ``[R, 5, SIZE]``; those of walls are 0."""
+        """Return the views of N, E, S, W and waiting, ``[R, 5, SIZE]``, 0 for moves into walls."""
         if self._near_of is not self._fields.near:  # cells have been closed
             self._read_floor()
         cells, goals, rows, order = traffic

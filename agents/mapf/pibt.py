@@ -64,7 +64,7 @@ class PIBT:
     """
 
     ranks_moves = False
-    """Whether the keys of choices are a class's own, not those that kernels compute."""
+    """True if a class computes the keys of choices itself, also where kernels are compiled."""
 
     def __init__(self, graph: Graph, seed: int = 0, turn_cost: float = 0.0) -> None:
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
@@ -115,7 +115,7 @@ class PIBT:
     ) -> NDArray[Any]:
         """Return the keys of the choices of all robots, ``[R, 5]``; low ones are tried first.
 
-        They are those of ``kernels.rounds.sort_choices``. NumPy is faster than plain Python if
+        The keys are as in ``kernels.rounds.sort_choices``. NumPy is faster than plain Python if
         there are more than a few robots.
         """
         team, near = self._team, self.fields.near[places]

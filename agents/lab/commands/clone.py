@@ -91,7 +91,7 @@ def train_clone(
     If the teacher is a planner of fleets (warehouse fleet --planner), the network
     ranks the moves of each of its robots by the traffic on their ways, and PIBT
     resolves the conflicts: "warehouse fleet --planner clone:FILE". Then random
-    floors are those of POGEMA's generators, random maps and mazes by turns.
+    floors are by POGEMA's generators, random maps and mazes by turns.
 
     Example: warehouse train clone --from astar --layout random -o clone.npz
     """
