@@ -15,19 +15,19 @@ from agents.learning.traffic_view import IS_OPEN, Traffic, TrafficView
 from agents.mapf.graph import Graph
 from agents.mapf.kernels.buffers import buffer_of
 from agents.mapf.pibt import PIBT
+from agents.mapf.planner import Situation
 from warehouse_core import Layout
 from warehouse_core.arguments import instance_of
 from warehouse_core.world.tables import Integers
-
-PLACES, MOST_SURE = 20.0, 4.0
-"""Places that a robot comes earlier for each unit of the lead of its best move; most units."""
 
 
 class ClonePlanner(PIBT):
     """A planner by PIBT in which a network ranks the moves of each robot.
 
-    PIBT keeps the robots from colliding: a robot that is pushed away, or finds a cell taken, makes
-    the move that the network ranks next. It also lets two swap that meet where neither can pass.
+    The further the best move of a robot leads, the earlier the robot chooses; urgent robots are
+    first. PIBT keeps the robots from colliding: a robot that is pushed away, or finds a cell taken,
+    makes the move that the network ranks next. It also lets two swap that meet where neither can
+    pass.
 
     Args:
         network: network that ranks the moves.
@@ -82,6 +82,11 @@ class ClonePlanner(PIBT):
         super().reset()
         self._view = TrafficView(self.fields)
 
+    def next_cells(self, situation: Situation) -> Integers:
+        """Return the cell of each robot after the next joint step; see ``Planner``."""
+        self._urgent = situation.urgent
+        return super().next_cells(situation)
+
     def _keys(
         self, rows: Integers, places: Integers, goals: Integers, robot_in: Integers
     ) -> NDArray[Any]:
@@ -89,12 +94,8 @@ class ClonePlanner(PIBT):
         self.views = self._view.look(Traffic(places, goals, rows, order))
         is_open = self.views[:, :, IS_OPEN] > 0
         keys = np.where(is_open, -self._network.scores(self.views), np.inf)
-        self._team.order[:] = buffer_of(order[self._sure_first(keys[order])])
-        return keys
-
-    @staticmethod
-    def _sure_first(keys: NDArray[Any]) -> Integers:
-        """Return an order in which robots come earlier the surer the network is of their moves."""
         best, second = np.partition(keys, 1, axis=1)[:, :2].T
-        sure = np.minimum(second - best, MOST_SURE)
-        return np.argsort(np.arange(len(keys)) - PLACES * sure, kind="stable")
+        leads = second - best
+        leads[self._urgent] = np.inf
+        self._team.order[:] = buffer_of(order[np.argsort(-leads[order], kind="stable")])
+        return keys

@@ -21,7 +21,7 @@ from agents.lab.trials.interval import mean_interval
 from agents.learning.traffic_network import TrafficNetwork
 
 SEEDS = [int(seed) for seed in os.environ.get("SEEDS", "0 1 2").split()]
-TEACHER, STEPS, LAYOUTS = "windowed:groups=100", 1_000_000, 1024
+TEACHER, STEPS, LAYOUTS = "windowed:groups=100", 300_000, 1024
 ROBOTS, EPISODES = 64, range(34, 128)
 TRAINING_MINUTES = 120.0
 LEAST = {"random": 2.42, "mazes": 1.65}

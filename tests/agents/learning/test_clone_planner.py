@@ -15,7 +15,7 @@ from agents.mapf.graph import Graph
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.planner import Situation, check_step
 from agents.registry import make_agent, make_planner, make_solver
-from warehouse_core import RecordError, random_layout
+from warehouse_core import Layout, RecordError, random_layout
 
 FLOOR = random_layout(9, 11, 0.2, seed=1)
 DETOUR = 1
@@ -73,10 +73,21 @@ def test_robots_go_where_the_network_ranks_first() -> None:
     assert run.reached > 60 > 10 > away.reached
 
 
-def test_who_is_surer_goes_first() -> None:
-    """The lead of the best move counts, not its key; closed cells have infinite keys."""
-    keys = np.array([[0, 1, 2, 3, np.inf], [2, 5, 6, 7, 8], [1, 1, 1, 1, np.inf]])
-    assert ClonePlanner._sure_first(keys).tolist() == [1, 0, 2]
+def test_who_is_surest_chooses_first_and_urgent_robots_before_all() -> None:
+    """In a corridor to the right robots are sure; at its mouth two want the same cell."""
+    graph = Graph(Layout(["#.###", "#....", "....#"]))
+    cells, goals = np.array([1, 5 + 2, 2 * 5]), np.array([9, 9, 1])
+    planner, none = ClonePlanner(shortest_ways(), graph), np.array([], int)
+    stays = np.zeros(3, np.bool_)
+    planner.next_cells(Situation(cells, goals, stays, none))
+    views = planner.views
+    keys = np.where(views[..., 0] > 0, views[..., DETOUR], np.inf)
+    leads = np.diff(np.sort(keys, axis=1)[:, :2], axis=1)[:, 0]
+    order = np.array(planner._team.order)
+    assert (np.diff(leads[order]) <= 0).all()
+    for urgent in range(3):
+        planner.next_cells(Situation(cells, goals, stays, none, np.array([urgent])))
+        assert planner._team.order[0] == urgent
 
 
 def test_a_planner_is_made_by_the_name_of_its_file(tmp_path: Path) -> None:

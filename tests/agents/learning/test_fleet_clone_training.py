@@ -75,7 +75,7 @@ def test_a_clone_of_a_fleet_is_trained_and_run(
     assert resumed.out.startswith("resumed after 1,")
     assert warehouse(*words, "--layout", "random", "--layouts", 2, "-o", "b.npz").code == 0
     run = ("fleet", "--planner", "clone:a.npz", "--seed", 3, "--max-steps", 40, "--no-show")
-    assert "orders delivered" in warehouse(*run).out
+    assert "8 robots (clone:a.npz)" in warehouse(*run).out
     for option, value in (("--size", "9x9"), ("--battery", 100), ("--max-steps", 100)):
         message = refused(*words, option, value, code=2)
         assert "are for a lone robot; 'pibt-lanes' is a planner of fleets" in message
