@@ -2,7 +2,8 @@
 
 ``SEEDS=0 pytest tests/benchmarks/bench_fleet_clone.py`` trains with one seed, and ``EPISODES=32``
 runs so many episodes. Settings were chosen on other floors than those of the benchmark; its
-episodes from 34 on have served for nothing else. Gains are means of differences on the same episodes, with 95% intervals.
+episodes from 34 on have served for nothing else. Gains are means of differences on the same
+episodes, with 95% intervals.
 """
 
 import os

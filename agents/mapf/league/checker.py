@@ -10,6 +10,7 @@ from itertools import islice
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from agents.mapf.league.result import Result
 from warehouse_core.wording import counted
@@ -20,6 +21,14 @@ FORWARD, CLOCKWISE, COUNTER = 0, 1, 2
 """Actions, as indices in ``LETTERS``."""
 
 TURNED = {CLOCKWISE: 1, COUNTER: 3}
+
+AHEAD = np.array([(0, 1), (1, 0), (0, -1), (-1, 0)])
+"""Row and column to the cell ahead of a robot that heads east, south, west or north."""
+
+SLACK = 1e-6
+"""Part of a tick, or of a cell, by which squares may touch."""
+
+Reals = NDArray[np.float64]
 
 
 class Verdict(NamedTuple):
@@ -41,7 +50,7 @@ def check_result(problem: League, result: Result) -> Verdict:
     if result.starts.tolist() != starts:
         return Verdict("the robots do not start where the problem says", None)
     try:
-        ways = cells_of(problem, result)
+        ways = (ticked_cells if problem.year == 2026 else cells_of)(problem, result)
         if problem.strategy:
             finished = count_given(problem, ways)
         elif result.schedule:
@@ -87,6 +96,86 @@ def cells_of(problem: League, result: Result) -> Integers:
     return np.array(ways)
 
 
+def ticked_cells(problem: League, result: Result) -> Integers:
+    """Return the cells of the robots before each tick of 2026 and after the last, ``[T + 1, R]``.
+
+    A robot is in its old cell until it has arrived in the next.
+
+    Raises:
+        ValueError: robots begin another action before the last is done, move while they are
+            delayed, leave the floor, or their squares overlap.
+    """
+    layout, robots = problem.layout, np.arange(len(result.starts))
+    cells = layout.places(result.starts)
+    is_open = np.zeros((layout.height + 2, layout.width + 2), np.bool_)
+    is_open[tuple((layout.places(layout.open_cells) + 1).T)] = True
+    turned, begun, count = (np.zeros(len(robots), np.int64) for _ in range(3))
+    is_delayed = np.zeros((len(result.actual) + 1, len(robots)), np.bool_)
+    for robot, delays in enumerate(result.delays):
+        for start, end in delays:
+            is_delayed[start:end, robot] = True
+    ways = [cells @ [layout.width, 1]]
+    for tick, actions in enumerate(result.actual.astype(np.int64)):
+        acts = actions <= COUNTER
+        for is_wrong, words in (
+            (acts & is_delayed[tick], "moves while it is delayed"),
+            (acts & (count > 0) & (actions != begun), "begins another action before the last ends"),
+        ):
+            for robot in np.flatnonzero(is_wrong)[:1]:
+                raise ValueError(f"tick {tick}: robot {robot} {words}")
+        begun = np.where(acts & (count == 0), actions, begun)
+        moves = acts & (actions == FORWARD)
+        ahead = cells + AHEAD[turned]
+        for robot in np.flatnonzero(moves & ~is_open[tuple((ahead + 1).T)])[:1]:
+            raise ValueError(f"tick {tick}: robot {robot} leaves the open cells")
+        is_under_way = ((begun == FORWARD) & (count > 0))[:, None]
+        before = cells + AHEAD[turned] * (count / problem.ticks)[:, None] * is_under_way
+        speed = AHEAD[turned] * moves[:, None] / problem.ticks
+        if pair := overlap(layout.width, cells, before, speed, problem.robot_size):
+            raise ValueError(f"tick {tick}: robots {pair[0]} and {pair[1]} overlap")
+        count = count + acts
+        is_done = count == problem.ticks
+        cells = np.where((is_done & (begun == FORWARD))[:, None], ahead, cells)
+        for action, quarters in TURNED.items():
+            turned = (turned + quarters * (is_done & (begun == action))) % len(AHEAD)
+        count[is_done] = 0
+        ways.append(cells @ [layout.width, 1])
+    return np.array(ways)
+
+
+def overlap(
+    width: int, cells: Integers, before: Reals, speed: Reals, size: float
+) -> tuple[int, int] | None:
+    """Return two robots whose squares overlap at some time of a tick, or ``None``.
+
+    Args:
+        width: columns of the map.
+        cells: ``[R, 2]``, row and column of the robots.
+        before: ``[R, 2]``, where they are before the tick.
+        speed: ``[R, 2]``, how far they move in the tick.
+        size: side of the squares.
+    """
+    lines = cells @ [width + 4, 1]
+    order = np.argsort(lines)
+    for shift in range(3):
+        for side in range(-2, 3) if shift else range(3):
+            at = np.searchsorted(lines, lines + shift * (width + 4) + side, sorter=order)
+            one = np.flatnonzero(at < len(order))
+            other = order[at[one]]
+            is_there = lines[other] == lines[one] + shift * (width + 4) + side
+            one, other = one[is_there & (one != other)], other[is_there & (one != other)]
+            gap, closing = before[other] - before[one], speed[other] - speed[one]
+            with np.errstate(divide="ignore", invalid="ignore"):
+                ends = np.stack([(-size - gap) / closing, (size - gap) / closing])
+            stands, apart = closing == 0, abs(gap) >= size - SLACK
+            first = np.where(stands, np.where(apart, np.inf, -np.inf), ends.min(axis=0))
+            last = np.where(stands, np.where(apart, -np.inf, np.inf), ends.max(axis=0))
+            meets = np.minimum(last.min(axis=1), 1) - np.maximum(first.max(axis=1), 0) > SLACK
+            for number in np.flatnonzero(meets)[:1]:
+                return int(one[number]), int(other[number])
+    return None
+
+
 def count_given(problem: League, ways: Integers) -> int:
     """Return the number of tasks of 2023 that robots finish on their ways."""
     numbers, robots = problem.layout.numbers, len(problem.starts)
@@ -126,9 +215,13 @@ def count_scheduled(problem: League, result: Result, ways: Integers) -> int:
         for step, task in each:
             changes.setdefault(step, []).append((robot, task))
     for step, cells in enumerate(ways.tolist()):
-        replay.give(step, changes.get(step, []))
+        given = changes.get(step, [])
+        if problem.year == 2024:
+            replay.give(step, given)
         if step:
             replay.visit(step, cells)
+        if problem.year == 2026:  # a schedule holds from the next tick on
+            replay.give(step, given)
         known = replay.revealed(step) - replay.finished
         if known != problem.revealed:
             raise ValueError(

@@ -6,6 +6,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping
+from dataclasses import replace
 from typing import NamedTuple, Protocol
 
 import numpy as np
@@ -27,7 +28,7 @@ class View(NamedTuple):
         cells, headings: ``[R]``, where the robots are once they have carried out ``staged``.
         known: tasks that are known and not finished, by number.
         schedule: ``[R]``, the task of each robot, or ``NO_TASK``.
-        passed: ``[R]`` lists of the cells that staged actions lead each robot through.
+        passed: ``[R]`` lists of the cells that staged actions lead each robot through, in turn.
     """
 
     step: int
@@ -60,25 +61,51 @@ class PlannedEntry:
 
     def plan(self, view: View, steps: int) -> tuple[Integers, Integers]:
         """Return a schedule and the actions of so many steps; see ``Entry``."""
-        schedule = view.schedule
-        if self._scheduler is not None:
-            schedule = self._scheduler.assign(view.cells, view.headings, view.known, schedule)
-        errands = [
-            [] if task == NO_TASK else errands_left(view.known[task], passed)
-            for task, passed in zip(schedule.tolist(), view.passed, strict=True)
-        ]
+        if self._scheduler is None:
+            (ahead, wanted), schedule = foreseen(view), view.schedule
+        else:
+            ahead, wanted, schedule = assigned(view, self._scheduler)
+        errands = errands_of(ahead, wanted)
         return schedule, plan_steps(
             self._graph, self._planner, view.cells, view.headings, errands, steps
         )
 
 
-def errands_left(task: Task, passed: list[int]) -> list[int]:
-    """Return the cells of a task that are still to be visited after some have been passed."""
-    left = list(task.cells[task.visited :])
-    for cell in passed:
-        if left and left[0] == cell:
-            del left[0]
-    return left
+def assigned(view: View, scheduler: Scheduler) -> tuple[dict[int, Task], Integers, Integers]:
+    """Return the tasks of robots once they have done what is staged.
+
+    Returns:
+        tasks that are known then, the task of each robot then, and the schedule to propose now: a
+        robot that has not quite finished its task keeps it.
+    """
+    known, schedule = foreseen(view)
+    wanted = scheduler.assign(view.cells, view.headings, known, schedule)
+    return known, wanted, np.where(schedule == view.schedule, wanted, view.schedule)
+
+
+def errands_of(known: Mapping[int, Task], schedule: Integers) -> list[list[int]]:
+    """Return the cells that each robot is still to visit for its task, in turn."""
+    return [
+        [] if task == NO_TASK else list(known[task].cells[known[task].visited :])
+        for task in schedule.tolist()
+    ]
+
+
+def foreseen(view: View) -> tuple[dict[int, Task], Integers]:
+    """Return known tasks and schedule as they are once robots have done what is staged."""
+    known, schedule = dict(view.known), view.schedule.copy()
+    for robot, way in enumerate(view.passed):
+        number = int(schedule[robot])
+        if number == NO_TASK or not way:
+            continue
+        task = replace(known[number])
+        for cell in way:
+            task.visited += not task.is_finished and cell == task.goal
+        known[number] = task
+        if task.is_finished:
+            schedule[robot] = NO_TASK
+            del known[number]
+    return known, schedule
 
 
 def plan_steps(

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 import numpy as np
 
 from agents.mapf.league.result import Result
@@ -17,7 +19,6 @@ class Log:
         starts: ``[R]``, cells in which the robots start.
 
     Attributes:
-        seconds: time of each plan.
         late: number of steps that passed because a plan was late.
         errors: errors of joint actions: two robots, the step and words.
     """
@@ -26,7 +27,6 @@ class Log:
         self._starts = starts
         self._actual: list[np.ndarray] = []
         self._planned: list[np.ndarray] = []
-        self.seconds: list[float] = []
         self.late = 0
         self.errors: list[tuple[int, int, int, str]] = []
 
@@ -41,12 +41,16 @@ class Log:
         self._planned.append(planned.astype(np.uint8))
 
     def result(
-        self, problem: League, tasks: TaskPool, delays: list[list[tuple[int, int]]] | None = None
+        self,
+        problem: League,
+        tasks: TaskPool,
+        seconds: list[float],
+        delays: Sequence[list[tuple[int, int]]] = (),
     ) -> Result:
         """Return the result of the game."""
         return Result(
             problem.year, problem.ticks, self._starts, np.array(self._actual),
-            np.array(self._planned), tasks.finished, self.late, self.errors, self.seconds,
+            np.array(self._planned), tasks.finished, self.late, self.errors, seconds,
             [(task.revealed, task.cells) for task in tasks.tasks], tasks.errands, tasks.given,
-            tasks.errors, delays or [],
+            tasks.errors, list(delays),
         )  # fmt: skip

@@ -12,6 +12,7 @@ import json
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass, field
+from itertools import groupby
 from pathlib import Path
 from typing import Any
 
@@ -118,11 +119,40 @@ def write_result(path: Path, result: Result, layout: Layout) -> None:
             "outputSegmentSize": SEGMENT,
             "delayIntervals": result.delays,
         }
-    letters = np.array(list(LETTERS))
     for key, actions in (("actualPaths", result.actual), ("plannerPaths", result.planned)):
-        written[key] = [",".join(column) for column in letters[actions].T]
+        texts = ["".join(LETTERS[action] for action in column) for column in actions.T.tolist()]
+        if result.year == 2026:
+            written[key] = [
+                segments(text, start, result.ticks)
+                for text, start in zip(texts, starts, strict=True)
+            ]
+        else:
+            written[key] = [",".join(text) for text in texts]
     with atomic_path(path) as part:
         part.write_text(json.dumps(written), encoding="utf-8")
+
+
+def segments(letters: str, place: Sequence[int], ticks: int) -> str:
+    """Return the path of a robot in the format of 2026.
+
+    Args:
+        letters: action of each tick.
+        place: row and column of the start.
+        ticks: ticks of a move or a turn.
+    """
+    (row, column), heading, count, found = place, 0, 0, []
+    for start in range(0, len(letters), SEGMENT):
+        segment = letters[start : start + SEGMENT]
+        runs = [f"{letter} {len(list(run))}" for letter, run in groupby(segment)]
+        found.append(f"[({start},{row},{column},{heading},{count}):({','.join(runs)})]")
+        for letter in segment:
+            count += letter in "FRC"
+            if count == ticks:
+                count = 0
+                row += (letter == "F") * (heading == 1) - (letter == "F") * (heading == 3)
+                column += (letter == "F") * (heading == 0) - (letter == "F") * (heading == 2)
+                heading = (heading + {"R": 1, "C": 3}.get(letter, 0)) % 4
+    return "".join(found)
 
 
 def read_result(path: Path, layout: Layout) -> Result:

@@ -112,7 +112,7 @@ def fleet(
         option(
             "--moves NAME",
             "compass: robots move N, E, S or W; turn: they drive forward, and turn on the spot, "
-            "which needs --planner epibt or epibt-lanes.",
+            "which needs a planner that knows headings: epibt or windowed, also with -lanes.",
         ),
     ] = COMPASS,
     late_penalty: Annotated[

@@ -66,7 +66,8 @@ def league(
         float,
         option(
             "--step-seconds S",
-            "Seconds of a step; all robots wait in each step in which their plan is late.",
+            "Seconds of a step, or of ten ticks of 2026; all robots wait in each step in which "
+            "their plan is late.",
             Number(0.001, MAX_VALUE),
         ),
     ] = SECONDS,
