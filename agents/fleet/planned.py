@@ -54,6 +54,19 @@ def wants_dispatch(agent: FleetAgent) -> bool:
     return agent.dispatch if isinstance(agent, Dispatching) else True
 
 
+def check_headings(planner: Planner, env: FleetEnv) -> None:
+    """Check that a planner knows headings if the robots of an environment have them.
+
+    Raises:
+        AgentError: the robots have headings, and the planner does not know any.
+    """
+    if env.settings.has_headings and not isinstance(planner, HeadedPlanner):
+        raise AgentError(
+            f"planner {type(planner).__name__} does not know headings, which robots "
+            'with moves="turn" have; it needs a method next_places, as EPIBT has'
+        )
+
+
 class PlannedFleet:
     """Robots that a planner leads to the goals that orders, chargers and parking give them.
 
@@ -120,14 +133,10 @@ class PlannedFleet:
 
         Raises:
             PlanError: the plan of the step has a conflict.
-            AgentError: the robots have headings, and the planner does not know any.
+            AgentError: as for ``check_headings``.
         """
         if self._dispatcher is None:
-            if env.settings.has_headings and not isinstance(self.planner, HeadedPlanner):
-                raise AgentError(
-                    f"planner {type(self.planner).__name__} does not know headings, which robots "
-                    'with moves="turn" have; it needs a method next_places, as EPIBT has'
-                )
+            check_headings(self.planner, env)
             if isinstance(self.planner, MotionPlanner):
                 self.planner.plan_for(env.motion)
             roads = self.planner.graph if isinstance(self.planner, GraphPlanner) else None

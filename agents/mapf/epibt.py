@@ -10,15 +10,16 @@ from itertools import product
 import numpy as np
 
 from agents.mapf.graph import CLOSED, Fields, Graph
+from agents.mapf.headed import HeadedFields
 from agents.mapf.kernels.buffers import buffer_of, prepare
-from agents.mapf.kernels.floor import NONE
-from agents.mapf.kernels.operations import CHOSEN, FREE, crew_of, improve, plan
+from agents.mapf.kernels.floor import NONE, STAY
+from agents.mapf.kernels.operations import CHOSEN, FREE, Crew, crew_of, improve, plan
 from agents.mapf.kernels.rounds import NOBODY
 from agents.mapf.memory import Memory
 from agents.mapf.planner import Situation
 from warehouse_core.arguments import instance_of, real_number, seed_number, whole_number
 from warehouse_core.world.actions import WAIT
-from warehouse_core.world.moves import FORWARD, LEFT, RIGHT, TURN_ACTIONS
+from warehouse_core.world.moves import FORWARD, LEFT, RIGHT
 from warehouse_core.world.tables import Integers
 
 __all__ = ["EPIBT"]
@@ -28,8 +29,6 @@ MAX_WINDOW = 4
 
 MAX_TRIES = 100.0
 """Most times that robots choose once more."""
-
-WAITS = TURN_ACTIONS.index("WAIT")
 
 
 class EPIBT:
@@ -116,12 +115,18 @@ class EPIBT:
 
     def _begin(self, robots: int, has_headings: bool) -> None:
         """Begin an episode of so many robots."""
-        graph = self.graph.with_costs(self.graph.costs, 1.0) if has_headings else self.graph
-        self._has_headings, self._fields = has_headings, Fields(graph)
+        self._has_headings = has_headings
+        self._fields = HeadedFields(self.graph) if has_headings else Fields(self.graph)
         self._memory = Memory(self.graph, np.random.default_rng(self.seed).random(robots))
-        near = near_by_turns(self.graph) if has_headings else near_by_moves(self.graph)
-        ways = turning_operations(self.window) if has_headings else operations(self.window)
-        self._crew = crew_of(self.graph.size, near, ways, robots, self.seed)
+        self._crew = crew_on(self._fields, self.window, robots, self.seed)
+
+
+def crew_on(fields: Fields, window: int, robots: int, seed: int | None) -> Crew:
+    """Return the buffers of robots that choose their actions for the steps of a window."""
+    near = np.where(fields.near == fields.graph.places, NONE, fields.near)
+    has_headings = isinstance(fields, HeadedFields)
+    ways = turning_operations(window) if has_headings else operations(window)
+    return crew_of(fields.graph.size, near, ways, robots, seed)
 
 
 def outward_cells(graph: Graph) -> Integers:
@@ -143,25 +148,6 @@ def outward_cells(graph: Graph) -> Integers:
     return outward
 
 
-def near_by_moves(graph: Graph) -> Integers:
-    """Return the cell that N, E, S, W and waiting lead to from each, or ``NONE``, ``[size, 5]``."""
-    return np.where(graph.neighbours == CLOSED, NONE, graph.neighbours)
-
-
-def near_by_turns(graph: Graph) -> Integers:
-    """Return the place that each of the first ``TURN_ACTIONS`` leads to, or ``NONE``.
-
-    The array is ``[4 * size, 4]``.
-    """
-    places = np.arange(WAIT * graph.size).reshape(WAIT, -1)
-    near = np.empty((*places.shape, WAITS + 1), np.intp)
-    ahead = graph.neighbours[:, :WAIT].T
-    near[..., FORWARD] = np.where(ahead == CLOSED, NONE, ahead + places[:, :1])
-    near[..., RIGHT], near[..., LEFT] = np.roll(places, -1, axis=0), np.roll(places, 1, axis=0)
-    near[..., WAITS] = places
-    return near.reshape(-1, WAITS + 1)
-
-
 def operations(window: int) -> Integers:
     """Return all sequences of moves and waits through a window, the one of waits first."""
     found = sorted(product(range(WAIT + 1), repeat=window), key=lambda each: -each.count(WAIT))
@@ -169,13 +155,14 @@ def operations(window: int) -> Integers:
 
 
 def turning_operations(window: int) -> Integers:
-    """Return sequences of the first ``TURN_ACTIONS`` through a window, the one of waits first.
+    """Return sequences of moves, turns and waits through a window, the one of waits first.
 
-    Of several that lead through the same cells to the same heading, the one with the fewest turns
-    is left, and of these the one that turns first.
+    The actions are ``FORWARD``, ``RIGHT``, ``LEFT`` and ``STAY``. Of several sequences that lead
+    through the same cells to the same heading, the one with the fewest turns is left, and of these
+    the one that turns first.
     """
     found: dict[tuple[object, ...], tuple[int, ...]] = {}
-    every = product((FORWARD, RIGHT, LEFT, WAITS), repeat=window)
+    every = product((FORWARD, RIGHT, LEFT, STAY), repeat=window)
     for actions in sorted(every, key=lambda each: (each.count(RIGHT) + each.count(LEFT), each)):
         place, heading, way = 0j, 1 + 0j, list[object]()
         for action in actions:
@@ -183,4 +170,4 @@ def turning_operations(window: int) -> Integers:
             place += heading * (action == FORWARD)
             way.append(place)
         found.setdefault((*way, heading), actions)
-    return np.array(sorted(found.values(), key=lambda each: each != (WAITS,) * window))
+    return np.array(sorted(found.values(), key=lambda each: each != (STAY,) * window))

@@ -235,7 +235,7 @@ class Fields:
         self.matrix = np.empty((0, graph.places), np.int32)
         self._row_of = np.full(graph.size, NO_ROW)
         self._free: list[int] = []
-        self._closed = graph.closed
+        self._closed, self._leads_back = graph.closed, not graph.turn_cost
         prepare(measure)
 
     @property
@@ -256,7 +256,7 @@ class Fields:
         new = np.unique(goals[self._row_of[goals] == NO_ROW]).tolist()
         if len(new) > len(self._free):
             self._free_rows(goals, len(new))
-        is_measured = IS_COMPILED and not self.graph.turn_cost and not self._closed
+        is_measured = IS_COMPILED and self._leads_back and not self._closed
         for goal in new:
             self._row_of[goal] = row = self._free.pop()
             if is_measured and self._buckets:
@@ -313,7 +313,7 @@ class Fields:
     @cached_property
     def _buckets(self) -> tuple[Buffer, Buffer, Buffer] | None:
         """Buffers in which ``measure`` keeps cells, or ``None`` if prices are too high for it."""
-        price, room = int(self.prices.max()), WAIT * self.graph.size + 1
+        price, room = int(self.prices.max()), WAIT * (self.graph.places + 1)
         if price > MAX_PRICE:
             return None
         return buffer(price + 1, NONE), buffer(room), buffer(room)

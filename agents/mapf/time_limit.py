@@ -6,16 +6,13 @@ import ctypes
 import threading
 import time
 import warnings
-from collections.abc import Iterator
+from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
 LOOK_SECONDS = 0.02
 """Seconds between two looks at the clock."""
 
-NO_THREADS = "threads cannot be started here, so planners have no time limit"
-
-raise_in_thread = ctypes.pythonapi.PyThreadState_SetAsyncExc
-raise_in_thread.argtypes = (ctypes.c_ulong, ctypes.py_object)
+NO_THREADS = "threads cannot be started or interrupted here, so planners have no time limit"
 
 
 class Watcher:
@@ -30,8 +27,8 @@ class Watcher:
         """Raise ``TimeoutError`` in the block once it has taken so many seconds by the clock.
 
         It is raised between two instructions of Python, so that one call of compiled code may take
-        longer. Any thread may use it. Where threads cannot be started, as in a browser, there is no
-        limit, and a warning says so once.
+        longer. Any thread may use it. Where threads cannot be started or interrupted, as in
+        a browser, there is no limit, and a warning says so once.
         """
         here = threading.get_ident()
         with self._lock:
@@ -46,14 +43,16 @@ class Watcher:
                 self._ends.pop(here, None)
 
     def _start(self) -> None:
-        self._thread = threading.Thread(target=self._watch, daemon=True)
         try:
+            # CPython for WASI has no ``pythonapi``.
+            interrupt = ctypes.pythonapi.PyThreadState_SetAsyncExc
+            self._thread = threading.Thread(target=self._watch, args=(interrupt,), daemon=True)
             self._thread.start()
-        except RuntimeError:
+        except (AttributeError, RuntimeError):
             self._can_start = False
             warnings.warn(NO_THREADS, RuntimeWarning, stacklevel=4)
 
-    def _watch(self) -> None:
+    def _watch(self, interrupt: Callable[..., int]) -> None:
         while True:
             time.sleep(LOOK_SECONDS)
             now = time.monotonic()
@@ -61,7 +60,7 @@ class Watcher:
                 for thread, end in list(self._ends.items()):
                     if end < now:
                         del self._ends[thread]
-                        raise_in_thread(thread, TimeoutError)
+                        interrupt(ctypes.c_ulong(thread), ctypes.py_object(TimeoutError))
 
 
 time_limit = Watcher().time_limit

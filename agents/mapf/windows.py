@@ -2,6 +2,7 @@
 
 In each step the plan of the last is continued by a round of PIBT, and then refined group by group;
 see ``kernels/groups.py``. Every fifth step, fresh rounds of PIBT take its place if they are better.
+For robots with headings the rounds are of EPIBT.
 Next goals are not known: a robot that has arrived gives way.
 
 Sources: Li et al. (2021), Lifelong multi-agent path finding in large-scale warehouses, AAAI: the
@@ -17,12 +18,15 @@ from time import perf_counter
 
 import numpy as np
 
+from agents.mapf.epibt import crew_on
 from agents.mapf.graph import Fields, Graph
+from agents.mapf.headed import HeadedFields
 from agents.mapf.kernels.buffers import buffer_of, prepare
 from agents.mapf.kernels.floor import FAR, NONE
 from agents.mapf.kernels.groups import PORTION, improve, improve_until, new_groups, renew
-from agents.mapf.kernels.rollouts import prices, roll
-from agents.mapf.kernels.rounds import team_of
+from agents.mapf.kernels.operations import Crew
+from agents.mapf.kernels.rollouts import prices, roll, roll_crew
+from agents.mapf.kernels.rounds import Team, team_of
 from agents.mapf.kernels.ways import (
     CLOSED_STEPS,
     find_way,
@@ -47,6 +51,9 @@ GROUPS = 20
 FRESH = 5
 """Steps after which a plan made anew may take the place of the one that goes on."""
 
+CREW_WINDOW = 3
+"""Steps for which robots with headings choose their actions in a round."""
+
 MAX_WINDOW = 10_000
 """Limit on the steps of a window, each of which takes memory for all cells."""
 
@@ -63,7 +70,7 @@ class WindowedPlanner:
         groups: groups of robots that are planned anew in each step, and kept if no worse.
         seconds: time in each step after which no more groups are planned anew.
         seed: seed of the order in groups.
-        turn_cost: see ``PIBT``.
+        turn_cost: see ``PIBT``; turns of robots with headings take steps, and cost nothing more.
 
     Example:
         >>> from agents.mapf.graph import Graph
@@ -89,25 +96,27 @@ class WindowedPlanner:
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
         most = min(MAX_WINDOW, MAX_STATES // (2 * graph.places) - 1)
         self.window = whole_number("window", window, 2, most)
-        self._fields = Fields(graph)
-        prepare(roll, prices, improve, renew, reserve)
+        prepare(roll, roll_crew, prices, improve, renew, reserve)
         self.reset()
 
     def reset(self) -> None:
         """Forget the last episode."""
+        self._has_headings = False
         self._memory = Memory(self.graph, np.empty(0))
 
     def next_cells(self, situation: Situation) -> Integers:
         """Return the cell of each robot after the next joint step; see ``Planner``."""
         if not len(situation.cells):
             return situation.cells
-        deadline = perf_counter() + self.seconds
-        if len(situation.cells) != len(self._memory.goals):
-            self._begin(len(situation.cells))
-        self._read(situation)
-        self._continue(situation)
-        self._refine(deadline)
+        self._plan(situation, None)
         return (self._places[:, 1] % self.graph.size).astype(situation.cells.dtype)
+
+    def next_places(self, situation: Situation, headings: Integers) -> Integers:
+        """Return the place of each robot after the next joint step; see ``HeadedPlanner``."""
+        if not len(situation.cells):
+            return situation.cells
+        self._plan(situation, headings * self.graph.size + situation.cells)
+        return self._places[:, 1].astype(situation.cells.dtype)
 
     def plan_of(self, robot: int) -> list[int]:
         """Return the cells of a robot from the end of the step just chosen on; see ``Planner``."""
@@ -130,10 +139,27 @@ class WindowedPlanner:
         memory = copy(self._memory)  # which is to know nothing of times that have not come
         self._places[:, 1:] = np.array([memory.places(each) for each in cells.T]).T
 
-    def _begin(self, robots: int) -> None:
+    def _plan(self, situation: Situation, places: Integers | None) -> None:
+        """Plan for robots, which have headings if their present places are given."""
+        deadline, has_headings = perf_counter() + self.seconds, places is not None
+        is_new = len(situation.cells) != len(self._memory.goals)
+        if is_new or has_headings != self._has_headings:
+            self._begin(len(situation.cells), has_headings)
+        self._here = self._memory.places(situation.cells) if places is None else places
+        self._read(situation)
+        self._continue(situation)
+        self._refine(deadline)
+
+    def _begin(self, robots: int, has_headings: bool) -> None:
         """Make the buffers for so many robots."""
+        self._has_headings = has_headings
+        self._fields = HeadedFields(self.graph) if has_headings else Fields(self.graph)
         floor, times = self._fields.floor, self.window + 1
-        self._team = team_of(self.graph.size, robots, self.seed)
+        self._team: Team | Crew
+        if has_headings:
+            self._team = crew_on(self._fields, CREW_WINDOW, robots, self.seed)
+        else:
+            self._team = team_of(self.graph.size, robots, self.seed)
         self._ways = new_ways(floor, robots, times, True)
         self._frontier = new_frontier(floor, self._ways)
         self._groups = new_groups(robots, times, self.seed)
@@ -145,8 +171,7 @@ class WindowedPlanner:
 
     def _read(self, situation: Situation) -> None:
         """Take over a situation: robots, goals and priorities."""
-        graph, cells, goals = self.graph, situation.cells, situation.goals
-        self._here = self._memory.places(cells)
+        graph, cells, goals = self._fields.graph, situation.cells, situation.goals
         rows = self._fields.rows(goals)
         is_away = self._fields.matrix[rows, self._here] == FAR
         if is_away.any():  # a goal that no way leads to is as none
@@ -155,9 +180,8 @@ class WindowedPlanner:
         self._table = self._fields.table
         self._has_new_goal = goals != self._memory.goals
         self._order = buffer_of(self._memory.order(cells, goals, situation.urgent))
-        for buffers in (self._team, self._ways):
-            buffers.goals[:], buffers.rows[:] = buffer_of(goals), buffer_of(rows * graph.places)
         ways = self._ways
+        ways.goals[:], ways.rows[:] = buffer_of(goals), buffer_of(rows * graph.places)
         ways.stays[:] = buffer_of(situation.stays.astype(np.intp))
         for cell in ways.closed:
             ways.is_closed[cell] = 0
@@ -167,12 +191,11 @@ class WindowedPlanner:
 
     def _continue(self, situation: Situation) -> None:
         """Continue the last plan, or make a new one if that is better."""
-        floor, ways, team, table = self._fields.floor, self._ways, self._team, self._table
+        floor, ways, table = self._fields.floor, self._ways, self._table
         last, places = self.window, self._places
         holds = self._mend(situation)
         if holds:
-            team.order[:] = self._order
-            roll(floor, ways, team, table, last - 1, last)
+            self._roll(last - 1)
             continued = places.copy()
             if self._since < FRESH:
                 self._since += 1
@@ -180,8 +203,7 @@ class WindowedPlanner:
                 return
         self._since = 1
         places[:, 0] = self._here
-        team.order[:] = self._order
-        roll(floor, ways, team, table, 0, last)
+        self._roll(0)
         cost = prices(floor, ways, table)
         if holds:
             fresh = places.copy()
@@ -189,6 +211,14 @@ class WindowedPlanner:
             if prices(floor, ways, table) > cost:
                 places[:] = fresh
                 prices(floor, ways, table)
+
+    def _roll(self, first: int) -> None:
+        """Write the places at the times after ``first``."""
+        self._team.order[:] = self._order
+        if isinstance(self._team, Crew):
+            roll_crew(self._ways, self._team, self._table, first, self.window)
+        else:
+            roll(self._fields.floor, self._ways, self._team, self._table, first, self.window)
 
     def _mend(self, situation: Situation) -> bool:
         """Move the plan on by a step, with new ways for robots that cannot go on as planned.

@@ -83,13 +83,17 @@ def once() -> Iterator[tuple[str, np.ndarray]]:
 
 
 def turning() -> Iterator[tuple[str, np.ndarray]]:
-    """Yield lifelong runs of robots with headings, and of others, by EPIBT."""
+    """Yield lifelong runs of robots with headings, and by EPIBT of others."""
     for seed in SEEDS:
         graph = Graph(random_layout(14, 14, 0.2, seed))
         for has_headings, tries in ((False, 0), (True, 0), (True, 2)):
             planner = EPIBT(graph, seed, window=3 if has_headings else 2, tries=tries)
             run = run_lifelong(graph, planner, 30, 20, seed, has_headings=has_headings)
             yield f"epibt {has_headings} {tries} {seed}", run.cells
+        for name, costs in (("plain", None), ("lanes", lane_costs(graph.layout, 1.3))):
+            windowed = WindowedPlanner(graph.with_costs(costs), 8, 12, seed=seed)
+            run = run_lifelong(graph, windowed, 30, 12, seed, has_headings=True)
+            yield f"windowed {name} {seed}", run.cells
 
 
 if __name__ == "__main__":

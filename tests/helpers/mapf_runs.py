@@ -7,9 +7,10 @@ import numpy as np
 
 from agents.errors import PlanError
 from agents.mapf.graph import Graph
-from agents.mapf.planner import Planner, Situation
+from agents.mapf.planner import HeadedPlanner, Planner, Situation, check_turns
 from agents.mapf.problem import Problem, Solver
 from helpers.mapf_validator import check_traffic, plan_conflict, step_conflict
+from warehouse_core import Layout
 from warehouse_core.motion.base import Motion
 from warehouse_core.motion.grid import GridMotion
 
@@ -72,4 +73,53 @@ def check_planner(
                 reached += not stays[robot]
                 goals[robot] = cell if stream.random() < 0.2 else stream.choice(open_cells)
     check_traffic(motion or GridMotion(), layout, path)
+    return reached
+
+
+AHEAD = ((-1, 0), (0, 1), (1, 0), (0, -1))
+
+
+def check_turning_step(
+    layout: Layout, before: list, after: list, fixed: set[int], closed: set
+) -> None:  # type: ignore[type-arg]
+    """Check a joint step of cells and headings by the rules, with no code of the planners."""
+    cells = [cell for cell, _ in after]
+    assert len(set(cells)) == len(cells)
+    for robot, ((cell, heading), (to, turned)) in enumerate(zip(before, after, strict=True)):
+        if to == cell:
+            assert (turned - heading) % 4 in ((0,) if robot in fixed else (0, 1, 3))
+            continue
+        down, right = AHEAD[heading]
+        assert (to, turned) == ((cell[0] + down, cell[1] + right), heading)
+        assert robot not in fixed
+        assert layout.is_open(to)
+        assert to not in closed
+        assert all(one != to or other != cell for (one, _), (other, _) in zip(before, after))  # noqa: B905
+
+
+def check_headed_planner(
+    make_planner: Callable[[Graph], HeadedPlanner], layout: Layout, robots: int
+) -> int:
+    """Return how many goals robots with headings reached in 30 steps.
+
+    Some robots stay for some steps, and some cells are closed.
+
+    Raises:
+        AssertionError: a step is against the rules.
+    """
+    graph, stream, reached = Graph(layout), np.random.default_rng(robots), 0
+    planner = make_planner(graph)
+    cells, goals = (stream.permutation(layout.open_cells)[:robots] for _ in range(2))
+    headings = stream.integers(4, size=robots)
+    for _ in range(30):
+        stays, closed = stream.random(robots) < 0.05, stream.permutation(layout.open_cells)[:3]
+        situation = Situation(cells, goals, stays, closed)
+        places = check_turns(graph, situation, headings, planner.next_places(situation, headings))
+        before = list(zip(layout.cells(cells), headings.tolist(), strict=True))
+        headings, cells = np.divmod(places, graph.size)
+        after = list(zip(layout.cells(cells), headings.tolist(), strict=True))
+        fixed = {*np.flatnonzero(stays).tolist()}
+        check_turning_step(layout, before, after, fixed, {*layout.cells(closed)})
+        reached += int((cells == goals).sum())
+        goals = np.where(cells == goals, stream.permutation(layout.open_cells)[:robots], goals)
     return reached

@@ -1,7 +1,9 @@
 """The page of the playground in a headless Chromium, and a server of its folder."""
 
 import http.server
+import os
 import subprocess
+import sys
 import threading
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
@@ -21,12 +23,23 @@ MAX_DOWNLOAD = 25_000_000
 
 SECONDS = 120
 
+PLAIN = os.environ | {"WAREHOUSE_FAST": "0"}
+"""Environment in which planners are not compiled, as in a browser."""
+
 
 def write_page(folder: Path) -> Path:
     """Write the playground into a folder, and return it."""
     assert FILES.is_dir(), f"{FILES} is missing; .ci/pyodide fetches it"
     write_playground(folder, str(FILES))
     return folder
+
+
+def run_by_cpython(script: Path) -> str:
+    """Return what a script prints here, in its folder, with planners that are not compiled."""
+    words = [sys.executable, script]
+    return subprocess.run(
+        words, capture_output=True, text=True, env=PLAIN, check=True, cwd=script.parent
+    ).stdout
 
 
 def run_in_node(page: Path, script: Path) -> str:

@@ -89,6 +89,7 @@ MAY_IMPORT = {
     "agents/kinds": "search warehouse_agent_greedy",
     "agents/learning": "errors warehouse_agent_greedy",
     "agents/mapf": "errors mapf/kernels",
+    "agents/mapf/league": "errors mapf",
     "agents/fleet": "errors mapf mapf/kernels",
     "agents/lab": "errors fleet mapf",
     "agents/lab/runs": "errors fleet",
@@ -97,7 +98,7 @@ MAY_IMPORT = {
     "agents/lab/trials": "errors lab/console lab/runs learning registry",
     "agents/lab/commands/fleet": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/commands/planners": (
-        "errors fleet lab lab/console lab/trials mapf mapf/kernels registry"
+        "errors fleet lab lab/console lab/trials mapf mapf/kernels mapf/league registry"
     ),
     "agents/lab/experiments": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/grading": "errors lab lab/runs lab/trials registry warehouse_agent_greedy",

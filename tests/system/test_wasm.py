@@ -1,10 +1,7 @@
 """Pyodide, in node and in headless Chromium, does what CPython does; ``.ci/pyodide`` fetches it."""
 
 import json
-import os
 import re
-import subprocess
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -17,6 +14,7 @@ from helpers.playground import (
     MAX_DOWNLOAD,
     Playground,
     run_by,
+    run_by_cpython,
     run_in_node,
     served,
     write_page,
@@ -29,9 +27,6 @@ from agents.lab.playground.session import Session
 from warehouse_core import DEFAULT_LAYOUT
 
 pytestmark = pytest.mark.wasm
-
-PLAIN = os.environ | {"WAREHOUSE_FAST": "0"}
-"""Environment in which planners are not compiled, as in a browser."""
 
 LOOP = """class Agent:
     def reset(self):
@@ -51,9 +46,7 @@ def page_folder(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 def test_node_has_the_digests_of_cpython(page_folder: Path) -> None:
     script = Path(wasm_digests.__file__)
-    cpython = subprocess.run(
-        [sys.executable, script], capture_output=True, text=True, env=PLAIN, check=True
-    ).stdout
+    cpython = run_by_cpython(script)
     pyodide = run_in_node(page_folder, script)
     assert len(cpython.splitlines()) > 20
     assert pyodide == cpython
@@ -75,10 +68,7 @@ def test_a_live_page_says_in_node_what_it_says_in_cpython(
     script.write_text(f"{source}\n\nrun_cells({cells!r})\n", encoding="utf-8")
     imported = [cell for cell in cells if not cell.startswith(WRITE)]
     loaded.write_text("\n".join(imported), encoding="utf-8")
-    cpython = subprocess.run(
-        [sys.executable, script], capture_output=True, text=True, env=PLAIN, check=True,
-        cwd=tmp_path,
-    ).stdout  # fmt: skip
+    cpython = run_by_cpython(script)
     assert len(cpython.splitlines()) >= len(cells)
     assert run_by(site / live.FOLDER / live.RUNTIME, script, loaded) == cpython
 

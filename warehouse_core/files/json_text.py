@@ -23,7 +23,9 @@ _NO_BRACKETS = re.compile(r'"(?:[^"\\]++|\\.?)*+"?|[^][{}"]++', re.DOTALL)
 """Strings, and all else that is no bracket. A string may lack its end: each is looked at once."""
 
 
-def parse_object(data: bytes, max_bytes: int = MAX_BYTES) -> dict[str, Any]:
+def parse_object(
+    data: bytes, max_bytes: int = MAX_BYTES, max_items: int = MAX_ITEMS
+) -> dict[str, Any]:
     """Return the JSON object that is written in UTF-8.
 
     Raises:
@@ -32,8 +34,8 @@ def parse_object(data: bytes, max_bytes: int = MAX_BYTES) -> dict[str, Any]:
     if len(data) > max_bytes:
         raise ValueError(f"{len(data):,} bytes of JSON are more than MAX_BYTES = {max_bytes}")
     items = sum(map(data.count, (b",", b"[", b"{")))
-    if items > MAX_ITEMS:
-        raise ValueError(f"{items:,} values are more than MAX_ITEMS = {MAX_ITEMS}")
+    if items > max_items:
+        raise ValueError(f"{items:,} values are more than MAX_ITEMS = {max_items}")
     text = data.decode("utf-8-sig")
     brackets = _NO_BRACKETS.sub("", text)
     depth = max(accumulate(1 if each in "[{" else -1 for each in brackets), default=0)

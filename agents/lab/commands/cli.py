@@ -21,6 +21,7 @@ from agents.lab.commands.fleet.report import report_fleet
 from agents.lab.commands.gap.gap import gap
 from agents.lab.commands.grade.grade import grade
 from agents.lab.commands.planners.compare_planners import compare_planners
+from agents.lab.commands.planners.league import league
 from agents.lab.commands.planners.mapf import mapf
 from agents.lab.commands.play import play
 from agents.lab.commands.playground import playground
@@ -103,7 +104,13 @@ GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
         "search": search,
         "explore": explore,
     },
-    "Several robots": {"fleet": fleet, "mapf": mapf, "pogema": pogema, "gap": gap},
+    "Several robots": {
+        "fleet": fleet,
+        "mapf": mapf,
+        "league": league,
+        "pogema": pogema,
+        "gap": gap,
+    },
     "Study": {
         "compare": comparing,
         "train": training,

@@ -15,6 +15,11 @@ STAY = 4
 
 ACTIONS = 5
 
+FORWARD, TURNS = 0, 3
+"""Number of the move of a robot with a heading, and number of no action: the numbers between them
+turn it to the right and to the left.
+"""
+
 NONE = -1
 """Number in place of an entry, a configuration or a cost where there is none."""
 
@@ -28,7 +33,8 @@ class Floor(NamedTuple):
     Attributes:
         size: number of cells.
         closed: number of places, which stands for where no step leads.
-        near: ``[places * 5]``, place that each action leads to from each place, or ``closed``.
+        near: ``[places * 5]``, place that each action leads to from each place, or ``closed``. With
+            headings the actions are ``FORWARD``, two turns, one that leads nowhere, and ``STAY``.
         price: ``[places * 5]``, cost of each of these steps.
         degree: ``[size]``, cells beside each cell.
         through: ``[size]``, cells beside each cell that are no dead ends.
@@ -45,39 +51,61 @@ class Floor(NamedTuple):
 
 
 @kernel
+def step_to(floor: Floor, place: int, number: int) -> int:
+    """Return the index in ``near`` of one of the steps that lead to a place, or ``NONE``.
+
+    A step leads back from where one leads. Robots with headings enter a cell as they head.
+    """
+    near, half = floor.near, floor.closed // 2
+    if floor.closed == floor.size:
+        before, back = near[place * ACTIONS + number] + 0, number ^ 2
+    elif number == FORWARD:  # the cell behind is the one ahead of a robot that has turned round
+        before, back = near[(place + half) % floor.closed * ACTIONS + FORWARD] + 0, FORWARD
+        before = (before + half) % floor.closed if before != floor.closed else before
+    elif number < TURNS:
+        before, back = near[place * ACTIONS + number] + 0, number ^ 3
+    else:
+        return NONE
+    found = before * ACTIONS + back
+    return found if before != floor.closed and near[found] == place else NONE
+
+
+@kernel
 def measure(
     floor: Floor, goal: int, field: Table, heads: Buffer, entries: Buffer, below: Buffer
 ) -> None:
-    """Write the cost of the cheapest way from each cell to a goal into a field.
+    """Write the cost of the cheapest way from each place to a goal into a field.
 
     Args:
-        floor: floor whose places are cells, and where a step leads back from where one leads.
-        goal: cell with the distance 0.
-        field: ``[size]``, all ``FAR`` before.
+        floor: floor whose places are cells, or cells with headings.
+        goal: cell, all places of which have the distance 0.
+        field: ``[places]``, all ``FAR`` before.
         heads: last entry of each bucket, one more than the highest price, all ``NONE``. The
             buckets are used in turn, as Dial (1969) does.
-        entries: ``[size * 4 + 1]``, cells in buckets.
-        below: ``[size * 4 + 1]``, entry before each in its bucket, or ``NONE``.
+        entries: ``[places * 4 + 4]``, places in buckets.
+        below: ``[places * 4 + 4]``, entry before each in its bucket, or ``NONE``.
     """
-    near, price, span = floor.near, floor.price, len(heads)
-    field[goal], entries[0], below[0], heads[0] = 0, goal, NONE, 0
-    count, waiting, distance = 1, 1, 0
+    price, span = floor.price, len(heads)
+    count, distance = 0, 0
+    for place in range(goal, floor.closed, floor.size):
+        field[place], entries[count], below[count], heads[0] = 0, place, heads[0], count
+        count += 1
+    waiting = count
     while waiting > 0:
         entry = heads[distance % span]
         if entry == NONE:
             distance += 1
             continue
-        heads[distance % span], cell = below[entry], entries[entry]
+        heads[distance % span], place = below[entry], entries[entry]
         waiting -= 1
-        if field[cell] != distance:
+        if field[place] != distance:
             continue  # a cheaper way was found since
-        for action in range(STAY):
-            before = near[cell * ACTIONS + action]
-            if before == floor.closed:
+        for number in range(STAY):
+            step = step_to(floor, place, number)
+            if step == NONE:
                 continue
-            back = before * ACTIONS + (action ^ 2)
-            reached = distance + price[back]
-            if near[back] == cell and reached < field[before]:
+            before, reached = step // ACTIONS, distance + price[step]
+            if reached < field[before]:
                 field[before] = reached
                 entries[count], below[count] = before, heads[reached % span]
                 heads[reached % span] = count

@@ -136,18 +136,19 @@ def gather_near(floor: Floor, ways: Ways, groups: Groups, size: int) -> None:
     join(groups, robot, size)
     span = min(times - 1, ways.costs[robot] // floor.step)
     time = draw(random) % (span + 1)
-    first = ways.places[robot * times + time] % floor.size
+    first = ways.places[robot * times + time]
     for _ in range(size):
-        cell = first
+        place = first
         for _ in range(16):
+            cell = place % floor.size
             for late in range(-2, 3):
                 if 0 <= time + late < times:
                     holder = ways.reserved[(time + late) * floor.size + cell]
                     if 0 < holder <= len(ways.costs) and join(groups, holder - 1, size):
                         return
-            to = floor.near[cell * ACTIONS + draw(random) % STAY]
+            to = floor.near[place * ACTIONS + draw(random) % STAY]
             if to != floor.closed:
-                cell = to % floor.size
+                place = to
 
 
 @kernel

@@ -1,12 +1,14 @@
-"""Ways of all robots by rounds of PIBT, for the windows of lifelong planning.
+"""Ways of all robots by rounds of PIBT or EPIBT, for the windows of lifelong planning.
 
 A robot that reaches its goal gives way from then on, since its next goal is not known.
 """
 
 from __future__ import annotations
 
-from agents.mapf.kernels.buffers import Table, kernel
+from agents.mapf.kernels.buffers import Buffer, Table, kernel
 from agents.mapf.kernels.floor import ACTIONS, FAR, Floor
+from agents.mapf.kernels.operations import CHOSEN as HAS_CHOSEN
+from agents.mapf.kernels.operations import FREE, Crew, plan
 from agents.mapf.kernels.rounds import CHOSEN, CLOSED, NOBODY, UNDECIDED, Team, choose
 from agents.mapf.kernels.ways import CLOSED_STEPS, Ways
 
@@ -41,6 +43,7 @@ def roll(floor: Floor, ways: Ways, team: Team, fields: Table, first: int, last: 
     here = team.places
     for robot in range(robots):
         here[robot] = ways.places[robot * times + first]
+        team.goals[robot], team.rows[robot] = ways.goals[robot], ways.rows[robot]
     for time in range(first, last):
         for robot in range(robots):
             team.robot_in[here[robot] % size] = robot
@@ -61,23 +64,50 @@ def roll(floor: Floor, ways: Ways, team: Team, fields: Table, first: int, last: 
             here[robot] = team.chosen[robot]
             team.is_taken[here[robot] % size] = 0
             ways.places[robot * times + time + 1] = here[robot]
-        lower(team, size)
+        lower(team.order, here, ways.goals, team.stack, size)
 
 
 @kernel
-def lower(team: Team, size: int) -> None:
+def roll_crew(ways: Ways, crew: Crew, fields: Table, first: int, last: int) -> None:
+    """Do as ``roll`` by a round of EPIBT for each step."""
+    robots, times, size = len(ways.goals), ways.times, crew.size
+    for robot in range(robots):
+        crew.places[robot] = ways.places[robot * times + first]
+        crew.rows[robot] = ways.rows[robot]
+    for time in range(first, last):
+        for robot in range(robots):
+            crew.robot_in[crew.places[robot] % size] = robot
+            is_fixed = time == 0 and ways.stays[robot] == 1
+            crew.states[robot] = HAS_CHOSEN if is_fixed else FREE
+        for cell in ways.closed:
+            crew.is_closed[cell] = time < CLOSED_STEPS
+        for at in range(len(crew.holder)):
+            crew.holder[at] = NOBODY
+        plan(crew, fields)
+        for cell in ways.closed:
+            crew.is_closed[cell] = 0
+        for robot in range(robots):
+            crew.robot_in[crew.places[robot] % size] = NOBODY
+        for robot in range(robots):
+            crew.places[robot] = crew.ways[robot * crew.window]
+            ways.places[robot * times + time + 1] = crew.places[robot]
+        lower(crew.order, crew.places, ways.goals, crew.stack, size)
+
+
+@kernel
+def lower(order: Buffer, places: Buffer, goals: Buffer, spare: Buffer, size: int) -> None:
     """Put the robots that are at their goals last, else in the order of before."""
-    robots, count, rest = len(team.goals), 0, 0
-    for at in range(robots):
-        robot = team.order[at]
-        if team.places[robot] % size == team.goals[robot]:
-            team.stack[rest] = robot
+    count, rest = 0, 0
+    for at in range(len(order)):
+        robot = order[at]
+        if places[robot] % size == goals[robot]:
+            spare[rest] = robot
             rest += 1
         else:
-            team.order[count] = robot
+            order[count] = robot
             count += 1
     for at in range(rest):
-        team.order[count + at] = team.stack[at]
+        order[count + at] = spare[at]
 
 
 @kernel

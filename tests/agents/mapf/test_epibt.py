@@ -1,61 +1,41 @@
 """EPIBT, which plans for robots with headings, and for others."""
 
+from collections.abc import Callable
+from functools import partial
+
 import numpy as np
 import pytest
+from helpers.mapf_runs import check_headed_planner
 
 from agents.errors import AgentError, PlanError
 from agents.fleet import PlannedFleet
 from agents.mapf.epibt import EPIBT, outward_cells, turning_operations
 from agents.mapf.graph import Graph
+from agents.mapf.kernels.floor import STAY
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
-from agents.mapf.planner import NO_CELLS, Situation, check_turns
+from agents.mapf.planner import NO_CELLS, HeadedPlanner, Situation, check_turns
+from agents.mapf.windows import WindowedPlanner
 from warehouse_core import FleetEnv, Layout, random_layout, record_episode, shelf_layout
-from warehouse_core.world.moves import FORWARD, LEFT, RIGHT, TURN_ACTIONS
+from warehouse_core.world.moves import FORWARD, LEFT, RIGHT
 
-AHEAD = ((-1, 0), (0, 1), (1, 0), (0, -1))
+Make = Callable[[Graph], HeadedPlanner]
 
-
-def check(layout: Layout, before: list, after: list, fixed: set[int], closed: set) -> None:  # type: ignore[type-arg]
-    """Check a joint step of cells and headings by the rules, with no code of the planners."""
-    cells = [cell for cell, _ in after]
-    assert len(set(cells)) == len(cells)
-    for robot, ((cell, heading), (to, turned)) in enumerate(zip(before, after, strict=True)):
-        if to == cell:
-            assert (turned - heading) % 4 in ((0,) if robot in fixed else (0, 1, 3))
-            continue
-        down, right = AHEAD[heading]
-        assert (to, turned) == ((cell[0] + down, cell[1] + right), heading)
-        assert robot not in fixed
-        assert layout.is_open(to)
-        assert to not in closed
-        assert all(one != to or other != cell for (one, _), (other, _) in zip(before, after))  # noqa: B905
+EPIBTS = [partial(EPIBT, seed=1), partial(EPIBT, seed=1, tries=2.0)]
+WINDOWS = [partial(WindowedPlanner, window=8, groups=groups) for groups in (0, 12)]
 
 
-@pytest.mark.parametrize(("robots", "tries"), [(12, 0.0), (40, 2.0), (70, 0.0)])
-def test_steps_of_robots_with_headings_follow_the_rules(robots: int, tries: float) -> None:
-    layout, stream = random_layout(14, 14, 0.2, seed=2), np.random.default_rng(robots)
-    graph = Graph(layout)
-    planner = EPIBT(graph, seed=1, tries=tries)
-    cells, goals = (stream.permutation(layout.open_cells)[:robots] for _ in range(2))
-    headings, reached = stream.integers(4, size=robots), 0
-    for _ in range(30):
-        stays, closed = stream.random(robots) < 0.05, stream.permutation(layout.open_cells)[:3]
-        situation = Situation(cells, goals, stays, closed)
-        places = check_turns(graph, situation, headings, planner.next_places(situation, headings))
-        before = list(zip(layout.cells(cells), headings.tolist(), strict=True))
-        headings, cells = np.divmod(places, graph.size)
-        after = list(zip(layout.cells(cells), headings.tolist(), strict=True))
-        check(layout, before, after, {*np.flatnonzero(stays).tolist()}, {*layout.cells(closed)})
-        reached += int((cells == goals).sum())
-        goals = np.where(cells == goals, stream.permutation(layout.open_cells)[:robots], goals)
-    assert reached > robots / 3
+@pytest.mark.parametrize("make", [*EPIBTS, *WINDOWS])
+@pytest.mark.parametrize("robots", [12, 50])
+def test_steps_of_robots_with_headings_follow_the_rules(make: Make, robots: int) -> None:
+    assert check_headed_planner(make, random_layout(14, 14, 0.2, seed=2), robots) > robots / 3
 
 
-def test_one_robot_takes_as_many_steps_as_its_distance_with_turns() -> None:
+@pytest.mark.parametrize("make", [EPIBT, WindowedPlanner])
+def test_one_robot_takes_as_many_steps_as_its_distance_with_turns(make: Make) -> None:
     layout = random_layout(12, 12, 0.2, seed=3)
     graph = Graph(layout)
-    planner, field = EPIBT(graph), Graph(layout, turn_cost=1.0).distances(int(layout.open_cells[0]))
+    planner, field = make(graph), Graph(layout, turn_cost=1.0).distances(int(layout.open_cells[0]))
     for cell in layout.open_cells[::9].tolist():
         place, steps = graph.size + cell, 0
         while place % graph.size != layout.open_cells[0]:
@@ -88,8 +68,7 @@ def test_equal_seeds_give_equal_runs_and_operations_are_different_ways() -> None
     )
     assert np.array_equal(one, other)
     assert not np.array_equal(one, third)
-    found = turning_operations(2).tolist()
-    wait = TURN_ACTIONS.index("WAIT")
+    found, wait = turning_operations(2).tolist(), STAY
     assert found[0] == [wait, wait]
     assert sorted(found) == sorted([
         [wait, wait], [FORWARD, FORWARD], [FORWARD, wait], [wait, FORWARD], [FORWARD, RIGHT],
@@ -114,13 +93,14 @@ def test_robots_without_headings_are_led_too() -> None:
     assert run_lifelong(graph, EPIBT(graph, window=2), 8, 50, 1).reached > 30
 
 
+@pytest.mark.parametrize("make", [EPIBT, WindowedPlanner])
 @pytest.mark.parametrize("backend", ["grid", "physics"])
-def test_a_fleet_with_headings_delivers(backend: str) -> None:
+def test_a_fleet_with_headings_delivers(make: Make, backend: str) -> None:
     layout = shelf_layout(aisle=2, pickups=4, chargers=2)
     env = FleetEnv(
         layout, 6, orders=0.2, max_steps=120, dispatch=False, moves="turn", backend=backend
     )
-    shift = record_episode(env, PlannedFleet(EPIBT(Graph(layout))), seed=1)
+    shift = record_episode(env, PlannedFleet(make(Graph(layout))), seed=1)
     assert shift.measures.delivered > 5
     assert shift.measures.blocked_by_robot == shift.measures.blocked_by_wall == 0
 

@@ -12,9 +12,12 @@ from helpers.mapf_validator import plan_conflict, step_conflict
 
 from agents.errors import PlanError
 from agents.mapf.graph import Fields, Graph
+from agents.mapf.headed import HeadedFields
 from agents.mapf.kernels import ways as kernels
-from agents.mapf.kernels.floor import FAR, NONE
+from agents.mapf.kernels.buffers import buffer, table_of
+from agents.mapf.kernels.floor import FAR, NONE, measure
 from agents.mapf.lacam import lacam, lacam_star
+from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT
 from agents.mapf.refinement import Refinement
 from agents.mapf.windows import WindowedPlanner
@@ -99,6 +102,21 @@ def test_ways_cost_what_brute_force_finds(is_open: bool) -> None:
         assert plan_conflict(layout.rows, first, ends, plan) is None
         assert kernels.find_way(*arguments, int(least) - 1, 0) == NONE
     assert found > 30
+
+
+@pytest.mark.parametrize("wrong_way", [None, 1.3, 5.0])
+@pytest.mark.parametrize("kind", [Fields, HeadedFields])
+def test_measured_distances_are_those_of_dijkstra(kind: type[Fields], wrong_way: float) -> None:
+    layout = random_layout(11, 9, 0.25, seed=4)
+    graph = Graph(layout, None if wrong_way is None else lane_costs(layout, wrong_way))
+    fields, span = kind(graph), 2 + int(10 * (wrong_way or 1))
+    room = 4 * (fields.graph.places + 1)
+    for goal in layout.open_cells[::7].tolist():
+        found = np.full(fields.graph.places, FAR, np.int32)
+        buffers = buffer(10 * span, NONE), buffer(room), buffer(room)
+        measure(fields.floor, goal, table_of(found), *buffers)
+        distances = fields.graph.distances(goal) * fields.step
+        assert np.array_equal(found, np.minimum(np.rint(distances), FAR))
 
 
 def least_step_cost(rows: list[str], starts: list[int], goals: list[int]) -> int | None:

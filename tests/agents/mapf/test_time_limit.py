@@ -1,20 +1,30 @@
+import ctypes
+import runpy
 import threading
 import warnings
 
 import pytest
 
-from agents.mapf.time_limit import NO_THREADS, Watcher
+from agents.mapf import time_limit
 
 
-def test_where_no_thread_can_be_started_there_is_no_limit_and_a_warning_once(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
+@pytest.fixture(params=["threads", "functions of C"])
+def lacking(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
+    """Take threads away, as in a browser, or what interrupts them, as in CPython for WASI."""
+
     def refuse(self: threading.Thread) -> None:
         raise RuntimeError("can't start new thread")
 
-    monkeypatch.setattr(threading.Thread, "start", refuse)
-    watcher, done = Watcher(), 0
-    with pytest.warns(RuntimeWarning, match=NO_THREADS), watcher.time_limit(1e-9):
+    if request.param == "threads":
+        monkeypatch.setattr(threading.Thread, "start", refuse)
+    else:
+        monkeypatch.delattr(ctypes, "pythonapi")
+
+
+@pytest.mark.usefixtures("lacking")
+def test_where_no_thread_can_be_interrupted_there_is_no_limit_and_a_warning_once() -> None:
+    watcher, done = runpy.run_path(time_limit.__file__)["Watcher"](), 0
+    with pytest.warns(RuntimeWarning, match=time_limit.NO_THREADS), watcher.time_limit(1e-9):
         done += 1
     with warnings.catch_warnings():
         warnings.simplefilter("error")

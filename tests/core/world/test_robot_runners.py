@@ -8,7 +8,7 @@ from helpers.map_files import refusal
 
 from warehouse_core import Layout, LayoutError
 from warehouse_core.world import robot_runners
-from warehouse_core.world.robot_runners import load_agents, load_league, load_tasks
+from warehouse_core.world.robot_runners import Delays, load_agents, load_league, load_tasks
 
 LAYOUT = Layout(["...", "#.."])
 """The wall is location 3."""
@@ -114,8 +114,9 @@ def problem(tmp_path: Path) -> Path:
 
 def test_a_problem_is_read_with_the_files_that_it_names(problem: Path) -> None:
     problem.write_text(json.dumps(PROBLEM))
-    layout, starts, tasks, revealed = load_league(problem)
+    layout, starts, tasks, revealed, *of_year = load_league(problem)
     assert layout == LAYOUT
+    assert of_year == ["", 2024, 1, 1.0, None]
     assert (starts, tasks, revealed) == ([(1, 1), (0, 2)], [((0, 2), (1, 1)), ((1, 2),)], 3)
     problem.write_text(json.dumps({key: PROBLEM[key] for key in PROBLEM if key[:3] != "num"}))
     assert load_league(problem).revealed == 2
@@ -124,7 +125,7 @@ def test_a_problem_is_read_with_the_files_that_it_names(problem: Path) -> None:
 @pytest.mark.parametrize(
     ("fields", "named"),
     [
-        ({"delayConfig": {"pDelay": 0.1}, "agentCounter": 3}, "'agentCounter', 'delayConfig'"),
+        ({"agentShape": 3, "battery": {}}, "'agentShape', 'battery'"),
         ({"x" * 90_000: 1}, f"'{'x' * 12}...{'x' * 13}'"),
         (dict.fromkeys("zyxwvutsrqpo", 0), f"{', '.join(map(repr, 'opqrstuvwx'))}, ..."),
     ],
@@ -138,6 +139,33 @@ def test_fields_that_have_no_effect_are_named(
     assert [str(each.message).split("effect: ")[1] for each in found] == [named]
 
 
+DELAYS = {
+    "seed": 5, "minDelay": 2, "maxDelay": 8, "eventModel": "poisson", "pDelay": 0.003,
+    "durationModel": "gaussian", "gaussMeanRatio": 0.5, "gaussStdRatio": 0.22,
+}  # fmt: skip
+
+
+def test_a_problem_of_2023_has_a_strategy_that_gives_tasks(problem: Path) -> None:
+    (problem.parent / "hall.tasks").write_text("2\n2\n5\n")
+    given = {"taskAssignmentStrategy": "roundrobin", "numTasksReveal": 2}
+    problem.write_text(json.dumps(PROBLEM | given))
+    found = load_league(problem)
+    assert (found.strategy, found.year, found.revealed) == ("roundrobin", 2023, 4)
+    (problem.parent / "hall.tasks").write_text("2\n2\n4,5\n")
+    with pytest.raises(LayoutError, match=r"hall\.tasks: task 1 has 2 locations; with task"):
+        load_league(problem)
+
+
+def test_a_problem_of_2026_has_ticks_and_delays(problem: Path) -> None:
+    problem.write_text(json.dumps(PROBLEM | {"agentSize": 0.5, "agentCounter": 3}))
+    found = load_league(problem)
+    assert (found.year, found.ticks, found.robot_size, found.delays) == (2026, 3, 0.5, None)
+    problem.write_text(json.dumps(PROBLEM | {"version": "2026 LoRR", "delayConfig": DELAYS}))
+    found = load_league(problem)
+    delays = Delays(5, 2, 8, "poisson", 0.003, "gaussian", 0.5, 0.22)
+    assert (found.year, found.ticks, found.delays) == (2026, 10, delays)
+
+
 @pytest.mark.parametrize(
     ("change", "message"),
     [
@@ -149,6 +177,12 @@ def test_fields_that_have_no_effect_are_named(
         ({"mapFile": "a\0"}, "a file name has no null character"),
         ({"numTasksReveal": float("nan")}, "numTasksReveal is nan; it must be a number, 0 to"),
         ({"numTasksReveal": -1}, "numTasksReveal is -1; it must be a number"),
+        ({"taskAssignmentStrategy": "x"}, "'x'; allowed: roundrobin, roundrobin_fixed, greedy"),
+        ({"agentCounter": 0}, "agentCounter is 0; it must be a whole number, 1 to 1000"),
+        ({"agentSize": 1.1}, "agentSize is 1.1; it must be a number, 0.001 to 1"),
+        ({"delayConfig": 3}, "delayConfig is 3; it must be an object"),
+        ({"delayConfig": DELAYS | {"maxDelay": 1}}, "delayConfig: maxDelay is 1; it must be a who"),
+        ({"delayConfig": {"seed": 1}}, "delayConfig: minDelay is missing; it must be a whole num"),
     ],
 )
 def test_a_wrong_value_of_a_problem_is_named(

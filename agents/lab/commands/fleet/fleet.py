@@ -15,7 +15,7 @@ import typer
 
 from agents.errors import EpisodeError, EpisodeInterrupted
 from agents.fleet.plan_log import PlanLog
-from agents.fleet.planned import PLAN_SECONDS, PlannedFleet, wants_dispatch
+from agents.fleet.planned import PLAN_SECONDS, PlannedFleet, check_headings, wants_dispatch
 from agents.lab.commands.fleet.report import ShiftResult, report_shifts, result_of
 from agents.lab.commands.fleet.values import SUFFIX, write_shifts
 from agents.lab.console import options
@@ -112,7 +112,7 @@ def fleet(
         option(
             "--moves NAME",
             "compass: robots move N, E, S or W; turn: they drive forward, and turn on the spot, "
-            "which needs --planner epibt or epibt-lanes.",
+            "which needs a planner that knows headings: epibt or windowed, also with -lanes.",
         ),
     ] = COMPASS,
     late_penalty: Annotated[
@@ -201,6 +201,8 @@ def fleet(
             )
         )
         with closing(make_env(dispatch=wants_dispatch(directing))) as env:
+            if isinstance(directing, PlannedFleet):
+                check_headings(directing.planner, env)
             episode = run(env, directing, seed, slow_steps_told(directing, director), name=director)
         warn_of_lost_steps(directing, seed, director)
         return episode

@@ -21,13 +21,12 @@ from agents.lab.commands.planners.floors import (
     random_problem,
     scenario_problem,
 )
-from agents.lab.commands.planners.output import Record, record_of_plan, record_of_run, write_result
+from agents.lab.commands.planners.output import record_of_plan, record_of_run, write_result
 from agents.lab.commands.planners.replay import track_of_plan
 from agents.lab.commands.planners.runs import (
     BOUND,
     SOLVERS,
     STEPPERS,
-    TaskPool,
     Unhindered,
     make_solver,
     make_stepper,
@@ -38,22 +37,21 @@ from agents.lab.console import options
 from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.output import Film
 from agents.lab.console.table import TextTable, print_table
-from agents.lab.console.terminal import print_error, warnings_printed
+from agents.lab.console.terminal import print_error
 from agents.lab.console.values import parse_sizes
 from agents.lab.parameters import Whole
 from agents.mapf.graph import Graph
-from agents.mapf.lifelong import LifelongRun, lead, run_lifelong
+from agents.mapf.lifelong import LifelongRun, run_lifelong
 from agents.mapf.planner import Planner
 from agents.mapf.problem import Problem
 from agents.registry import PLANNERS
 from warehouse_core.batch.fleet.people import MAX_BODIES
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.wording import counted, listed, seconds_of
-from warehouse_core.world.robot_runners import League, load_league
 from warehouse_core.world.tables import Integers
 
-ROBOTS, STEPS = 32, 1000
-LEAGUE = ".json"
+ROBOTS = 32
+RESULT = ".json"
 
 
 PLANNER = f"{options.PLANNER} Arguments may follow, as in pibt:turn_cost=1; may be repeated."
@@ -67,8 +65,8 @@ def mapf(
         list[Path] | None,
         typer.Argument(
             metavar="FILE",
-            help="A MovingAI scenario .scen, several or folders of them, or a problem .json of the "
-            "League of Robot Runners. Without it starts and goals are drawn on --layout.",
+            help="A MovingAI scenario .scen, several or folders of them. Without it starts and "
+            "goals are drawn on --layout.",
             show_default=False,
         ),
     ] = None,
@@ -95,7 +93,7 @@ def mapf(
         int | None,
         option(
             "--lifelong N",
-            f"{LIFELONG} Default: each robot has one goal; {STEPS} for a League problem.",
+            f"{LIFELONG} Default: each robot has one goal.",
             Whole(1),
         ),
     ] = None,
@@ -116,7 +114,7 @@ def mapf(
             f"{options.SAVE} The paths of one planner as .json, in the output format of the League "
             "of Robot Runners, or as a replay: .html, .gif, .mp4, .svg, .png. Of several files "
             "each plan as .csv, and curves as .svg or .png; may be repeated.",
-            callback=writable(LEAGUE, VALUES, replays=True),
+            callback=writable(RESULT, VALUES, replays=True),
             **MANY,
         ),
     ],
@@ -138,7 +136,7 @@ def mapf(
         study(chosen, planner or ["lacam"], sizes, layout, seed, plan_seconds, jobs, save)
         return
     file, count = next(iter(files or ()), None), next(iter(sizes), None)
-    kind = check_file(file, layout, steps)
+    check_file(file, steps)
     if drive:
         load_backend("driving")  # what it needs is missed here, and not after the plans
     for path in save:
@@ -147,11 +145,6 @@ def mapf(
     if save and len(planner or ()) != 1:
         raise typer.BadParameter("--save takes the paths of one planner; name one by --planner")
     trials = Trials(seed, plan_seconds, save, drive)
-    if file is not None and kind == LEAGUE:
-        with warnings_printed():
-            league = load_league(file)
-        run_league(league, planner, count, steps or STEPS, trials, str(file))
-        return
     if file is not None:
         solve_all(scenario_problem(file, layout, count), planner, trials, str(file))
         return
@@ -162,12 +155,11 @@ def mapf(
         return
     graph = Graph(floor.layout)
 
-    def start(planner: Planner) -> tuple[LifelongRun, Record]:
-        run = run_lifelong(graph, planner, count, steps, seed, floor.starts, floor.goals)
-        return run, record_of_run(run)
+    def start(planner: Planner) -> LifelongRun:
+        return run_lifelong(graph, planner, count, steps, seed, floor.starts, floor.goals)
 
     title = f"{counted(count, 'robot')}, {counted(steps, 'step')}, layout {name}, seed {seed}"
-    run_all(graph, planner, trials, start, "goals reached", title)
+    run_all(graph, planner, trials, start, title)
 
 
 def check_study(files: Sequence[Path] | None, steps: int | None, *, drive: bool) -> None:
@@ -181,24 +173,20 @@ def check_study(files: Sequence[Path] | None, steps: int | None, *, drive: bool)
             raise typer.BadParameter(f"{name} goes with one problem, and not with several")
 
 
-def check_file(file: Path | None, layout: str | None, steps: int | None) -> str:
-    """Return the suffix of the file of the problem, or "" without one."""
+def check_file(file: Path | None, steps: int | None) -> None:
+    """Raise if the file of the problem is missing or another, or does not go with an option."""
     if file is None:
-        return ""
-    kind = file.suffix.lower()
+        return
     if not file.exists():
         raise typer.BadParameter(f"{file}: there is no such file or folder")
-    if kind not in (SCENARIO, LEAGUE):
+    if file.suffix.lower() != SCENARIO:
         raise typer.BadParameter(
-            f"{file}: unknown format of a problem; allowed: {SCENARIO}, {LEAGUE}"
+            f"{file}: unknown format of a problem; allowed: {SCENARIO}; see also: warehouse league"
         )
-    if kind == SCENARIO and steps is not None:
+    if steps is not None:
         raise typer.BadParameter(
             "--lifelong does not go with a .scen: it has one goal for each robot"
         )
-    if kind == LEAGUE and layout:
-        raise typer.BadParameter("--layout does not go with a League problem: it names its own map")
-    return kind
 
 
 @dataclass
@@ -229,7 +217,7 @@ class Trials:
                 numbers = seconds_of(took.seconds), f"{took.joules:,.0f}", str(took.hits)
                 self.executed.append((name, way, *numbers))
         for path in self.outputs:
-            if path.suffix.lower() == LEAGUE:
+            if path.suffix.lower() == RESULT:
                 write_result(path, graph, cells, *result)
             else:
                 track = track_of_plan(graph, cells, f"{name}, {counted(cells.shape[1], 'robot')}")
@@ -280,24 +268,23 @@ def run_all(
     graph: Graph,
     planners: Sequence[str] | None,
     trials: Trials,
-    start: Callable[[Planner], tuple[LifelongRun, Record]],
-    what: str,
+    start: Callable[[Planner], LifelongRun],
     title: str,
 ) -> None:
-    """Print how many goals or tasks planners reach in lifelong runs."""
-    run, record = start(Unhindered(graph))
-    most, steps, robots = record.finished, len(run.seconds), run.cells.shape[1]
+    """Print how many goals planners reach in lifelong runs."""
+    run = start(Unhindered(graph))
+    most, steps, robots = run.reached, len(run.seconds), run.cells.shape[1]
     names = planners or STEPPERS
     steppers = [
         make_stepper(name, trials.seed, graph.layout, robots, trials.seconds) for name in names
     ]
     trials.rows.append((BOUND, str(most), f"{most / steps:.3f}", "", "", ""))
     for name, stepper in zip(names, steppers, strict=True):
-        run, record = start(stepper)
-        share = f"{record.finished / most:.1%}" if most else ""
+        run = start(stepper)
+        share = f"{run.reached / most:.1%}" if most else ""
         times = [f"{1000 * of(run.seconds):.2f}" for of in (np.mean, np.max)]
-        measures = str(record.finished), f"{record.finished / steps:.3f}", share, *times
-        cost, lost = run.cells[1:].size, stepper.lost
+        measures = str(run.reached), f"{run.throughput:.3f}", share, *times
+        cost, lost, record = run.cells[1:].size, stepper.lost, record_of_run(run)
         trials.add(name, measures, graph, run.cells, record, cost, run.seconds.tolist(), lost)
         if lost:
             trials.notes.append(
@@ -305,42 +292,7 @@ def run_all(
                 f"{trials.seconds:g} s, first step {lost[0]}; all robots waited"
             )
     trials.show(
-        ("planner", what, "a step", "of the bound", "ms a step", "longest ms"),
+        ("planner", "goals reached", "a step", "of the bound", "ms a step", "longest ms"),
         title,
         f"{BOUND}: each robot by a shortest way, as if it were alone",
     )
-
-
-def run_league(
-    league: League,
-    planners: Sequence[str] | None,
-    robots: int | None,
-    steps: int,
-    trials: Trials,
-    title: str,
-) -> None:
-    """Print how many tasks of a League problem planners finish."""
-    layout, graph = league.layout, Graph(league.layout)
-    count = len(league.starts) if robots is None else robots
-    if count > len(league.starts):
-        raise PlanError(f"--robots is {count}; allowed: 1..{len(league.starts)} in {title}")
-    cells = layout.numbers(league.starts[:count])
-    tasks = [layout.numbers(task).tolist() for task in league.tasks]
-    part = graph.parts
-    for what, places in (("robot", cells[:, None].tolist()), ("task", tasks)):
-        for number, each in enumerate(places):
-            for cell in each:
-                if part[cell] != part[cells[0]]:
-                    raise PlanError(
-                        f"{title}: {what} {number} has {layout.cell(cell)}, to which no "
-                        f"way leads from robot 0 in {layout.cell(cells[0])}"
-                    )
-    revealed = max(1, round(league.revealed * count / len(league.starts)))
-
-    def start(planner: Planner) -> tuple[LifelongRun, Record]:
-        pool = TaskPool(tasks, cells, layout.width, revealed)
-        run = lead(planner, cells, pool.first, pool.new_goals, steps)
-        return run, Record(pool.tasks, pool.given, pool.errands, pool.finished)
-
-    words = f"{counted(count, 'robot')}, {counted(steps, 'step')}, {title}"
-    run_all(graph, planners, trials, start, "tasks finished", words)

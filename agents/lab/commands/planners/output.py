@@ -30,7 +30,14 @@ TIMEOUT = "the planner took too long; all robots waited"
 
 
 class Record(NamedTuple):
-    """The course of tasks, from their release to their end; see ``TaskPool``."""
+    """The course of tasks, from their release to their end.
+
+    Attributes:
+        tasks: step at which each task was released, and its cells.
+        given: ``[R]`` lists of pairs: the step at which a robot got a task, and the task's number.
+        errands: visits to cells of tasks.
+        finished: number of finished tasks.
+    """
 
     tasks: Sequence[tuple[int, Sequence[int]]]
     given: Sequence[Sequence[tuple[int, int]]]

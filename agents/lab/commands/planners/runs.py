@@ -1,4 +1,4 @@
-"""Runs of planners by name: to goals once, from goal to goal, and from task to task."""
+"""Runs of planners by name: to goals once, and from goal to goal."""
 
 from __future__ import annotations
 
@@ -246,74 +246,3 @@ class Errand(NamedTuple):
     robot: int
     task: int
     place: int
-
-
-class TaskPool:
-    """Tasks of several places each, that robots do one after the other.
-
-    A number of unfinished tasks is known at a time. A robot without a task gets the known one that
-    begins nearest to it, by Manhattan distance. The tasks begin again after the last.
-
-    Args:
-        tasks: the cells of each task.
-        cells: ``[R]``, the cells of the robots.
-        width: columns of the layout.
-        revealed: number of unfinished tasks that are known at a time, at least 1.
-
-    Attributes:
-        tasks: step at which each of the known tasks was revealed, and its cells.
-        given: ``[R]`` lists of the steps at which a robot got a task, with the task's number.
-        errands: errands that were done.
-        finished: the number of tasks that were finished.
-    """
-
-    def __init__(self, tasks: list[list[int]], cells: Integers, width: int, revealed: int) -> None:
-        self._source, self._width, self._revealed = tasks, width, revealed
-        self._task = [-1] * len(cells)
-        self._place = [0] * len(cells)
-        self._waiting: list[int] = []
-        self._step = 0
-        self.tasks: list[tuple[int, list[int]]] = []
-        self.given: list[list[tuple[int, int]]] = [[] for _ in cells]
-        self.errands: list[Errand] = []
-        self.finished = 0
-        self.first = self._goals(cells)
-
-    def new_goals(self, cells: Integers, goals: Integers) -> Integers:
-        """Return the goals after a step; see ``lead``. A robot without a task is to stay."""
-        self._step += 1
-        for robot in np.flatnonzero(cells == goals).tolist():
-            task = self._task[robot]
-            if task < 0:
-                continue
-            self._place[robot] += 1
-            self.errands.append(Errand(self._step, robot, task, self._place[robot]))
-            if self._place[robot] == len(self.tasks[task][1]):
-                self.finished += 1
-                self._task[robot] = -1
-        return self._goals(cells)
-
-    def _goals(self, cells: Integers) -> Integers:
-        while len(self.tasks) - self.finished < self._revealed:
-            self._waiting.append(len(self.tasks))
-            places = self._source[len(self.tasks) % len(self._source)]
-            self.tasks.append((self._step, places))
-        free = [robot for robot, task in enumerate(self._task) if task < 0]
-        begins = np.array([self.tasks[task][1][0] for task in self._waiting])
-        ends = np.stack(np.divmod(begins, self._width))
-        for robot in free[: len(self._waiting)]:
-            here = np.divmod(cells[robot], self._width)
-            nearest = int(np.abs(ends - np.array(here)[:, None]).sum(axis=0).argmin())
-            ends[:, nearest] = FAR  # it is taken
-            self._take(robot, self._waiting[nearest])
-        self._waiting = sorted(set(self._waiting).difference(self._task))
-        return np.array(
-            [
-                cell if task < 0 else self.tasks[task][1][place]
-                for cell, task, place in zip(cells, self._task, self._place, strict=True)
-            ]
-        )
-
-    def _take(self, robot: int, task: int) -> None:
-        self._task[robot], self._place[robot] = task, 0
-        self.given[robot].append((self._step, task))

@@ -269,9 +269,12 @@ def test_robots_with_headings_need_a_planner_that_knows_them(warehouse: Warehous
     assert warehouse(*turning).err == (
         "warehouse: --moves turn needs a planner that knows headings; add --planner epibt\n"
     )
-    done = warehouse(*turning, "--planner", "pibt")
-    assert done.code == 1
-    assert "planner PIBT does not know headings" in done.err
+    for episodes in (1, 2):
+        saved = "--save", "b.npz", "--save", "b.csv", "-n", episodes
+        done = warehouse(*turning, "--planner", "pibt", *saved)
+        assert (done.code, done.out) == (1, "")
+        assert done.err.startswith("warehouse: planner PIBT does not know headings")
+        assert not [*Path().glob("b*")]
 
 
 def test_an_interrupt_ends_the_shift_and_prints_the_measures(warehouse: Warehouse) -> None:

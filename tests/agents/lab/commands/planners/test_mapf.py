@@ -33,17 +33,6 @@ def bay() -> str:
     return "bay.scen"
 
 
-@pytest.fixture
-def corridor() -> str:
-    """Return a League problem: a robot fetches from the one end and brings to the other."""
-    write_map("corridor.map", (".....",))
-    Path("corridor.agents").write_text("1\n0\n")
-    Path("corridor.tasks").write_text("1\n4,0\n")
-    problem = {"mapFile": "corridor.map", "agentFile": "corridor.agents", "teamSize": 1}
-    Path("corridor.json").write_text(json.dumps(problem | {"taskFile": "corridor.tasks"}))
-    return "corridor.json"
-
-
 def rows_of(out: str) -> dict[str, list[str]]:
     """Return the cells of each row of a table by its name."""
     lines = [line.split("\u2502")[1:-1] for line in out.splitlines() if line[:1] == "\u2502"]
@@ -79,43 +68,6 @@ def test_plans_for_a_scenario_are_measured_beside_the_bound(
 def test_some_robots_of_a_scenario_can_be_had(bay: str, warehouse: Warehouse) -> None:
     out = warehouse("mapf", bay, "--robots", 1).out
     assert {row[0] for row in rows_of(out).values()} == {"2"}
-
-
-def test_the_tasks_of_a_league_problem_are_finished_place_by_place(
-    corridor: str, warehouse: Warehouse
-) -> None:
-    words = ("--planner", "pibt", "--lifelong", 20, "-o", "run.json")
-    code, out, err = warehouse("mapf", corridor, *words)
-    assert (code, err) == (0, "")
-    assert rows_of(out)["pibt"][:3] == ["2", "0.100", "100.0%"]
-    result = json.loads(Path("run.json").read_text())
-    errands = [[4, 0, 0, 1], [8, 0, 0, 2], [12, 0, 1, 1], [16, 0, 1, 2], [20, 0, 2, 1]]
-    assert result["events"] == errands
-    places = [0, 4, 0, 0]
-    assert result["tasks"] == [[0, 0, places], [1, 8, places], [2, 16, places]]
-    assert result["actualSchedule"] == ["0:0,8:1,16:2"]
-    assert [result[key] for key in ("numTaskFinished", "makespan", "sumOfCost")] == [2, 20, 20]
-    assert cells_in(result, 5)[:6] == [[0], [1], [2], [3], [4], [3]]
-
-
-def test_fields_of_a_problem_that_have_no_effect_are_named(
-    corridor: str, warehouse: Warehouse
-) -> None:
-    problem = json.loads(Path(corridor).read_text()) | {"agentSize": 2.0}
-    Path(corridor).write_text(json.dumps(problem))
-    _, _, err = warehouse("mapf", corridor, "--planner", "pibt", "--lifelong", 2)
-    assert err == "warehouse: warning: corridor.json: fields without effect: 'agentSize'\n"
-
-
-def test_robots_get_the_tasks_that_begin_nearest(corridor: str, warehouse: Warehouse) -> None:
-    Path("corridor.agents").write_text("2\n0\n4\n")
-    Path("corridor.tasks").write_text("3\n3,4\n2\n1,0\n")
-    problem = json.loads(Path(corridor).read_text()) | {"teamSize": 2, "numTasksReveal": 1.5}
-    Path(corridor).write_text(json.dumps(problem))
-    warehouse("mapf", corridor, "--planner", "pibt", "--lifelong", 2, "-o", "run.json")
-    result = json.loads(Path("run.json").read_text())
-    assert result["actualSchedule"] == ["0:2,2:1", "0:0,2:3"]
-    assert result["events"] == [[1, 0, 2, 1], [1, 1, 0, 1], [2, 0, 2, 2], [2, 1, 0, 2]]
 
 
 def test_a_lifelong_run_on_a_generated_problem_is_written_as_it_was(warehouse: Warehouse) -> None:
@@ -188,11 +140,10 @@ def test_bodies_that_need_pymunk_are_refused_before_the_plans(
         ("--planner lacam --lifelong 3", "planner 'lacam' plans all ways at once, for one goal a"),
         ("bay.scen --robots 3", "--robots is 3; allowed: 1..2, the scenarios of bay.scen"),
         ("bay.scen --layout hall", "scenario 1 is for 2 x 3 cells"),
-        ("corridor.json --robots 2", "--robots is 2; allowed: 1..1 in corridor.json"),
     ],
 )
 def test_what_cannot_be_found_or_done_is_named(
-    bay: str, corridor: str, options: str, words: str, refused: Refused
+    bay: str, options: str, words: str, refused: Refused
 ) -> None:
     assert words in refused("mapf", *options.split())
 
@@ -212,14 +163,9 @@ def test_a_scenario_without_a_solution_is_told_at_once(
     assert words in refused("mapf", bay)
 
 
-def test_a_goal_on_another_part_of_the_floor_is_told_at_once(
-    bay: str, corridor: str, refused: Refused
-) -> None:
+def test_a_goal_on_another_part_of_the_floor_is_told_at_once(bay: str, refused: Refused) -> None:
     write_map("bay.map", (".#.", "#.#"))
     assert "robot 0: no way leads from (0, 0) to (0, 2)" in refused("mapf", bay)
-    write_map("corridor.map", ("..@..",))
-    line = refused("mapf", corridor)
-    assert "task 0 has (0, 4), to which no way leads from robot 0 in (0, 0)" in line
 
 
 def test_robots_of_generated_problems_are_in_the_largest_part(

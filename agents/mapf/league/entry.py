@@ -1,0 +1,126 @@
+"""An entry to the League: a scheduler says who does which task, a planner who goes where.
+
+``R`` is the number of robots.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Mapping
+from dataclasses import replace
+from typing import NamedTuple, Protocol
+
+import numpy as np
+
+from agents.mapf.graph import Graph
+from agents.mapf.league.rules import WAITING, result_of
+from agents.mapf.league.scheduler import Scheduler
+from agents.mapf.league.tasks import NO_TASK, Task
+from agents.mapf.planner import NO_CELLS, HeadedPlanner, Situation, check_turns
+from warehouse_core.world.moves import FORWARD, HEADINGS, LEFT, RIGHT
+from warehouse_core.world.tables import Integers
+
+
+class View(NamedTuple):
+    """What an entry knows when it is asked for a plan.
+
+    Attributes:
+        step: number of steps, or ticks, so far.
+        cells, headings: ``[R]``, where the robots are once they have carried out ``staged``.
+        known: tasks that are known and not finished, by number.
+        schedule: ``[R]``, the task of each robot, or ``NO_TASK``.
+        passed: ``[R]`` lists of the cells that staged actions lead each robot through, in turn.
+    """
+
+    step: int
+    cells: Integers
+    headings: Integers
+    known: Mapping[int, Task]
+    schedule: Integers
+    passed: list[list[int]]
+
+
+class Entry(Protocol):
+    """Answers a view with a schedule, ``[R]`` tasks, and ``[R, steps]`` actions."""
+
+    def plan(self, view: View, steps: int) -> tuple[Integers, Integers]:
+        """Return a schedule and the actions of so many steps."""
+
+
+class PlannedEntry:
+    """A scheduler and a planner of this project.
+
+    Args:
+        graph: floor.
+        planner: planner of the floor.
+        scheduler: scheduler, or ``None`` if tasks are given to robots, as in 2023.
+    """
+
+    def __init__(self, graph: Graph, planner: HeadedPlanner, scheduler: Scheduler | None) -> None:
+        self._graph, self._planner, self._scheduler = graph, planner, scheduler
+        planner.reset()
+
+    def plan(self, view: View, steps: int) -> tuple[Integers, Integers]:
+        """Return a schedule and the actions of so many steps; see ``Entry``."""
+        ahead, schedule = foreseen(view)
+        wanted = schedule
+        if self._scheduler is not None:
+            wanted = self._scheduler.assign(view.cells, view.headings, ahead, schedule)
+        errands = [
+            [] if task == NO_TASK else list(ahead[task].cells[ahead[task].visited :])
+            for task in wanted.tolist()
+        ]
+        actions = plan_steps(self._graph, self._planner, view.cells, view.headings, errands, steps)
+        return np.where(schedule == view.schedule, wanted, view.schedule), actions
+
+
+def foreseen(view: View) -> tuple[dict[int, Task], Integers]:
+    """Return known tasks and schedule as they are once robots have done what is staged."""
+    known, schedule = dict(view.known), view.schedule.copy()
+    for robot, way in enumerate(view.passed):
+        number = int(schedule[robot])
+        if number == NO_TASK or not way:
+            continue
+        task = replace(known[number])
+        for cell in way:
+            task.visited += not task.is_finished and cell == task.goal
+        known[number] = task
+        if task.is_finished:
+            schedule[robot] = NO_TASK
+            del known[number]
+    return known, schedule
+
+
+def plan_steps(
+    graph: Graph,
+    planner: HeadedPlanner,
+    cells: Integers,
+    headings: Integers,
+    errands: list[list[int]],
+    steps: int,
+) -> Integers:
+    """Return the actions of robots through some steps, ``[R, steps]``, by a planner.
+
+    Args:
+        graph: floor.
+        planner: planner of the floor.
+        cells: ``[R]``, cells of the robots.
+        headings: ``[R]``, their headings.
+        errands: cells that each robot is to visit in turn; one that has none gives way.
+        steps: number of steps.
+    """
+    actions = np.full((len(cells), steps), WAITING)
+    nobody, done = np.zeros(len(cells), np.bool_), [0] * len(cells)
+    goals = np.array([(each or [cell])[0] for each, cell in zip(errands, cells, strict=True)])
+    for step in range(steps):
+        situation = Situation(cells, goals, nobody, NO_CELLS)
+        places = check_turns(graph, situation, headings, planner.next_places(situation, headings))
+        turned, reached = np.divmod(places, graph.size)
+        quarters = (turned - headings) % len(HEADINGS)
+        turns = np.select([quarters == 1, quarters == 3], [RIGHT, LEFT], WAITING)
+        actions[:, step] = np.where(reached != cells, FORWARD, turns)
+        cells, headings = result_of(graph, cells, headings, actions[:, step])
+        for robot in np.flatnonzero(cells == goals).tolist() if step + 1 < steps else ():
+            done[robot] += 1
+            left = errands[robot][done[robot] :]
+            goals[robot] = left[0] if left else cells[robot]
+    return actions

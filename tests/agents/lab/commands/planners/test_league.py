@@ -1,0 +1,90 @@
+"""The command ``warehouse league``."""
+
+import json
+from pathlib import Path
+from typing import Any
+
+import pytest
+from helpers.command_line import Refused, Warehouse
+
+
+@pytest.fixture
+def hall(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
+    """Return a problem: two robots fetch from the one end and bring to the other."""
+    monkeypatch.chdir(tmp_path)
+    Path("hall.map").write_text("type octile\nheight 2\nwidth 5\nmap\n.....\n.....\n")
+    Path("hall.agents").write_text("2\n0\n5\n")
+    Path("hall.tasks").write_text("2\n4,0\n9,5\n")
+    return change()
+
+
+def change(**fields: Any) -> str:
+    """Write the problem with other fields."""
+    problem = {
+        "mapFile": "hall.map", "agentFile": "hall.agents", "taskFile": "hall.tasks", "teamSize": 2,
+    }  # fmt: skip
+    Path("hall.json").write_text(json.dumps(problem | fields))
+    return "hall.json"
+
+
+def rows_of(out: str) -> list[list[str]]:
+    """Return the cells of the rows of a table."""
+    lines = [line.split("\u2502")[1:-1] for line in out.splitlines() if line[:1] == "\u2502"]
+    return [[cell.strip() for cell in line] for line in lines]
+
+
+def test_a_game_is_played_and_its_result_shown_beside_another(
+    hall: str, warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "120")
+    code, out, err = warehouse("league", hall, "--max-steps", 12, "-o", "ours.json")
+    assert (code, err) == (0, "")
+    assert rows_of(out)[0][:8] == ["hall", "epibt", "2", "12", "2", "", "0", "0"]
+    code, out, err = warehouse("league", hall, "--beside", "ours.json", "-o", "play.html")
+    assert (code, err) == (0, "")
+    assert [row[:8] for row in rows_of(out)] == [
+        ["hall", by, "2", "12", "2", "100.0%", "0", "0"] for by in ("epibt", "theirs")
+    ]
+    assert "replay" in Path("play.html").read_text()
+    assert "saved play.html" in out
+
+
+def test_what_is_wrong_or_not_known_of_a_result_is_told(hall: str, warehouse: Warehouse) -> None:
+    warehouse("league", hall, "--max-steps", 12, "-o", "theirs.json")
+    result = json.loads(Path("theirs.json").read_text())
+    for key in ("actualSchedule", "plannerTimes"):
+        del result[key]
+    Path("theirs.json").write_text(json.dumps(result))
+    err = warehouse("league", hall, "--beside", "theirs.json").err
+    assert err == (
+        "warehouse: theirs.json: it does not say who had which task; its moves keep the rules\n"
+    )
+    Path("theirs.json").write_text(json.dumps(result | {"actualPaths": ["C,F", "W,W"]}))
+    err = warehouse("league", hall, "--beside", "theirs.json").err
+    assert err == "warehouse: theirs.json: step 2: robot 0 leaves the open cells\n"
+
+
+def test_the_problem_of_2023_says_who_does_what(
+    hall: str, warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setenv("COLUMNS", "120")
+    Path("hall.tasks").write_text("4\n4\n9\n0\n5\n")
+    change(taskAssignmentStrategy="roundrobin", shape="disc")
+    _, out, err = warehouse("league", hall, "--max-steps", 10, "--planner", "epibt:tries=2")
+    assert rows_of(out)[0][:5] == ["hall", "epibt:tries=2", "2", "10", "4"]
+    assert err == "warehouse: warning: hall.json: fields without effect: 'shape'\n"
+
+
+def test_a_planner_that_breaks_rules_or_knows_no_headings_is_named(
+    hall: str, refused: Refused
+) -> None:
+    line = refused("league", hall, "--planner", "pibt")
+    assert line == "planner 'pibt' plans for robots without headings"
+    Path("mine.py").write_text(
+        "class Mine:\n"
+        "    def reset(self): pass\n"
+        "    def next_cells(self, situation): return situation.cells\n"
+        "    def next_places(self, situation, headings): return [0, 0]\n"
+    )
+    line = refused("league", hall, "--planner", "mine.py")
+    assert line.startswith("robot 1 heads east at (1, 0) and is to be at (0, 0), heading north")
