@@ -160,7 +160,6 @@ class Follower:
             self._since, self._order = np.zeros(len(cells), np.intp), None
         else:
             self._since = np.where(cells == self._cells, self._since + 1, 1)
-            self._windows.watch(cells)
         if self._order and self._order.cells() != cells.tolist():
             self._order = None  # robots were led by somebody else
         self._steps += 1
@@ -183,7 +182,7 @@ class Follower:
         """Return the order of a plan that goes on from the present one."""
         since, usual = self._since, self._cell_steps
         # Whoever should have room by now will have it soon, and moves in this step of the plan.
-        is_late = (since >= usual) & (since < HELD * usual) & (situation.cells != situation.goals)
+        is_late = (since >= usual) & (since <= HELD * usual) & (situation.cells != situation.goals)
         stays = situation.stays & ~is_late
         if self._order:
             late = np.flatnonzero(stays).tolist()

@@ -130,10 +130,6 @@ class WindowedPlanner:
         """Cells of the plan from before the step just chosen on, ``[R, window + 1]``."""
         return self._places % self.graph.size
 
-    def watch(self, cells: Integers) -> None:
-        """Note where robots are, ``[R]``, between two plans, so that their headings are known."""
-        self._memory.places(cells)
-
     def go_on(self, cells: Integers) -> None:
         """Let the next plan go on from another one: cells from now on, ``[R, window]``."""
         memory = copy(self._memory)  # which is to know nothing of times that have not come
