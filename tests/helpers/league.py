@@ -3,8 +3,13 @@
 from collections.abc import Sequence
 from typing import Any
 
-from warehouse_core import Layout
-from warehouse_core.world.robot_runners import League
+import numpy as np
+
+from warehouse_core import Layout, random_layout
+from warehouse_core.world.robot_runners import Delays, League
+
+OPEN = random_layout(10, 10, 0.15, seed=2).with_tiles([], [], [])
+DELAYS = Delays(1, 2, 6, "bernoulli", 0.02, "uniform", 0.5, 0.2)
 
 
 def league_of(
@@ -18,3 +23,11 @@ def league_of(
     }  # fmt: skip
     cells = [tuple(map(layout.cell, task)) for task in tasks]
     return League(layout, [*map(layout.cell, starts)], cells, **given | fields)
+
+
+def league_crowd() -> League:
+    """Return a problem of 2026 with 16 robots among walls, and delays."""
+    cells = np.random.default_rng(3).permutation(OPEN.open_cells).tolist()
+    tasks = [cells[start : start + 2] for start in range(len(cells) - 2)]
+    fields = {"revealed": 24, "year": 2026, "ticks": 3, "delays": DELAYS}
+    return league_of(OPEN.rows, cells[:16], tasks, **fields)

@@ -61,16 +61,34 @@ class PlannedEntry:
 
     def plan(self, view: View, steps: int) -> tuple[Integers, Integers]:
         """Return a schedule and the actions of so many steps; see ``Entry``."""
-        ahead, schedule = foreseen(view)
-        wanted = schedule
-        if self._scheduler is not None:
-            wanted = self._scheduler.assign(view.cells, view.headings, ahead, schedule)
-        errands = [
-            [] if task == NO_TASK else list(ahead[task].cells[ahead[task].visited :])
-            for task in wanted.tolist()
-        ]
-        actions = plan_steps(self._graph, self._planner, view.cells, view.headings, errands, steps)
-        return np.where(schedule == view.schedule, wanted, view.schedule), actions
+        if self._scheduler is None:
+            (ahead, wanted), schedule = foreseen(view), view.schedule
+        else:
+            ahead, wanted, schedule = assigned(view, self._scheduler)
+        errands = errands_of(ahead, wanted)
+        return schedule, plan_steps(
+            self._graph, self._planner, view.cells, view.headings, errands, steps
+        )
+
+
+def assigned(view: View, scheduler: Scheduler) -> tuple[dict[int, Task], Integers, Integers]:
+    """Return the tasks of robots once they have done what is staged.
+
+    Returns:
+        tasks that are known then, the task of each robot then, and the schedule to propose now: a
+        robot that has not quite finished its task keeps it.
+    """
+    known, schedule = foreseen(view)
+    wanted = scheduler.assign(view.cells, view.headings, known, schedule)
+    return known, wanted, np.where(schedule == view.schedule, wanted, view.schedule)
+
+
+def errands_of(known: Mapping[int, Task], schedule: Integers) -> list[list[int]]:
+    """Return the cells that each robot is still to visit for its task, in turn."""
+    return [
+        [] if task == NO_TASK else list(known[task].cells[known[task].visited :])
+        for task in schedule.tolist()
+    ]
 
 
 def foreseen(view: View) -> tuple[dict[int, Task], Integers]:

@@ -12,6 +12,7 @@ queues of cells; ``src/Simulator.cpp`` of the League's Start-Kit, 3.1.0, for sta
 from __future__ import annotations
 
 from collections import defaultdict, deque
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import NDArray
@@ -35,6 +36,7 @@ class Executor:
 
     Attributes:
         cells, headings: where the robots are; a robot is in its old cell until it has arrived.
+        staged: staged actions of each robot.
         ends, end_headings: where they are once they have carried out what is staged.
     """
 
@@ -43,7 +45,7 @@ class Executor:
         self._ticks = ticks
         self.cells, self.headings = cells.tolist(), headings.tolist()
         self.ends, self.end_headings = list(self.cells), list(self.headings)
-        self._staged = [deque[int]() for _ in self.cells]
+        self.staged = [deque[int]() for _ in self.cells]
         self._count = [0] * len(self.cells)
         self._queues: Queues = defaultdict(deque)
         for robot, cell in enumerate(self.cells):
@@ -53,16 +55,10 @@ class Executor:
     def passed(self) -> list[list[int]]:
         """``[R]`` lists of the cells that robots are in after the next tick and later, in turn."""
         found = []
-        for robot, staged in enumerate(self._staged):
-            cell, heading = self.cells[robot], self.headings[robot]
+        for robot, staged in enumerate(self.staged):
             leaves = staged and staged[0] == FORWARD and self._count[robot] == self._ticks - 1
-            way = [] if leaves else [cell]
-            for action in staged:
-                if action == FORWARD:
-                    cell = self._ahead[cell][heading]
-                    way.append(cell)
-                heading = int(HEADING_AFTER[heading, action])
-            found.append(way)
+            way = way_of(self._ahead, self.cells[robot], self.headings[robot], staged)
+            found.append(way[bool(leaves) :])
         return found
 
     def stage(self, actions: Integers) -> None:
@@ -75,7 +71,7 @@ class Executor:
             for robot, action in enumerate(column):
                 if action == WAITING:
                     continue
-                self._staged[robot].append(action)
+                self.staged[robot].append(action)
                 if action == FORWARD:
                     cells[robot] = self._ahead[cells[robot]][headings[robot]]
                     self._queues[cells[robot]].append(robot)
@@ -94,9 +90,9 @@ class Executor:
             while progress:
                 blocked, progress = [], False
                 for robot in waiting:
-                    if done[robot] == len(self._staged[robot]):
+                    if done[robot] == len(self.staged[robot]):
                         continue
-                    action = self._staged[robot][done[robot]]
+                    action = self.staged[robot][done[robot]]
                     if action == FORWARD:
                         to = self._ahead[cells[robot]][headings[robot]]
                         if self._queues[to][0] != robot:
@@ -109,7 +105,7 @@ class Executor:
                     done[robot] += 1
                     progress = True
                 waiting = blocked
-        for robot, staged in enumerate(self._staged):
+        for robot, staged in enumerate(self.staged):
             while len(staged) > done[robot]:
                 staged.pop()
         self._queues, self.ends, self.end_headings = queues, cells, headings
@@ -118,7 +114,7 @@ class Executor:
         """Let a tick pass and return the action of each robot, ``[R]``; delayed robots wait."""
         actions = np.full(len(self.cells), WAITING)
         for robot in np.flatnonzero(~is_delayed).tolist():
-            action = self._staged[robot][0] if self._staged[robot] else WAITING
+            action = self.staged[robot][0] if self.staged[robot] else WAITING
             if action != WAITING and (action != FORWARD or self._may_enter(robot)):
                 actions[robot] = action
         for robot in np.flatnonzero(actions != WAITING).tolist():
@@ -134,9 +130,28 @@ class Executor:
 
     def _complete(self, robot: int) -> None:
         """Complete the first staged action of a robot."""
-        action, self._count[robot] = self._staged[robot].popleft(), 0
+        action, self._count[robot] = self.staged[robot].popleft(), 0
         if action == FORWARD:
             here = self.cells[robot]
             self.cells[robot] = self._ahead[here][self.headings[robot]]
             self._queues[here].popleft()
         self.headings[robot] = int(HEADING_AFTER[self.headings[robot], action])
+
+
+def way_of(
+    ahead: Sequence[Sequence[int]], cell: int, heading: int, actions: Iterable[int]
+) -> list[int]:
+    """Return the cells of a robot before its actions and after each move.
+
+    Args:
+        ahead: cell ahead of a robot in each cell, by heading.
+        cell: cell of the robot.
+        heading: heading of the robot.
+        actions: actions of the robot.
+    """
+    way = [cell]
+    for action in actions:
+        if action == FORWARD:
+            way.append(ahead[way[-1]][heading])
+        heading = int(HEADING_AFTER[heading, action])
+    return way

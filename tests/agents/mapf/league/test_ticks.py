@@ -6,7 +6,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.league import league_of
+from helpers.league import league_crowd, league_of
 
 from agents.mapf.epibt import EPIBT
 from agents.mapf.graph import Graph
@@ -19,19 +19,10 @@ from agents.mapf.league.rules import LETTERS
 from agents.mapf.league.scheduler import Scheduler
 from agents.mapf.league.simulator import PERIOD, play
 from agents.mapf.league.tasks import Task
-from warehouse_core import Layout, random_layout
+from warehouse_core import Layout
 from warehouse_core.world.robot_runners import Delays, League
 
 EAST, SOUTH = 1, 2
-DELAYS = Delays(1, 2, 6, "bernoulli", 0.02, "uniform", 0.5, 0.2)
-OPEN = random_layout(10, 10, 0.15, seed=2).with_tiles([], [], [])
-
-
-def crowd() -> League:
-    cells = np.random.default_rng(3).permutation(OPEN.open_cells).tolist()
-    tasks = [cells[start : start + 2] for start in range(len(cells) - 2)]
-    fields = {"revealed": 24, "year": 2026, "ticks": 3, "delays": DELAYS}
-    return league_of(OPEN.rows, cells[:16], tasks, **fields)
 
 
 def play_ours(problem: League, ticks: int) -> Result:
@@ -56,7 +47,7 @@ def run(executor: Executor, delays: list[list[bool]]) -> list[str]:
 
 
 def test_a_crowd_with_delays_keeps_the_rules(tmp_path: Path) -> None:
-    problem = crowd()
+    problem = league_crowd()
     result = play_ours(problem, 400)
     assert result.finished > 16
     assert any(result.delays)
