@@ -147,7 +147,7 @@ def test_who_is_held_for_long_is_planned_around() -> None:
     windows = Counting(corridor, seed=1)
     following, waits = Follower(windows, 4), situation([1, 0], [4, 3], stays=[0, 1])
     expected = []
-    for _ in range(4 * (HELD + 1)):
+    for _ in range(4 * (HELD + 2)):
         following.next_cells(waits)
         expected.append(int(windows.cells[0, 1]))
     assert expected[0] == 1, "it has just moved"
