@@ -33,6 +33,12 @@ FOLDER = "live"
 RUNTIME = "static/pyodide"
 """Folder of Pyodide in ``FOLDER``."""
 
+KERNEL_FILE = "kernel.js"
+"""File in ``RUNTIME`` that the kernel runs: Pyodide, and ``live_kernel.js``."""
+
+UNNEEDED = ("jedi", "ssl")
+"""Packages that the kernel would load, and pages do not need; they make a page load longer."""
+
 EXTENSION = "@jupyterlite/pyodide-kernel-extension"
 
 SERVICE_WORKER = "@jupyterlite/application-extension:service-worker-manager"
@@ -143,16 +149,21 @@ def write_notebooks(folder: Path, pyodide: str) -> None:
             Path(place, name).write_text(json.dumps(settings), encoding="utf-8")
         words = [sys.executable, "-m", "jupyterlite_core", "build"]
         subprocess.run(words, cwd=place, check=True, capture_output=True)
-    write_packages(folder / RUNTIME, pyodide)
+    runtime = folder / RUNTIME
+    write_packages(runtime, pyodide)
+    parts = [runtime / "pyodide.js", HANDBOOK / "live_kernel.js"]
+    text = "\n".join(part.read_text(encoding="utf-8") for part in parts)
+    (runtime / KERNEL_FILE).write_text(text, encoding="utf-8")
 
 
 def _settings(folder: Path, contents: Path) -> dict[str, Any]:
     """Return the settings of JupyterLite by the names of their files."""
     extension = Path(sysconfig.get_path("data"), "share", "jupyter", "labextensions", EXTENSION)
     kernel = {
-        "pyodideUrl": f"./{RUNTIME}/pyodide.js",
+        "pyodideUrl": f"./{RUNTIME}/{KERNEL_FILE}",
         "disablePyPIFallback": True,
-        "loadPyodideOptions": {"packages": KERNEL},
+        # The kernel installs what is not named here.
+        "loadPyodideOptions": {"packages": [*KERNEL, *UNNEEDED], "unneeded": UNNEEDED},
     }
     return {
         "jupyter_lite_config.json": {

@@ -90,7 +90,7 @@ def pogema(fleet: FleetEnv, actions: np.ndarray) -> Iterator[Callable[[int], tup
         worker.stdin.close()
 
 
-@pytest.mark.parametrize("robots", [10, 100, 1_000, 10_000])
+@pytest.mark.parametrize("robots", [4, 10, 100, 1_000, 10_000])
 def test_robot_steps_a_second(robots: int, measured) -> None:
     stream = np.random.default_rng(0)
     actions = stream.integers(0, WAIT + 1, (CYCLE, robots))

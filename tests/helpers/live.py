@@ -1,11 +1,13 @@
 """The handbook's site with live pages: built, and read in a headless Chromium."""
 
+import gzip
 import subprocess
 import sys
 from collections.abc import Callable
 from pathlib import Path
 from time import monotonic, sleep
 from typing import Any
+from urllib.parse import urlsplit
 
 from agents.handbook import live
 from helpers.handbook import HANDBOOK
@@ -13,6 +15,9 @@ from helpers.playground import FILES
 
 SECONDS = 240
 """Longest time that something takes on a busy machine."""
+
+COMPRESSED = (".css", ".html", ".ipynb", ".js", ".json", ".wasm")
+"""Ends of the names of files that servers compress."""
 
 
 def write_site(folder: Path) -> Path:
@@ -52,6 +57,14 @@ class LivePage:
         """Bytes loaded, or in the cache."""
         return sum(self.sizes.values())
 
+    def compressed(self, site: Path) -> int:
+        """Return the bytes loaded if the server compresses, unlike that of the tests."""
+        files = {site / urlsplit(url).path[1:]: size for url, size in self.sizes.items()}
+        return sum(
+            len(gzip.compress(file.read_bytes())) if file.suffix in COMPRESSED else size
+            for file, size in files.items()
+        )
+
     def run(self) -> None:
         """Begin to run all cells."""
         self.page.click(".lm-MenuBar-itemLabel >> text=Run")
@@ -77,4 +90,12 @@ class LivePage:
     def outputs(self) -> list[str]:
         """The texts below cells."""
         found: list[str] = self.page.locator(".jp-OutputArea-output").all_inner_texts()
+        return found
+
+    @property
+    def red(self) -> list[str]:
+        """The texts below cells that are errors or warnings."""
+        kinds = ("stderr", "error")
+        marks = ", ".join(f"[data-mime-type='application/vnd.jupyter.{kind}']" for kind in kinds)
+        found: list[str] = self.page.locator(marks).all_inner_texts()
         return found

@@ -93,7 +93,8 @@ def test_a_live_page_runs_and_asks_its_own_server_alone(browser: Any, site: Path
         outputs = "\n".join(reading.outputs)
         assert "delivered 23 12.7" in outputs
         assert "Writing my_layout.txt" in outputs  # by one of the last cells
-        assert "Error" not in outputs
+        assert reading.red == []
+        assert 10_000_000 < reading.compressed(site) < MAX_DOWNLOAD
         assert [url for url in reading.requests if not url.startswith((address, "blob:"))] == []
         assert [url for url in reading.requests if url.endswith(".whl")] != []
         assert reading.errors == []

@@ -208,12 +208,12 @@ class FleetEnv(CopiedWhole):
             TypeError: an action that is neither a word nor an integer.
             EndedError: before the first reset, or when all robots have ended.
         """
-        if not self._started or self._engine.ended.all():
+        if not self._started or not self._engine.running:
             problem = "all robots have ended" if self._started else "there is no episode yet"
             raise EndedError(f"step() needs a reset() before it: {problem}")
         chosen = self.action_indices(actions)
         is_invalid = chosen == INVALID
-        if is_invalid.any():
+        if np.count_nonzero(is_invalid):
             # The same verdict: the mistake that the robot cannot help making.
             pick, drop = self.settings.actions.pick, self.settings.actions.drop
             mistakes = np.where(self._engine.robots.has_item, pick, drop)
@@ -385,13 +385,14 @@ class FleetEnv(CopiedWhole):
         robots, allowed = self.settings.robots, self.settings.actions
         if isinstance(actions, Mapping):
             actions = self._listed(actions)
-        if isinstance(actions, str) or not isinstance(actions, (Sequence, np.ndarray)):
+        if isinstance(actions, np.ndarray) and actions.dtype.kind in "iu":
+            given = actions.astype(np.intp)
+            # As unsigned numbers, negative ones are very large.
+            given[given.view(np.uintp) >= len(allowed)] = INVALID
+        elif isinstance(actions, str) or not isinstance(actions, (Sequence, np.ndarray)):
             raise TypeError(
                 f"actions are {brief(actions)}; allowed: a sequence, an array or a mapping"
             )
-        if isinstance(actions, np.ndarray) and actions.dtype.kind in "iu":
-            given = actions.astype(np.intp)
-            given[(given < 0) | (given >= len(allowed))] = INVALID
         else:
             # One more than there may be, as a range can be very long.
             given = np.array([allowed.index(each) for each in islice(actions, robots + 1)], np.intp)

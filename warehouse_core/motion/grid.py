@@ -8,13 +8,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
+from operator import ne
 from struct import Struct
 
 import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.arguments import real_number
-from warehouse_core.motion.array_traffic import ArrayTraffic
+from warehouse_core.motion.array_traffic import MAX_SMALL_FLEET, ArrayTraffic
 from warehouse_core.motion.base import (
     WALL_CONTACT,
     Contact,
@@ -48,6 +49,9 @@ NOT_MOVED = -1
 
 ANGLES = {delta: math.atan2(*delta) for delta in MOVE_DELTAS.values()}
 """Heading in radians of a move; atan2 takes y (rows, downward) before x."""
+
+_WALL_OR_NOTHING = np.array([NOTHING, WALL])
+"""Counterpart of a robot that only walls can block, for blocked False and True."""
 
 _pack = Struct("8d").pack
 
@@ -297,20 +301,33 @@ class GridFleetBatch(GridBatch):
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
         """Move every robot by one action; see ``BatchMotion.advance``."""
         self._before, self._moving = self._cells, actions < WAIT
-        self._headings = self._starts = np.where(self._moving, actions, self._headings)
+        np.copyto(self._headings, actions, where=self._moving)
+        self._starts = self._headings
         if self._facing is not None:
             turning = (self._facing < WAIT) & ~self._moving
             self._headings = np.where(turning, self._facing, self._headings)
             self._facing = None
-        wanted = super().advance(actions, loaded)
-        if self._robots == 1:  # only walls stop it
-            return wanted._replace(stopped_by=np.where(wanted.blocked, WALL, NOTHING))
-        starts, targets = self._floor + self._before, self._floor + wanted.cells
-        stops = self._traffic.find_stops(starts, targets, wanted.blocked)
+        cells, blocked, seconds, joules, *_ = super().advance(actions, loaded)
+        if self._robots == 1 or self._are_apart():
+            return BatchOutcome(cells, blocked, seconds, joules, _WALL_OR_NOTHING.take(blocked))
+        starts, targets = self._floor + self._before, self._floor + cells
+        stops = self._traffic.find_stops(starts, targets, blocked)
         blocked = stops != NOTHING
-        cells = np.where(blocked, self._before, wanted.cells)
+        cells = np.where(blocked, self._before, cells)
         self._cells = cells.astype(np.int32)
-        return wanted._replace(cells=cells, blocked=blocked, stopped_by=stops)
+        return BatchOutcome(cells, blocked, seconds, joules, stops)
+
+    def _are_apart(self) -> bool:
+        """Return whether a few robots leave and enter different cells, so that none stops another.
+
+        False if there are more, for which finding this out takes longer than finding their stops.
+        """
+        if len(self._cells) > MAX_SMALL_FLEET or len(self._layouts.kind) > 1:
+            return False
+        cells: list[int] = self._before.tolist()
+        targets: list[int] = self._cells.tolist()
+        movers: int = sum(map(ne, cells, targets))
+        return len({*cells, *targets}) == len(cells) + movers
 
     def outcomes(self, floor: int) -> Sequence[Outcome]:
         """Return what the last ``advance`` did on one floor; see ``BatchMotion.outcomes``."""

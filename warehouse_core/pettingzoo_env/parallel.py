@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from typing import Any
 
 import gymnasium
@@ -108,7 +108,7 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
         self._actions = {agent: spaces.Discrete(count) for agent in self.possible_agents}
         self.state_space = state_space(extent, fleet)
         self.agents: list[str] = []
-        self._running = np.zeros(len(self.possible_agents), np.bool_)
+        self._rows: list[int] = []
         self.render_mode = render_mode
         pixels = tile_pixels_for(height, width) if tile_pixels is None else tile_pixels
         self._painter = TilePainter(pixels)
@@ -140,7 +140,7 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
         """
         arrays, info = self.fleet.reset(seed)
         self.agents = self.possible_agents.copy()
-        self._running[:] = True
+        self._rows = list(range(len(self.agents)))
         if self.render_mode == "human":
             self._show()
         return self._dicts(arrays, info["action_mask"])
@@ -164,16 +164,11 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
             return {}, {}, {}, {}, {}
         chosen = self._chosen(actions)
         arrays, *results, info = self.fleet.step(chosen)
-        ended = np.logical_or(*results[1:])
         observations, infos = self._dicts(arrays, info["action_mask"])
-        rewards, terminated, truncated = (
-            dict(zip(self.agents, values[self._running].tolist(), strict=True))
-            for values in results
-        )
-        if (ended & self._running).any():
-            self._running = ~ended
-            running = zip(self.possible_agents, self._running.tolist(), strict=True)
-            self.agents = [agent for agent, is_running in running if is_running]
+        rewards, terminated, truncated = (self._by_agent(values.tolist()) for values in results)
+        if True in terminated.values() or True in truncated.values():
+            self._rows = [row for row, ended in enumerate(self.fleet.ended) if not ended]
+            self.agents = [self.possible_agents[row] for row in self._rows]
         if self.render_mode == "human":
             self._show()
         return observations, rewards, terminated, truncated, infos
@@ -184,7 +179,7 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
         Raises:
             EndedError: before the first reset.
         """
-        return state_of(self.fleet, self._running)
+        return state_of(self.fleet)
 
     def render(self) -> Any:
         """Return a picture ``[H, W, 3]`` uint8 or the text; a window needs no call."""
@@ -212,14 +207,13 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
             what = "an action for" if odd in actions else "no action for"
             raise ValueError(f"{what} {odd}; needed: one for each of agents and no other")
         allowed = self.fleet.settings.actions
-        chosen = np.full(len(self._running), allowed.wait)
-        given = [valid_action(actions[agent], len(allowed)) for agent in self.agents]
-        chosen[self._running] = given
-        return chosen
+        chosen = [allowed.wait] * len(self.possible_agents)
+        for row, agent in zip(self._rows, self.agents, strict=True):
+            chosen[row] = valid_action(actions[agent], len(allowed))
+        return np.array(chosen, np.intp)
 
     def _dicts(self, arrays: FleetArrays, masks: NDArray[np.int8]) -> Dicts:
         """Return the observations and infos of ``agents``."""
-        rows = np.flatnonzero(self._running).tolist()
         form: Any = self._form(arrays)
         observed, masked = form, list(masks)
         if self._has_masks:
@@ -227,16 +221,14 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
             columns |= {
                 name: form[name].tolist() for name in ("has_item", "heading") if name in form
             }
-            observed = [{} for _ in masked]
-            for key, column in columns.items():  # faster than row by row
-                for each, value in zip(observed, column, strict=True):
-                    each[key] = value
-        observations = {agent: observed[row] for agent, row in zip(self.agents, rows, strict=True)}
-        infos = {
-            agent: {"action_mask": masked[row]}
-            for agent, row in zip(self.agents, rows, strict=True)
-        }
-        return observations, infos
+            rows = zip(*columns.values(), strict=True)
+            observed = [dict(zip(columns, row, strict=True)) for row in rows]
+        infos = self._by_agent([{"action_mask": mask} for mask in masked])
+        return self._by_agent(observed), infos
+
+    def _by_agent(self, values: Sequence[Any]) -> dict[str, Any]:
+        """Return the values ``[R]`` of ``agents``."""
+        return {agent: values[row] for agent, row in zip(self.agents, self._rows, strict=True)}
 
     def _picture(self) -> NDArray[np.uint8]:
         fleet = self.fleet

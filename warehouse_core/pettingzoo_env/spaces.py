@@ -64,7 +64,7 @@ def state_space(extent: Extent, fleet: FleetEnv) -> spaces.Box[Any]:
     return spaces.Box(np.full(len(high), -1, np.float32), high, dtype=np.float32)
 
 
-def state_of(fleet: FleetEnv, running: NDArray[np.bool_]) -> NDArray[np.float32]:
+def state_of(fleet: FleetEnv) -> NDArray[np.float32]:
     """Return the state of a fleet as one vector of ``1 + 10 R + 6 K`` numbers.
 
     ======  =======================================================================================
@@ -79,9 +79,8 @@ def state_of(fleet: FleetEnv, running: NDArray[np.bool_]) -> NDArray[np.float32]
 
     Args:
         fleet: a fleet that has been reset.
-        running: ``[R]``, the robots that have not ended.
     """
-    arrays, robots = fleet.arrays(), len(running)
+    arrays, robots = fleet.arrays(), fleet.settings.robots
     columns = (
         arrays["robot_pos"],
         np.asarray(arrays["has_item"])[:, None],
@@ -89,7 +88,7 @@ def state_of(fleet: FleetEnv, running: NDArray[np.bool_]) -> NDArray[np.float32]
         arrays["pickup_pos"],
         arrays["dropoff_pos"],
         arrays.get("due", np.full((robots, 1), -1)),
-        running[:, None],
+        np.logical_not(fleet.ended)[:, None],
         np.reshape(fleet.headings, (robots, -1)),  # no column without headings
     )
     orders, waiting = fleet.orders, np.full((MAX_STATE_ORDERS, ORDER_FEATURES), -1)

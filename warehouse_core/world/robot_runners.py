@@ -105,11 +105,11 @@ class League(NamedTuple):
     starts: list[Cell]
     tasks: list[tuple[Cell, ...]]
     revealed: int
-    strategy: str
-    year: int
-    ticks: int
-    robot_size: float
-    delays: Delays | None
+    strategy: str = ""
+    year: int = 2024
+    ticks: int = 1
+    robot_size: float = 1.0
+    delays: Delays | None = None
 
 
 def load_league(path: str | Path) -> League:

@@ -20,8 +20,13 @@ from warehouse_core.files.atomic import atomic_path
 
 LOCK = "pyodide-lock.json"
 
-KERNEL = ("comm", "ipython", "jedi", "micropip", "sqlite3", "ssl")
+KERNEL = ("comm", "ipython", "micropip", "sqlite3", DISTRIBUTION)
 """Packages that the kernel of a notebook loads."""
+
+APART = {"fonttools", "pytz"}
+"""Packages that Matplotlib imports only for PDF and PostScript, or never; a cell that imports them
+loads them.
+"""
 
 IMPORTED = ("matplotlib", "scipy")
 """Packages of Pyodide that cells import."""
@@ -61,6 +66,8 @@ def write_packages(folder: Path, source: str) -> None:
     needed = _needed(lock["packages"], [*KERNEL, *IMPORTED, *INSTALLED])
     kept = {name: lock["packages"][name] for name in needed - INSTALLED.keys()}
     copy_files({each["file_name"]: each["sha256"] for each in kept.values()}, source, folder)
+    for each in kept.values():
+        each["depends"] = [name for name in each["depends"] if name not in APART]
     lock["packages"] = kept | {name: _entry(folder, name) for name in INSTALLED}
     with atomic_path(folder / LOCK) as part:
         part.write_text(json.dumps(lock), encoding="utf-8")

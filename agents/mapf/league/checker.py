@@ -17,6 +17,8 @@ from warehouse_core.wording import counted
 from warehouse_core.world.robot_runners import League
 from warehouse_core.world.tables import Integers
 
+__all__ = ["Verdict", "check_result"]
+
 FORWARD, CLOCKWISE, COUNTER = 0, 1, 2
 """Actions, as indices in ``LETTERS``."""
 
@@ -38,6 +40,11 @@ class Verdict(NamedTuple):
         error: first error, or ``""``.
         finished: number of finished tasks as counted again, or ``None`` where the result does not
             say which robot had which task.
+
+    Example:
+        >>> from agents.mapf.league.checker import Verdict
+        >>> Verdict("step 2: two robots share a cell", None).error
+        'step 2: two robots share a cell'
     """
 
     error: str
@@ -45,7 +52,25 @@ class Verdict(NamedTuple):
 
 
 def check_result(problem: League, result: Result) -> Verdict:
-    """Return whether a result keeps the rules, and the number of tasks that are finished in it."""
+    """Return whether a result keeps the rules, and the number of tasks that are finished in it.
+
+    Example:
+        >>> from agents.mapf.league.checker import check_result
+        >>> from agents.mapf.epibt import EPIBT
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.league.entry import PlannedEntry
+        >>> from agents.mapf.league.scheduler import Scheduler
+        >>> from agents.mapf.league.simulator import play
+        >>> from warehouse_core import Layout
+        >>> from warehouse_core.world.robot_runners import League
+        >>> layout = Layout(["....", "...."])
+        >>> problem = League(layout, starts=[(0, 0)], tasks=[((0, 3), (1, 0))], revealed=1)
+        >>> graph = Graph(layout)
+        >>> entry = PlannedEntry(graph, EPIBT(graph), Scheduler(graph, problem.revealed))
+        >>> result = play(problem, entry, steps=20, seconds=10)
+        >>> check_result(problem, result)
+        Verdict(error='', finished=1)
+    """
     starts = [row * problem.layout.width + col for row, col in problem.starts]
     if result.starts.tolist() != starts:
         return Verdict("the robots do not start where the problem says", None)

@@ -19,6 +19,8 @@ from agents.mapf.planner import NO_CELLS, HeadedPlanner, Situation, check_turns
 from warehouse_core.world.moves import FORWARD, HEADINGS, LEFT, RIGHT
 from warehouse_core.world.tables import Integers
 
+__all__ = ["Entry", "PlannedEntry", "View"]
+
 
 class View(NamedTuple):
     """What an entry knows when it is asked for a plan.
@@ -29,6 +31,15 @@ class View(NamedTuple):
         known: tasks that are known and not finished, by number.
         schedule: ``[R]``, the task of each robot, or ``NO_TASK``.
         passed: ``[R]`` lists of the cells that staged actions lead each robot through, in turn.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents.mapf.league.entry import View
+        >>> from agents.mapf.league.tasks import Task
+        >>> known, schedule = {7: Task(7, (1, 3), revealed=0)}, np.array([7])
+        >>> view = View(0, np.array([0]), np.array([1]), known, schedule, passed=[[]])
+        >>> view.known[int(view.schedule[0])].goal
+        1
     """
 
     step: int
@@ -40,7 +51,16 @@ class View(NamedTuple):
 
 
 class Entry(Protocol):
-    """Answers a view with a schedule, ``[R]`` tasks, and ``[R, steps]`` actions."""
+    """Answers a view with a schedule, ``[R]`` tasks, and ``[R, steps]`` actions.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents.mapf.league.entry import Entry
+        >>> class Waiting:
+        ...     def plan(self, view, steps):
+        ...         return view.schedule, np.full((len(view.cells), steps), 3)
+        >>> entry: Entry = Waiting()
+    """
 
     def plan(self, view: View, steps: int) -> tuple[Integers, Integers]:
         """Return a schedule and the actions of so many steps."""
@@ -53,6 +73,15 @@ class PlannedEntry:
         graph: floor.
         planner: planner of the floor.
         scheduler: scheduler, or ``None`` if tasks are given to robots, as in 2023.
+
+    Example:
+        >>> from agents.mapf.epibt import EPIBT
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.league.entry import PlannedEntry
+        >>> from agents.mapf.league.scheduler import Scheduler
+        >>> from warehouse_core import shelf_layout
+        >>> graph = Graph(shelf_layout())
+        >>> entry = PlannedEntry(graph, EPIBT(graph), Scheduler(graph, tasks=12))
     """
 
     def __init__(self, graph: Graph, planner: HeadedPlanner, scheduler: Scheduler | None) -> None:
@@ -75,8 +104,8 @@ def assigned(view: View, scheduler: Scheduler) -> tuple[dict[int, Task], Integer
     """Return the tasks of robots once they have done what is staged.
 
     Returns:
-        tasks that are known then, the task of each robot then, and the schedule to propose now: a
-        robot that has not quite finished its task keeps it.
+        Tasks that are known then, the task of each robot then, and the schedule to propose now, in
+        which a robot that has not quite finished its task keeps it.
     """
     known, schedule = foreseen(view)
     wanted = scheduler.assign(view.cells, view.headings, known, schedule)

@@ -29,6 +29,8 @@ from warehouse_core.wording import brief
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Integers
 
+__all__ = ["Result", "read_result", "write_result"]
+
 MAX_RESULT = 512 * 2**20
 """Limit on the bytes of a result."""
 
@@ -44,7 +46,7 @@ EAST = "E"
 
 @dataclass(eq=False)
 class Result:
-    """What was planned and done in a game.
+    """What was planned and done in a game; ``play`` returns it.
 
     Attributes:
         year: year of the format.
@@ -61,6 +63,14 @@ class Result:
         schedule: ``[R]`` lists of pairs: step of each change of a robot's task, and the new one.
         schedule_errors: errors of schedules.
         delays: ``[R]`` lists of pairs: the first tick of a delay, and the tick after its last.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents.mapf.league.result import Result
+        >>> forward = np.array([[0], [0]], np.uint8)
+        >>> result = Result(2024, 1, np.array([5]), forward, forward, 0, 0, [], [0.1, 0.1])
+        >>> result.actual.shape
+        (2, 1)
     """
 
     year: int
@@ -89,6 +99,15 @@ def write_result(path: Path, result: Result, layout: Layout) -> None:
 
     Raises:
         OSError: the file cannot be written.
+
+    Example:
+        >>> from pathlib import Path
+        >>> import numpy as np
+        >>> from agents.mapf.league.result import Result, write_result
+        >>> from warehouse_core import Layout
+        >>> forward = np.array([[0], [0]], np.uint8)
+        >>> result = Result(2024, 1, np.array([1]), forward, forward, 0, 0, [], [0.1, 0.1])
+        >>> write_result(Path("result.json"), result, Layout(["....", "...."]))
     """
     starts = layout.places(result.starts).tolist()
     schedule = [",".join(f"{step}:{task}" for step, task in each) for each in result.schedule]
@@ -161,6 +180,17 @@ def read_result(path: Path, layout: Layout) -> Result:
     Raises:
         PlanError: the file is not such a result.
         OSError: the file cannot be read.
+
+    Example:
+        >>> from pathlib import Path
+        >>> import numpy as np
+        >>> from agents.mapf.league.result import Result, read_result, write_result
+        >>> from warehouse_core import Layout
+        >>> layout, forward = Layout(["....", "...."]), np.array([[0], [0]], np.uint8)
+        >>> result = Result(2024, 1, np.array([1]), forward, forward, 0, 0, [], [0.1, 0.1])
+        >>> write_result(Path("result.json"), result, layout)
+        >>> read_result(Path("result.json"), layout).actual.tolist()
+        [[0], [0]]
     """
     data = read_file(path, MAX_RESULT)
     for letter in LETTERS.encode():

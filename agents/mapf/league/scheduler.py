@@ -18,6 +18,8 @@ from agents.mapf.league.tasks import NO_TASK, Task
 from agents.mapf.matching import cheapest_matching
 from warehouse_core.world.tables import Integers
 
+__all__ = ["Scheduler"]
+
 MAX_FIELD_BYTES = 128_000_000
 """Most memory for distances to the first cells of tasks; beyond it Manhattan distances serve."""
 
@@ -40,6 +42,17 @@ class Scheduler:
     Args:
         graph: floor, of which only the cells are used.
         tasks: most tasks that are known at a time.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.league.scheduler import Scheduler
+        >>> from agents.mapf.league.tasks import Task
+        >>> from warehouse_core import Layout
+        >>> known = {7: Task(7, (4, 0), revealed=0), 8: Task(8, (1,), revealed=0)}
+        >>> scheduler = Scheduler(Graph(Layout([".....", "....."])), tasks=2)
+        >>> scheduler.assign(np.array([3, 0]), np.array([1, 1]), known, np.array([-1, -1]))
+        array([7, 8])
     """
 
     def __init__(self, graph: Graph, tasks: int) -> None:

@@ -30,6 +30,8 @@ from agents.mapf.league.tasks import NO_TASK, TaskPool, tasks_of
 from warehouse_core.world.robot_runners import League
 from warehouse_core.world.tables import Integers
 
+__all__ = ["play"]
+
 Clock = Callable[[], float]
 
 PERIOD = 10
@@ -54,6 +56,22 @@ def play(
 
     Raises:
         PlanError: no way leads to a robot or a task from the first robot.
+
+    Example:
+        >>> from agents.mapf.epibt import EPIBT
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.league.entry import PlannedEntry
+        >>> from agents.mapf.league.scheduler import Scheduler
+        >>> from agents.mapf.league.simulator import play
+        >>> from warehouse_core import Layout
+        >>> from warehouse_core.world.robot_runners import League
+        >>> layout = Layout(["....", "...."])
+        >>> problem = League(layout, starts=[(0, 0)], tasks=[((0, 3), (1, 0))], revealed=1)
+        >>> graph = Graph(layout)
+        >>> entry = PlannedEntry(graph, EPIBT(graph), Scheduler(graph, problem.revealed))
+        >>> result = play(problem, entry, steps=20, seconds=10)
+        >>> result.finished, result.late
+        (1, 0)
     """
     graph = Graph(problem.layout)
     check_reachable(graph, problem)

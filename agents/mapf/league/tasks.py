@@ -20,6 +20,8 @@ from agents.mapf.league.rules import NOBODY
 from warehouse_core.world.robot_runners import FIXED, GREEDY, League
 from warehouse_core.world.tables import Integers
 
+__all__ = ["Task"]
+
 NO_TASK = -1
 
 
@@ -34,6 +36,12 @@ class Task:
         visited: number of its cells that have been visited; the task is open to its robot alone
             once it is not 0.
         robot: robot that has it, or ``NOBODY``.
+
+    Example:
+        >>> from agents.mapf.league.tasks import Task
+        >>> task = Task(7, (4, 0), revealed=0, visited=1)
+        >>> task.goal, task.is_finished
+        (0, False)
     """
 
     number: int

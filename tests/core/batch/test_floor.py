@@ -39,11 +39,11 @@ def test_windows_show_stations_only_where_they_are(radius: int) -> None:
         for pickup, dropoff in [pairs[index] for index in stream.permutation(len(pairs))[:25]]:
             expected = Sight(radius)
             expected.use(layout.with_stations(pickup, dropoff))
-            robots, count = np.array(cells, np.int32), len(cells)
+            count = len(cells)
             loaded = stream.random(count) < 0.5
             for each in (floor, marked):
                 put(each, row, layout, pickup, dropoff)
-            given = np.full(count, row), layout.open_cells, loaded, robots
+            given = np.full(count, row), layout.open_cells, loaded
             found = floor.windows(*given)
             assert found.dtype == np.uint8
             assert np.array_equal(marked.windows(*given), marks(found, MARKED_TILES))
@@ -57,8 +57,7 @@ def test_a_station_that_does_not_exist_is_seen_nowhere(radius: int) -> None:
         cells = layout.open_cells
         floor, none = Floor(LayoutSet([layout]), radius, moving_stations=True), np.array([NO_CELL])
         floor.put_stations(np.array([0]), none, none)
-        rows, robots = np.zeros(len(cells), np.intp), layout.places(cells).astype(np.int32)
-        found = floor.windows(rows, cells, np.zeros(len(cells), np.bool_), robots)
+        found = floor.windows(np.zeros(len(cells), np.intp), cells, np.zeros(len(cells), np.bool_))
         assert not {CELL_CODES["P"], CELL_CODES["D"]} & set(found.ravel().tolist())
 
 
@@ -67,7 +66,7 @@ def test_windows_whose_marks_are_too_large_are_codes(monkeypatch: pytest.MonkeyP
     kinds = {}
     for layout in (OPEN, LANE):
         floor = Floor(LayoutSet([layout]), 1, moving_stations=False, tiles=MARKED_TILES)
-        given = np.array([0]), np.array([5]), np.array([False]), np.array([[0, 5]])
+        given = np.array([0]), np.array([5]), np.array([False])
         kinds[layout] = floor.windows(*given).dtype
     assert kinds == {OPEN: np.uint8, LANE: np.bool_}
 
@@ -80,7 +79,5 @@ def test_a_station_very_far_away_is_not_seen() -> None:
     floor = Floor(layouts, 1, moving_stations=True)
     for robot, station in ends:
         put(floor, 0, layouts.kinds[0], station, station)
-        found = floor.windows(
-            np.array([0]), np.array([robot[0]]), np.array([False]), np.array([robot], np.int32)
-        )
+        found = floor.windows(np.array([0]), np.array([robot[0]]), np.array([False]))
         assert not {CELL_CODES["P"], CELL_CODES["D"]} & set(found.ravel().tolist())

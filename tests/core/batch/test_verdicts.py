@@ -8,6 +8,7 @@ from warehouse_core.batch.shell.verdicts import (
     judge_all,
     masks,
     spend_and_charge,
+    verdict_numbers,
 )
 from warehouse_core.task.rules import judge, useful_actions
 
@@ -26,18 +27,20 @@ def tile(station: int, has_item: bool) -> str:
 def test_verdicts_equal_those_of_the_rules() -> None:
     cases = list(product(range(7), range(5), (NO, YES), (NO, YES)))
     actions, stations, has_item, blocked = (np.array(column) for column in zip(*cases, strict=True))
-    rewards, holds, delivered = judge_all(actions, stations, has_item, blocked)
+    verdicts = verdict_numbers(actions, stations, has_item, blocked)
+    rewards, holds, delivered = judge_all(verdicts)
+    charges = charging(verdicts)
     assert (rewards.dtype, holds.dtype, delivered.dtype) == (float, bool, bool)
     for row, (action, station, has, stopped) in enumerate(cases):
         expected = judge(action, tile(station, has), has, stopped)
-        assert (rewards[row], holds[row], delivered[row]) == expected[:3]
+        assert (rewards[row], holds[row], delivered[row], charges[row]) == expected
 
 
 def test_batteries_change_like_a_single_one() -> None:
     cases = list(product(range(7), range(5), (-4, 0, 1, 6, 11, 12)))
     actions, stations, units = (np.array(column) for column in zip(*cases, strict=True))
     battery = units.astype(np.int32)
-    spend_and_charge(battery, 12, charging(actions, stations))
+    spend_and_charge(battery, 12, (actions == WAIT) & (stations == CHARGER))
     for found, (action, station, before) in zip(battery.tolist(), cases, strict=True):
         charges = (action, station) == (WAIT, CHARGER)
         assert found == (min(12, before + 9) if charges else before - 1)

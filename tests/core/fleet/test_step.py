@@ -33,6 +33,13 @@ def order(due: int = 50, released: int = 0, robot: int | None = None, **cells: A
     return Order(released, due, cells.get("pickup", (0, 0)), (0, 4), robot)
 
 
+def test_a_robot_that_has_ended_on_a_charger_does_not_charge() -> None:
+    fleet = begun(AISLE, 2, starts=[(0, 6), (0, 0)], battery=Battery(MOVE, "joules"))
+    assert fleet.step([NORTH, WAIT])[3].tolist() == [True, False]
+    fleet.step([WAIT, WAIT])
+    assert fleet.battery == pytest.approx([0, MOVE - 2 * IDLE])
+
+
 def test_the_rules_judge_each_robot_where_it_is_after_the_motion() -> None:
     fleet = begun(["P.D", "#.#"], 2, starts=[(0, 0), (1, 1)])
     _, rewards, terminated, truncated, info = fleet.step([PICK, WEST])
@@ -214,6 +221,22 @@ def test_open_orders_wait_for_all_and_are_seen() -> None:
     fleet.step([EAST, WAIT])
     assert fleet.observe(1)["local_grid"][1] == "#.o.."
     assert arrays["due"].tolist() == [[-1], [-1]]
+
+
+@pytest.mark.parametrize("robot", [None, 1])
+def test_an_order_that_appears_below_a_robot_can_be_picked_there(robot: int | None) -> None:
+    fleet = shop(order(), order(released=1, pickup=(1, 1), robot=robot), dispatch=False)
+    assert fleet.step([NORTH, WAIT])[4]["action_mask"][:, PICK].tolist() == [1, 1]
+    assert fleet.step([PICK, PICK])[1].tolist() == [rules.STEP_REWARD + rules.PICK_REWARD] * 2
+
+
+def test_masks_of_a_reset_are_those_of_the_starts() -> None:
+    """Robots may start in the cells where they were, or one of them elsewhere."""
+    fleet = begun(["PD"], 1, starts=[(0, 0)])
+    for actions in ([EAST], [PICK, EAST]):
+        for action in actions:
+            fleet.step([action])
+        assert fleet.reset()[1]["action_mask"].tolist() == [[0, 1, 0, 0, 1, 1, 0]]
 
 
 def test_a_lone_robot_sees_where_an_open_order_waits() -> None:

@@ -33,23 +33,23 @@ def test_the_arrays_of_an_outcome_belong_to_the_caller() -> None:
         batch.advance(actions, loaded)
 
 
-@pytest.mark.parametrize("robots", [1, 6])
-def test_the_outcomes_of_a_floor_are_those_of_the_single_motion(robots: int) -> None:
+@pytest.mark.parametrize(("floors", "robots"), [(3, 1), (3, 6), (1, 6), (1, 12)])
+def test_the_outcomes_of_a_floor_are_those_of_the_single_motion(floors: int, robots: int) -> None:
     """Paths, headings and contacts too, and of floors that were placed anew."""
-    layouts = [random_layout(5, 7, 0.2, seed=seed) for seed in (1, 2, 1)]
+    layouts = [random_layout(5, 7, 0.2, seed=seed) for seed in (1, 2, 1)[:floors]]
     stream = np.random.default_rng(0)
     batch = GridMotion(0.5).fleet_batch(layouts, robots)
     motions = [GridMotion(0.5) for _ in layouts]
     for step in range(60):
-        for floor in range(3) if step == 0 else stream.permutation(3)[: step % 3]:
+        for floor in range(floors) if step == 0 else stream.permutation(floors)[: step % 3]:
             cells = stream.permutation(layouts[floor].open_cells)[:robots]
             batch.place(np.arange(robots) + floor * robots, cells)
             starts = [divmod(int(cell), layouts[floor].width) for cell in cells]
             motions[floor].reset(layouts[floor], starts, None)
             with pytest.raises(RuntimeError, match=f"after the place\\(\\) of floor {floor}"):
                 batch.outcomes(floor)
-        actions = stream.integers(0, len(DISPLACEMENTS), 3 * robots)
-        found = batch.advance(actions.copy(), np.zeros(3 * robots, bool))
+        actions = stream.integers(0, len(DISPLACEMENTS), floors * robots)
+        found = batch.advance(actions.copy(), np.zeros(floors * robots, bool))
         for array in found[:5]:
             array[:] = 1  # they belong to the caller
         for floor, motion in enumerate(motions):

@@ -18,7 +18,8 @@ from warehouse_core.batch.fleet.people import Crowd
 from warehouse_core.batch.fleet.placing import Placing
 from warehouse_core.batch.fleet.settings import FleetSettings
 from warehouse_core.batch.fleet.tally import FleetMeasures, Tally
-from warehouse_core.batch.shell.env import ALL, NO_FLOORS, EngineStep
+from warehouse_core.batch.shell.env import NO_FLOORS, EngineStep
+from warehouse_core.batch.shell.floor import ALL
 from warehouse_core.batch.shell.robots import Robots
 from warehouse_core.motion.backends import Backend, make_fleet_motion, make_motion
 from warehouse_core.motion.batch import BatchOutcome, CanFail, FleetBatchMotion
@@ -29,7 +30,7 @@ from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Flags, Integers, LayoutSet, Rows
 from warehouse_core.world.tiles import EMPTY
 
-NO_HEADINGS = np.empty(0, np.intp)
+NO_HEADINGS = NO_ROWS = np.empty(0, np.intp)
 
 TAKEN = judge(PICK, EMPTY, False, False)
 """The verdict on a robot whose item another one has just taken."""
@@ -46,6 +47,8 @@ class FleetEngine:
         truncated: ``[N]``, whether its battery or the steps are used up, it has failed, or all
             orders that are left to deliver are lost.
         failed: ``[N]``, whether the motion says that it stays where it is for good.
+        ended: ``[N]``, whether the robot is terminated or truncated; see ``Engine``.
+        running: number of robots that have not ended.
     """
 
     def __init__(
@@ -64,19 +67,15 @@ class FleetEngine:
         make_robots = HeadedRobots if settings.has_headings else Robots
         self.robots = make_robots(self._floor, motion, rows)
         self._wait = settings.actions.wait
-        self.tally = Tally(floors, settings.robots, settings.actions)
+        self.tally = Tally(floors, settings.robots, settings.people.count, settings.actions)
         self._streams = [np.random.default_rng() for _ in layouts]
         self._charge = settings.battery.step_charge(make_motion(backend).cell_size)
         self.battery = np.zeros(rows)
         self.steps = np.zeros(floors, np.int32)
-        self.terminated, self.truncated, self.failed = np.zeros((3, rows), np.bool_)
+        self.terminated, self.truncated, self.failed, self.ended = np.zeros((4, rows), np.bool_)
+        self._rows_ended, self.running = NO_ROWS, rows
         if not settings.has_orders:
             floor.put_own_stations(np.arange(rows))
-
-    @property
-    def ended(self) -> Flags:
-        """``[N]``, whether the robot has ended; see ``Engine``."""
-        return self.terminated | self.truncated
 
     def begin(self, floors: Integers, seeds: Sequence[int | None]) -> None:
         """Start an episode on some floors; see ``Engine.begin``."""
@@ -97,29 +96,31 @@ class FleetEngine:
         self.terminated[rows] = self.truncated[rows] = self.failed[rows] = False
         self.steps[floors] = 0
         self.tally.clear(floors)
-        self._release()
+        self._note_ended()
+        self._release(self._rows_out())
 
     def step(self, actions: NDArray[np.intp], over: Integers = NO_FLOORS) -> EngineStep:
         """Carry out one action for each robot; see ``Engine.step``."""
-        active, had_item = ~self.ended, self.robots.has_item
-        chosen = np.where(active, actions, self._wait)
-        outcome, rewards, delivered, charging = self.robots.step(chosen)
+        ended, had_item = self._rows_ended, self.robots.has_item
+        actions[ended] = self._wait
+        outcome, rewards, delivered, charging = self.robots.step(actions)
+        rewards[ended] = 0.0
         if charging is not None:
-            charging &= active
-        rewards[~active] = 0.0
+            charging[ended] = False
         self.steps += 1
         if self.orders:
             self._book(self.orders, had_item, delivered, rewards)
-        self._use_batteries(outcome, charging, active)
+        self._use_batteries(outcome, charging)
         if outcome.failed is not None:
             self.failed = outcome.failed.copy()
-        self.tally.add(chosen, outcome, charging, delivered, active)
-        self._release()
-        self._end(delivered)
+        self.tally.add(actions, outcome, charging, delivered, ended)
+        out = self._rows_out()
+        self._release(out)
+        self._end(delivered, out)
         if self.settings.team_reward:
             teams = rewards.reshape(-1, self.settings.robots)
             teams[:] = teams.mean(axis=1, keepdims=True)
-            rewards[~active] = 0.0
+            rewards[ended] = 0.0
         flags = self.terminated.copy(), self.truncated.copy()
         if over.size:  # after the motion, as people must not walk before the first action
             self.begin(over, [None] * over.size)
@@ -128,8 +129,8 @@ class FleetEngine:
     def observe(self, rows: Rows = ALL) -> FleetArrays:
         """Return fresh arrays of what some of the robots observe."""
         self._floor.show(self.robots.cells, self.robots.has_item, self.crowd.cells)
-        steps = np.repeat(self.steps, self.settings.robots)[rows]
-        battery = np.floor(self.battery[rows]).astype(np.int32)
+        steps = self.steps.repeat(self.settings.robots)[rows]
+        battery = self.battery[rows].astype(np.int32)  # rounded down, as it is not negative
         arrays = cast(FleetArrays, self.robots.observe(rows, battery[:, None], steps[:, None]))
         if self.orders:
             arrays["due"] = self.orders.due[rows, None].copy()
@@ -152,7 +153,7 @@ class FleetEngine:
         book = self.orders.books[floor] if self.orders else None
         records = book.records() if book else None
         counted = self.tally.measures(floor, int(self.steps[floor]), records)
-        stranded = int(self._is_out[rows].sum())
+        stranded = int(np.isin(self._rows_out(), rows).sum())
         return replace(counted, stranded=stranded, lost=book.lost if book else 0)
 
     def rows_of(self, floors: Integers) -> NDArray[np.intp]:
@@ -169,7 +170,7 @@ class FleetEngine:
     ) -> None:
         """Book picks and deliveries, in the order of the robots."""
         has_item, robots = self.robots.has_item, self.settings.robots
-        for row in (has_item & ~had_item).nonzero()[0].tolist():
+        for row in (has_item > had_item).nonzero()[0].tolist():
             step = int(self.steps[row // robots])
             if not orders.take(row, int(self.robots.cells[row]), step):
                 has_item[row], rewards[row] = False, TAKEN.reward
@@ -177,43 +178,52 @@ class FleetEngine:
             late = orders.deliver(row, int(self.steps[row // robots]))
             rewards[row] -= self.settings.late_penalty * late
 
-    def _use_batteries(self, outcome: BatchOutcome, charging: Flags | None, active: Flags) -> None:
-        battery = self.settings.battery
-        cost = np.where(active, 1.0 if battery.unit == STEPS else outcome.joules, 0.0)
-        self.battery -= cost
-        if charging is not None:
+    def _use_batteries(self, outcome: BatchOutcome, charging: Flags | None) -> None:
+        battery, before = self.settings.battery, self.battery
+        self.battery = before - (1.0 if battery.unit == STEPS else outcome.joules)
+        self.battery[self._rows_ended] = before[self._rows_ended]
+        if charging is not None and np.count_nonzero(charging):
             missing = battery.capacity - self.battery
             self.battery += charging * battery.supplied(missing, self._charge)
         np.maximum(self.battery, 0.0, out=self.battery)  # the last step may cost more than is left
 
-    def _release(self) -> None:
-        """Give back what stranded robots were to take, and let orders appear, or be lost."""
+    def _release(self, out: Integers) -> None:
+        """Give back what stranded robots were to take, and let orders appear, or be lost.
+
+        ``out`` are the rows of robots that cannot drive any more.
+        """
         if self.orders:
-            active, is_out = ~self.ended, self._is_out
-            rows = is_out.nonzero()[0]
-            if len(rows):
-                self.orders.strand(np.flatnonzero(active & is_out))
-            self.orders.release(self.steps, self.robots.cells, active & ~is_out)
-            if len(rows):
-                freed = self.orders.lose(rows, self.robots.cells[rows])
+            if len(out):
+                self.orders.strand(out[~self.ended[out]])
+            self.orders.release(self.steps, self.robots.cells, (self._rows_ended, out))
+            if len(out):
+                freed = self.orders.lose(out, self.robots.cells[out])
                 self.robots.has_item[freed] = False
 
-    def _end(self, delivered: Flags) -> None:
+    def _end(self, delivered: Flags, out: Integers) -> None:
         """Set which robots have ended."""
-        active, robots = ~self.ended, self.settings.robots
-        done, is_over = delivered, self.steps >= self.settings.max_steps
+        robots, is_over = self.settings.robots, self.steps >= self.settings.max_steps
+        done = delivered
         if self.orders:
-            done = np.repeat(self.orders.all_delivered, robots)
-            is_over = is_over | self.orders.rest_is_lost
-        self.terminated |= active & done
-        is_out = self._is_out
-        if is_out.any() and isinstance(self.motion, CanFail):
+            done, is_over = self.orders.all_delivered, is_over | self.orders.rest_is_lost
+        if not (len(out) or np.count_nonzero(done) or np.count_nonzero(is_over)):
+            return
+        active = ~self.ended
+        self.terminated |= active & (np.repeat(done, robots) if self.orders else done)
+        is_out = np.zeros_like(active)
+        is_out[out] = True
+        if isinstance(self.motion, CanFail):
             empty = np.flatnonzero(active & is_out & ~self.failed)
             if len(empty):
                 self.motion.fail(empty)
         self.truncated |= active & (is_out | np.repeat(is_over, robots))
+        self._note_ended()
 
-    @property
-    def _is_out(self) -> Flags:
-        """Whether the battery of each robot is empty, or it has failed, ``[N]``."""
-        return np.asarray((self.battery <= 0) | self.failed)
+    def _note_ended(self) -> None:
+        self.ended = self.terminated | self.truncated
+        self._rows_ended = self.ended.nonzero()[0]
+        self.running = len(self.ended) - len(self._rows_ended)
+
+    def _rows_out(self) -> Integers:
+        """Return the rows of robots whose battery is empty or which have failed."""
+        return ((self.battery <= 0) | self.failed).nonzero()[0]

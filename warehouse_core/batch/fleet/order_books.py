@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -13,7 +14,7 @@ from warehouse_core.orders.book import NEVER, NONE, OrderBook
 from warehouse_core.orders.order import Order, OrderQueue, OrderStream
 from warehouse_core.orders.sources import DrawnOrders, ListedOrders, QueuedOrders
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tables import Flags, Integers, LayoutSet
+from warehouse_core.world.tables import Integers, LayoutSet
 
 
 class OrderBooks:
@@ -50,10 +51,11 @@ class OrderBooks:
         book.changed[0].update(range(self._robots))
         self._update(floor)
 
-    def release(self, steps: Integers, cells: Integers, able: Flags) -> None:
+    def release(self, steps: Integers, cells: Integers, unable: Sequence[Integers]) -> None:
         """Let orders appear and, if it is so set, assign open orders to robots without one.
 
-        ``steps`` are ``[B]``, the ``cells`` of the robots and who is ``able`` to drive ``[N]``.
+        ``steps`` are ``[B]``, the ``cells`` of the robots ``[N]``, and ``unable`` the rows of those
+        that drive no more.
         """
         for floor in self._touched:
             self._update(floor)
@@ -61,9 +63,13 @@ class OrderBooks:
         for floor in (self._next_release <= steps).nonzero()[0].tolist():
             self.books[floor].release(int(steps[floor]))
             self._update(floor)
-        if not self._dispatches or not self._has_open.any():
+        if not self._dispatches or not np.count_nonzero(self._has_open):
             return
-        free = self._is_idle & able.reshape(self._is_idle.shape)
+        if not np.count_nonzero(self._is_idle):
+            return
+        free = self._is_idle.copy()
+        for rows in unable:
+            free.reshape(-1)[rows] = False
         for floor in np.flatnonzero(free.any(axis=1) & self._has_open).tolist():
             robots = np.flatnonzero(free[floor])
             self.books[floor].dispatch(robots, cells[floor * self._robots + robots])
@@ -127,7 +133,8 @@ class OrderBooks:
         robots, cells = book.changed
         for cell in cells:
             self._floor.set_waiting(floor, cell, book.waiting_at[cell] > 0)
-        self._set_orders(floor, book, np.array(list(robots), np.intp))
+        if robots:
+            self._set_orders(floor, book, np.array(list(robots), np.intp))
         robots.clear()
         cells.clear()
         self._has_open[floor] = book.has_open_orders

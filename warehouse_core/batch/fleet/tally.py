@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.motion.batch import WALL, BatchOutcome
+from warehouse_core.motion.batch import BatchOutcome
 from warehouse_core.orders.order import Order
 from warehouse_core.world.moves import ActionSet
 from warehouse_core.world.tables import Flags, Integers
@@ -79,10 +79,15 @@ class FleetMeasures:
 class Tally:
     """Counts for ``R`` robots on each of ``B`` floors."""
 
-    def __init__(self, floors: int, robots: int, actions: ActionSet) -> None:
-        self._robots, self._rows = robots, np.arange(floors * robots)
+    def __init__(self, floors: int, robots: int, people: int, actions: ActionSet) -> None:
+        self._robots = robots
+        # WALL is a negative index, which counts from the end, as does NOTHING.
+        self._kinds_by = np.array(
+            [BY_ROBOT] * robots + [BY_PERSON] * people + [BY_WALL, MOVED], np.intp
+        )
         self._kinds = np.array([_KINDS.get(word, MOVED) for word in actions.words])
-        self._counts = np.zeros((TURNED + 1, floors * robots), np.int64)
+        self._counts = np.zeros((floors * robots, TURNED + 1), np.int64)
+        self._first_counts = np.arange(0, self._counts.size, TURNED + 1)
         self._joules = np.zeros(floors * robots)
         self._seconds = np.zeros(floors)
         self._deliveries = np.zeros(floors, np.int64)
@@ -90,7 +95,7 @@ class Tally:
     def clear(self, floors: Integers) -> None:
         """Start again on some floors."""
         rows = (floors[:, None] * self._robots + np.arange(self._robots)).ravel()
-        self._counts[:, rows], self._joules[rows] = 0, 0.0
+        self._counts[rows], self._joules[rows] = 0, 0.0
         self._seconds[floors], self._deliveries[floors] = 0.0, 0
 
     def add(
@@ -99,9 +104,9 @@ class Tally:
         outcome: BatchOutcome,
         charging: Flags | None,
         delivered: Flags,
-        active: Flags,
+        ended: Integers,
     ) -> None:
-        """Count one step of all robots, ``[N]``; those not ``active`` had ended before.
+        """Count one step of all robots, ``[N]``; the rows ``ended`` had ended before.
 
         ``charging`` is ``None`` on floors without chargers.
         """
@@ -111,17 +116,19 @@ class Tally:
         if charging is not None:
             did[charging] = CHARGED
         blocked = outcome.blocked.nonzero()[0]
-        assert outcome.stopped_by is not None, "the motion of a fleet tells it"
-        did[blocked] = _counterpart(outcome.stopped_by[blocked], self._robots)
-        did[~active] = ENDED
-        self._counts.reshape(-1)[did * len(did) + self._rows] += 1
+        if len(blocked):
+            assert outcome.stopped_by is not None, "the motion of a fleet tells it"
+            did[blocked] = self._kinds_by[outcome.stopped_by[blocked]]
+        did[ended] = ENDED
+        self._counts.reshape(-1)[self._first_counts + did] += 1
         self._joules += outcome.joules
-        self._deliveries += delivered.reshape(-1, self._robots).sum(axis=1)
-        self._seconds += outcome.seconds.reshape(-1, self._robots).max(axis=1)
+        for row in delivered.nonzero()[0].tolist():
+            self._deliveries[row // self._robots] += 1
+        self._seconds += np.maximum.reduce(outcome.seconds.reshape(-1, self._robots), axis=1)
 
     def counts(self, floor: int) -> NDArray[np.int64]:
         """Return how often each robot of a floor did what, ``[10, R]``; see ``MOVED``."""
-        return self._counts[:, floor * self._robots : (floor + 1) * self._robots].copy()
+        return self._counts[floor * self._robots : (floor + 1) * self._robots].T.copy()
 
     def measures(self, floor: int, steps: int, orders: Sequence[Order] | None) -> FleetMeasures:
         """Return the measures of a floor, but for ``stranded`` and ``lost``.
@@ -155,10 +162,3 @@ class Tally:
             charging=done[CHARGED],
             distance=done[MOVED],
         )
-
-
-def _counterpart(stopped_by: Integers, robots: int) -> NDArray[np.intp]:
-    """Return ``BY_WALL``, ``BY_ROBOT`` or ``BY_PERSON`` for each counterpart."""
-    by = np.where(stopped_by < robots, BY_ROBOT, BY_PERSON)
-    by[stopped_by == WALL] = BY_WALL
-    return by

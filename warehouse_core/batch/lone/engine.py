@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.batch.lone.draws import EpisodeDraws
-from warehouse_core.batch.shell.env import ALL, NO_FLOORS, EngineStep
-from warehouse_core.batch.shell.floor import Floor
+from warehouse_core.batch.shell.env import NO_FLOORS, EngineStep
+from warehouse_core.batch.shell.floor import ALL, Floor
 from warehouse_core.batch.shell.robots import Robots
 from warehouse_core.batch.shell.verdicts import spend_and_charge
 from warehouse_core.motion.batch import BatchMotion, ChangesLayouts

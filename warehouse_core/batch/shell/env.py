@@ -14,6 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.arguments import one_of
 from warehouse_core.batch.shell.checks import Seeds, checked_actions, checked_mask, checked_seeds
+from warehouse_core.batch.shell.floor import ALL
 from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import EndedError
 from warehouse_core.motion.batch import BatchOutcome
@@ -25,7 +26,6 @@ NEXT_STEP, SAME_STEP, DISABLED = "NextStep", "SameStep", "Disabled"
 AUTORESET_MODES = (NEXT_STEP, SAME_STEP, DISABLED)
 """Modes in which a batch may begin new episodes; named as in Gymnasium."""
 
-ALL = slice(None)
 NO_FLOORS = np.empty(0, np.intp)
 
 Observed = TypeVar("Observed", bound=ObservationArrays, covariant=True)

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.batch.shell.floor import Floor
-from warehouse_core.batch.shell.verdicts import NO_STATION, charging, judge_all
+from warehouse_core.batch.shell.verdicts import NO_STATION, charging, judge_all, verdict_numbers
 from warehouse_core.motion.batch import BatchMotion, BatchOutcome
 from warehouse_core.task.encoding import ObservationArrays
 from warehouse_core.world.tables import Flags, Integers, Rows
@@ -34,6 +34,7 @@ class Robots:
     ) -> None:
         """Put some of the robots in their cells, without an item; see ``BatchMotion.place``."""
         self.motion.place(rows, cells, seeds)
+        self.cells = self.cells.copy()  # see ``Floor.stations``
         self.cells[rows] = cells
         self.has_item[rows] = False
 
@@ -57,8 +58,9 @@ class Robots:
         on = self.floor.stations(self.cells)
         if outcome.driving is not None:
             on = np.where(outcome.driving, NO_STATION, on)
-        rewards, self.has_item, delivered = judge_all(actions, on, self.has_item, outcome.blocked)
-        charges = charging(actions, on) if self.floor.has_chargers else None
+        verdicts = verdict_numbers(actions, on, self.has_item, outcome.blocked)
+        rewards, self.has_item, delivered = judge_all(verdicts)
+        charges = charging(verdicts) if self.floor.has_chargers else None
         return outcome, rewards, delivered, charges
 
     def masks(self) -> NDArray[np.int8]:
@@ -74,7 +76,7 @@ class Robots:
         places = floor.places(rows, cells)
         pickups, dropoffs = floor.station_places[:, rows]
         return {
-            "local_grid": floor.windows(rows, cells, has_item, places),
+            "local_grid": floor.windows(rows, cells, has_item),
             "robot_pos": places,
             "has_item": has_item.astype(np.int64),
             "battery": battery,

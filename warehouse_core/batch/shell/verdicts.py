@@ -36,8 +36,7 @@ _VERDICTS = [
 _REWARDS = np.array([verdict.reward for verdict in _VERDICTS])
 _HAS_ITEM = np.array([verdict.has_item for verdict in _VERDICTS])
 _DELIVERED = np.array([verdict.delivered for verdict in _VERDICTS])
-_CHARGES = np.array([verdict.charges for verdict in _VERDICTS[::4]])
-"""``True`` where a robot charges, by its action and the kind of its cell."""
+_CHARGES = np.array([verdict.charges for verdict in _VERDICTS])
 
 _MASK_BYTES = 8
 """Bytes of a mask with padding: looking up eight bytes at once is much faster than seven."""
@@ -54,21 +53,26 @@ _MASKS = np.array(
 ).view(np.uint64)[:, 0]
 
 
-def judge_all(
+def verdict_numbers(
     actions: Integers, stations: Integers, has_item: Flags, blocked: Flags
-) -> tuple[NDArray[np.float64], Flags, Flags]:
-    """Return rewards, who holds an item now and who has delivered, ``[B]`` each; see ``judge``.
+) -> Integers:
+    """Return the number of the verdict on each of ``[B]`` robots.
 
     ``stations`` are indices into ``STATION_KINDS``, what the robots stand on after their motion;
     ``has_item`` is from before it.
     """
-    index = ((actions * len(STATION_KINDS) + stations) * 2 + has_item) * 2 + blocked
-    return _REWARDS.take(index), _HAS_ITEM.take(index), _DELIVERED.take(index)
+    numbers: Integers = ((actions * len(STATION_KINDS) + stations) * 2 + has_item) * 2 + blocked
+    return numbers
 
 
-def charging(actions: Integers, stations: Integers) -> Flags:
+def judge_all(verdicts: Integers) -> tuple[NDArray[np.float64], Flags, Flags]:
+    """Return rewards, who holds an item now and who has delivered, ``[B]`` each; see ``judge``."""
+    return _REWARDS.take(verdicts), _HAS_ITEM.take(verdicts), _DELIVERED.take(verdicts)
+
+
+def charging(verdicts: Integers) -> Flags:
     """Return whether ``[B]`` robots charge in a step; see ``rules.judge``."""
-    return _CHARGES.take(actions * len(STATION_KINDS) + stations)
+    return _CHARGES.take(verdicts)
 
 
 def spend_and_charge(battery: Integers, capacity: int, charging: Flags) -> None:
@@ -82,10 +86,15 @@ def spend_and_charge(battery: Integers, capacity: int, charging: Flags) -> None:
     battery += charging * np.minimum(capacity - battery, CHARGE)
 
 
+_STATION_NUMBERS = np.array(
+    [STATION_KINDS.index(tile) if tile in STATION_KINDS else NO_STATION for tile in CELL_CODES],
+    np.int16,
+)
+
+
 def station_numbers(tiles: NDArray[np.uint8]) -> NDArray[np.int16]:
     """Return the index into ``STATION_KINDS`` of ``[N]`` tiles given by their codes."""
-    numbers = [STATION_KINDS.index(tile) if tile in STATION_KINDS else 0 for tile in CELL_CODES]
-    return np.array(numbers, np.int16)[tiles]
+    return _STATION_NUMBERS.take(tiles)
 
 
 def sides_number(sides: Flags) -> NDArray[np.uint8]:

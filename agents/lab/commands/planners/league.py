@@ -31,7 +31,7 @@ from warehouse_core import DEFAULT_LAYOUT, Layout
 from warehouse_core.wording import counted
 from warehouse_core.world.robot_runners import League, load_league
 
-PLANNER, STEPS, SECONDS = "epibt", 1000, 1.0
+PLANNER, STEPS, SECONDS = "windowed:groups=300,seconds=0.8", 1000, 1.0
 SUFFIX = ".json"
 
 

@@ -7,6 +7,11 @@ from typing import Any
 import pytest
 from helpers.command_line import Refused, Warehouse
 
+SLOW = ("--step-seconds", 1000)
+"""No plan is late, however slow the machine is."""
+
+PLAY = ("league", *SLOW, "--planner", "epibt")
+
 
 @pytest.fixture
 def hall(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
@@ -37,10 +42,10 @@ def test_a_game_is_played_and_its_result_shown_beside_another(
     hall: str, warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "120")
-    code, out, err = warehouse("league", hall, "--max-steps", 12, "-o", "ours.json")
+    code, out, err = warehouse(*PLAY, hall, "--max-steps", 12, "-o", "ours.json")
     assert (code, err) == (0, "")
     assert rows_of(out)[0][:8] == ["hall", "epibt", "2", "12", "2", "", "0", "0"]
-    code, out, err = warehouse("league", hall, "--beside", "ours.json", "-o", "play.html")
+    code, out, err = warehouse(*PLAY, hall, "--beside", "ours.json", "-o", "play.html")
     assert (code, err) == (0, "")
     assert [row[:8] for row in rows_of(out)] == [
         ["hall", by, "2", "12", "2", "100.0%", "0", "0"] for by in ("epibt", "theirs")
@@ -50,17 +55,17 @@ def test_a_game_is_played_and_its_result_shown_beside_another(
 
 
 def test_what_is_wrong_or_not_known_of_a_result_is_told(hall: str, warehouse: Warehouse) -> None:
-    warehouse("league", hall, "--max-steps", 12, "-o", "theirs.json")
+    warehouse(*PLAY, hall, "--max-steps", 12, "-o", "theirs.json")
     result = json.loads(Path("theirs.json").read_text())
     for key in ("actualSchedule", "plannerTimes"):
         del result[key]
     Path("theirs.json").write_text(json.dumps(result))
-    err = warehouse("league", hall, "--beside", "theirs.json").err
+    err = warehouse(*PLAY, hall, "--beside", "theirs.json").err
     assert err == (
         "warehouse: theirs.json: it does not say who had which task; its moves keep the rules\n"
     )
     Path("theirs.json").write_text(json.dumps(result | {"actualPaths": ["C,F", "W,W"]}))
-    err = warehouse("league", hall, "--beside", "theirs.json").err
+    err = warehouse(*PLAY, hall, "--beside", "theirs.json").err
     assert err == "warehouse: theirs.json: step 2: robot 0 leaves the open cells\n"
 
 
@@ -70,7 +75,7 @@ def test_the_problem_of_2023_says_who_does_what(
     monkeypatch.setenv("COLUMNS", "120")
     Path("hall.tasks").write_text("4\n4\n9\n0\n5\n")
     change(taskAssignmentStrategy="roundrobin", shape="disc")
-    _, out, err = warehouse("league", hall, "--max-steps", 10, "--planner", "epibt:tries=2")
+    _, out, err = warehouse("league", hall, *SLOW, "--max-steps", 10, "--planner", "epibt:tries=2")
     assert rows_of(out)[0][:5] == ["hall", "epibt:tries=2", "2", "10", "4"]
     assert err == "warehouse: warning: hall.json: fields without effect: 'shape'\n"
 
