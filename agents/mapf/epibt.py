@@ -10,7 +10,7 @@ from itertools import product
 import numpy as np
 
 from agents.mapf.graph import CLOSED, Fields, Graph
-from agents.mapf.headed import HeadedFields
+from agents.mapf.headed import HeadedFields, PackedFields
 from agents.mapf.kernels.buffers import buffer_of, prepare
 from agents.mapf.kernels.floor import NONE, STAY
 from agents.mapf.kernels.operations import CHOSEN, FREE, Crew, crew_of, improve, plan
@@ -93,7 +93,7 @@ class EPIBT:
         order = self._memory.order(cells, goals, np.concatenate([urgent, leaving]))
         crew.holder[:] = buffer_of(np.full(self.window * size, NOBODY))
         for kept, new in (
-            (crew.places, places), (crew.rows, rows * fields.graph.places), (crew.order, order),
+            (crew.places, places), (crew.rows, rows * fields.matrix.shape[1]), (crew.order, order),
             (crew.states, np.where(stays, CHOSEN, FREE)),
             (crew.is_fixed, stays.astype(np.int64)), (crew.robot_in, robot_in),
             (crew.is_closed, is_closed),
@@ -106,17 +106,14 @@ class EPIBT:
 
     def _leaving(self, rows: Integers, cells: Integers) -> Integers:
         """Return the robots in dead ends whose ways lead out, before whom nobody can go in."""
-        matrix, outward = self._fields.matrix, self._outward[cells]
-        ways = [
-            matrix[rows[:, None], np.arange(0, matrix.shape[1], self.graph.size) + each[:, None]]
-            for each in (np.where(outward == NONE, cells, outward), cells)
-        ]
-        return np.flatnonzero(ways[0].min(axis=1) < ways[1].min(axis=1))
+        fields, outward = self._fields, self._outward[cells]
+        beyond = fields.nearest(rows, np.where(outward == NONE, cells, outward))
+        return np.flatnonzero(beyond < fields.nearest(rows, cells))
 
     def _begin(self, robots: int, has_headings: bool) -> None:
         """Begin an episode of so many robots."""
         self._has_headings = has_headings
-        self._fields = HeadedFields(self.graph) if has_headings else Fields(self.graph)
+        self._fields = PackedFields(self.graph) if has_headings else Fields(self.graph)
         self._memory = Memory(self.graph, np.random.default_rng(self.seed).random(robots))
         self._crew = crew_on(self._fields, self.window, robots, self.seed)
 
@@ -126,7 +123,8 @@ def crew_on(fields: Fields, window: int, robots: int, seed: int | None) -> Crew:
     near = np.where(fields.near == fields.graph.places, NONE, fields.near)
     has_headings = isinstance(fields, HeadedFields)
     ways = turning_operations(window) if has_headings else operations(window)
-    return crew_of(fields.graph.size, near, ways, robots, seed)
+    columns = fields.columns if isinstance(fields, PackedFields) else None
+    return crew_of(fields.graph.size, near, ways, robots, seed, columns)
 
 
 def outward_cells(graph: Graph) -> Integers:

@@ -256,16 +256,25 @@ class Fields:
         new = np.unique(goals[self._row_of[goals] == NO_ROW]).tolist()
         if len(new) > len(self._free):
             self._free_rows(goals, len(new))
-        is_measured = IS_COMPILED and self._leads_back and not self._closed
         for goal in new:
             self._row_of[goal] = row = self._free.pop()
-            if is_measured and self._buckets:
-                self.matrix[row] = FAR
-                measure(self.floor, goal, table_of(self.matrix[row]), *self._buckets)
-            else:
-                field = self._rounded.distances(goal, keep=False) * self.step
-                self.matrix[row] = np.minimum(np.rint(field), FAR)
+            self._measure(goal, self.matrix[row])
         return self._row_of[goals]
+
+    def nearest(self, rows: Integers, cells: Integers) -> Integers:
+        """Return the distance of each cell from the goal of a row, by the best heading."""
+        places = np.arange(0, self.graph.places, self.graph.size) + cells[:, None]
+        found: Integers = self.matrix[rows[:, None], places].min(axis=1)
+        return found
+
+    def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
+        """Write the distances of all places from a goal into a field."""
+        if IS_COMPILED and self._leads_back and not self._closed and self._buckets:
+            field[:] = FAR
+            measure(self.floor, goal, table_of(field), *self._buckets)
+        else:
+            distances = self._rounded.distances(goal, keep=False) * self.step
+            field[:] = np.minimum(np.rint(distances), FAR)
 
     @cached_property
     def near(self) -> Integers:
@@ -329,7 +338,6 @@ class Fields:
         missing = number - len(self._free)
         if missing > 0:
             more = max(rows // 2, missing)
-            self.matrix = np.concatenate(
-                [self.matrix, np.empty((more, self.graph.places), np.int32)]
-            )
+            width = self.matrix.shape[1]
+            self.matrix = np.concatenate([self.matrix, np.empty((more, width), np.int32)])
             self._free += range(rows, rows + more)

@@ -5,9 +5,12 @@ from __future__ import annotations
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import NDArray
 
 from agents.mapf.graph import CLOSED, Fields, Graph
+from agents.mapf.kernels.buffers import buffer_of, prepare, table_of
 from agents.mapf.kernels.floor import ACTIONS, STAY
+from agents.mapf.kernels.packed import BASE, PACKED_FAR, pack
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.moves import FORWARD, LEFT, RIGHT
 from warehouse_core.world.tables import Integers
@@ -52,3 +55,33 @@ class HeadedFields(Fields):
         if graph.costs is not None:
             found[..., FORWARD] = np.rint(graph.costs.T * self.step)
         return found.reshape(-1, ACTIONS)
+
+
+class PackedFields(HeadedFields):
+    """Distances between places, of which each open cell has the four in one number.
+
+    That is a quarter of the memory or less. Ways of ``PACKED_FAR`` and more count as none; see
+    ``kernels/packed.py``.
+
+    Attributes:
+        matrix: ``[n, open cells]`` int32, a row for each goal.
+        columns: ``[size]``, column of each open cell.
+    """
+
+    def __init__(self, graph: Graph) -> None:
+        super().__init__(graph)
+        cells = graph.layout.open_cells
+        self._cells, self._field = buffer_of(cells), np.empty(self.graph.places, np.int32)
+        self.columns = np.zeros(graph.size, np.intp)
+        self.columns[cells] = np.arange(len(cells))
+        self.matrix = np.empty((0, len(cells)), np.int32)
+        prepare(pack)
+
+    def nearest(self, rows: Integers, cells: Integers) -> Integers:
+        """Return the distance of each cell from the goal of a row, by the best heading."""
+        found: Integers = (self.matrix[rows, self.columns[cells]] >> BASE) & PACKED_FAR
+        return found
+
+    def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
+        super()._measure(goal, self._field)
+        pack(table_of(self._field), self._cells, table_of(field))

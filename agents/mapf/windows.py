@@ -49,7 +49,7 @@ GROUPS = 20
 """Default groups of robots that are planned anew in a step."""
 
 FRESH = 5
-"""Steps after which a plan made anew may take the place of the one that goes on."""
+"""Default steps after which a plan made anew may take the place of the one that goes on."""
 
 CREW_WINDOW = 3
 """Steps for which robots with headings choose their actions in a round."""
@@ -70,6 +70,9 @@ class WindowedPlanner:
         groups: groups of robots that are planned anew in each step, and kept if no worse.
         seconds: time in each step after which no more groups are planned anew.
         seed: seed of the order in groups.
+        led: most robots that are led to their goals at a time, first those nearest to them; others
+            give way until one has arrived. In crowds more goals are reached so. The default is all.
+        fresh: steps after which a plan made anew may take the place of the one that goes on.
         turn_cost: see ``PIBT``; turns of robots with headings take steps, and cost nothing more.
 
     Example:
@@ -90,8 +93,12 @@ class WindowedPlanner:
         seconds: float = inf,
         seed: int = 0,
         turn_cost: float = 0.0,
+        led: int | None = None,
+        fresh: int = FRESH,
     ) -> None:
         self.groups, self.seed = whole_number("groups", groups, 0), seed_number(seed)
+        self.led = None if led is None else whole_number("led", led, 1)
+        self.fresh = whole_number("fresh", fresh, 1)
         self.seconds = real_number("seconds", seconds, finite=False)
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
         most = min(MAX_WINDOW, MAX_STATES // (2 * graph.places) - 1)
@@ -159,7 +166,8 @@ class WindowedPlanner:
         self._ways = new_ways(floor, robots, times, True)
         self._frontier = new_frontier(floor, self._ways)
         self._groups = new_groups(robots, times, self.seed)
-        self._since = FRESH
+        self._since = self.fresh
+        self._is_led, self._wanted = np.zeros(robots, np.bool_), np.full(robots, NONE)
         ranks = np.random.default_rng(self.seed).permutation(robots) / robots
         self._memory = Memory(self.graph, ranks)
         self._places = np.asarray(self._ways.places).reshape(robots, times)
@@ -168,6 +176,8 @@ class WindowedPlanner:
     def _read(self, situation: Situation) -> None:
         """Take over a situation: robots, goals and priorities."""
         graph, cells, goals = self._fields.graph, situation.cells, situation.goals
+        if self.led is not None:
+            goals = self._led_to(situation, self.led)
         rows = self._fields.rows(goals)
         is_away = self._fields.matrix[rows, self._here] == FAR
         if is_away.any():  # a goal that no way leads to is as none
@@ -185,6 +195,19 @@ class WindowedPlanner:
         for cell in self._ways.closed:
             ways.is_closed[cell] = 1
 
+    def _led_to(self, situation: Situation, most: int) -> Integers:
+        """Return the goals of robots that are led, and the cells of the others."""
+        cells, goals = situation.cells, situation.goals
+        self._is_led &= (goals == self._wanted) & (goals != cells)
+        self._wanted = goals
+        rows = self._fields.rows(goals)
+        distances = self._fields.matrix[rows, self._here].astype(np.int64)
+        distances[situation.urgent] -= FAR
+        others = np.flatnonzero(~self._is_led & (goals != cells))
+        free = max(most - int(self._is_led.sum()), 0)
+        self._is_led[others[np.argsort(distances[others], kind="stable")[:free]]] = True
+        return np.where(self._is_led, goals, cells)
+
     def _continue(self, situation: Situation) -> None:
         """Continue the last plan, or make a new one if that is better."""
         floor, ways, table = self._fields.floor, self._ways, self._table
@@ -193,7 +216,7 @@ class WindowedPlanner:
         if holds:
             self._roll(last - 1)
             continued = places.copy()
-            if self._since < FRESH:
+            if self._since < self.fresh:
                 self._since += 1
                 prices(floor, ways, table)
                 return

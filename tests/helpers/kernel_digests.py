@@ -91,7 +91,7 @@ def turning() -> Iterator[tuple[str, np.ndarray]]:
             run = run_lifelong(graph, planner, 30, 20, seed, has_headings=has_headings)
             yield f"epibt {has_headings} {tries} {seed}", run.cells
         for name, costs in (("plain", None), ("lanes", lane_costs(graph.layout, 1.3))):
-            windowed = WindowedPlanner(graph.with_costs(costs), 8, 12, seed=seed)
+            windowed = WindowedPlanner(graph.with_costs(costs), 8, 12, seed=seed, led=20, fresh=3)
             run = run_lifelong(graph, windowed, 30, 12, seed, has_headings=True)
             yield f"windowed {name} {seed}", run.cells
 

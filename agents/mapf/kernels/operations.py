@@ -16,6 +16,7 @@ from typing import NamedTuple
 
 from agents.mapf.kernels.buffers import Buffer, Table, buffer, buffer_of, kernel
 from agents.mapf.kernels.floor import NONE
+from agents.mapf.kernels.packed import unpack
 from agents.mapf.kernels.rounds import CHANCE_KEY, NOBODY, SPREAD, draw, first_random, mix
 from warehouse_core.world.tables import Integers
 
@@ -42,6 +43,8 @@ class Crew(NamedTuple):
         size: number of cells; the cell of a place is its remainder by it.
         actions: number of actions, ``A``.
         window: steps of an operation, ``W``.
+        is_packed: 1 if distances are packed, see ``packed.py``.
+        columns: ``[size]``, column of each cell in fields that are packed.
         near: ``[places * A]``, place that each action leads to, or ``NONE``.
         operations: ``[N * W]``, actions of each operation; the first one waits.
         places: present places.
@@ -70,6 +73,8 @@ class Crew(NamedTuple):
     size: int
     actions: int
     window: int
+    is_packed: int
+    columns: Buffer
     near: Buffer
     operations: Buffer
     places: Buffer
@@ -94,7 +99,10 @@ class Crew(NamedTuple):
     random: Buffer
 
 
-def crew_of(size: int, near: Integers, operations: Integers, robots: int, seed: int | None) -> Crew:
+def crew_of(
+    size: int, near: Integers, operations: Integers, robots: int, seed: int | None,
+    columns: Integers | None = None,
+) -> Crew:  # fmt: skip
     """Return the buffers of robots on so many cells.
 
     Args:
@@ -103,10 +111,12 @@ def crew_of(size: int, near: Integers, operations: Integers, robots: int, seed: 
         operations: ``[N, W]``, likewise.
         robots: number of robots.
         seed: seed of the random numbers.
+        columns: ``[size]``, see ``Crew``, if distances are packed.
     """
     count, window = operations.shape
     return Crew(
-        size=size, actions=near.shape[1], window=window, near=buffer_of(near),
+        size=size, actions=near.shape[1], window=window, is_packed=int(columns is not None),
+        columns=buffer(0) if columns is None else buffer_of(columns), near=buffer_of(near),
         operations=buffer_of(operations), places=buffer(robots), rows=buffer(robots),
         order=buffer(robots), ways=buffer(robots * window, NONE), kept=buffer(robots * window),
         states=buffer(robots), is_fixed=buffer(robots), visits=buffer(robots),
@@ -235,12 +245,22 @@ def follow(crew: Crew, robot: int, operation: int) -> bool:
 
 
 @kernel
+def distance(crew: Crew, fields: Table, row: int, place: int) -> int:
+    """Return the distance of a place from the goal of a row."""
+    if crew.is_packed:
+        cell = place % crew.size
+        return unpack(fields[row + crew.columns[cell]], place // crew.size)
+    return fields[row + place] + 0
+
+
+@kernel
 def cost(crew: Crew, fields: Table, robot: int, ways: Buffer) -> int:
     """Return the cost of one of the ways of a robot: its distances from the goal, weighted."""
-    total, row = 0, crew.rows[robot]
+    total, left, row = 0, 0, crew.rows[robot]
     for at in range(robot * crew.window, (robot + 1) * crew.window):
-        total += fields[row + ways[at]]
-    return total + (END_WEIGHT - 1) * fields[row + ways[(robot + 1) * crew.window - 1]]
+        left = distance(crew, fields, row, ways[at])
+        total += left
+    return total + (END_WEIGHT - 1) * left
 
 
 @kernel

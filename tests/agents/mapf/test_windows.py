@@ -1,5 +1,6 @@
 """Lifelong windows: small cases by hand, crowds by the rules of the field."""
 
+import numpy as np
 import pytest
 from helpers.mapf_problems import random_problem, random_problems, situation
 from helpers.mapf_runs import check_planner
@@ -7,6 +8,7 @@ from helpers.mapf_validator import step_conflict
 
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs
+from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from agents.mapf.problem import Problem
 from agents.mapf.windows import WindowedPlanner
@@ -104,6 +106,27 @@ def test_groups_that_are_planned_anew_have_less_delay() -> None:
             total += sum(problem.graph.distances(goal)[cell] for cell, goal in pairs)
         left[groups] = total
     assert left[60] < left[0]
+
+
+def test_the_nearest_is_led_until_it_is_at_its_goal() -> None:
+    """The robot in cell 7 has one step left; the robot in 1 waits, then goes to 5."""
+    planner, cells, steps = WindowedPlanner(Graph(Layout(["." * 10])), led=1), [1, 7], []
+    for goals in ([5, 8], [5, 0], [5, 0], [5, 0]):
+        cells = planner.next_cells(situation(cells, goals)).tolist()
+        steps.append(cells[0])
+    assert steps == [1, 2, 3, 4]
+    planner.reset()
+    given = situation([1, 7], [5, 8])._replace(urgent=np.array([0]))
+    assert planner.next_cells(given).tolist() == [2, 7]
+
+
+def test_in_crowds_more_goals_are_reached_if_some_robots_are_led() -> None:
+    graph, reached = Graph(random_layout(16, 16, 0.2, seed=2)), {}
+    robots = len(graph.layout.open_cells) * 3 // 4
+    for led in (robots, robots // 3):
+        planner = WindowedPlanner(graph, 8, 40, led=led)
+        reached[led] = run_lifelong(graph, planner, robots, 60, 1, has_headings=True).reached
+    assert reached[robots // 3] > 1.2 * reached[robots]
 
 
 def test_the_same_seed_gives_the_same_steps() -> None:
