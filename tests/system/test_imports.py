@@ -112,7 +112,7 @@ MAY_IMPORT = {
         "lab/trials registry"
     ),
     "agents/lab/commands/gap": (
-        "errors fleet lab lab/console lab/reports lab/runs lab/trials registry"
+        "errors fleet lab lab/console lab/reports lab/runs lab/trials mapf mapf/kernels registry"
     ),
     "agents/lab/commands/grade": "errors lab lab/console lab/grading lab/reports lab/trials",
     "agents/lab/playground": "errors lab lab/grading lab/runs registry",

@@ -33,6 +33,13 @@ def order(due: int = 50, released: int = 0, robot: int | None = None, **cells: A
     return Order(released, due, cells.get("pickup", (0, 0)), (0, 4), robot)
 
 
+def test_a_robot_that_has_ended_uses_no_battery() -> None:
+    fleet = begun(["PD", ".."], 2, starts=[(0, 0), (1, 0)], battery=9)
+    for action in (PICK, EAST, DROP, WAIT, WAIT):
+        fleet.step([action, WAIT])
+    assert (fleet.ended, fleet.battery) == ([True, False], [6, 4])
+
+
 def test_a_robot_that_has_ended_on_a_charger_does_not_charge() -> None:
     fleet = begun(AISLE, 2, starts=[(0, 6), (0, 0)], battery=Battery(MOVE, "joules"))
     assert fleet.step([NORTH, WAIT])[3].tolist() == [True, False]

@@ -195,7 +195,7 @@ class FleetEngine:
         if self.orders:
             if len(out):
                 self.orders.strand(out[~self.ended[out]])
-            self.orders.release(self.steps, self.robots.cells, (self._rows_ended, out))
+            self.orders.release(self.steps, self.robots.cells, out)
             if len(out):
                 freed = self.orders.lose(out, self.robots.cells[out])
                 self.robots.has_item[freed] = False

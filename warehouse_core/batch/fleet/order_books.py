@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from functools import partial
 
 import numpy as np
@@ -51,11 +50,11 @@ class OrderBooks:
         book.changed[0].update(range(self._robots))
         self._update(floor)
 
-    def release(self, steps: Integers, cells: Integers, unable: Sequence[Integers]) -> None:
+    def release(self, steps: Integers, cells: Integers, out: Integers) -> None:
         """Let orders appear and, if it is so set, assign open orders to robots without one.
 
-        ``steps`` are ``[B]``, the ``cells`` of the robots ``[N]``, and ``unable`` the rows of those
-        that drive no more.
+        ``steps`` are ``[B]``, the ``cells`` of the robots ``[N]``, and ``out`` the rows of those
+        that cannot drive any more.
         """
         for floor in self._touched:
             self._update(floor)
@@ -68,8 +67,7 @@ class OrderBooks:
         if not np.count_nonzero(self._is_idle):
             return
         free = self._is_idle.copy()
-        for rows in unable:
-            free.reshape(-1)[rows] = False
+        free.reshape(-1)[out] = False
         for floor in np.flatnonzero(free.any(axis=1) & self._has_open).tolist():
             robots = np.flatnonzero(free[floor])
             self.books[floor].dispatch(robots, cells[floor * self._robots + robots])
