@@ -35,6 +35,7 @@ from agents.kinds.simple_reflex import ReflexAgent
 from agents.kinds.utility_based import UtilityBasedAgent
 from agents.learning.baselines import RandomAgent
 from agents.learning.clone_agent import CloneAgent
+from agents.learning.clone_planner import ClonePlanner
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
 from agents.mapf.assignment import ASSIGNMENTS
@@ -96,6 +97,9 @@ TRAINED: dict[str, Callable[..., Agent]] = {
 }
 """Functions that load an agent of ``warehouse train``, by the word before the colon."""
 
+TRAINED_PLANNERS: dict[str, Callable[..., Planner]] = {"clone": ClonePlanner.load}
+"""Functions that load a planner of ``warehouse train``, as ``TRAINED``, of which its words are."""
+
 FIXED = ("seed", "layout", "graph", "algorithm")
 """Arguments that a name does not give: parts of the episode, and what the name itself says."""
 
@@ -103,19 +107,19 @@ FIXED = ("seed", "layout", "graph", "algorithm")
 class Sort(NamedTuple):
     """What is made by name: agents or planners.
 
-    Other names that are allowed are in ``more``, in words. A class of a user must have all methods
-    of one set in ``methods``.
+    What is loaded from files is in ``trained``. A class of a user must have all methods of one set
+    in ``methods``.
     """
 
     word: str
     known: Mapping[str, Callable[..., Any]]
-    more: Sequence[str]
+    trained: Mapping[str, Callable[..., Any]]
     methods: Sequence[tuple[str, ...]]
 
 
-AGENT = Sort("agent", AGENTS, [f"{word}:FILE" for word in TRAINED], [("reset", "act")])
-PLANNER = Sort("planner", PLANNERS, [], [("reset", "next_cells"), ("reset", "act")])
-BACKEND = Sort("backend", {}, [], [("reset", "advance", "close")])
+AGENT = Sort("agent", AGENTS, TRAINED, [("reset", "act")])
+PLANNER = Sort("planner", PLANNERS, TRAINED_PLANNERS, [("reset", "next_cells"), ("reset", "act")])
+BACKEND = Sort("backend", {}, {}, [("reset", "advance", "close")])
 
 
 def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT) -> Agent:
@@ -137,7 +141,7 @@ def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYO
         >>> make_agent("greedy:memory=20", seed=1).memory
         20
     """
-    return _make_agents(name, [seed], layout)[0]
+    return cast(Agent, _make(AGENT, name, [seed], layout)[0])
 
 
 def make_team(
@@ -157,7 +161,7 @@ def make_team(
     seeds = [seed] * robots
     if seed is not None and robots > 1:
         seeds = np.random.SeedSequence(seed).generate_state(robots).tolist()
-    return Team(_make_agents(name, seeds, layout.with_tiles((), (), ())), seed)
+    return Team(_make(AGENT, name, seeds, layout.with_tiles((), (), ())), seed)
 
 
 def make_planner(
@@ -165,10 +169,10 @@ def make_planner(
 ) -> Planner | FleetAgent:
     """Return a planner of the robots of a fleet, or an agent that directs them, by name.
 
-    Names are as for ``make_agent``, but with ``PLANNERS``. A class of a user that has
-    ``next_cells`` is a ``Planner``, one that has ``act`` a ``FleetAgent``. Besides seed and layout
-    it gets ``robots`` if it takes them and the name does not give them, and if it takes a
-    ``graph`` the graph of the layout, where ways lead around chargers.
+    Names are as for ``make_agent``, but with ``PLANNERS`` and ``TRAINED_PLANNERS``. A class of a
+    user that has ``next_cells`` is a ``Planner``, one that has ``act`` a ``FleetAgent``. Besides
+    seed and layout it gets ``robots`` if it takes them and the name does not give them, and if it
+    takes a ``graph`` the graph of the layout, where ways lead around chargers.
 
     Raises:
         AgentError: as ``make_agent``.
@@ -200,6 +204,8 @@ def make_solver(name: str, known: Mapping[str, Solver], seed: int = 0) -> Solver
         >>> solve = make_solver("ecbs:w=1.1", {"ecbs": solve_eecbs})
     """
     source, options = _split(name)
+    if name.partition(":")[0] in TRAINED_PLANNERS:
+        return None
     solve = known.get(source) or _load_function(source)
     if solve is None:
         return None
@@ -280,18 +286,13 @@ def make_fleet_agent(
     return made
 
 
-def _make_agents(name: str, seeds: Sequence[int | None], layout: Layout) -> list[Agent]:
-    """Return an agent by name for each seed; see ``make_agent``."""
-    word, colon, rest = name.partition(":")
-    if colon and word in TRAINED:
-        return [_load_trained(word, rest, seed, layout) for seed in seeds]
-    return cast(list[Agent], _make(AGENT, name, seeds, layout))
-
-
 def _make(
     sort: Sort, name: str, seeds: Sequence[int | None], layout: Layout, robots: int | None = None
 ) -> list[Any]:
     """Return one by name for each seed."""
+    word, colon, rest = name.partition(":")
+    if colon and word in sort.trained:
+        return [_load_trained(sort, word, rest, seed, layout) for seed in seeds]
     source, options = _split(name)
     if seeds[0] is not None and source not in sort.known:
         random.seed(seeds[0])
@@ -374,21 +375,22 @@ def _split_trained(rest: str) -> tuple[str, str]:
     return (file, options) if re.match(r"[a-z_]+=", options) else (rest, "")
 
 
-def _load_trained(word: str, rest: str, seed: int | None, layout: Layout) -> Agent:
+def _load_trained(sort: Sort, word: str, rest: str, seed: int | None, layout: Layout) -> Any:
     file, options = _split_trained(rest)
-    load = partial(TRAINED[word], Path(file))
+    load = partial(sort.trained[word], Path(file))
+    what = f"{sort.word} {f'{word}:{file}'!r}"
     if not file or "\0" in file:
-        raise AgentError(f"agent {f'{word}:{file}'!r} names no file; allowed: {word}:FILE")
+        raise AgentError(f"{what} names no file; allowed: {word}:FILE")
     try:
         if (kind := not_a_file(Path(file))) is not None:
-            raise AgentError(f"agent file {file}: {kind}")
-        given = _options(f"agent {f'{word}:{file}'!r}", load, options)
+            raise AgentError(f"{sort.word} file {file}: {kind}")
+        given = _options(what, load, options)
         return load(**_wanted(load, seed, layout), **given)
     except OSError as error:
-        raise AgentError(f"agent file {file}: {error.strerror or error}") from error
+        raise AgentError(f"{sort.word} file {file}: {error.strerror or error}") from error
     except RecordError as error:
         raise AgentError(
-            f"{error}; agent {word} needs what 'warehouse train {word}' saves"
+            f"{error}; {sort.word} {word} needs what 'warehouse train {word}' saves"
         ) from error
 
 
@@ -396,8 +398,9 @@ def _load_class(sort: Sort, name: str) -> type[Any]:
     source, class_name = _split_class(name)
     if source is None:
         raise AgentError(
-            f"no {sort.word} is called {name!r}; allowed: {', '.join([*sort.known, *sort.more])}, "
-            "or your own as file.py, file.py:Class or module:Class"
+            f"no {sort.word} is called {name!r}; allowed: "
+            f"{', '.join([*sort.known, *(f'{word}:FILE' for word in sort.trained)])}, or your "
+            "own as file.py, file.py:Class or module:Class"
         )
     module = _load_module(source)
     if class_name is None:

@@ -14,7 +14,7 @@ from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Flags, Integers
 
 PATIENCE = 3
-"""Steps for which a robot waits beside one that is in its way."""
+"""Steps of a cell for which a robot waits beside one that is in its way."""
 
 LONGER = 1e-3
 """Difference of costs from which one way is longer than another; sums of costs are rounded."""
@@ -23,7 +23,7 @@ LONGER = 1e-3
 class Detours:
     """Gives robots that are held up other goals until they are past what holds them up.
 
-    A robot is held up if it has waited for ``PATIENCE`` steps beside a person or a robot that
+    A robot is held up if it has waited for ``PATIENCE`` cells' time beside a person or a robot that
     stays. It goes around all of these, as far as it has to; if nothing is in its own way, it
     goes before others. If there is no way around, it goes back behind the next junction, and so
     lets a person out. So does each robot beside a person whom robots enclose.
@@ -31,9 +31,11 @@ class Detours:
     Args:
         graph: floor with the costs of moves by which the robots find their ways.
         robots: ``R``.
+        cell_steps: steps in which a robot crosses a cell.
     """
 
-    def __init__(self, graph: Graph, robots: int) -> None:
+    def __init__(self, graph: Graph, robots: int, cell_steps: float = 1.0) -> None:
+        self._patience = PATIENCE * cell_steps
         self._open, self._around = (Graph(graph.layout, graph.costs) for _ in range(2))
         self._cells, self._goals = np.full((2, robots), NONE)
         self._waits = np.zeros(robots, np.intp)
@@ -60,7 +62,7 @@ class Detours:
         self._waits = np.where(is_held, self._waits + 1, 0)
         is_changed = stays | (goals != self._goals)
         self._cells, self._goals = cells.copy(), goals.copy()
-        stands = self._waits >= PATIENCE
+        stands = self._waits >= self._patience
         self._waits[stands] = 0
         for robot, legs in list(self._legs.items()):
             if legs[0] == cells[robot]:

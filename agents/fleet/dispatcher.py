@@ -45,6 +45,22 @@ class RobotStates(NamedTuple):
     battery: NDArray[np.float64]
 
 
+class Duties(NamedTuple):
+    """What each of ``R`` robots is to do next, ``[R]`` each but for the robots.
+
+    Attributes:
+        robots: robots with the goals that their orders give them.
+        goals: cells to go to: to pick or drop, to charge, or to be out of the way.
+        stays: true for robots that cannot move in the next step, whoever is beside them.
+        actions: ``PICK`` or ``DROP``, or ``WAIT`` if a robot moves or waits.
+    """
+
+    robots: RobotStates
+    goals: Integers
+    stays: Flags
+    actions: NDArray[np.intp]
+
+
 class Dispatcher:
     """Gives the robots of a fleet, after its reset, orders, turns at chargers, and goals.
 
@@ -70,8 +86,8 @@ class Dispatcher:
         self._trips = self._homes = np.empty(0)
         self._assigned = (b"", b"")
         self._is_idle = np.zeros(env.settings.robots, np.bool_)
-        self._detours = Detours(roads, env.settings.robots)
-        self._escapes = Escapes(self._fields, env.settings.robots)
+        self._detours = Detours(roads, env.settings.robots, self._cell_steps)
+        self._escapes = Escapes(self._fields, env.settings.robots, self._cell_steps)
         self._was_charging = self._is_idle
 
     def situation(self, env: FleetEnv) -> tuple[Situation, NDArray[np.intp]]:
@@ -80,6 +96,27 @@ class Dispatcher:
         Orders are assigned. A robot does ``PICK`` or ``DROP``, or ``WAIT`` if it moves or waits.
         """
         ways, count = env.ways, env.settings.robots
+        robots, goals, stays, actions = self.duties(env)
+        shares = shares_cell(robots.cells)
+        stay_long = robots.ended | self.chargers.charging(robots.cells)
+        closed = dict.fromkeys([*env.people, *ways.ends[count:], *ways.closed])
+        cells = env.layout.numbers(list(closed))
+        hurries = self.chargers.turn != NONE
+        aims = self._detours.goals(robots.cells, goals, stay_long, cells)
+        people = env.layout.numbers(env.people)
+        walls = {*robots.cells[stay_long | shares].tolist(), *cells.tolist()} - {*people.tolist()}
+        is_done = bool(self._are_at_work(robots).any())
+        aims |= self._escape(robots, goals, is_done, walls, people)
+        for robot, aim in aims.items():
+            goals[robot], hurries[robot] = aim, True
+        stays |= shares
+        stays[self._escapes.held] |= goals[self._escapes.held] == robots.cells[self._escapes.held]
+        urgent = np.flatnonzero(hurries & (goals != robots.cells))
+        return Situation(robots.cells, goals, stays, cells, urgent), actions
+
+    def duties(self, env: FleetEnv) -> Duties:
+        """Return what each robot is to do, as if no other were in its way. Orders are assigned."""
+        ways, count = env.ways, env.settings.robots
         dead = [cell for cell, units in zip(env.cells, env.battery, strict=True) if units <= 0]
         self._close(frozenset(map(env.layout.number, [*ways.closed, *dead])))
         robots = self._look(env, ways.ends[:count])
@@ -87,25 +124,18 @@ class Dispatcher:
         if env.settings.orders is not None:
             robots = self._give_orders(env, robots)
         self._is_idle = robots.goals == NONE
-        at_work = (robots.cells == robots.goals) & ~robots.ended & (self.chargers.turn == NONE)
-        goals = self._goals(robots)
-        stay_long = robots.ended | self.chargers.charging(robots.cells)
-        shares = shares_cell(robots.cells)
-        stays = stay_long | at_work | shares | ~np.array(ways.has_room[:count])
-        closed = dict.fromkeys([*env.people, *ways.ends[count:], *ways.closed])
-        cells = env.layout.numbers(list(closed))
+        at_work = self._are_at_work(robots)
+        stays = robots.ended | self.chargers.charging(robots.cells) | at_work
+        stays |= ~np.array(ways.has_room[:count])
         at_rest = at_work & np.array(ways.at_rest[:count])
         actions = np.where(at_rest, np.where(robots.loaded, DROP, PICK), WAIT)
-        hurries = self.chargers.turn != NONE
-        aims = self._detours.goals(robots.cells, goals, stay_long, cells)
-        people = env.layout.numbers(env.people)
-        walls = {*robots.cells[stay_long | shares].tolist(), *cells.tolist()} - {*people.tolist()}
-        aims |= self._escape(robots, goals, bool(at_work.any()), walls, people)
-        for robot, aim in aims.items():
-            goals[robot], hurries[robot] = aim, True
-        stays[self._escapes.held] |= goals[self._escapes.held] == robots.cells[self._escapes.held]
-        urgent = np.flatnonzero(hurries & (goals != robots.cells))
-        return Situation(robots.cells, goals, stays, cells, urgent), actions
+        return Duties(robots, self._goals(robots), stays, actions)
+
+    def _are_at_work(self, robots: RobotStates) -> Flags:
+        """Return whether each robot is where it is to pick or drop, ``[R]``."""
+        are_there: Flags = (robots.cells == robots.goals) & ~robots.ended
+        are_there &= self.chargers.turn == NONE
+        return are_there
 
     def _escape(
         self, robots: RobotStates, goals: Integers, is_done: bool, walls: set[int], people: Integers

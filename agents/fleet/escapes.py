@@ -18,10 +18,10 @@ from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
 
 PATIENCE = 6
-"""Steps in which no robot gets nearer to its goal, from which on a fleet is stuck."""
+"""Steps of a cell in which no robot gets nearer to its goal, from which on a fleet is stuck."""
 
 STANDS = 4
-"""Steps in which no robot moves, from which on moves are planned anew."""
+"""Steps of a cell in which no robot moves, from which on moves are planned anew."""
 
 MAX_OTHERS, MAX_STATES, MAX_CHIEFS = 10, 40_000, 2
 """Limits of a plan: robots and people who move besides one robot, states that the search expands,
@@ -75,12 +75,14 @@ class Escapes:
     Args:
         fields: distances on the floor, in steps.
         robots: ``R``.
+        cell_steps: steps in which a robot crosses a cell.
 
     Attributes:
         held: robots that make no move but those that are planned.
     """
 
-    def __init__(self, fields: Fields, robots: int) -> None:
+    def __init__(self, fields: Fields, robots: int, cell_steps: float = 1.0) -> None:
+        self._patience, self._most_stands = PATIENCE * cell_steps, STANDS * cell_steps
         graph = fields.graph
         sides: list[list[int]] = graph.neighbours[:, :WAIT].tolist()
         self._fields = fields
@@ -120,7 +122,7 @@ class Escapes:
         self._stands = self._stands + 1 if np.array_equal(cells, self._cells) else 0
         self._cells = cells.copy()
         where, persons = cells.tolist(), people.tolist()
-        if self._stands >= STANDS if self._moves else self._waits >= PATIENCE:
+        if self._stands >= self._most_stands if self._moves else self._waits >= self._patience:
             self._waits = self._stands = 0
             self._tries += 1
             self._moves = self._plan(where, goals, ways, walls, persons)

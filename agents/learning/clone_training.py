@@ -22,10 +22,11 @@ import numpy as np
 import torch
 
 from agents.learning.clone_agent import CloneAgent
-from agents.learning.layers import Layer, SingleFloats
 from agents.learning.learner import RECENT_EPISODES, MakeAgent, WatchTraining
+from agents.learning.lessons import Lessons
 from agents.learning.map_memory import MOVES, WALLS, MapMemory, turns, view_size
 from agents.learning.move_network import MoveNetwork
+from agents.learning.ranking_layers import copied_layers, improve, new_layers
 from agents.learning.teachers import Teacher
 from warehouse_core.batch import BatchEnv
 from warehouse_core.world.actions import action_index
@@ -77,16 +78,12 @@ class CloneLearner:
         torch.manual_seed(seed)
         self._batch, self._teacher = batch, teacher
         self._round, self._rounds = 0, math.ceil(steps / (batch.num_envs * ROUND))
-        widths = view_size(RADIUS), WIDTH, WIDTH
-        self._layers = torch.nn.Sequential(
-            torch.nn.Linear(*widths[:2]), torch.nn.ReLU(), torch.nn.Linear(*widths[1:]),
-            torch.nn.ReLU(), torch.nn.Linear(WIDTH, 1),
-        )  # fmt: skip
+        self._layers = new_layers(view_size(RADIUS), WIDTH)
         self._optimiser = torch.optim.Adam(self._layers.parameters(), LEARNING_RATE)
         self._stream = np.random.default_rng(seed)
         self._memory = MapMemory(batch.num_envs, batch.view_radius, RADIUS)
         self._drawn = np.arange(batch.num_envs) >= BEST * batch.num_envs
-        self._lessons = Lessons(KEPT * ROUND * batch.num_envs, widths[0])
+        self._lessons = Lessons(KEPT * ROUND * batch.num_envs, (view_size(RADIUS),), len(MOVES))
         self._recent = deque[bool](maxlen=RECENT_EPISODES)
         self._arrays, _ = batch.reset(seed=seed)
         teacher.begin(np.arange(batch.num_envs), self._arrays)
@@ -123,8 +120,7 @@ class CloneLearner:
 
     def network(self) -> MoveNetwork:
         """Return a copy of the network."""
-        parts = [part for part in self._layers if isinstance(part, torch.nn.Linear)]
-        return MoveNetwork(self._batch.view_radius, RADIUS, [_copy(part) for part in parts])
+        return MoveNetwork(self._batch.view_radius, RADIUS, copied_layers(self._layers))
 
     def save_network(self, path: Path) -> None:
         """Write the file that ``CloneAgent.load`` reads."""
@@ -166,38 +162,9 @@ class CloneLearner:
         rate = LEARNING_RATE * (1 - self._round / self._rounds)
         self._optimiser.param_groups[0]["lr"] = rate
         for _ in range(UPDATES):
-            views, right = self._lessons.draw(self._stream)
+            views, right = self._lessons.draw(self._stream, VIEWS)
             by_move = torch.from_numpy(views[:, turns(RADIUS)[self._stream.integers(2)]])
             walls = torch.from_numpy(views[:, WALLS] > 0)
             scores = self._layers(by_move)[..., 0].masked_fill(walls, -math.inf)
             wrong = torch.from_numpy(~right)
-            # The likelihood that the move is any of the right ones.
-            gain = scores.masked_fill(wrong, -math.inf).logsumexp(1) - scores.logsumexp(1)
-            self._optimiser.zero_grad()
-            (-gain.mean()).backward()
-            self._optimiser.step()
-
-
-class Lessons:
-    """The latest views with the moves that would have been right, at most so many."""
-
-    def __init__(self, most: int, size: int) -> None:
-        self._views = np.zeros((most, size), np.float16)
-        self._right = np.zeros((most, len(MOVES)), np.bool_)
-        self._added = 0
-
-    def add(self, views: SingleFloats, right: Flags) -> None:
-        """Add the views for which a move is right, in place of the oldest."""
-        useful = right.any(axis=1)
-        places = (self._added + np.arange(useful.sum())) % len(self._views)
-        self._views[places], self._right[places] = views[useful], right[useful]
-        self._added += len(places)
-
-    def draw(self, stream: np.random.Generator) -> tuple[SingleFloats, Flags]:
-        """Return ``VIEWS`` views, ``[VIEWS, L]``, and what would have been right."""
-        drawn = stream.integers(min(self._added, len(self._views)), size=VIEWS)
-        return self._views[drawn].astype(np.float32), self._right[drawn]
-
-
-def _copy(part: Any) -> Layer:
-    return part.weight.detach().numpy().copy(), part.bias.detach().numpy().copy()
+            improve(self._optimiser, scores, wrong)

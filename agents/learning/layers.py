@@ -72,6 +72,11 @@ def outputs_of(
         return inputs @ weights.T + biases
 
 
+def rectified(values: SingleFloats) -> SingleFloats:
+    """Return values with 0 in place of those below it."""
+    return np.maximum(values, 0)
+
+
 def save_layers(path: str | Path, header: dict[str, Any], layers: Sequence[Layer]) -> None:
     """Write layers and a header to one ``.npz`` file, whole or not at all."""
     arrays: dict[str, NDArray[Any]] = {"header": pack_header(header)}

@@ -21,11 +21,8 @@ It is given the steps taken so far, the share of the latest episodes that ended 
 """
 
 
-class Learner(Protocol):
+class Resumable(Protocol):
     """A training that can be stopped while it is watched, and resumed later to the same result."""
-
-    def learn(self, watch: WatchTraining) -> MakeAgent:
-        """Train to the end, and return what makes the agent."""
 
     def state(self) -> Any:
         """Return all that further training depends on, to be pickled before the training goes on.
@@ -35,3 +32,10 @@ class Learner(Protocol):
 
     def restore(self, state: Any) -> None:
         """Go on from a state that a learner with the same arguments had."""
+
+
+class Learner(Resumable, Protocol):
+    """A training of an agent."""
+
+    def learn(self, watch: WatchTraining) -> MakeAgent:
+        """Train to the end, and return what makes the agent."""

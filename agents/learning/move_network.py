@@ -10,14 +10,13 @@ from collections.abc import Sequence
 from pathlib import Path
 from typing import Any
 
-import numpy as np
-
 from agents.learning.layers import (
     Layer,
     SingleFloats,
     checked_layers,
     load_network,
     outputs_of,
+    rectified,
     save_layers,
 )
 from agents.learning.map_memory import turns, view_size
@@ -46,7 +45,7 @@ class MoveNetwork:
     def scores(self, views: SingleFloats) -> SingleFloats:
         """Return how good N, E, S and W are in ``[B, L]`` views of a ``MapMemory``, ``[B, 4]``."""
         inputs = views[:, turns(self.radius)[0]]
-        return outputs_of(self.layers, inputs, _rectified)[..., 0]
+        return outputs_of(self.layers, inputs, rectified)[..., 0]
 
     def save(self, path: str | Path) -> None:
         """Write the network to one ``.npz`` file, whole or not at all."""
@@ -69,7 +68,3 @@ def _network(header: Any, layers: list[Layer]) -> MoveNetwork:
         whole_number(name, header.get(name), 0, MAX_VIEW_RADIUS) for name in HEADER_KEYS
     )
     return MoveNetwork(view_radius, radius, layers)
-
-
-def _rectified(values: SingleFloats) -> SingleFloats:
-    return np.maximum(values, 0)

@@ -2,9 +2,10 @@
 
 from __future__ import annotations
 
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
+from numpy.typing import NDArray
 
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels.buffers import IS_COMPILED, buffer_of, prepare
@@ -62,6 +63,9 @@ class PIBT:
         0.96
     """
 
+    ranks_moves = False
+    """True if a class computes the keys of choices itself, also where kernels are compiled."""
+
     def __init__(self, graph: Graph, seed: int = 0, turn_cost: float = 0.0) -> None:
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
         self.seed = seed_number(seed)
@@ -99,34 +103,42 @@ class PIBT:
             (team.is_taken, is_taken),
         ):  # fmt: skip
             kept[:] = buffer_of(new)
-        if not IS_COMPILED:
-            self._sort_choices(rows, places, goals, robot_in)
+        if self.ranks_moves or not IS_COMPILED:
+            near = self.fields.near[places]
+            self._sort_choices(near, self._keys(rows, places, goals, robot_in))
         choose(self.fields.floor, team, self.fields.table)
         self.pushers = np.array(team.pushers)
         return np.array(team.chosen) % self.graph.size
 
-    def _sort_choices(
+    def _keys(
         self, rows: Integers, places: Integers, goals: Integers, robot_in: Integers
-    ) -> None:
-        """Do what ``kernels.rounds.sort_choices`` does, for all robots at once.
+    ) -> NDArray[Any]:
+        """Return the keys of the choices of all robots, ``[R, 5]``; low ones are tried first.
 
-        NumPy is faster than plain Python if there are more than a few robots.
+        The keys are as in ``kernels.rounds.sort_choices``. NumPy is faster than plain Python if
+        there are more than a few robots.
         """
-        team, near, closed = self._team, self.fields.near[places], self.graph.places
-        is_step, number = near != closed, np.arange(len(places), dtype=np.int64)
+        team, near = self._team, self.fields.near[places]
+        is_step, number = near != self.graph.places, np.arange(len(places), dtype=np.int64)
         to = np.where(is_step, near, places[:, None])
         draw(team.random)
         chance = cast(Integers, mix(cast(int, team.random[0] + number * SPREAD)))[:, None]
         chance = chance >> 3 * (is_step.cumsum(axis=1) - 1) & CHANCE_KEY
         distances = self.fields.matrix[rows[:, None], to].astype(np.int64)
-        keys = (distances + self.fields.prices[places]) * (STEP_KEY // self.fields.step) + chance
+        keys: Integers = (distances + self.fields.prices[places]) * (
+            STEP_KEY // self.fields.step
+        ) + chance
         keys += OCCUPIED_KEY * (robot_in[to % self.graph.size] != NOBODY)
         keys[:, STAY] += WAIT_KEY - OCCUPIED_KEY
         keys[(places % self.graph.size == goals) | (distances[:, STAY] == FAR), STAY] = 0
         keys[~is_step] = np.iinfo(np.int64).max
-        best = np.argsort(keys, axis=1, kind="stable")
-        team.choices[:] = buffer_of(np.take_along_axis(to, best, 1))
-        team.options[:] = buffer_of(is_step.sum(axis=1))
+        return keys
+
+    def _sort_choices(self, near: Integers, keys: NDArray[Any]) -> None:
+        """Sort the choices of all robots by their keys; closed cells have the highest."""
+        team, best = self._team, np.argsort(keys, axis=1, kind="stable")
+        team.choices[:] = buffer_of(np.take_along_axis(near, best, 1))
+        team.options[:] = buffer_of((near != self.graph.places).sum(axis=1))
         team.is_sorted[0] = 1
 
 

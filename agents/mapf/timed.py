@@ -4,8 +4,12 @@ A robot that turns a corner, or turns back, is then late for its plan, and so is
 for it at a cell. Where nobody knows that, robots come to crossings at other times than planned, and
 brake there for those who are later. So the planner counts corners as part of a way, and keeps a
 clock for each robot: one that is late by half a step stays for a step, and the plan of the others
-goes on from there. Bodies of a fleet that drive through need no clocks, as they show by the room in
-their ways how late they are; see ``Ways``.
+goes on from there.
+
+Bodies of a fleet that drive through need no clocks, as they show by the room in their ways how late
+they are; see ``Ways``. In short steps of a motion they get room at different times, and do not move
+in joint steps: a plan is made once in the time of a cell, and until the next one each robot goes on
+as soon as it has room, in the order of the plan at each cell. The next plan goes on from there.
 
 How much time corners take is measured: a robot drives round one, without and with an item.
 """
@@ -20,9 +24,10 @@ from typing import TYPE_CHECKING, NamedTuple
 import numpy as np
 
 from agents.mapf.graph import Graph
+from agents.mapf.passing import PassingOrder
 from agents.mapf.planner import Situation
 from agents.mapf.windows import GROUPS, WINDOW, WindowedPlanner
-from warehouse_core.motion.base import DrivesThrough, Motion
+from warehouse_core.motion.base import DrivesThrough, Motion, cell_steps_of
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Integers
 
@@ -33,6 +38,9 @@ __all__ = ["Clocks", "Pace", "TimedPlanner", "pace_of"]
 
 LATE = 0.5
 """Steps by which a robot is late when it stays for a step."""
+
+HELD = 3
+"""Times of a cell without room after which a robot is held where it is."""
 
 
 class Pace(NamedTuple):
@@ -130,6 +138,59 @@ class Clocks:
             late[moves] = waits
 
 
+class Follower:
+    """Lets robots that drive through pass cells in the order of plans in steps of a cell.
+
+    Args:
+        windows: planner of the joint steps.
+        cell_steps: steps of the motion in which a robot crosses a cell, about.
+    """
+
+    def __init__(self, windows: WindowedPlanner, cell_steps: int) -> None:
+        self._windows, self._cell_steps = windows, cell_steps
+        self._cells: Integers = np.empty(0, np.intp)
+        self._goals = self._since = self._cells
+        self._order: PassingOrder | None = None
+        self._steps = 0
+
+    def next_cells(self, situation: Situation) -> Integers:
+        """Return the end of the way of each robot after the next step of the motion."""
+        cells, goals = situation.cells, situation.goals
+        if len(cells) != len(self._cells):
+            self._since, self._order = np.zeros(len(cells), np.intp), None
+        else:
+            self._since = np.where(cells == self._cells, self._since + 1, 1)
+        if self._order and self._order.cells() != cells.tolist():
+            self._order = None  # robots were led by somebody else
+        self._steps += 1
+        is_due = self._steps >= self._cell_steps or not np.array_equal(goals, self._goals)
+        self._cells, self._goals = cells.copy(), goals.copy()
+        if self._order is None or is_due:
+            self._order, self._steps = self._planned(situation), 0
+        able = np.flatnonzero(~situation.stays).tolist()
+        is_closed = set(situation.closed.tolist())
+        ways = self._order.ways
+        able = [each for each in able if is_closed.isdisjoint(ways[each][1:2])]
+        self._order.move(self._order.movers(able))
+        return np.array(self._order.cells(), cells.dtype)
+
+    def plan_of(self, robot: int) -> list[int]:
+        """Return the cells of a robot from the end of the step just chosen on; see ``Planner``."""
+        return self._order.ways[robot] if self._order and robot < len(self._order.ways) else []
+
+    def _planned(self, situation: Situation) -> PassingOrder:
+        """Return the order of a plan that goes on from the present one."""
+        since, usual = self._since, self._cell_steps
+        # Whoever should have room by now will have it soon, and moves in this step of the plan.
+        is_late = (since >= usual) & (since <= HELD * usual) & (situation.cells != situation.goals)
+        stays = situation.stays & ~is_late
+        if self._order:
+            late = np.flatnonzero(stays).tolist()
+            self._windows.go_on(self._order.plan(self._windows.window - 1, late))
+        self._windows.next_cells(situation._replace(stays=stays))
+        return PassingOrder(self._windows.cells)
+
+
 class TimedPlanner:
     """Plans as ``WindowedPlanner`` does, with the seconds that corners take.
 
@@ -164,6 +225,7 @@ class TimedPlanner:
         self._windows = WindowedPlanner(graph, *self._given)  # until the pace is known
         self._pace: Pace | None = None
         self._has_clocks = True
+        self._cell_steps = 1
         self.reset()
 
     @property
@@ -174,6 +236,7 @@ class TimedPlanner:
     def plan_for(self, motion: Motion) -> None:
         """Plan for the robots of a fleet; see ``MotionPlanner``."""
         drives = isinstance(motion, DrivesThrough)
+        self._cell_steps = round(cell_steps_of(motion)) if drives else 1
         spec: RobotSpec | None = getattr(motion, "spec", None) if drives else None
         self._set_pace(pace_of(spec) if spec else Pace(), has_clocks=False)
 
@@ -181,6 +244,8 @@ class TimedPlanner:
         """Forget the last episode."""
         self._windows.reset()
         self._clocks: Clocks | None = None
+        is_short = self._cell_steps > 1
+        self._follower = Follower(self._windows, self._cell_steps) if is_short else None
 
     def next_cells(self, situation: Situation) -> Integers:
         """Return the cell of each robot after the next joint step; see ``Planner``."""
@@ -189,6 +254,8 @@ class TimedPlanner:
 
             self._set_pace(pace_of(RobotSpec()), has_clocks=True)
         assert self._pace is not None
+        if self._follower:
+            return self._follower.next_cells(situation)
         if not self._has_clocks:
             return self._windows.next_cells(situation)
         if self._clocks is None or len(self._clocks.late) != len(situation.cells):
@@ -200,8 +267,9 @@ class TimedPlanner:
 
     def plan_of(self, robot: int) -> list[int]:
         """Return the cells of a robot from the end of the step just chosen on; see ``Planner``."""
-        return self._windows.plan_of(robot)
+        return (self._follower or self._windows).plan_of(robot)
 
     def _set_pace(self, pace: Pace, has_clocks: bool) -> None:
         self._pace, self._has_clocks = pace, has_clocks
         self._windows = WindowedPlanner(self._floor, *self._given, turn_cost=pace.corner)
+        self.reset()

@@ -12,6 +12,7 @@ IJCAI: groups that are planned anew.
 
 from __future__ import annotations
 
+from copy import copy
 from math import inf
 from time import perf_counter
 
@@ -130,6 +131,16 @@ class WindowedPlanner:
             return []
         found: list[int] = (self._places[robot, 1:] % self.graph.size).tolist()
         return found
+
+    @property
+    def cells(self) -> Integers:
+        """Cells of the plan from before the step just chosen on, ``[R, window + 1]``."""
+        return self._places % self.graph.size
+
+    def go_on(self, cells: Integers) -> None:
+        """Let the next plan go on from another one: cells from now on, ``[R, window]``."""
+        memory = copy(self._memory)  # which is to know nothing of times that have not come
+        self._places[:, 1:] = np.array([memory.places(each) for each in cells.T]).T
 
     def _plan(self, situation: Situation, places: Integers | None) -> None:
         """Plan for robots, which have headings if their present places are given."""

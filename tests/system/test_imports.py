@@ -87,10 +87,10 @@ MAY_IMPORT = {
     "agents/warehouse_agent_greedy": "",
     "agents/search": "warehouse_agent_greedy",
     "agents/kinds": "search warehouse_agent_greedy",
-    "agents/learning": "errors warehouse_agent_greedy",
     "agents/mapf": "errors mapf/kernels",
     "agents/mapf/league": "errors mapf",
     "agents/fleet": "errors mapf mapf/kernels",
+    "agents/learning": "errors fleet mapf mapf/kernels warehouse_agent_greedy",
     "agents/lab": "errors fleet mapf",
     "agents/lab/runs": "errors fleet",
     "agents/registry": "errors fleet kinds learning mapf search warehouse_agent_greedy",
@@ -112,7 +112,7 @@ MAY_IMPORT = {
         "lab/trials registry"
     ),
     "agents/lab/commands/gap": (
-        "errors fleet lab lab/console lab/reports lab/runs lab/trials registry"
+        "errors fleet lab lab/console lab/reports lab/runs lab/trials mapf mapf/kernels registry"
     ),
     "agents/lab/commands/grade": "errors lab lab/console lab/grading lab/reports lab/trials",
     "agents/lab/playground": "errors lab lab/grading lab/runs registry",

@@ -248,7 +248,7 @@ class Training:
             "seed": self.seed,
             **self.task._asdict(),
             "layout": layout.rows if isinstance(layout, Layout) else repr(layout),
-            **_installed_versions(),
+            **installed_versions(),
         }
 
     def _restored(self, learner: Learner) -> Progress | None:
@@ -312,7 +312,8 @@ class Training:
             say(f"saved {target}")
 
 
-def _installed_versions() -> dict[str, str]:
+def installed_versions() -> dict[str, str]:
+    """Return the versions on which the result of a training depends, by distribution."""
     from importlib.metadata import PackageNotFoundError, version  # takes long to import
 
     found = {}

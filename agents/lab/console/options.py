@@ -167,7 +167,7 @@ FleetBackend = Annotated[
 
 ROBOTS = PARAMETERS["robots"].help
 RobotsOption = Annotated[int, parameter_option("robots", "-r N")]
-PLANNER = f"Planner by name: {', '.join(PLANNERS)}, or your own as file.py:Class."
+PLANNER = f"Planner by name: {', '.join(PLANNERS)}, clone:FILE, or your own as file.py:Class."
 AssignmentOption = Annotated[str | None, option("--assignment NAME", PARAMETERS["assignment"].help)]
 PlanSeconds = Annotated[
     float,

@@ -13,7 +13,7 @@ from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
-from agents.learning.learner import Learner
+from agents.learning.learner import Resumable
 from warehouse_core.errors import RecordError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.wording import brief
@@ -22,7 +22,7 @@ FORMAT = "warehouse-lab checkpoint 1"
 
 
 def save_checkpoint(
-    path: Path, options: Mapping[str, Any], learner: Learner, progress: object
+    path: Path, options: Mapping[str, Any], learner: Resumable, progress: object
 ) -> None:
     """Write a checkpoint, whole or not at all.
 
@@ -37,7 +37,7 @@ def save_checkpoint(
         part.write_bytes(f"{FORMAT} {_digest(content)}\n".encode() + content)
 
 
-def load_checkpoint(path: Path, options: Mapping[str, Any], learner: Learner) -> Any:
+def load_checkpoint(path: Path, options: Mapping[str, Any], learner: Resumable) -> Any:
     """Restore a learner, and return the progress that was saved with it.
 
     Raises:

@@ -29,6 +29,9 @@ MAX_PAIRS = 1_000_000
 Beyond it only robots without a task get one, so many robots at a time.
 """
 
+BUSY = 0.27
+"""Robots that have tasks at a time, as a share of the open cells; more would block one another."""
+
 KEEP = 1.0
 """Steps by which another task must be shorter before a robot changes its task."""
 
@@ -37,7 +40,7 @@ class Scheduler:
     """Gives tasks to robots so that the sum of their lengths is least.
 
     The length of a task is the distance of the robot to its first cell, turns included, and from
-    there through its other cells.
+    there through its other cells. On crowded floors robots without a task give way to others.
 
     Args:
         graph: floor, of which only the cells are used.
@@ -82,6 +85,8 @@ class Scheduler:
         if len(robots) * (len(known) - len(taken)) > MAX_PAIRS:
             robots, taken = np.flatnonzero(schedule == NO_TASK), set(schedule.tolist())
         open_tasks = [task for task in known.values() if task.number not in taken]
+        busy = int((np.delete(schedule, robots) != NO_TASK).sum())
+        room = max(1, int(BUSY * len(self._graph.layout.open_cells))) - busy
         for some in self._portions(robots, len(open_tasks)):
             costs = self._lengths(cells[some], headings[some], open_tasks)
             column = {task.number: index for index, task in enumerate(open_tasks)}
@@ -90,6 +95,9 @@ class Scheduler:
             costs[has, held[has]] -= KEEP
             schedule[some] = NO_TASK
             rows, columns = cheapest_matching(costs)
+            shortest = np.argsort(costs[rows, columns], kind="stable")[: max(0, room)]
+            rows, columns = rows[shortest], columns[shortest]
+            room -= len(rows)
             numbers = np.array([task.number for task in open_tasks])
             schedule[some[rows]] = numbers[columns]
             gone = set(columns.tolist())

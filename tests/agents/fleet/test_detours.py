@@ -16,14 +16,19 @@ Aims = list[dict[int, Cell]]
 
 
 def aims(
-    layout: Layout, cells: list[Cell], goals: list[Cell], people: list[Cell], stays: int = 0
+    layout: Layout,
+    cells: list[Cell],
+    goals: list[Cell],
+    people: list[Cell],
+    stays: int = 0,
+    cell_steps: int = 1,
 ) -> Aims:
     """Return where robots that do not move are to go in each step; the last so many stay."""
-    detours, robots = Detours(Graph(layout), len(cells)), np.arange(len(cells))
+    detours, robots = Detours(Graph(layout), len(cells), cell_steps), np.arange(len(cells))
     here, there, persons = (layout.numbers(each) for each in (cells, goals, people))
     found = [
         detours.goals(here, there, robots >= len(cells) - stays, persons)
-        for _ in range(PATIENCE + 1)
+        for _ in range(PATIENCE * cell_steps + 1)
     ]
     return [{robot: layout.cell(aim) for robot, aim in each.items()} for each in found]
 
@@ -37,6 +42,11 @@ def test_a_robot_goes_around_who_is_in_its_way_as_far_as_the_way_is_straight(
     assert found[:PATIENCE] == [{}] * PATIENCE
     [(_, aim)] = found[PATIENCE].items()
     assert aim[0] == 2  # the way there does not lead through who is in the way, the rest neither
+
+
+def test_a_robot_that_takes_four_steps_for_a_cell_waits_four_times_longer() -> None:
+    found = aims(RING, [(0, 1)], [(0, 4)], [(0, 2)], cell_steps=4)
+    assert [bool(each) for each in found] == [False] * (4 * PATIENCE) + [True]
 
 
 def test_a_robot_that_waits_for_another_beside_a_person_goes_before_others() -> None:

@@ -22,10 +22,16 @@ def stays(cells: list[Cell], people: list[Cell]) -> list[Cell]:
 class Floor:
     """Robots that move only as planned, and people who walk by a function."""
 
-    def __init__(self, layout: Layout, cells: list[Cell], goals: list[Cell | None]) -> None:
+    def __init__(
+        self,
+        layout: Layout,
+        cells: list[Cell],
+        goals: list[Cell | None],
+        cell_steps: float = 1.0,
+    ) -> None:
         self.layout, self.cells, self.people = layout, cells, list[Cell]()
         self._goals, self._fields = goals, Fields(Graph(layout))
-        self._escapes = Escapes(self._fields, len(cells))
+        self._escapes = Escapes(self._fields, len(cells), cell_steps)
         self.held: list[int] = []
 
     def step(self, has_worked: bool = False, fixed: tuple[int, ...] = ()) -> dict[int, Cell]:
@@ -63,6 +69,13 @@ def test_nothing_is_planned_while_a_robot_comes_nearer_or_works() -> None:
     assert [floor.step() for _ in range(PATIENCE)] == [{}] * PATIENCE
     floor.cells = [(0, 4), (0, 3)]
     assert [floor.step() for _ in range(PATIENCE)] == [{}] * PATIENCE
+
+
+def test_a_fleet_that_takes_four_steps_for_a_cell_is_stuck_four_times_later() -> None:
+    floor = Floor(DEAD_END, [(0, 4), (0, 3)], [(2, 5), (0, 4)], cell_steps=4.0)
+    waits = 4 * PATIENCE
+    assert [floor.step() for _ in range(waits)] == [{}] * waits
+    assert set(floor.step()) == {0, 1}
 
 
 def test_robots_change_places_where_a_way_leads_aside() -> None:

@@ -7,11 +7,12 @@ from helpers.mapf_problems import situation
 from agents.mapf.execution import drive_through
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import run_lifelong
-from agents.mapf.planner import MotionPlanner
-from agents.mapf.timed import Clocks, Pace, TimedPlanner, pace_of
+from agents.mapf.planner import MotionPlanner, Situation
+from agents.mapf.timed import HELD, Clocks, Follower, Pace, TimedPlanner, pace_of
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import GridMotion, Layout, shelf_layout
 from warehouse_core.motion.base import cell_steps_of
+from warehouse_core.world.tables import Integers
 from warehouse_physics import DrivingMotion, RobotSpec
 
 ROOM = Graph(Layout(["." * 6] * 4))
@@ -80,3 +81,75 @@ def test_a_motion_says_how_many_steps_a_cell_takes() -> None:
     assert cell_steps_of(GridMotion()) == 1
     assert cell_steps_of(DrivingMotion(period=0.25)) == pytest.approx(4)
     assert cell_steps_of(DrivingMotion(RobotSpec(top_speed=0.5))) == pytest.approx(1)
+
+
+class Counting(WindowedPlanner):
+    """Counts the plans that it makes."""
+
+    plans = 0
+
+    def next_cells(self, situation: Situation) -> Integers:
+        """Return the next cells of one more plan."""
+        self.plans += 1
+        return super().next_cells(situation)
+
+
+def follower() -> tuple[Follower, Counting]:
+    """Return what follows plans in quarters of a step, and the planner of these."""
+    windows = Counting(ROOM, seed=1)
+    return Follower(windows, 4), windows
+
+
+def test_robots_go_on_in_the_order_of_a_plan_when_they_have_room() -> None:
+    following, windows = follower()
+    first = following.next_cells(situation([0, 1], [5, 5 + 6], stays=[0]))
+    assert first[0] == 0
+    assert following.plan_of(1)[0] == first[1] != 1
+    then = following.next_cells(situation(first, [5, 5 + 6], stays=[1]))
+    assert (then[0] != 0, then[1]) == (True, first[1])
+    assert [bool(following.plan_of(robot)) for robot in range(3)] == [True, True, False]
+    assert windows.plans == 1
+    following.next_cells(situation(then, [5, 4 + 6], stays=[0, 1]))
+    assert windows.plans == 2, "a goal has changed"
+    for _ in range(4):
+        following.next_cells(situation(then, [5, 4 + 6], stays=[0, 1]))
+    assert windows.plans == 3, "the time of a cell has passed"
+
+
+def test_a_motion_in_short_steps_is_followed() -> None:
+    planner = TimedPlanner(ROOM)
+    planner.plan_for(DrivingMotion(period=0.25))
+    planner.next_cells(situation([0], [5], stays=[0]))
+    assert planner.plan_of(0) == [0, 1, 2, 3, 4, 5]
+    planner.reset()
+    assert planner.plan_of(0) == []
+
+
+def test_robots_that_are_elsewhere_or_others_are_planned_for_anew() -> None:
+    following, windows = follower()
+    following.next_cells(situation([0], [5]))
+    assert following.next_cells(situation([12], [5])).tolist() in ([6], [13])
+    assert following.next_cells(situation([0, 5], [5, 0]))[0] in (1, 6)
+    assert windows.plans == 3
+
+
+def test_nobody_enters_a_cell_that_is_closed_between_two_plans() -> None:
+    following, windows = follower()
+    [after] = following.next_cells(situation([0], [5], stays=[0])).tolist()
+    to = following.plan_of(0)[1]
+    assert following.next_cells(situation([after], [5], closed=[to])).tolist() == [after]
+    assert following.next_cells(situation([after], [5])).tolist() == [to]
+    assert windows.plans == 1
+
+
+def test_who_is_held_for_long_is_planned_around() -> None:
+    corridor = Graph(Layout(["....."]))
+    windows = Counting(corridor, seed=1)
+    following, waits = Follower(windows, 4), situation([1, 0], [4, 3], stays=[0, 1])
+    expected = []
+    for _ in range(4 * (HELD + 2)):
+        following.next_cells(waits)
+        expected.append(int(windows.cells[0, 1]))
+    assert expected[0] == 1, "it has just moved"
+    assert 2 in expected, "it should have room by now"
+    assert expected[-1] == 1, "it is held"

@@ -82,12 +82,14 @@ def gap(
 
     The same fleet, orders and planner on the grid, on bodies that stop in
     every cell, on bodies that drive through, and on these with disturbances.
-    An episode ends when all orders are delivered. A step of --order-rate and
-    --due is 1 s, one of the plan: orders come and are due at the same seconds
-    in all worlds. A joint step of bodies that stop lasts as long as the move of
-    a loaded robot; bodies that drive through are planned for in quarters of 1 s.
+    A row of bodies that drive through each other, each as if alone on the floor,
+    tells what traffic costs. An episode ends when all orders are delivered. A
+    step of --order-rate and --due is 1 s, one of the plan: orders come and are
+    due at the same seconds in all worlds. A joint step of bodies that stop lasts
+    as long as the move of a loaded robot; bodies that drive through are planned
+    for in quarters of 1 s.
 
-    By default this takes about 20 s. Give -n 20 for 95% intervals, in five times
+    By default this takes about 25 s. Give -n 20 for 95% intervals, in five times
     as long.
 
     Example: warehouse gap --robots 8 --count 20 -n 3 --save gap.html

@@ -9,7 +9,7 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.lab.commands.gap.trial import Score
-from agents.lab.commands.gap.worlds import DISTURBED, DRIVING, PLAN, STOPPING, Shocks
+from agents.lab.commands.gap.worlds import ALONE, DISTURBED, DRIVING, PLAN, STOPPING, Shocks
 from agents.lab.console.table import TextTable
 from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
 from agents.lab.trials.wording import above_interval, percent
@@ -81,7 +81,7 @@ def message(scores: SeedScores, shocks: Shocks) -> str:
     disturbed = f" ({parts[DISTURBED]} with {what})" if what else ""
     return (
         f"Driving through brings {parts[DRIVING]} of what the plan promises{disturbed}, "
-        f"stopping in every cell {parts[STOPPING]}"
+        f"{parts[ALONE]} if robots do not meet, stopping in every cell {parts[STOPPING]}"
     )
 
 

@@ -11,10 +11,11 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.errors import EpisodeError
-from agents.fleet.planned import PlannedFleet, wants_dispatch
+from agents.fleet.planned import DEFAULT_ASSIGNMENT, PlannedFleet, wants_dispatch
+from agents.lab.commands.gap.alone import AloneFleet
 from agents.lab.commands.gap.orders import TimedOrder, draw_orders, in_steps
 from agents.lab.commands.gap.spent_time import time_spent
-from agents.lab.commands.gap.worlds import Shocks, World, make_world
+from agents.lab.commands.gap.worlds import ALONE, Shocks, World, make_world
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import run
 from agents.registry import make_fleet_agent
@@ -23,6 +24,7 @@ from warehouse_core.batch.fleet.battery import JOULES
 from warehouse_core.batch.fleet.tally import SECONDS_PER_HOUR
 from warehouse_core.fleet import Battery
 from warehouse_core.motion.grid import NOMINAL_SECONDS
+from warehouse_core.records import FleetAgent
 
 TOP_SPEED = 1.0
 """Nominal top speed of the robots of all worlds in m/s."""
@@ -92,10 +94,12 @@ def run_trial(world: str, seed: int, *, setting: Setting, kept: int | None = Non
     """Run a fleet until all orders are delivered; the record of the seed ``kept`` is kept."""
     name, orders = setting.planner, setting.orders(seed)
     motion = make_world(world, setting.shocks, setting.robots, orders[-1].released, seed)
-    agent = make_fleet_agent(
-        name, setting.assignment, seed, setting.layout, setting.robots,
-        seconds=setting.plan_seconds,
-    )  # fmt: skip
+    agent: FleetAgent = AloneFleet(setting.assignment or DEFAULT_ASSIGNMENT)
+    if world != ALONE:
+        agent = make_fleet_agent(
+            name, setting.assignment, seed, setting.layout, setting.robots,
+            seconds=setting.plan_seconds,
+        )  # fmt: skip
     with closing(make_env(setting, motion, orders, wants_dispatch(agent))) as env:
         try:
             record = run(env, agent, seed, slow_steps_told(agent, name), name=name)

@@ -1,4 +1,4 @@
-"""The motions that are compared: the grid, and bodies that are moved in three ways."""
+"""The motions that are compared: the grid, and bodies that are moved in four ways."""
 
 from __future__ import annotations
 
@@ -8,15 +8,22 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
+from agents.lab.commands.gap.alone import OwnFloors
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.motion.base import Motion
 from warehouse_core.motion.grid import NOMINAL_SECONDS
 
-PLAN, STOPPING, DRIVING, DISTURBED = "grid plan", "stopping", "driving through", "disturbed"
+PLAN, STOPPING, ALONE, DRIVING, DISTURBED = (
+    "grid plan",
+    "stopping",
+    "each robot alone",
+    "driving through",
+    "disturbed",
+)
 
-WORLDS = (PLAN, STOPPING, DRIVING, DISTURBED)
+WORLDS = (PLAN, STOPPING, ALONE, DRIVING, DISTURBED)
 """The names of the worlds: the plan on the grid, bodies that stop in every cell, bodies that drive
-through, and these with disturbances."""
+through and meet nobody, bodies that drive through, and these with disturbances."""
 
 
 STEPS_OF_A_CELL = 4
@@ -64,6 +71,8 @@ def make_world(name: str, shocks: Shocks, robots: int, busy_seconds: float, seed
         return World(backend, backend().spec.move_seconds(loaded=True))
     backend = load_backend("driving")
     period = backend().period / STEPS_OF_A_CELL
+    if name == ALONE:
+        return World(lambda: OwnFloors(backend(period=period)), period)
     if name == DRIVING:
         return World(partial(backend, period=period), period)
     from warehouse_physics import Disturbances, Stop

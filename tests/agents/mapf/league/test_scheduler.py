@@ -47,6 +47,14 @@ def test_robots_swap_tasks_and_some_have_none() -> None:
     assert assign([], [4], [EAST], [NO_TASK]) == [NO_TASK]
 
 
+def test_on_a_crowded_floor_the_shortest_tasks_are_done(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setattr(scheduler, "BUSY", 2 / 14)
+    tasks = [Task(0, (5,), 0), Task(1, (1,), 0), Task(2, (13,), 0)]
+    assert assign(tasks, [2, 0, 12], [EAST] * 3, [NO_TASK] * 3) == [NO_TASK, 1, 2]
+    begun = [Task(0, (2, 5), 0, visited=1), *tasks[1:]]
+    assert sorted(assign(begun, [2, 0, 12], [EAST] * 3, [0, NO_TASK, NO_TASK])) == [NO_TASK, 0, 1]
+
+
 def test_a_large_problem_has_manhattan_distances_and_small_matchings(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -13,7 +13,15 @@ from helpers.player import page_in, said_by
 from agents.lab.commands.gap.spent_time import KINDS
 from agents.lab.commands.gap.summary import gap_table, losses, message
 from agents.lab.commands.gap.trial import Score
-from agents.lab.commands.gap.worlds import DISTURBED, DRIVING, PLAN, STOPPING, WORLDS, Shocks
+from agents.lab.commands.gap.worlds import (
+    ALONE,
+    DISTURBED,
+    DRIVING,
+    PLAN,
+    STOPPING,
+    WORLDS,
+    Shocks,
+)
 
 SMALL = (
     "gap", "--robots", 2, "--count", 3, "--order-rate", 0.1, "--seed", 5, "--jobs", 1, "--stop", 5,
@@ -30,9 +38,11 @@ def caption_at(track: Any, moment: float) -> str:
     return caption
 
 
-def scores(stopping: float, driving: float, disturbed: float) -> dict[str, list[Score]]:
+def scores(
+    stopping: float, driving: float, disturbed: float, alone: float = 1.0
+) -> dict[str, list[Score]]:
     """Return scores of two seeds, the second half as fast, with shares of the plan's deliveries."""
-    shares = {PLAN: 1.0, STOPPING: stopping, DRIVING: driving, DISTURBED: disturbed}
+    shares = dict(zip(WORLDS, (1.0, stopping, alone, driving, disturbed), strict=True))
     return {
         world: [PLAIN._replace(per_hour=rate * share) for rate in (100.0, 50.0)]
         for world, share in shares.items()
@@ -50,7 +60,7 @@ def test_worlds_are_compared_in_a_table_a_page_and_a_file_of_values(warehouse: W
         assert float(row["per_hour"]) == pytest.approx(3 / float(row["makespan"]) * 3600)
         spent = [float(row[f"seconds a delivery {kind}"]) for kind in KINDS]
         # The record ends in the first step of the last drop, a quarter of a second if robots drive.
-        rest = 0.75 if row["world"] in (DRIVING, DISTURBED) else 0.0
+        rest = 0.75 if row["world"] in (ALONE, DRIVING, DISTURBED) else 0.0
         assert sum(spent) == pytest.approx(2 * (float(row["makespan"]) - rest) / 3)
     means = {
         world: sum(float(rows[f"{world}{seed}"]["makespan"]) for seed in (5, 6)) / 2
@@ -73,9 +83,10 @@ def test_worlds_are_compared_in_a_table_a_page_and_a_file_of_values(warehouse: W
 
 
 def test_the_message_has_the_mean_of_the_shares_of_each_seed() -> None:
-    found = scores(0.5, 0.9, 0.8)
+    found = scores(0.5, 0.9, 0.8, alone=0.95)
     assert message(found, NO_SHOCKS) == (
-        "Driving through brings 90% of what the plan promises, stopping in every cell 50%"
+        "Driving through brings 90% of what the plan promises, 95% if robots do not meet, stopping "
+        "in every cell 50%"
     )
     assert "(80% with 5% noise and a stop of 60 s)" in message(found, Shocks(0.05, 60.0))
     assert "(80% with a dead robot)" in message(found, Shocks(0.0, inf))
@@ -85,15 +96,15 @@ def test_intervals_of_shares_are_of_pairs() -> None:
     many = {world: runs * 10 for world, runs in scores(0.5, 0.9, 0.8).items()}
     rows = {name: cells for name, *cells in gap_table(many, "").rows}
     assert re.fullmatch(r"75\.0\n\(\d\d\.\d to \d\d\.\d\)", rows[PLAN][0])
-    assert [rows[world][1] for world in WORLDS] == ["100", "50", "90", "80"]
+    assert [rows[world][1] for world in WORLDS] == ["100", "50", "100", "90", "80"]
 
 
 def test_a_plan_that_delivers_nothing_has_no_shares() -> None:
     nothing = {world: [PLAIN._replace(per_hour=0.0)] for world in WORLDS}
-    assert [cells[2] for cells in gap_table(nothing, "").rows] == ["none"] * 4
+    assert [cells[2] for cells in gap_table(nothing, "").rows] == ["none"] * 5
     assert message(nothing, NO_SHOCKS).startswith("Driving through brings none of what the plan")
     half = {world: [*runs, PLAIN] for world, runs in nothing.items()}
-    assert [cells[2] for cells in gap_table(half, "").rows] == ["100"] * 4
+    assert [cells[2] for cells in gap_table(half, "").rows] == ["100"] * 5
 
 
 def test_what_is_lost_is_said() -> None:

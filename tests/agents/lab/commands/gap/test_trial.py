@@ -11,6 +11,7 @@ from agents.lab.commands.gap.orders import TimedOrder, draw_orders, in_steps
 from agents.lab.commands.gap.spent_time import time_spent
 from agents.lab.commands.gap.trial import Setting, count_hits, make_env, run_trial, score_of
 from agents.lab.commands.gap.worlds import (
+    ALONE,
     DISTURBED,
     DRIVING,
     PLAN,
@@ -59,7 +60,7 @@ def test_times_in_steps_are_never_too_early_nor_due_too_late() -> None:
 
 def test_a_step_lasts_for_a_cell_or_a_quarter_of_it_or_until_a_loaded_robot_is_at_rest() -> None:
     seconds = [make_world(world, SETTING.shocks, 3, 60.0, 1).step_seconds for world in WORLDS]
-    assert seconds == pytest.approx([1.0, 2.37, 0.25, 0.25], abs=0.05)
+    assert seconds == pytest.approx([1.0, 2.37, 0.25, 0.25, 0.25], abs=0.05)
 
 
 @pytest.mark.parametrize("world", WORLDS)
@@ -110,6 +111,22 @@ def test_a_robot_that_stops_waits() -> None:
         score = run_trial(world, 1, setting=setting).score
         waits[world] = score.spent[2]
     assert waits[DRIVING] + STOP - 2 < waits[DISTURBED] < waits[DRIVING] + STOP + 2
+
+
+def test_a_robot_without_others_is_as_fast_as_alone() -> None:
+    setting = replace(SETTING, planner="timed", robots=1)
+    alone, driving = (run_trial(world, 3, setting=setting).score for world in (ALONE, DRIVING))
+    assert alone.makespan == pytest.approx(driving.makespan, abs=0.5)  # ways of equal cost differ
+
+
+def test_robots_that_are_each_alone_pass_each_other_in_a_corridor() -> None:
+    setting = replace(SETTING, layout=LINE, robots=2, rate=1.0, count=4)
+    record = run_trial(ALONE, 1, setting=setting, kept=1).record
+    assert record is not None
+    assert all(order.delivered for order in record.orders)
+    assert (record.cells[:, 0] == record.cells[:, 1]).any(), "one goes through the other"
+    assert count_hits(record) == 0
+    assert time_spent(record, 1.0)[2] < 1
 
 
 def test_who_waits_has_an_order() -> None:
