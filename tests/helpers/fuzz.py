@@ -301,7 +301,10 @@ def formats() -> dict[str, Format]:
     scenario = b"version 1\n0\tmaps/hall.map\t12\t7\t1\t1\t3\t1\t2.0\n5 m.map 12 7 3 3 4 3 1e0\n"
     problem = (
         b'{"mapFile": "h.map", "agentFile": "h.agents", "taskFile": "h.tasks", "teamSize": 2, '
-        b'"numTasksReveal": 1.5, "delayConfig": {"a": [[], {"b": null}]}}'
+        b'"numTasksReveal": 1.5, "unknown": {"a": [[], {"b": null}]}, "agentCounter": 4, '
+        b'"agentSize": 1.0, "delayConfig": {"seed": 1, "minDelay": 2, "maxDelay": 9, '
+        b'"eventModel": "poisson", "pDelay": 0.1, "durationModel": "gaussian", '
+        b'"gaussMeanRatio": 0.5, "gaussStdRatio": 0.2}}'
     )
     flags = (b"battery=20:200:20", b"escape=on,off", b"agent=greedy, ppo:a.npz", b"size=7x12",
              b"density=0.1,0.25", b"robot.mass=50,60", b"stations=kept")  # fmt: skip

@@ -18,7 +18,7 @@ from agents.mapf.league.tasks import NO_TASK, Task
 from agents.mapf.matching import cheapest_matching
 from warehouse_core.world.tables import Integers
 
-__all__ = ["Scheduler"]
+__all__ = ["Scheduler", "most_busy"]
 
 MAX_FIELD_BYTES = 128_000_000
 """Most memory for distances to the first cells of tasks; beyond it Manhattan distances serve."""
@@ -29,11 +29,22 @@ MAX_PAIRS = 1_000_000
 Beyond it only robots without a task get one, so many robots at a time.
 """
 
-BUSY = 0.27
-"""Robots that have tasks at a time, as a share of the open cells; more would block one another."""
+BUSY, BUSY_BY_FREE = 0.27, 2
+"""Most robots with tasks at a time, as a share of the open cells and of those without a robot."""
 
 KEEP = 1.0
 """Steps by which another task must be shorter before a robot changes its task."""
+
+
+def most_busy(open_cells: int, robots: int) -> int:
+    """Return how many robots are to have tasks at a time; more would block one another.
+
+    Example:
+        >>> from agents.mapf.league.scheduler import most_busy
+        >>> most_busy(open_cells=819, robots=400), most_busy(open_cells=819, robots=800)
+        (221, 38)
+    """
+    return max(1, min(int(BUSY * open_cells), BUSY_BY_FREE * (open_cells - robots)))
 
 
 class Scheduler:
@@ -86,7 +97,7 @@ class Scheduler:
             robots, taken = np.flatnonzero(schedule == NO_TASK), set(schedule.tolist())
         open_tasks = [task for task in known.values() if task.number not in taken]
         busy = int((np.delete(schedule, robots) != NO_TASK).sum())
-        room = max(1, int(BUSY * len(self._graph.layout.open_cells))) - busy
+        room = most_busy(len(self._graph.layout.open_cells), len(cells)) - busy
         for some in self._portions(robots, len(open_tasks)):
             costs = self._lengths(cells[some], headings[some], open_tasks)
             column = {task.number: index for index, task in enumerate(open_tasks)}

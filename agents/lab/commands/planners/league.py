@@ -23,7 +23,7 @@ from agents.mapf.graph import Graph
 from agents.mapf.league.checker import cells_of, check_result
 from agents.mapf.league.entry import PlannedEntry
 from agents.mapf.league.result import Result, read_result, write_result
-from agents.mapf.league.scheduler import Scheduler
+from agents.mapf.league.scheduler import Scheduler, most_busy
 from agents.mapf.league.simulator import play
 from agents.mapf.planner import HeadedPlanner
 from agents.registry import make_planner
@@ -31,7 +31,15 @@ from warehouse_core import DEFAULT_LAYOUT, Layout
 from warehouse_core.wording import counted
 from warehouse_core.world.robot_runners import League, load_league
 
-PLANNER, STEPS, SECONDS = "windowed:groups=300,seconds=0.8", 1000, 1.0
+STEPS, SECONDS = 1000, 1.0
+
+SHARE, GROUPS = 0.7, 25
+"""Share of a step in which ``windowed`` looks for better plans, and most groups of it for each
+robot, if no planner is named.
+"""
+
+CROWD = 2000
+"""Robots above which ``epibt`` plans if no planner is named."""
 SUFFIX = ".json"
 
 
@@ -45,7 +53,8 @@ def league(
         option(
             "--planner NAME",
             f"{options.PLANNER} It must know headings; arguments may follow, as in epibt:tries=10; "
-            f"may be repeated. Default: {PLANNER}.",
+            f"may be repeated. Default: windowed, which takes at most {SHARE:.0%} of each step, or "
+            f"epibt for more than {CROWD:,} robots.",
             show_default=False,
         ),
     ] = None,
@@ -92,12 +101,12 @@ def league(
 
     Example: warehouse league RANDOM-01.json --beside MR24-RANDOM-01.json
     """
-    planners = planner or [PLANNER]
+    planners = planner or []
     if len(beside or ()) not in (0, len(files)):
         raise typer.BadParameter(
             f"--beside is given {len(beside or ())} times for {counted(len(files), 'problem')}"
         )
-    if save and len(files) * len(planners) != 1:
+    if save and len(files) * max(len(planners), 1) != 1:
         raise typer.BadParameter("--save takes the result of one problem and one planner")
     for name in planners:
         headed_planner(name, seed, DEFAULT_LAYOUT, 1)  # what is wrong with it is told before files
@@ -107,7 +116,7 @@ def league(
             problem = load_league(file)
         theirs = None if other is None else read_result(other, problem.layout)
         steps = max_steps or (len(theirs.actual) if theirs else STEPS)
-        for name in planners:
+        for name in planners or [usual_planner(problem, step_seconds)]:
             ours = play_checked(problem, name, steps, step_seconds, seed)
             rows.append(row_of(file.stem, name, ours, theirs))
             for path in save:
@@ -130,6 +139,15 @@ def league(
     if beside:
         caption += " for ours, as in their files for theirs (the League's machine has 32 cores)"
     print_table(TextTable(header, rows, caption=caption))
+
+
+def usual_planner(problem: League, step_seconds: float) -> str:
+    """Return the name of the planner of a problem for which none is named."""
+    robots = len(problem.starts)
+    if robots > CROWD:
+        return "epibt"
+    led = min(most_busy(len(problem.layout.open_cells), robots), robots)
+    return f"windowed:groups={GROUPS * robots},seconds={SHARE * step_seconds:g},led={led}"
 
 
 def play_checked(problem: League, name: str, steps: int, seconds: float, seed: int) -> Result:

@@ -55,6 +55,13 @@ def test_on_a_crowded_floor_the_shortest_tasks_are_done(monkeypatch: pytest.Monk
     assert sorted(assign(begun, [2, 0, 12], [EAST] * 3, [0, NO_TASK, NO_TASK])) == [NO_TASK, 0, 1]
 
 
+def test_robots_on_a_full_floor_have_tasks_one_at_a_time() -> None:
+    tasks = [Task(number, (number,), 0) for number in range(14)]
+    cells = [*range(7), 11, *range(12, 18)]
+    schedule = assign(tasks, cells, [EAST] * 14, [NO_TASK] * 14)
+    assert len(schedule) - schedule.count(NO_TASK) == 1
+
+
 def test_a_large_problem_has_manhattan_distances_and_small_matchings(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:

@@ -7,6 +7,9 @@ from typing import Any
 import pytest
 from helpers.command_line import Refused, Warehouse
 
+from agents.lab.commands.planners.league import usual_planner
+from warehouse_core.world.robot_runners import load_league
+
 SLOW = ("--step-seconds", 1000)
 """No plan is late, however slow the machine is."""
 
@@ -78,6 +81,14 @@ def test_the_problem_of_2023_says_who_does_what(
     _, out, err = warehouse("league", hall, *SLOW, "--max-steps", 10, "--planner", "epibt:tries=2")
     assert rows_of(out)[0][:5] == ["hall", "epibt:tries=2", "2", "10", "4"]
     assert err == "warehouse: warning: hall.json: fields without effect: 'shape'\n"
+
+
+def test_the_usual_planner_leads_some_of_a_crowd_at_a_time(hall: str) -> None:
+    few = load_league(hall)
+    assert usual_planner(few, 2.0) == "windowed:groups=50,seconds=1.4,led=2"
+    crowd = few._replace(starts=few.starts * 4)
+    assert usual_planner(crowd, 1.0) == "windowed:groups=200,seconds=0.7,led=2"
+    assert usual_planner(few._replace(starts=few.starts * 2000), 1.0) == "epibt"
 
 
 def test_a_planner_that_breaks_rules_or_knows_no_headings_is_named(
