@@ -98,7 +98,7 @@ TRAINED: dict[str, Callable[..., Agent]] = {
 """Functions that load an agent of ``warehouse train``, by the word before the colon."""
 
 TRAINED_PLANNERS: dict[str, Callable[..., Planner]] = {"clone": ClonePlanner.load}
-"""Functions that load a planner of ``warehouse train``, as ``TRAINED``, of which its words are."""
+"""Functions that load a planner of ``warehouse train``, by words that ``TRAINED`` has too."""
 
 FIXED = ("seed", "layout", "graph", "algorithm")
 """Arguments that a name does not give: parts of the episode, and what the name itself says."""
