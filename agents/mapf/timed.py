@@ -188,7 +188,7 @@ class Follower:
             late = np.flatnonzero(stays).tolist()
             self._windows.go_on(self._order.plan(self._windows.window - 1, late))
         self._windows.next_cells(situation._replace(stays=stays))
-        return PassingOrder(self._windows.cells)
+        return PassingOrder(self._windows.planned_cells)
 
 
 class TimedPlanner:

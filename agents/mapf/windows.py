@@ -133,7 +133,7 @@ class WindowedPlanner:
         return found
 
     @property
-    def cells(self) -> Integers:
+    def planned_cells(self) -> Integers:
         """Cells of the plan from before the step just chosen on, ``[R, window + 1]``."""
         return self._places % self.graph.size
 

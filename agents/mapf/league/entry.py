@@ -14,7 +14,7 @@ import numpy as np
 from agents.mapf.graph import Graph
 from agents.mapf.league.rules import WAITING, result_of
 from agents.mapf.league.scheduler import Scheduler
-from agents.mapf.league.tasks import NO_TASK, Task
+from agents.mapf.league.tasks import NO_TASK, LeagueTask
 from agents.mapf.planner import NO_CELLS, HeadedPlanner, Situation, check_turns
 from warehouse_core.world.moves import FORWARD, HEADINGS, LEFT, RIGHT
 from warehouse_core.world.tables import Integers
@@ -35,8 +35,8 @@ class View(NamedTuple):
     Example:
         >>> import numpy as np
         >>> from agents.mapf.league.entry import View
-        >>> from agents.mapf.league.tasks import Task
-        >>> known, schedule = {7: Task(7, (1, 3), revealed=0)}, np.array([7])
+        >>> from agents.mapf.league.tasks import LeagueTask
+        >>> known, schedule = {7: LeagueTask(7, (1, 3), revealed=0)}, np.array([7])
         >>> view = View(0, np.array([0]), np.array([1]), known, schedule, passed=[[]])
         >>> view.known[int(view.schedule[0])].goal
         1
@@ -45,7 +45,7 @@ class View(NamedTuple):
     step: int
     cells: Integers
     headings: Integers
-    known: Mapping[int, Task]
+    known: Mapping[int, LeagueTask]
     schedule: Integers
     passed: list[list[int]]
 
@@ -100,7 +100,7 @@ class PlannedEntry:
         )
 
 
-def assigned(view: View, scheduler: Scheduler) -> tuple[dict[int, Task], Integers, Integers]:
+def assigned(view: View, scheduler: Scheduler) -> tuple[dict[int, LeagueTask], Integers, Integers]:
     """Return the tasks of robots once they have done what is staged.
 
     Returns:
@@ -112,7 +112,7 @@ def assigned(view: View, scheduler: Scheduler) -> tuple[dict[int, Task], Integer
     return known, wanted, np.where(schedule == view.schedule, wanted, view.schedule)
 
 
-def errands_of(known: Mapping[int, Task], schedule: Integers) -> list[list[int]]:
+def errands_of(known: Mapping[int, LeagueTask], schedule: Integers) -> list[list[int]]:
     """Return the cells that each robot is still to visit for its task, in turn."""
     return [
         [] if task == NO_TASK else list(known[task].cells[known[task].visited :])
@@ -120,7 +120,7 @@ def errands_of(known: Mapping[int, Task], schedule: Integers) -> list[list[int]]
     ]
 
 
-def foreseen(view: View) -> tuple[dict[int, Task], Integers]:
+def foreseen(view: View) -> tuple[dict[int, LeagueTask], Integers]:
     """Return known tasks and schedule as they are once robots have done what is staged."""
     known, schedule = dict(view.known), view.schedule.copy()
     for robot, way in enumerate(view.passed):

@@ -14,7 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.graph import Fields, Graph
-from agents.mapf.league.tasks import NO_TASK, Task
+from agents.mapf.league.tasks import NO_TASK, LeagueTask
 from agents.mapf.matching import cheapest_matching
 from warehouse_core.world.tables import Integers
 
@@ -61,9 +61,9 @@ class Scheduler:
         >>> import numpy as np
         >>> from agents.mapf.graph import Graph
         >>> from agents.mapf.league.scheduler import Scheduler
-        >>> from agents.mapf.league.tasks import Task
+        >>> from agents.mapf.league.tasks import LeagueTask
         >>> from warehouse_core import Layout
-        >>> known = {7: Task(7, (4, 0), revealed=0), 8: Task(8, (1,), revealed=0)}
+        >>> known = {7: LeagueTask(7, (4, 0), revealed=0), 8: LeagueTask(8, (1,), revealed=0)}
         >>> scheduler = Scheduler(Graph(Layout([".....", "....."])), tasks=2)
         >>> scheduler.assign(np.array([3, 0]), np.array([1, 1]), known, np.array([-1, -1]))
         array([7, 8])
@@ -77,7 +77,11 @@ class Scheduler:
         self._trip = cache(self._trip_of)
 
     def assign(
-        self, cells: Integers, headings: Integers, known: Mapping[int, Task], schedule: Integers
+        self,
+        cells: Integers,
+        headings: Integers,
+        known: Mapping[int, LeagueTask],
+        schedule: Integers,
     ) -> Integers:
         """Return the task of each robot, ``[R]``, or ``NO_TASK``.
 
@@ -122,7 +126,7 @@ class Scheduler:
             yield robots[start : start + size]
 
     def _lengths(
-        self, cells: Integers, headings: Integers, tasks: list[Task]
+        self, cells: Integers, headings: Integers, tasks: list[LeagueTask]
     ) -> NDArray[np.float64]:
         """Return the lengths of tasks for robots, ``[robots, tasks]``."""
         firsts = np.array([task.cells[0] for task in tasks], np.intp)

@@ -12,7 +12,7 @@ import numpy as np
 from agents.mapf.graph import Graph
 from agents.mapf.league.entry import View
 from agents.mapf.league.executor import way_of
-from agents.mapf.league.tasks import Task
+from agents.mapf.league.tasks import LeagueTask
 from warehouse_core import Layout
 
 EAST, HEADINGS = 1, 4
@@ -32,7 +32,9 @@ def view_of(env: Any, graph: Graph) -> View:
     for number in env.task_pool:
         task = env.task_pool[number]
         cells = tuple(task.locations)
-        known[number] = Task(number, cells, task.t_revealed, task.idx_next_loc, task.agent_assigned)
+        known[number] = LeagueTask(
+            number, cells, task.t_revealed, task.idx_next_loc, task.agent_assigned
+        )
     ahead = graph.neighbours.tolist()
     passed = [
         way_of(ahead, state.location, heading_of(state), map(int, actions))

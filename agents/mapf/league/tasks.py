@@ -20,13 +20,13 @@ from agents.mapf.league.rules import NOBODY
 from warehouse_core.world.robot_runners import FIXED, GREEDY, League
 from warehouse_core.world.tables import Integers
 
-__all__ = ["Task"]
+__all__ = ["LeagueTask"]
 
 NO_TASK = -1
 
 
 @dataclass
-class Task:
+class LeagueTask:
     """A task that has been revealed.
 
     Attributes:
@@ -38,8 +38,8 @@ class Task:
         robot: robot that has it, or ``NOBODY``.
 
     Example:
-        >>> from agents.mapf.league.tasks import Task
-        >>> task = Task(7, (4, 0), revealed=0, visited=1)
+        >>> from agents.mapf.league.tasks import LeagueTask
+        >>> task = LeagueTask(7, (4, 0), revealed=0, visited=1)
         >>> task.goal, task.is_finished
         (0, False)
     """
@@ -101,8 +101,8 @@ class TaskPool:
         self._source = [tuple(numbers(task).tolist()) for task in problem.tasks]
         self._revealed, self._repairs = problem.revealed, problem.year == 2026
         robots = len(problem.starts)
-        self.tasks: list[Task] = []
-        self.known: dict[int, Task] = {}
+        self.tasks: list[LeagueTask] = []
+        self.known: dict[int, LeagueTask] = {}
         self.schedule: Integers = np.full(robots, NO_TASK)
         self.given: list[list[tuple[int, int]]] = [[] for _ in range(robots)]
         self.errands: list[Errand] = []
@@ -199,8 +199,8 @@ class TaskPool:
         while len(self.known) < self._revealed:
             self._add(self._source[len(self.tasks) % len(self._source)], step)
 
-    def _add(self, cells: tuple[int, ...], step: int) -> Task:
-        task = Task(len(self.tasks), cells, step)
+    def _add(self, cells: tuple[int, ...], step: int) -> LeagueTask:
+        task = LeagueTask(len(self.tasks), cells, step)
         self.tasks.append(task)
         self.known[task.number] = task
         return task

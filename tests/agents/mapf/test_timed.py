@@ -149,7 +149,7 @@ def test_who_is_held_for_long_is_planned_around() -> None:
     expected = []
     for _ in range(4 * (HELD + 2)):
         following.next_cells(waits)
-        expected.append(int(windows.cells[0, 1]))
+        expected.append(int(windows.planned_cells[0, 1]))
     assert expected[0] == 1, "it has just moved"
     assert 2 in expected, "it should have room by now"
     assert expected[-1] == 1, "it is held"

@@ -6,7 +6,7 @@ import pytest
 from agents.mapf.graph import Graph
 from agents.mapf.league import scheduler
 from agents.mapf.league.scheduler import Scheduler
-from agents.mapf.league.tasks import NO_TASK, Task
+from agents.mapf.league.tasks import NO_TASK, LeagueTask
 from warehouse_core import Layout
 
 GRAPH = Graph(Layout(["......", ".####.", "......"]))
@@ -14,7 +14,7 @@ EAST, WEST = 1, 3
 
 
 def assign(
-    tasks: list[Task], cells: list[int], headings: list[int], schedule: list[int]
+    tasks: list[LeagueTask], cells: list[int], headings: list[int], schedule: list[int]
 ) -> list[int]:
     known = {task.number: task for task in tasks}
     made = Scheduler(GRAPH, len(tasks))
@@ -22,41 +22,41 @@ def assign(
 
 
 def test_robots_get_the_tasks_that_are_done_soonest_turns_included() -> None:
-    tasks = [Task(4, (1,), 0), Task(7, (5,), 0)]
+    tasks = [LeagueTask(4, (1,), 0), LeagueTask(7, (5,), 0)]
     assert assign(tasks, [3], [EAST], [NO_TASK]) == [7]
     assert assign(tasks, [3], [WEST], [NO_TASK]) == [4]
 
 
 def test_the_length_of_a_task_is_that_of_all_its_errands() -> None:
-    tasks = [Task(0, (1, 5, 1), 0), Task(1, (3, 4), 0)]
+    tasks = [LeagueTask(0, (1, 5, 1), 0), LeagueTask(1, (3, 4), 0)]
     assert assign(tasks, [0], [EAST], [NO_TASK]) == [1]
 
 
 def test_a_robot_changes_its_task_only_for_a_shorter_one_and_before_it_has_begun() -> None:
-    tasks = [Task(0, (2,), 0), Task(1, (2,), 0), Task(2, (1,), 0)]
+    tasks = [LeagueTask(0, (2,), 0), LeagueTask(1, (2,), 0), LeagueTask(2, (1,), 0)]
     assert assign(tasks[:2], [0], [EAST], [1]) == [1]
-    far = [Task(0, (5,), 0), tasks[2]]
+    far = [LeagueTask(0, (5,), 0), tasks[2]]
     assert assign(far, [0], [EAST], [0]) == [2]
-    begun = [Task(0, (0, 5), 0, visited=1), tasks[2]]
+    begun = [LeagueTask(0, (0, 5), 0, visited=1), tasks[2]]
     assert assign(begun, [0], [EAST], [0]) == [0]
 
 
 def test_robots_swap_tasks_and_some_have_none() -> None:
-    tasks = [Task(0, (0,), 0), Task(1, (5,), 0)]
+    tasks = [LeagueTask(0, (0,), 0), LeagueTask(1, (5,), 0)]
     assert assign(tasks, [4, 1, 14], [EAST, WEST, EAST], [0, 1, NO_TASK]) == [1, 0, NO_TASK]
     assert assign([], [4], [EAST], [NO_TASK]) == [NO_TASK]
 
 
 def test_on_a_crowded_floor_the_shortest_tasks_are_done(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(scheduler, "BUSY", 2 / 14)
-    tasks = [Task(0, (5,), 0), Task(1, (1,), 0), Task(2, (13,), 0)]
+    tasks = [LeagueTask(0, (5,), 0), LeagueTask(1, (1,), 0), LeagueTask(2, (13,), 0)]
     assert assign(tasks, [2, 0, 12], [EAST] * 3, [NO_TASK] * 3) == [NO_TASK, 1, 2]
-    begun = [Task(0, (2, 5), 0, visited=1), *tasks[1:]]
+    begun = [LeagueTask(0, (2, 5), 0, visited=1), *tasks[1:]]
     assert sorted(assign(begun, [2, 0, 12], [EAST] * 3, [0, NO_TASK, NO_TASK])) == [NO_TASK, 0, 1]
 
 
 def test_robots_on_a_full_floor_have_tasks_one_at_a_time() -> None:
-    tasks = [Task(number, (number,), 0) for number in range(14)]
+    tasks = [LeagueTask(number, (number,), 0) for number in range(14)]
     cells = [*range(7), 11, *range(12, 18)]
     schedule = assign(tasks, cells, [EAST] * 14, [NO_TASK] * 14)
     assert len(schedule) - schedule.count(NO_TASK) == 1
@@ -66,7 +66,7 @@ def test_a_large_problem_has_manhattan_distances_and_small_matchings(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr(scheduler, "MAX_FIELD_BYTES", 0)
-    tasks = [Task(0, (12, 13), 0), Task(1, (4, 16), 0), Task(2, (14,), 0)]
+    tasks = [LeagueTask(0, (12, 13), 0), LeagueTask(1, (4, 16), 0), LeagueTask(2, (14,), 0)]
     assert assign(tasks, [0, 5], [EAST, EAST], [NO_TASK, NO_TASK]) == [0, 1]
     monkeypatch.setattr(scheduler, "MAX_PAIRS", 3)
     assert assign(tasks, [0, 5], [EAST, EAST], [NO_TASK, 0]) == [2, 0]

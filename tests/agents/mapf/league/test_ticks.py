@@ -18,7 +18,7 @@ from agents.mapf.league.result import Result, read_result, write_result
 from agents.mapf.league.rules import LETTERS
 from agents.mapf.league.scheduler import Scheduler
 from agents.mapf.league.simulator import PERIOD, play
-from agents.mapf.league.tasks import Task
+from agents.mapf.league.tasks import LeagueTask
 from warehouse_core import Layout
 from warehouse_core.world.robot_runners import Delays, League
 
@@ -96,7 +96,7 @@ def test_robots_that_need_the_last_tick_of_a_move_are_not_in_their_old_cells() -
 
 
 def test_staged_actions_are_foreseen() -> None:
-    tasks = {3: Task(3, (5, 6), 0), 4: Task(4, (7, 8), 0), 5: Task(5, (9,), 0)}
+    tasks = {3: LeagueTask(3, (5, 6), 0), 4: LeagueTask(4, (7, 8), 0), 5: LeagueTask(5, (9,), 0)}
     where = np.array([6, 7, 1])
     view = View(0, where, where, tasks, np.array([3, 4, -1]), [[5, 6], [7], [9]])
     known, schedule = foreseen(view)
