@@ -27,7 +27,7 @@ class View(NamedTuple):
 
     Attributes:
         step: number of steps, or ticks, so far.
-        cells, headings: ``[R]``, where the robots are once they have carried out ``staged``.
+        cells, headings: ``[R]`` each, of the robots once staged actions are carried out.
         known: tasks that are known and not finished, by number.
         schedule: ``[R]``, the task of each robot, or ``NO_TASK``.
         passed: ``[R]`` lists of the cells that staged actions lead each robot through, in turn.
