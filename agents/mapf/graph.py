@@ -310,7 +310,8 @@ class Fields:
         through = (is_open & (degree[beside % size] > 1)).sum(axis=1)
         return Floor(
             size=size, closed=places, near=buffer_of(self.near), price=buffer_of(self.prices),
-            degree=buffer_of(degree), through=buffer_of(through), step=self.step,
+            cell=buffer_of(np.arange(places) % size), degree=buffer_of(degree),
+            through=buffer_of(through), step=self.step,
         )  # fmt: skip
 
     @property

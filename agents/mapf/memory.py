@@ -19,11 +19,12 @@ class Memory:
 
     Attributes:
         goals: ``[R]``, the goals of the last step.
+        ages: ``[R]``, the ages of the robots in it.
     """
 
     def __init__(self, graph: Graph, ranks: NDArray[np.float64]) -> None:
         self._graph, self._ranks, robots = graph, ranks, len(ranks)
-        self.goals, self._ages = np.full(robots, NONE), np.zeros(robots, np.intp)
+        self.goals, self.ages = np.full(robots, NONE), np.zeros(robots, np.intp)
         self._cells, self._headings = np.full(robots, NONE), np.full(robots, EAST)
 
     def places(self, cells: Integers) -> Integers:
@@ -38,7 +39,7 @@ class Memory:
     def order(self, cells: Integers, goals: Integers, urgent: Integers) -> Integers:
         """Return the robots by falling priority, which is their age; urgent robots are first."""
         is_there = (cells == goals) | (cells == self.goals)
-        self._ages, self.goals = np.where(is_there, 0, self._ages + 1), goals.copy()
-        priorities = self._ages + self._ranks
-        priorities[urgent] += self._ages.max(initial=0) + 1
+        self.ages, self.goals = np.where(is_there, 0, self.ages + 1), goals.copy()
+        priorities = self.ages + self._ranks
+        priorities[urgent] += self.ages.max(initial=0) + 1
         return np.argsort(-priorities, kind="stable")

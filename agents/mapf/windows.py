@@ -73,6 +73,9 @@ class WindowedPlanner:
         led: most robots that are led to their goals at a time, first those nearest to them; others
             give way until one has arrived. In crowds more goals are reached so. The default is all.
         fresh: steps after which a plan made anew may take the place of the one that goes on.
+        patience: steps without a goal after which the cost of a robot counts twice as much, thrice
+            after as many again, and so on. In crowds nobody waits for ever then. By default the
+            costs of all robots count alike.
         turn_cost: see ``PIBT``; turns of robots with headings take steps, and cost nothing more.
 
     Example:
@@ -95,9 +98,11 @@ class WindowedPlanner:
         turn_cost: float = 0.0,
         led: int | None = None,
         fresh: int = FRESH,
+        patience: int | None = None,
     ) -> None:
         self.groups, self.seed = whole_number("groups", groups, 0), seed_number(seed)
         self.led = None if led is None else whole_number("led", led, 1)
+        self.patience = None if patience is None else whole_number("patience", patience, 1)
         self.fresh = whole_number("fresh", fresh, 1)
         self.seconds = real_number("seconds", seconds, finite=False)
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
@@ -188,6 +193,8 @@ class WindowedPlanner:
         self._order = buffer_of(self._memory.order(cells, goals, situation.urgent))
         ways = self._ways
         ways.goals[:], ways.rows[:] = buffer_of(goals), buffer_of(rows * graph.places)
+        if self.patience is not None:
+            ways.weights[:] = buffer_of(self.patience + self._memory.ages)
         ways.stays[:] = buffer_of(situation.stays.astype(np.intp))
         for cell in ways.closed:
             ways.is_closed[cell] = 0

@@ -36,6 +36,7 @@ class Floor(NamedTuple):
         near: ``[places * 5]``, place that each action leads to from each place, or ``closed``. With
             headings the actions are ``FORWARD``, two turns, one that leads nowhere, and ``STAY``.
         price: ``[places * 5]``, cost of each of these steps.
+        cell: ``[places]``, cell of each place.
         degree: ``[size]``, cells beside each cell.
         through: ``[size]``, cells beside each cell that are no dead ends.
         step: cost of a step without lanes and turns, 1 or more.
@@ -45,6 +46,7 @@ class Floor(NamedTuple):
     closed: int
     near: Buffer
     price: Buffer
+    cell: Buffer
     degree: Buffer
     through: Buffer
     step: int

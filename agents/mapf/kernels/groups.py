@@ -177,8 +177,9 @@ def plan_anew(floor: Floor, ways: Ways, frontier: Frontier, groups: Groups, fiel
     members, saved, times, costs = groups.members, groups.saved, ways.times, ways.costs
     number, left, least, done = members[MOST], 0, 0, 0
     for at in range(number):
-        left += costs[members[at]]
-        least += costs[members[at]] - delay(ways, fields, members[at])
+        weight = ways.weights[members[at]]
+        left += costs[members[at]] * weight
+        least += (costs[members[at]] - delay(ways, fields, members[at])) * weight
     if left == least:
         return 0  # nobody is late
     for at in range(number):
@@ -188,12 +189,14 @@ def plan_anew(floor: Floor, ways: Ways, frontier: Frontier, groups: Groups, fiel
             saved[at * times + time] = ways.places[robot * times + time]
     while done < number:
         robot = members[done]
-        least -= costs[robot] - delay(ways, fields, robot)
+        weight = ways.weights[robot]
+        least -= (costs[robot] - delay(ways, fields, robot)) * weight
         turn = draw(groups.random) & 3
-        cost = find_way(floor, ways, frontier, fields, robot, left - least, turn)
+        most = (left - least) // weight
+        cost = find_way(floor, ways, frontier, fields, robot, most, turn)
         if cost == NONE:
             break
-        left, groups.costs[done] = left - cost, cost
+        left, groups.costs[done] = left - cost * weight, cost
         reserve(floor, ways, robot, robot + 1)
         done += 1
     if done == number:

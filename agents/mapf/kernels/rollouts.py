@@ -116,5 +116,5 @@ def prices(floor: Floor, ways: Ways, fields: Table) -> int:
     total = 0
     for robot in range(len(ways.costs)):
         ways.costs[robot] = price_of_way(floor, ways, fields, robot)
-        total += ways.costs[robot]
+        total += ways.costs[robot] * ways.weights[robot]
     return total

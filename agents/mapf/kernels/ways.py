@@ -27,6 +27,10 @@ BUCKETS = 4_000
 MAX_ENTRIES = 4_000_000
 """States that a search may put into buckets."""
 
+KNOWN = 4
+SEEN, SPENT, CAME, TIME = range(KNOWN)
+"""Numbers that a search knows of a state."""
+
 
 class Ways(NamedTuple):
     """The ways of ``R`` robots through ``T`` times.
@@ -38,6 +42,7 @@ class Ways(NamedTuple):
         places: ``[R * T]``, the place of each robot at each time.
         reserved: ``[T * size]``, the robot in each cell at each time plus one, or 0.
         costs: ``[R]``, the cost of each way.
+        weights: ``[R]``, 1 or more; groups are planned so that the weighted sum of costs falls.
         goals: ``[R]``, goal cells.
         rows: ``[R]``, index of the distance field of each goal in the table of fields.
         stays: ``[R]``, 1 for robots that have to stay in the first step.
@@ -50,6 +55,7 @@ class Ways(NamedTuple):
     places: Table
     reserved: Table
     costs: Buffer
+    weights: Buffer
     goals: Buffer
     rows: Buffer
     stays: Buffer
@@ -62,18 +68,15 @@ class Frontier(NamedTuple):
 
     Attributes:
         serial: ``[2]``, the number of the search, and the states that all have expanded.
-        seen: ``[states]``, number of the last search that has seen each state.
-        spent: ``[states]``, cost of the way there.
-        came: ``[states]``, state before it.
+        known: ``[states * 4]``, of each state: number of the last search that has seen it, cost of
+            the way there, state before it, and its time. They are used together.
         heads: ``[BUCKETS]``, last entry of each bucket, or ``NONE``.
         entries: states in buckets.
         below: entry before each in its bucket, or ``NONE``.
     """
 
     serial: Buffer
-    seen: Table
-    spent: Table
-    came: Table
+    known: Table
     heads: Buffer
     entries: Table
     below: Table
@@ -83,8 +86,9 @@ def new_ways(floor: Floor, robots: int, times: int, is_open: bool) -> Ways:
     """Return the buffers of ways, with nothing reserved."""
     return Ways(
         times=times, is_open=int(is_open), places=new_table(robots * times),
-        reserved=new_table(times * floor.size), costs=buffer(robots), goals=buffer(robots),
-        rows=buffer(robots), stays=buffer(robots), closed=buffer(0), is_closed=buffer(floor.size),
+        reserved=new_table(times * floor.size), costs=buffer(robots), weights=buffer(robots, 1),
+        goals=buffer(robots), rows=buffer(robots), stays=buffer(robots), closed=buffer(0),
+        is_closed=buffer(floor.size),
     )  # fmt: skip
 
 
@@ -93,8 +97,8 @@ def new_frontier(floor: Floor, ways: Ways) -> Frontier:
     states = ways.times * floor.closed * (1 + ways.is_open)
     room = min(2 * states, MAX_ENTRIES) + ACTIONS
     return Frontier(
-        serial=buffer(2), seen=new_table(states), spent=new_table(states), came=new_table(states),
-        heads=buffer(BUCKETS, NONE), entries=new_table(room), below=new_table(room),
+        serial=buffer(2), known=new_table(KNOWN * states), heads=buffer(BUCKETS, NONE),
+        entries=new_table(room), below=new_table(room),
     )  # fmt: skip
 
 
@@ -108,7 +112,7 @@ def reserve(floor: Floor, ways: Ways, robot: int, holder: int) -> None:
     """Write a number into the cells of the way of a robot: its own plus one, or 0."""
     first, size = robot * ways.times, floor.size
     for time in range(ways.times):
-        ways.reserved[time * size + ways.places[first + time] % size] = holder
+        ways.reserved[time * size + floor.cell[ways.places[first + time]]] = holder
 
 
 def reserve_only(floor: Floor, ways: Ways, robots: Integers) -> None:
@@ -147,11 +151,11 @@ def find_way(
         The cost, or ``NONE`` if there is no such way.
     """
     size, closed, near, price = floor.size, floor.closed, floor.near, floor.price
-    times, reserved, seen, spent = ways.times, ways.reserved, frontier.seen, frontier.spent
+    times, reserved, known, cells = ways.times, ways.reserved, frontier.known, floor.cell
     heads, entries, below = frontier.heads, frontier.entries, frontier.below
     goal, row, start = ways.goals[robot], ways.rows[robot], ways.places[robot * times]
     later, base = times * closed, 0
-    is_there = start % size == goal or fields[row + start] >= FAR
+    is_there = cells[start] == goal or fields[row + start] >= FAR
     free = 0
     if ways.is_open == 0:
         free = free_from(floor, ways, goal) * floor.step
@@ -164,8 +168,9 @@ def find_way(
     frontier.serial[0] += 1
     serial, count, bucket, found = frontier.serial[0], 1, 0, NONE
     entries[0], below[0], heads[0] = base + start, NONE, 0
-    seen[base + start], spent[base + start] = serial, 0
-    frontier.came[base + start] = NONE
+    first = KNOWN * (base + start)
+    known[first + SEEN], known[first + SPENT] = serial, 0
+    known[first + CAME], known[first + TIME] = NONE, 0
     while bucket <= last:
         entry = heads[bucket]
         if entry == NONE:
@@ -173,9 +178,9 @@ def find_way(
             continue
         state, heads[bucket] = entries[entry], below[entry]
         has_arrived = state >= later
-        at = state - later if has_arrived else state
-        time, place = at // closed, at % closed
-        cost, cell = spent[state] + 0, place % size
+        cost, time = known[KNOWN * state + SPENT] + 0, known[KNOWN * state + TIME] + 0
+        place = state - time * closed - (later if has_arrived else 0)
+        cell = cells[place]
         left = 0 if has_arrived else fields[row + place]
         if max(cost + left, free) != least + bucket:
             continue  # a cheaper way there was found since
@@ -197,7 +202,7 @@ def find_way(
             to = near[place * ACTIONS + action]
             if to == closed:
                 continue
-            there = to % size
+            there = cells[to]
             if reserved[after + there] != 0:
                 continue
             if ways.is_closed[there] and time < CLOSED_STEPS and there != cell:
@@ -213,12 +218,14 @@ def find_way(
                 left = fields[row + to]
                 if ways.is_open == 1 and there == goal:
                     reached += later
-            if seen[reached] == serial and spent[reached] <= total:
+            entry = KNOWN * reached
+            if known[entry + SEEN] == serial and known[entry + SPENT] <= total:
                 continue
             level = max(max(total + left, free) - least, bucket)
             if level > last:
                 continue
-            seen[reached], spent[reached], frontier.came[reached] = serial, total, state
+            known[entry + SEEN], known[entry + SPENT] = serial, total
+            known[entry + CAME], known[entry + TIME] = state, time + 1
             entries[count], below[count], heads[level] = reached, heads[level], count
             count += 1
     for level in range(last + 1):
@@ -228,9 +235,9 @@ def find_way(
     total, end = least + bucket, times
     state = found
     while state != NONE:
-        at = state - later if state >= later else state
-        time = at // closed
+        time = known[KNOWN * state + TIME] + 0
+        place = state - time * closed - (later if state >= later else 0)
         for moment in range(time, end):
-            ways.places[robot * times + moment] = at % closed
-        end, state = time, frontier.came[state]
+            ways.places[robot * times + moment] = place
+        end, state = time, known[KNOWN * state + CAME]
     return total
