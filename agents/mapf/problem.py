@@ -40,9 +40,10 @@ class Problem:
             and turn on the spot then. ``None`` is for robots that move in four directions.
 
     Raises:
-        PlanError: turns have a cost in the graph, or a heading is none. Or no plan can exist, as can be seen at once: a
-            start or a goal is no open cell, two robots have the same, or no way leads from a start
-            to its goal; the message says which.
+        PlanError: turns have a cost in the graph, or ``headings`` are no number 0 to 3 for each
+            robot. Or no plan can exist, as can be seen at once: a start or a goal is no open cell,
+            two robots have the same, or no way leads from a start to its goal; the message says
+            which.
 
     Example:
         >>> from agents.mapf.graph import Graph
@@ -51,6 +52,9 @@ class Problem:
         >>> problem = Problem(Graph(Layout(["...", "..."])), starts=[0, 2], goals=[2, 0])
         >>> problem.robots, problem.lower_bound
         (2, 4)
+        >>> problem = Problem(problem.graph, problem.starts, problem.goals, headings=[1, 1])
+        >>> problem.lower_bound  # the second robot turns round first
+        6
     """
 
     graph: Graph
@@ -107,13 +111,15 @@ class Problem:
     def refuse_headings(self, solver: str) -> None:
         """Raise ``PlanError`` if robots have headings, which a solver does not know."""
         if self.headings is not None:
-            raise PlanError(f"{solver} does not know headings")
+            raise PlanError(f"{solver} does not know headings, which the robots have")
 
     def _check_headings(self) -> None:
         if self.headings is None:
             return
         if len(self.headings) != self.robots:
-            raise PlanError(f"{len(self.headings)} headings for {self.robots} robots")
+            raise PlanError(
+                f"{len(self.headings)} headings; each of {self.robots} robots needs one"
+            )
         for robot, heading in enumerate(self.headings):
             if heading not in range(len(HEADINGS)):
                 raise PlanError(f"robot {robot}: its heading is {heading!r}; allowed: 0..3")
@@ -136,9 +142,10 @@ class Problem:
 class Plan:
     """Cells of the robots before each joint step and after the last, ``[T + 1, R]``.
 
-    ``headings`` are those of the robots at the same times, ``[T + 1, R]``, or ``None`` where robots
-    have none. ``bound`` is the lower bound on the sum of costs of all plans that the solver has proved, or
-    ``None`` if it has proved none; an optimal plan has its own cost there.
+    ``headings`` has the headings of the robots at the same times, ``[T + 1, R]``; it is ``None``
+    where robots move in four directions. ``bound`` is the lower bound on the sum of costs of all
+    plans that the solver has proved, or ``None`` if it has proved none; an optimal plan has its own
+    cost there.
 
     Example:
         >>> from agents.mapf.problem import Plan

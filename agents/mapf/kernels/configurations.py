@@ -196,7 +196,7 @@ def add(search: Search, team: Team, floor: Floor, steps: Table, parent: int, slo
     counts[NODES] += 1
     for robot in range(robots):
         search.places[first + robot] = chosen[robot]
-        left += steps[search.rows[robot] + chosen[robot] % size]
+        left += steps[search.rows[robot] + chosen[robot]]
     # Robots keep their order until they reach their goals, and are the last from then on.
     for number in range(robots):
         robot = search.ranks[number] if parent == NONE else search.orders[parent * robots + number]
