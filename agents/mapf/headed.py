@@ -8,8 +8,8 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.graph import CLOSED, Fields, Graph
-from agents.mapf.kernels.buffers import Buffer, buffer, prepare, table_of
-from agents.mapf.kernels.floor import ACTIONS, NONE, STAY
+from agents.mapf.kernels.buffers import IS_COMPILED, Buffer, buffer, prepare, table_of
+from agents.mapf.kernels.floor import ACTIONS, FAR, NONE, STAY, count_steps
 from agents.mapf.kernels.packed import BASE, ENTRIES, PACKED_FAR, Way, measure_packed, pack
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.moves import FORWARD, LEFT, RIGHT
@@ -31,6 +31,7 @@ class HeadedFields(Fields):
         self._leads_back = True
         if graph.costs is None:
             self.step = 1
+            prepare(count_steps)
 
     @cached_property
     def near(self) -> Integers:
@@ -55,6 +56,20 @@ class HeadedFields(Fields):
         if graph.costs is not None:
             found[..., FORWARD] = np.rint(graph.costs.T * self.step)
         return found.reshape(-1, ACTIONS)
+
+    def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
+        """Write the distances of all places from a goal into a field."""
+        if IS_COMPILED and self.step == 1 and not self._closed:
+            field[:] = FAR
+            count_steps(table_of(self.graph.neighbours), goal, table_of(field), *self._spare)
+        else:
+            super()._measure(goal, field)
+
+    @cached_property
+    def _spare(self) -> tuple[Buffer, Buffer, Buffer]:
+        """Buffers that ``count_steps`` uses."""
+        size = self.graph.size
+        return buffer(size), buffer(size), buffer(WAIT * size)
 
 
 class PackedFields(HeadedFields):
@@ -83,6 +98,7 @@ class PackedFields(HeadedFields):
         return found
 
     def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
+        """Write the numbers of all open cells into a field."""
         if self._is_compiled:
             places = table_of(self._field), table_of(field)
             measure_packed(self._way, int(self.columns[goal]), self._heads, *places)

@@ -15,7 +15,7 @@ from agents.mapf.graph import Fields, Graph
 from agents.mapf.headed import HeadedFields, PackedFields
 from agents.mapf.kernels import ways as kernels
 from agents.mapf.kernels.buffers import buffer, table_of
-from agents.mapf.kernels.floor import FAR, NONE, measure
+from agents.mapf.kernels.floor import FAR, NONE, count_steps, measure
 from agents.mapf.kernels.packed import PACKED_FAR, unpack
 from agents.mapf.lacam import lacam, lacam_star
 from agents.mapf.lanes import lane_costs
@@ -118,6 +118,17 @@ def test_measured_distances_are_those_of_dijkstra(kind: type[Fields], wrong_way:
         measure(fields.floor, goal, table_of(found), *buffers)
         distances = fields.graph.distances(goal) * fields.step
         assert np.array_equal(found, np.minimum(np.rint(distances), FAR))
+
+
+def test_counted_steps_are_the_distances_of_dijkstra() -> None:
+    layout = random_layout(11, 9, 0.25, seed=4)
+    fields = HeadedFields(Graph(layout))
+    graph, size = fields.graph, fields.graph.size
+    spare = buffer(size), buffer(size), buffer(4 * size)
+    for goal in layout.open_cells[::7].tolist():  # the buffers are used again
+        found = np.full(graph.places, FAR, np.int32)
+        count_steps(table_of(graph.neighbours), goal, table_of(found), *spare)
+        assert np.array_equal(found, np.minimum(graph.distances(goal), FAR))
 
 
 @pytest.mark.parametrize("wrong_way", [None, 5.0])
