@@ -87,11 +87,17 @@ class Problem:
         return len(self.starts)
 
     @cached_property
-    def lower_bound(self) -> int:
-        """The sum of the fewest steps from starts to goals; no plan has a lower sum of costs."""
+    def fewest_steps(self) -> Integers:
+        """``[R]``, the fewest steps from each start to its goal."""
         fields = self.fields(self.graph.with_costs())
         rows = fields.rows(np.array(self.goals, np.intp))
-        return int(fields.matrix[rows, self.places].sum())
+        found: Integers = fields.matrix[rows, self.places]
+        return found
+
+    @property
+    def lower_bound(self) -> int:
+        """The sum of the fewest steps from starts to goals; no plan has a lower sum of costs."""
+        return int(self.fewest_steps.sum())
 
     @property
     def places(self) -> Integers:

@@ -8,7 +8,8 @@ import pytest
 from helpers.mapf_problems import problem_of, random_problem, random_problems
 from helpers.mapf_turns import least_step_cost, turning_conflict
 
-from agents.errors import PlanError
+from agents.errors import AgentError, PlanError
+from agents.lab.commands.planners.runs import solve_checked
 from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import solve_cbs
 from agents.mapf.eecbs import solve_eecbs
@@ -173,6 +174,25 @@ def test_the_validator_of_turns_finds_faults() -> None:
     ):
         found = turning_conflict(problem, Plan(np.array(cells), headings=np.array(headings)))
         assert found is words is None or words in found
+
+
+@pytest.mark.parametrize(
+    ("plan", "words"),
+    [
+        (Plan.of([[0, 1]]), "it returned a Plan without headings"),
+        (Plan(np.array([[0], [1]]), None, np.array([1])), "it returned headings of the shape (1,)"),
+        (Plan(np.array([[0], [1]]), None, np.array([[0], [0]])), "robot 0 does not head east at"),
+        (
+            Plan(np.array([[0], [1]]), None, np.array([[1], [2]])),
+            "step 0: robot 0 heads east at (0, 0) and is to be at (0, 1), heading south",
+        ),
+    ],
+)
+def test_a_plan_of_a_user_is_checked(plan: Plan, words: str) -> None:
+    problem = Problem(Graph(Layout(["..."])), [0], [1], headings=[1])
+    with pytest.raises(AgentError) as caught:
+        solve_checked("mine", lambda *_: plan, problem, 1.0)
+    assert str(caught.value).startswith(f"planner 'mine': {words}")
 
 
 def test_turns_are_added_to_a_plan_without_headings() -> None:

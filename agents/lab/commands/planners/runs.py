@@ -49,6 +49,9 @@ SOLVERS: dict[str, Solver] = {
 }
 """Planners of robots that go to their goals once, by name."""
 
+HEADED_SOLVERS = ("lacam", "lacam-star", "anytime")
+"""Those that know headings."""
+
 STEPPERS = ("pibt", "pibt-lanes")
 """Planners of robots that go from goal to goal, if none is named; see the registry for all."""
 
