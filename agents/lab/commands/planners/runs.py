@@ -50,7 +50,7 @@ SOLVERS: dict[str, Solver] = {
 """Planners of robots that go to their goals once, by name."""
 
 HEADED_SOLVERS = ("lacam", "lacam-star", "anytime")
-"""Those that know headings."""
+"""Names of the solvers that plan for robots with headings."""
 
 STEPPERS = ("pibt", "pibt-lanes")
 """Planners of robots that go from goal to goal, if none is named; see the registry for all."""
