@@ -14,8 +14,10 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from agents.mapf.kernels.buffers import Buffer, Table, buffer, buffer_of, kernel
-from agents.mapf.kernels.floor import NONE
+import numpy as np
+
+from agents.mapf.kernels.buffers import Buffer, Table, buffer, buffer_of, kernel, table_of
+from agents.mapf.kernels.floor import FORWARD, NONE, STAY, TURNS
 from agents.mapf.kernels.packed import unpack
 from agents.mapf.kernels.rounds import CHANCE_KEY, NOBODY, SPREAD, draw, first_random, mix
 from warehouse_core.world.tables import Integers
@@ -41,12 +43,18 @@ class Crew(NamedTuple):
 
     Attributes:
         size: number of cells; the cell of a place is its remainder by it.
-        actions: number of actions, ``A``.
         window: steps of an operation, ``W``.
         is_packed: 1 if distances are packed, see ``packed.py``.
         columns: ``[size]``, column of each cell in fields that are packed.
-        near: ``[places * A]``, place that each action leads to, or ``NONE``.
+        has_headings: 1 if actions move robots forward or turn them.
+        ahead: ``[size * 4]``, cell that a move N, E, S or W leads to, or ``NONE``.
         operations: ``[N * W]``, actions of each operation; the first one waits.
+        parents: ``[M]``, for each beginning of an operation the one that is an action shorter; the
+            first one has no action, and the last ``N`` are the operations.
+        actions: ``[M]``, last action of each beginning.
+        cells: ``[M]``, cell that each beginning leads a robot to, or ``NONE``.
+        headings: ``[M]``, heading in which it gets there.
+        passed: ``[M]``, sum of its distances from the goal on the way there.
         places: present places.
         rows: index of the distance field of each goal in the table of fields.
         order: robots by falling priority.
@@ -71,12 +79,17 @@ class Crew(NamedTuple):
     """
 
     size: int
-    actions: int
     window: int
     is_packed: int
-    columns: Buffer
-    near: Buffer
+    columns: Table
+    has_headings: int
+    ahead: Table
     operations: Buffer
+    parents: Buffer
+    actions: Buffer
+    cells: Buffer
+    headings: Buffer
+    passed: Buffer
     places: Buffer
     rows: Buffer
     order: Buffer
@@ -100,24 +113,29 @@ class Crew(NamedTuple):
 
 
 def crew_of(
-    size: int, near: Integers, operations: Integers, robots: int, seed: int | None,
-    columns: Integers | None = None,
+    ahead: Integers, operations: Integers, robots: int, seed: int | None,
+    has_headings: bool = False, columns: Integers | None = None,
 ) -> Crew:  # fmt: skip
-    """Return the buffers of robots on so many cells.
+    """Return the buffers of robots.
 
     Args:
-        size: number of cells.
-        near: ``[places, A]``, see ``Crew``.
+        ahead: ``[size, 4]``, see ``Crew``.
         operations: ``[N, W]``, likewise.
         robots: number of robots.
         seed: seed of the random numbers.
+        has_headings: whether the actions of operations are those of robots with headings.
         columns: ``[size]``, see ``Crew``, if distances are packed.
     """
-    count, window = operations.shape
+    (size, _), (count, window) = ahead.shape, operations.shape
+    parents, actions = beginnings(operations)
+    number = len(parents)
     return Crew(
-        size=size, actions=near.shape[1], window=window, is_packed=int(columns is not None),
-        columns=buffer(0) if columns is None else buffer_of(columns), near=buffer_of(near),
-        operations=buffer_of(operations), places=buffer(robots), rows=buffer(robots),
+        size=size, window=window, is_packed=int(columns is not None),
+        columns=table_of(np.asarray(() if columns is None else columns, np.int32)),
+        has_headings=int(has_headings), ahead=table_of(ahead.astype(np.int32)),
+        operations=buffer_of(operations), parents=buffer_of(np.array(parents)),
+        actions=buffer_of(np.array(actions)), cells=buffer(number), headings=buffer(number),
+        passed=buffer(number), places=buffer(robots), rows=buffer(robots),
         order=buffer(robots), ways=buffer(robots * window, NONE), kept=buffer(robots * window),
         states=buffer(robots), is_fixed=buffer(robots), visits=buffer(robots),
         pushed=buffer(robots), pushed_at=buffer(robots), met_at=buffer(1),
@@ -126,6 +144,15 @@ def crew_of(
         holder=buffer(window * size, NOBODY), expected=buffer(window * size, NOBODY),
         is_closed=buffer(size), random=first_random(seed),
     )  # fmt: skip
+
+
+def beginnings(operations: Integers) -> tuple[list[int], list[int]]:
+    """Return ``parents`` and ``actions`` of a ``Crew`` for operations, ``[N, W]``."""
+    found: dict[tuple[int, ...], int] = {(): 0}
+    for length in range(1, operations.shape[1] + 1):
+        for actions in operations[:, :length].tolist():
+            found.setdefault(tuple(actions), len(found))
+    return [found[each[:-1]] for each in found], [STAY, *(each[-1] for each in found if each)]
 
 
 @kernel
@@ -232,25 +259,40 @@ def undo(crew: Crew, mark: int) -> None:
 
 
 @kernel
-def follow(crew: Crew, robot: int, operation: int) -> bool:
-    """Write the places of an operation into the way of a robot; return whether no wall is there."""
-    place = crew.places[robot]
-    for time in range(crew.window):
-        action = crew.operations[operation * crew.window + time]
-        place = crew.near[place * crew.actions + action]
-        if place == NONE:
-            return False
-        crew.ways[robot * crew.window + time] = place
-    return True
+def entered(crew: Crew, cell: int, heading: int, action: int) -> int:
+    """Return the cell in which a robot is after an action, or ``NONE`` if a wall is there."""
+    if action == STAY:
+        return cell
+    if not crew.has_headings:
+        return crew.ahead[cell * STAY + action] + 0
+    return crew.ahead[cell * STAY + heading] + 0 if action == FORWARD else cell
 
 
 @kernel
-def distance(crew: Crew, fields: Table, row: int, place: int) -> int:
-    """Return the distance of a place from the goal of a row."""
+def turned(crew: Crew, heading: int, action: int) -> int:
+    """Return the heading of a robot after an action, 0 for robots without headings."""
+    if not crew.has_headings or action in (FORWARD, STAY):
+        return heading
+    return (heading + TURNS - 2 * action) & 3
+
+
+@kernel
+def follow(crew: Crew, robot: int, operation: int) -> None:
+    """Write the places of an operation into the way of a robot; no wall may be there."""
+    cell, heading = crew.places[robot] % crew.size, crew.places[robot] // crew.size
+    for time in range(crew.window):
+        action = crew.operations[operation * crew.window + time]
+        cell = entered(crew, cell, heading, action)
+        heading = turned(crew, heading, action)
+        crew.ways[robot * crew.window + time] = heading * crew.size + cell
+
+
+@kernel
+def distance(crew: Crew, fields: Table, row: int, cell: int, heading: int) -> int:
+    """Return the distance of a robot from the goal of a row."""
     if crew.is_packed:
-        cell = place % crew.size
-        return unpack(fields[row + crew.columns[cell]], place // crew.size)
-    return fields[row + place] + 0
+        return unpack(fields[row + crew.columns[cell]], heading)
+    return fields[row + heading * crew.size + cell] + 0
 
 
 @kernel
@@ -258,20 +300,33 @@ def cost(crew: Crew, fields: Table, robot: int, ways: Buffer) -> int:
     """Return the cost of one of the ways of a robot: its distances from the goal, weighted."""
     total, left, row = 0, 0, crew.rows[robot]
     for at in range(robot * crew.window, (robot + 1) * crew.window):
-        left = distance(crew, fields, row, ways[at])
+        left = distance(crew, fields, row, ways[at] % crew.size, ways[at] // crew.size)
         total += left
     return total + (END_WEIGHT - 1) * left
 
 
 @kernel
 def weigh(crew: Crew, fields: Table, robot: int) -> None:
-    """Write the keys of all operations of a robot."""
-    count = len(crew.operations) // crew.window
-    bits = mix(crew.random[0] + robot * SPREAD)
-    for operation in range(count):
+    """Write the keys of all operations of a robot, which begin with the same actions in part."""
+    count, number = len(crew.operations) // crew.window, len(crew.parents)
+    cells, headings, passed, row = crew.cells, crew.headings, crew.passed, crew.rows[robot]
+    bits, place = mix(crew.random[0] + robot * SPREAD), crew.places[robot]
+    cells[0], headings[0], passed[0] = place % crew.size, place // crew.size, 0
+    for at in range(1, number):
+        parent, action = crew.parents[at], crew.actions[at]
+        cell, heading, left = cells[parent], headings[parent], 0
+        if cell != NONE:
+            cell = entered(crew, cell, heading, action)
+            heading = turned(crew, heading, action)
+        if cell != NONE:
+            left = distance(crew, fields, row, cell, heading)
+        operation = at - number + count
+        if operation < 0:
+            cells[at], headings[at], passed[at] = cell, heading, passed[parent] + left
+            continue
         key = USED
-        if follow(crew, robot, operation):
-            key = cost(crew, fields, robot, crew.ways) * CHANCE_KEYS
+        if cell != NONE:
+            key = (passed[parent] + END_WEIGHT * left) * CHANCE_KEYS
             if operation > 0:  # waiting is best where nothing else brings a robot nearer
                 key += 1 + (bits + operation * 5) % CHANCE_KEY
         crew.keys[robot * count + operation] = key
