@@ -7,7 +7,7 @@ from typing import Any
 import pytest
 from helpers.command_line import Refused, Warehouse
 
-from agents.lab.commands.planners.league import usual_planner
+from agents.lab.commands.planners.league import usual_name
 from warehouse_core.world.robot_runners import load_league
 
 SLOW = ("--step-seconds", 1000)
@@ -85,10 +85,12 @@ def test_the_problem_of_2023_says_who_does_what(
 
 def test_the_usual_planner_leads_some_of_a_crowd_at_a_time(hall: str) -> None:
     few = load_league(hall)
-    assert usual_planner(few, 2.0) == "windowed:groups=50,seconds=1.4,led=2"
+    assert usual_name(few, 2.0) == "windowed:groups=50,seconds=1.4,led=2"
     crowd = few._replace(starts=few.starts * 4)
-    assert usual_planner(crowd, 1.0) == "windowed:groups=200,seconds=0.7,led=2"
-    assert usual_planner(few._replace(starts=few.starts * 2000), 1.0) == "epibt"
+    assert usual_name(crowd, 1.0) == "windowed:groups=200,seconds=0.7,led=2"
+    assert usual_name(few._replace(starts=few.starts * 2000), 1.0) == "epibt"
+    ticks = few._replace(year=2026, ticks=5)  # three steps are planned at a time
+    assert usual_name(ticks, 3.0) == "windowed:groups=50,seconds=0.7,led=2"
 
 
 def test_a_planner_that_breaks_rules_or_knows_no_headings_is_named(
