@@ -22,8 +22,8 @@ from agents.mapf.kernels.packed import unpack
 from agents.mapf.kernels.rounds import CHANCE_KEY, NOBODY, SPREAD, draw, first_random, mix
 from warehouse_core.world.tables import Integers
 
-BLOCKED = -2
-"""Stands for what nobody can be pushed out of."""
+BLOCKED, IN_VAIN = -2, -3
+"""Stand for what nobody can be pushed out of, and for a robot that was pushed in vain."""
 
 FREE, CHOOSING, CHOSEN = range(3)
 """States of a robot: it has not chosen; it chooses, or pushes others; it has its way."""
@@ -52,6 +52,7 @@ class Crew(NamedTuple):
         parents: ``[M]``, for each beginning of an operation the one that is an action shorter; the
             first one has no action, and the last ``N`` are the operations.
         actions: ``[M]``, last action of each beginning.
+        within: ``[W * N]``, for each step of the window the beginning of each operation up to it.
         cells: ``[M]``, cell that each beginning leads a robot to, or ``NONE``.
         headings: ``[M]``, heading in which it gets there.
         passed: ``[M]``, sum of its distances from the goal on the way there.
@@ -87,6 +88,7 @@ class Crew(NamedTuple):
     operations: Buffer
     parents: Buffer
     actions: Buffer
+    within: Buffer
     cells: Buffer
     headings: Buffer
     passed: Buffer
@@ -123,20 +125,21 @@ def crew_of(
         operations: ``[N, W]``, likewise.
         robots: number of robots.
         seed: seed of the random numbers.
-        has_headings: whether the actions of operations are those of robots with headings.
+        has_headings: whether actions drive robots forward and turn them.
         columns: ``[size]``, see ``Crew``, if distances are packed.
     """
     (size, _), (count, window) = ahead.shape, operations.shape
-    parents, actions = beginnings(operations)
+    parents, actions, within = beginnings(operations)
     number = len(parents)
     return Crew(
         size=size, window=window, is_packed=int(columns is not None),
         columns=table_of(np.asarray(() if columns is None else columns, np.int32)),
         has_headings=int(has_headings), ahead=table_of(ahead.astype(np.int32)),
         operations=buffer_of(operations), parents=buffer_of(np.array(parents)),
-        actions=buffer_of(np.array(actions)), cells=buffer(number), headings=buffer(number),
-        passed=buffer(number), places=buffer(robots), rows=buffer(robots),
-        order=buffer(robots), ways=buffer(robots * window, NONE), kept=buffer(robots * window),
+        actions=buffer_of(np.array(actions)), within=buffer_of(np.array(within)),
+        cells=buffer(number), headings=buffer(number), passed=buffer(number),
+        places=buffer(robots), rows=buffer(robots), order=buffer(robots),
+        ways=buffer(robots * window, NONE), kept=buffer(robots * window),
         states=buffer(robots), is_fixed=buffer(robots), visits=buffer(robots),
         pushed=buffer(robots), pushed_at=buffer(robots), met_at=buffer(1),
         keys=buffer(robots * count), stack=buffer(robots), marks=buffer(robots),
@@ -146,13 +149,16 @@ def crew_of(
     )  # fmt: skip
 
 
-def beginnings(operations: Integers) -> tuple[list[int], list[int]]:
-    """Return ``parents`` and ``actions`` of a ``Crew`` for operations, ``[N, W]``."""
+def beginnings(operations: Integers) -> tuple[list[int], list[int], list[int]]:
+    """Return ``parents``, ``actions`` and ``within`` of a ``Crew`` for operations, ``[N, W]``."""
     found: dict[tuple[int, ...], int] = {(): 0}
-    for length in range(1, operations.shape[1] + 1):
-        for actions in operations[:, :length].tolist():
-            found.setdefault(tuple(actions), len(found))
-    return [found[each[:-1]] for each in found], [STAY, *(each[-1] for each in found if each)]
+    within = [
+        found.setdefault(tuple(actions), len(found))
+        for length in range(1, operations.shape[1] + 1)
+        for actions in operations[:, :length].tolist()
+    ]
+    parents = [found[actions[:-1]] for actions in found]
+    return parents, [STAY, *(actions[-1] for actions in found if actions)], within
 
 
 @kernel
@@ -240,11 +246,12 @@ def who(crew: Crew, time: int, cell: int, robot: int) -> int:
     """Return who but a robot is in a cell after a step of the window, or before the first."""
     if time < 0:
         return crew.robot_in[cell]
-    there = crew.expected[time * crew.size + cell]
-    holder = crew.holder[time * crew.size + cell]
-    if holder in (NOBODY, robot):
-        return there if there != NOBODY and crew.states[there] == FREE else NOBODY
-    return holder
+    at = time * crew.size + cell
+    holder = crew.holder[at] + 0
+    if holder not in (NOBODY, robot):
+        return holder
+    there = crew.expected[at] + 0
+    return there if there != NOBODY and crew.states[there] == FREE else NOBODY
 
 
 @kernel
@@ -355,11 +362,20 @@ def next_operation(crew: Crew, robot: int) -> int:
 
 
 @kernel
+def shut(crew: Crew, robot: int, operation: int, time: int) -> None:
+    """Let a robot try no operation that is the same as one up to a step of the window."""
+    count = len(crew.operations) // crew.window
+    for other in range(count):
+        if crew.within[time * count + other] == crew.within[time * count + operation]:
+            crew.keys[robot * count + other] = USED
+
+
+@kernel
 def meets(crew: Crew, robot: int) -> int:
     """Return the first robot that the way of a robot meets, ``NOBODY``, or ``BLOCKED``.
 
-    Robots that are not free, or have chosen too often, and closed cells block the way. So does a
-    robot that was pushed in vain when it would have been met as early or later.
+    Robots that are not free, or have chosen too often, and closed cells block the way. It is
+    ``IN_VAIN`` if a robot that was pushed in vain would be met as early or later.
     """
     found, before = NOBODY, crew.places[robot] % crew.size
     for time in range(crew.window):
@@ -367,6 +383,7 @@ def meets(crew: Crew, robot: int) -> int:
         other, opposite = who(crew, time, cell, robot), NOBODY
         if cell != before:
             if crew.is_closed[cell]:
+                crew.met_at[0] = time
                 return BLOCKED
             opposite = who(crew, time - 1, cell, robot)
             if opposite != NOBODY and who(crew, time, before, robot) != opposite:
@@ -375,12 +392,13 @@ def meets(crew: Crew, robot: int) -> int:
             if one == NOBODY:
                 continue
             if crew.states[one] != FREE or crew.visits[one] >= MAX_VISITS:
+                crew.met_at[0] = time
                 return BLOCKED
             if found == NOBODY:
                 found, crew.met_at[0] = one, time
         before = cell
     is_vain = found == crew.pushed[robot] and crew.met_at[0] <= crew.pushed_at[robot]
-    return BLOCKED if found != NOBODY and is_vain else found
+    return IN_VAIN if found != NOBODY and is_vain else found
 
 
 @kernel
@@ -389,11 +407,11 @@ def push(crew: Crew, fields: Table, robot: int) -> bool:
 
     Those that have chosen are on the trail then. Otherwise all are as they were.
     """
-    last, depth, other = len(crew.trail) - 1, 0, BLOCKED
+    last, depth, other = len(crew.trail) - 1, 0, IN_VAIN
     crew.trail[last] = 0
     begin(crew, fields, robot)
     while True:
-        if other == BLOCKED:  # the operation does not do, or there is none yet
+        if other < NOBODY:  # the operation does not do, or there is none yet
             operation = next_operation(crew, robot)
             if operation == NONE:
                 crew.states[robot] = FREE
@@ -408,13 +426,15 @@ def push(crew: Crew, fields: Table, robot: int) -> bool:
             crew.marks[robot] = crew.trail[last]
             other = meets(crew, robot)
             if other == BLOCKED:
+                shut(crew, robot, operation, crew.met_at[0])
+            if other < NOBODY:
                 continue
             hold(crew, robot)
         if other != NOBODY:
             crew.pushed[robot], crew.pushed_at[robot] = other, crew.met_at[0]
             crew.stack[depth] = robot
             depth += 1
-            robot, other = other, BLOCKED
+            robot, other = other, IN_VAIN
             begin(crew, fields, robot)
             continue
         crew.states[robot] = CHOSEN
@@ -425,7 +445,7 @@ def push(crew: Crew, fields: Table, robot: int) -> bool:
         depth -= 1
         robot = crew.stack[depth]
         other = meets(crew, robot)
-        if other == BLOCKED:
+        if other < NOBODY:
             release(crew, robot)
             undo(crew, crew.marks[robot])
 
