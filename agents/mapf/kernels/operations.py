@@ -125,7 +125,7 @@ def crew_of(
         operations: ``[N, W]``, likewise.
         robots: number of robots.
         seed: seed of the random numbers.
-        has_headings: whether actions drive robots forward and turn them.
+        has_headings: true if actions drive robots forward and turn them.
         columns: ``[size]``, see ``Crew``, if distances are packed.
     """
     (size, _), (count, window) = ahead.shape, operations.shape
