@@ -202,8 +202,7 @@ class LaCAM:
         """Return the robots of the team as they choose operations, or none without headings."""
         team, problem = self._team, self.problem
         if problem.headings is None:
-            none = np.empty((0, 0), np.intp)
-            return crew_of(0, none, none, 0, 0)
+            return crew_of(np.empty((0, 4), np.intp), np.empty((0, 1), np.intp), 0, 0)
         return crew_on(fields, CREW_WINDOW, problem.robots, 0)._replace(
             places=team.places, rows=team.rows, order=team.order, robot_in=team.robot_in,
             random=team.random,
