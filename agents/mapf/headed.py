@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.graph import CLOSED, Fields, Graph
-from agents.mapf.kernels.buffers import buffer_of, prepare, table_of
-from agents.mapf.kernels.floor import ACTIONS, STAY
-from agents.mapf.kernels.packed import BASE, PACKED_FAR, pack
+from agents.mapf.kernels.buffers import IS_COMPILED, Buffer, buffer, prepare, table_of
+from agents.mapf.kernels.floor import ACTIONS, FAR, NONE, STAY, count_steps
+from agents.mapf.kernels.packed import BASE, ENTRIES, PACKED_FAR, Way, measure_packed, pack
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.moves import FORWARD, LEFT, RIGHT
 from warehouse_core.world.tables import Integers
@@ -31,6 +31,7 @@ class HeadedFields(Fields):
         self._leads_back = True
         if graph.costs is None:
             self.step = 1
+            prepare(count_steps)
 
     @cached_property
     def near(self) -> Integers:
@@ -56,6 +57,20 @@ class HeadedFields(Fields):
             found[..., FORWARD] = np.rint(graph.costs.T * self.step)
         return found.reshape(-1, ACTIONS)
 
+    def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
+        """Write the distances of all places from a goal into a field."""
+        if IS_COMPILED and self.step == 1 and not self._closed:
+            field[:] = FAR
+            count_steps(table_of(self.graph.neighbours), goal, table_of(field), *self._spare)
+        else:
+            super()._measure(goal, field)
+
+    @cached_property
+    def _spare(self) -> tuple[Buffer, Buffer, Buffer]:
+        """Buffers that ``count_steps`` uses."""
+        size = self.graph.size
+        return buffer(size), buffer(size), buffer(WAIT * size)
+
 
 class PackedFields(HeadedFields):
     """Distances between places, of which each open cell has the four in one number.
@@ -70,12 +85,12 @@ class PackedFields(HeadedFields):
 
     def __init__(self, graph: Graph) -> None:
         super().__init__(graph)
-        cells = graph.layout.open_cells
-        self._cells, self._field = buffer_of(cells), np.empty(self.graph.places, np.int32)
+        self._cells = graph.layout.open_cells
         self.columns = np.zeros(graph.size, np.intp)
-        self.columns[cells] = np.arange(len(cells))
-        self.matrix = np.empty((0, len(cells)), np.int32)
-        prepare(pack)
+        self.columns[self._cells] = np.arange(len(self._cells))
+        self.matrix = np.empty((0, len(self._cells)), np.int32)
+        self._field = np.empty(WAIT * len(self._cells), np.int32)
+        prepare(measure_packed, pack)
 
     def nearest(self, rows: Integers, cells: Integers) -> Integers:
         """Return the distance of each cell from the goal of a row, by the best heading."""
@@ -83,5 +98,27 @@ class PackedFields(HeadedFields):
         return found
 
     def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
-        super()._measure(goal, self._field)
-        pack(table_of(self._field), self._cells, table_of(field))
+        """Write the numbers of all open cells into a field."""
+        if self._is_compiled:
+            places = table_of(self._field), table_of(field)
+            measure_packed(self._way, int(self.columns[goal]), self._heads, *places)
+            return
+        distances = self._distances(goal).reshape(WAIT, -1)
+        self._field[:] = distances[:, self._cells].T.ravel()
+        pack(table_of(self._field), table_of(field))
+
+    @cached_property
+    def _heads(self) -> Buffer:
+        return buffer(int(self.prices.max()) + 1, NONE)
+
+    @cached_property
+    def _way(self) -> Way:
+        """The steps of ``near``, from where they lead, for ``measure_packed``."""
+        (here, facing), ahead = self._stands, self.near[:, FORWARD]
+        places = self.columns[here] * WAIT + facing
+        moves = np.flatnonzero(ahead != self.graph.places)
+        behind, price = np.full((2, len(self._field)), NONE, np.int32)
+        behind[places[ahead[moves]]] = places[moves]
+        price[places[ahead[moves]]] = self.prices[moves, FORWARD]
+        room = np.empty((2, (ENTRIES + 1) * len(self._field)), np.int32)
+        return Way(self.step, *map(table_of, (behind, price, *room)))

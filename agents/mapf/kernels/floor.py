@@ -112,3 +112,57 @@ def measure(
                 entries[count], below[count] = before, heads[reached % span]
                 heads[reached % span] = count
                 count, waiting = count + 1, waiting + 1
+
+
+@kernel
+def count_steps(
+    beside: Table, goal: int, field: Table, known: Buffer, fresh: Buffer, queue: Buffer
+) -> None:
+    """Write the steps to a goal from each place of robots with headings into a field.
+
+    A move forward and a quarter turn are a step each. Several headings in a cell that are as far
+    from the goal are looked at together, as bits of a number.
+
+    Args:
+        beside: ``[size * 5]``, cell that N, E, S, W and waiting lead to, or ``NONE``.
+        goal: cell, all places of which have the distance 0.
+        field: ``[4 * size]``, all ``FAR`` before.
+        known: ``[size]``, used for the headings that have a distance.
+        fresh: ``[size]``, used for the headings found last, in four bits for even distances and
+            four for odd ones; all 0 before and after.
+        queue: ``[4 * size]``, used for cells with such headings.
+    """
+    size, first, last, distance = len(known), 0, 1, 0
+    every = (1 << STAY) - 1
+    for cell in range(size):
+        known[cell] = 0
+    queue[0], known[goal], fresh[goal] = goal, every, every
+    for place in range(goal, len(field), size):
+        field[place] = 0
+    while first < last:
+        now, then, end = (distance & 1) * STAY, (~distance & 1) * STAY, last
+        distance += 1
+        while first < end:
+            cell = queue[first]
+            first += 1
+            headings = (fresh[cell] >> now) & every
+            fresh[cell] ^= headings << now
+            turned = (headings << 1 | headings >> 1 | headings << 3 | headings >> 3) & every
+            for heading in range(STAY):
+                bit, behind = 1 << heading, NONE
+                if turned & bit and known[cell] & bit == 0:
+                    known[cell] |= bit
+                    field[heading * size + cell] = distance
+                    if fresh[cell] == 0:
+                        queue[last] = cell
+                        last += 1
+                    fresh[cell] |= bit << then
+                if headings & bit:
+                    behind = beside[cell * ACTIONS + (heading ^ 2)] + 0
+                if behind != NONE and known[behind] & bit == 0:
+                    known[behind] |= bit
+                    field[heading * size + behind] = distance
+                    if (fresh[behind] >> then) & every == 0:
+                        queue[last] = behind
+                        last += 1
+                    fresh[behind] |= bit << then

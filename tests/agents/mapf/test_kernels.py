@@ -15,7 +15,7 @@ from agents.mapf.graph import Fields, Graph
 from agents.mapf.headed import HeadedFields, PackedFields
 from agents.mapf.kernels import ways as kernels
 from agents.mapf.kernels.buffers import buffer, table_of
-from agents.mapf.kernels.floor import FAR, NONE, measure
+from agents.mapf.kernels.floor import FAR, NONE, count_steps, measure
 from agents.mapf.kernels.packed import PACKED_FAR, unpack
 from agents.mapf.lacam import lacam, lacam_star
 from agents.mapf.lanes import lane_costs
@@ -120,6 +120,17 @@ def test_measured_distances_are_those_of_dijkstra(kind: type[Fields], wrong_way:
         assert np.array_equal(found, np.minimum(np.rint(distances), FAR))
 
 
+def test_counted_steps_are_the_distances_of_dijkstra() -> None:
+    layout = random_layout(11, 9, 0.25, seed=4)
+    fields = HeadedFields(Graph(layout))
+    graph, size = fields.graph, fields.graph.size
+    spare = buffer(size), buffer(size), buffer(4 * size)
+    for goal in layout.open_cells[::7].tolist():  # the buffers are used again
+        found = np.full(graph.places, FAR, np.int32)
+        count_steps(table_of(graph.neighbours), goal, table_of(found), *spare)
+        assert np.array_equal(found, np.minimum(graph.distances(goal), FAR))
+
+
 @pytest.mark.parametrize("wrong_way", [None, 5.0])
 def test_packed_distances_are_those_that_were_packed(wrong_way: float | None) -> None:
     layout = Layout(["....#.", "###.##", "......"])  # nothing leads to the last cell above
@@ -219,4 +230,4 @@ def test_shared_goals_have_one_field() -> None:
     planner, cells = WindowedPlanner(Graph(layout)), layout.open_cells.tolist()
     goals = [cells[-1 - robot % 3] for robot in range(30)]
     planner.next_cells(situation(cells[:30], goals))
-    assert len(planner._fields.matrix) - len(planner._fields._free) == 3
+    assert planner._fields._used - len(planner._fields._free) == 3

@@ -23,8 +23,9 @@ from agents.mapf.graph import Graph
 from agents.mapf.league.checker import cells_of, check_result
 from agents.mapf.league.entry import PlannedEntry
 from agents.mapf.league.result import Result, read_result, write_result
-from agents.mapf.league.scheduler import Scheduler, most_busy
-from agents.mapf.league.simulator import play
+from agents.mapf.league.scheduler import Scheduler
+from agents.mapf.league.simulator import planned_steps, play
+from agents.mapf.league.usual import CROWD, SHARE, usual_planner
 from agents.mapf.planner import HeadedPlanner
 from agents.registry import make_planner
 from warehouse_core import DEFAULT_LAYOUT, Layout
@@ -33,14 +34,18 @@ from warehouse_core.world.robot_runners import League, load_league
 
 STEPS, SECONDS = 1000, 1.0
 
-SHARE, GROUPS = 0.7, 25
-"""Share of a step in which ``windowed`` looks for better plans, and most groups of it for each
-robot, if no planner is named.
-"""
-
-CROWD = 2000
-"""Robots above which ``epibt`` plans if no planner is named."""
 SUFFIX = ".json"
+
+BESIDE = "A result .json of the League to check and to show beside."
+StepSeconds = Annotated[
+    float,
+    option(
+        "--step-seconds S",
+        "Seconds of a step, or of ten ticks of 2026; all robots wait in each step in which their "
+        "plan is late.",
+        Number(0.001, MAX_VALUE),
+    ),
+]
 
 
 def league(
@@ -62,8 +67,7 @@ def league(
         list[Path] | None,
         option(
             "--beside FILE",
-            "A result .json of the League to check and to show beside; may be repeated, one for "
-            "each problem, in their order.",
+            f"{BESIDE} May be repeated, one for each problem, in their order.",
             show_default=False,
         ),
     ] = None,
@@ -71,15 +75,7 @@ def league(
         int | None,
         options.parameter_option("max_steps", more=f"Default: those of --beside, or {STEPS}."),
     ] = None,
-    step_seconds: Annotated[
-        float,
-        option(
-            "--step-seconds S",
-            "Seconds of a step, or of ten ticks of 2026; all robots wait in each step in which "
-            "their plan is late.",
-            Number(0.001, MAX_VALUE),
-        ),
-    ] = SECONDS,
+    step_seconds: StepSeconds = SECONDS,
     seed: options.Seed = 0,
     *,
     save: Annotated[
@@ -116,7 +112,7 @@ def league(
             problem = load_league(file)
         theirs = None if other is None else read_result(other, problem.layout)
         steps = max_steps or (len(theirs.actual) if theirs else STEPS)
-        for name in planners or [usual_planner(problem, step_seconds)]:
+        for name in planners or [usual_name(problem, step_seconds)]:
             ours = play_checked(problem, name, steps, step_seconds, seed)
             rows.append(row_of(file.stem, name, ours, theirs))
             for path in save:
@@ -141,13 +137,11 @@ def league(
     print_table(TextTable(header, rows, caption=caption))
 
 
-def usual_planner(problem: League, step_seconds: float) -> str:
-    """Return the name of the planner of a problem for which none is named."""
-    robots = len(problem.starts)
-    if robots > CROWD:
-        return "epibt"
-    led = min(most_busy(len(problem.layout.open_cells), robots), robots)
-    return f"windowed:groups={GROUPS * robots},seconds={SHARE * step_seconds:g},led={led}"
+def usual_name(problem: League, step_seconds: float) -> str:
+    """Return the name, with arguments, of the planner of a problem for which none is named."""
+    seconds = step_seconds / planned_steps(problem)
+    name, arguments = usual_planner(len(problem.layout.open_cells), len(problem.starts), seconds)
+    return f"{name}:{','.join(f'{key}={value:g}' for key, value in arguments.items())}".rstrip(":")
 
 
 def play_checked(problem: League, name: str, steps: int, seconds: float, seed: int) -> Result:

@@ -13,7 +13,10 @@ from agents.mapf.league import pyMAPFPlanner, pyTaskScheduler
 from agents.mapf.league.executor import Executor
 from agents.mapf.league.start_kit import view_of
 from agents.mapf.league.tasks import TaskPool
+from agents.mapf.planner import Situation
+from agents.mapf.windows import WindowedPlanner
 from warehouse_core.world.robot_runners import League
+from warehouse_core.world.tables import Integers
 
 EAST, TICKS, PERIOD = 1, 3, 10
 
@@ -107,7 +110,7 @@ def test_the_entries_finish_tasks_without_an_error(entry: Any) -> None:
         env = scheduler.env = planner.env = env_of(problem, pool, executor, tick)
         schedule = scheduler.plan(1000)
         env.curr_task_schedule = Numbers(schedule)
-        plan = planner.plan(1000)
+        plan = planner.plan(40)
         assert {len(actions) for actions in plan} == {4}
         assert {type(action) for actions in plan for action in actions} == {int}
         held = pool.schedule.copy()
@@ -120,6 +123,27 @@ def test_the_entries_finish_tasks_without_an_error(entry: Any) -> None:
         executor.stage(np.array(plan))
     assert pool.finished > 16
     assert pool.errors == []
+
+
+def test_a_plan_of_several_steps_has_the_time_limit_for_all_of_them(
+    entry: Any, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    problem = league_crowd()
+    starts = problem.layout.numbers(problem.starts)
+    executor = Executor(Graph(problem.layout), starts, np.full(len(starts), EAST), TICKS)
+    planner, seconds = entry[1], list[float]()
+    planner.env = env_of(problem, TaskPool(problem), executor, 0)
+    planner.initialize(30_000)
+
+    def noted(self: WindowedPlanner, situation: Situation, headings: Integers) -> Integers:
+        seconds.append(self.seconds)
+        places: Integers = headings * self.graph.size + situation.cells
+        return places
+
+    monkeypatch.setattr(WindowedPlanner, "next_places", noted)
+    for milliseconds in (3000, 1000, 1000):
+        planner.plan(milliseconds)
+    assert seconds == [0.7 * 3 / 4] * 4 + [0.7 / 4] * 8
 
 
 def test_states_of_the_start_kit_are_seen_as_they_are() -> None:

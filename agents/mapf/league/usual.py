@@ -1,0 +1,41 @@
+"""The planner of a problem of the League for which none is named."""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+
+from agents.mapf.epibt import EPIBT
+from agents.mapf.graph import Graph
+from agents.mapf.league.scheduler import most_busy
+from agents.mapf.planner import HeadedPlanner
+from agents.mapf.windows import WindowedPlanner
+
+SHARE, GROUPS = 0.7, 25
+"""Share of a step in which ``windowed`` looks for better plans, and most groups of it for each
+robot.
+"""
+
+CROWD = 2000
+"""Robots above which ``epibt`` plans."""
+
+PLANNERS: dict[str, Callable[..., HeadedPlanner]] = {"epibt": EPIBT, "windowed": WindowedPlanner}
+
+
+def usual_planner(open_cells: int, robots: int, seconds: float) -> tuple[str, dict[str, float]]:
+    """Return one of ``PLANNERS`` and its arguments.
+
+    Args:
+        open_cells: number of open cells.
+        robots: number of robots.
+        seconds: time of the planner and the scheduler for a step.
+    """
+    if robots > CROWD:
+        return "epibt", {}
+    led = min(most_busy(open_cells, robots), robots)
+    return "windowed", {"groups": GROUPS * robots, "seconds": SHARE * seconds, "led": led}
+
+
+def make_usual_planner(graph: Graph, robots: int, seconds: float) -> HeadedPlanner:
+    """Return a planner of a floor; see ``usual_planner``."""
+    name, arguments = usual_planner(len(graph.layout.open_cells), robots, seconds)
+    return PLANNERS[name](graph, **arguments)
