@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from agents.lab.commands.gap import game
 from agents.lab.commands.gap.game import GameScore, game_of, play_in
 from agents.lab.commands.gap.worlds import ALONE, DISTURBED, DRIVING, PLAN, STOPPING, Shocks
 from agents.mapf.execution import drive_through
@@ -83,6 +84,18 @@ def test_robots_wait_for_those_that_turn_before_them_unless_each_is_alone() -> N
     alone, driven = (score(world, letters, [3, 4]) for world in (ALONE, DRIVING))
     assert (alone.finished, driven.finished) == (2, 1)
     assert (alone.hits, driven.hits) == (0, 0)
+
+
+def test_robots_on_their_own_floors_do_the_same_in_one_run_and_in_several(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    letters, done = {0: "FFFFWWWW", 6: "FRWWWWWW", 17: "WWRRFFWW"}, [4, 1, 6]
+    whole = score(ALONE, letters, done)
+    monkeypatch.setattr(game, "MAX_CELLS", 2 * 4 * 6)
+    parts = score(ALONE, letters, done)
+    assert parts._replace(joules=0) == whole._replace(joules=0)
+    assert parts.joules == pytest.approx(whole.joules)
+    assert whole.finished == 2
 
 
 def test_a_robot_that_has_died_does_what_one_does_that_stands_to_the_end() -> None:
