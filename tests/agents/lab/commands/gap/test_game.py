@@ -19,7 +19,11 @@ WHEELS = RobotSpec(drive="differential")
 
 
 def score(
-    world: str, actions: dict[int, str], done: list[int], shocks: Shocks = SHOCKS
+    world: str,
+    actions: dict[int, str],
+    done: list[int],
+    shocks: Shocks = SHOCKS,
+    most: int = 100,
 ) -> GameScore:
     """Return what robots reach with a task each.
 
@@ -28,6 +32,7 @@ def score(
         actions: letters of the steps of a robot, by its first cell.
         done: step in which each has finished its task.
         shocks: shocks of the world.
+        most: steps after which the game ends.
     """
     starts, steps = np.array([*actions]), max(map(len, actions.values()))
     plan = np.array([[*map(LETTERS.index, each.ljust(steps, "W"))] for each in actions.values()]).T
@@ -37,7 +42,7 @@ def score(
     result = Result(
         2024, 1, starts, plan, plan, len(done), 0, [], [0.1] * steps, tasks, sorted(errands)
     )
-    return play_in(world, 0, game=game_of(FLOOR, result, steps), shocks=shocks)
+    return play_in(world, 0, game=game_of(FLOOR, result, most), shocks=shocks)
 
 
 @pytest.mark.parametrize(
@@ -60,6 +65,16 @@ def test_a_task_is_finished_once_its_robot_is_in_the_middle_of_the_last_cell(
 def test_a_task_that_ends_in_a_cell_where_its_robot_waits_is_finished_there() -> None:
     for world in (PLAN, DRIVING, STOPPING):
         assert score(world, {0: "WWF"}, [2]).finished == 1
+
+
+def test_of_the_first_steps_of_a_game_only_those_tasks_count_that_they_finish() -> None:
+    letters = {0: "FFFF", 6: "FWWW"}
+    assert [score(PLAN, letters, [4, 1], most=steps).finished for steps in (4, 3)] == [2, 1]
+
+
+def test_in_joint_steps_all_wait_for_the_last() -> None:
+    letters = {0: "FFFFWWW", 6: "WWWWWWW"}
+    assert score(STOPPING, letters, [4, 4]).finished == 0
 
 
 def test_stops_are_counted_where_bodies_come_to_rest() -> None:
