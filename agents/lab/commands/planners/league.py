@@ -48,7 +48,7 @@ def league(
             "--planner NAME",
             f"{options.PLANNER} It must know headings; arguments may follow, as in epibt:tries=10; "
             f"may be repeated. Default: windowed, which takes at most {SHARE:.0%} of each step, or "
-            f"epibt for more than {CROWD:,} robots.",
+            f"epibt-aisles for more than {CROWD:,} robots.",
             show_default=False,
         ),
     ] = None,
