@@ -120,11 +120,12 @@ class EPIBT:
 
 def crew_on(fields: Fields, window: int, robots: int, seed: int | None) -> Crew:
     """Return the buffers of robots that choose their actions for the steps of a window."""
-    near = np.where(fields.near == fields.graph.places, NONE, fields.near)
-    has_headings = isinstance(fields, HeadedFields)
+    graph, has_headings = fields.graph, isinstance(fields, HeadedFields)
+    beside = graph.neighbours[:, :WAIT]
+    is_shut = (beside == CLOSED) | np.isin(beside, list(graph.closed))
     ways = turning_operations(window) if has_headings else operations(window)
     columns = fields.columns if isinstance(fields, PackedFields) else None
-    return crew_of(fields.graph.size, near, ways, robots, seed, columns)
+    return crew_of(np.where(is_shut, NONE, beside), ways, robots, seed, has_headings, columns)
 
 
 def outward_cells(graph: Graph) -> Integers:

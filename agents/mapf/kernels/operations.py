@@ -14,14 +14,16 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from agents.mapf.kernels.buffers import Buffer, Table, buffer, buffer_of, kernel
-from agents.mapf.kernels.floor import NONE
+import numpy as np
+
+from agents.mapf.kernels.buffers import Buffer, Table, buffer, buffer_of, kernel, table_of
+from agents.mapf.kernels.floor import FORWARD, NONE, STAY, TURNS
 from agents.mapf.kernels.packed import unpack
 from agents.mapf.kernels.rounds import CHANCE_KEY, NOBODY, SPREAD, draw, first_random, mix
 from warehouse_core.world.tables import Integers
 
-BLOCKED = -2
-"""Stands for what nobody can be pushed out of."""
+BLOCKED, IN_VAIN = -2, -3
+"""Stand for what nobody can be pushed out of, and for a robot that was pushed in vain."""
 
 FREE, CHOOSING, CHOSEN = range(3)
 """States of a robot: it has not chosen; it chooses, or pushes others; it has its way."""
@@ -41,12 +43,19 @@ class Crew(NamedTuple):
 
     Attributes:
         size: number of cells; the cell of a place is its remainder by it.
-        actions: number of actions, ``A``.
         window: steps of an operation, ``W``.
         is_packed: 1 if distances are packed, see ``packed.py``.
         columns: ``[size]``, column of each cell in fields that are packed.
-        near: ``[places * A]``, place that each action leads to, or ``NONE``.
+        has_headings: 1 if actions move robots forward or turn them.
+        ahead: ``[size * 4]``, cell that a move N, E, S or W leads to, or ``NONE``.
         operations: ``[N * W]``, actions of each operation; the first one waits.
+        parents: ``[M]``, for each beginning of an operation the one that is an action shorter; the
+            first one has no action, and the last ``N`` are the operations.
+        actions: ``[M]``, last action of each beginning.
+        within: ``[W * N]``, for each step of the window the beginning of each operation up to it.
+        cells: ``[M]``, cell that each beginning leads a robot to, or ``NONE``.
+        headings: ``[M]``, heading in which it gets there.
+        passed: ``[M]``, sum of its distances from the goal on the way there.
         places: present places.
         rows: index of the distance field of each goal in the table of fields.
         order: robots by falling priority.
@@ -71,12 +80,18 @@ class Crew(NamedTuple):
     """
 
     size: int
-    actions: int
     window: int
     is_packed: int
-    columns: Buffer
-    near: Buffer
+    columns: Table
+    has_headings: int
+    ahead: Table
     operations: Buffer
+    parents: Buffer
+    actions: Buffer
+    within: Buffer
+    cells: Buffer
+    headings: Buffer
+    passed: Buffer
     places: Buffer
     rows: Buffer
     order: Buffer
@@ -100,25 +115,31 @@ class Crew(NamedTuple):
 
 
 def crew_of(
-    size: int, near: Integers, operations: Integers, robots: int, seed: int | None,
-    columns: Integers | None = None,
+    ahead: Integers, operations: Integers, robots: int, seed: int | None,
+    has_headings: bool = False, columns: Integers | None = None,
 ) -> Crew:  # fmt: skip
-    """Return the buffers of robots on so many cells.
+    """Return the buffers of robots.
 
     Args:
-        size: number of cells.
-        near: ``[places, A]``, see ``Crew``.
+        ahead: ``[size, 4]``, see ``Crew``.
         operations: ``[N, W]``, likewise.
         robots: number of robots.
         seed: seed of the random numbers.
+        has_headings: true if actions drive robots forward and turn them.
         columns: ``[size]``, see ``Crew``, if distances are packed.
     """
-    count, window = operations.shape
+    (size, _), (count, window) = ahead.shape, operations.shape
+    parents, actions, within = beginnings(operations)
+    number = len(parents)
     return Crew(
-        size=size, actions=near.shape[1], window=window, is_packed=int(columns is not None),
-        columns=buffer(0) if columns is None else buffer_of(columns), near=buffer_of(near),
-        operations=buffer_of(operations), places=buffer(robots), rows=buffer(robots),
-        order=buffer(robots), ways=buffer(robots * window, NONE), kept=buffer(robots * window),
+        size=size, window=window, is_packed=int(columns is not None),
+        columns=table_of(np.asarray(() if columns is None else columns, np.int32)),
+        has_headings=int(has_headings), ahead=table_of(ahead.astype(np.int32)),
+        operations=buffer_of(operations), parents=buffer_of(np.array(parents)),
+        actions=buffer_of(np.array(actions)), within=buffer_of(np.array(within)),
+        cells=buffer(number), headings=buffer(number), passed=buffer(number),
+        places=buffer(robots), rows=buffer(robots), order=buffer(robots),
+        ways=buffer(robots * window, NONE), kept=buffer(robots * window),
         states=buffer(robots), is_fixed=buffer(robots), visits=buffer(robots),
         pushed=buffer(robots), pushed_at=buffer(robots), met_at=buffer(1),
         keys=buffer(robots * count), stack=buffer(robots), marks=buffer(robots),
@@ -126,6 +147,18 @@ def crew_of(
         holder=buffer(window * size, NOBODY), expected=buffer(window * size, NOBODY),
         is_closed=buffer(size), random=first_random(seed),
     )  # fmt: skip
+
+
+def beginnings(operations: Integers) -> tuple[list[int], list[int], list[int]]:
+    """Return ``parents``, ``actions`` and ``within`` of a ``Crew`` for operations, ``[N, W]``."""
+    found: dict[tuple[int, ...], int] = {(): 0}
+    within = [
+        found.setdefault(tuple(actions), len(found))
+        for length in range(1, operations.shape[1] + 1)
+        for actions in operations[:, :length].tolist()
+    ]
+    parents = [found[actions[:-1]] for actions in found]
+    return parents, [STAY, *(actions[-1] for actions in found if actions)], within
 
 
 @kernel
@@ -213,11 +246,12 @@ def who(crew: Crew, time: int, cell: int, robot: int) -> int:
     """Return who but a robot is in a cell after a step of the window, or before the first."""
     if time < 0:
         return crew.robot_in[cell]
-    there = crew.expected[time * crew.size + cell]
-    holder = crew.holder[time * crew.size + cell]
-    if holder in (NOBODY, robot):
-        return there if there != NOBODY and crew.states[there] == FREE else NOBODY
-    return holder
+    at = time * crew.size + cell
+    holder = crew.holder[at] + 0
+    if holder not in (NOBODY, robot):
+        return holder
+    there = crew.expected[at] + 0
+    return there if there != NOBODY and crew.states[there] == FREE else NOBODY
 
 
 @kernel
@@ -232,25 +266,40 @@ def undo(crew: Crew, mark: int) -> None:
 
 
 @kernel
-def follow(crew: Crew, robot: int, operation: int) -> bool:
-    """Write the places of an operation into the way of a robot; return whether no wall is there."""
-    place = crew.places[robot]
-    for time in range(crew.window):
-        action = crew.operations[operation * crew.window + time]
-        place = crew.near[place * crew.actions + action]
-        if place == NONE:
-            return False
-        crew.ways[robot * crew.window + time] = place
-    return True
+def entered(crew: Crew, cell: int, heading: int, action: int) -> int:
+    """Return the cell in which a robot is after an action, or ``NONE`` if a wall is there."""
+    if action == STAY:
+        return cell
+    if not crew.has_headings:
+        return crew.ahead[cell * STAY + action] + 0
+    return crew.ahead[cell * STAY + heading] + 0 if action == FORWARD else cell
 
 
 @kernel
-def distance(crew: Crew, fields: Table, row: int, place: int) -> int:
-    """Return the distance of a place from the goal of a row."""
+def turned(crew: Crew, heading: int, action: int) -> int:
+    """Return the heading of a robot after an action, 0 for robots without headings."""
+    if not crew.has_headings or action in (FORWARD, STAY):
+        return heading
+    return (heading + TURNS - 2 * action) & 3
+
+
+@kernel
+def follow(crew: Crew, robot: int, operation: int) -> None:
+    """Write the places of an operation into the way of a robot; no wall may be there."""
+    cell, heading = crew.places[robot] % crew.size, crew.places[robot] // crew.size
+    for time in range(crew.window):
+        action = crew.operations[operation * crew.window + time]
+        cell = entered(crew, cell, heading, action)
+        heading = turned(crew, heading, action)
+        crew.ways[robot * crew.window + time] = heading * crew.size + cell
+
+
+@kernel
+def distance(crew: Crew, fields: Table, row: int, cell: int, heading: int) -> int:
+    """Return the distance of a robot from the goal of a row."""
     if crew.is_packed:
-        cell = place % crew.size
-        return unpack(fields[row + crew.columns[cell]], place // crew.size)
-    return fields[row + place] + 0
+        return unpack(fields[row + crew.columns[cell]], heading)
+    return fields[row + heading * crew.size + cell] + 0
 
 
 @kernel
@@ -258,20 +307,33 @@ def cost(crew: Crew, fields: Table, robot: int, ways: Buffer) -> int:
     """Return the cost of one of the ways of a robot: its distances from the goal, weighted."""
     total, left, row = 0, 0, crew.rows[robot]
     for at in range(robot * crew.window, (robot + 1) * crew.window):
-        left = distance(crew, fields, row, ways[at])
+        left = distance(crew, fields, row, ways[at] % crew.size, ways[at] // crew.size)
         total += left
     return total + (END_WEIGHT - 1) * left
 
 
 @kernel
 def weigh(crew: Crew, fields: Table, robot: int) -> None:
-    """Write the keys of all operations of a robot."""
-    count = len(crew.operations) // crew.window
-    bits = mix(crew.random[0] + robot * SPREAD)
-    for operation in range(count):
+    """Write the keys of all operations of a robot, which begin with the same actions in part."""
+    count, number = len(crew.operations) // crew.window, len(crew.parents)
+    cells, headings, passed, row = crew.cells, crew.headings, crew.passed, crew.rows[robot]
+    bits, place = mix(crew.random[0] + robot * SPREAD), crew.places[robot]
+    cells[0], headings[0], passed[0] = place % crew.size, place // crew.size, 0
+    for at in range(1, number):
+        parent, action = crew.parents[at], crew.actions[at]
+        cell, heading, left = cells[parent], headings[parent], 0
+        if cell != NONE:
+            cell = entered(crew, cell, heading, action)
+            heading = turned(crew, heading, action)
+        if cell != NONE:
+            left = distance(crew, fields, row, cell, heading)
+        operation = at - number + count
+        if operation < 0:
+            cells[at], headings[at], passed[at] = cell, heading, passed[parent] + left
+            continue
         key = USED
-        if follow(crew, robot, operation):
-            key = cost(crew, fields, robot, crew.ways) * CHANCE_KEYS
+        if cell != NONE:
+            key = (passed[parent] + END_WEIGHT * left) * CHANCE_KEYS
             if operation > 0:  # waiting is best where nothing else brings a robot nearer
                 key += 1 + (bits + operation * 5) % CHANCE_KEY
         crew.keys[robot * count + operation] = key
@@ -300,11 +362,20 @@ def next_operation(crew: Crew, robot: int) -> int:
 
 
 @kernel
+def shut(crew: Crew, robot: int, operation: int, time: int) -> None:
+    """Let a robot try no operation that is the same as one up to a step of the window."""
+    count = len(crew.operations) // crew.window
+    for other in range(count):
+        if crew.within[time * count + other] == crew.within[time * count + operation]:
+            crew.keys[robot * count + other] = USED
+
+
+@kernel
 def meets(crew: Crew, robot: int) -> int:
     """Return the first robot that the way of a robot meets, ``NOBODY``, or ``BLOCKED``.
 
-    Robots that are not free, or have chosen too often, and closed cells block the way. So does a
-    robot that was pushed in vain when it would have been met as early or later.
+    Robots that are not free, or have chosen too often, and closed cells block the way. It is
+    ``IN_VAIN`` if a robot that was pushed in vain would be met as early or later.
     """
     found, before = NOBODY, crew.places[robot] % crew.size
     for time in range(crew.window):
@@ -312,6 +383,7 @@ def meets(crew: Crew, robot: int) -> int:
         other, opposite = who(crew, time, cell, robot), NOBODY
         if cell != before:
             if crew.is_closed[cell]:
+                crew.met_at[0] = time
                 return BLOCKED
             opposite = who(crew, time - 1, cell, robot)
             if opposite != NOBODY and who(crew, time, before, robot) != opposite:
@@ -320,12 +392,13 @@ def meets(crew: Crew, robot: int) -> int:
             if one == NOBODY:
                 continue
             if crew.states[one] != FREE or crew.visits[one] >= MAX_VISITS:
+                crew.met_at[0] = time
                 return BLOCKED
             if found == NOBODY:
                 found, crew.met_at[0] = one, time
         before = cell
     is_vain = found == crew.pushed[robot] and crew.met_at[0] <= crew.pushed_at[robot]
-    return BLOCKED if found != NOBODY and is_vain else found
+    return IN_VAIN if found != NOBODY and is_vain else found
 
 
 @kernel
@@ -334,11 +407,11 @@ def push(crew: Crew, fields: Table, robot: int) -> bool:
 
     Those that have chosen are on the trail then. Otherwise all are as they were.
     """
-    last, depth, other = len(crew.trail) - 1, 0, BLOCKED
+    last, depth, other = len(crew.trail) - 1, 0, IN_VAIN
     crew.trail[last] = 0
     begin(crew, fields, robot)
     while True:
-        if other == BLOCKED:  # the operation does not do, or there is none yet
+        if other < NOBODY:  # the operation does not do, or there is none yet
             operation = next_operation(crew, robot)
             if operation == NONE:
                 crew.states[robot] = FREE
@@ -353,13 +426,15 @@ def push(crew: Crew, fields: Table, robot: int) -> bool:
             crew.marks[robot] = crew.trail[last]
             other = meets(crew, robot)
             if other == BLOCKED:
+                shut(crew, robot, operation, crew.met_at[0])
+            if other < NOBODY:
                 continue
             hold(crew, robot)
         if other != NOBODY:
             crew.pushed[robot], crew.pushed_at[robot] = other, crew.met_at[0]
             crew.stack[depth] = robot
             depth += 1
-            robot, other = other, BLOCKED
+            robot, other = other, IN_VAIN
             begin(crew, fields, robot)
             continue
         crew.states[robot] = CHOSEN
@@ -370,7 +445,7 @@ def push(crew: Crew, fields: Table, robot: int) -> bool:
         depth -= 1
         robot = crew.stack[depth]
         other = meets(crew, robot)
-        if other == BLOCKED:
+        if other < NOBODY:
             release(crew, robot)
             undo(crew, crew.marks[robot])
 
