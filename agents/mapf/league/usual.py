@@ -16,13 +16,15 @@ SHARE, GROUPS = 0.7, 25
 robot.
 """
 
-CROWD, WRONG_WAY = 2000, 2.0
-"""Robots above which ``epibt-aisles`` plans, and its cost of a move against a lane."""
+CROWD, WRONG_WAY, TRIES = 2000, 2.0, 2.0
+"""Robots above which ``epibt-aisles`` plans, its cost of a move against a lane, and the mean number
+of times that it lets a robot choose once more.
+"""
 
 
-def epibt_in_aisles(graph: Graph, wrong_way: float) -> EPIBT:
+def epibt_in_aisles(graph: Graph, wrong_way: float, tries: float) -> EPIBT:
     """Return the planner that is called ``epibt-aisles`` elsewhere."""
-    return EPIBT(graph.with_costs(aisle_costs(graph.layout, wrong_way)))
+    return EPIBT(graph.with_costs(aisle_costs(graph.layout, wrong_way)), tries=tries)
 
 
 PLANNERS: dict[str, Callable[..., HeadedPlanner]] = {
@@ -40,7 +42,7 @@ def usual_planner(open_cells: int, robots: int, seconds: float) -> tuple[str, di
         seconds: time of the planner and the scheduler for a step.
     """
     if robots > CROWD:
-        return "epibt-aisles", {"wrong_way": WRONG_WAY}
+        return "epibt-aisles", {"wrong_way": WRONG_WAY, "tries": TRIES}
     led = min(most_busy(open_cells, robots), robots)
     return "windowed", {"groups": GROUPS * robots, "seconds": SHARE * seconds, "led": led}
 

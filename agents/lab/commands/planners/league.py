@@ -148,14 +148,18 @@ def play_checked(problem: League, name: str, steps: int, seconds: float, seed: i
     Raises:
         PlanError: the result breaks a rule.
     """
-    layout, robots = problem.layout, len(problem.starts)
-    graph = Graph(layout)
-    scheduler = None if problem.strategy else Scheduler(graph, problem.revealed)
-    planner = headed_planner(name, seed, layout, robots)
-    result = play(problem, PlannedEntry(graph, planner, scheduler), steps, seconds)
+    result = play(problem, entry_of(problem, name, seed), steps, seconds)
     if error := check_result(problem, result).error:
         raise PlanError(f"planner {name!r} breaks a rule of the League: {error}")
     return result
+
+
+def entry_of(problem: League, name: str, seed: int) -> PlannedEntry:
+    """Return an entry with a planner by name."""
+    layout, robots = problem.layout, len(problem.starts)
+    graph = Graph(layout)
+    scheduler = None if problem.strategy else Scheduler(graph, problem.revealed)
+    return PlannedEntry(graph, headed_planner(name, seed, layout, robots), scheduler)
 
 
 def headed_planner(name: str, seed: int, layout: Layout, robots: int) -> HeadedPlanner:
