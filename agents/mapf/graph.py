@@ -49,6 +49,9 @@ PARTS = 10
 MAX_BYTES = 1_000_000_000
 """Memory of kept distance fields; those used least recently are dropped beyond it."""
 
+MAX_COPIED = 64_000_000
+"""Memory of the rows of ``Fields`` beyond which all are reserved at once."""
+
 MAX_PRICE = 100_000
 """Highest cost of a step, in tenths, for which compiled code measures distances."""
 
@@ -235,6 +238,7 @@ class Fields:
         self.matrix = np.empty((0, graph.places), np.int32)
         self._row_of = np.full(graph.size, NO_ROW)
         self._free: list[int] = []
+        self._used = 0
         self._closed, self._leads_back = graph.closed, not graph.turn_cost
         prepare(measure)
 
@@ -250,7 +254,7 @@ class Fields:
             if self._rounded is not self.graph:
                 self._rounded.close(self._closed)
             self._row_of[:] = NO_ROW
-            self._free = list(range(len(self.matrix)))
+            self._free = list(range(self._used))
             for name in ("floor", "near"):
                 self.__dict__.pop(name, None)
         new = np.unique(goals[self._row_of[goals] == NO_ROW]).tolist()
@@ -269,12 +273,26 @@ class Fields:
 
     def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
         """Write the distances of all places from a goal into a field."""
-        if IS_COMPILED and self._leads_back and not self._closed and self._buckets:
+        if self._is_compiled:
             field[:] = FAR
             measure(self.floor, goal, table_of(field), *self._buckets)
         else:
-            distances = self._rounded.distances(goal, keep=False) * self.step
-            field[:] = np.minimum(np.rint(distances), FAR)
+            field[:] = self._distances(goal)
+
+    def _distances(self, goal: int) -> Integers:
+        """Return the distances of all places from a goal, as SciPy finds them."""
+        distances = self._rounded.distances(goal, keep=False) * self.step
+        found: Integers = np.minimum(np.rint(distances), FAR).astype(np.int32)
+        return found
+
+    @property
+    def _is_compiled(self) -> bool:
+        """Whether compiled code measures distances."""
+        return IS_COMPILED and self._leads_back and not self._closed and self._is_cheap
+
+    @cached_property
+    def _is_cheap(self) -> bool:
+        return int(self.prices.max()) <= MAX_PRICE
 
     @cached_property
     def near(self) -> Integers:
@@ -320,24 +338,32 @@ class Fields:
         return here, facing
 
     @cached_property
-    def _buckets(self) -> tuple[Buffer, Buffer, Buffer] | None:
-        """Buffers in which ``measure`` keeps cells, or ``None`` if prices are too high for it."""
+    def _buckets(self) -> tuple[Buffer, Buffer, Buffer]:
+        """Buffers in which ``measure`` keeps cells."""
         price, room = int(self.prices.max()), WAIT * (self.graph.places + 1)
-        if price > MAX_PRICE:
-            return None
         return buffer(price + 1, NONE), buffer(room), buffer(room)
 
     def _free_rows(self, goals: Integers, number: int) -> None:
         """Free so many rows, of old goals if all rows take ``MAX_BYTES``, else new ones."""
-        rows = len(self.matrix)
-        if self.matrix.nbytes >= MAX_BYTES:
+        row_bytes = self.matrix.shape[1] * self.matrix.itemsize
+        if self._used * row_bytes >= MAX_BYTES:
             is_old = self._row_of != NO_ROW
             is_old[goals] = False
             self._free += self._row_of[is_old].tolist()
             self._row_of[is_old] = NO_ROW
-        missing = number - len(self._free)
-        if missing > 0:
-            more = max(rows // 2, missing)
-            width = self.matrix.shape[1]
-            self.matrix = np.concatenate([self.matrix, np.empty((more, width), np.int32)])
-            self._free += range(rows, rows + more)
+        used = max(self._used, self._used + number - len(self._free))
+        if used > len(self.matrix):
+            self._enlarge(used, max(MAX_BYTES // row_bytes, len(goals)))
+        self._free += range(self._used, used)
+        self._used = used
+
+    def _enlarge(self, least: int, most: int) -> None:
+        """Reserve rows, between the two numbers unless cells are fewer.
+
+        Beyond ``MAX_COPIED`` all are reserved at once: memory is taken only as it is written.
+        """
+        rows, kept = least + least // 2, self.matrix
+        if rows * kept.shape[1] * kept.itemsize > MAX_COPIED:
+            rows = max(least, min(most, len(self.graph.layout.open_cells)))
+        self.matrix = np.empty((rows, kept.shape[1]), np.int32)
+        self.matrix[: len(kept)] = kept

@@ -8,9 +8,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.graph import CLOSED, Fields, Graph
-from agents.mapf.kernels.buffers import IS_COMPILED, Buffer, buffer, buffer_of, prepare, table_of
-from agents.mapf.kernels.floor import ACTIONS, FAR, STAY, count_steps
-from agents.mapf.kernels.packed import BASE, PACKED_FAR, pack
+from agents.mapf.kernels.buffers import IS_COMPILED, Buffer, buffer, prepare, table_of
+from agents.mapf.kernels.floor import ACTIONS, FAR, NONE, STAY, count_steps
+from agents.mapf.kernels.packed import BASE, ENTRIES, PACKED_FAR, Way, measure_packed, pack
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.moves import FORWARD, LEFT, RIGHT
 from warehouse_core.world.tables import Integers
@@ -92,12 +92,13 @@ class PackedFields(HeadedFields):
     def __init__(self, graph: Graph) -> None:
         super().__init__(graph)
         rows, columns = np.divmod(graph.layout.open_cells, graph.layout.width)
-        cells = graph.layout.open_cells[np.lexsort((columns // SQUARE, rows // SQUARE))]
-        self._cells, self._field = buffer_of(cells), np.empty(self.graph.places, np.int32)
+        squares = np.lexsort((columns // SQUARE, rows // SQUARE))
+        self._cells = graph.layout.open_cells[squares]
         self.columns = np.zeros(graph.size, np.intp)
-        self.columns[cells] = np.arange(len(cells))
-        self.matrix = np.empty((0, len(cells)), np.int32)
-        prepare(pack)
+        self.columns[self._cells] = np.arange(len(self._cells))
+        self.matrix = np.empty((0, len(self._cells)), np.int32)
+        self._field = np.empty(WAIT * len(self._cells), np.int32)
+        prepare(measure_packed, pack)
 
     def nearest(self, rows: Integers, cells: Integers) -> Integers:
         """Return the distance of each cell from the goal of a row, by the best heading."""
@@ -106,5 +107,26 @@ class PackedFields(HeadedFields):
 
     def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
         """Write the numbers of all open cells into a field."""
-        super()._measure(goal, self._field)
-        pack(table_of(self._field), self._cells, table_of(field))
+        if self._is_compiled:
+            places = table_of(self._field), table_of(field)
+            measure_packed(self._way, int(self.columns[goal]), self._heads, *places)
+            return
+        distances = self._distances(goal).reshape(WAIT, -1)
+        self._field[:] = distances[:, self._cells].T.ravel()
+        pack(table_of(self._field), table_of(field))
+
+    @cached_property
+    def _heads(self) -> Buffer:
+        return buffer(int(self.prices.max()) + 1, NONE)
+
+    @cached_property
+    def _way(self) -> Way:
+        """The steps of ``near``, from where they lead, for ``measure_packed``."""
+        (here, facing), ahead = self._stands, self.near[:, FORWARD]
+        places = self.columns[here] * WAIT + facing
+        moves = np.flatnonzero(ahead != self.graph.places)
+        behind, price = np.full((2, len(self._field)), NONE, np.int32)
+        behind[places[ahead[moves]]] = places[moves]
+        price[places[ahead[moves]]] = self.prices[moves, FORWARD]
+        room = np.empty((2, (ENTRIES + 1) * len(self._field)), np.int32)
+        return Way(self.step, *map(table_of, (behind, price, *room)))

@@ -1,6 +1,8 @@
 """Small problems of the League of Robot Runners."""
 
+import json
 from collections.abc import Sequence
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -31,3 +33,19 @@ def league_crowd() -> League:
     tasks = [cells[start : start + 2] for start in range(len(cells) - 2)]
     fields = {"revealed": 24, "year": 2026, "ticks": 3, "delays": DELAYS}
     return league_of(OPEN.rows, cells[:16], tasks, **fields)
+
+
+def write_hall(tasks: str = "2\n4,0\n9,5\n", **fields: Any) -> str:
+    """Write a problem with two robots, one behind the other, and return its name.
+
+    Args:
+        tasks: text of its tasks, each of which leads to one end of the hall, and back.
+        fields: further fields.
+    """
+    Path("hall.map").write_text("type octile\nheight 2\nwidth 5\nmap\n.....\n.....\n")
+    Path("hall.agents").write_text("2\n0\n5\n")
+    Path("hall.tasks").write_text(tasks)
+    files = {f"{name}File": f"hall.{name}s" for name in ("agent", "task")}
+    problem = {"mapFile": "hall.map", **files, "teamSize": 2}
+    Path("hall.json").write_text(json.dumps(problem | fields))
+    return "hall.json"

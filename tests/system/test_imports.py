@@ -112,7 +112,8 @@ MAY_IMPORT = {
         "lab/trials registry"
     ),
     "agents/lab/commands/gap": (
-        "errors fleet lab lab/console lab/reports lab/runs lab/trials mapf mapf/kernels registry"
+        "errors fleet lab lab/commands/planners lab/console lab/reports lab/runs lab/trials mapf "
+        "mapf/kernels mapf/league registry"
     ),
     "agents/lab/commands/grade": "errors lab lab/console lab/grading lab/reports lab/trials",
     "agents/lab/playground": "errors lab lab/grading lab/runs registry",

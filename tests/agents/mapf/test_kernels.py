@@ -230,4 +230,4 @@ def test_shared_goals_have_one_field() -> None:
     planner, cells = WindowedPlanner(Graph(layout)), layout.open_cells.tolist()
     goals = [cells[-1 - robot % 3] for robot in range(30)]
     planner.next_cells(situation(cells[:30], goals))
-    assert len(planner._fields.matrix) - len(planner._fields._free) == 3
+    assert planner._fields._used - len(planner._fields._free) == 3

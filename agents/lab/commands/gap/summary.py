@@ -73,7 +73,13 @@ def _cell(interval: Interval) -> str:
 
 def message(scores: SeedScores, shocks: Shocks) -> str:
     """Return in a sentence what the worlds bring of what the plan promises."""
-    shares = {world: measured(scores, world, OF_THE_PLAN).estimate / 100 for world in scores}
+    return shares_in_words(
+        {world: measured(scores, world, OF_THE_PLAN).estimate / 100 for world in scores}, shocks
+    )
+
+
+def shares_in_words(shares: Mapping[str, float], shocks: Shocks) -> str:
+    """Return in a sentence the shares of the plan that the worlds bring."""
     parts = {
         world: "none" if math.isnan(share) else percent(share) for world, share in shares.items()
     }

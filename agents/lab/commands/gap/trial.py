@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import math
 import warnings
+from collections.abc import Iterable, Sequence
 from contextlib import closing
 from dataclasses import dataclass, replace
 from typing import NamedTuple
@@ -19,7 +20,7 @@ from agents.lab.commands.gap.worlds import ALONE, Shocks, World, make_world
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import run
 from agents.registry import make_fleet_agent
-from warehouse_core import FleetEnv, FleetEpisode, Layout
+from warehouse_core import FleetEnv, FleetEpisode, Layout, Outcome
 from warehouse_core.batch.fleet.battery import JOULES
 from warehouse_core.batch.fleet.tally import SECONDS_PER_HOUR
 from warehouse_core.fleet import Battery
@@ -149,7 +150,7 @@ def score_of(record: FleetEpisode, orders: list[TimedOrder], late_plans: int) ->
         per_hour=delivered / makespan * SECONDS_PER_HOUR,
         on_time=on_time / len(orders),
         joules=float(record.joules.sum()) / each,
-        hits=count_hits(record),
+        hits=count_hits(record.motions),
         makespan=float(makespan),
         delivered=delivered,
         lost=record.measures.stranded,
@@ -158,11 +159,14 @@ def score_of(record: FleetEpisode, orders: list[TimedOrder], late_plans: int) ->
     )
 
 
-def count_hits(record: FleetEpisode) -> int:
-    """Return the number of contacts; each of two robots that touch has it in its outcome."""
+def count_hits(steps: Iterable[Sequence[Outcome]]) -> int:
+    """Return the number of contacts in some steps.
+
+    Each of two robots that touch has the contact in its outcome.
+    """
     found = {
         (step, contact.seconds, frozenset((f"robot {robot}", contact.counterpart)))
-        for step, outcomes in enumerate(record.motions)
+        for step, outcomes in enumerate(steps)
         for robot, outcome in enumerate(outcomes)
         for contact in outcome.contacts
     }

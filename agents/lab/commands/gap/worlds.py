@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import partial
-from typing import Any, NamedTuple
+from typing import TYPE_CHECKING, Any, NamedTuple
 
 import numpy as np
 
@@ -12,6 +12,9 @@ from agents.lab.commands.gap.alone import OwnFloors
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.motion.base import Motion
 from warehouse_core.motion.grid import NOMINAL_SECONDS
+
+if TYPE_CHECKING:  # loading pymunk takes long
+    from warehouse_physics import Disturbances
 
 PLAN, STOPPING, ALONE, DRIVING, DISTURBED = (
     "grid plan",
@@ -75,10 +78,15 @@ def make_world(name: str, shocks: Shocks, robots: int, busy_seconds: float, seed
         return World(lambda: OwnFloors(backend(period=period)), period)
     if name == DRIVING:
         return World(partial(backend, period=period), period)
+    disturbances = draw_disturbances(shocks, robots, busy_seconds, seed)
+    return World(partial(backend, disturbances=disturbances, period=period), period)
+
+
+def draw_disturbances(shocks: Shocks, robots: int, busy_seconds: float, seed: int) -> Disturbances:
+    """Return the disturbances of shocks; see ``make_world``."""
     from warehouse_physics import Disturbances, Stop
 
     stream = np.random.default_rng(seed)
     robot, at = int(stream.integers(robots)), float(stream.uniform(0, busy_seconds / 2))
     stops = (Stop(robot, at, shocks.stop),) if shocks.stop else ()
-    disturbances = Disturbances(actuation_noise=shocks.noise, stops=stops)
-    return World(partial(backend, disturbances=disturbances, period=period), period)
+    return Disturbances(actuation_noise=shocks.noise, stops=stops)

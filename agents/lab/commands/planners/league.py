@@ -36,6 +36,17 @@ STEPS, SECONDS = 1000, 1.0
 
 SUFFIX = ".json"
 
+BESIDE = "A result .json of the League to check and to show beside."
+StepSeconds = Annotated[
+    float,
+    option(
+        "--step-seconds S",
+        "Seconds of a step, or of ten ticks of 2026; all robots wait in each step in which their "
+        "plan is late.",
+        Number(0.001, MAX_VALUE),
+    ),
+]
+
 
 def league(
     files: Annotated[
@@ -56,8 +67,7 @@ def league(
         list[Path] | None,
         option(
             "--beside FILE",
-            "A result .json of the League to check and to show beside; may be repeated, one for "
-            "each problem, in their order.",
+            f"{BESIDE} May be repeated, one for each problem, in their order.",
             show_default=False,
         ),
     ] = None,
@@ -65,15 +75,7 @@ def league(
         int | None,
         options.parameter_option("max_steps", more=f"Default: those of --beside, or {STEPS}."),
     ] = None,
-    step_seconds: Annotated[
-        float,
-        option(
-            "--step-seconds S",
-            "Seconds of a step, or of ten ticks of 2026; all robots wait in each step in which "
-            "their plan is late.",
-            Number(0.001, MAX_VALUE),
-        ),
-    ] = SECONDS,
+    step_seconds: StepSeconds = SECONDS,
     seed: options.Seed = 0,
     *,
     save: Annotated[

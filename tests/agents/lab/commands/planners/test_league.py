@@ -2,10 +2,10 @@
 
 import json
 from pathlib import Path
-from typing import Any
 
 import pytest
 from helpers.command_line import Refused, Warehouse
+from helpers.league import write_hall
 
 from agents.lab.commands.planners.league import usual_name
 from warehouse_core.world.robot_runners import load_league
@@ -20,19 +20,7 @@ PLAY = ("league", *SLOW, "--planner", "epibt")
 def hall(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> str:
     """Return a problem: two robots fetch from the one end and bring to the other."""
     monkeypatch.chdir(tmp_path)
-    Path("hall.map").write_text("type octile\nheight 2\nwidth 5\nmap\n.....\n.....\n")
-    Path("hall.agents").write_text("2\n0\n5\n")
-    Path("hall.tasks").write_text("2\n4,0\n9,5\n")
-    return change()
-
-
-def change(**fields: Any) -> str:
-    """Write the problem with other fields."""
-    problem = {
-        "mapFile": "hall.map", "agentFile": "hall.agents", "taskFile": "hall.tasks", "teamSize": 2,
-    }  # fmt: skip
-    Path("hall.json").write_text(json.dumps(problem | fields))
-    return "hall.json"
+    return write_hall()
 
 
 def rows_of(out: str) -> list[list[str]]:
@@ -76,8 +64,7 @@ def test_the_problem_of_2023_says_who_does_what(
     hall: str, warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "120")
-    Path("hall.tasks").write_text("4\n4\n9\n0\n5\n")
-    change(taskAssignmentStrategy="roundrobin", shape="disc")
+    write_hall("4\n4\n9\n0\n5\n", taskAssignmentStrategy="roundrobin", shape="disc")
     _, out, err = warehouse("league", hall, *SLOW, "--max-steps", 10, "--planner", "epibt:tries=2")
     assert rows_of(out)[0][:5] == ["hall", "epibt:tries=2", "2", "10", "4"]
     assert err == "warehouse: warning: hall.json: fields without effect: 'shape'\n"
