@@ -14,6 +14,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import suppress
+from dataclasses import replace
 from math import inf
 from time import perf_counter
 
@@ -24,6 +25,8 @@ from agents.mapf.lacam import LaCAM
 from agents.mapf.lanes import Traffic
 from agents.mapf.problem import Plan, Problem
 from agents.mapf.refinement import Refinement
+from agents.mapf.turning import with_turns
+from warehouse_core.world.moves import HEADINGS
 
 __all__ = ["solve_anytime"]
 
@@ -47,6 +50,9 @@ OTHERS_SHARE = 0.4
 
 PATIENCE = 40
 """Rounds for each step of the first plan after which another is given up, if it is not for time."""
+
+PLAIN_SHARE = 0.4
+"""Time for a plan without headings, to which turns are added."""
 
 MAX_STATES = 100_000_000
 """Cells times steps of a plan up to which it is refined; each takes 16 bytes."""
@@ -75,11 +81,13 @@ def solve_anytime(problem: Problem, seconds: float, seed: int = 0, trials: float
         6
     """
     prepare_solvers()
+    if problem.headings is not None:
+        return _solve_with_turns(problem, seconds, seed, trials)
     begin = perf_counter()
     deadline = begin + seconds
     search = LaCAM(problem, seed)
     plan = search.run(max(deadline - perf_counter(), 0.0), goes_on=False)
-    if not 0 < plan.makespan * problem.graph.size < MAX_STATES:
+    if not can_refine(problem, plan):
         return plan
     if plan.sum_of_costs > CROWDED * search.lower_bound and problem.robots > SMALL_TEAM:
         others = _others(problem, plan, seed, begin + OTHERS_SHARE * seconds)
@@ -92,6 +100,34 @@ def solve_anytime(problem: Problem, seconds: float, seed: int = 0, trials: float
         if search.is_done:
             return plan
     refinement = Refinement(problem, plan, seed, search.steps)
+    refinement.run(deadline, trials)
+    return refinement.plan()
+
+
+def can_refine(problem: Problem, plan: Plan) -> bool:
+    """Return whether robots move in a plan, and it is not too long to be refined."""
+    places = problem.graph.size * (1 if problem.headings is None else len(HEADINGS))
+    return 0 < plan.makespan * places < MAX_STATES
+
+
+def _solve_with_turns(problem: Problem, seconds: float, seed: int, trials: float) -> Plan:
+    """Return the best plan of robots with headings; see ``solve_anytime``.
+
+    The first one is the best without headings, to which turns are added.
+    """
+    deadline = perf_counter() + seconds
+    plain = replace(problem, headings=None)
+    plan = with_turns(problem, solve_anytime(plain, PLAIN_SHARE * seconds, seed, trials))
+    if not can_refine(problem, plan):
+        return plan
+    if problem.robots <= SMALL_TEAM:
+        search = LaCAM(problem, seed)
+        search.search(perf_counter() + PROOF_SHARE * seconds, ROUNDS * trials)
+        found = search.plan() or plan
+        if search.is_done:
+            return found
+        plan = min(plan, found, key=lambda each: each.sum_of_costs)
+    refinement = Refinement(problem, plan, seed)
     refinement.run(deadline, trials)
     return refinement.plan()
 
@@ -110,7 +146,7 @@ def _others(problem: Problem, first: Plan, seed: int, deadline: float) -> Iterat
         if last is not None:
             learned.add(last.cells)
             graph = problem.graph.with_costs(learned.costs)
-            search = LaCAM(Problem(graph, problem.starts, problem.goals), seed)
+            search = LaCAM(replace(problem, graph=graph), seed)
         else:
             seed += 1
             search = LaCAM(problem, seed)

@@ -109,6 +109,9 @@ class ConflictTree:
         problem: problem to solve.
         w: number that the cost of a robot's way is at most times the cost of its cheapest.
 
+    Raises:
+        PlanError: the robots have headings.
+
     Attributes:
         problem: problem to solve.
         nodes: all nodes so far, the root first.
@@ -116,6 +119,7 @@ class ConflictTree:
     """
 
     def __init__(self, problem: Problem, w: float = 1.0) -> None:
+        problem.refuse_headings("CBS")
         self.problem, self.w, self.nodes = problem, w, list[ConflictNode]()
         self.solution: ConflictNode | None = None
         self._sets, self._deadline = CellSets(problem.graph), inf

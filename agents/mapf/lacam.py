@@ -1,31 +1,42 @@
-"""LaCAM and LaCAM*: search over configurations, the cells of all robots at once.
+"""LaCAM and LaCAM*: search over configurations, the places of all robots at once.
 
 The search is complete: it ends with a plan, or with the proof that there is none. The first plan
 comes soon; LaCAM* goes on until the time is up or the plan is proved to be the cheapest. See
 ``kernels/configurations.py`` for the search itself, and its source.
+
+The first plan of robots with headings is one without headings, to which turns are added: there is
+one exactly if there is one with headings. LaCAM* begins with it, and searches with headings.
 """
 
 from __future__ import annotations
 
+from dataclasses import replace
 from math import inf
 from time import perf_counter
 
 import numpy as np
 
 from agents.errors import PlanError
+from agents.mapf.epibt import crew_on
 from agents.mapf.graph import Fields
 from agents.mapf.kernels import configurations as kernels
 from agents.mapf.kernels.buffers import buffer_of
 from agents.mapf.kernels.floor import NONE
+from agents.mapf.kernels.operations import Crew, crew_of
 from agents.mapf.kernels.prepare import prepare_solvers
 from agents.mapf.kernels.rounds import team_of
 from agents.mapf.problem import Plan, Problem
+from agents.mapf.turning import with_turns
 from warehouse_core.wording import counted
+from warehouse_core.world.tables import Integers
 
 __all__ = ["lacam", "lacam_star"]
 
 DECISIONS = 10_000
 """Decisions of robots between two looks at the clock."""
+
+CREW_WINDOW = 3
+"""Steps for which robots with headings choose their actions in a round."""
 
 MAX_NUMBERS = 150_000_000
 """Places in configurations beyond which the search ends; each takes 16 bytes."""
@@ -88,23 +99,26 @@ class LaCAM:
     def __init__(self, problem: Problem, seed: int = 0) -> None:
         prepare_solvers()
         self.problem, self.is_done = problem, False
+        self._plain: LaCAM | None = None
+        if problem.headings is not None:
+            self._plain = LaCAM(replace(problem, headings=None), seed)
         graph, goals = problem.graph, np.array(problem.goals, np.intp)
-        fields = Fields(graph)
-        rows = fields.rows(goals) * graph.places
-        self.steps = fields if fields.step == 1 else Fields(graph.with_costs())
-        step_rows = self.steps.rows(goals) * graph.size
+        fields = problem.fields(graph)
+        rows = fields.rows(goals) * fields.graph.places
+        self.steps = fields if fields.step == 1 else problem.fields(graph.with_costs())
+        step_rows = self.steps.rows(goals) * fields.graph.places
         self._floor, self._fields, self._steps = fields.floor, fields.table, self.steps.table
-        self._team = team_of(graph.size, problem.robots, seed, is_final=True)
-        self._team.goals[:], self._team.rows[:] = buffer_of(goals), buffer_of(rows)
-        starts = np.array(problem.starts, np.intp)
-        left = self.steps.matrix.ravel()[step_rows + starts]
+        self._team = team = team_of(graph.size, problem.robots, seed, is_final=True)
+        team.goals[:], team.rows[:] = buffer_of(goals), buffer_of(rows)
+        self._crew = self._crew_on(fields)
+        left = self.steps.matrix.ravel()[step_rows + problem.places]
         self.lower_bound = int(left.sum())
         ranks = np.argsort(-left, kind="stable")
         self._search = search = kernels.new_search(problem.robots)
         search.ranks[:], search.rows[:] = buffer_of(ranks), buffer_of(step_rows)
-        self._team.chosen[:] = buffer_of(starts)
-        first = kernels.slot_of(search, self._team.chosen, 0)
-        kernels.add(search, self._team, self._floor, self._steps, NONE, first)
+        team.chosen[:] = buffer_of(problem.places)
+        first = kernels.slot_of(search, team.chosen, 0)
+        kernels.add(search, team, self._floor, self._steps, NONE, first)
 
     def run(self, seconds: float, *, goes_on: bool = True) -> Plan:
         """Return the best plan that is found in so many seconds by the clock, or the first.
@@ -115,25 +129,36 @@ class LaCAM:
         self.search(perf_counter() + seconds, goes_on=goes_on)
         plan = self.plan()
         if plan is None:
-            seen = counted(int(self._search.counts[kernels.NODES]), "configuration")
+            search = (self._plain or self)._search
+            seen = counted(int(search.counts[kernels.NODES]), "configuration")
             if self.is_done:
                 raise PlanError(f"there is no plan: LaCAM tried all {seen}")
             raise PlanError(f"LaCAM found no plan in {seconds:.3g} s; it saw {seen}")
         return plan
 
     def search(self, deadline: float, rounds: float = inf, *, goes_on: bool = True) -> None:
-        """Search until the deadline of ``perf_counter``, or for so many rounds of PIBT.
+        """Search until the deadline of ``perf_counter``, or for so many rounds of PIBT or EPIBT.
 
         Without ``goes_on`` the search pauses as soon as there is a plan.
         """
         robots = self.problem.robots
+        if self._plain is not None and self._search.counts[kernels.BEST] == NONE:
+            self._plain.search(deadline, rounds, goes_on=False)
+            plan, self.is_done = self._plain.plan(), self._plain.is_done
+            if plan is None:
+                return
+            self.is_done = False
+            self._begin_with(with_turns(self.problem, plan).places(self.problem.graph))
+            if not goes_on:
+                return
         self._search.counts[kernels.ANYTIME] = goes_on
         while not self.is_done and rounds > 0 and perf_counter() < deadline:
             portion = int(min(max(DECISIONS // max(robots, 1), 1), rounds))
             rounds -= portion
             status = kernels.explore(
-                self._search, self._team, self._floor, self._fields, self._steps, portion
-            )
+                self._search, self._team, self._crew, self._floor, self._fields, self._steps,
+                portion,
+            )  # fmt: skip
             if status == kernels.FULL:
                 if len(self._search.places) > MAX_NUMBERS:
                     return
@@ -152,6 +177,33 @@ class LaCAM:
         while node != NONE:
             places.append(search.places[node * robots : (node + 1) * robots])
             node = int(search.parent[node])
-        cells = np.array(places[::-1], np.int64).reshape(len(places), robots)
-        bound = int(search.cost[best]) if self.is_done else None
-        return Plan(cells % self.problem.graph.size, bound)
+        way = np.array(places[::-1], np.int64).reshape(len(places), robots)
+        return self.problem.plan_of(way, int(search.cost[best]) if self.is_done else None)
+
+    def _begin_with(self, way: Integers) -> None:
+        """Take over a plan, its places ``[T + 1, R]``, and go on from the starts."""
+        node, team, floor = 0, self._team, self._floor
+        for places in way[1:]:
+            if kernels.is_full(self._search):
+                self._search = kernels.enlarged_search(self._search)
+            team.chosen[:] = buffer_of(places)
+            slot = kernels.slot_of(self._search, team.chosen, 0)
+            after = int(self._search.table[slot]) - 1
+            if after == NONE:
+                after = kernels.add(self._search, team, floor, self._steps, node, slot)
+                kernels.add_edge(self._search, node, after)
+            else:
+                kernels.reach_again(self._search, team, floor, node, after)
+            node = after
+        self._search.counts[kernels.BEST] = node
+        kernels.push(self._search, 0)
+
+    def _crew_on(self, fields: Fields) -> Crew:
+        """Return the robots of the team as they choose operations, or none without headings."""
+        team, problem = self._team, self.problem
+        if problem.headings is None:
+            return crew_of(np.empty((0, 4), np.intp), np.empty((0, 1), np.intp), 0, 0)
+        return crew_on(fields, CREW_WINDOW, problem.robots, 0)._replace(
+            places=team.places, rows=team.rows, order=team.order, robot_in=team.robot_in,
+            random=team.random,
+        )  # fmt: skip

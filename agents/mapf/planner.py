@@ -195,7 +195,8 @@ def solve_by_steps(planner: Planner, problem: Problem, seconds: float) -> Plan:
     """Return the steps until a planner has led all robots to their goals at once.
 
     Raises:
-        PlanError: it did not in so many seconds by the clock; there may be a plan.
+        PlanError: it did not in so many seconds by the clock; there may be a plan. Or the robots
+            have headings, and the planner is no ``HeadedPlanner``.
 
     Example:
         >>> from agents.mapf.graph import Graph
@@ -207,16 +208,23 @@ def solve_by_steps(planner: Planner, problem: Problem, seconds: float) -> Plan:
         >>> solve_by_steps(PIBT(problem.graph), problem, seconds=10).sum_of_costs
         7
     """
-    deadline = time.perf_counter() + seconds
-    cells, goals = np.array(problem.starts), np.array(problem.goals)
-    nobody, way = np.zeros(len(cells), np.bool_), [cells]
+    deadline, size = time.perf_counter() + seconds, problem.graph.size
+    places, goals = problem.places, np.array(problem.goals)
+    nobody, way = np.zeros(len(places), np.bool_), [places]
+    if not isinstance(planner, HeadedPlanner):
+        problem.refuse_headings(f"planner {type(planner).__name__}")
     planner.reset()
-    while (cells != goals).any():
+    while (places % size != goals).any():
         if time.perf_counter() > deadline:
             raise PlanError(f"no plan after {seconds:g} s and {counted(len(way) - 1, 'step')}")
-        cells = planner.next_cells(Situation(cells, goals, nobody, NO_CELLS))
-        way.append(cells)
-    return Plan(np.array(way))
+        headings, cells = np.divmod(places, size)
+        situation = Situation(cells, goals, nobody, NO_CELLS)
+        if problem.headings is not None and isinstance(planner, HeadedPlanner):
+            places = planner.next_places(situation, headings)
+        else:
+            places = planner.next_cells(situation)
+        way.append(places)
+    return problem.plan_of(np.array(way))
 
 
 def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:

@@ -32,6 +32,7 @@ def solve_prioritised(problem: Problem, seconds: float) -> Plan:
         >>> solve_prioritised(problem, seconds=10).sum_of_costs
         6
     """
+    problem.refuse_headings("prioritised planning")
     deadline, stream = perf_counter() + seconds, random.Random(0)
     moves, starts, goals = moves_of(problem.graph), problem.starts, problem.goals
     fields = [problem.graph.distances(goal).tolist() for goal in goals]

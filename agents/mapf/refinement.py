@@ -31,14 +31,16 @@ class Refinement:
         self, problem: Problem, plan: Plan, seed: int | None = 0, steps: Fields | None = None
     ) -> None:
         prepare_solvers()
-        fields = steps or Fields(problem.graph.with_costs())
+        self._problem, graph = problem, problem.graph
+        fields = steps or problem.fields(graph.with_costs())
         goals, robots = np.array(problem.goals, np.intp), problem.robots
-        rows = fields.rows(goals) * problem.graph.size
+        rows = fields.rows(goals) * fields.graph.places
         self._floor, self._fields = fields.floor, fields.table
         times = plan.makespan + 1 + SLACK
         self._ways = ways = new_ways(self._floor, robots, times, is_open=False)
-        cells = np.concatenate([plan.cells, np.repeat(plan.cells[-1:], SLACK, axis=0)])
-        np.asarray(ways.places)[:] = cells.T.ravel()
+        places = plan.places(graph)
+        places = np.concatenate([places, np.repeat(places[-1:], SLACK, axis=0)])
+        np.asarray(ways.places)[:] = places.T.ravel()
         for kept, new in (ways.goals, goals), (ways.rows, rows), (ways.costs, plan.costs):
             kept[:] = buffer_of(new)
         reserve_only(self._floor, ways, np.arange(robots))
@@ -53,4 +55,4 @@ class Refinement:
     def plan(self) -> Plan:
         """Return the plan so far."""
         places = np.asarray(self._ways.places, np.int64).reshape(len(self._ways.costs), -1).T
-        return Plan(places[: max(self._ways.costs, default=0) + 1])
+        return self._problem.plan_of(places[: max(self._ways.costs, default=0) + 1])

@@ -4,6 +4,7 @@ Each line has a name and the SHA-256 of all cells. No run is bounded by the cloc
 """
 
 from collections.abc import Iterator
+from dataclasses import replace
 from hashlib import sha256
 
 import numpy as np
@@ -94,6 +95,16 @@ def turning() -> Iterator[tuple[str, np.ndarray]]:
             windowed = WindowedPlanner(graph.with_costs(costs), 8, 12, seed=seed, led=20, fresh=3)
             run = run_lifelong(graph, windowed, 30, 12, seed, has_headings=True)
             yield f"windowed {name} {seed}", run.cells
+        for robots, rounds in ((2, 4_000), (12, 400)):
+            ends = random_problem(random_layout(8, 8, 0.2, seed), robots, seed)
+            search = LaCAM(replace(ends, headings=[seed] * robots), seed)
+            search.search(np.inf, rounds)
+            found = search.plan()
+            assert found is not None
+            yield f"lacam-star turns {robots} {seed}", found.places(ends.graph)
+            refinement = Refinement(search.problem, found, seed)
+            refinement.run(np.inf, 30)
+            yield f"refinement turns {robots} {seed}", refinement.plan().places(ends.graph)
 
 
 if __name__ == "__main__":

@@ -165,6 +165,7 @@ FleetBackend = Annotated[
     option("--backend NAME", BACKEND.format("driving (through cells as a plan says), ")),
 ]
 
+MOVES = "compass: robots move N, E, S or W; turn: they drive forward, and turn on the spot."
 ROBOTS = PARAMETERS["robots"].help
 RobotsOption = Annotated[int, parameter_option("robots", "-r N")]
 PLANNER = f"Planner by name: {', '.join(PLANNERS)}, clone:FILE, or your own as file.py:Class."

@@ -1,10 +1,11 @@
 """LaCAM*: an anytime search over configurations, the places of all robots at once.
 
 The search is depth-first. Each configuration has a tree of constraints, who must go where next,
-of which each visit tries one more; a round of PIBT chooses the places of the others. The tree is
-not stored: its nodes in breadth-first order are numbers in mixed radix, whose digits are the steps
-of the first robots by priority. Ways to configurations that are reached again become shorter, so
-that in the end the plan is the cheapest, or it is proved that there is none.
+of which each visit tries one more; a round of PIBT chooses the places of the others, or a round of
+EPIBT where robots have headings. The tree is not stored: its nodes in breadth-first order are
+numbers in mixed radix, whose digits are the steps of the first robots by priority. Its last level
+has every joint step. Ways to configurations that are reached again become shorter, so that in the
+end the plan is the cheapest, or it is proved that there is none.
 
 The cost of a joint step is the number of robots that are not at their goals before and after it.
 
@@ -18,6 +19,9 @@ from typing import NamedTuple
 
 from agents.mapf.kernels.buffers import Buffer, Table, buffer, enlarged, kernel
 from agents.mapf.kernels.floor import ACTIONS, NONE, Floor
+from agents.mapf.kernels.operations import CHOSEN as HAS_CHOSEN
+from agents.mapf.kernels.operations import FREE, Crew, expect, go_on, hold
+from agents.mapf.kernels.operations import push as push_robot
 from agents.mapf.kernels.rounds import CHOSEN, NOBODY, UNDECIDED, Team, choose, draw
 
 SPENT, FULL, DONE, FOUND = 0, 1, 2, 3
@@ -111,6 +115,15 @@ def enlarged_search(search: Search) -> Search:
 
 
 @kernel
+def is_full(search: Search) -> bool:
+    """Return whether there is no room for another configuration, or another edge."""
+    counts = search.counts
+    is_short = counts[NODES] == len(search.parent) or counts[EDGES] == len(search.edge_to)
+    # Each configuration that becomes cheaper is opened again.
+    return is_short or counts[HEIGHT] + counts[NODES] + 1 >= len(search.opened)
+
+
+@kernel
 def slot_of(search: Search, places: Buffer, first: int) -> int:
     """Return where a configuration is in the hash table, or the free slot where it would be.
 
@@ -183,7 +196,7 @@ def add(search: Search, team: Team, floor: Floor, steps: Table, parent: int, slo
     counts[NODES] += 1
     for robot in range(robots):
         search.places[first + robot] = chosen[robot]
-        left += steps[search.rows[robot] + chosen[robot] % size]
+        left += steps[search.rows[robot] + chosen[robot]]
     # Robots keep their order until they reach their goals, and are the last from then on.
     for number in range(robots):
         robot = search.ranks[number] if parent == NONE else search.orders[parent * robots + number]
@@ -221,6 +234,15 @@ def load(search: Search, team: Team, floor: Floor, node: int) -> None:
 
 
 @kernel
+def options(floor: Floor, place: int) -> int:
+    """Return the number of steps that a robot can take from a place; one of them is waiting."""
+    found = 0
+    for action in range(ACTIONS):
+        found += floor.near[place * ACTIONS + action] != floor.closed
+    return found
+
+
+@kernel
 def constrain(search: Search, team: Team, floor: Floor, node: int) -> int:
     """Let the first robots take the steps of the next constraint of a configuration.
 
@@ -233,13 +255,13 @@ def constrain(search: Search, team: Team, floor: Floor, node: int) -> int:
         number -= block
         if depth == len(team.order):
             return NONE
-        block *= floor.degree[team.places[team.order[depth]] % size] + 1
+        block *= options(floor, team.places[team.order[depth]])
         depth += 1
     search.tried[node] += 1
     for at in range(depth):
         robot = team.order[at]
         place = team.places[robot]
-        width = floor.degree[place % size] + 1
+        width = options(floor, place)
         digit, action = (number + node + at) % width, -1
         number //= width
         while digit >= 0:
@@ -252,6 +274,52 @@ def constrain(search: Search, team: Team, floor: Floor, node: int) -> int:
             return 0
         team.chosen[robot], team.is_taken[to % size] = to, CHOSEN
     return 1
+
+
+@kernel
+def choose_turns(team: Team, crew: Crew, fields: Table) -> bool:
+    """Choose the next places of all undecided robots with headings, in one round of EPIBT.
+
+    The others are expected to wait after this step.
+
+    Args:
+        team: robots, some of which have chosen.
+        crew: the same robots, with the places, order and ``robot_in`` of the team.
+        fields: distances that guide the robots.
+
+    Returns:
+        False if an undecided robot finds no way out of a cell that one of the others enters.
+    """
+    robots, window = len(team.order), crew.window
+    draw(crew.random)
+    for robot in range(robots):
+        crew.visits[robot] = 0
+        crew.states[robot] = FREE if team.chosen[robot] == UNDECIDED else HAS_CHOSEN
+    for at in range(len(crew.holder)):
+        crew.holder[at] = NOBODY
+    expect(crew)
+    for robot in range(robots):
+        if crew.states[robot] == HAS_CHOSEN:
+            for at in range(robot * window, (robot + 1) * window):
+                crew.ways[at] = team.chosen[robot]
+            hold(crew, robot)
+    for turn in range(2):  # those who cannot go on as expected choose first
+        for at in range(robots):
+            robot = crew.order[at]
+            is_held = crew.holder[crew.kept[robot * window] % crew.size] != NOBODY
+            if crew.states[robot] == HAS_CHOSEN or (turn == 0 and not is_held):
+                continue
+            if push_robot(crew, fields, robot):
+                continue
+            if is_held:
+                for other in range(robots):
+                    if crew.states[other] == FREE:
+                        crew.ways[other * window] = NONE  # nothing is expected of it any more
+                return False
+            go_on(crew, robot)
+    for robot in range(robots):
+        team.chosen[robot] = crew.ways[robot * window]
+    return True
 
 
 @kernel
@@ -288,13 +356,14 @@ def reach_again(search: Search, team: Team, floor: Floor, node: int, after: int)
 
 @kernel
 def explore(
-    search: Search, team: Team, floor: Floor, fields: Table, steps: Table, rounds: int
+    search: Search, team: Team, crew: Crew, floor: Floor, fields: Table, steps: Table, rounds: int
 ) -> int:
-    """Search on for some rounds of PIBT.
+    """Search on for some rounds of PIBT or EPIBT.
 
     Args:
         search: known configurations.
         team: robots of any configuration.
+        crew: the same robots if they have headings, see ``choose_turns``; else of no use.
         floor: floor of the robots.
         fields: distances that guide the robots.
         steps: distances in steps, which bound the costs.
@@ -306,9 +375,7 @@ def explore(
     counts, cost, left = search.counts, search.cost, search.left
     done = 0
     while counts[HEIGHT] > 0:
-        is_full = counts[NODES] == len(search.parent) or counts[EDGES] == len(search.edge_to)
-        # Each configuration that becomes cheaper is opened again.
-        if is_full or counts[HEIGHT] + counts[NODES] + 1 >= len(search.opened):
+        if is_full(search):
             return FULL
         if done == rounds:
             return SPENT
@@ -316,7 +383,7 @@ def explore(
         if best != NONE and cost[node] + left[node] >= cost[best]:
             pop(search)
             continue
-        if best == NONE and left[node] == 0:
+        if left[node] == 0:  # with headings there are several such configurations
             counts[BEST] = node
             if counts[ANYTIME] == 0:
                 return FOUND
@@ -327,7 +394,13 @@ def explore(
             pop(search)
             continue
         done += 1
-        if state == 0 or not choose(floor, team, fields):
+        if state == 0:
+            continue
+        if floor.closed == floor.size:
+            is_complete = choose(floor, team, fields)
+        else:
+            is_complete = choose_turns(team, crew, fields)
+        if not is_complete:
             continue
         slot = slot_of(search, team.chosen, 0)
         after = search.table[slot] - 1

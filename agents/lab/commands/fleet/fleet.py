@@ -111,8 +111,8 @@ def fleet(
         str,
         option(
             "--moves NAME",
-            "compass: robots move N, E, S or W; turn: they drive forward, and turn on the spot, "
-            "which needs a planner that knows headings: epibt or windowed, also with -lanes.",
+            f"{options.MOVES} turn needs a planner that knows headings: epibt or windowed, also "
+            "with -lanes.",
         ),
     ] = COMPASS,
     late_penalty: Annotated[

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -14,6 +15,7 @@ from agents.mapf.problem import Problem
 from warehouse_core import Layout
 from warehouse_core.world.generators import kiva_warehouse
 from warehouse_core.world.map_files import load_layout
+from warehouse_core.world.moves import EAST, TURN
 from warehouse_core.world.named_layouts import find_layout
 from warehouse_core.world.scenarios import check_scenarios, load_scenarios
 from warehouse_core.world.tables import Integers
@@ -55,6 +57,11 @@ def find_floor(name: str | None) -> PlannerFloor:
     labels = Graph(layout).parts[layout.open_cells]
     cells = layout.open_cells[labels == np.bincount(labels).argmax()] if labels.size else labels
     return PlannerFloor(layout, cells, cells)
+
+
+def with_moves(problem: Problem, moves: str) -> Problem:
+    """Return a problem of robots that move so; with headings all head east at first."""
+    return replace(problem, headings=[EAST] * problem.robots) if moves == TURN else problem
 
 
 def random_problem(floor: PlannerFloor, robots: int, seed: int) -> Problem:

@@ -20,11 +20,13 @@ from agents.lab.commands.planners.floors import (
     find_floor,
     random_problem,
     scenario_problem,
+    with_moves,
 )
 from agents.lab.commands.planners.output import record_of_plan, record_of_run, write_result
 from agents.lab.commands.planners.replay import track_of_plan
 from agents.lab.commands.planners.runs import (
     BOUND,
+    HEADED_SOLVERS,
     SOLVERS,
     STEPPERS,
     Unhindered,
@@ -39,7 +41,7 @@ from agents.lab.console.output import Film
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import print_error
 from agents.lab.console.values import parse_sizes
-from agents.lab.parameters import Whole
+from agents.lab.parameters import Whole, one_of
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import LifelongRun, run_lifelong
 from agents.mapf.planner import Planner
@@ -48,6 +50,7 @@ from agents.registry import PLANNERS
 from warehouse_core.batch.fleet.people import MAX_BODIES
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.wording import counted, listed, seconds_of
+from warehouse_core.world.moves import COMPASS, MOVES, TURN
 from warehouse_core.world.tables import Integers
 
 ROBOTS = 32
@@ -56,6 +59,8 @@ RESULT = ".json"
 
 PLANNER = f"{options.PLANNER} Arguments may follow, as in pibt:turn_cost=1; may be repeated."
 ONCE = listed([name for name in SOLVERS if name not in PLANNERS])
+
+KNOW_HEADINGS = ", ".join(HEADED_SOLVERS)
 
 LIFELONG = "Steps in which a robot that reaches its goal gets another."
 
@@ -97,6 +102,15 @@ def mapf(
             Whole(1),
         ),
     ] = None,
+    moves: Annotated[
+        str,
+        option(
+            "--moves NAME",
+            f"{options.MOVES} turn needs a planner that knows headings: {KNOW_HEADINGS}, epibt or "
+            "windowed. All robots head east at first.",
+            one_of(*MOVES),
+        ),
+    ] = COMPASS,
     seed: options.Seed = 0,
     plan_seconds: options.PlanSeconds = PLAN_SECONDS,
     drive: Annotated[
@@ -133,10 +147,12 @@ def mapf(
     if len(files or ()) > 1 or len(sizes) > 1 or any(path.is_dir() for path in files or ()):
         check_study(files, steps, drive=drive)
         chosen = find_scenarios(files or [])
-        study(chosen, planner or ["lacam"], sizes, layout, seed, plan_seconds, jobs, save)
+        study(chosen, planner or ["lacam"], sizes, layout, moves, seed, plan_seconds, jobs, save)
         return
     file, count = next(iter(files or ()), None), next(iter(sizes), None)
     check_file(file, steps)
+    if steps is not None and moves == TURN:
+        raise typer.BadParameter("--moves turn does not go with --lifelong; see warehouse league")
     if drive:
         load_backend("driving")  # what it needs is missed here, and not after the plans
     for path in save:
@@ -146,12 +162,14 @@ def mapf(
         raise typer.BadParameter("--save takes the paths of one planner; name one by --planner")
     trials = Trials(seed, plan_seconds, save, drive)
     if file is not None:
-        solve_all(scenario_problem(file, layout, count), planner, trials, str(file))
+        problem = with_moves(scenario_problem(file, layout, count), moves)
+        solve_all(problem, planner, trials, str(file))
         return
     name, floor, count = layout or KIVA, find_floor(layout), count or ROBOTS
     if steps is None:
         title = f"layout {name}, seed {seed}"
-        solve_all(random_problem(floor, count, seed), planner, trials, title)
+        problem = with_moves(random_problem(floor, count, seed), moves)
+        solve_all(problem, planner, trials, title)
         return
     graph = Graph(floor.layout)
 
@@ -202,8 +220,9 @@ class Trials:
     notes: list[str] = field(default_factory=list)
 
     def add(
-        self, name: str, measures: Sequence[str], graph: Graph, cells: Integers, *result: Any
-    ) -> None:
+        self, name: str, measures: Sequence[str], graph: Graph, cells: Integers, *result: Any,
+        headings: Integers | None = None,
+    ) -> None:  # fmt: skip
         """Add what a planner has reached, drive its paths and write them, if that is wanted.
 
         The further arguments of ``write_result`` come last.
@@ -218,9 +237,10 @@ class Trials:
                 self.executed.append((name, way, *numbers))
         for path in self.outputs:
             if path.suffix.lower() == RESULT:
-                write_result(path, graph, cells, *result)
+                write_result(path, graph, cells, *result, headings=headings)
             else:
-                track = track_of_plan(graph, cells, f"{name}, {counted(cells.shape[1], 'robot')}")
+                title = f"{name}, {counted(cells.shape[1], 'robot')}"
+                track = track_of_plan(graph, cells, title, headings)
                 Film(partial(list, [track])).save(path)
 
     def show(self, header: tuple[str, ...], title: str, caption: str) -> None:
@@ -236,11 +256,11 @@ class Trials:
 
 def solve_all(problem: Problem, planners: Sequence[str] | None, trials: Trials, title: str) -> None:
     """Print the plans of planners for a problem."""
-    names, graph = planners or list(SOLVERS), problem.graph
+    known = SOLVERS if problem.headings is None else HEADED_SOLVERS
+    names, graph = planners or list(known), problem.graph
     solvers = [make_solver(name, trials.seed, problem, trials.seconds) for name in names]
-    ends, total = zip(problem.starts, problem.goals, strict=True), problem.lower_bound
-    longest = max((graph.distances(goal)[start] for start, goal in ends), default=0)
-    trials.rows.append(("lower bound", f"{longest:.0f}", str(total), "1.000", "", ""))
+    total, longest = problem.lower_bound, max(problem.fewest_steps.tolist(), default=0)
+    trials.rows.append(("lower bound", str(longest), str(total), "1.000", "", ""))
     for name, solve in zip(names, solvers, strict=True):
         begin = time.perf_counter()
         try:
@@ -253,7 +273,8 @@ def solve_all(problem: Problem, planners: Sequence[str] | None, trials: Trials, 
         ratio = cost / total if total else 1.0
         proved = "" if plan.bound is None else str(plan.bound)
         measures = str(plan.makespan), str(cost), f"{ratio:.3f}", proved, f"{seconds:.3f}"
-        trials.add(name, measures, graph, plan.cells, record_of_plan(plan), cost, [seconds])
+        record, headings = record_of_plan(plan), plan.headings
+        trials.add(name, measures, graph, plan.cells, record, cost, [seconds], headings=headings)
     trials.show(
         ("planner", "makespan", "sum of costs", "times the bound", "proved bound", "seconds"),
         f"{counted(problem.robots, 'robot')}, {title}",

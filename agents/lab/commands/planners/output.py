@@ -1,7 +1,8 @@
 """Results in the output format of the League of Robot Runners, of version ``2024 LoRR``.
 
-Robots here have no orientation: the action model is ``MAPF``, as PlanViz calls it, whose moves are
-``U`` to the row below, ``D`` to the row above, ``L`` and ``R``; ``W`` is waiting.
+The action model of robots without headings is ``MAPF``, as PlanViz calls it, whose moves are ``U``
+to the row below, ``D`` to the row above, ``L`` and ``R``; ``W`` is waiting. With headings it is
+``MAPF_T``, the League's own: ``F`` forward, ``R`` and ``C`` turn clockwise and back, ``W`` waits.
 
 Source: ``Input_Output_Format.md`` of the League's Start-Kit, version 2.1; for ``MAPF`` the script
 ``util.py`` of PlanViz.
@@ -21,10 +22,14 @@ from agents.mapf.graph import Graph
 from agents.mapf.lifelong import LifelongRun
 from agents.mapf.problem import Plan
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.world.moves import HEADINGS
 from warehouse_core.world.tables import Integers
 
 MOVES = np.array(list("DRULW"))
 """The letters of N, E, S, W and waiting."""
+
+TURNS = np.array(list("WR?C"))
+"""The letters of quarters clockwise by which a robot turns in its cell."""
 
 TIMEOUT = "the planner took too long; all robots waited"
 
@@ -76,6 +81,8 @@ def write_result(
     sum_of_costs: int,
     seconds: Sequence[float],
     lost: Sequence[int] = (),
+    *,
+    headings: Integers | None = None,
 ) -> None:
     """Write a result, whole or not at all.
 
@@ -87,17 +94,27 @@ def write_result(
         sum_of_costs: sum of the costs of the robots.
         seconds: time of each call of the planner.
         lost: steps that took too long, from 0.
+        headings: ``[T + 1, R]``, headings of the robots, if they have any.
     """
     robots = cells.shape[1]
-    moves = (graph.neighbours[cells[:-1]] == cells[1:, :, None]).argmax(axis=2)
-    paths = [",".join(MOVES[column]) for column in moves.T]
+    if headings is None:
+        first = ["N/A"] * robots
+        letters = MOVES[(graph.neighbours[cells[:-1]] == cells[1:, :, None]).argmax(axis=2)]
+    else:
+        first = [HEADINGS[heading] for heading in headings[0]]
+        turns = TURNS[(headings[1:] - headings[:-1]) % len(HEADINGS)]
+        letters = np.where(cells[1:] == cells[:-1], turns, "F")
+    paths = [",".join(column) for column in letters.T]
     schedule = [",".join(f"{step}:{task}" for step, task in each) for each in record.given]
     result: dict[str, Any] = {
-        "actionModel": "MAPF",
+        "actionModel": "MAPF" if headings is None else "MAPF_T",
         "version": "2024 LoRR",
         "AllValid": "Yes",
         "teamSize": robots,
-        "start": [[*cell, "N/A"] for cell in graph.layout.cells(cells[0])],
+        "start": [
+            [*cell, letter]
+            for cell, letter in zip(graph.layout.cells(cells[0]), first, strict=True)
+        ],
         "numTaskFinished": record.finished,
         "sumOfCost": sum_of_costs,
         "makespan": len(cells) - 1,

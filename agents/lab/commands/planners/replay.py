@@ -19,8 +19,13 @@ HEADINGS = (-math.pi / 2, 0.0, math.pi / 2, math.pi)
 """Angles of robots that move N, E, S and W."""
 
 
-def track_of_plan(graph: Graph, cells: Integers, title: str) -> Track:
-    """Return the track of cells of robots ``[T + 1, R]``, with the ways of the last to arrive."""
+def track_of_plan(
+    graph: Graph, cells: Integers, title: str, facing: Integers | None = None
+) -> Track:
+    """Return the track of cells of robots ``[T + 1, R]``, with the ways of the last to arrive.
+
+    Robots head as ``facing`` says, ``[T + 1, R]``, or else as they have moved.
+    """
     layout, robots = graph.layout, cells.shape[1]
     is_there = np.logical_and.accumulate((cells == cells[-1])[::-1])[::-1]
     last = np.argsort(is_there.sum(axis=0), kind="stable")[:SHOWN_WAYS].tolist()
@@ -29,7 +34,9 @@ def track_of_plan(graph: Graph, cells: Integers, title: str) -> Track:
     items, battery = (None,) * robots, (1.0,) * robots
     frames = []
     for step, row in enumerate(cells):
-        if step:
+        if facing is not None:
+            headings = [HEADINGS[heading] for heading in facing[step].tolist()]
+        elif step:
             moves = (graph.neighbours[cells[step - 1]] == row[:, None]).argmax(axis=1).tolist()
             headings = [
                 HEADINGS[move] if move < len(HEADINGS) else before

@@ -3,9 +3,10 @@
 from __future__ import annotations
 
 import time
+from collections.abc import Callable
 from functools import partial
 from itertools import count
-from typing import NamedTuple
+from typing import NamedTuple, cast
 
 import numpy as np
 
@@ -19,7 +20,15 @@ from agents.mapf.kernels.floor import FAR
 from agents.mapf.kernels.prepare import prepare_solvers
 from agents.mapf.lacam import lacam, lacam_star
 from agents.mapf.pibt import pibt
-from agents.mapf.planner import Planner, Situation, check_step, solve_by_steps
+from agents.mapf.planner import (
+    SIDES,
+    HeadedPlanner,
+    Planner,
+    Situation,
+    check_step,
+    check_turns,
+    solve_by_steps,
+)
 from agents.mapf.prioritised import solve_prioritised
 from agents.mapf.problem import Plan, Problem, Solver
 from agents.mapf.solvable import check_solvable
@@ -40,6 +49,9 @@ SOLVERS: dict[str, Solver] = {
 }
 """Planners of robots that go to their goals once, by name."""
 
+HEADED_SOLVERS = ("lacam", "lacam-star", "anytime")
+"""Names of the solvers that plan for robots with headings."""
+
 STEPPERS = ("pibt", "pibt-lanes")
 """Planners of robots that go from goal to goal, if none is named; see the registry for all."""
 
@@ -58,12 +70,13 @@ def is_stepper(name: str) -> bool:
 
 
 def make_stepper(
-    name: str, seed: int, layout: Layout, robots: int, seconds: float
+    name: str, seed: int, layout: Layout, robots: int, seconds: float, *, has_headings: bool = False
 ) -> CheckedPlanner:
     """Return a planner of step after step by a name of the registry.
 
     Raises:
-        AgentError: as for ``make_planner``, or it is no ``Planner``.
+        AgentError: as for ``make_planner``, or it is no ``Planner``, or does not know the headings
+            that the robots have.
     """
     if not is_stepper(name):
         raise AgentError(
@@ -73,6 +86,10 @@ def make_stepper(
     made = make_planner(name, seed, layout, robots)
     if not isinstance(made, Planner):
         raise AgentError(f"planner {name!r} has no next_cells; it directs a fleet, not a problem")
+    if has_headings and not isinstance(made, HeadedPlanner):
+        raise AgentError(
+            f"planner {name!r} does not know headings; it needs a method next_places, as epibt has"
+        )
     return CheckedPlanner(made, name, Graph(layout), seconds)
 
 
@@ -88,9 +105,9 @@ def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solve
             f"no planner is called {name!r}; allowed: {', '.join(known)}, or your own as "
             "file.py:Class, or file.py:function for whole problems"
         )
-    return partial(
-        solve_by_steps, make_stepper(name, seed, problem.graph.layout, problem.robots, seconds)
-    )
+    layout, has_headings = problem.graph.layout, problem.headings is not None
+    stepper = make_stepper(name, seed, layout, problem.robots, seconds, has_headings=has_headings)
+    return partial(solve_by_steps, stepper)
 
 
 def solve_checked(name: str, solve: Solver, problem: Problem, seconds: float) -> Solved:
@@ -124,6 +141,14 @@ def check_plan(problem: Problem, plan: object) -> None:
     robots = problem.robots
     if not (isinstance(plan, Plan) and plan.cells.ndim == 2 and plan.cells.shape[1] == robots):
         raise PlanError(f"it returned {brief(plan)}; needed: a Plan of {counted(robots, 'robot')}")
+    if (problem.headings is None) != (plan.headings is None):
+        raise PlanError(
+            f"it returned a Plan {'with' if problem.headings is None else 'without'} headings"
+        )
+    if plan.headings is not None and plan.headings.shape != plan.cells.shape:
+        raise PlanError(
+            f"it returned headings of the shape {plan.headings.shape}; needed: {plan.cells.shape}"
+        )
     nobody, none = np.zeros(robots, np.bool_), np.empty(0, np.intp)
     goals = np.array(problem.goals)
     for what, ends, cells in (
@@ -133,9 +158,18 @@ def check_plan(problem: Problem, plan: object) -> None:
         for robot in np.flatnonzero(cells != np.array(ends))[:1].tolist():
             place, wanted = (problem.graph.layout.cell(each[robot]) for each in (cells, ends))
             raise PlanError(f"robot {robot} is in {place} and not at its {what} {wanted}")
+    if plan.headings is not None:
+        headings = np.array(problem.headings, np.intp)
+        for robot in np.flatnonzero(plan.headings[0] != headings)[:1].tolist():
+            raise PlanError(f"robot {robot} does not head {SIDES[headings[robot]]} at first")
+    places = plan.places(problem.graph)
     for step, cells in enumerate(plan.cells[:-1]):
+        situation, after = Situation(cells, goals, nobody, none), places[step + 1]
         try:
-            check_step(problem.graph, Situation(cells, goals, nobody, none), plan.cells[step + 1])
+            if plan.headings is None:
+                check_step(problem.graph, situation, after)
+            else:
+                check_turns(problem.graph, situation, plan.headings[step], after)
         except PlanError as error:
             raise PlanError(f"step {step}: {error}") from None
 
@@ -202,15 +236,37 @@ class CheckedPlanner:
         Raises:
             PlanError: the step has a conflict, or the planner failed.
         """
+        return self._checked(
+            partial(self._planner.next_cells, situation),
+            partial(check_step, self._graph, situation),
+            situation.cells,
+        )
+
+    def next_places(self, situation: Situation, headings: Integers) -> Integers:
+        """Return the place of each robot after the next joint step, ``[R]``.
+
+        Raises:
+            PlanError: as for ``next_cells``.
+        """
+        return self._checked(
+            partial(cast(HeadedPlanner, self._planner).next_places, situation, headings),
+            partial(check_turns, self._graph, situation, headings),
+            headings * self._graph.size + situation.cells,
+        )
+
+    def _checked(
+        self, choose: Callable[[], object], check: Callable[[object], Integers], here: Integers
+    ) -> Integers:
+        """Return what a call chooses, checked, or where the robots are if it takes too long."""
         number = next(self._numbers)
         try:
             with time_limit(self._seconds):
-                chosen = self._planner.next_cells(situation)
-            return check_step(self._graph, situation, chosen)
+                chosen = choose()
+            return check(chosen)
         except TimeoutError:
             self.lost.append(number)
             self._planner.reset()
-            return situation.cells
+            return here
         except Exception as error:  # the planner of a user may raise anything
             is_told = isinstance(error, PlanError)
             reason = str(error) if is_told else reason_of(error, agent_file(self._name))

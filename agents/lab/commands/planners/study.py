@@ -9,7 +9,7 @@ from itertools import product
 from pathlib import Path
 
 from agents.errors import PlanError
-from agents.lab.commands.planners.floors import scenario_problem
+from agents.lab.commands.planners.floors import scenario_problem, with_moves
 from agents.lab.commands.planners.runs import Attempt, attempt
 from agents.lab.console.csv_file import write_csv
 from agents.lab.console.options import PICTURES
@@ -59,12 +59,13 @@ def _by_number(path: Path) -> list[tuple[int, str]]:
 
 
 def attempt_at(
-    case: tuple[str, int], number: int, *, files: Sequence[Path], layout: str | None, seed: int,
-    seconds: float,
+    case: tuple[str, int], number: int, *, files: Sequence[Path], layout: str | None, moves: str,
+    seed: int, seconds: float,
 ) -> Attempt:  # fmt: skip
     """Return the attempt of a planner at the first robots of a file."""
     planner, robots = case
-    return attempt(planner, seed, scenario_problem(files[number], layout, robots), seconds)
+    problem = with_moves(scenario_problem(files[number], layout, robots), moves)
+    return attempt(planner, seed, problem, seconds)
 
 
 def study(
@@ -72,6 +73,7 @@ def study(
     planners: Sequence[str],
     sizes: Sequence[int],
     layout: str | None,
+    moves: str,
     seed: int,
     seconds: float,
     jobs: int | None,
@@ -91,7 +93,7 @@ def study(
         sizes = [size for size in sizes if size <= least] or [least]
     for path, size in product(files, [max(sizes)]):
         scenario_problem(path, layout, size)  # what is wrong is told before anything runs
-    call = partial(attempt_at, files=files, layout=layout, seed=seed, seconds=seconds)
+    call = partial(attempt_at, files=files, layout=layout, moves=moves, seed=seed, seconds=seconds)
     cases = list(product(planners, sizes))
     attempts = run_trials(call, cases, range(len(files)), jobs, "plans")
     title = f"{counted(len(files), 'scenario file')}, {seconds:g} s a plan"

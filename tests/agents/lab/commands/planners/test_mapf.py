@@ -5,11 +5,15 @@ import sys
 from itertools import pairwise
 from pathlib import Path
 
+import numpy as np
 import pytest
 from helpers.command_line import Refused, Warehouse, write_mine
 from helpers.mapf_validator import plan_conflict, step_conflict
+from helpers.player import said_by
 
 from agents.lab.commands.planners.floors import find_floor
+from agents.mapf.graph import Graph
+from agents.mapf.league.rules import action_error, result_of
 from warehouse_core.motion.backends import load_backend
 
 BAY = ("...", "#.#")
@@ -63,6 +67,39 @@ def test_plans_for_a_scenario_are_measured_beside_the_bound(
         assert found["cbs"][:3] == ["4", "7", "1.750"]
         assert result["events"] in ([[3, 0, 0, 1], [4, 1, 1, 1]], [[3, 1, 1, 1], [4, 0, 0, 1]])
         assert result["tasks"] == [[0, 0, [0, 2]], [1, 0, [0, 0]]]
+
+
+@pytest.mark.parametrize("planner", ["lacam", "lacam-star", "anytime", "epibt"])
+def test_plans_of_robots_with_headings_are_written_as_the_league_plays_them(
+    planner: str, warehouse: Warehouse
+) -> None:
+    write_map("hall.map", ("....", "....", "...."))
+    words = ("--layout", "hall.map", "--robots", 4, "--moves", "turn", "--plan-seconds", 1)
+    saved = ("-o", "plan.json", "-o", "plan.html")
+    code, out, err = warehouse("mapf", *words, "--planner", planner, *saved)
+    assert (code, err) == (0, "")
+    result, found = json.loads(Path("plan.json").read_text()), rows_of(out)
+    assert result["actionModel"] == "MAPF_T"
+    assert [letter for *_, letter in result["start"]] == ["E"] * 4
+    graph = Graph(find_floor("hall.map").layout)
+    cells, headings = np.array([4 * row + col for row, col, _ in result["start"]]), np.ones(4, int)
+    for letters in zip(*(path.split(",") for path in result["actualPaths"]), strict=True):
+        actions = np.array(["FRCW".index(letter) for letter in letters])
+        assert action_error(graph, cells, headings, actions) is None
+        cells, headings = result_of(graph, cells, headings, actions)
+    goals = [places for _, _, places in result["tasks"]]
+    assert [[*divmod(cell, 4)] for cell in cells.tolist()] == goals
+    assert int(found[planner][0]) >= int(found["lower bound"][0])
+    track = said_by(Path("plan.html").read_text())["tracks"][0]
+    assert len(track["time"]) == result["makespan"] + 1
+
+
+def test_planners_that_know_headings_are_run_by_default(bay: str, warehouse: Warehouse) -> None:
+    code, out, err = warehouse("mapf", bay, "--moves", "turn", "--plan-seconds", 1)
+    assert (code, err) == (0, "")
+    assert [*rows_of(out)][-3:] == ["lacam", "lacam-star", "anytime"]
+    out = warehouse("mapf", bay, bay, "--moves", "turn", "--plan-seconds", 1, "--jobs", 1).out
+    assert rows_of(out)["2"] == ["2 of 2"]
 
 
 def test_some_robots_of_a_scenario_can_be_had(bay: str, warehouse: Warehouse) -> None:
@@ -138,6 +175,7 @@ def test_bodies_that_need_pymunk_are_refused_before_the_plans(
     ("options", "words"),
     [
         ("--planner lacam --lifelong 3", "planner 'lacam' plans all ways at once, for one goal a"),
+        ("--moves turn --planner timed", "planner 'timed' does not know headings; it needs"),
         ("bay.scen --robots 3", "--robots is 3; allowed: 1..2, the scenarios of bay.scen"),
         ("bay.scen --layout hall", "scenario 1 is for 2 x 3 cells"),
     ],
@@ -146,6 +184,12 @@ def test_what_cannot_be_found_or_done_is_named(
     bay: str, options: str, words: str, refused: Refused
 ) -> None:
     assert words in refused("mapf", *options.split())
+
+
+def test_moves_that_there_are_not_are_refused(refused: Refused) -> None:
+    assert refused("mapf", "--moves", "east", code=2).endswith("'east'; allowed: compass, turn")
+    said = refused("mapf", "--moves", "turn", "--lifelong", 9, code=2)
+    assert said == "--moves turn does not go with --lifelong; see warehouse league"
 
 
 @pytest.mark.parametrize(

@@ -1,0 +1,202 @@
+"""Plans of robots with headings: valid, complete, and the cheapest where that is proved."""
+
+import random
+from dataclasses import replace
+
+import numpy as np
+import pytest
+from helpers.mapf_problems import problem_of, random_problem, random_problems
+from helpers.mapf_turns import least_step_cost, turning_conflict
+
+from agents.errors import AgentError, PlanError
+from agents.lab.commands.planners.runs import solve_checked
+from agents.mapf.anytime import solve_anytime
+from agents.mapf.cbs import solve_cbs
+from agents.mapf.eecbs import solve_eecbs
+from agents.mapf.epibt import EPIBT
+from agents.mapf.graph import Graph
+from agents.mapf.lacam import LaCAM, lacam, lacam_star
+from agents.mapf.lanes import lane_costs
+from agents.mapf.pibt import pibt
+from agents.mapf.planner import solve_by_steps
+from agents.mapf.prioritised import solve_prioritised
+from agents.mapf.problem import Plan, Problem
+from agents.mapf.refinement import Refinement
+from agents.mapf.turning import with_turns
+from agents.mapf.windows import WindowedPlanner
+from warehouse_core import Layout, random_layout
+
+HOUR = 3600.0
+
+
+def headed(problem: Problem, seed: int = 0) -> Problem:
+    stream = random.Random(seed)
+    return replace(problem, headings=[stream.randrange(4) for _ in problem.starts])
+
+
+def test_plans_are_the_cheapest_and_there_is_none_only_if_brute_force_finds_none() -> None:
+    """Without a plan, LaCAM has tried all cells of the robots."""
+    unsolved = 0
+    for seed, each in enumerate(random_problems(24, seed=5, max_size=4, max_robots=2)):
+        problem = headed(each, seed)
+        least = least_step_cost(problem)
+        if least is None:
+            unsolved += 1
+            with pytest.raises(PlanError, match="there is no plan: LaCAM tried all"):
+                lacam_star(problem, HOUR)
+            continue
+        plan = lacam_star(problem, HOUR)
+        assert turning_conflict(problem, plan) is None
+        assert plan.bound == least <= plan.sum_of_costs
+        assert problem.lower_bound <= least
+    assert 0 < unsolved < 12
+
+
+@pytest.mark.parametrize("rows", [["..", ".."], ["...", "#.#"]])
+def test_three_robots_in_a_narrow_place_get_the_cheapest_plan(rows: list[str]) -> None:
+    cells = [n for n, tile in enumerate("".join(rows)) if tile == "."]
+    stream, found = random.Random(1), set[bool]()
+    for seed in range(8):
+        starts, goals = (stream.sample(cells, 3) for _ in range(2))
+        problem = headed(problem_of(rows, starts, goals), seed)
+        least = least_step_cost(problem)
+        found.add(least is None)
+        if least is None:
+            with pytest.raises(PlanError, match="there is no plan"):
+                lacam(problem, HOUR)
+        else:
+            assert lacam_star(problem, HOUR).bound == least
+    assert found == {True, False}
+
+
+def test_robots_in_a_ring_turn_and_then_move_at_once() -> None:
+    problem = Problem(Graph(Layout(["..", ".."])), [0, 1, 3, 2], [1, 3, 2, 0], headings=[1] * 4)
+    plan = lacam(problem, HOUR)
+    assert turning_conflict(problem, plan) is None
+    assert (plan.makespan, plan.sum_of_costs) == (3, 12)
+
+
+@pytest.mark.parametrize("solve", [lacam, solve_anytime])
+@pytest.mark.parametrize("seed", range(3))
+def test_crowds_get_plans_without_conflicts(solve, seed: int) -> None:
+    layout = random_layout(12, 12, 0.2, seed)
+    ends = headed(random_problem(layout, 25, seed), seed)
+    problem = replace(ends, graph=Graph(layout, lane_costs(layout) if seed % 2 else None))
+    given = {} if solve is lacam else {"trials": 20}
+    plans = [solve(problem, HOUR, seed, **given) for _ in range(2)]
+    assert turning_conflict(problem, plans[0]) is None
+    assert np.array_equal(plans[0].cells, plans[1].cells)
+    assert np.array_equal(plans[0].headings, plans[1].headings)
+    assert plans[0].sum_of_costs >= problem.lower_bound
+
+
+def test_the_search_with_headings_makes_a_plan_cheaper_at_any_time() -> None:
+    problem = headed(random_problem(random_layout(12, 12, 0.1, 1), 8, 1))
+    search = LaCAM(problem, 1)
+    search.search(np.inf, goes_on=False)
+    first = search.plan().sum_of_costs
+    search.search(np.inf, 400)
+    plan = search.plan()
+    assert turning_conflict(problem, plan) is None
+    assert plan.sum_of_costs < 0.95 * first
+
+
+def test_refinement_is_never_worse_and_stays_valid() -> None:
+    for seed in range(3):
+        problem = headed(random_problem(random_layout(10, 10, 0.2, seed), 20, seed), seed)
+        plan = lacam(problem, HOUR, seed)
+        refinement, first = Refinement(problem, plan, seed), plan.sum_of_costs
+        for _ in range(4):
+            refinement.run(np.inf, 6)
+            better = refinement.plan()
+            assert turning_conflict(problem, better) is None
+            assert better.sum_of_costs <= plan.sum_of_costs
+            plan = better
+        assert plan.sum_of_costs < 0.9 * first
+
+
+def test_plans_of_small_teams_are_proved() -> None:
+    problem = headed(random_problem(random_layout(5, 5, 0.1, 1), 2, 3), 3)
+    plan = solve_anytime(problem, HOUR)
+    assert plan.bound == least_step_cost(problem)
+    assert turning_conflict(problem, plan) is None
+
+
+def test_robots_that_are_at_their_goals_need_no_step() -> None:
+    problem = Problem(Graph(Layout(["..."])), [2, 0], [2, 0], headings=[0, 3])
+    for solve in (lacam, lacam_star, solve_anytime):
+        plan = solve(problem, HOUR)
+        assert (plan.cells.tolist(), plan.headings.tolist()) == ([[2, 0]], [[0, 3]])
+
+
+@pytest.mark.parametrize("make", [EPIBT, WindowedPlanner])
+def test_planners_of_steps_solve_problems_of_robots_with_headings(make) -> None:
+    problem = headed(random_problem(random_layout(10, 10, 0.1, 2), 6, 2))
+    plan = solve_by_steps(make(problem.graph), problem, HOUR)
+    assert turning_conflict(problem, plan) is None
+
+
+@pytest.mark.parametrize(
+    ("solve", "name"),
+    [
+        (solve_cbs, "CBS"),
+        (solve_eecbs, "CBS"),
+        (solve_prioritised, "prioritised planning"),
+        (pibt, "planner PIBT"),
+    ],
+)
+def test_who_does_not_know_headings_says_so(solve, name: str) -> None:
+    problem = Problem(Graph(Layout(["..."])), [0], [2], headings=[1])
+    with pytest.raises(PlanError, match=f"^{name} does not know headings"):
+        solve(problem, HOUR)
+
+
+@pytest.mark.parametrize(
+    ("headings", "words"),
+    [
+        ([1], "1 headings; each of 2 robots needs one"),
+        ([1, 4], "robot 1: its heading is 4; allowed: 0..3"),
+        ([-1, 0], "robot 0: its heading is -1; allowed: 0..3"),
+    ],
+)
+def test_headings_that_are_none_are_refused(headings: list[int], words: str) -> None:
+    with pytest.raises(PlanError, match=words):
+        Problem(Graph(Layout(["..."])), [0, 1], [2, 0], headings=headings)
+
+
+def test_the_validator_of_turns_finds_faults() -> None:
+    problem = Problem(Graph(Layout(["..."])), [0], [1], headings=[1])
+    for cells, headings, words in (
+        ([[0], [1]], [[1], [1]], None),
+        ([[0], [1]], [[0], [0]], "begin"),
+        ([[0], [0], [1]], [[1], [3], [1]], "no step leads"),
+        ([[0], [0]], [[1], [1]], "end"),
+    ):
+        found = turning_conflict(problem, Plan(np.array(cells), headings=np.array(headings)))
+        assert found is words is None or words in found
+
+
+@pytest.mark.parametrize(
+    ("plan", "words"),
+    [
+        (Plan.of([[0, 1]]), "it returned a Plan without headings"),
+        (Plan(np.array([[0], [1]]), None, np.array([1])), "it returned headings of the shape (1,)"),
+        (Plan(np.array([[0], [1]]), None, np.array([[0], [0]])), "robot 0 does not head east at"),
+        (
+            Plan(np.array([[0], [1]]), None, np.array([[1], [2]])),
+            "step 0: robot 0 heads east at (0, 0) and is to be at (0, 1), heading south",
+        ),
+    ],
+)
+def test_a_plan_of_a_user_is_checked(plan: Plan, words: str) -> None:
+    problem = Problem(Graph(Layout(["..."])), [0], [1], headings=[1])
+    with pytest.raises(AgentError) as caught:
+        solve_checked("mine", lambda *_: plan, problem, 1.0)
+    assert str(caught.value).startswith(f"planner 'mine': {words}")
+
+
+def test_turns_are_added_to_a_plan_without_headings() -> None:
+    problem = Problem(Graph(Layout(["..", ".."])), [0], [3], headings=[0])
+    plan = with_turns(problem, Plan(np.array([[0], [1], [3]])))
+    assert plan.cells.ravel().tolist() == [0, 0, 1, 1, 3]
+    assert plan.headings.ravel().tolist() == [0, 1, 1, 2, 2]
