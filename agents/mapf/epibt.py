@@ -88,7 +88,7 @@ class EPIBT:
         robot_in, is_closed = np.full(size, NOBODY), np.zeros(size, np.intp)
         robot_in[cells] = np.arange(len(cells))
         is_closed[closed] = 1
-        rows = fields.rows(goals)
+        rows = fields.rows(np.where(goals == cells, size, goals))  # who is there just gives way
         leaving = self._leaving(rows, cells)
         order = self._memory.order(cells, goals, np.concatenate([urgent, leaving]))
         crew.holder[:] = buffer(self.window * size, NOBODY)
