@@ -26,7 +26,7 @@ import numpy as np
 
 from agents.errors import AgentError, reason_of
 from agents.fleet.charging import costs_around_chargers
-from agents.fleet.guided import Guided, on_lanes, on_learned
+from agents.fleet.guided import Guided, on_aisles, on_lanes, on_learned
 from agents.fleet.planned import DEFAULT_ASSIGNMENT, PlannedFleet
 from agents.fleet.team import Team
 from agents.kinds.goal_based import GoalBasedAgent
@@ -82,6 +82,7 @@ PLANNERS: dict[str, Callable[..., Planner]] = {
     "pibt-learned": Guided(PIBT, on_learned),
     "epibt": EPIBT,
     "epibt-lanes": Guided(EPIBT, on_lanes),
+    "epibt-aisles": Guided(EPIBT, on_aisles),
     "windowed": WindowedPlanner,
     "windowed-lanes": Guided(WindowedPlanner, on_lanes),
     "windowed-learned": Guided(WindowedPlanner, on_learned),

@@ -11,7 +11,7 @@ import numpy as np
 
 from agents.fleet.charging import costs_around_chargers
 from agents.mapf.graph import Costs, Graph
-from agents.mapf.lanes import WRONG_WAY, lane_costs, learned_costs
+from agents.mapf.lanes import WRONG_WAY, aisle_costs, lane_costs, learned_costs
 from agents.mapf.planner import Planner
 from warehouse_core import Layout
 
@@ -41,6 +41,11 @@ class Guided:
 def on_lanes(layout: Layout, wrong_way: float = WRONG_WAY) -> Graph:
     """Return the graph of a floor with the costs of lanes, see ``lane_costs``."""
     return Graph(layout, costs_around_chargers(layout, lane_costs(layout, wrong_way)))
+
+
+def on_aisles(layout: Layout, wrong_way: float = WRONG_WAY) -> Graph:
+    """Return the graph of a floor with the costs of lanes in aisles, see ``aisle_costs``."""
+    return Graph(layout, costs_around_chargers(layout, aisle_costs(layout, wrong_way)))
 
 
 def on_learned(

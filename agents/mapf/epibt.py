@@ -11,7 +11,7 @@ import numpy as np
 
 from agents.mapf.graph import CLOSED, Fields, Graph
 from agents.mapf.headed import HeadedFields, PackedFields
-from agents.mapf.kernels.buffers import buffer_of, prepare
+from agents.mapf.kernels.buffers import buffer, buffer_of, prepare
 from agents.mapf.kernels.floor import NONE, STAY
 from agents.mapf.kernels.operations import CHOSEN, FREE, Crew, crew_of, improve, plan
 from agents.mapf.kernels.rounds import NOBODY
@@ -88,10 +88,10 @@ class EPIBT:
         robot_in, is_closed = np.full(size, NOBODY), np.zeros(size, np.intp)
         robot_in[cells] = np.arange(len(cells))
         is_closed[closed] = 1
-        rows = fields.rows(goals)
+        rows = fields.rows(np.where(goals == cells, size, goals))  # who is there just gives way
         leaving = self._leaving(rows, cells)
         order = self._memory.order(cells, goals, np.concatenate([urgent, leaving]))
-        crew.holder[:] = buffer_of(np.full(self.window * size, NOBODY))
+        crew.holder[:] = buffer(self.window * size, NOBODY)
         for kept, new in (
             (crew.places, places), (crew.rows, rows * fields.matrix.shape[1]), (crew.order, order),
             (crew.states, np.where(stays, CHOSEN, FREE)),

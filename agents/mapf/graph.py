@@ -236,7 +236,7 @@ class Fields:
         self.step = 1 if graph.costs is None and not graph.turn_cost else PARTS
         self._rounded = graph if self.step == 1 else in_parts(graph)
         self.matrix = np.empty((0, graph.places), np.int32)
-        self._row_of = np.full(graph.size, NO_ROW)
+        self._row_of = np.full(graph.size + 1, NO_ROW)
         self._free: list[int] = []
         self._used = 0
         self._closed, self._leads_back = graph.closed, not graph.turn_cost
@@ -248,7 +248,10 @@ class Fields:
         return table_of(self.matrix)
 
     def rows(self, goals: Integers) -> Integers:
-        """Return the row of ``matrix`` of each goal; it holds until the next call."""
+        """Return the row of ``matrix`` of each goal; it holds until the next call.
+
+        The goal ``size`` stands for nowhere: all distances from it are 0.
+        """
         if self._closed != self.graph.closed:
             self._closed = self.graph.closed
             if self._rounded is not self.graph:
@@ -262,7 +265,10 @@ class Fields:
             self._free_rows(goals, len(new))
         for goal in new:
             self._row_of[goal] = row = self._free.pop()
-            self._measure(goal, self.matrix[row])
+            if goal == self.graph.size:
+                self.matrix[row] = 0
+            else:
+                self._measure(goal, self.matrix[row])
         return self._row_of[goals]
 
     def nearest(self, rows: Integers, cells: Integers) -> Integers:
@@ -365,6 +371,6 @@ class Fields:
         """
         rows, kept = least + least // 2, self.matrix
         if rows * kept.shape[1] * kept.itemsize > MAX_COPIED:
-            rows = max(least, min(most, len(self.graph.layout.open_cells)))
+            rows = max(least, min(most, len(self.graph.layout.open_cells) + 1))
         self.matrix = np.empty((rows, kept.shape[1]), np.int32)
         self.matrix[: len(kept)] = kept

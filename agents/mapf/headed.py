@@ -15,6 +15,12 @@ from warehouse_core.world.actions import WAIT
 from warehouse_core.world.moves import FORWARD, LEFT, RIGHT
 from warehouse_core.world.tables import Integers
 
+SQUARE = 4
+"""Cells across a square of cells whose distances ``PackedFields`` keeps beside one another.
+
+A robot asks for distances ahead and to its sides, which are in fewer lines of the cache so.
+"""
+
 
 class HeadedFields(Fields):
     """Distances between places of which each move and each quarter turn is a step.
@@ -79,13 +85,15 @@ class PackedFields(HeadedFields):
     ``kernels/packed.py``.
 
     Attributes:
-        matrix: ``[n, open cells]`` int32, a row for each goal.
+        matrix: ``[n, open cells]`` int32, a row for each goal, square by square.
         columns: ``[size]``, column of each open cell.
     """
 
     def __init__(self, graph: Graph) -> None:
         super().__init__(graph)
-        self._cells = graph.layout.open_cells
+        rows, columns = np.divmod(graph.layout.open_cells, graph.layout.width)
+        squares = np.lexsort((columns // SQUARE, rows // SQUARE))
+        self._cells = graph.layout.open_cells[squares]
         self.columns = np.zeros(graph.size, np.intp)
         self.columns[self._cells] = np.arange(len(self._cells))
         self.matrix = np.empty((0, len(self._cells)), np.int32)

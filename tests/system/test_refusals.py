@@ -14,6 +14,7 @@ from typing import Any
 import pytest
 from helpers.command_line import LEAVES, Refused, without_display
 
+from agents.lab.console.group import HELP
 from agents.lab.parameters import Number, Whole
 from agents.lab.trials.random_layouts import TRAINING_LAYOUTS
 
@@ -350,7 +351,8 @@ def test_the_limits_of_numbers_are_those_of_the_table() -> None:
                 limits.setdefault(option, set()).add(pair)
                 for value in pair:
                     words = [*NEEDED.get(name, ()), option, str(value)]
-                    leaf.make_context(name, words)  # raises if a limit is refused
+                    # It raises if a limit is refused. Other tests use the option for help too.
+                    leaf.make_context(name, words, help_option_names=[*HELP])
             else:
                 assert parameter.type_descriptor.annotation not in (int, float), option
     assert limits == LIMITS

@@ -67,7 +67,7 @@ class Crew(NamedTuple):
         pushed: robot that each has pushed last in vain, or ``NOBODY``.
         pushed_at: step of the window in which it would have met that one.
         met_at: ``[1]``, step of the window in which a way has met a robot.
-        keys: ``[R * N]``, keys of the operations, the least is the best.
+        keys: ``[R * N]``, keys of the operations of robots in the stack, the least is the best.
         stack: robots that push others.
         marks: length of the trail when each began its operation.
         trail: robots that have chosen in this turn, and number of them at the end, ``[R + 1]``.
@@ -313,7 +313,7 @@ def cost(crew: Crew, fields: Table, robot: int, ways: Buffer) -> int:
 
 
 @kernel
-def weigh(crew: Crew, fields: Table, robot: int) -> None:
+def weigh(crew: Crew, fields: Table, robot: int, depth: int) -> None:
     """Write the keys of all operations of a robot, which begin with the same actions in part."""
     count, number = len(crew.operations) // crew.window, len(crew.parents)
     cells, headings, passed, row = crew.cells, crew.headings, crew.passed, crew.rows[robot]
@@ -336,38 +336,38 @@ def weigh(crew: Crew, fields: Table, robot: int) -> None:
             key = (passed[parent] + END_WEIGHT * left) * CHANCE_KEYS
             if operation > 0:  # waiting is best where nothing else brings a robot nearer
                 key += 1 + (bits + operation * 5) % CHANCE_KEY
-        crew.keys[robot * count + operation] = key
+        crew.keys[depth * count + operation] = key
 
 
 @kernel
-def begin(crew: Crew, fields: Table, robot: int) -> None:
-    """Let a robot begin to choose."""
+def begin(crew: Crew, fields: Table, robot: int, depth: int) -> None:
+    """Let a robot begin to choose, with as many in the stack."""
     crew.states[robot], crew.pushed[robot] = CHOOSING, NOBODY
     crew.visits[robot] += 1
-    weigh(crew, fields, robot)
+    weigh(crew, fields, robot, depth)
 
 
 @kernel
-def next_operation(crew: Crew, robot: int) -> int:
+def next_operation(crew: Crew, depth: int) -> int:
     """Return the best operation that a robot has not tried, or ``NONE``."""
     count = len(crew.operations) // crew.window
     best, least = NONE, USED
     for operation in range(count):
-        key = crew.keys[robot * count + operation]
+        key = crew.keys[depth * count + operation]
         if key < least:
             best, least = operation, key
     if best != NONE:
-        crew.keys[robot * count + best] = USED
+        crew.keys[depth * count + best] = USED
     return best
 
 
 @kernel
-def shut(crew: Crew, robot: int, operation: int, time: int) -> None:
+def shut(crew: Crew, depth: int, operation: int, time: int) -> None:
     """Let a robot try no operation that is the same as one up to a step of the window."""
     count = len(crew.operations) // crew.window
     for other in range(count):
         if crew.within[time * count + other] == crew.within[time * count + operation]:
-            crew.keys[robot * count + other] = USED
+            crew.keys[depth * count + other] = USED
 
 
 @kernel
@@ -409,10 +409,10 @@ def push(crew: Crew, fields: Table, robot: int) -> bool:
     """
     last, depth, other = len(crew.trail) - 1, 0, IN_VAIN
     crew.trail[last] = 0
-    begin(crew, fields, robot)
+    begin(crew, fields, robot, depth)
     while True:
         if other < NOBODY:  # the operation does not do, or there is none yet
-            operation = next_operation(crew, robot)
+            operation = next_operation(crew, depth)
             if operation == NONE:
                 crew.states[robot] = FREE
                 if depth == 0:
@@ -426,7 +426,7 @@ def push(crew: Crew, fields: Table, robot: int) -> bool:
             crew.marks[robot] = crew.trail[last]
             other = meets(crew, robot)
             if other == BLOCKED:
-                shut(crew, robot, operation, crew.met_at[0])
+                shut(crew, depth, operation, crew.met_at[0])
             if other < NOBODY:
                 continue
             hold(crew, robot)
@@ -435,7 +435,7 @@ def push(crew: Crew, fields: Table, robot: int) -> bool:
             crew.stack[depth] = robot
             depth += 1
             robot, other = other, IN_VAIN
-            begin(crew, fields, robot)
+            begin(crew, fields, robot, depth)
             continue
         crew.states[robot] = CHOSEN
         crew.trail[crew.trail[last]] = robot

@@ -100,7 +100,8 @@ def cells_of(problem: League, result: Result) -> Integers:
     is_open = np.zeros(size, np.bool_)
     is_open[layout.open_cells] = True
     cells, turned = result.starts.copy(), np.zeros(len(result.starts), np.int64)
-    ways = [cells]
+    ways = np.empty((len(result.actual) + 1, len(cells)), np.int32)
+    ways[0] = cells
     for step, actions in enumerate(result.actual.astype(np.int64), 1):
         reached = cells + ahead[turned] * (actions == FORWARD)
         rows = abs(reached // layout.width - cells // layout.width)
@@ -116,9 +117,8 @@ def cells_of(problem: League, result: Result) -> Integers:
             raise ValueError(f"step {step}: two robots change places")
         for action, quarters in TURNED.items():
             turned = (turned + quarters * (actions == action)) % len(ahead)
-        cells = reached
-        ways.append(cells)
-    return np.array(ways)
+        ways[step] = cells = reached
+    return ways
 
 
 def ticked_cells(problem: League, result: Result) -> Integers:
@@ -139,7 +139,8 @@ def ticked_cells(problem: League, result: Result) -> Integers:
     for robot, delays in enumerate(result.delays):
         for start, end in delays:
             is_delayed[start:end, robot] = True
-    ways = [cells @ [layout.width, 1]]
+    ways = np.empty((len(result.actual) + 1, len(cells)), np.int32)
+    ways[0] = result.starts
     for tick, actions in enumerate(result.actual.astype(np.int64)):
         acts = actions <= COUNTER
         for is_wrong, words in (
@@ -164,8 +165,8 @@ def ticked_cells(problem: League, result: Result) -> Integers:
         for action, quarters in TURNED.items():
             turned = (turned + quarters * (is_done & (begun == action))) % len(AHEAD)
         count[is_done] = 0
-        ways.append(cells @ [layout.width, 1])
-    return np.array(ways)
+        ways[tick + 1] = cells @ [layout.width, 1]
+    return ways
 
 
 def overlap(
@@ -218,8 +219,8 @@ def count_given(problem: League, ways: Integers) -> int:
     revealed = problem.revealed // robots
     streams = [tasks_of(robot) for robot in range(robots)]
     queues = [list(islice(stream, revealed)) for stream in streams]
-    for cells in ways[1:].tolist():
-        for robot, cell in enumerate(cells):
+    for cells in ways[1:]:
+        for robot, cell in enumerate(cells.tolist()):
             if queues[robot] and goals[queues[robot][0]] == cell:
                 finished += 1
                 del queues[robot][0]
@@ -239,12 +240,12 @@ def count_scheduled(problem: League, result: Result, ways: Integers) -> int:
     for robot, each in enumerate(result.schedule):
         for step, task in each:
             changes.setdefault(step, []).append((robot, task))
-    for step, cells in enumerate(ways.tolist()):
+    for step, cells in enumerate(ways):
         given = changes.get(step, [])
         if problem.year == 2024:
             replay.give(step, given)
         if step:
-            replay.visit(step, cells)
+            replay.visit(step, cells.tolist())
         if problem.year == 2026:  # a schedule holds from the next tick on
             replay.give(step, given)
         known = replay.revealed(step) - replay.finished

@@ -6,7 +6,8 @@ robots.
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Mapping
+from collections import Counter
+from collections.abc import Mapping
 from functools import cache
 from itertools import pairwise
 
@@ -26,11 +27,19 @@ MAX_FIELD_BYTES = 128_000_000
 MAX_PAIRS = 1_000_000
 """Most pairs of robots and tasks in a matching.
 
-Beyond it only robots without a task get one, so many robots at a time.
+Beyond it only robots without a task get one, in several matchings.
 """
 
 BUSY, BUSY_BY_FREE = 0.27, 2
 """Most robots with tasks at a time, as a share of the open cells and of those without a robot."""
+
+MAX_COMING = 9
+"""Most robots on their way to a cell where tasks begin; more would block those that leave it."""
+
+TRIP_WEIGHT = 0.1
+"""Weight of the way from the first to the last cell of a task where only robots without a task get
+one. Those tasks are a few of all that are to be done, and robots had better take one that is near.
+"""
 
 KEEP = 1.0
 """Steps by which another task must be shorter before a robot changes its task."""
@@ -96,39 +105,54 @@ class Scheduler:
             [task != NO_TASK and known[task].visited > 0 for task in schedule.tolist()]
         )
         robots = np.flatnonzero(~begun)
-        taken = set(schedule[begun].tolist())
+        taken, weight = set(schedule[begun].tolist()), 1.0
         if len(robots) * (len(known) - len(taken)) > MAX_PAIRS:
             robots, taken = np.flatnonzero(schedule == NO_TASK), set(schedule.tolist())
-        open_tasks = [task for task in known.values() if task.number not in taken]
+            weight = TRIP_WEIGHT
+        tasks = self._open_tasks(known, taken)
         busy = int((np.delete(schedule, robots) != NO_TASK).sum())
         room = most_busy(len(self._graph.layout.open_cells), len(cells)) - busy
-        for some in self._portions(robots, len(open_tasks)):
-            costs = self._lengths(cells[some], headings[some], open_tasks)
-            column = {task.number: index for index, task in enumerate(open_tasks)}
-            held = np.array([column.get(task, NO_TASK) for task in schedule[some].tolist()])
-            has = np.flatnonzero(held != NO_TASK)
-            costs[has, held[has]] -= KEEP
-            schedule[some] = NO_TASK
+        held = schedule.copy()
+        schedule[robots] = NO_TASK
+        while len(robots) and tasks and room > 0:
+            if len(robots) < len(tasks):
+                some, few = robots[: max(1, MAX_PAIRS // len(tasks))], tasks
+            else:
+                some, few = robots, tasks[: max(1, MAX_PAIRS // len(robots))]
+            numbers = np.array([task.number for task in few])
+            costs = self._lengths(cells[some], headings[some], few, weight)
+            costs[held[some, None] == numbers] -= KEEP
             rows, columns = cheapest_matching(costs)
-            shortest = np.argsort(costs[rows, columns], kind="stable")[: max(0, room)]
-            rows, columns = rows[shortest], columns[shortest]
+            shortest = np.argsort(costs[rows, columns], kind="stable")[:room]
+            rows, columns = some[rows[shortest]], numbers[columns[shortest]]
+            schedule[rows] = columns
+            robots, given = np.setdiff1d(robots, rows), set(columns.tolist())
+            tasks = [task for task in tasks if task.number not in given]
             room -= len(rows)
-            numbers = np.array([task.number for task in open_tasks])
-            schedule[some[rows]] = numbers[columns]
-            gone = set(columns.tolist())
-            open_tasks = [task for index, task in enumerate(open_tasks) if index not in gone]
         return schedule
 
-    def _portions(self, robots: Integers, tasks: int) -> Iterator[Integers]:
-        """Yield the robots, so many at a time as are in one matching."""
-        size = max(1, MAX_PAIRS // max(1, tasks))
-        for start in range(0, len(robots), size):
-            yield robots[start : start + size]
+    def _open_tasks(self, known: Mapping[int, LeagueTask], taken: set[int]) -> list[LeagueTask]:
+        """Return the tasks that are not taken, in order of their numbers.
+
+        Of those with the same first cell, only so many with the shortest trips are returned that
+        ``MAX_COMING`` robots are on their way to it.
+        """
+        coming = Counter(
+            known[number].cells[0]
+            for number in taken
+            if number in known and not known[number].visited
+        )
+        found = []
+        for task in sorted(known.values(), key=lambda task: self._trip(task.cells)):
+            if task.number not in taken and coming[task.cells[0]] < MAX_COMING:
+                coming[task.cells[0]] += 1
+                found.append(task)
+        return sorted(found, key=lambda task: task.number)
 
     def _lengths(
-        self, cells: Integers, headings: Integers, tasks: list[LeagueTask]
+        self, cells: Integers, headings: Integers, tasks: list[LeagueTask], weight: float
     ) -> NDArray[np.float64]:
-        """Return the lengths of tasks for robots, ``[robots, tasks]``."""
+        """Return the lengths of tasks for robots, ``[robots, tasks]``; trips have a weight."""
         firsts = np.array([task.cells[0] for task in tasks], np.intp)
         trips = np.array([self._trip(task.cells) for task in tasks])
         if self._fields is None:
@@ -137,7 +161,7 @@ class Scheduler:
             rows, size = self._fields.rows(firsts), self._graph.size
             ways = self._fields.matrix[rows[None, :], (headings * size + cells)[:, None]]
             ways = ways / self._fields.step
-        found: NDArray[np.float64] = ways + trips
+        found: NDArray[np.float64] = ways + weight * trips
         return found
 
     def _trip_of(self, cells: tuple[int, ...]) -> float:

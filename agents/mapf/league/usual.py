@@ -6,6 +6,7 @@ from collections.abc import Callable
 
 from agents.mapf.epibt import EPIBT
 from agents.mapf.graph import Graph
+from agents.mapf.lanes import aisle_costs
 from agents.mapf.league.scheduler import most_busy
 from agents.mapf.planner import HeadedPlanner
 from agents.mapf.windows import WindowedPlanner
@@ -15,10 +16,21 @@ SHARE, GROUPS = 0.7, 25
 robot.
 """
 
-CROWD = 2000
-"""Robots above which ``epibt`` plans."""
+CROWD, WRONG_WAY, TRIES = 2000, 2.0, 2.0
+"""Robots above which ``epibt-aisles`` plans, its cost of a move against a lane, and the mean number
+of times that it lets a robot choose once more.
+"""
 
-PLANNERS: dict[str, Callable[..., HeadedPlanner]] = {"epibt": EPIBT, "windowed": WindowedPlanner}
+
+def epibt_in_aisles(graph: Graph, wrong_way: float, tries: float) -> EPIBT:
+    """Return the planner that is called ``epibt-aisles`` elsewhere."""
+    return EPIBT(graph.with_costs(aisle_costs(graph.layout, wrong_way)), tries=tries)
+
+
+PLANNERS: dict[str, Callable[..., HeadedPlanner]] = {
+    "epibt-aisles": epibt_in_aisles,
+    "windowed": WindowedPlanner,
+}
 
 
 def usual_planner(open_cells: int, robots: int, seconds: float) -> tuple[str, dict[str, float]]:
@@ -30,7 +42,7 @@ def usual_planner(open_cells: int, robots: int, seconds: float) -> tuple[str, di
         seconds: time of the planner and the scheduler for a step.
     """
     if robots > CROWD:
-        return "epibt", {}
+        return "epibt-aisles", {"wrong_way": WRONG_WAY, "tries": TRIES}
     led = min(most_busy(open_cells, robots), robots)
     return "windowed", {"groups": GROUPS * robots, "seconds": SHARE * seconds, "led": led}
 

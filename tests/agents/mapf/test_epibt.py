@@ -47,6 +47,19 @@ def test_one_robot_takes_as_many_steps_as_its_distance_with_turns(make: Make) ->
         assert steps == field[graph.size + cell]
 
 
+def test_robots_that_go_nowhere_need_no_distances() -> None:
+    graph = Graph(random_layout(12, 12, 0.2, seed=3))
+    planner, cells = EPIBT(graph), graph.layout.open_cells[:40]
+    headings, goal, nobody = np.ones(40, np.intp), graph.layout.open_cells[-1], np.zeros(40, bool)
+    for _ in range(30):
+        goals = np.where(np.arange(40) == 7, goal, cells)
+        headings, cells = np.divmod(
+            planner.next_places(Situation(cells, goals, nobody, NO_CELLS), headings), graph.size
+        )
+    assert cells[7] == goal
+    assert planner._fields._used == 2
+
+
 def test_a_robot_that_heads_the_wrong_way_is_pushed_out_of_the_way() -> None:
     layout = Layout(["#.#", "...", "#.#"])
     graph = Graph(layout)

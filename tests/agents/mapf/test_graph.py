@@ -8,6 +8,7 @@ import pytest
 from agents.errors import AgentError, PlanError
 from agents.mapf import graph as module
 from agents.mapf.graph import CLOSED, Fields, Graph
+from agents.mapf.headed import HeadedFields, PackedFields
 from agents.mapf.kernels.floor import FAR
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
@@ -52,6 +53,25 @@ def test_rows_of_goals_that_nobody_has_are_used_again(monkeypatch: pytest.Monkey
             expected = np.minimum(graph.distances(goal), FAR)
             assert fields.matrix[row].tolist() == expected.tolist()
     assert len(fields.matrix) <= 160
+
+
+@pytest.mark.parametrize("kind", [Fields, HeadedFields, PackedFields])
+def test_nowhere_is_as_far_from_all_cells(kind: type[Fields]) -> None:
+    fields = kind(Graph(ROOM))
+    rows = fields.rows(np.array([0, fields.graph.size, 1]))
+    assert (fields.matrix[rows[1]] == 0).all()
+    assert fields.matrix[rows[[0, 2]]].any(axis=1).all()
+
+
+def test_large_matrices_are_reserved_once(monkeypatch: pytest.MonkeyPatch) -> None:
+    layout = random_layout(20, 20, 0.1, 0)
+    fields, cells = Fields(Graph(layout)), layout.open_cells
+    monkeypatch.setattr(module, "MAX_COPIED", 0)
+    fields.rows(cells[:3])
+    first = fields.matrix
+    fields.rows(cells[3:])
+    assert fields.matrix is first
+    assert len(first) == len(cells) + 1
 
 
 @pytest.mark.parametrize("cost", [1.5, 30_000.0])

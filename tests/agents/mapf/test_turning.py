@@ -10,6 +10,7 @@ from helpers.mapf_turns import least_step_cost, turning_conflict
 
 from agents.errors import AgentError, PlanError
 from agents.lab.commands.planners.runs import solve_checked
+from agents.mapf import anytime
 from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import solve_cbs
 from agents.mapf.eecbs import solve_eecbs
@@ -120,6 +121,14 @@ def test_plans_of_small_teams_are_proved() -> None:
     plan = solve_anytime(problem, HOUR)
     assert plan.bound == least_step_cost(problem)
     assert turning_conflict(problem, plan) is None
+
+
+def test_a_share_of_the_time_that_is_too_short_is_no_reason_to_give_up(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(anytime, "PLAIN_SHARE", 0.0)
+    problem = headed(random_problem(random_layout(10, 10, 0.1, 2), 12, 2))
+    assert turning_conflict(problem, solve_anytime(problem, HOUR, trials=3)) is None
 
 
 def test_robots_that_are_at_their_goals_need_no_step() -> None:

@@ -9,7 +9,7 @@ their ways do. ``R`` is the number of robots, and a game has ``T`` steps.
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -41,6 +41,10 @@ ARRIVED = 1e-3
 
 RESTS = 1e-5
 """Metres that a robot moves at most from row to row of its path while it is said to rest."""
+
+
+MAX_CELLS = 1_000_000
+"""Most cells of floors that are below one another."""
 
 
 class Game(NamedTuple):
@@ -97,7 +101,8 @@ def play_in(world: str, seed: int, *, game: Game, shocks: Shocks) -> GameScore:
     if world == STOPPING:
         return stopping(game)
     if world == ALONE:
-        return driving(on_own_floors(game), Shocks(0.0, 0.0), seed)
+        scores = [driving(each, Shocks(0.0, 0.0), seed) for each in on_own_floors(game)]
+        return GameScore(*map(sum, zip(*scores, strict=True)))
     return driving(game, shocks if world == DISTURBED else Shocks(0.0, 0.0), seed)
 
 
@@ -159,12 +164,17 @@ def driving(game: Game, shocks: Shocks, seed: int) -> GameScore:
     return tally.score(game, visits.steps(motion.cell_size))
 
 
-def on_own_floors(game: Game) -> Game:
-    """Return a game in which each robot is on a floor of its own, below the others."""
-    layout, robots = game.layout, game.cells.shape[1]
-    floors = Layout([*layout.rows, WALL * layout.width] * robots)
-    shift = (layout.height + 1) * layout.width * np.arange(robots)
-    return game._replace(layout=floors, cells=game.cells + shift)
+def on_own_floors(game: Game) -> Iterator[Game]:
+    """Yield games of some of the robots, each of which is on a floor of its own below the last."""
+    layout, cells, headings, ends = game
+    size = (layout.height + 1) * layout.width
+    some = max(1, MAX_CELLS // size)
+    for first in range(0, cells.shape[1], some):
+        part = slice(first, first + some)
+        robots = cells[:, part].shape[1]
+        floors = Layout([*layout.rows, WALL * layout.width] * robots)
+        theirs = ends[(ends[:, 0] >= first) & (ends[:, 0] < first + robots)] - [first, 0]
+        yield Game(floors, cells[:, part] + size * np.arange(robots), headings[:, part], theirs)
 
 
 class Visits:

@@ -59,7 +59,7 @@ def league(
             "--planner NAME",
             f"{options.PLANNER} It must know headings; arguments may follow, as in epibt:tries=10; "
             f"may be repeated. Default: windowed, which takes at most {SHARE:.0%} of each step, or "
-            f"epibt for more than {CROWD:,} robots.",
+            f"epibt-aisles for more than {CROWD:,} robots.",
             show_default=False,
         ),
     ] = None,
@@ -150,14 +150,18 @@ def play_checked(problem: League, name: str, steps: int, seconds: float, seed: i
     Raises:
         PlanError: the result breaks a rule.
     """
-    layout, robots = problem.layout, len(problem.starts)
-    graph = Graph(layout)
-    scheduler = None if problem.strategy else Scheduler(graph, problem.revealed)
-    planner = headed_planner(name, seed, layout, robots)
-    result = play(problem, PlannedEntry(graph, planner, scheduler), steps, seconds)
+    result = play(problem, entry_of(problem, name, seed), steps, seconds)
     if error := check_result(problem, result).error:
         raise PlanError(f"planner {name!r} breaks a rule of the League: {error}")
     return result
+
+
+def entry_of(problem: League, name: str, seed: int) -> PlannedEntry:
+    """Return an entry with a planner by name."""
+    layout, robots = problem.layout, len(problem.starts)
+    graph = Graph(layout)
+    scheduler = None if problem.strategy else Scheduler(graph, problem.revealed)
+    return PlannedEntry(graph, headed_planner(name, seed, layout, robots), scheduler)
 
 
 def headed_planner(name: str, seed: int, layout: Layout, robots: int) -> HeadedPlanner:

@@ -71,3 +71,27 @@ def test_a_large_problem_has_manhattan_distances_and_small_matchings(
     monkeypatch.setattr(scheduler, "MAX_PAIRS", 3)
     assert assign(tasks, [0, 5], [EAST, EAST], [NO_TASK, 0]) == [2, 0]
     assert assign(tasks[:2], [12, 1], [EAST, EAST], [NO_TASK, NO_TASK]) == [0, 1]
+
+
+def test_few_robots_are_on_their_way_to_one_cell(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Those that have begun their tasks have left it; of other tasks the shortest are done."""
+    monkeypatch.setattr(scheduler, "MAX_COMING", 2)
+    monkeypatch.setattr(scheduler, "BUSY", 1.0)
+    tasks = [
+        LeagueTask(0, (5, 4), 0, visited=1), LeagueTask(1, (5, 0), 0), LeagueTask(2, (5, 4), 0),
+        LeagueTask(3, (5, 3), 0), LeagueTask(4, (12,), 0),
+    ]  # fmt: skip
+    schedule = assign(tasks, [11, 3, 2, 1, 0], [EAST] * 5, [0, *[NO_TASK] * 4])
+    assert schedule == [0, 2, 3, NO_TASK, 4]
+    monkeypatch.setattr(scheduler, "MAX_PAIRS", 1)
+    schedule = assign(tasks, [11, 3, 2, 1, 0], [EAST] * 5, [0, 1, *[NO_TASK] * 3])
+    assert sorted(schedule) == [NO_TASK, 0, 1, 2, 4]
+
+
+def test_a_large_problem_has_near_tasks_rather_than_short_ones(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    tasks = [LeagueTask(0, (5, 0), 0), LeagueTask(1, (1, 2), 0)]
+    assert assign(tasks, [3], [EAST], [NO_TASK]) == [1]
+    monkeypatch.setattr(scheduler, "MAX_PAIRS", 1)
+    assert assign(tasks, [3], [EAST], [NO_TASK]) == [0]

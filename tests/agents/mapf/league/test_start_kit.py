@@ -8,13 +8,17 @@ import numpy as np
 import pytest
 from helpers.league import league_crowd
 
+from agents.mapf.epibt import EPIBT
 from agents.mapf.graph import Graph
 from agents.mapf.league import pyMAPFPlanner, pyTaskScheduler
 from agents.mapf.league.executor import Executor
 from agents.mapf.league.start_kit import view_of
 from agents.mapf.league.tasks import TaskPool
+from agents.mapf.league.usual import make_usual_planner, usual_planner
 from agents.mapf.planner import Situation
 from agents.mapf.windows import WindowedPlanner
+from agents.registry import make_planner
+from warehouse_core import Layout
 from warehouse_core.world.robot_runners import League
 from warehouse_core.world.tables import Integers
 
@@ -144,6 +148,18 @@ def test_a_plan_of_several_steps_has_the_time_limit_for_all_of_them(
     for milliseconds in (3000, 1000, 1000):
         planner.plan(milliseconds)
     assert seconds == [0.7 * 3 / 4] * 4 + [0.7 / 4] * 8
+
+
+def test_a_crowd_has_the_planner_that_the_command_names() -> None:
+    layout = Layout([".....", ".###.", ".....", ".###.", "....."])
+    name, arguments = usual_planner(len(layout.open_cells), 2001, 1.0)
+    planner = make_usual_planner(Graph(layout), 2001, 1.0)
+    named = make_planner(f"{name}:wrong_way={arguments['wrong_way']:g}", 0, layout, 2001)
+    assert isinstance(planner, EPIBT)
+    assert isinstance(named, EPIBT)
+    assert planner.graph.costs is not None
+    assert np.array_equal(planner.graph.costs, named.graph.costs)
+    assert planner.tries == arguments["tries"]
 
 
 def test_states_of_the_start_kit_are_seen_as_they_are() -> None:

@@ -3,6 +3,7 @@
 import numpy as np
 import pytest
 
+from agents.lab.commands.gap import game
 from agents.lab.commands.gap.game import GameScore, game_of, play_in
 from agents.lab.commands.gap.worlds import ALONE, DISTURBED, DRIVING, PLAN, STOPPING, Shocks
 from agents.mapf.execution import drive_through
@@ -18,7 +19,11 @@ WHEELS = RobotSpec(drive="differential")
 
 
 def score(
-    world: str, actions: dict[int, str], done: list[int], shocks: Shocks = SHOCKS
+    world: str,
+    actions: dict[int, str],
+    done: list[int],
+    shocks: Shocks = SHOCKS,
+    most: int = 100,
 ) -> GameScore:
     """Return what robots reach with a task each.
 
@@ -27,6 +32,7 @@ def score(
         actions: letters of the steps of a robot, by its first cell.
         done: step in which each has finished its task.
         shocks: shocks of the world.
+        most: steps after which the game ends.
     """
     starts, steps = np.array([*actions]), max(map(len, actions.values()))
     plan = np.array([[*map(LETTERS.index, each.ljust(steps, "W"))] for each in actions.values()]).T
@@ -36,7 +42,7 @@ def score(
     result = Result(
         2024, 1, starts, plan, plan, len(done), 0, [], [0.1] * steps, tasks, sorted(errands)
     )
-    return play_in(world, 0, game=game_of(FLOOR, result, steps), shocks=shocks)
+    return play_in(world, 0, game=game_of(FLOOR, result, most), shocks=shocks)
 
 
 @pytest.mark.parametrize(
@@ -61,6 +67,16 @@ def test_a_task_that_ends_in_a_cell_where_its_robot_waits_is_finished_there() ->
         assert score(world, {0: "WWF"}, [2]).finished == 1
 
 
+def test_of_the_first_steps_of_a_game_only_those_tasks_count_that_they_finish() -> None:
+    letters = {0: "FFFF", 6: "FWWW"}
+    assert [score(PLAN, letters, [4, 1], most=steps).finished for steps in (4, 3)] == [2, 1]
+
+
+def test_in_joint_steps_all_wait_for_the_last() -> None:
+    letters = {0: "FFFFWWW", 6: "WWWWWWW"}
+    assert score(STOPPING, letters, [4, 4]).finished == 0
+
+
 def test_stops_are_counted_where_bodies_come_to_rest() -> None:
     letters = {0: "FFRF".ljust(12, "W")}
     stops = {world: score(world, letters, [4]).stops for world in (PLAN, STOPPING, DRIVING)}
@@ -83,6 +99,18 @@ def test_robots_wait_for_those_that_turn_before_them_unless_each_is_alone() -> N
     alone, driven = (score(world, letters, [3, 4]) for world in (ALONE, DRIVING))
     assert (alone.finished, driven.finished) == (2, 1)
     assert (alone.hits, driven.hits) == (0, 0)
+
+
+def test_robots_on_their_own_floors_do_the_same_in_one_run_and_in_several(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    letters, done = {0: "FFFFWWWW", 6: "FRWWWWWW", 17: "WWRRFFWW"}, [4, 1, 6]
+    whole = score(ALONE, letters, done)
+    monkeypatch.setattr(game, "MAX_CELLS", 2 * 4 * 6)
+    parts = score(ALONE, letters, done)
+    assert parts._replace(joules=0) == whole._replace(joules=0)
+    assert parts.joules == pytest.approx(whole.joules)
+    assert whole.finished == 2
 
 
 def test_a_robot_that_has_died_does_what_one_does_that_stands_to_the_end() -> None:

@@ -48,7 +48,9 @@ def test_the_plan_of_a_game_is_driven_and_shown_beside_another(
 
 
 def test_a_game_without_tasks_has_no_shares(hall: str, warehouse: Warehouse) -> None:
-    out = warehouse("gap", hall, *PLAY, "--max-steps", 1, "--noise", 0, "--stop", 0).out
+    usual = PLAY[2:]  # without the name of a planner
+    out = warehouse("gap", hall, *usual, "--max-steps", 1, "--noise", 0, "--stop", 0).out
+    assert "2 robots (windowed:groups=50,seconds=700,led=2), 1 step, hall, seed 0" in out
     assert "Of 0 tasks bodies that drive through finish 0 in the same 1 s.\n" in out
     assert "Driving through brings none of what the plan promises, none if robots" in out
 

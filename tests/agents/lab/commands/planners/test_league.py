@@ -75,7 +75,8 @@ def test_the_usual_planner_leads_some_of_a_crowd_at_a_time(hall: str) -> None:
     assert usual_name(few, 2.0) == "windowed:groups=50,seconds=1.4,led=2"
     crowd = few._replace(starts=few.starts * 4)
     assert usual_name(crowd, 1.0) == "windowed:groups=200,seconds=0.7,led=2"
-    assert usual_name(few._replace(starts=few.starts * 2000), 1.0) == "epibt"
+    crowd = few._replace(starts=few.starts * 2000)
+    assert usual_name(crowd, 1.0) == "epibt-aisles:wrong_way=2,tries=2"
     ticks = few._replace(year=2026, ticks=5)  # three steps are planned at a time
     assert usual_name(ticks, 3.0) == "windowed:groups=50,seconds=0.7,led=2"
 

@@ -125,6 +125,13 @@ def test_a_plan_is_saved_as_a_replay_too(folder: Path, warehouse: Warehouse) -> 
     assert json.loads(Path("plan.json").read_text())["makespan"] == len(track["time"]) - 1
 
 
+def test_a_replay_shows_the_headings_of_robots_that_turn() -> None:
+    cells, facing = np.array([[0], [0], [1]]), np.array([[0], [1], [1]])
+    track = track_of_plan(Graph(Layout([".."])), cells, "T", facing)
+    poses = [frame.robots[0] for frame in track.frames]
+    assert [pose and pose.heading for pose in poses] == [-np.pi / 2, 0.0, 0.0]
+
+
 def test_a_replay_shows_each_step_and_the_ways_of_the_last_to_arrive() -> None:
     graph = Graph(Layout(["....", "....", "...."]))
     cells = np.array([[4, 0, 7, 8], [4, 1, 6, 8], [5, 2, 7, 8], [5, 3, 7, 8]])
