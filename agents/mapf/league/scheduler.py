@@ -30,8 +30,13 @@ MAX_PAIRS = 1_000_000
 Beyond it only robots without a task get one, in several matchings.
 """
 
-BUSY, BUSY_BY_FREE = 0.27, 2
-"""Most robots with tasks at a time, as a share of the open cells and of those without a robot."""
+CROWD = 2000
+"""Robots above which planning in windows takes too long."""
+
+BUSY, BUSY_IN_CROWD, BUSY_BY_FREE = 0.32, 0.17, 1
+"""Most robots with tasks at a time, as a share of the open cells, also of a crowd, and of the cells
+without a robot.
+"""
 
 MAX_COMING = 9
 """Most robots on their way to a cell where tasks begin; more would block those that leave it."""
@@ -51,9 +56,12 @@ def most_busy(open_cells: int, robots: int) -> int:
     Example:
         >>> from agents.mapf.league.scheduler import most_busy
         >>> most_busy(open_cells=819, robots=400), most_busy(open_cells=819, robots=800)
-        (221, 38)
+        (262, 19)
+        >>> most_busy(open_cells=38_586, robots=10_000)
+        6559
     """
-    return max(1, min(int(BUSY * open_cells), BUSY_BY_FREE * (open_cells - robots)))
+    share = BUSY_IN_CROWD if robots > CROWD else BUSY
+    return max(1, min(int(share * open_cells), BUSY_BY_FREE * (open_cells - robots)))
 
 
 class Scheduler:

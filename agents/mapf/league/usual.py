@@ -7,18 +7,18 @@ from collections.abc import Callable
 from agents.mapf.epibt import EPIBT
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import aisle_costs
-from agents.mapf.league.scheduler import most_busy
+from agents.mapf.league.scheduler import CROWD, most_busy
 from agents.mapf.planner import HeadedPlanner
 from agents.mapf.windows import WindowedPlanner
 
-SHARE, GROUPS = 0.7, 25
-"""Share of a step in which ``windowed`` looks for better plans, and most groups of it for each
-robot.
+SHARE, GROUPS, PATIENCE = 0.8, 100, 16
+"""Share of a step in which ``windowed`` looks for better plans, most groups of it for each robot,
+and its patience.
 """
 
-CROWD, WRONG_WAY, TRIES = 2000, 2.0, 2.0
-"""Robots above which ``epibt-aisles`` plans, its cost of a move against a lane, and the mean number
-of times that it lets a robot choose once more.
+WRONG_WAY, TRIES = 2.0, 2.0
+"""Cost of a move against a lane of ``epibt-aisles``, which plans for crowds, and the mean number of
+times that it lets a robot choose once more.
 """
 
 
@@ -44,7 +44,9 @@ def usual_planner(open_cells: int, robots: int, seconds: float) -> tuple[str, di
     if robots > CROWD:
         return "epibt-aisles", {"wrong_way": WRONG_WAY, "tries": TRIES}
     led = min(most_busy(open_cells, robots), robots)
-    return "windowed", {"groups": GROUPS * robots, "seconds": SHARE * seconds, "led": led}
+    return "windowed", {
+        "groups": GROUPS * robots, "seconds": SHARE * seconds, "led": led, "patience": PATIENCE,
+    }  # fmt: skip
 
 
 def make_usual_planner(graph: Graph, robots: int, seconds: float) -> HeadedPlanner:

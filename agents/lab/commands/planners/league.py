@@ -23,9 +23,9 @@ from agents.mapf.graph import Graph
 from agents.mapf.league.checker import cells_of, check_result
 from agents.mapf.league.entry import PlannedEntry
 from agents.mapf.league.result import Result, read_result, write_result
-from agents.mapf.league.scheduler import Scheduler
+from agents.mapf.league.scheduler import CROWD, Scheduler
 from agents.mapf.league.simulator import planned_steps, play
-from agents.mapf.league.usual import CROWD, SHARE, usual_planner
+from agents.mapf.league.usual import SHARE, usual_planner
 from agents.mapf.planner import HeadedPlanner
 from agents.registry import make_planner
 from warehouse_core import DEFAULT_LAYOUT, Layout

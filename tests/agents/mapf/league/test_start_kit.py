@@ -14,7 +14,7 @@ from agents.mapf.league import pyMAPFPlanner, pyTaskScheduler
 from agents.mapf.league.executor import Executor
 from agents.mapf.league.start_kit import view_of
 from agents.mapf.league.tasks import TaskPool
-from agents.mapf.league.usual import make_usual_planner, usual_planner
+from agents.mapf.league.usual import SHARE, make_usual_planner, usual_planner
 from agents.mapf.planner import Situation
 from agents.mapf.windows import WindowedPlanner
 from agents.registry import make_planner
@@ -147,7 +147,7 @@ def test_a_plan_of_several_steps_has_the_time_limit_for_all_of_them(
     monkeypatch.setattr(WindowedPlanner, "next_places", noted)
     for milliseconds in (3000, 1000, 1000):
         planner.plan(milliseconds)
-    assert seconds == [0.7 * 3 / 4] * 4 + [0.7 / 4] * 8
+    assert seconds == [SHARE * 3 / 4] * 4 + [SHARE / 4] * 8
 
 
 def test_a_crowd_has_the_planner_that_the_command_names() -> None:
