@@ -57,6 +57,9 @@ CREW_WINDOW = 3
 MAX_WINDOW = 10_000
 """Limit on the steps of a window, each of which takes memory for all cells."""
 
+MAX_PATIENCE = 10_000
+"""Limit on patience, a factor of costs, whose sums are numbers of 64 bits."""
+
 MAX_STATES = 2**31
 """States of a search in a window, which are numbers of 32 bits; each takes up to 24 bytes."""
 
@@ -73,9 +76,9 @@ class WindowedPlanner:
         led: most robots that are led to their goals at a time, first those nearest to them; others
             give way until one has arrived. In crowds more goals are reached so. The default is all.
         fresh: steps after which a plan made anew may take the place of the one that goes on.
-        patience: steps without a goal after which the cost of a robot counts twice as much, thrice
-            after as many again, and so on. In crowds nobody waits for ever then. By default the
-            costs of all robots count alike.
+        patience: steps without a goal, at most ``MAX_PATIENCE``, after which the cost of a robot
+            counts twice as much, thrice after as many again, and so on. In crowds fewer robots are
+            stuck then. By default the costs of all robots count alike.
         turn_cost: see ``PIBT``; turns of robots with headings take steps, and cost nothing more.
 
     Example:
@@ -102,7 +105,9 @@ class WindowedPlanner:
     ) -> None:
         self.groups, self.seed = whole_number("groups", groups, 0), seed_number(seed)
         self.led = None if led is None else whole_number("led", led, 1)
-        self.patience = None if patience is None else whole_number("patience", patience, 1)
+        if patience is not None:
+            patience = whole_number("patience", patience, 1, MAX_PATIENCE)
+        self.patience = patience
         self.fresh = whole_number("fresh", fresh, 1)
         self.seconds = real_number("seconds", seconds, finite=False)
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
