@@ -11,9 +11,17 @@ from agents.mapf.league.scheduler import CROWD, most_busy
 from agents.mapf.planner import HeadedPlanner
 from agents.mapf.windows import WindowedPlanner
 
-SHARE, GROUPS, PATIENCE = 0.8, 100, 16
-"""Share of a step in which ``windowed`` looks for better plans, most groups of it for each robot,
-and its patience.
+SHARE, GROUPS = 0.8, 100
+"""Share of a step in which ``windowed`` looks for better plans, and most groups of it for each
+robot.
+"""
+
+PATIENCE = 16
+"""Patience of ``windowed``."""
+
+DENSE, DENSE_WINDOW, DENSE_PATIENCE = 0.6, 10, 4
+"""Robots for each open cell above which ``windowed`` looks less far ahead, and has less patience
+with those that are in the way of others.
 """
 
 WRONG_WAY, TRIES = 2.0, 2.0
@@ -44,9 +52,10 @@ def usual_planner(open_cells: int, robots: int, seconds: float) -> tuple[str, di
     if robots > CROWD:
         return "epibt-aisles", {"wrong_way": WRONG_WAY, "tries": TRIES}
     led = min(most_busy(open_cells, robots), robots)
-    return "windowed", {
-        "groups": GROUPS * robots, "seconds": SHARE * seconds, "led": led, "patience": PATIENCE,
-    }  # fmt: skip
+    found = {"groups": GROUPS * robots, "seconds": SHARE * seconds, "led": led}
+    if robots > DENSE * open_cells:
+        return "windowed", {**found, "window": DENSE_WINDOW, "patience": DENSE_PATIENCE}
+    return "windowed", {**found, "patience": PATIENCE}
 
 
 def make_usual_planner(graph: Graph, robots: int, seconds: float) -> HeadedPlanner:
