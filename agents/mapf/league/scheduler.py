@@ -33,7 +33,7 @@ Beyond it only robots without a task get one, in several matchings.
 CROWD = 2000
 """Robots above which planning in windows takes too long."""
 
-BUSY, BUSY_IN_CROWD, BUSY_BY_FREE = 0.32, 0.17, 1
+BUSY, BUSY_IN_CROWD, BUSY_BY_FREE = 0.32, 0.185, 1
 """Most robots with tasks at a time, as a share of the open cells, also of a crowd, and of the cells
 without a robot.
 """
@@ -58,7 +58,7 @@ def most_busy(open_cells: int, robots: int) -> int:
         >>> most_busy(open_cells=819, robots=400), most_busy(open_cells=819, robots=800)
         (262, 19)
         >>> most_busy(open_cells=38_586, robots=10_000)
-        6559
+        7138
     """
     share = BUSY_IN_CROWD if robots > CROWD else BUSY
     return max(1, min(int(share * open_cells), BUSY_BY_FREE * (open_cells - robots)))

@@ -9,6 +9,8 @@ from helpers.command_line import Refused, Warehouse
 from helpers.league import write_hall
 
 from agents.lab.commands.gap.worlds import DRIVING, PLAN, STOPPING, WORLDS
+from agents.lab.commands.planners.league import usual_name
+from warehouse_core.world.robot_runners import load_league
 
 PLAY = ("--planner", "epibt", "--step-seconds", 1000, "--jobs", 1)
 
@@ -50,7 +52,7 @@ def test_the_plan_of_a_game_is_driven_and_shown_beside_another(
 def test_a_game_without_tasks_has_no_shares(hall: str, warehouse: Warehouse) -> None:
     usual = PLAY[2:]  # without the name of a planner
     out = warehouse("gap", hall, *usual, "--max-steps", 1, "--noise", 0, "--stop", 0).out
-    assert "2 robots (windowed:groups=50,seconds=700,led=2), 1 step, hall, seed 0" in out
+    assert usual_name(load_league(Path(hall)), 1000.0) in out
     assert "Of 0 tasks bodies that drive through finish 0 in the same 1 s.\n" in out
     assert "Driving through brings none of what the plan promises, none if robots" in out
 
