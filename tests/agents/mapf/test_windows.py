@@ -6,6 +6,7 @@ from helpers.mapf_problems import random_problem, random_problems, situation
 from helpers.mapf_runs import check_planner
 from helpers.mapf_validator import step_conflict
 
+from agents.mapf import windows
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
@@ -118,6 +119,23 @@ def test_the_nearest_is_led_until_it_is_at_its_goal() -> None:
     planner.reset()
     given = situation([1, 7], [5, 8])._replace(urgent=np.array([0]))
     assert planner.next_cells(given).tolist() == [2, 7]
+
+
+def test_a_robot_counts_more_the_longer_it_is_without_a_goal(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    """Robot 0 has been in its first goal, the robot in cell 7 is kept from its goal."""
+    weights = list[list[int]]()
+    monkeypatch.setattr(
+        windows, "improve_until", lambda floor, ways, *_: weights.append(list(ways.weights))
+    )
+    for patience in (3, None):
+        planner, cells = WindowedPlanner(Graph(Layout(["." * 10])), patience=patience), [1, 7]
+        for goals in ([2, 9], [2, 9], [5, 9], [5, 9]):
+            given = situation(cells, goals, stays=[1])
+            cells = planner.next_cells(given).tolist()
+    assert weights[:4] == [[4, 4], [3, 5], [3, 6], [4, 7]]
+    assert weights[4:] == [[1, 1]] * 4
 
 
 def test_in_crowds_more_goals_are_reached_if_some_robots_are_led() -> None:
