@@ -57,6 +57,11 @@ CREW_WINDOW = 3
 MAX_WINDOW = 10_000
 """Limit on the steps of a window, each of which takes memory for all cells."""
 
+JAM, JAM_SHARE = 50, 0.125
+"""Steps without a goal after which a robot that is led counts as two, as three after twice as many,
+and so on; and by what share fewer robots are led at most, so that jams dissolve.
+"""
+
 MAX_PATIENCE = 10_000
 """Limit on patience, a factor of costs, whose sums are numbers of 64 bits."""
 
@@ -74,7 +79,8 @@ class WindowedPlanner:
         seconds: time in each step after which no more groups are planned anew.
         seed: seed of the order in groups.
         led: most robots that are led to their goals at a time, first those nearest to them; others
-            give way until one has arrived. In crowds more goals are reached so. The default is all.
+            give way until one has arrived. Robots that are in a jam count as several. In crowds
+            more goals are reached so. The default is all.
         fresh: steps after which a plan made anew may take the place of the one that goes on.
         patience: steps without a goal, at most ``MAX_PATIENCE``, after which the cost of a robot
             counts twice as much, thrice after as many again, and so on. In crowds fewer robots are
@@ -216,7 +222,9 @@ class WindowedPlanner:
         distances = self._fields.matrix[rows, self._here].astype(np.int64)
         distances[situation.urgent] -= FAR
         others = np.flatnonzero(~self._is_led & (goals != cells))
-        free = max(most - int(self._is_led.sum()), 0)
+        ages = self._memory.ages[self._is_led]
+        in_jams = min(int((ages // JAM).sum()), int(JAM_SHARE * most))
+        free = max(most - len(ages) - in_jams, 0)
         self._is_led[others[np.argsort(distances[others], kind="stable")[:free]]] = True
         return np.where(self._is_led, goals, cells)
 

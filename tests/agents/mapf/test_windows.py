@@ -121,6 +121,18 @@ def test_the_nearest_is_led_until_it_is_at_its_goal() -> None:
     assert planner.next_cells(given).tolist() == [2, 7]
 
 
+def test_while_a_robot_is_in_a_jam_fewer_are_led(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Robot 0 is kept from its goal; of the other two, one is led until robot 0 counts as two."""
+    monkeypatch.setattr(windows, "JAM", 3)
+    monkeypatch.setattr(windows, "JAM_SHARE", 0.5)
+    planner, cells, moved = WindowedPlanner(Graph(Layout(["." * 20])), led=2), [1, 5, 15], []
+    for _ in range(5):
+        given = situation(cells, [3, 10, 19], stays=[0])
+        before, cells = cells, planner.next_cells(given).tolist()
+        moved.append([robot for robot in (1, 2) if cells[robot] != before[robot]])
+    assert moved == [[2], [2], [2], [2], []]
+
+
 def test_a_robot_counts_more_the_longer_it_is_without_a_goal(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
