@@ -16,7 +16,7 @@ SHARE, GROUPS = 0.8, 100
 robot.
 """
 
-PATIENCE = 16
+PATIENCE = 8
 """Patience of ``windowed``."""
 
 DENSE, DENSE_WINDOW, DENSE_PATIENCE = 0.6, 10, 4

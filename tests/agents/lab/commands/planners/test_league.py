@@ -72,13 +72,13 @@ def test_the_problem_of_2023_says_who_does_what(
 
 def test_the_usual_planner_leads_some_of_a_crowd_at_a_time(hall: str) -> None:
     few = load_league(hall)
-    assert usual_name(few, 2.0) == "windowed:groups=200,seconds=1.6,led=2,patience=16"
+    assert usual_name(few, 2.0) == "windowed:groups=200,seconds=1.6,led=2,patience=8"
     crowd = few._replace(starts=few.starts * 4)
     assert usual_name(crowd, 1.0) == "windowed:groups=800,seconds=0.8,led=2,window=10,patience=4"
     crowd = few._replace(starts=few.starts * 2000)
     assert usual_name(crowd, 1.0) == "epibt-aisles:wrong_way=2,tries=2"
     ticks = few._replace(year=2026, ticks=5)  # three steps are planned at a time
-    assert usual_name(ticks, 3.0) == "windowed:groups=200,seconds=0.8,led=2,patience=16"
+    assert usual_name(ticks, 3.0) == "windowed:groups=200,seconds=0.8,led=2,patience=8"
 
 
 def test_a_planner_that_breaks_rules_or_knows_no_headings_is_named(
