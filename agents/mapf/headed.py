@@ -8,15 +8,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.graph import CLOSED, Fields, Graph
-from agents.mapf.kernels.buffers import IS_COMPILED, Buffer, buffer, prepare, table_of
-from agents.mapf.kernels.floor import ACTIONS, FAR, NONE, STAY, count_steps
-from agents.mapf.kernels.packed import BASE, ENTRIES, PACKED_FAR, Way, measure_packed, pack
+from agents.mapf.kernels.buffers import buffer, prepare, table_of
+from agents.mapf.kernels.floor import ACTIONS, FAR, NONE, STAY, Turning, measure_turning
+from agents.mapf.kernels.packed import BASE, PACKED_FAR, pack
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.moves import FORWARD, LEFT, RIGHT
 from warehouse_core.world.tables import Integers
 
 SQUARE = 4
-"""Cells across a square of cells whose distances ``PackedFields`` keeps beside one another.
+"""Cells across a square of cells whose distances are measured and packed beside one another.
 
 A robot asks for distances ahead and to its sides, which are in fewer lines of the cache so.
 """
@@ -30,6 +30,9 @@ class HeadedFields(Fields):
 
     Args:
         graph: floor; turns take a step each, whatever its ``turn_cost`` is.
+
+    Attributes:
+        columns: ``[size]``, number of each open cell, square by square.
     """
 
     def __init__(self, graph: Graph) -> None:
@@ -37,7 +40,12 @@ class HeadedFields(Fields):
         self._leads_back = True
         if graph.costs is None:
             self.step = 1
-            prepare(count_steps)
+        rows, columns = np.divmod(graph.layout.open_cells, graph.layout.width)
+        self._cells = graph.layout.open_cells[np.lexsort((columns // SQUARE, rows // SQUARE))]
+        self.columns = np.zeros(graph.size, np.intp)
+        self.columns[self._cells] = np.arange(len(self._cells))
+        self._field = np.empty((len(self._cells), WAIT), np.int32)
+        prepare(measure_turning)
 
     @cached_property
     def near(self) -> Integers:
@@ -65,17 +73,32 @@ class HeadedFields(Fields):
 
     def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
         """Write the distances of all places from a goal into a field."""
-        if IS_COMPILED and self.step == 1 and not self._closed:
-            field[:] = FAR
-            count_steps(table_of(self.graph.neighbours), goal, table_of(field), *self._spare)
+        self._measure_open_cells(goal)
+        field[:] = FAR
+        field.reshape(WAIT, -1)[:, self._cells] = self._field.T
+
+    def _measure_open_cells(self, goal: int) -> None:
+        """Write the distances of ``_cells`` from a goal, by heading, into ``_field``."""
+        if self._is_compiled:
+            measure_turning(self._turning, int(self.columns[goal]), table_of(self._field))
         else:
-            super()._measure(goal, field)
+            self._field[:] = self._distances(goal).reshape(WAIT, -1)[:, self._cells].T
 
     @cached_property
-    def _spare(self) -> tuple[Buffer, Buffer, Buffer]:
-        """Buffers that ``count_steps`` uses."""
-        size = self.graph.size
-        return buffer(size), buffer(size), buffer(WAIT * size)
+    def _turning(self) -> Turning:
+        """The steps of ``near``, from where they lead."""
+        (here, facing), ahead = self._stands, self.near[:, FORWARD]
+        places = self.columns[here] * WAIT + facing
+        moves = np.flatnonzero(ahead != self.graph.places)
+        behind, price = np.full((2, self._field.size), NONE, np.int32)
+        behind[places[ahead[moves]]] = places[moves]
+        price[places[ahead[moves]]] = self.prices[moves, FORWARD]
+        entries, below = np.empty((2, WAIT * self._field.size), np.int32)
+        return Turning(
+            turn=self.step, behind=table_of(behind), price=table_of(price),
+            heads=buffer(int(self.prices.max()) + 1, NONE), entries=table_of(entries),
+            below=table_of(below),
+        )  # fmt: skip
 
 
 class PackedFields(HeadedFields):
@@ -85,20 +108,13 @@ class PackedFields(HeadedFields):
     ``kernels/packed.py``.
 
     Attributes:
-        matrix: ``[n, open cells]`` int32, a row for each goal, square by square.
-        columns: ``[size]``, column of each open cell.
+        matrix: ``[n, open cells]`` int32, a row for each goal, in the order of ``columns``.
     """
 
     def __init__(self, graph: Graph) -> None:
         super().__init__(graph)
-        rows, columns = np.divmod(graph.layout.open_cells, graph.layout.width)
-        squares = np.lexsort((columns // SQUARE, rows // SQUARE))
-        self._cells = graph.layout.open_cells[squares]
-        self.columns = np.zeros(graph.size, np.intp)
-        self.columns[self._cells] = np.arange(len(self._cells))
         self.matrix = np.empty((0, len(self._cells)), np.int32)
-        self._field = np.empty(WAIT * len(self._cells), np.int32)
-        prepare(measure_packed, pack)
+        prepare(pack)
 
     def nearest(self, rows: Integers, cells: Integers) -> Integers:
         """Return the distance of each cell from the goal of a row, by the best heading."""
@@ -107,26 +123,5 @@ class PackedFields(HeadedFields):
 
     def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
         """Write the numbers of all open cells into a field."""
-        if self._is_compiled:
-            places = table_of(self._field), table_of(field)
-            measure_packed(self._way, int(self.columns[goal]), self._heads, *places)
-            return
-        distances = self._distances(goal).reshape(WAIT, -1)
-        self._field[:] = distances[:, self._cells].T.ravel()
+        self._measure_open_cells(goal)
         pack(table_of(self._field), table_of(field))
-
-    @cached_property
-    def _heads(self) -> Buffer:
-        return buffer(int(self.prices.max()) + 1, NONE)
-
-    @cached_property
-    def _way(self) -> Way:
-        """The steps of ``near``, from where they lead, for ``measure_packed``."""
-        (here, facing), ahead = self._stands, self.near[:, FORWARD]
-        places = self.columns[here] * WAIT + facing
-        moves = np.flatnonzero(ahead != self.graph.places)
-        behind, price = np.full((2, len(self._field)), NONE, np.int32)
-        behind[places[ahead[moves]]] = places[moves]
-        price[places[ahead[moves]]] = self.prices[moves, FORWARD]
-        room = np.empty((2, (ENTRIES + 1) * len(self._field)), np.int32)
-        return Way(self.step, *map(table_of, (behind, price, *room)))

@@ -144,10 +144,10 @@ class LaCAM:
         robots = self.problem.robots
         if self._plain is not None and self._search.counts[kernels.BEST] == NONE:
             self._plain.search(deadline, rounds, goes_on=False)
-            plan, self.is_done = self._plain.plan(), self._plain.is_done
+            plan = self._plain.plan()
             if plan is None:
+                self.is_done = self._plain.is_done
                 return
-            self.is_done = False
             self._begin_with(with_turns(self.problem, plan).places(self.problem.graph))
             if not goes_on:
                 return

@@ -53,46 +53,23 @@ class Floor(NamedTuple):
 
 
 @kernel
-def step_to(floor: Floor, place: int, number: int) -> int:
-    """Return the index in ``near`` of one of the steps that lead to a place, or ``NONE``.
-
-    A step leads back from where one leads. Robots with headings enter a cell as they head.
-    """
-    near, half = floor.near, floor.closed // 2
-    if floor.closed == floor.size:
-        before, back = near[place * ACTIONS + number] + 0, number ^ 2
-    elif number == FORWARD:  # the cell behind is the one ahead of a robot that has turned round
-        before, back = near[(place + half) % floor.closed * ACTIONS + FORWARD] + 0, FORWARD
-        before = (before + half) % floor.closed if before != floor.closed else before
-    elif number < TURNS:
-        before, back = near[place * ACTIONS + number] + 0, number ^ 3
-    else:
-        return NONE
-    found = before * ACTIONS + back
-    return found if before != floor.closed and near[found] == place else NONE
-
-
-@kernel
 def measure(
     floor: Floor, goal: int, field: Table, heads: Buffer, entries: Buffer, below: Buffer
 ) -> None:
     """Write the cost of the cheapest way from each place to a goal into a field.
 
     Args:
-        floor: floor whose places are cells, or cells with headings.
-        goal: cell, all places of which have the distance 0.
+        floor: floor whose places are cells.
+        goal: cell that has the distance 0.
         field: ``[places]``, all ``FAR`` before.
         heads: last entry of each bucket, one more than the highest price, all ``NONE``. The
             buckets are used in turn, as Dial (1969) does.
         entries: ``[places * 4 + 4]``, places in buckets.
         below: ``[places * 4 + 4]``, entry before each in its bucket, or ``NONE``.
     """
-    price, span = floor.price, len(heads)
-    count, distance = 0, 0
-    for place in range(goal, floor.closed, floor.size):
-        field[place], entries[count], below[count], heads[0] = 0, place, heads[0], count
-        count += 1
-    waiting = count
+    near, price, span = floor.near, floor.price, len(heads)
+    field[goal], entries[0], below[0], heads[0] = 0, goal, NONE, 0
+    count, waiting, distance = 1, 1, 0
     while waiting > 0:
         entry = heads[distance % span]
         if entry == NONE:
@@ -103,10 +80,11 @@ def measure(
         if field[place] != distance:
             continue  # a cheaper way was found since
         for number in range(STAY):
-            step = step_to(floor, place, number)
-            if step == NONE:
+            before = near[place * ACTIONS + number] + 0
+            step = before * ACTIONS + (number ^ 2)  # back again
+            if before == floor.closed or near[step] != place:
                 continue
-            before, reached = step // ACTIONS, distance + price[step]
+            reached = distance + price[step]
             if reached < field[before]:
                 field[before] = reached
                 entries[count], below[count] = before, heads[reached % span]
@@ -114,55 +92,69 @@ def measure(
                 count, waiting = count + 1, waiting + 1
 
 
-@kernel
-def count_steps(
-    beside: Table, goal: int, field: Table, known: Buffer, fresh: Buffer, queue: Buffer
-) -> None:
-    """Write the steps to a goal from each place of robots with headings into a field.
+class Turning(NamedTuple):
+    """Steps that lead to the places of robots with headings, and what ``measure_turning`` uses.
 
-    A move forward and a quarter turn are a step each. Several headings in a cell that are as far
-    from the goal are looked at together, as bits of a number.
+    The place of a robot is ``4 * n + heading`` here, where the open cells have numbers ``n``.
+
+    Attributes:
+        turn: cost of a quarter turn.
+        behind: ``[places]``, place from which a move leads to each place, or ``NONE``.
+        price: ``[places]``, cost of that move.
+        heads: last entry of each bucket, one more than the highest price, all ``NONE``. The
+            buckets are used in turn, as Dial (1969) does.
+        entries: ``[places * 4]``, places in buckets.
+        below: ``[places * 4]``, entry before each in its bucket, or ``NONE``.
+    """
+
+    turn: int
+    behind: Table
+    price: Table
+    heads: Buffer
+    entries: Table
+    below: Table
+
+
+@kernel
+def measure_turning(turning: Turning, goal: int, field: Table) -> None:
+    """Write the cost of the cheapest way from each place to a goal into a field.
 
     Args:
-        beside: ``[size * 5]``, cell that N, E, S, W and waiting lead to, or ``NONE``.
-        goal: cell, all places of which have the distance 0.
-        field: ``[4 * size]``, all ``FAR`` before.
-        known: ``[size]``, used for the headings that have a distance.
-        fresh: ``[size]``, used for the headings found last, in four bits for even distances and
-            four for odd ones; all 0 before and after.
-        queue: ``[4 * size]``, used for cells with such headings.
+        turning: steps between places.
+        goal: number of an open cell, all places of which have the distance 0.
+        field: ``[places]``, of any numbers before.
     """
-    size, first, last, distance = len(known), 0, 1, 0
-    every = (1 << STAY) - 1
-    for cell in range(size):
-        known[cell] = 0
-    queue[0], known[goal], fresh[goal] = goal, every, every
-    for place in range(goal, len(field), size):
-        field[place] = 0
-    while first < last:
-        now, then, end = (distance & 1) * STAY, (~distance & 1) * STAY, last
-        distance += 1
-        while first < end:
-            cell = queue[first]
-            first += 1
-            headings = (fresh[cell] >> now) & every
-            fresh[cell] ^= headings << now
-            turned = (headings << 1 | headings >> 1 | headings << 3 | headings >> 3) & every
-            for heading in range(STAY):
-                bit, behind = 1 << heading, NONE
-                if turned & bit and known[cell] & bit == 0:
-                    known[cell] |= bit
-                    field[heading * size + cell] = distance
-                    if fresh[cell] == 0:
-                        queue[last] = cell
-                        last += 1
-                    fresh[cell] |= bit << then
-                if headings & bit:
-                    behind = beside[cell * ACTIONS + (heading ^ 2)] + 0
-                if behind != NONE and known[behind] & bit == 0:
-                    known[behind] |= bit
-                    field[heading * size + behind] = distance
-                    if (fresh[behind] >> then) & every == 0:
-                        queue[last] = behind
-                        last += 1
-                    fresh[behind] |= bit << then
+    behind, price, heads = turning.behind, turning.price, turning.heads
+    entries, below = turning.entries, turning.below
+    for place in range(len(field)):
+        field[place] = FAR
+    bucket, count, distance = 0, 0, 0
+    for place in range(goal * STAY, (goal + 1) * STAY):
+        field[place], entries[count], below[count], heads[0] = 0, place, heads[0], count
+        count += 1
+    waiting = count
+    while waiting > 0:
+        entry = heads[bucket]
+        if entry == NONE:
+            bucket, distance = bucket + 1, distance + 1
+            if bucket == len(heads):
+                bucket = 0
+            continue
+        heads[bucket], place = below[entry], entries[entry]
+        waiting -= 1
+        if field[place] != distance:
+            continue  # a cheaper way was found since
+        for number in range(TURNS):
+            if number == FORWARD:
+                before, cost = behind[place] + 0, price[place] + 0
+                if before == NONE:
+                    continue
+            else:  # a turn to the right or to the left
+                before, cost = (place & ~3) + ((place + 2 * number - 3) & 3), turning.turn
+            if distance + cost < field[before]:
+                field[before] = distance + cost
+                into = bucket + cost
+                if into >= len(heads):
+                    into -= len(heads)
+                entries[count], below[count], heads[into] = before, heads[into], count
+                count, waiting = count + 1, waiting + 1

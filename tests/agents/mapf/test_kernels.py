@@ -15,7 +15,7 @@ from agents.mapf.graph import Fields, Graph
 from agents.mapf.headed import HeadedFields, PackedFields
 from agents.mapf.kernels import ways as kernels
 from agents.mapf.kernels.buffers import buffer, buffer_of, table_of
-from agents.mapf.kernels.floor import FAR, NONE, count_steps, measure
+from agents.mapf.kernels.floor import FAR, NONE, measure, measure_turning
 from agents.mapf.kernels.groups import improve, new_groups
 from agents.mapf.kernels.packed import PACKED_FAR, unpack
 from agents.mapf.kernels.rollouts import prices
@@ -135,23 +135,18 @@ def test_measured_distances_are_those_of_dijkstra(kind: type[Fields], wrong_way:
     graph = Graph(layout, None if wrong_way is None else lane_costs(layout, wrong_way))
     fields, span = kind(graph), 2 + int(10 * (wrong_way or 1))
     room = 4 * (fields.graph.places + 1)
-    for goal in layout.open_cells[::7].tolist():
+    for goal in layout.open_cells[::7].tolist():  # buffers of robots with headings are used again
         found = np.full(fields.graph.places, FAR, np.int32)
-        buffers = buffer(10 * span, NONE), buffer(room), buffer(room)
-        measure(fields.floor, goal, table_of(found), *buffers)
+        if isinstance(fields, HeadedFields):
+            of_open_cells = np.empty((len(layout.open_cells), 4), np.int32)
+            measure_turning(fields._turning, int(fields.columns[goal]), table_of(of_open_cells))
+            columns = fields.columns[layout.open_cells]
+            found.reshape(4, -1)[:, layout.open_cells] = of_open_cells[columns].T
+        else:
+            buffers = buffer(10 * span, NONE), buffer(room), buffer(room)
+            measure(fields.floor, goal, table_of(found), *buffers)
         distances = fields.graph.distances(goal) * fields.step
         assert np.array_equal(found, np.minimum(np.rint(distances), FAR))
-
-
-def test_counted_steps_are_the_distances_of_dijkstra() -> None:
-    layout = random_layout(11, 9, 0.25, seed=4)
-    fields = HeadedFields(Graph(layout))
-    graph, size = fields.graph, fields.graph.size
-    spare = buffer(size), buffer(size), buffer(4 * size)
-    for goal in layout.open_cells[::7].tolist():  # the buffers are used again
-        found = np.full(graph.places, FAR, np.int32)
-        count_steps(table_of(graph.neighbours), goal, table_of(found), *spare)
-        assert np.array_equal(found, np.minimum(graph.distances(goal), FAR))
 
 
 @pytest.mark.parametrize("wrong_way", [None, 5.0])
