@@ -131,9 +131,13 @@ class SceneFigure(Figure):
         return box
 
     def _box_of(self, mover: Artist, renderer: Any) -> PixelBox:
-        """Return top, bottom, left and right of the pixels around a text or axes."""
+        """Return top, bottom, left and right of the pixels around a text or axes.
+
+        There are none around a text without letters, which would erase another text beside it.
+        """
         extent = mover.axes.bbox if mover.axes else mover.get_window_extent(renderer)
         around = (AROUND_AXES if mover.axes else AROUND_TEXT) * self.dpi / POINTS
+        around *= extent.width > 0
         left, right = (round(x) for x in (extent.x0 - around, extent.x1 + around))
         top, bottom = (round(renderer.height - y) for y in (extent.y1 + around, extent.y0 - around))
         return max(top, 0), max(bottom, 0), max(left, 0), max(right, 0)

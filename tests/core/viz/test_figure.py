@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 from helpers.pictures import pixels, replay_of, short_episode
 from matplotlib.backend_bases import DrawEvent
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
 from PIL import Image
 
@@ -141,6 +142,15 @@ def test_a_listener_that_moves_something_does_not_change_the_present_drawing() -
     replay = film()
     replay.show_still()
     assert np.array_equal(pixels(replay), drawn_in_new_figure(LAST))
+
+
+def test_a_text_without_letters_erases_no_other_text() -> None:
+    figures = [SceneFigure(figsize=(3, 1)) for _ in range(2)]
+    for figure in figures:
+        FigureCanvasAgg(figure)
+        figure.add_mover(figure.text(0.1, 0.5, "in the way of what was there"))
+    figures[0].add_mover(figures[0].text(0.5, 0.5, ""))
+    assert np.array_equal(*(figure.rgba() for figure in figures))
 
 
 def test_a_png_of_the_figures_own_resolution_has_indexed_pixels(replay: Replay) -> None:
