@@ -39,6 +39,7 @@ from agents.learning.clone_planner import ClonePlanner
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
 from agents.mapf.assignment import ASSIGNMENTS
+from agents.mapf.circulation import Circulation
 from agents.mapf.epibt import EPIBT
 from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
@@ -86,6 +87,8 @@ PLANNERS: dict[str, Callable[..., Planner]] = {
     "windowed": WindowedPlanner,
     "windowed-lanes": Guided(WindowedPlanner, on_lanes),
     "windowed-learned": Guided(WindowedPlanner, on_learned),
+    "circulation": Circulation,
+    "circulation-lanes": Guided(Circulation, on_lanes),
     "timed": TimedPlanner,
     "timed-lanes": Guided(TimedPlanner, on_lanes),
 }

@@ -2,7 +2,8 @@
 
 In each step the plan of the last is continued by a round of PIBT, and then refined group by group;
 see ``kernels/groups.py``. Every fifth step, fresh rounds of PIBT take its place if they are better.
-For robots with headings the rounds are of EPIBT.
+For robots with headings the rounds are of EPIBT, and on floors that are nearly full circulations
+can take their place; see ``circulation.py``.
 Next goals are not known: a robot that has arrived gives way.
 
 Sources: Li et al. (2021), Lifelong multi-agent path finding in large-scale warehouses, AAAI: the
@@ -18,14 +19,16 @@ from time import perf_counter
 
 import numpy as np
 
-from agents.mapf.epibt import crew_on
+from agents.mapf.circulation import crowd_on, waits_outside
+from agents.mapf.epibt import crew_on, outward_cells
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.headed import HeadedFields
 from agents.mapf.kernels.buffers import buffer_of, prepare
+from agents.mapf.kernels.circulation import Crowd
 from agents.mapf.kernels.floor import FAR, NONE
 from agents.mapf.kernels.groups import PORTION, improve, improve_until, new_groups, renew
 from agents.mapf.kernels.operations import Crew
-from agents.mapf.kernels.rollouts import prices, roll, roll_crew
+from agents.mapf.kernels.rollouts import prices, roll, roll_crew, roll_crowd
 from agents.mapf.kernels.rounds import Team, team_of
 from agents.mapf.kernels.ways import (
     CLOSED_STEPS,
@@ -37,7 +40,13 @@ from agents.mapf.kernels.ways import (
 )
 from agents.mapf.memory import Memory
 from agents.mapf.planner import Situation
-from warehouse_core.arguments import instance_of, real_number, seed_number, whole_number
+from warehouse_core.arguments import (
+    flag,
+    instance_of,
+    real_number,
+    seed_number,
+    whole_number,
+)
 from warehouse_core.world.tables import Integers
 
 __all__ = ["WindowedPlanner"]
@@ -85,6 +94,8 @@ class WindowedPlanner:
         patience: steps without a goal, at most ``MAX_PATIENCE``, after which the cost of a robot
             counts twice as much, thrice after as many again, and so on. In crowds fewer robots are
             stuck then. By default the costs of all robots count alike.
+        circulates: true if plans are continued and made anew by circulations, by which more goals
+            are reached on floors that are nearly full.
         turn_cost: see ``PIBT``; turns of robots with headings take steps, and cost nothing more.
 
     Example:
@@ -108,6 +119,7 @@ class WindowedPlanner:
         led: int | None = None,
         fresh: int = FRESH,
         patience: int | None = None,
+        circulates: bool = False,
     ) -> None:
         self.groups, self.seed = whole_number("groups", groups, 0), seed_number(seed)
         self.led = None if led is None else whole_number("led", led, 1)
@@ -115,11 +127,14 @@ class WindowedPlanner:
             patience = whole_number("patience", patience, 1, MAX_PATIENCE)
         self.patience = patience
         self.fresh = whole_number("fresh", fresh, 1)
+        self.circulates = flag("circulates", circulates)
         self.seconds = real_number("seconds", seconds, finite=False)
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
+        if self.circulates and turn_cost:
+            raise ValueError(f"turn_cost is {turn_cost}; with circulates it must be 0")
         most = min(MAX_WINDOW, MAX_STATES // (2 * graph.places) - 1)
         self.window = whole_number("window", window, 2, most)
-        prepare(roll, roll_crew, prices, improve, renew, reserve)
+        prepare(roll, roll_crew, roll_crowd, prices, improve, renew, reserve)
         self.reset()
 
     def reset(self) -> None:
@@ -174,8 +189,11 @@ class WindowedPlanner:
         self._has_headings = has_headings
         self._fields = HeadedFields(self.graph) if has_headings else Fields(self.graph)
         floor, times = self._fields.floor, self.window + 1
-        self._team: Team | Crew
-        if has_headings:
+        self._team: Team | Crew | Crowd
+        self._outward = outward_cells(self.graph)
+        if self.circulates:
+            self._team = crowd_on(self._fields, robots, self.patience or 1)
+        elif has_headings:
             self._team = crew_on(self._fields, CREW_WINDOW, robots, self.seed)
         else:
             self._team = team_of(self.graph.size, robots, self.seed)
@@ -207,6 +225,12 @@ class WindowedPlanner:
         if self.patience is not None:
             ways.weights[:] = buffer_of(self.patience + self._memory.ages)
         ways.stays[:] = buffer_of(situation.stays.astype(np.intp))
+        if isinstance(self._team, Crowd):
+            team, rests = self._team, waits_outside(self._outward, cells, goals)
+            team.rests[:] = buffer_of(rests.astype(np.intp))
+            team.goals[:] = buffer_of(np.where(rests, NONE, goals))
+            team.rows[:], team.weights[:] = ways.rows, ways.weights
+            team.is_fixed[:] = ways.stays
         for cell in ways.closed:
             ways.is_closed[cell] = 0
         self._ways = ways._replace(closed=buffer_of(situation.closed))
@@ -253,6 +277,9 @@ class WindowedPlanner:
 
     def _roll(self, first: int) -> None:
         """Write the places at the times after ``first``."""
+        if isinstance(self._team, Crowd):
+            roll_crowd(self._ways, self._team, self._table, first, self.window)
+            return
         self._team.order[:] = self._order
         if isinstance(self._team, Crew):
             roll_crew(self._ways, self._team, self._table, first, self.window)

@@ -1,4 +1,4 @@
-"""Ways of all robots by rounds of PIBT or EPIBT, for the windows of lifelong planning.
+"""Ways of all robots by rounds of PIBT or EPIBT, or by circulations, for windows of lifelong plans.
 
 A robot that reaches its goal gives way from then on, since its next goal is not known.
 """
@@ -6,6 +6,7 @@ A robot that reaches its goal gives way from then on, since its next goal is not
 from __future__ import annotations
 
 from agents.mapf.kernels.buffers import Buffer, Table, kernel
+from agents.mapf.kernels.circulation import Crowd, circulate, stand
 from agents.mapf.kernels.floor import ACTIONS, FAR, Floor
 from agents.mapf.kernels.operations import CHOSEN as HAS_CHOSEN
 from agents.mapf.kernels.operations import FREE, Crew, plan
@@ -92,6 +93,26 @@ def roll_crew(ways: Ways, crew: Crew, fields: Table, first: int, last: int) -> N
             crew.places[robot] = crew.ways[robot * crew.window]
             ways.places[robot * times + time + 1] = crew.places[robot]
         lower(crew.order, crew.places, ways.goals, crew.stack, size)
+
+
+@kernel
+def roll_crowd(ways: Ways, crowd: Crowd, fields: Table, first: int, last: int) -> None:
+    """Do as ``roll`` by a circulation for each step; robots rest that do so before the first."""
+    for robot in range(len(ways.goals)):
+        crowd.here[robot] = ways.places[robot * ways.times + first]
+    stand(crowd)
+    for robot in range(len(ways.goals)):
+        for time in range(first + 1):
+            if ways.places[robot * ways.times + time] % crowd.size == ways.goals[robot]:
+                crowd.is_there[robot] = 1
+    for time in range(first, last):
+        for cell in ways.closed:
+            crowd.is_closed[cell] = time < CLOSED_STEPS
+        circulate(crowd, fields, time == 0)
+        for robot in range(len(ways.goals)):
+            ways.places[robot * ways.times + time + 1] = crowd.places[robot]
+    for cell in ways.closed:
+        crowd.is_closed[cell] = 0
 
 
 @kernel

@@ -33,10 +33,11 @@ Beyond it only robots without a task get one, in several matchings.
 CROWD = 2000
 """Robots above which planning in windows takes too long."""
 
-BUSY, BUSY_IN_CROWD, BUSY_BY_FREE = 0.32, 0.185, 1
-"""Most robots with tasks at a time, as a share of the open cells, also of a crowd, and of the cells
-without a robot.
-"""
+BUSY_BY_CELL, BUSY_BY_ROBOT = 0.2275, 0.19
+"""Most robots with tasks at a time for each open cell, and more of them for each robot."""
+
+BUSY_IN_CROWD = 0.185
+"""Most robots with tasks at a time for each open cell, of a crowd."""
 
 MAX_COMING = 9
 """Most robots on their way to a cell where tasks begin; more would block those that leave it."""
@@ -56,12 +57,14 @@ def most_busy(open_cells: int, robots: int) -> int:
     Example:
         >>> from agents.mapf.league.scheduler import most_busy
         >>> most_busy(open_cells=819, robots=400), most_busy(open_cells=819, robots=800)
-        (262, 19)
+        (262, 338)
         >>> most_busy(open_cells=38_586, robots=10_000)
         7138
     """
-    share = BUSY_IN_CROWD if robots > CROWD else BUSY
-    return max(1, min(int(share * open_cells), BUSY_BY_FREE * (open_cells - robots)))
+    most = BUSY_BY_CELL * open_cells + BUSY_BY_ROBOT * robots
+    if robots > CROWD:
+        most = min(BUSY_IN_CROWD * open_cells, open_cells - robots)
+    return max(1, int(most))
 
 
 class Scheduler:

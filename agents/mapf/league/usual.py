@@ -3,25 +3,33 @@
 from __future__ import annotations
 
 from collections.abc import Callable
+from typing import Any
 
+from agents.mapf.circulation import Circulation
 from agents.mapf.epibt import EPIBT
-from agents.mapf.graph import Graph
-from agents.mapf.lanes import aisle_costs
+from agents.mapf.graph import Costs, Graph
+from agents.mapf.lanes import aisle_costs, lane_costs
 from agents.mapf.league.scheduler import CROWD, most_busy
 from agents.mapf.planner import HeadedPlanner
 from agents.mapf.windows import WindowedPlanner
+from warehouse_core.world.layout import Layout
 
-SHARE, GROUPS = 0.8, 100
-"""Share of a step in which ``windowed`` looks for better plans, and most groups of it for each
-robot.
+SHARE, GROUPS, SAMPLES = 0.8, 100, 1000
+"""Share of a step in which ``windowed`` and ``circulation`` look for better plans, most groups of
+``windowed`` for each robot, and most plans that ``circulation`` compares.
 """
 
 PATIENCE = 8
 """Patience of ``windowed``."""
 
-DENSE, DENSE_WINDOW, DENSE_PATIENCE = 0.6, 10, 4
-"""Robots for each open cell above which ``windowed`` looks less far ahead, and has less patience
-with those that are in the way of others.
+DENSE, DENSE_PATIENCE, DENSE_WRONG_WAY = 0.6, 50, 3.0
+"""Robots for each open cell above which ``windowed`` plans by circulations on lanes, its patience
+there, and the cost of a move against a lane.
+"""
+
+FULL, FULL_WRONG_WAY = 0.9, 4.0
+"""Robots for each open cell above which ``circulation`` plans alone, and the cost of a move against
+a lane there.
 """
 
 WRONG_WAY, TRIES = 2.0, 2.0
@@ -30,14 +38,22 @@ times that it lets a robot choose once more.
 """
 
 
-def epibt_in_aisles(graph: Graph, wrong_way: float, tries: float) -> EPIBT:
-    """Return the planner that is called ``epibt-aisles`` elsewhere."""
-    return EPIBT(graph.with_costs(aisle_costs(graph.layout, wrong_way)), tries=tries)
+def on_costs(
+    make: Callable[..., HeadedPlanner], costs_of: Callable[[Layout, float], Costs]
+) -> Callable[..., HeadedPlanner]:
+    """Return what makes a planner on lanes, as the registry does for names such as ``-lanes``."""
+
+    def made(graph: Graph, wrong_way: float, **arguments: Any) -> HeadedPlanner:
+        return make(graph.with_costs(costs_of(graph.layout, wrong_way)), **arguments)
+
+    return made
 
 
 PLANNERS: dict[str, Callable[..., HeadedPlanner]] = {
-    "epibt-aisles": epibt_in_aisles,
+    "circulation-lanes": on_costs(Circulation, lane_costs),
+    "epibt-aisles": on_costs(EPIBT, aisle_costs),
     "windowed": WindowedPlanner,
+    "windowed-lanes": on_costs(WindowedPlanner, lane_costs),
 }
 
 
@@ -49,12 +65,18 @@ def usual_planner(open_cells: int, robots: int, seconds: float) -> tuple[str, di
         robots: number of robots.
         seconds: time of the planner and the scheduler for a step.
     """
+    density, seconds = robots / open_cells, SHARE * seconds
     if robots > CROWD:
         return "epibt-aisles", {"wrong_way": WRONG_WAY, "tries": TRIES}
+    if density > FULL:
+        return "circulation-lanes", {
+            "wrong_way": FULL_WRONG_WAY, "samples": SAMPLES, "seconds": seconds
+        }  # fmt: skip
     led = min(most_busy(open_cells, robots), robots)
-    found = {"groups": GROUPS * robots, "seconds": SHARE * seconds, "led": led}
-    if robots > DENSE * open_cells:
-        return "windowed", {**found, "window": DENSE_WINDOW, "patience": DENSE_PATIENCE}
+    found = {"groups": GROUPS * robots, "seconds": seconds, "led": led}
+    if density > DENSE:
+        ways = {"wrong_way": DENSE_WRONG_WAY, "circulates": True}
+        return "windowed-lanes", {**ways, **found, "patience": DENSE_PATIENCE}
     return "windowed", {**found, "patience": PATIENCE}
 
 

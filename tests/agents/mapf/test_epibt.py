@@ -9,6 +9,7 @@ from helpers.mapf_runs import check_headed_planner
 
 from agents.errors import AgentError, PlanError
 from agents.fleet import PlannedFleet
+from agents.mapf.circulation import Circulation
 from agents.mapf.epibt import EPIBT, outward_cells, turning_operations
 from agents.mapf.graph import Graph
 from agents.mapf.kernels.floor import STAY
@@ -31,7 +32,7 @@ def test_steps_of_robots_with_headings_follow_the_rules(make: Make, robots: int)
     assert check_headed_planner(make, random_layout(14, 14, 0.2, seed=2), robots) > robots / 3
 
 
-@pytest.mark.parametrize("make", [EPIBT, WindowedPlanner])
+@pytest.mark.parametrize("make", [Circulation, EPIBT, WindowedPlanner])
 def test_one_robot_takes_as_many_steps_as_its_distance_with_turns(make: Make) -> None:
     layout = random_layout(12, 12, 0.2, seed=3)
     graph = Graph(layout)
@@ -106,7 +107,7 @@ def test_robots_without_headings_are_led_too() -> None:
     assert run_lifelong(graph, EPIBT(graph, window=2), 8, 50, 1).reached > 30
 
 
-@pytest.mark.parametrize("make", [EPIBT, WindowedPlanner])
+@pytest.mark.parametrize("make", [Circulation, EPIBT, WindowedPlanner])
 @pytest.mark.parametrize("backend", ["grid", "physics"])
 def test_a_fleet_with_headings_delivers(make: Make, backend: str) -> None:
     layout = shelf_layout(aisle=2, pickups=4, chargers=2)

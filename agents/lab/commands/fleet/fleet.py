@@ -111,8 +111,8 @@ def fleet(
         str,
         option(
             "--moves NAME",
-            f"{options.MOVES} turn needs a planner that knows headings: epibt or windowed, also "
-            "with -lanes.",
+            f"{options.MOVES} turn needs a planner that knows headings: epibt, circulation or "
+            "windowed, also with -lanes.",
         ),
     ] = COMPASS,
     late_penalty: Annotated[

@@ -58,8 +58,8 @@ def league(
         option(
             "--planner NAME",
             f"{options.PLANNER} It must know headings; arguments may follow, as in epibt:tries=10; "
-            f"may be repeated. Default: windowed, which takes at most {SHARE:.0%} of each step, or "
-            f"epibt-aisles for more than {CROWD:,} robots.",
+            "may be repeated. Default: windowed or circulation-lanes, which take at most "
+            f"{SHARE:.0%} of each step, or epibt-aisles for more than {CROWD:,} robots.",
             show_default=False,
         ),
     ] = None,
@@ -141,7 +141,11 @@ def usual_name(problem: League, step_seconds: float) -> str:
     """Return the name, with arguments, of the planner of a problem for which none is named."""
     seconds = step_seconds / planned_steps(problem)
     name, arguments = usual_planner(len(problem.layout.open_cells), len(problem.starts), seconds)
-    return f"{name}:{','.join(f'{key}={value:g}' for key, value in arguments.items())}".rstrip(":")
+    given = (
+        f"{key}={value if value is True else format(value, 'g')}"
+        for key, value in arguments.items()
+    )
+    return f"{name}:{','.join(given)}"
 
 
 def play_checked(problem: League, name: str, steps: int, seconds: float, seed: int) -> Result:

@@ -48,16 +48,22 @@ def test_robots_swap_tasks_and_some_have_none() -> None:
 
 
 def test_on_a_crowded_floor_the_shortest_tasks_are_done(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(scheduler, "BUSY", 2 / 14)
+    monkeypatch.setattr(scheduler, "BUSY_BY_CELL", 2 / 14)
+    monkeypatch.setattr(scheduler, "BUSY_BY_ROBOT", 0.0)
     tasks = [LeagueTask(0, (5,), 0), LeagueTask(1, (1,), 0), LeagueTask(2, (13,), 0)]
     assert assign(tasks, [2, 0, 12], [EAST] * 3, [NO_TASK] * 3) == [NO_TASK, 1, 2]
     begun = [LeagueTask(0, (2, 5), 0, visited=1), *tasks[1:]]
     assert sorted(assign(begun, [2, 0, 12], [EAST] * 3, [0, NO_TASK, NO_TASK])) == [NO_TASK, 0, 1]
 
 
-def test_robots_on_a_full_floor_have_tasks_one_at_a_time() -> None:
+def test_on_a_full_floor_some_robots_have_tasks_and_of_a_crowd_one_at_a_time(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     tasks = [LeagueTask(number, (number,), 0) for number in range(14)]
     cells = [*range(7), 11, *range(12, 18)]
+    schedule = assign(tasks, cells, [EAST] * 14, [NO_TASK] * 14)
+    assert len(schedule) - schedule.count(NO_TASK) == 5
+    monkeypatch.setattr(scheduler, "CROWD", 13)
     schedule = assign(tasks, cells, [EAST] * 14, [NO_TASK] * 14)
     assert len(schedule) - schedule.count(NO_TASK) == 1
 
@@ -76,7 +82,7 @@ def test_a_large_problem_has_manhattan_distances_and_small_matchings(
 def test_few_robots_are_on_their_way_to_one_cell(monkeypatch: pytest.MonkeyPatch) -> None:
     """Those that have begun their tasks have left it; of other tasks the shortest are done."""
     monkeypatch.setattr(scheduler, "MAX_COMING", 2)
-    monkeypatch.setattr(scheduler, "BUSY", 1.0)
+    monkeypatch.setattr(scheduler, "BUSY_BY_CELL", 1.0)
     tasks = [
         LeagueTask(0, (5, 4), 0, visited=1), LeagueTask(1, (5, 0), 0), LeagueTask(2, (5, 4), 0),
         LeagueTask(3, (5, 3), 0), LeagueTask(4, (12,), 0),

@@ -1,0 +1,193 @@
+"""Circulations: joint steps in which all robots choose at once, for floors that are nearly full.
+
+See ``kernels/circulation.py``.
+"""
+
+from __future__ import annotations
+
+from math import inf
+from time import perf_counter
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.mapf.epibt import outward_cells
+from agents.mapf.graph import CLOSED, Fields, Graph
+from agents.mapf.headed import HeadedFields
+from agents.mapf.kernels.buffers import buffer_of, prepare
+from agents.mapf.kernels.circulation import Crowd, crowd_of, foresee
+from agents.mapf.kernels.floor import FAR, NONE
+from agents.mapf.kernels.rounds import NOBODY
+from agents.mapf.memory import Memory
+from agents.mapf.planner import Situation
+from warehouse_core.arguments import instance_of, real_number, seed_number, whole_number
+from warehouse_core.world.actions import WAIT
+from warehouse_core.world.tables import Integers
+
+__all__ = ["Circulation"]
+
+WINDOW = 6
+"""Default steps that each sample looks ahead."""
+
+PATIENCE = 200
+"""Default steps without a goal after which a robot counts twice as much."""
+
+MAX_PATIENCE = 10_000
+"""Limit on patience, a factor of gains, whose sums are numbers of 64 bits."""
+
+URGENCY = 8
+"""Factor of the gains of urgent robots."""
+
+
+class Circulation:
+    """A planner by circulations, for robots with and without headings.
+
+    The default plans a step at a time. With more samples, each step is the first of the best of
+    several random plans, one of which is that of the step before.
+
+    Args:
+        graph: floor; with lanes as costs more robots reach their goals, see ``lanes.py``.
+        seed: seed of random tie-breaks.
+        samples: plans that are compared in each step.
+        window: steps of each of them.
+        seconds: time in each step after which no more plans are made.
+        patience: steps without a goal after which a robot counts twice as much, thrice after as
+            many again, and so on.
+
+    Example:
+        >>> from agents.mapf.circulation import Circulation
+        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.lifelong import run_lifelong
+        >>> from warehouse_core import random_layout
+        >>> graph = Graph(random_layout(12, 12, 0.2, seed=1))
+        >>> planner = Circulation(graph)
+        >>> run = run_lifelong(graph, planner, robots=100, steps=50, seed=1, has_headings=True)
+        >>> run.reached
+        29
+    """
+
+    def __init__(
+        self,
+        graph: Graph,
+        seed: int = 0,
+        samples: int = 1,
+        window: int = WINDOW,
+        seconds: float = inf,
+        patience: int = PATIENCE,
+    ) -> None:
+        self.graph = instance_of("graph", graph, Graph)
+        self.seed = seed_number(seed)
+        self.samples = whole_number("samples", samples, 1)
+        self.window = whole_number("window", window, 1)
+        self.seconds = real_number("seconds", seconds, finite=False)
+        self.patience = whole_number("patience", patience, 1, MAX_PATIENCE)
+        prepare(foresee)
+        self.reset()
+
+    def reset(self) -> None:
+        """Forget the last episode, and begin again with the random numbers of the seed."""
+        self._places: Integers = np.empty(0, np.intp)
+        self._has_headings, self._outward = False, outward_cells(self.graph)
+
+    def next_cells(self, situation: Situation) -> Integers:
+        """Return the cell of each robot after the next joint step, ``[R]``."""
+        return self._next(situation, situation.cells, has_headings=False)
+
+    def next_places(self, situation: Situation, headings: Integers) -> Integers:
+        """Return the place of each robot after the next joint step; see ``HeadedPlanner``."""
+        places = headings * self.graph.size + situation.cells
+        return self._next(situation, places, has_headings=True)
+
+    def _next(self, situation: Situation, places: Integers, *, has_headings: bool) -> Integers:
+        """Return the next place of each robot, given its present one."""
+        deadline, robots = perf_counter() + self.seconds, len(places)
+        if not robots:
+            return situation.cells
+        if robots != len(self._places) or has_headings != self._has_headings:
+            self._begin(robots, has_headings)
+        self._read(situation, places)
+        best, made = None, 0
+        while made < self.samples and (made == 0 or perf_counter() < deadline):
+            draws = self._drawn(is_first=made == 0)
+            total, made = foresee(self._crowd, self._fields.table, buffer_of(draws)), made + 1
+            if best is None or total < best:
+                best, self._draws = total, draws
+        foresee(self._crowd, self._fields.table, buffer_of(self._draws[:1]))
+        self._places, self._aims = (
+            np.array(each, places.dtype) for each in (self._crowd.places, self._crowd.targets)
+        )
+        return self._places
+
+    def _begin(self, robots: int, has_headings: bool) -> None:
+        """Begin an episode of so many robots."""
+        self._has_headings, graph = has_headings, self.graph
+        self._fields = HeadedFields(graph) if has_headings else Fields(graph)
+        self._random = np.random.default_rng(self.seed)
+        self._memory = Memory(graph, self._random.random(robots))
+        self._crowd = crowd_on(self._fields, robots, self.patience)
+        self._places, self._aims = np.full((2, robots), NONE)
+        self._draws = np.empty(0, np.int64)
+
+    def _drawn(self, *, is_first: bool) -> NDArray[np.int64]:
+        """Return the draws of a sample: the first goes on with that of the step before."""
+        window = self.window if self.samples > 1 else 1
+        kept = self._draws[1:] if is_first else self._draws[:0]
+        return np.append(kept, self._random.integers(1, 2**31, window - len(kept)))
+
+    def _read(self, situation: Situation, places: Integers) -> None:
+        """Take over a situation: robots, their moves, goals and weights."""
+        cells, goals, stays, closed, urgent = situation
+        self._memory.order(cells, goals, urgent)
+        weights = self.patience + self._memory.ages
+        weights[urgent] *= URGENCY
+        rows, crowd = self._fields.rows(goals), self._crowd
+        is_closed = np.zeros(self.graph.size, np.intp)
+        is_closed[closed] = 1
+        aims = np.where(
+            (places == self._places) & ~stays & (is_closed[self._aims] == 0), self._aims, NONE
+        )
+        rests = (goals == cells) | (self._fields.matrix[rows, places] >= FAR)
+        rests |= waits_outside(self._outward, cells, goals)
+        for kept, new in (
+            (crowd.here, places), (crowd.aims, kept_aims(self.graph.size, cells, aims)),
+            (crowd.rests, rests), (crowd.goals, np.where(rests, cells, goals)),
+            (crowd.rows, rows * self._fields.matrix.shape[1]), (crowd.weights, weights),
+            (crowd.is_fixed, stays), (crowd.is_closed, is_closed),
+        ):  # fmt: skip
+            kept[:] = buffer_of(new.astype(np.int64))
+
+
+def crowd_on(fields: Fields, robots: int, unit: int) -> Crowd:
+    """Return the buffers of robots on a floor; see ``Crowd``."""
+    graph, has_headings = fields.graph, isinstance(fields, HeadedFields)
+    beside = graph.neighbours[:, :WAIT]
+    is_shut = (beside == CLOSED) | np.isin(beside, list(graph.closed))
+    return crowd_of(np.where(is_shut, NONE, beside), robots, fields.step, has_headings, unit)
+
+
+def kept_aims(size: int, cells: Integers, aims: Integers) -> Integers:
+    """Return where robots have moves to, without those whose way others will not clear, ``[R]``."""
+    robot_in, aims = np.full(size, NOBODY), aims.copy()
+    robot_in[cells] = np.arange(len(cells))
+    while True:
+        before = robot_in[aims]
+        is_blocked = (aims != NONE) & (before != NOBODY) & (aims[before] == NONE)
+        if not is_blocked.any():
+            return aims
+        aims[is_blocked] = NONE
+
+
+def waits_outside(outward: Integers, cells: Integers, goals: Integers) -> NDArray[np.bool_]:
+    """Return which robots wait until others have left the dead ends where their goals are, ``[R]``.
+
+    Whoever waits in front of a dead end keeps those inside from leaving it, so these robots go
+    nowhere, and give way. ``outward`` is from ``outward_cells``.
+    """
+    robot_in, waits = np.full(len(outward), NOBODY), np.zeros(len(cells), np.bool_)
+    robot_in[cells] = np.arange(len(cells))
+    for robot in np.flatnonzero((outward[goals] != NONE) & (outward[cells] == NONE)).tolist():
+        cell = int(goals[robot])
+        while outward[cell] != NONE:
+            waits[robot] |= robot_in[cell] not in (NOBODY, robot)
+            cell = int(outward[cell])
+    return waits

@@ -1,0 +1,149 @@
+"""Circulations: joint steps in which all robots choose at once."""
+
+from collections.abc import Callable
+from functools import partial
+
+import numpy as np
+import pytest
+from helpers.mapf_problems import random_problem, situation
+from helpers.mapf_runs import check_headed_planner, check_planner
+
+from agents.mapf.circulation import Circulation, crowd_on, kept_aims, waits_outside
+from agents.mapf.epibt import EPIBT, outward_cells
+from agents.mapf.graph import Fields, Graph
+from agents.mapf.kernels.buffers import buffer_of
+from agents.mapf.kernels.circulation import claim, hold_auction, offer, stand
+from agents.mapf.kernels.floor import ACTIONS, NONE
+from agents.mapf.lifelong import run_lifelong
+from agents.mapf.matching import cheapest_matching
+from agents.mapf.planner import NO_CELLS, HeadedPlanner, Situation
+from agents.mapf.windows import WindowedPlanner
+from warehouse_core import Layout, random_layout
+
+RING = Layout(["...", ".#.", "..."])
+AROUND = np.array([0, 1, 2, 5, 8, 7, 6, 3])
+
+FULL = random_layout(14, 14, 0.2, seed=2)
+MAKERS = [
+    partial(Circulation, seed=1),
+    partial(Circulation, seed=1, samples=3),
+    partial(WindowedPlanner, window=6, groups=6, circulates=True),
+]
+
+
+@pytest.mark.parametrize("make", MAKERS)
+@pytest.mark.parametrize("empty", [90, 30, 4])
+def test_steps_follow_the_rules_with_headings_and_without(
+    make: Callable[[Graph], HeadedPlanner], empty: int
+) -> None:
+    robots = len(FULL.open_cells) - empty
+    assert check_headed_planner(make, FULL, robots) > 5
+    assert check_planner(make, random_problem(FULL, robots, seed=3), 30, seed=4) > 20
+
+
+def test_robots_on_a_full_ring_turn_and_go_round_together() -> None:
+    graph, nobody = Graph(RING), np.zeros(8, np.bool_)
+    cells, goals, headings = AROUND, np.roll(AROUND, -1), np.ones(8, np.intp)
+    planner = Circulation(graph)
+    for step in range(3):
+        assert np.array_equal(cells, AROUND), step
+        given = Situation(cells, goals, nobody, NO_CELLS)
+        headings, cells = np.divmod(planner.next_places(given, headings), graph.size)
+    assert np.array_equal(cells, goals)  # the two that head east and go west have turned twice
+    assert np.array_equal(
+        Circulation(graph).next_cells(Situation(AROUND, goals, nobody, NO_CELLS)), goals
+    )
+
+
+def test_an_auction_gains_as_much_as_the_best_matching() -> None:
+    graph, stream = Graph(FULL), np.random.default_rng(5)
+    fields, robots = Fields(graph), len(FULL.open_cells) - 5
+    crowd = crowd_on(fields, robots, unit=1)
+    cells, goals = (stream.permutation(FULL.open_cells)[:robots] for _ in range(2))
+    rows = fields.rows(goals)
+    crowd.here[:], crowd.goals[:] = buffer_of(cells), buffer_of(goals)
+    crowd.rows[:] = buffer_of(rows * fields.matrix.shape[1])
+    stand(crowd)
+    claim(crowd, True)
+    for robot in range(robots):
+        offer(crowd, fields.table, robot, False)
+    hold_auction(crowd)
+    options, gains = (
+        np.array(each).reshape(robots, ACTIONS) for each in (crowd.options, crowd.gains)
+    )
+    chosen, every = np.array(crowd.chosen), np.arange(robots)
+    costs = np.full((robots, graph.size), 1e12)
+    for action in range(ACTIONS):
+        is_open = options[:, action] != NONE
+        costs[every[is_open], options[is_open, action]] = -gains[is_open, action]
+    best = -costs[cheapest_matching(costs)].sum()
+    assert len({*options[every, chosen].tolist()}) == robots
+    assert 0.995 * best < gains[every, chosen].sum() <= best
+
+
+def test_on_full_floors_circulations_reach_what_others_do_not() -> None:
+    graph = Graph(random_layout(20, 20, 0.2, seed=1))
+    one_by_one, windowed, together, compared, circulating = (
+        run_lifelong(graph, planner, 255, 60, seed=1, has_headings=True).reached
+        for planner in (
+            EPIBT(graph), WindowedPlanner(graph, 8, 20), Circulation(graph),
+            Circulation(graph, samples=8), WindowedPlanner(graph, 8, 20, circulates=True),
+        )
+    )  # fmt: skip
+    assert 5 * max(one_by_one, windowed) < min(circulating, together)
+    assert together < compared
+
+
+def test_equal_seeds_give_equal_runs_also_after_a_reset() -> None:
+    graph = Graph(FULL)
+    planner = Circulation(graph, seed=1, samples=2)
+    one, other, third = (
+        run_lifelong(graph, each, 100, 12, 1, has_headings=True).cells
+        for each in (planner, planner, Circulation(graph, seed=2, samples=2))
+    )
+    assert np.array_equal(one, other)
+    assert not np.array_equal(one, third)
+
+
+def test_the_clock_bounds_the_samples() -> None:
+    graph = Graph(FULL)
+    hurried, single = (
+        run_lifelong(graph, planner, 60, 10, 1).cells
+        for planner in (
+            Circulation(graph, samples=10**9, seconds=0.0, window=1),
+            Circulation(graph, samples=1),
+        )
+    )
+    assert np.array_equal(hurried, single)
+
+
+def test_urgent_robots_and_those_that_have_waited_go_first() -> None:
+    graph = Graph(Layout([".....", "##.##", "##.##"]))
+    cells, goals = np.array([1, 3]), np.array([7, 12])  # the first is nearer, and would go first
+    assert Circulation(graph).next_cells(situation(cells, goals)).tolist() == [2, 3]
+    urgent = situation(cells, goals)._replace(urgent=np.array([1]))
+    assert Circulation(graph).next_cells(urgent).tolist() == [1, 2]
+    planner = Circulation(graph, patience=1)
+    for _ in range(9):  # both have goals that they cannot reach, then the first a new one
+        planner.next_cells(situation(cells, goals)._replace(closed=np.array([2])))
+    planner.next_cells(situation(cells, np.array([1, 12]))._replace(closed=np.array([2])))
+    assert planner.next_cells(situation(cells, goals)).tolist() == [1, 2]
+
+
+def test_a_move_is_given_up_where_others_do_not_clear_the_way() -> None:
+    cells, aims = np.array([0, 1, 2, 3, 9]), np.array([1, 2, 3, NONE, 8])
+    assert kept_aims(10, cells, aims).tolist() == [NONE, NONE, NONE, NONE, 8]
+    assert kept_aims(10, cells[[0, 1, 2, 4]], aims[[0, 1, 2, 4]]).tolist() == [1, 2, 3, 8]
+
+
+def test_robots_wait_outside_of_dead_ends_in_which_others_are() -> None:
+    outward = outward_cells(Graph(Layout(["...", "..#", "#.#", "#.#"])))  # 7 and 10 lead out
+    goals = np.array([10, 10, 0])
+    assert waits_outside(outward, np.array([4, 3, 7]), goals).tolist() == [True, True, False]
+    assert waits_outside(outward, np.array([7, 3, 1]), goals).tolist() == [False, True, False]
+    assert waits_outside(outward, np.array([4, 3, 1]), goals).tolist() == [False, False, False]
+
+
+def test_costs_of_turns_do_not_go_with_circulations_in_windows() -> None:
+    with pytest.raises(ValueError, match=r"^turn_cost is 2\.0; with circulates it must be 0$"):
+        WindowedPlanner(Graph(FULL), turn_cost=2.0, circulates=True)
