@@ -82,12 +82,12 @@ def test_an_auction_gains_as_much_as_the_best_matching() -> None:
 
 
 def test_on_full_floors_circulations_reach_what_others_do_not() -> None:
-    graph = Graph(random_layout(20, 20, 0.2, seed=1))
+    graph = Graph(random_layout(14, 14, 0.1, seed=1))
     one_by_one, windowed, together, compared, circulating = (
-        run_lifelong(graph, planner, 255, 60, seed=1, has_headings=True).reached
+        run_lifelong(graph, planner, 126, 40, seed=1, has_headings=True).reached
         for planner in (
-            EPIBT(graph), WindowedPlanner(graph, 8, 20), Circulation(graph),
-            Circulation(graph, samples=8), WindowedPlanner(graph, 8, 20, circulates=True),
+            EPIBT(graph), WindowedPlanner(graph, 8, 10), Circulation(graph),
+            Circulation(graph, samples=4), WindowedPlanner(graph, 8, 10, circulates=True),
         )
     )  # fmt: skip
     assert 5 * max(one_by_one, windowed) < min(circulating, together)
