@@ -88,8 +88,9 @@ class WindowedPlanner:
         seconds: time in each step after which no more groups are planned anew.
         seed: seed of the order in groups.
         led: most robots that are led to their goals at a time, first those nearest to them; others
-            give way until one has arrived. Robots that are in a jam count as several. In crowds
-            more goals are reached so. The default is all.
+            give way until one has arrived, and while others are in the dead ends where their
+            goals are. Robots that are in a jam count as several. In crowds more goals are reached
+            so. The default is all.
         fresh: steps after which a plan made anew may take the place of the one that goes on.
         patience: steps without a goal, at most ``MAX_PATIENCE``, after which the cost of a robot
             counts twice as much, thrice after as many again, and so on. In crowds fewer robots are
@@ -210,8 +211,10 @@ class WindowedPlanner:
     def _read(self, situation: Situation) -> None:
         """Take over a situation: robots, goals and priorities."""
         graph, cells, goals = self._fields.graph, situation.cells, situation.goals
+        if self.led is not None or self.circulates:
+            goals = np.where(waits_outside(self._outward, cells, goals), cells, goals)
         if self.led is not None:
-            goals = self._led_to(situation, self.led)
+            goals = self._led_to(situation._replace(goals=goals), self.led)
         rows = self._fields.rows(goals)
         is_away = self._fields.matrix[rows, self._here] == FAR
         if is_away.any():  # a goal that no way leads to is as none
@@ -226,11 +229,8 @@ class WindowedPlanner:
             ways.weights[:] = buffer_of(self.patience + self._memory.ages)
         ways.stays[:] = buffer_of(situation.stays.astype(np.intp))
         if isinstance(self._team, Crowd):
-            team, rests = self._team, waits_outside(self._outward, cells, goals)
-            team.rests[:] = buffer_of(rests.astype(np.intp))
-            team.goals[:] = buffer_of(np.where(rests, NONE, goals))
-            team.rows[:], team.weights[:] = ways.rows, ways.weights
-            team.is_fixed[:] = ways.stays
+            self._team.goals[:], self._team.rows[:] = ways.goals, ways.rows
+            self._team.weights[:], self._team.is_fixed[:] = ways.weights, ways.stays
         for cell in ways.closed:
             ways.is_closed[cell] = 0
         self._ways = ways._replace(closed=buffer_of(situation.closed))
