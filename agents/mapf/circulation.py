@@ -43,7 +43,7 @@ class Circulation:
     """A planner by circulations, for robots with and without headings.
 
     The default plans a step at a time. With more samples, each step is the first of the best of
-    several random plans, one of which is that of the step before.
+    several random plans. One of these goes on with the last plan.
 
     Args:
         graph: floor; with lanes as costs more robots reach their goals, see ``lanes.py``.
@@ -129,7 +129,7 @@ class Circulation:
         self._draws = np.empty(0, np.int64)
 
     def _drawn(self, *, is_first: bool) -> NDArray[np.int64]:
-        """Return the draws of a sample: the first goes on with that of the step before."""
+        """Return the draws of a sample: the first goes on with the last plan."""
         window = self.window if self.samples > 1 else 1
         kept = self._draws[1:] if is_first else self._draws[:0]
         return np.append(kept, self._random.integers(1, 2**31, window - len(kept)))

@@ -28,19 +28,15 @@ from agents.mapf.kernels.rounds import NOBODY, draw
 from warehouse_core.world.tables import Integers
 
 WORTH, MAX_DISTANCE = 1 << 16, 20_000
-"""Worth of half the distance of a robot of weight 1, and distance above which all are worth as
-much.
+"""Gain of a robot of weight 1 that halves its distance, and the distance that all longer ones count
+as.
 """
 
 CHANCE, CHANCES = 4, 128
-"""One in so many parts of a gain that chance adds or takes at most, in steps of which there are
-``CHANCES``.
-"""
+"""Chance changes a gain by a fourth at most, up or down, in so many degrees."""
 
 RAISE, ARRIVAL = WORTH // 1000, WORTH * 2
-"""For each unit of weight, the least by which a bid is more than the one before, and what is gained
-beside by arriving.
-"""
+"""Least by which a price rises, and what a robot gains beside by arriving, for a weight of 1."""
 
 ALONE, LEAST = 1 << 44, -(1 << 62)
 """Most by which a price rises at once, which is more than any gain, and less than any value."""
@@ -49,7 +45,9 @@ AUCTIONS = 7
 """Auctions in a step, after which robots that would change places stay."""
 
 AGAINST = 5
-"""One in so many times the move is forbidden that gains more, of two that cannot both be made."""
+"""Of two moves that cannot both be made the one that gains less is forbidden, but for one time in so
+many.
+"""
 
 
 class Crowd(NamedTuple):
