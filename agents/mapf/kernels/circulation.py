@@ -45,9 +45,7 @@ AUCTIONS = 7
 """Auctions in a step, after which robots that would change places stay."""
 
 AGAINST = 5
-"""Of two moves that cannot both be made the one that gains less is forbidden, but for one time in so
-many.
-"""
+"""Auctions of which one forbids the move that gains more, and not the one that gains less."""
 
 
 class Crowd(NamedTuple):
