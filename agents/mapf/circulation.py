@@ -29,11 +29,14 @@ __all__ = ["Circulation"]
 WINDOW = 6
 """Default steps that each sample looks ahead."""
 
+MAX_WINDOW = 1000
+"""Limit on the steps of a sample, each of which has a random number."""
+
 PATIENCE = 200
 """Default steps without a goal after which a robot counts twice as much."""
 
 MAX_PATIENCE = 10_000
-"""Limit on patience, a factor of gains, whose sums are numbers of 64 bits."""
+"""Limit on patience, a factor of gains and costs, whose sums are numbers of 64 bits."""
 
 URGENCY = 8
 """Factor of the gains of urgent robots."""
@@ -49,7 +52,7 @@ class Circulation:
         graph: floor; with lanes as costs more robots reach their goals, see ``lanes.py``.
         seed: seed of random tie-breaks.
         samples: plans that are compared in each step.
-        window: steps of each of them.
+        window: steps of each of them, at most ``MAX_WINDOW``.
         seconds: time in each step after which no more plans are made.
         patience: steps without a goal after which a robot counts twice as much, thrice after as
             many again, and so on.
@@ -78,7 +81,7 @@ class Circulation:
         self.graph = instance_of("graph", graph, Graph)
         self.seed = seed_number(seed)
         self.samples = whole_number("samples", samples, 1)
-        self.window = whole_number("window", window, 1)
+        self.window = whole_number("window", window, 1, MAX_WINDOW)
         self.seconds = real_number("seconds", seconds, finite=False)
         self.patience = whole_number("patience", patience, 1, MAX_PATIENCE)
         prepare(foresee)

@@ -19,7 +19,7 @@ from time import perf_counter
 
 import numpy as np
 
-from agents.mapf.circulation import crowd_on, waits_outside
+from agents.mapf.circulation import MAX_PATIENCE, crowd_on, waits_outside
 from agents.mapf.epibt import crew_on, outward_cells
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.headed import HeadedFields
@@ -70,9 +70,6 @@ JAM, JAM_SHARE = 50, 0.125
 """Steps without a goal after which a robot that is led counts as two, as three after twice as many,
 and so on; and by what share fewer robots are led at most, so that jams dissolve.
 """
-
-MAX_PATIENCE = 10_000
-"""Limit on patience, a factor of costs, whose sums are numbers of 64 bits."""
 
 MAX_STATES = 2**31
 """States of a search in a window, which are numbers of 32 bits; each takes up to 24 bytes."""
