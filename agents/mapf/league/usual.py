@@ -27,7 +27,7 @@ DENSE, DENSE_PATIENCE, DENSE_WRONG_WAY = 0.6, 50, 3.0
 there, and the cost of a move against a lane.
 """
 
-FULL, FULL_WRONG_WAY = 0.9, 4.0
+FULL, FULL_WRONG_WAY = 0.8, 4.0
 """Robots for each open cell above which ``circulation`` plans alone, and the cost of a move against
 a lane there.
 """
