@@ -38,6 +38,9 @@ PATIENCE = 200
 MAX_PATIENCE = 10_000
 """Limit on patience, a factor of gains and costs, whose sums are numbers of 64 bits."""
 
+MOST_PATIENCES = 100
+"""Most times that a robot counts by its patience, which bounds the time of an auction."""
+
 URGENCY = 8
 """Factor of the gains of urgent robots."""
 
@@ -46,7 +49,7 @@ class Circulation:
     """A planner by circulations, for robots with and without headings.
 
     The default plans a step at a time. With more samples, each step is the first of the best of
-    several random plans. One of these goes on with the last plan.
+    several random plans. After the first step, one of these goes on with the last plan.
 
     Args:
         graph: floor; with lanes as costs more robots reach their goals, see ``lanes.py``.
@@ -90,7 +93,7 @@ class Circulation:
     def reset(self) -> None:
         """Forget the last episode, and begin again with the random numbers of the seed."""
         self._places: Integers = np.empty(0, np.intp)
-        self._has_headings, self._outward = False, outward_cells(self.graph)
+        self._has_headings, self._outward = False, dead_ends(self.graph)
 
     def next_cells(self, situation: Situation) -> Integers:
         """Return the cell of each robot after the next joint step, ``[R]``."""
@@ -115,16 +118,19 @@ class Circulation:
             total, made = foresee(self._crowd, self._fields.table, buffer_of(draws)), made + 1
             if best is None or total < best:
                 best, self._draws = total, draws
-        foresee(self._crowd, self._fields.table, buffer_of(self._draws[:1]))
+        if self.samples > 1:
+            foresee(self._crowd, self._fields.table, buffer_of(self._draws[:1]))
         self._places, self._aims = (
             np.array(each, places.dtype) for each in (self._crowd.places, self._crowd.targets)
         )
-        return self._places
+        return self._places.copy()
 
     def _begin(self, robots: int, has_headings: bool) -> None:
         """Begin an episode of so many robots."""
         self._has_headings, graph = has_headings, self.graph
-        self._fields = HeadedFields(graph) if has_headings else Fields(graph)
+        self._fields = (
+            HeadedFields(graph) if has_headings else Fields(graph.with_costs(graph.costs))
+        )
         self._random = np.random.default_rng(self.seed)
         self._memory = Memory(graph, self._random.random(robots))
         self._crowd = crowd_on(self._fields, robots, self.patience)
@@ -141,7 +147,7 @@ class Circulation:
         """Take over a situation: robots, their moves, goals and weights."""
         cells, goals, stays, closed, urgent = situation
         self._memory.order(cells, goals, urgent)
-        weights = self.patience + self._memory.ages
+        weights = np.minimum(self.patience + self._memory.ages, MOST_PATIENCES * self.patience)
         weights[urgent] *= URGENCY
         rows, crowd = self._fields.rows(goals), self._crowd
         is_closed = np.zeros(self.graph.size, np.intp)
@@ -150,7 +156,7 @@ class Circulation:
             (places == self._places) & ~stays & (is_closed[self._aims] == 0), self._aims, NONE
         )
         rests = (goals == cells) | (self._fields.matrix[rows, places] >= FAR)
-        rests |= waits_outside(self._outward, cells, goals)
+        rests |= waits_for_exits(self._outward, cells, goals)
         for kept, new in (
             (crowd.here, places), (crowd.aims, kept_aims(self.graph.size, cells, aims)),
             (crowd.rests, rests), (crowd.goals, np.where(rests, cells, goals)),
@@ -163,9 +169,11 @@ class Circulation:
 def crowd_on(fields: Fields, robots: int, unit: int) -> Crowd:
     """Return the buffers of robots on a floor; see ``Crowd``."""
     graph, has_headings = fields.graph, isinstance(fields, HeadedFields)
-    beside = graph.neighbours[:, :WAIT]
-    is_shut = (beside == CLOSED) | np.isin(beside, list(graph.closed))
-    return crowd_of(np.where(is_shut, NONE, beside), robots, fields.step, has_headings, unit)
+    beside, step = graph.neighbours[:, :WAIT], fields.step
+    if graph.costs is not None:  # the cheapest move is to gain something too
+        cheapest = graph.costs[beside != CLOSED].min(initial=1.0) * step
+        step = max(1, int(cheapest))
+    return crowd_of(np.where(beside == CLOSED, NONE, beside), robots, step, has_headings, unit)
 
 
 def kept_aims(size: int, cells: Integers, aims: Integers) -> Integers:
@@ -180,17 +188,30 @@ def kept_aims(size: int, cells: Integers, aims: Integers) -> Integers:
         aims[is_blocked] = NONE
 
 
-def waits_outside(outward: Integers, cells: Integers, goals: Integers) -> NDArray[np.bool_]:
-    """Return which robots wait until others have left the dead ends where their goals are, ``[R]``.
+def dead_ends(graph: Graph) -> Integers:
+    """Return ``outward_cells``, but no dead ends where all ways end in one another, ``[size]``."""
+    outward, beside = outward_cells(graph), graph.neighbours[:, :WAIT]
+    mouths = np.where(outward == NONE, np.arange(len(outward)), outward)
+    while (outward[mouths] != NONE).any():
+        mouths = mouths[mouths]
+    is_on_cycle = ((beside != CLOSED) & (outward[beside] == NONE)).any(axis=1)
+    return np.where(is_on_cycle[mouths], outward, NONE)
 
-    Whoever waits in front of a dead end keeps those inside from leaving it, so these robots go
-    nowhere, and give way. ``outward`` is from ``outward_cells``.
+
+def waits_for_exits(outward: Integers, cells: Integers, goals: Integers) -> NDArray[np.bool_]:
+    """Return which robots wait until others have come out of the dead ends of their goals, ``[R]``.
+
+    Whoever waits at the mouth of a dead end, or heads for its end, keeps others from coming out. So
+    a robot goes nowhere, and gives way, while others that go elsewhere are between it and its goal.
+    ``outward`` is from ``dead_ends``.
     """
     robot_in, waits = np.full(len(outward), NOBODY), np.zeros(len(cells), np.bool_)
     robot_in[cells] = np.arange(len(cells))
-    for robot in np.flatnonzero((outward[goals] != NONE) & (outward[cells] == NONE)).tolist():
-        cell = int(goals[robot])
-        while outward[cell] != NONE:
-            waits[robot] |= robot_in[cell] not in (NOBODY, robot)
+    goes = goals != cells
+    for robot in np.flatnonzero(goes & (outward[goals] != NONE)).tolist():
+        cell, is_met = int(goals[robot]), False
+        while outward[cell] != NONE and cell != cells[robot]:
+            is_met |= robot_in[cell] != NOBODY and bool(goes[robot_in[cell]])
             cell = int(outward[cell])
+        waits[robot] = is_met and (cell == cells[robot] or outward[cells[robot]] == NONE)
     return waits

@@ -19,8 +19,14 @@ from time import perf_counter
 
 import numpy as np
 
-from agents.mapf.circulation import MAX_PATIENCE, crowd_on, waits_outside
-from agents.mapf.epibt import crew_on, outward_cells
+from agents.mapf.circulation import (
+    MAX_PATIENCE,
+    MOST_PATIENCES,
+    crowd_on,
+    dead_ends,
+    waits_for_exits,
+)
+from agents.mapf.epibt import crew_on
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.headed import HeadedFields
 from agents.mapf.kernels.buffers import buffer_of, prepare
@@ -85,9 +91,9 @@ class WindowedPlanner:
         seconds: time in each step after which no more groups are planned anew.
         seed: seed of the order in groups.
         led: most robots that are led to their goals at a time, first those nearest to them; others
-            give way until one has arrived, and while others are in the dead ends where their
-            goals are. Robots that are in a jam count as several. In crowds more goals are reached
-            so. The default is all.
+            give way until one has arrived, and while others have to come out of the dead ends
+            where their goals are. Robots that are in a jam count as several. In crowds more goals
+            are reached so. The default is all.
         fresh: steps after which a plan made anew may take the place of the one that goes on.
         patience: steps without a goal, at most ``MAX_PATIENCE``, after which the cost of a robot
             counts twice as much, thrice after as many again, and so on. In crowds fewer robots are
@@ -128,8 +134,8 @@ class WindowedPlanner:
         self.circulates = flag("circulates", circulates)
         self.seconds = real_number("seconds", seconds, finite=False)
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
-        if self.circulates and turn_cost:
-            raise ValueError(f"turn_cost is {turn_cost}; with circulates it must be 0")
+        if self.circulates and graph.turn_cost:
+            raise ValueError(f"turn_cost is {graph.turn_cost}; with circulates it must be 0")
         most = min(MAX_WINDOW, MAX_STATES // (2 * graph.places) - 1)
         self.window = whole_number("window", window, 2, most)
         prepare(roll, roll_crew, roll_crowd, prices, improve, renew, reserve)
@@ -188,7 +194,7 @@ class WindowedPlanner:
         self._fields = HeadedFields(self.graph) if has_headings else Fields(self.graph)
         floor, times = self._fields.floor, self.window + 1
         self._team: Team | Crew | Crowd
-        self._outward = outward_cells(self.graph)
+        self._outward = dead_ends(self.graph)
         if self.circulates:
             self._team = crowd_on(self._fields, robots, self.patience or 1)
         elif has_headings:
@@ -209,7 +215,7 @@ class WindowedPlanner:
         """Take over a situation: robots, goals and priorities."""
         graph, cells, goals = self._fields.graph, situation.cells, situation.goals
         if self.led is not None or self.circulates:
-            goals = np.where(waits_outside(self._outward, cells, goals), cells, goals)
+            goals = np.where(waits_for_exits(self._outward, cells, goals), cells, goals)
         if self.led is not None:
             goals = self._led_to(situation._replace(goals=goals), self.led)
         rows = self._fields.rows(goals)
@@ -227,7 +233,8 @@ class WindowedPlanner:
         ways.stays[:] = buffer_of(situation.stays.astype(np.intp))
         if isinstance(self._team, Crowd):
             self._team.goals[:], self._team.rows[:] = ways.goals, ways.rows
-            self._team.weights[:], self._team.is_fixed[:] = ways.weights, ways.stays
+            weights = np.minimum(ways.weights, MOST_PATIENCES * self._team.unit)
+            self._team.weights[:], self._team.is_fixed[:] = buffer_of(weights), ways.stays
         for cell in ways.closed:
             ways.is_closed[cell] = 0
         self._ways = ways._replace(closed=buffer_of(situation.closed))

@@ -27,13 +27,13 @@ from agents.mapf.kernels.floor import ACTIONS, NONE, STAY
 from agents.mapf.kernels.rounds import NOBODY, draw
 from warehouse_core.world.tables import Integers
 
-WORTH, MAX_DISTANCE = 1 << 16, 20_000
-"""Gain of a robot of weight 1 that halves its distance, and the distance that all longer ones count
-as.
+WORTH, MAX_DISTANCE, PARTS = 1 << 16, 20_000, 8
+"""Gain of a robot of weight 1 that halves its distance, the steps that all longer distances count
+as, and the parts of a step by which distances differ.
 """
 
 CHANCE, CHANCES = 4, 128
-"""Chance changes a gain by a fourth at most, up or down, in so many degrees."""
+"""Chance adds a fourth of a gain at most, or takes it, and there are so many amounts of each."""
 
 RAISE, ARRIVAL = WORTH // 1000, WORTH * 2
 """Least by which a price rises, and what a robot gains beside by arriving, for a weight of 1."""
@@ -45,7 +45,9 @@ AUCTIONS = 7
 """Auctions in a step, after which robots that would change places stay."""
 
 AGAINST = 5
-"""Auctions of which one forbids the move that gains more, and not the one that gains less."""
+"""Pairs of moves of which one pair has the move forbidden that gains more, and the others the one
+that gains less.
+"""
 
 
 class Crowd(NamedTuple):
@@ -57,7 +59,7 @@ class Crowd(NamedTuple):
         has_headings: 1 if robots drive forward and turn.
         unit: weight of a robot that counts once.
         ahead: ``[size * 4]``, cell that a move N, E, S or W leads to, or ``NONE``.
-        worth: ``[MAX_DISTANCE + 1]``, what it is worth to be at a distance of no step less.
+        worth: ``[MAX_DISTANCE * PARTS + 1]``, what a robot gains by its way from each distance.
         here: places before the first step.
         aims: cells to which robots have moves then, or ``NONE``.
         rests: 1 for robots that go nowhere then.
@@ -114,7 +116,7 @@ class Crowd(NamedTuple):
 
 def crowd_of(ahead: Integers, robots: int, step: int, has_headings: bool, unit: int) -> Crowd:
     """Return the buffers of robots, which count once each; ``ahead`` is ``[size, 4]``."""
-    size, worth = len(ahead), WORTH * np.log2(np.arange(MAX_DISTANCE + 1) + 1)
+    size, worth = len(ahead), WORTH * np.log2(np.arange(MAX_DISTANCE * PARTS + 1) / PARTS + 1)
     return Crowd(
         size=size, step=step, has_headings=int(has_headings), unit=unit,
         ahead=table_of(ahead.astype(np.int32)), worth=buffer_of(np.rint(worth).astype(np.int64)),
@@ -134,8 +136,9 @@ def loss(crowd: Crowd, fields: Table, robot: int, cell: int, heading: int) -> in
     """Return what a robot has yet to gain in a cell, by its distance from the goal."""
     if crowd.is_there[robot]:
         return 0
-    left = fields[crowd.rows[robot] + heading * crowd.size + cell] // crowd.step
-    return crowd.worth[min(left, MAX_DISTANCE)] * crowd.weights[robot]
+    left = fields[crowd.rows[robot] + heading * crowd.size + cell] + 0
+    parts = (left * PARTS + crowd.step - 1) // crowd.step
+    return crowd.worth[min(parts, MAX_DISTANCE * PARTS)] * crowd.weights[robot]
 
 
 @kernel
@@ -298,9 +301,7 @@ def circulate(crowd: Crowd, fields: Table, is_first: bool) -> None:
         if not part(crowd, auction == AUCTIONS - 1):
             break
     for robot in range(len(crowd.places)):
-        if is_first and crowd.is_fixed[robot]:
-            crowd.wanted[robot] = NONE
-        elif crowd.targets[robot] == NONE and crowd.chosen[robot] != STAY:
+        if crowd.targets[robot] == NONE and crowd.chosen[robot] != STAY:
             crowd.targets[robot] = crowd.options[robot * ACTIONS + crowd.chosen[robot]]
     advance(crowd)
     for robot in range(len(crowd.places)):

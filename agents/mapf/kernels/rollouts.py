@@ -97,7 +97,10 @@ def roll_crew(ways: Ways, crew: Crew, fields: Table, first: int, last: int) -> N
 
 @kernel
 def roll_crowd(ways: Ways, crowd: Crowd, fields: Table, first: int, last: int) -> None:
-    """Do as ``roll`` by a circulation for each step; robots rest that do so before the first."""
+    """Do as ``roll`` by a circulation for each step.
+
+    A robot that has been at its goal until the time ``first`` goes nowhere from then on.
+    """
     for robot in range(len(ways.goals)):
         crowd.here[robot] = ways.places[robot * ways.times + first]
     stand(crowd)

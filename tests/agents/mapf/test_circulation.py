@@ -8,8 +8,8 @@ import pytest
 from helpers.mapf_problems import random_problem, situation
 from helpers.mapf_runs import check_headed_planner, check_planner
 
-from agents.mapf.circulation import Circulation, crowd_on, kept_aims, waits_outside
-from agents.mapf.epibt import EPIBT, outward_cells
+from agents.mapf.circulation import Circulation, crowd_on, dead_ends, kept_aims, waits_for_exits
+from agents.mapf.epibt import EPIBT
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels.buffers import buffer_of
 from agents.mapf.kernels.circulation import claim, hold_auction, offer, stand
@@ -136,14 +136,49 @@ def test_a_move_is_given_up_where_others_do_not_clear_the_way() -> None:
     assert kept_aims(10, cells[[0, 1, 2, 4]], aims[[0, 1, 2, 4]]).tolist() == [1, 2, 3, 8]
 
 
-def test_robots_wait_outside_of_dead_ends_in_which_others_are() -> None:
-    outward = outward_cells(Graph(Layout(["...", "..#", "#.#", "#.#"])))  # 7 and 10 lead out
-    goals = np.array([10, 10, 0])
-    assert waits_outside(outward, np.array([4, 3, 7]), goals).tolist() == [True, True, False]
-    assert waits_outside(outward, np.array([7, 3, 1]), goals).tolist() == [False, True, False]
-    assert waits_outside(outward, np.array([4, 3, 1]), goals).tolist() == [False, False, False]
+def test_robots_wait_until_others_that_go_elsewhere_have_come_out_of_dead_ends() -> None:
+    outward = dead_ends(Graph(Layout(["...", "..#", "#.#", "#.#"])))  # 10 and 7 lead out to 4
+    goals, outside = np.array([10, 10, 0]), np.array([4, 3, 1])
+    assert waits_for_exits(outward, outside, goals).tolist() == [False, False, False]
+    assert waits_for_exits(outward, np.array([4, 3, 7]), goals).tolist() == [True, True, False]
+    assert waits_for_exits(outward, np.array([7, 3, 10]), goals).tolist() == [True, True, False]
+    assert waits_for_exits(outward, np.array([4, 3, 7]), np.array([10, 10, 7])).tolist() == [0] * 3
+    tree = dead_ends(Graph(Layout(["...", "#.#", "#.#"])))
+    assert waits_for_exits(tree, np.array([1, 4]), np.array([7, 0])).tolist() == [False, False]
+
+
+@pytest.mark.parametrize("make", [Circulation, *MAKERS[2:]])
+def test_robots_that_meet_in_a_dead_end_come_past_each_other(
+    make: Callable[[Graph], HeadedPlanner],
+) -> None:
+    graph = Graph(Layout(["......", "......", "##.###", "##.###", "##.###"]))
+    planner, cells, goals = make(graph), np.array([14, 20]), np.array([26, 5])
+    for _ in range(40):
+        cells = planner.next_cells(situation(cells, goals))
+        goals = np.where(cells == goals, cells, goals)
+    assert cells.tolist() == [26, 5]
+    idle = make(graph)
+    cells, goals = np.array([0, 14]), np.array([20, 14])
+    for _ in range(12):
+        cells = idle.next_cells(situation(cells, np.array([20, cells[1]])))
+    assert cells[0] == 20
+
+
+def test_costs_below_a_step_lead_to_the_goal() -> None:
+    layout = Layout(["........"])
+    graph = Graph(layout, np.full((8, 4), 0.1, np.float32))
+    planner, cells = Circulation(graph), np.array([0])
+    for _ in range(7):
+        cells = planner.next_cells(situation(cells, np.array([7])))
+    assert cells.tolist() == [7]
 
 
 def test_costs_of_turns_do_not_go_with_circulations_in_windows() -> None:
-    with pytest.raises(ValueError, match=r"^turn_cost is 2\.0; with circulates it must be 0$"):
-        WindowedPlanner(Graph(FULL), turn_cost=2.0, circulates=True)
+    for graph, arguments in ((Graph(FULL), {"turn_cost": 2.0}), (Graph(FULL, None, 2.0), {})):
+        with pytest.raises(ValueError, match=r"^turn_cost is 2\.0; with circulates it must be 0$"):
+            WindowedPlanner(graph, circulates=True, **arguments)
+    turning, plain = (
+        run_lifelong(graph, Circulation(graph), 60, 12, 1).cells
+        for graph in (Graph(FULL, None, 2.0), Graph(FULL))
+    )
+    assert np.array_equal(turning, plain)
