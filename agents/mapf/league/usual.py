@@ -22,12 +22,12 @@ SHARE, GROUPS, SAMPLES = 0.8, 100, 1000
 PATIENCE = 8
 """Patience of ``windowed``."""
 
-DENSE, DENSE_PATIENCE, DENSE_WRONG_WAY = 0.6, 50, 3.0
-"""Robots for each open cell above which ``windowed`` plans by circulations on lanes, its patience
-there, and the cost of a move against a lane.
+DENSE, DENSE_WRONG_WAY = 0.6, 3.0
+"""Robots for each open cell above which ``windowed`` plans by circulations on lanes, and the cost of
+a move against a lane there.
 """
 
-FULL, FULL_WRONG_WAY = 0.8, 4.0
+FULL, FULL_WRONG_WAY = 0.9, 4.0
 """Robots for each open cell above which ``circulation`` plans alone, and the cost of a move against
 a lane there.
 """
@@ -73,11 +73,12 @@ def usual_planner(open_cells: int, robots: int, seconds: float) -> tuple[str, di
             "wrong_way": FULL_WRONG_WAY, "samples": SAMPLES, "seconds": seconds
         }  # fmt: skip
     led = min(most_busy(open_cells, robots), robots)
-    found = {"groups": GROUPS * robots, "seconds": seconds, "led": led}
+    found = {
+        "groups": GROUPS * robots, "seconds": seconds, "led": led, "patience": PATIENCE
+    }  # fmt: skip
     if density > DENSE:
-        ways = {"wrong_way": DENSE_WRONG_WAY, "circulates": True}
-        return "windowed-lanes", {**ways, **found, "patience": DENSE_PATIENCE}
-    return "windowed", {**found, "patience": PATIENCE}
+        return "windowed-lanes", {"wrong_way": DENSE_WRONG_WAY, "circulates": True, **found}
+    return "windowed", found
 
 
 def make_usual_planner(graph: Graph, robots: int, seconds: float) -> HeadedPlanner:
