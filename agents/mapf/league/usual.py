@@ -23,8 +23,8 @@ PATIENCE = 8
 """Patience of ``windowed``."""
 
 DENSE, DENSE_WRONG_WAY = 0.6, 3.0
-"""Robots for each open cell above which ``windowed`` plans by circulations on lanes, and the cost of
-a move against a lane there.
+"""Robots for each open cell above which ``windowed`` plans by circulations on lanes, and the cost
+of a move against a lane there.
 """
 
 FULL, FULL_WRONG_WAY = 0.9, 4.0
