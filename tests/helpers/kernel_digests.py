@@ -92,7 +92,7 @@ def turning() -> Iterator[tuple[str, np.ndarray]]:
             planner = EPIBT(graph, seed, window=3 if has_headings else 2, tries=tries)
             run = run_lifelong(graph, planner, 30, 20, seed, has_headings=has_headings)
             yield f"epibt {has_headings} {tries} {seed}", run.cells
-        for robots, samples in ((60, 1), (135, 3)):
+        for robots, samples in ((60, 1), (100, 3)):
             for has_headings in (False, True):
                 planner = Circulation(graph.with_costs(lane_costs(graph.layout)), seed, samples)
                 run = run_lifelong(graph, planner, robots, 12, seed, has_headings=has_headings)
