@@ -128,9 +128,8 @@ class Circulation:
     def _begin(self, robots: int, has_headings: bool) -> None:
         """Begin an episode of so many robots."""
         self._has_headings, graph = has_headings, self.graph
-        self._fields = (
-            HeadedFields(graph) if has_headings else Fields(graph.with_costs(graph.costs))
-        )
+        flat = graph.with_costs(graph.costs) if graph.turn_cost else graph
+        self._fields = HeadedFields(graph) if has_headings else Fields(flat)
         self._random = np.random.default_rng(self.seed)
         self._memory = Memory(graph, self._random.random(robots))
         self._crowd = crowd_on(self._fields, robots, self.patience)
