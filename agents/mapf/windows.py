@@ -91,15 +91,15 @@ class WindowedPlanner:
         seconds: time in each step after which no more groups are planned anew.
         seed: seed of the order in groups.
         led: most robots that are led to their goals at a time, first those nearest to them; others
-            give way until one has arrived, and while others have to come out of the dead ends
-            where their goals are. Robots that are in a jam count as several. In crowds more goals
-            are reached so. The default is all.
+            give way until one has arrived. Robots that are in a jam count as several. In crowds
+            more goals are reached so. The default is all.
         fresh: steps after which a plan made anew may take the place of the one that goes on.
         patience: steps without a goal, at most ``MAX_PATIENCE``, after which the cost of a robot
             counts twice as much, thrice after as many again, and so on. In crowds fewer robots are
             stuck then. By default the costs of all robots count alike.
         circulates: true if plans are continued and made anew by circulations, by which more goals
-            are reached on floors that are nearly full.
+            are reached on floors that are nearly full. Robots give way then while others have to
+            come out of the dead ends where their goals are.
         turn_cost: see ``PIBT``; turns of robots with headings take steps, and cost nothing more.
 
     Example:
@@ -214,7 +214,7 @@ class WindowedPlanner:
     def _read(self, situation: Situation) -> None:
         """Take over a situation: robots, goals and priorities."""
         graph, cells, goals = self._fields.graph, situation.cells, situation.goals
-        if self.led is not None or self.circulates:
+        if self.circulates:
             goals = np.where(waits_for_exits(self._outward, cells, goals), cells, goals)
         if self.led is not None:
             goals = self._led_to(situation._replace(goals=goals), self.led)
