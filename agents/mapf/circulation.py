@@ -19,7 +19,7 @@ from agents.mapf.kernels.circulation import Crowd, crowd_of, foresee
 from agents.mapf.kernels.floor import FAR, NONE
 from agents.mapf.kernels.rounds import NOBODY
 from agents.mapf.memory import Memory
-from agents.mapf.planner import Situation
+from agents.mapf.planner import PlacePlanner, Situation
 from warehouse_core.arguments import instance_of, real_number, seed_number, whole_number
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
@@ -45,7 +45,7 @@ URGENCY = 8
 """Factor of the gains of urgent robots."""
 
 
-class Circulation:
+class Circulation(PlacePlanner):
     """A planner by circulations, for robots with and without headings.
 
     The default plans a step at a time. With more samples, each step is the first of the best of
@@ -92,25 +92,12 @@ class Circulation:
 
     def reset(self) -> None:
         """Forget the last episode, and begin again with the random numbers of the seed."""
-        self._places: Integers = np.empty(0, np.intp)
-        self._has_headings, self._outward = False, dead_ends(self.graph)
+        super().reset()
+        self._outward = dead_ends(self.graph)
 
-    def next_cells(self, situation: Situation) -> Integers:
-        """Return the cell of each robot after the next joint step, ``[R]``."""
-        return self._next(situation, situation.cells, has_headings=False)
-
-    def next_places(self, situation: Situation, headings: Integers) -> Integers:
-        """Return the place of each robot after the next joint step; see ``HeadedPlanner``."""
-        places = headings * self.graph.size + situation.cells
-        return self._next(situation, places, has_headings=True)
-
-    def _next(self, situation: Situation, places: Integers, *, has_headings: bool) -> Integers:
+    def _choose(self, situation: Situation, places: Integers) -> Integers:
         """Return the next place of each robot, given its present one."""
-        deadline, robots = perf_counter() + self.seconds, len(places)
-        if not robots:
-            return situation.cells
-        if robots != len(self._places) or has_headings != self._has_headings:
-            self._begin(robots, has_headings)
+        deadline = perf_counter() + self.seconds
         self._read(situation, places)
         best, made = None, 0
         while made < self.samples and (made == 0 or perf_counter() < deadline):
@@ -127,7 +114,7 @@ class Circulation:
 
     def _begin(self, robots: int, has_headings: bool) -> None:
         """Begin an episode of so many robots."""
-        self._has_headings, graph = has_headings, self.graph
+        graph = self.graph
         flat = graph.with_costs(graph.costs) if graph.turn_cost else graph
         self._fields = HeadedFields(graph) if has_headings else Fields(flat)
         self._random = np.random.default_rng(self.seed)

@@ -16,7 +16,7 @@ from agents.mapf.kernels.floor import NONE, STAY
 from agents.mapf.kernels.operations import CHOSEN, FREE, Crew, crew_of, improve, plan
 from agents.mapf.kernels.rounds import NOBODY
 from agents.mapf.memory import Memory
-from agents.mapf.planner import Situation
+from agents.mapf.planner import PlacePlanner, Situation
 from warehouse_core.arguments import instance_of, real_number, seed_number, whole_number
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.moves import FORWARD, LEFT, RIGHT
@@ -31,7 +31,7 @@ MAX_TRIES = 100.0
 """Most times that robots choose once more."""
 
 
-class EPIBT:
+class EPIBT(PlacePlanner):
     """A planner by EPIBT, for robots with and without headings.
 
     The priority of a robot is the number of steps since it was at a goal of its own; urgent robots
@@ -65,25 +65,12 @@ class EPIBT:
 
     def reset(self) -> None:
         """Forget the last episode, and begin again with the random numbers of the seed."""
-        self._memory = Memory(self.graph, np.empty(0))
-        self._has_headings, self._outward = False, outward_cells(self.graph)
+        super().reset()
+        self._outward = outward_cells(self.graph)
 
-    def next_cells(self, situation: Situation) -> Integers:
-        """Return the cell of each robot after the next joint step, ``[R]``."""
-        return self._next(situation, situation.cells, has_headings=False)
-
-    def next_places(self, situation: Situation, headings: Integers) -> Integers:
-        """Return the place of each robot after the next joint step; see ``HeadedPlanner``."""
-        places = headings * self.graph.size + situation.cells
-        return self._next(situation, places, has_headings=True)
-
-    def _next(self, situation: Situation, places: Integers, *, has_headings: bool) -> Integers:
+    def _choose(self, situation: Situation, places: Integers) -> Integers:
         """Return the next place of each robot, given its present one."""
         cells, goals, stays, closed, urgent = situation
-        if not len(cells):
-            return cells
-        if len(cells) != len(self._memory.goals) or has_headings != self._has_headings:
-            self._begin(len(cells), has_headings)
         crew, fields, size = self._crew, self._fields, self.graph.size
         robot_in, is_closed = np.full(size, NOBODY), np.zeros(size, np.intp)
         robot_in[cells] = np.arange(len(cells))
@@ -112,7 +99,6 @@ class EPIBT:
 
     def _begin(self, robots: int, has_headings: bool) -> None:
         """Begin an episode of so many robots."""
-        self._has_headings = has_headings
         self._fields = PackedFields(self.graph) if has_headings else Fields(self.graph)
         self._memory = Memory(self.graph, np.random.default_rng(self.seed).random(robots))
         self._crew = crew_on(self._fields, self.window, robots, self.seed)

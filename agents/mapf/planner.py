@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import time
+from abc import ABC, abstractmethod
 from typing import NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
@@ -189,6 +190,46 @@ class PushingPlanner(Protocol):
     """
 
     pushers: Integers
+
+
+class PlacePlanner(ABC):
+    """Base of planners that choose places, with headings and without, where places are cells.
+
+    A subclass chooses places in ``_choose``, after it has begun an episode in ``_begin``.
+    """
+
+    graph: Graph
+
+    def reset(self) -> None:
+        """Forget the last episode, and begin again with the random numbers of the seed."""
+        self._begun_for = 0, False
+
+    def next_cells(self, situation: Situation) -> Integers:
+        """Return the cell of each robot after the next joint step, ``[R]``."""
+        return self._next(situation, situation.cells, has_headings=False)
+
+    def next_places(self, situation: Situation, headings: Integers) -> Integers:
+        """Return the place of each robot after the next joint step; see ``HeadedPlanner``."""
+        places = headings * self.graph.size + situation.cells
+        return self._next(situation, places, has_headings=True)
+
+    def _next(self, situation: Situation, places: Integers, *, has_headings: bool) -> Integers:
+        """Return the next place of each robot, given its present one."""
+        if not len(places):
+            return situation.cells
+        episode = len(places), has_headings
+        if episode != self._begun_for:
+            self._begin(*episode)
+            self._begun_for = episode
+        return self._choose(situation, places)
+
+    @abstractmethod
+    def _begin(self, robots: int, has_headings: bool) -> None:
+        """Begin an episode of so many robots."""
+
+    @abstractmethod
+    def _choose(self, situation: Situation, places: Integers) -> Integers:
+        """Return the next place of each robot, given its present one."""
 
 
 def solve_by_steps(planner: Planner, problem: Problem, seconds: float) -> Plan:

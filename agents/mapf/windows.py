@@ -194,8 +194,8 @@ class WindowedPlanner:
         self._fields = HeadedFields(self.graph) if has_headings else Fields(self.graph)
         floor, times = self._fields.floor, self.window + 1
         self._team: Team | Crew | Crowd
-        self._outward = dead_ends(self.graph)
         if self.circulates:
+            self._outward = dead_ends(self.graph)
             self._team = crowd_on(self._fields, robots, self.patience or 1)
         elif has_headings:
             self._team = crew_on(self._fields, CREW_WINDOW, robots, self.seed)

@@ -1,6 +1,6 @@
 """One joint step as a circulation: all robots choose at once who goes where.
 
-In a step the robots move in chains, each of which ends in an empty cell, and in cycles. Here they
+In a step the robots move in chains, each of which ends in an empty cell, and in rings. Here they
 are chosen together, so that the sum of what all robots gain is most: robots are matched to the
 cells in which and beside which they are, by an auction. Where two would change places, one of the
 two moves is forbidden, and the auction is held again. On floors that are nearly full, where robots
