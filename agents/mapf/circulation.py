@@ -12,7 +12,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.epibt import outward_cells
-from agents.mapf.graph import CLOSED, Fields, Graph
+from agents.mapf.graph import CLOSED, Fields, Graph, robots_in
 from agents.mapf.headed import HeadedFields
 from agents.mapf.kernels.buffers import buffer_of, prepare
 from agents.mapf.kernels.circulation import Crowd, crowd_of, foresee
@@ -164,8 +164,7 @@ def crowd_on(fields: Fields, robots: int, unit: int) -> Crowd:
 
 def kept_aims(size: int, cells: Integers, aims: Integers) -> Integers:
     """Return where robots have moves to, without those whose way others will not clear, ``[R]``."""
-    robot_in, aims = np.full(size, NOBODY), aims.copy()
-    robot_in[cells] = np.arange(len(cells))
+    robot_in, aims = robots_in(size, cells), aims.copy()
     while True:
         before = robot_in[aims]
         is_blocked = (aims != NONE) & (before != NOBODY) & (aims[before] == NONE)
@@ -191,8 +190,7 @@ def waits_for_exits(outward: Integers, cells: Integers, goals: Integers) -> NDAr
     a robot goes nowhere, and gives way, while others that go elsewhere are between it and its goal.
     ``outward`` is from ``dead_ends``.
     """
-    robot_in, waits = np.full(len(outward), NOBODY), np.zeros(len(cells), np.bool_)
-    robot_in[cells] = np.arange(len(cells))
+    robot_in, waits = robots_in(len(outward), cells), np.zeros(len(cells), np.bool_)
     goes = goals != cells
     for robot in np.flatnonzero(goes & (outward[goals] != NONE)).tolist():
         cell, is_met = int(goals[robot]), False

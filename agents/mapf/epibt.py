@@ -9,7 +9,7 @@ from itertools import product
 
 import numpy as np
 
-from agents.mapf.graph import CLOSED, Fields, Graph
+from agents.mapf.graph import CLOSED, Fields, Graph, robots_in
 from agents.mapf.headed import HeadedFields, PackedFields
 from agents.mapf.kernels.buffers import buffer, buffer_of, prepare
 from agents.mapf.kernels.floor import NONE, STAY
@@ -72,8 +72,7 @@ class EPIBT(PlacePlanner):
         """Return the next place of each robot, given its present one."""
         cells, goals, stays, closed, urgent = situation
         crew, fields, size = self._crew, self._fields, self.graph.size
-        robot_in, is_closed = np.full(size, NOBODY), np.zeros(size, np.intp)
-        robot_in[cells] = np.arange(len(cells))
+        is_closed = np.zeros(size, np.intp)
         is_closed[closed] = 1
         rows = fields.rows(np.where(goals == cells, size, goals))  # who is there just gives way
         leaving = self._leaving(rows, cells)
@@ -82,7 +81,7 @@ class EPIBT(PlacePlanner):
         for kept, new in (
             (crew.places, places), (crew.rows, rows * fields.matrix.shape[1]), (crew.order, order),
             (crew.states, np.where(stays, CHOSEN, FREE)),
-            (crew.is_fixed, stays.astype(np.int64)), (crew.robot_in, robot_in),
+            (crew.is_fixed, stays.astype(np.int64)), (crew.robot_in, robots_in(size, cells)),
             (crew.is_closed, is_closed),
         ):  # fmt: skip
             kept[:] = buffer_of(new)

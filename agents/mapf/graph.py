@@ -206,6 +206,13 @@ class Graph:
         return Edges(end, start, costs.astype(np.float64), self.places)
 
 
+def robots_in(size: int, cells: Integers) -> Integers:
+    """Return the robot in each of so many cells, or ``NONE``, given the cells of robots."""
+    found = np.full(size, NONE)
+    found[cells] = np.arange(len(cells))
+    return found
+
+
 def in_parts(graph: Graph) -> Graph:
     """Return a graph whose costs are whole numbers of parts of a step, one or more if not 0.
 

@@ -7,7 +7,7 @@ from typing import Any, cast
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.mapf.graph import Fields, Graph
+from agents.mapf.graph import Fields, Graph, robots_in
 from agents.mapf.kernels.buffers import IS_COMPILED, buffer_of, prepare
 from agents.mapf.kernels.floor import FAR, STAY
 from agents.mapf.kernels.rounds import (
@@ -92,8 +92,7 @@ class PIBT:
         is_taken = np.zeros(self.graph.size, np.int64)
         is_taken[closed] = CLOSED
         is_taken[cells[stays]] = CHOSEN
-        robot_in = np.full(self.graph.size, NOBODY)
-        robot_in[cells] = np.arange(len(cells))
+        robot_in = robots_in(self.graph.size, cells)
         rows = self.fields.rows(goals)
         team = self._team
         for kept, new in (

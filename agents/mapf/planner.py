@@ -10,7 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.errors import PlanError
-from agents.mapf.graph import CLOSED, Graph
+from agents.mapf.graph import CLOSED, Graph, robots_in
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.motion.base import Motion
 from warehouse_core.wording import brief, counted
@@ -318,8 +318,7 @@ def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
     meets = (found[first] == found[second]) & (moves[first] | moves[second])
     for one, other in zip(first[meets][:1], second[meets][:1], strict=True):
         raise PlanError(f"robots {one} and {other} are both to be in {place(found[one])}")
-    robot_in = np.full(graph.size, -1)
-    robot_in[cells] = np.arange(len(cells))
+    robot_in = robots_in(graph.size, cells)
     other_in = robot_in[found]
     swaps = moves & (other_in >= 0) & (found[other_in] == cells)
     for one in np.flatnonzero(swaps)[:1]:

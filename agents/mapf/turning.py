@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import numpy as np
 
+from agents.mapf.graph import robots_in
 from agents.mapf.kernels.rounds import NOBODY
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.world.actions import WAIT
@@ -27,8 +28,7 @@ def with_turns(problem: Problem, plan: Plan) -> Plan:
     move, end = np.searchsorted(mover, [np.arange(robots), np.arange(1, robots + 1)])
     cell, headings = cells[0].copy(), np.array(problem.headings, np.intp)
     left = np.zeros(graph.size, np.intp)  # visits of each cell that are over
-    robot_in = np.full(graph.size, NOBODY)
-    robot_in[cell] = np.arange(robots)
+    robot_in = robots_in(graph.size, cell)
     all_cells, all_headings = [cell.copy()], [headings.copy()]
     while (active := np.flatnonzero(move < end)).size:
         quarters = (course[move[active]] - headings[active]) % len(HEADINGS)

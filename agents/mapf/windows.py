@@ -27,7 +27,7 @@ from agents.mapf.circulation import (
     waits_for_exits,
 )
 from agents.mapf.epibt import crew_on
-from agents.mapf.graph import Fields, Graph
+from agents.mapf.graph import Fields, Graph, robots_in
 from agents.mapf.headed import HeadedFields
 from agents.mapf.kernels.buffers import buffer_of, prepare
 from agents.mapf.kernels.circulation import Crowd
@@ -309,8 +309,7 @@ class WindowedPlanner:
         if not is_lost.any():
             return True
         places[:, 0] = self._here
-        robot_in = np.full(size, NONE)
-        robot_in[self._here % size] = np.arange(len(places))
+        robot_in = robots_in(size, self._here % size)
         # Whoever was to enter the cell of one of these cannot go on either.
         follows = robot_in[there % size]
         while True:

@@ -12,7 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from agents.mapf.graph import CLOSED, Graph
+from agents.mapf.graph import CLOSED, Graph, robots_in
 from warehouse_core.world.moves import FORWARD, HEADING_AFTER
 from warehouse_core.world.tables import Integers
 
@@ -58,9 +58,7 @@ def action_error(
         return ActionError(NOBODY, NOBODY, "incorrect vector size")
     reached, _ = result_of(graph, cells, headings, actions)
     if len(np.unique(reached)) == len(cells) and (reached != CLOSED).all():
-        robot_in = np.full(graph.size, NOBODY)
-        robot_in[cells] = np.arange(len(cells))
-        other = robot_in[reached]
+        other = robots_in(graph.size, cells)[reached]
         if not ((reached != cells) & (other != NOBODY) & (reached[other] == cells)).any():
             return None
     first: dict[int, int] = {}
