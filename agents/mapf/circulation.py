@@ -136,8 +136,7 @@ class Circulation(PlacePlanner):
         weights = np.minimum(self.patience + self._memory.ages, MOST_PATIENCES * self.patience)
         weights[urgent] *= URGENCY
         rows, crowd = self._fields.rows(goals), self._crowd
-        is_closed = np.zeros(self.graph.size, np.intp)
-        is_closed[closed] = 1
+        is_closed = self.graph.closed_with(closed)
         aims = np.where(
             (places == self._places) & ~stays & (is_closed[self._aims] == 0), self._aims, NONE
         )

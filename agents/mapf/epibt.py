@@ -72,8 +72,7 @@ class EPIBT(PlacePlanner):
         """Return the next place of each robot, given its present one."""
         cells, goals, stays, closed, urgent = situation
         crew, fields, size = self._crew, self._fields, self.graph.size
-        is_closed = np.zeros(size, np.intp)
-        is_closed[closed] = 1
+        is_closed = self.graph.closed_with(closed)
         rows = fields.rows(np.where(goals == cells, size, goals))  # who is there just gives way
         leaving = self._leaving(rows, cells)
         order = self._memory.order(cells, goals, np.concatenate([urgent, leaving]))
@@ -107,10 +106,11 @@ def crew_on(fields: Fields, window: int, robots: int, seed: int | None) -> Crew:
     """Return the buffers of robots that choose their actions for the steps of a window."""
     graph, has_headings = fields.graph, isinstance(fields, HeadedFields)
     beside = graph.neighbours[:, :WAIT]
-    is_shut = (beside == CLOSED) | np.isin(beside, list(graph.closed))
     ways = turning_operations(window) if has_headings else operations(window)
     columns = fields.columns if isinstance(fields, PackedFields) else None
-    return crew_of(np.where(is_shut, NONE, beside), ways, robots, seed, has_headings, columns)
+    return crew_of(
+        np.where(beside == CLOSED, NONE, beside), ways, robots, seed, has_headings, columns
+    )
 
 
 def outward_cells(graph: Graph) -> Integers:

@@ -145,6 +145,12 @@ class Graph:
         self._fields.clear()
         self.__dict__.pop("_edges", None)
 
+    def closed_with(self, cells: Integers) -> Integers:
+        """Return 1 for cells that are closed and those given, 0 for the others, ``[size]``."""
+        found = np.zeros(self.size, np.intp)
+        found[[*self.closed, *cells.tolist()]] = 1
+        return found
+
     def distances(self, goal: int, keep: bool = True) -> Costs:
         """Return the cost of the cheapest way from each place to a goal, ``[places]`` float32.
 

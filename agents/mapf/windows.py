@@ -45,7 +45,7 @@ from agents.mapf.kernels.ways import (
     reserve_only,
 )
 from agents.mapf.memory import Memory
-from agents.mapf.planner import Situation
+from agents.mapf.planner import NO_CELLS, Situation
 from warehouse_core.arguments import (
     flag,
     instance_of,
@@ -235,9 +235,12 @@ class WindowedPlanner:
             self._team.goals[:], self._team.rows[:] = ways.goals, ways.rows
             weights = np.minimum(ways.weights, MOST_PATIENCES * self._team.unit)
             self._team.weights[:], self._team.is_fixed[:] = buffer_of(weights), ways.stays
+        if not isinstance(self._team, Team):
+            self._team.is_closed[:] = buffer_of(self.graph.closed_with(NO_CELLS))
         for cell in ways.closed:
             ways.is_closed[cell] = 0
-        self._ways = ways._replace(closed=buffer_of(situation.closed))
+        passing = [cell for cell in situation.closed.tolist() if cell not in self.graph.closed]
+        self._ways = ways._replace(closed=buffer_of(np.array(passing, np.intp)))
         for cell in self._ways.closed:
             ways.is_closed[cell] = 1
 

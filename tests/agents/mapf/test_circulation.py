@@ -164,18 +164,6 @@ def test_robots_that_meet_in_a_dead_end_come_past_each_other(
     assert cells[0] == 20
 
 
-def test_cells_that_are_closed_and_opened_again_can_be_entered() -> None:
-    graph, cells = Graph(Layout(["....."])), np.array([0])
-    graph.close(frozenset({2}))
-    planner = Circulation(graph)
-    for step in range(7):
-        if step == 3:
-            graph.close(frozenset())
-        closed = np.array(sorted(graph.closed), np.intp)
-        cells = planner.next_cells(situation(cells, np.array([4]))._replace(closed=closed))
-    assert cells.tolist() == [4]
-
-
 def test_costs_below_a_step_lead_to_the_goal() -> None:
     layout = Layout(["........"])
     graph = Graph(layout, np.full((8, 4), 0.1, np.float32))

@@ -1,19 +1,25 @@
 """Graphs of layouts, the distances in them, and planners that count turns."""
 
+from collections.abc import Callable
+from functools import partial
 from itertools import pairwise, product
+from typing import Any
 
 import numpy as np
 import pytest
+from helpers.mapf_problems import situation
 
 from agents.errors import AgentError, PlanError
 from agents.mapf import graph as module
+from agents.mapf.circulation import Circulation
+from agents.mapf.epibt import EPIBT
 from agents.mapf.graph import CLOSED, Fields, Graph
 from agents.mapf.headed import HeadedFields, PackedFields
 from agents.mapf.kernels.floor import FAR
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
-from agents.mapf.planner import NO_CELLS, Planner, Situation, check_step
+from agents.mapf.planner import NO_CELLS, HeadedPlanner, Planner, Situation, check_step
 from agents.mapf.problem import Problem
 from agents.mapf.windows import WindowedPlanner
 from agents.registry import make_planner
@@ -61,6 +67,48 @@ def test_nowhere_is_as_far_from_all_cells(kind: type[Fields]) -> None:
     rows = fields.rows(np.array([0, fields.graph.size, 1]))
     assert (fields.matrix[rows[1]] == 0).all()
     assert fields.matrix[rows[[0, 2]]].any(axis=1).all()
+
+
+@pytest.mark.parametrize("kind", [Fields, HeadedFields, PackedFields])
+def test_rows_follow_the_cells_that_are_closed(kind: type[Fields]) -> None:
+    graph, goals = Graph(ROOM), np.array([0, 7])
+    fields = kind(graph)
+    for closed in ([], [5], [], [6]):
+        graph.close(frozenset(closed))
+        fresh = kind(graph)
+        rows, expected = fields.rows(goals), fresh.rows(goals)
+        assert np.array_equal(fields.matrix[rows], fresh.matrix[expected]), closed
+        assert np.array_equal(fields.near, fresh.near), closed
+
+
+HEADED = [EPIBT, Circulation, WindowedPlanner, partial(WindowedPlanner, circulates=True)]
+
+
+@pytest.mark.parametrize("make", [PIBT, *HEADED])
+def test_closed_cells_are_entered_once_they_are_open(make: Callable[[Graph], Planner]) -> None:
+    assert cells_after_openings(make, has_headings=False) == [2]
+
+
+@pytest.mark.parametrize("make", HEADED)
+def test_robots_with_headings_know_of_closed_cells(make: Callable[[Graph], HeadedPlanner]) -> None:
+    assert cells_after_openings(make, has_headings=True) == [2]
+
+
+def cells_after_openings(make: Callable[[Graph], Any], *, has_headings: bool) -> list[int]:
+    """Return the last cell of a robot that is led round closed cells, and then into one of them."""
+    graph = Graph(Layout([".....", ".###.", "....."]))
+    planner, cells, headings = make(graph), np.array([0]), np.array([1])
+    for step in range(40):
+        graph.close(frozenset([[2], [], [2], [12], []][min(step // 2, 4)]))
+        closed = np.array(sorted(graph.closed), np.intp)
+        given = situation(cells, [4 if step < 20 else 2])._replace(closed=closed)
+        if has_headings:
+            headings, cells = np.divmod(planner.next_places(given, headings), graph.size)
+        else:
+            cells = planner.next_cells(given)
+        assert cells[0] not in graph.closed
+        assert step != 19 or cells[0] == 4
+    return cells.tolist()
 
 
 def test_large_matrices_are_reserved_once(monkeypatch: pytest.MonkeyPatch) -> None:
