@@ -26,7 +26,7 @@ import numpy as np
 
 from agents.errors import AgentError, reason_of
 from agents.fleet.charging import costs_around_chargers
-from agents.fleet.guided import Guided, on_aisles, on_lanes, on_learned
+from agents.fleet.guided import Guided, on_aisles, on_directed, on_lanes, on_learned
 from agents.fleet.planned import DEFAULT_ASSIGNMENT, PlannedFleet
 from agents.fleet.team import Team
 from agents.kinds.goal_based import GoalBasedAgent
@@ -87,8 +87,10 @@ PLANNERS: dict[str, Callable[..., Planner]] = {
     "windowed": WindowedPlanner,
     "windowed-lanes": Guided(WindowedPlanner, on_lanes),
     "windowed-learned": Guided(WindowedPlanner, on_learned),
+    "windowed-directed": Guided(WindowedPlanner, on_directed("windowed")),
     "circulation": Circulation,
     "circulation-lanes": Guided(Circulation, on_lanes),
+    "circulation-directed": Guided(Circulation, on_directed("circulation")),
     "timed": TimedPlanner,
     "timed-lanes": Guided(TimedPlanner, on_lanes),
 }

@@ -7,16 +7,16 @@ from functools import lru_cache
 from inspect import Parameter, Signature, signature
 from typing import Any
 
-import numpy as np
-
 from agents.fleet.charging import costs_around_chargers
 from agents.mapf.graph import Costs, Graph
-from agents.mapf.lanes import WRONG_WAY, aisle_costs, lane_costs, learned_costs
+from agents.mapf.lanes import WRONG_WAY, aisle_costs, lane_costs
 from agents.mapf.planner import Planner
+from agents.mapf.traffic import TRIAL_SEED, directed_costs, learned_costs, station_goals
+from agents.mapf.traffic import TRIALS as DIRECTING
 from warehouse_core import Layout
 
-TRIALS, TRIAL_SEED = 16, 1_000_000
-"""Runs that costs are learned from, and seed of the first, which no episode shares."""
+TRIALS = 16
+"""Runs that costs are learned from."""
 
 
 class Guided:
@@ -59,17 +59,29 @@ def on_learned(
     return Graph(layout, costs_around_chargers(layout, costs))
 
 
+def on_directed(planner: str) -> Callable[..., Graph]:
+    """Return what makes the graph of a floor with ``directed_costs`` by trials of a planner."""
+    kind = DIRECTING[planner]
+
+    def made(
+        layout: Layout,
+        robots: int,
+        wrong_way: float = kind.wrong_way,
+        trials: int = kind.number,
+        trial_seed: int = TRIAL_SEED,
+    ) -> Graph:
+        costs = directed_costs(layout, robots, planner, wrong_way, trials, trial_seed)
+        return Graph(layout, costs_around_chargers(layout, costs))
+
+    return made
+
+
 @lru_cache(maxsize=16)
 def learned_fleet_costs(layout: Layout, robots: int, trials: int, seed: int) -> Costs:
     """Return ``learned_costs`` of a fleet, whose goals are stations: half of them dropoffs.
 
     They are learned once in a process, and are not to be changed.
     """
-    pickups, dropoffs = (layout.numbers(cells) for cells in (layout.pickups, layout.dropoffs))
-    goals = np.concatenate(
-        [np.tile(pickups, max(len(dropoffs), 1)), np.tile(dropoffs, max(len(pickups), 1))]
-    )
-    known = goals if len(goals) > 1 else None
-    costs = learned_costs(layout, robots, trials, seed=seed, goals=known)
+    costs = learned_costs(layout, robots, trials, seed=seed, goals=station_goals(layout))
     costs.flags.writeable = False
     return costs

@@ -284,6 +284,11 @@ class Fields:
                 self._measure(goal, self.matrix[row])
         return self._row_of[goals]
 
+    def distances(self, goals: Integers, places: Integers) -> NDArray[np.int64]:
+        """Return the distance of each place from a goal; all are of the same length."""
+        rows = self.rows(goals)
+        return self.matrix[rows, places].astype(np.int64)
+
     def nearest(self, rows: Integers, cells: Integers) -> Integers:
         """Return the distance of each cell from the goal of a row, by the best heading."""
         places = np.arange(0, self.graph.places, self.graph.size) + cells[:, None]

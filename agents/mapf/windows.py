@@ -44,6 +44,7 @@ from agents.mapf.kernels.ways import (
     reserve,
     reserve_only,
 )
+from agents.mapf.leading import Leading
 from agents.mapf.memory import Memory
 from agents.mapf.planner import NO_CELLS, Situation
 from warehouse_core.arguments import (
@@ -72,11 +73,6 @@ CREW_WINDOW = 3
 MAX_WINDOW = 10_000
 """Limit on the steps of a window, each of which takes memory for all cells."""
 
-JAM, JAM_SHARE = 50, 0.125
-"""Steps without a goal after which a robot that is led counts as two, as three after twice as many,
-and so on; and by what share fewer robots are led at most, so that jams dissolve.
-"""
-
 MAX_STATES = 2**31
 """States of a search in a window, which are numbers of 32 bits; each takes up to 24 bytes."""
 
@@ -91,8 +87,8 @@ class WindowedPlanner:
         seconds: time in each step after which no more groups are planned anew.
         seed: seed of the order in groups.
         led: most robots that are led to their goals at a time, first those nearest to them; others
-            give way until one has arrived. Robots that are in a jam count as several. In crowds
-            more goals are reached so. The default is all.
+            give way. Few are led into the same region, and who comes no nearer to its goal rests.
+            In crowds more goals are reached so. The default is all.
         fresh: steps after which a plan made anew may take the place of the one that goes on.
         patience: steps without a goal, at most ``MAX_PATIENCE``, after which the cost of a robot
             counts twice as much, thrice after as many again, and so on. In crowds fewer robots are
@@ -205,7 +201,9 @@ class WindowedPlanner:
         self._frontier = new_frontier(floor, self._ways)
         self._groups = new_groups(robots, times, self.seed)
         self._since = self.fresh
-        self._is_led, self._wanted = np.zeros(robots, np.bool_), np.full(robots, NONE)
+        self._leading = None
+        if self.led is not None:
+            self._leading = Leading(self.graph, robots, self.led, self.seed)
         ranks = np.random.default_rng(self.seed).permutation(robots) / robots
         self._memory = Memory(self.graph, ranks)
         self._places = np.asarray(self._ways.places).reshape(robots, times)
@@ -216,8 +214,9 @@ class WindowedPlanner:
         graph, cells, goals = self._fields.graph, situation.cells, situation.goals
         if self.circulates:
             goals = np.where(waits_for_exits(self._outward, cells, goals), cells, goals)
-        if self.led is not None:
-            goals = self._led_to(situation._replace(goals=goals), self.led)
+        if self._leading is not None:
+            distances = self._fields.distances(goals, self._here)
+            goals = self._leading.goals(situation._replace(goals=goals), distances)
         rows = self._fields.rows(goals)
         is_away = self._fields.matrix[rows, self._here] == FAR
         if is_away.any():  # a goal that no way leads to is as none
@@ -243,21 +242,6 @@ class WindowedPlanner:
         self._ways = ways._replace(closed=buffer_of(np.array(passing, np.intp)))
         for cell in self._ways.closed:
             ways.is_closed[cell] = 1
-
-    def _led_to(self, situation: Situation, most: int) -> Integers:
-        """Return the goals of robots that are led, and the cells of the others."""
-        cells, goals = situation.cells, situation.goals
-        self._is_led &= (goals == self._wanted) & (goals != cells)
-        self._wanted = goals
-        rows = self._fields.rows(goals)
-        distances = self._fields.matrix[rows, self._here].astype(np.int64)
-        distances[situation.urgent] -= FAR
-        others = np.flatnonzero(~self._is_led & (goals != cells))
-        ages = self._memory.ages[self._is_led]
-        in_jams = min(int((ages // JAM).sum()), int(JAM_SHARE * most))
-        free = max(most - len(ages) - in_jams, 0)
-        self._is_led[others[np.argsort(distances[others], kind="stable")[:free]]] = True
-        return np.where(self._is_led, goals, cells)
 
     def _continue(self, situation: Situation) -> None:
         """Continue the last plan, or make a new one if that is better."""

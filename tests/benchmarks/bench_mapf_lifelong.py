@@ -8,10 +8,11 @@ import numpy as np
 import pytest
 
 from agents.mapf.graph import Graph
-from agents.mapf.lanes import lane_costs, learned_costs
+from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import GraphPlanner
+from agents.mapf.traffic import learned_costs
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import random_layout
 from warehouse_core.world.generators import kiva_warehouse

@@ -13,9 +13,10 @@ import numpy as np
 from pogema import GridConfig, pogema_v0
 
 from agents.mapf.graph import Graph
-from agents.mapf.lanes import lane_costs, learned_costs
+from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Situation
+from agents.mapf.traffic import learned_costs
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core.world.layout import Layout
 

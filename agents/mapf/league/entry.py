@@ -13,7 +13,7 @@ import numpy as np
 
 from agents.mapf.graph import Graph
 from agents.mapf.league.rules import WAITING, result_of
-from agents.mapf.league.scheduler import Scheduler
+from agents.mapf.league.scheduler import Scheduler, is_full, most_busy
 from agents.mapf.league.tasks import NO_TASK, LeagueTask
 from agents.mapf.planner import NO_CELLS, HeadedPlanner, Situation, check_turns
 from warehouse_core.world.moves import FORWARD, HEADINGS, LEFT, RIGHT
@@ -137,6 +137,21 @@ def foreseen(view: View) -> tuple[dict[int, LeagueTask], Integers]:
     return known, schedule
 
 
+def first_robots(graph: Graph, cells: Integers, errands: list[list[int]]) -> Integers:
+    """Return which robots go first on a full floor: those that have least left to do.
+
+    What is left is the sum of Manhattan distances from cell to cell.
+    """
+    open_cells = len(graph.layout.open_cells)
+    if not is_full(open_cells, len(cells)):
+        return NO_CELLS
+    ways = [[cell, *each] for cell, each in zip(cells.tolist(), errands, strict=True)]
+    legs = [np.diff(graph.layout.places(np.array(way)), axis=0) for way in ways]
+    left = np.array([np.abs(each).sum() for each in legs])
+    busy = np.flatnonzero([bool(each) for each in errands])
+    return busy[np.argsort(left[busy], kind="stable")[: most_busy(open_cells, len(cells))]]
+
+
 def plan_steps(
     graph: Graph,
     planner: HeadedPlanner,
@@ -152,14 +167,16 @@ def plan_steps(
         planner: planner of the floor.
         cells: ``[R]``, cells of the robots.
         headings: ``[R]``, their headings.
-        errands: cells that each robot is to visit in turn; one that has none gives way.
+        errands: cells that each robot is to visit in turn; one that has none gives way. On a full
+            floor those of ``first_robots`` go first.
         steps: number of steps.
     """
     actions = np.full((len(cells), steps), WAITING)
     nobody, done = np.zeros(len(cells), np.bool_), [0] * len(cells)
     goals = np.array([(each or [cell])[0] for each, cell in zip(errands, cells, strict=True)])
+    urgent = first_robots(graph, cells, errands)
     for step in range(steps):
-        situation = Situation(cells, goals, nobody, NO_CELLS)
+        situation = Situation(cells, goals, nobody, NO_CELLS, urgent)
         places = check_turns(graph, situation, headings, planner.next_places(situation, headings))
         turned, reached = np.divmod(places, graph.size)
         quarters = (turned - headings) % len(HEADINGS)

@@ -33,6 +33,11 @@ Beyond it only robots without a task get one, in several matchings.
 CROWD = 2000
 """Robots above which planning in windows takes too long."""
 
+FULL = 0.9
+"""Robots for each open cell above which a floor is full: robots move in rings there, and all have
+tasks, so that as many as can be join in.
+"""
+
 BUSY_BY_CELL, BUSY_BY_ROBOT = 0.2275, 0.19
 """Most robots with tasks at a time for each open cell, and more of them for each robot."""
 
@@ -54,6 +59,8 @@ KEEP = 1.0
 def most_busy(open_cells: int, robots: int) -> int:
     """Return how many robots are to have tasks at a time; more would block one another.
 
+    On a floor that is full it is how many go first, see ``entry.py``.
+
     Example:
         >>> from agents.mapf.league.scheduler import most_busy
         >>> most_busy(open_cells=819, robots=400), most_busy(open_cells=819, robots=800)
@@ -65,6 +72,11 @@ def most_busy(open_cells: int, robots: int) -> int:
     if robots > CROWD:
         most = min(BUSY_IN_CROWD * open_cells, open_cells - robots)
     return max(1, int(most))
+
+
+def is_full(open_cells: int, robots: int) -> bool:
+    """Return whether a floor is full; see ``FULL``. Those of more than ``CROWD`` robots are not."""
+    return robots <= CROWD and robots > FULL * open_cells
 
 
 class Scheduler:
@@ -122,7 +134,10 @@ class Scheduler:
             weight = TRIP_WEIGHT
         tasks = self._open_tasks(known, taken)
         busy = int((np.delete(schedule, robots) != NO_TASK).sum())
-        room = most_busy(len(self._graph.layout.open_cells), len(cells)) - busy
+        open_cells, most = len(self._graph.layout.open_cells), len(cells)
+        if not is_full(open_cells, most):
+            most = most_busy(open_cells, most)
+        room = most - busy
         held = schedule.copy()
         schedule[robots] = NO_TASK
         while len(robots) and tasks and room > 0:

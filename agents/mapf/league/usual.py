@@ -8,29 +8,29 @@ from typing import Any
 from agents.mapf.circulation import Circulation
 from agents.mapf.epibt import EPIBT
 from agents.mapf.graph import Costs, Graph
-from agents.mapf.lanes import aisle_costs, lane_costs
-from agents.mapf.league.scheduler import CROWD, most_busy
+from agents.mapf.lanes import aisle_costs
+from agents.mapf.league.scheduler import CROWD, is_full, most_busy
 from agents.mapf.planner import HeadedPlanner
+from agents.mapf.traffic import directed_costs
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core.world.layout import Layout
 
-SHARE, GROUPS, SAMPLES = 0.8, 100, 1000
-"""Share of a step in which ``windowed`` and ``circulation`` look for better plans, most groups of
-``windowed`` for each robot, and most plans that ``circulation`` compares.
+SHARE, SAMPLES = 0.8, 1000
+"""Share of a step in which planners look for better plans, and most plans that ``circulation``
+compares.
 """
 
-PATIENCE = 8
-"""Patience of ``windowed``."""
+GROUPS, DENSE_GROUPS, PATIENCE = 100, 15, 8
+"""Most groups of ``windowed`` for each robot, on dense floors too, and its patience."""
 
-DENSE, DENSE_WRONG_WAY = 0.6, 3.0
-"""Robots for each open cell above which ``windowed`` plans by circulations on lanes, and the cost
-of a move against a lane there.
+DENSE, DENSER = 0.4, 0.6
+"""Robots for each open cell above which ``windowed`` plans by circulations on a floor that is made
+one-way, and above which a move against the traffic costs more there. On full floors ``circulation``
+plans alone.
 """
 
-FULL, FULL_WRONG_WAY = 0.9, 4.0
-"""Robots for each open cell above which ``circulation`` plans alone, and the cost of a move against
-a lane there.
-"""
+DENSE_WRONG_WAY, DENSER_WRONG_WAY, FULL_WRONG_WAY = 3.0, 4.0, 9.0
+"""Costs of a move against all traffic on such floors."""
 
 WRONG_WAY, TRIES = 2.0, 2.0
 """Cost of a move against a lane of ``epibt-aisles``, which plans for crowds, and the mean number of
@@ -39,22 +39,29 @@ times that it lets a robot choose once more.
 
 
 def on_costs(
-    make: Callable[..., HeadedPlanner], costs_of: Callable[[Layout, float], Costs]
+    make: Callable[..., HeadedPlanner], costs_of: Callable[[Layout, int, float], Costs]
 ) -> Callable[..., HeadedPlanner]:
-    """Return what makes a planner on lanes, as the registry does for names such as ``-lanes``."""
+    """Return what makes a planner with costs of moves, as the registry does by name."""
 
-    def made(graph: Graph, wrong_way: float, **arguments: Any) -> HeadedPlanner:
-        return make(graph.with_costs(costs_of(graph.layout, wrong_way)), **arguments)
+    def made(graph: Graph, robots: int, wrong_way: float, **arguments: Any) -> HeadedPlanner:
+        costs = costs_of(graph.layout, robots, wrong_way)
+        return make(graph.with_costs(costs), **arguments)
 
     return made
 
 
+def directed_by(planner: str) -> Callable[[Layout, int, float], Costs]:
+    """Return ``directed_costs`` by trials of a planner."""
+    return lambda layout, robots, wrong_way: directed_costs(layout, robots, planner, wrong_way)
+
+
 PLANNERS: dict[str, Callable[..., HeadedPlanner]] = {
-    "circulation-lanes": on_costs(Circulation, lane_costs),
-    "epibt-aisles": on_costs(EPIBT, aisle_costs),
-    "windowed": WindowedPlanner,
-    "windowed-lanes": on_costs(WindowedPlanner, lane_costs),
+    "circulation-directed": on_costs(Circulation, directed_by("circulation")),
+    "epibt-aisles": on_costs(EPIBT, lambda layout, _, wrong_way: aisle_costs(layout, wrong_way)),
+    "windowed": lambda graph, robots, **arguments: WindowedPlanner(graph, **arguments),
+    "windowed-directed": on_costs(WindowedPlanner, directed_by("windowed")),
 }
+"""Functions that make a planner from a graph, the number of robots and its other arguments."""
 
 
 def usual_planner(open_cells: int, robots: int, seconds: float) -> tuple[str, dict[str, float]]:
@@ -65,23 +72,24 @@ def usual_planner(open_cells: int, robots: int, seconds: float) -> tuple[str, di
         robots: number of robots.
         seconds: time of the planner and the scheduler for a step.
     """
-    density, seconds = robots / open_cells, SHARE * seconds
+    seconds *= SHARE
     if robots > CROWD:
         return "epibt-aisles", {"wrong_way": WRONG_WAY, "tries": TRIES}
-    if density > FULL:
-        return "circulation-lanes", {
+    if is_full(open_cells, robots):
+        return "circulation-directed", {
             "wrong_way": FULL_WRONG_WAY, "samples": SAMPLES, "seconds": seconds
         }  # fmt: skip
     led = min(most_busy(open_cells, robots), robots)
-    found = {
-        "groups": GROUPS * robots, "seconds": seconds, "led": led, "patience": PATIENCE
-    }  # fmt: skip
-    if density > DENSE:
-        return "windowed-lanes", {"wrong_way": DENSE_WRONG_WAY, "circulates": True, **found}
-    return "windowed", found
+    found = {"seconds": seconds, "led": led, "patience": PATIENCE}
+    if robots > DENSE * open_cells:
+        wrong_way = DENSER_WRONG_WAY if robots > DENSER * open_cells else DENSE_WRONG_WAY
+        return "windowed-directed", {
+            "wrong_way": wrong_way, "circulates": True, "groups": DENSE_GROUPS * robots, **found
+        }  # fmt: skip
+    return "windowed", {"groups": GROUPS * robots, **found}
 
 
 def make_usual_planner(graph: Graph, robots: int, seconds: float) -> HeadedPlanner:
     """Return a planner of a floor; see ``usual_planner``."""
     name, arguments = usual_planner(len(graph.layout.open_cells), robots, seconds)
-    return PLANNERS[name](graph, **arguments)
+    return PLANNERS[name](graph, robots, **arguments)

@@ -58,8 +58,9 @@ def league(
         option(
             "--planner NAME",
             f"{options.PLANNER} It must know headings; arguments may follow, as in epibt:tries=10; "
-            "may be repeated. Default: windowed or circulation-lanes, which take at most "
-            f"{SHARE:.0%} of each step, or epibt-aisles for more than {CROWD:,} robots.",
+            "may be repeated. Default: windowed, or in crowds windowed-directed or "
+            f"circulation-directed, which take at most {SHARE:.0%} of each step, or epibt-aisles "
+            f"for more than {CROWD:,} robots.",
             show_default=False,
         ),
     ] = None,

@@ -12,13 +12,15 @@ from helpers.league import league_of
 from agents.errors import PlanError
 from agents.mapf.epibt import EPIBT
 from agents.mapf.graph import Graph
+from agents.mapf.league import scheduler
 from agents.mapf.league.checker import cells_of, check_result
-from agents.mapf.league.entry import PlannedEntry, View
+from agents.mapf.league.entry import PlannedEntry, View, first_robots, plan_steps
 from agents.mapf.league.result import Result, read_result, write_result
 from agents.mapf.league.rules import LETTERS
 from agents.mapf.league.scheduler import Scheduler
 from agents.mapf.league.simulator import play
-from warehouse_core import random_layout
+from agents.mapf.planner import Situation
+from warehouse_core import Layout, random_layout
 from warehouse_core.world.robot_runners import League
 
 ROW = (".....",)
@@ -37,8 +39,8 @@ def crowd(year: int, robots: int = 12) -> League:
 
 def play_ours(problem: League, steps: int) -> Result:
     graph = Graph(problem.layout)
-    scheduler = None if problem.strategy else Scheduler(graph, problem.revealed)
-    return play(problem, PlannedEntry(graph, EPIBT(graph), scheduler), steps, seconds=1000)
+    tasks = None if problem.strategy else Scheduler(graph, problem.revealed)
+    return play(problem, PlannedEntry(graph, EPIBT(graph), tasks), steps, seconds=1000)
 
 
 class Script:
@@ -106,6 +108,28 @@ def test_all_robots_wait_instead_of_an_action_with_an_error() -> None:
         (1, 0, 1, "vertex conflict"),
         (-1, -1, 3, "incorrect vector size"),
     ]
+
+
+def test_on_full_floors_robots_with_the_least_left_to_do_go_first(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    for name, value in (("FULL", 0.8), ("BUSY_BY_CELL", 0.0), ("BUSY_BY_ROBOT", 0.5)):
+        monkeypatch.setattr(scheduler, name, value)
+    graph = Graph(Layout(["....."] * 2))
+    # Seven, none, three, three, one, six, four, two and seven steps are left.
+    errands = [[4, 1], [], [5], [1, 2], [9], [9, 7], [6, 2, 3, 4], [9], [4, 0, 1]]
+    cells = np.arange(9)
+    assert first_robots(graph, cells, errands).tolist() == [4, 7, 2, 3]
+    assert first_robots(graph, cells[:8], errands[:8]).tolist() == []
+    noted = list[Any]()
+
+    class Noting(EPIBT):
+        def next_places(self, situation: Situation, headings: Any) -> Any:
+            noted.append(situation.urgent.tolist())
+            return super().next_places(situation, headings)
+
+    plan_steps(graph, Noting(graph), cells, np.ones(9, int), errands, 2)
+    assert noted == [[4, 7, 2, 3]] * 2
 
 
 def test_a_problem_that_cannot_be_finished_is_refused() -> None:

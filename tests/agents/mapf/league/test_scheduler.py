@@ -56,13 +56,14 @@ def test_on_a_crowded_floor_the_shortest_tasks_are_done(monkeypatch: pytest.Monk
     assert sorted(assign(begun, [2, 0, 12], [EAST] * 3, [0, NO_TASK, NO_TASK])) == [NO_TASK, 0, 1]
 
 
-def test_on_a_full_floor_some_robots_have_tasks_and_of_a_crowd_one_at_a_time(
+def test_on_a_full_floor_all_robots_have_tasks_and_of_a_crowd_one_at_a_time(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     tasks = [LeagueTask(number, (number,), 0) for number in range(14)]
     cells = [*range(7), 11, *range(12, 18)]
-    schedule = assign(tasks, cells, [EAST] * 14, [NO_TASK] * 14)
-    assert len(schedule) - schedule.count(NO_TASK) == 5
+    for robots, busy in ((14, 14), (13, 13), (12, 5)):
+        schedule = assign(tasks, cells[:robots], [EAST] * robots, [NO_TASK] * robots)
+        assert robots - schedule.count(NO_TASK) == busy
     monkeypatch.setattr(scheduler, "CROWD", 13)
     schedule = assign(tasks, cells, [EAST] * 14, [NO_TASK] * 14)
     assert len(schedule) - schedule.count(NO_TASK) == 1

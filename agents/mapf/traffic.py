@@ -1,0 +1,250 @@
+"""Costs of moves that are learned from the traffic of trials, and keep robots out of others' way.
+
+A move against the traffic is allowed but costs more, as one against a lane does.
+
+Sources: Zhang, Jiang, Bhatt, Nikolaidis and Li (2024), Guidance graph optimization for lifelong
+multi-agent path finding, IJCAI. Chen, Harabor, Li and Stuckey (2024), Traffic flow optimisation for
+lifelong multi-agent path finding, AAAI.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable
+from functools import lru_cache
+from typing import NamedTuple
+
+import numpy as np
+from numpy.typing import NDArray
+
+from agents.mapf.circulation import Circulation
+from agents.mapf.graph import CLOSED, Costs, Graph
+from agents.mapf.lanes import lane_costs
+from agents.mapf.lifelong import run_lifelong
+from agents.mapf.pibt import PIBT
+from agents.mapf.planner import HeadedPlanner
+from agents.mapf.windows import WindowedPlanner
+from warehouse_core.arguments import instance_of, one_of, real_number, whole_number
+from warehouse_core.world.actions import WAIT
+from warehouse_core.world.layout import Layout
+from warehouse_core.world.tables import Integers
+
+__all__ = ["directed_costs", "learned_costs"]
+
+FIRST_WRONG_WAY = 1.5
+"""Cost of a move against its lane in the first trial of learned costs."""
+
+MOVE_COST, OPPOSED_COST, WAIT_COST = 2.0, 10.0, 2.0
+"""Costs that traffic adds to a move, per step and occurrence: the same move, the opposite move, a
+robot that waits in the cell to which it leads. Robots that meet head-on lose most.
+"""
+
+FIRST_DIRECTED = 3.0
+"""Cost of a move against its lane in the first trial of directed costs, at most ``wrong_way``."""
+
+MIN_SHARE = 0.15
+"""Smallest weight of the last trial in the mean traffic, so that late trials still count."""
+
+FEW = 0.003
+"""Moves a step between two cells which, if they are so few, hardly make a direction."""
+
+TRIAL_SEED = 1_000_000
+"""Seed of the first trial, which no episode shares."""
+
+TRIAL_GROUPS, TRIAL_LED, TRIAL_PATIENCE = 3, 0.35, 8
+"""Groups for each robot, robots led for each open cell, and patience of windows in trials."""
+
+Shares = NDArray[np.float64]
+
+
+def learned_costs(
+    layout: Layout,
+    robots: int,
+    trials: int = 16,
+    steps: int = 256,
+    seed: int = 0,
+    starts: Integers | None = None,
+    goals: Integers | None = None,
+) -> Costs:
+    """Return costs of moves that were learned from the traffic of trial runs, as ``lane_costs``.
+
+    In each trial PIBT leads robots by the costs so far, beginning with faint lanes. The
+    costs then follow from the mean traffic of the trials: most where robots would meet head-on.
+    The first trial has the seed, and the next trials have the next seeds; see ``run_lifelong`` for
+    the other arguments and for errors.
+
+    Example:
+        >>> from agents.mapf.traffic import learned_costs
+        >>> from warehouse_core import shelf_layout
+        >>> learned_costs(shelf_layout(aisle=2), robots=8, trials=2, steps=20).shape
+        (220, 4)
+    """
+    learned = Traffic(layout)
+    for trial in range(seed, seed + trials):
+        graph = Graph(layout, learned.costs)
+        run = run_lifelong(graph, PIBT(graph, trial), robots, steps, trial, starts, goals)
+        learned.add(run.cells)
+    return learned.costs
+
+
+class Trials(NamedTuple):
+    """Trials that ``directed_costs`` makes with a planner.
+
+    Attributes:
+        make: function that makes the planner from a graph, the number of robots and a seed.
+        wrong_way: default cost of a move against all traffic.
+        number: default number of trials.
+        steps: steps of each.
+    """
+
+    make: Callable[[Graph, int, int], HeadedPlanner]
+    wrong_way: float
+    number: int
+    steps: int
+
+
+def circulating(graph: Graph, robots: int, seed: int) -> HeadedPlanner:
+    """Return a planner for trials on floors that are nearly full."""
+    return Circulation(graph, seed)
+
+
+def windowed(graph: Graph, robots: int, seed: int) -> HeadedPlanner:
+    """Return a planner for trials in crowds."""
+    led = max(1, int(TRIAL_LED * len(graph.layout.open_cells)))
+    return WindowedPlanner(
+        graph, groups=TRIAL_GROUPS * robots, seed=seed, led=led, patience=TRIAL_PATIENCE,
+        circulates=True,
+    )  # fmt: skip
+
+
+TRIALS = {
+    "circulation": Trials(circulating, wrong_way=9.0, number=12, steps=600),
+    "windowed": Trials(windowed, wrong_way=4.0, number=6, steps=300),
+}
+"""Trials by the name of their planner."""
+
+
+def directed_costs(
+    layout: Layout,
+    robots: int,
+    planner: str = "circulation",
+    wrong_way: float | None = None,
+    trials: int | None = None,
+    seed: int = TRIAL_SEED,
+) -> Costs:
+    """Return costs of moves that make a crowded floor one-way, as ``lane_costs``.
+
+    In trials robots with headings are led by the costs so far, beginning with lanes. A move then
+    costs the more, the larger the share of the opposite move in all moves between the two cells is.
+    The costs are found once in a process, and are not to be changed.
+
+    Args:
+        layout: floor; robots go to its stations, see ``station_goals``.
+        robots: number of robots.
+        planner: one of ``TRIALS``, where the defaults are.
+        wrong_way: cost of a move against all traffic, 1 or more; with the traffic a move costs 1.
+        trials: number of trials.
+        seed: seed of the first trial; the next trials have the next seeds.
+
+    Raises:
+        PlanError: as for ``run_lifelong``.
+        ValueError: an argument is out of range.
+
+    Example:
+        >>> from agents.mapf.traffic import directed_costs
+        >>> from warehouse_core import random_layout
+        >>> directed_costs(random_layout(6, 6, 0.1, seed=1), robots=12, trials=1).shape
+        (36, 4)
+    """
+    kind = TRIALS[one_of("planner", planner, TRIALS)]
+    return directions(
+        instance_of("layout", layout, Layout),
+        whole_number("robots", robots, 1),
+        planner,
+        real_number("wrong_way", kind.wrong_way if wrong_way is None else wrong_way, 1.0),
+        whole_number("trials", kind.number if trials is None else trials, 1),
+        whole_number("seed", seed, 0),
+    )
+
+
+@lru_cache(maxsize=16)
+def directions(
+    layout: Layout, robots: int, planner: str, wrong_way: float, trials: int, seed: int
+) -> Costs:
+    """Return what ``directed_costs`` does, which has checked the arguments."""
+    kind = TRIALS[planner]
+    directed, goals = Directions(layout, wrong_way), station_goals(layout)
+    for trial in range(seed, seed + trials):
+        graph = Graph(layout, directed.costs)
+        leader = kind.make(graph, robots, trial)
+        run = run_lifelong(graph, leader, robots, kind.steps, trial, goals=goals, has_headings=True)
+        directed.add(run.cells)
+    directed.costs.flags.writeable = False
+    return directed.costs
+
+
+def station_goals(layout: Layout) -> Integers | None:
+    """Return pickups and dropoffs, as often that each makes half of the goals, or ``None``."""
+    pickups, dropoffs = (layout.numbers(cells) for cells in (layout.pickups, layout.dropoffs))
+    goals = np.concatenate(
+        [np.tile(pickups, max(len(dropoffs), 1)), np.tile(dropoffs, max(len(pickups), 1))]
+    )
+    return goals if len(goals) > 1 else None
+
+
+class Traffic:
+    """Costs of moves that follow from the mean traffic of trials, at first lanes.
+
+    Attributes:
+        costs: ``[H * W, 4]``, see ``lane_costs``.
+    """
+
+    def __init__(self, layout: Layout, wrong_way: float = FIRST_WRONG_WAY) -> None:
+        self._graph, self._trials = Graph(layout), 0
+        self.costs = self._lanes = lane_costs(layout, wrong_way)
+        self._mean = np.zeros((self._graph.size, WAIT + 1))
+
+    def add(self, cells: Integers) -> None:
+        """Take over the cells of robots before each step of a trial and after the last."""
+        self._trials += 1
+        share = max(1 / self._trials, MIN_SHARE)
+        self._mean += (traffic(self._graph, cells) - self._mean) * share
+        opposite = self._graph.neighbours[:, :WAIT], np.roll(np.arange(WAIT), 2)
+        is_move = opposite[0] != CLOSED
+        there, back = self._mean[:, :WAIT], np.where(is_move, self._mean[opposite], 0)
+        waiting = np.where(is_move, self._mean[opposite[0], WAIT], 0)
+        self.costs = np.round(self._priced(there, back, waiting), 1).astype(np.float32)
+
+    def _priced(self, there: Shares, back: Shares, waiting: Shares) -> Shares:
+        """Return the costs of moves, ``[H * W, 4]``, as all arguments.
+
+        Args:
+            there: how often in a step each move is made.
+            back: how often the opposite move is made.
+            waiting: how often a robot waits where the move leads.
+        """
+        return self._lanes + (MOVE_COST * there + (OPPOSED_COST * back + WAIT_COST * waiting))
+
+
+class Directions(Traffic):
+    """Costs of moves that are high where most robots move the other way, at first lanes."""
+
+    def __init__(self, layout: Layout, wrong_way: float) -> None:
+        super().__init__(layout, min(wrong_way, FIRST_DIRECTED))
+        self._against = wrong_way - 1
+
+    def _priced(self, there: Shares, back: Shares, waiting: Shares) -> Shares:
+        """Return the costs of moves: 1 with all traffic, 1 and ``_against`` against all of it."""
+        share = (back + FEW / 2) / (there + back + FEW)
+        return 1 + self._against * share**2
+
+
+def traffic(graph: Graph, cells: Integers) -> NDArray[np.float64]:
+    """Return how often in a step each move was made, and waiting, ``[H * W, 5]``.
+
+    ``cells`` has the cells of the robots before each step and after the last, ``[T + 1, R]``.
+    """
+    before, after = cells[:-1].ravel(), cells[1:].ravel()
+    moves = (graph.neighbours[before] == after[:, None]).argmax(1)
+    made = (before * (WAIT + 1) + moves).astype(np.intp)  # 32 bits in a browser
+    counts = np.bincount(made, minlength=graph.size * (WAIT + 1))
+    return counts.reshape(-1, WAIT + 1) / (len(cells) - 1)
