@@ -208,19 +208,19 @@ class Traffic:
         self._trials += 1
         share = max(1 / self._trials, MIN_SHARE)
         self._mean += (traffic(self._graph, cells) - self._mean) * share
-        opposite = self._graph.neighbours[:, :WAIT], np.roll(np.arange(WAIT), 2)
-        is_move = opposite[0] != CLOSED
-        there, back = self._mean[:, :WAIT], np.where(is_move, self._mean[opposite], 0)
-        waiting = np.where(is_move, self._mean[opposite[0], WAIT], 0)
+        reached, opposite = self._graph.neighbours[:, :WAIT], np.roll(np.arange(WAIT), 2)
+        is_move = reached != CLOSED
+        there, back = self._mean[:, :WAIT], np.where(is_move, self._mean[reached, opposite], 0)
+        waiting = np.where(is_move, self._mean[reached, WAIT], 0)
         self.costs = np.round(self._priced(there, back, waiting), 1).astype(np.float32)
 
     def _priced(self, there: Shares, back: Shares, waiting: Shares) -> Shares:
         """Return the costs of moves, ``[H * W, 4]``, as all arguments.
 
         Args:
-            there: how often in a step each move is made.
-            back: how often the opposite move is made.
-            waiting: how often a robot waits where the move leads.
+            there: number of times that each move is made in a step.
+            back: number of times that the opposite move is made.
+            waiting: number of times that a robot waits in the cell where the move leads.
         """
         return self._lanes + (MOVE_COST * there + (OPPOSED_COST * back + WAIT_COST * waiting))
 

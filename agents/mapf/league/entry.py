@@ -168,7 +168,7 @@ def plan_steps(
         cells: ``[R]``, cells of the robots.
         headings: ``[R]``, their headings.
         errands: cells that each robot is to visit in turn; one that has none gives way. On a full
-            floor those of ``first_robots`` go first.
+            floor the robots of ``first_robots`` go first.
         steps: number of steps.
     """
     actions = np.full((len(cells), steps), WAITING)

@@ -75,7 +75,7 @@ def most_busy(open_cells: int, robots: int) -> int:
 
 
 def is_full(open_cells: int, robots: int) -> bool:
-    """Return whether a floor is full; see ``FULL``. Those of more than ``CROWD`` robots are not."""
+    """Return whether a floor is full; see ``FULL``. With more than ``CROWD`` robots it is not."""
     return robots <= CROWD and robots > FULL * open_cells
 
 
