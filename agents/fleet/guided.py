@@ -35,6 +35,9 @@ class Guided:
     def __call__(self, **given: Any) -> Planner:
         """Return a planner."""
         of_graph = {name: given.pop(name) for name in self._of_graph if name in given}
+        self._make_planner(
+            Graph(of_graph["layout"]), **given
+        )  # refuses it before costs are learned
         return self._make_planner(self._make_graph(**of_graph), **given)
 
 
@@ -73,6 +76,7 @@ def on_directed(planner: str) -> Callable[..., Graph]:
         costs = directed_costs(layout, robots, planner, wrong_way, trials, trial_seed)
         return Graph(layout, costs_around_chargers(layout, costs))
 
+    made.__qualname__ = on_directed.__name__  # which messages name
     return made
 
 

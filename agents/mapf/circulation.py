@@ -116,7 +116,7 @@ class Circulation(PlacePlanner):
         """Begin an episode of so many robots."""
         graph = self.graph
         flat = graph.with_costs(graph.costs) if graph.turn_cost else graph
-        self._fields = HeadedFields(graph) if has_headings else Fields(flat)
+        self._fields = HeadedFields(graph) if has_headings else Fields(flat, graph)
         self._random = np.random.default_rng(self.seed)
         self._memory = Memory(graph, self._random.random(robots))
         self._crowd = crowd_on(self._fields, robots, self.patience)

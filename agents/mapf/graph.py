@@ -239,13 +239,17 @@ class Fields:
     which are rounded to tenths. ``FAR`` stands for longer ways, and for none. Rows of goals that
     nobody has are used again once all rows take ``MAX_BYTES``.
 
+    Args:
+        graph: floor.
+        followed: graph whose closed cells are to be closed; ``None`` is the floor itself.
+
     Attributes:
         step: distance of a step without lanes and turns: 1 or ``PARTS``.
         matrix: ``[n, places]`` int32, a row for each goal.
     """
 
-    def __init__(self, graph: Graph) -> None:
-        self.graph = graph
+    def __init__(self, graph: Graph, followed: Graph | None = None) -> None:
+        self.graph, self._followed = graph, followed or graph
         self.step = 1 if graph.costs is None and not graph.turn_cost else PARTS
         self._rounded = graph if self.step == 1 else in_parts(graph)
         self.matrix = np.empty((0, graph.places), np.int32)
@@ -265,10 +269,11 @@ class Fields:
 
         The goal ``size`` stands for nowhere: all distances from it are 0.
         """
-        if self._closed != self.graph.closed:
-            self._closed = self.graph.closed
-            if self._rounded is not self.graph:
-                self._rounded.close(self._closed)
+        if self._closed != self._followed.closed:
+            self._closed = self._followed.closed
+            for graph in (self.graph, self._rounded):
+                if graph.closed != self._closed:
+                    graph.close(self._closed)
             self._row_of[:] = NO_ROW
             self._free = list(range(self._used))
             for name in ("floor", "near"):

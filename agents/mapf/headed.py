@@ -36,8 +36,8 @@ class HeadedFields(Fields):
     """
 
     def __init__(self, graph: Graph) -> None:
-        super().__init__(graph.with_costs(graph.costs, 1.0))
-        self._followed, self._leads_back = graph, True
+        super().__init__(graph.with_costs(graph.costs, 1.0), graph)
+        self._leads_back = True
         if graph.costs is None:
             self.step = 1
         rows, columns = np.divmod(graph.layout.open_cells, graph.layout.width)
@@ -46,13 +46,6 @@ class HeadedFields(Fields):
         self.columns[self._cells] = np.arange(len(self._cells))
         self._field = np.empty((len(self._cells), WAIT), np.int32)
         prepare(measure_turning)
-
-    def rows(self, goals: Integers) -> Integers:
-        """Return the row of ``matrix`` of each goal, with the cells that are closed now."""
-        if self.graph.closed != self._followed.closed:
-            self.graph.close(self._followed.closed)
-            self.__dict__.pop("_turning", None)
-        return super().rows(goals)
 
     @cached_property
     def near(self) -> Integers:

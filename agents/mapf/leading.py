@@ -43,7 +43,8 @@ class Leading:
         """Return the goals of the robots that are led now, and the cells of the others, ``[R]``.
 
         Whoever is led is led until it is at its goal, has another one, or stalls. Then the robot
-        that is nearest to its goal takes its place, if there is room in the region of the goal.
+        that is nearest to its goal takes its place, if there is room in the region of the goal,
+        where robots that rest keep theirs. Who has no way to its goal is not led.
         """
         self._watch(situation, distances)
         self._choose(situation, distances)
@@ -52,8 +53,8 @@ class Leading:
     def _watch(self, situation: Situation, distances: Integers) -> None:
         """Let robots rest that have stalled."""
         is_new = situation.goals != self._wanted
-        self._wanted = situation.goals
-        self._is_led &= ~is_new & (situation.goals != situation.cells)
+        self._wanted = situation.goals.copy()
+        self._is_led &= ~is_new & (situation.goals != situation.cells) & (distances < FAR)
         is_nearer = ~self._is_led | (distances < self._least)
         self._least = np.where(is_nearer, distances, self._least)
         self._stalled = np.where(is_nearer, 0, self._stalled + 1)
@@ -65,16 +66,20 @@ class Leading:
     def _choose(self, situation: Situation, distances: Integers) -> None:
         """Lead more robots, first urgent ones and those nearest to their goals."""
         _, goals, _, _, urgent = situation
-        is_urgent, rests = np.zeros(len(goals), np.bool_), self._rest > 0
+        is_urgent = np.zeros(len(goals), np.bool_)
         is_urgent[urgent] = True
+        rests = (self._rest > 0) & ~is_urgent
         goes = self._regions[goals[self._is_led | rests]]
         room = self._room - np.bincount(goes, minlength=len(self._room))
         free = self._most - int(self._is_led.sum())
-        others = np.flatnonzero(~self._is_led & ~rests & (goals != situation.cells))
+        goes_on = (goals != situation.cells) & (distances < FAR)
+        others = np.flatnonzero(~self._is_led & ~rests & goes_on)
         nearest = np.argsort(distances[others] - FAR * is_urgent[others], kind="stable")
         for robot in others[nearest].tolist():
+            if free <= 0:
+                break
             region = self._regions[goals[robot]]
-            if free > 0 and (room[region] > 0 or is_urgent[robot]):
+            if room[region] > 0 or is_urgent[robot]:
                 self._is_led[robot] = True
                 room[region] -= 1
                 free -= 1

@@ -50,6 +50,9 @@ FEW = 0.003
 TRIAL_SEED = 1_000_000
 """Seed of the first trial, which no episode shares."""
 
+MAX_TRIALS = 1000
+"""Limit on the number of trials."""
+
 TRIAL_GROUPS, TRIAL_LED, TRIAL_PATIENCE = 3, 0.35, 8
 """Groups for each robot, robots led for each open cell, and patience of windows in trials."""
 
@@ -129,7 +132,7 @@ def directed_costs(
     planner: str = "circulation",
     wrong_way: float | None = None,
     trials: int | None = None,
-    seed: int = TRIAL_SEED,
+    trial_seed: int = TRIAL_SEED,
 ) -> Costs:
     """Return costs of moves that make a crowded floor one-way, as ``lane_costs``.
 
@@ -142,8 +145,8 @@ def directed_costs(
         robots: number of robots.
         planner: one of ``TRIALS``, where the defaults are.
         wrong_way: cost of a move against all traffic, 1 or more; with the traffic a move costs 1.
-        trials: number of trials.
-        seed: seed of the first trial; the next trials have the next seeds.
+        trials: number of trials, at most ``MAX_TRIALS``.
+        trial_seed: seed of the first trial; the next trials have the next seeds.
 
     Raises:
         PlanError: as for ``run_lifelong``.
@@ -161,8 +164,8 @@ def directed_costs(
         whole_number("robots", robots, 1),
         planner,
         real_number("wrong_way", kind.wrong_way if wrong_way is None else wrong_way, 1.0),
-        whole_number("trials", kind.number if trials is None else trials, 1),
-        whole_number("seed", seed, 0),
+        whole_number("trials", kind.number if trials is None else trials, 1, MAX_TRIALS),
+        whole_number("trial_seed", trial_seed, 0),
     )
 
 
@@ -173,6 +176,8 @@ def directions(
     """Return what ``directed_costs`` does, which has checked the arguments."""
     kind = TRIALS[planner]
     directed, goals = Directions(layout, wrong_way), station_goals(layout)
+    if len(layout.open_cells) < 2:
+        trials = 0  # nobody can move
     for trial in range(seed, seed + trials):
         graph = Graph(layout, directed.costs)
         leader = kind.make(graph, robots, trial)

@@ -288,8 +288,7 @@ class WindowedPlanner:
             return False
         places[:, :-1] = places[:, 1:]
         there, soon = places[:, 1], places[:, : CLOSED_STEPS + 1] % size
-        is_closed = np.zeros(size, np.bool_)
-        is_closed[situation.closed] = True
+        is_closed = self.graph.closed_with(situation.closed) == 1
         enters = is_closed[soon[:, 1:]] & (soon[:, 1:] != soon[:, :-1])
         is_lost = (places[:, 0] != self._here) | enters.any(axis=1)
         is_lost |= situation.stays & (there != self._here)

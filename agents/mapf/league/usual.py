@@ -15,13 +15,13 @@ from agents.mapf.traffic import directed_costs
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core.world.layout import Layout
 
-SHARE, SAMPLES = 0.8, 1000
-"""Share of a step in which planners look for better plans, and most plans that ``circulation``
-compares.
+SHARE, GROUPS, SAMPLES = 0.8, 100, 1000
+"""Share of a step in which ``windowed`` and ``circulation`` look for better plans, most groups of
+``windowed`` for each robot, and most plans that ``circulation`` compares.
 """
 
-GROUPS, DENSE_GROUPS, PATIENCE = 100, 15, 8
-"""Most groups of ``windowed`` for each robot, on dense floors too, and its patience."""
+PATIENCE = 8
+"""Patience of ``windowed``."""
 
 DENSE, DENSER = 0.4, 0.6
 """Robots for each open cell above which ``windowed`` plans by circulations on a floor that is made
@@ -80,13 +80,13 @@ def usual_planner(open_cells: int, robots: int, seconds: float) -> tuple[str, di
             "wrong_way": FULL_WRONG_WAY, "samples": SAMPLES, "seconds": seconds
         }  # fmt: skip
     led = min(most_busy(open_cells, robots), robots)
-    found = {"seconds": seconds, "led": led, "patience": PATIENCE}
+    found = {
+        "groups": GROUPS * robots, "seconds": seconds, "led": led, "patience": PATIENCE
+    }  # fmt: skip
     if robots > DENSE * open_cells:
         wrong_way = DENSER_WRONG_WAY if robots > DENSER * open_cells else DENSE_WRONG_WAY
-        return "windowed-directed", {
-            "wrong_way": wrong_way, "circulates": True, "groups": DENSE_GROUPS * robots, **found
-        }  # fmt: skip
-    return "windowed", {"groups": GROUPS * robots, **found}
+        return "windowed-directed", {"wrong_way": wrong_way, "circulates": True, **found}
+    return "windowed", found
 
 
 def make_usual_planner(graph: Graph, robots: int, seconds: float) -> HeadedPlanner:

@@ -19,7 +19,14 @@ from agents.mapf.kernels.floor import FAR
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
-from agents.mapf.planner import NO_CELLS, HeadedPlanner, Planner, Situation, check_step
+from agents.mapf.planner import (
+    NO_CELLS,
+    HeadedPlanner,
+    Planner,
+    Situation,
+    check_step,
+    check_turns,
+)
 from agents.mapf.problem import Problem
 from agents.mapf.windows import WindowedPlanner
 from agents.registry import make_planner
@@ -109,6 +116,48 @@ def cells_after_openings(make: Callable[[Graph], Any], *, has_headings: bool) ->
         assert cells[0] not in graph.closed
         assert step != 19 or cells[0] == 4
     return cells.tolist()
+
+
+@pytest.mark.parametrize("make", HEADED)
+@pytest.mark.parametrize("has_headings", [False, True])
+def test_crowds_keep_out_of_cells_that_are_closed_now_and_then(
+    make: Callable[[Graph], Any], has_headings: bool
+) -> None:
+    """Robots that others push know of closed cells too, also those that only the graph names."""
+    graph, stream = Graph(random_layout(9, 9, 0.1, seed=4)), np.random.default_rng(5)
+    planner, open_cells = make(graph), graph.layout.open_cells
+    cells, headings, goals = (
+        stream.permutation(open_cells)[:12],
+        np.ones(12, np.intp),
+        open_cells[:12],
+    )
+    for step in range(32):
+        if step % 4 == 0:
+            free = np.setdiff1d(open_cells, cells)
+            graph.close(frozenset(stream.permutation(free)[:5].tolist()))
+            goals = stream.permutation(open_cells)[:12]
+        given = situation(cells, goals, closed=sorted(graph.closed)[:2])
+        before = cells
+        if has_headings:
+            places = planner.next_places(given, headings)
+            headings, cells = np.divmod(check_turns(graph, given, headings, places), graph.size)
+        else:
+            cells = check_step(graph, given, planner.next_cells(given))
+        entered = cells[cells != before].tolist()
+        assert graph.closed.isdisjoint(entered)
+        if isinstance(planner, WindowedPlanner):
+            ways = planner.planned_cells
+            moves = ways[:, 1:] != ways[:, :-1]
+            assert graph.closed.isdisjoint(ways[:, 1:][moves].tolist())
+
+
+def test_circulations_on_a_graph_with_costs_of_turns_know_of_closed_cells() -> None:
+    graph, cells = Graph(Layout(["...", ".#.", "..."]), None, 2.0), np.array([0])
+    planner = Circulation(graph)
+    for step in range(8):
+        graph.close(frozenset([1]) if step else frozenset())
+        cells = planner.next_cells(situation(cells, [2] if step else [0]))
+    assert cells.tolist() == [2]
 
 
 def test_large_matrices_are_reserved_once(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,6 +6,7 @@ import pytest
 from agents.errors import PlanError
 from agents.mapf.circulation import Circulation
 from agents.mapf.graph import CLOSED, Graph
+from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from agents.mapf.traffic import (
@@ -14,6 +15,7 @@ from agents.mapf.traffic import (
     directed_costs,
     directions,
     learned_costs,
+    station_goals,
     traffic,
 )
 from warehouse_core import Layout, random_layout
@@ -89,6 +91,30 @@ def test_full_floors_are_made_one_way(monkeypatch: pytest.MonkeyPatch) -> None:
     assert after > 1.05 * before
 
 
+def test_robots_go_to_pickups_and_dropoffs_as_often() -> None:
+    layout = Layout(["PP..", "..D."])
+    goals = station_goals(layout)
+    assert goals is not None
+    assert sorted(goals.tolist()) == [0, 1, 6, 6]
+    assert station_goals(Layout(["...."])) is None
+
+
+def test_stations_lead_the_trials(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(TRIALS, "circulation", TRIALS["circulation"]._replace(steps=40))
+    directions.cache_clear()
+    rows = ["P....D", "......", "......"]
+    moved = [
+        directed_costs(Layout(each), 2, trials=1)[12:] != lane_costs(Layout(each), 3)[12:]
+        for each in (rows, [row.replace("P", ".").replace("D", ".") for row in rows])
+    ]
+    directions.cache_clear()
+    assert moved[0].sum() < moved[1].sum()
+
+
+def test_a_floor_of_one_cell_needs_no_trials() -> None:
+    assert directed_costs(Layout(["."]), 1).shape == (1, 4)
+
+
 @pytest.mark.parametrize("planner", TRIALS)
 def test_directions_are_found_once_for_the_same_arguments(
     planner: str, monkeypatch: pytest.MonkeyPatch
@@ -99,7 +125,7 @@ def test_directions_are_found_once_for_the_same_arguments(
     costs = directed_costs(layout, 6, planner, trials=2)
     assert directed_costs(layout, 6, planner, trials=2) is costs
     assert costs.max() <= TRIALS[planner].wrong_way
-    assert not np.array_equal(directed_costs(layout, 6, planner, trials=2, seed=5), costs)
+    assert not np.array_equal(directed_costs(layout, 6, planner, trials=2, trial_seed=5), costs)
     with pytest.raises(ValueError, match="read-only"):
         costs[0] = 1
     with pytest.raises(ValueError, match=r"wrong_way .* 0\.5"):

@@ -28,7 +28,7 @@ from agents.mapf.league.simulator import planned_steps, play
 from agents.mapf.league.usual import SHARE, usual_planner
 from agents.mapf.planner import HeadedPlanner
 from agents.registry import make_planner
-from warehouse_core import DEFAULT_LAYOUT, Layout
+from warehouse_core import Layout
 from warehouse_core.wording import counted
 from warehouse_core.world.robot_runners import League, load_league
 
@@ -105,12 +105,12 @@ def league(
         )
     if save and len(files) * max(len(planners), 1) != 1:
         raise typer.BadParameter("--save takes the result of one problem and one planner")
-    for name in planners:
-        headed_planner(name, seed, DEFAULT_LAYOUT, 1)  # what is wrong with it is told before files
+    with warnings_printed():
+        problems = [load_league(file) for file in files]
+    for name in planners:  # what is wrong with one is told before a game
+        headed_planner(name, seed, problems[0].layout, len(problems[0].starts))
     rows = []
-    for file, other in zip_longest(files, beside or ()):
-        with warnings_printed():
-            problem = load_league(file)
+    for file, problem, other in zip_longest(files, problems, beside or ()):
         theirs = None if other is None else read_result(other, problem.layout)
         steps = max_steps or (len(theirs.actual) if theirs else STEPS)
         for name in planners or [usual_name(problem, step_seconds)]:
