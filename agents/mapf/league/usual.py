@@ -25,8 +25,9 @@ PATIENCE = 8
 
 DENSE, DENSER = 0.4, 0.6
 """Robots for each open cell above which ``windowed`` plans by circulations on a floor that is made
-one-way, and above which a move against the traffic costs more there. On full floors ``circulation``
-plans alone.
+one-way, and above which a move against the traffic costs more there. Where a scheduler chooses
+tasks that are near, it does so only above the second, since the ways round would be longer than
+many of these tasks. On full floors ``circulation`` plans alone.
 """
 
 DENSE_WRONG_WAY, DENSER_WRONG_WAY, FULL_WRONG_WAY = 3.0, 4.0, 9.0
@@ -64,13 +65,16 @@ PLANNERS: dict[str, Callable[..., HeadedPlanner]] = {
 """Functions that make a planner from a graph, the number of robots and its other arguments."""
 
 
-def usual_planner(open_cells: int, robots: int, seconds: float) -> tuple[str, dict[str, float]]:
+def usual_planner(
+    open_cells: int, robots: int, seconds: float, *, is_scheduled: bool = True
+) -> tuple[str, dict[str, float]]:
     """Return one of ``PLANNERS`` and its arguments.
 
     Args:
         open_cells: number of open cells.
         robots: number of robots.
         seconds: time of the planner and the scheduler for a step.
+        is_scheduled: whether a scheduler chooses tasks, and not the problem as in 2023.
     """
     seconds *= SHARE
     if robots > CROWD:
@@ -83,7 +87,7 @@ def usual_planner(open_cells: int, robots: int, seconds: float) -> tuple[str, di
     found = {
         "groups": GROUPS * robots, "seconds": seconds, "led": led, "patience": PATIENCE
     }  # fmt: skip
-    if robots > DENSE * open_cells:
+    if robots > (DENSER if is_scheduled else DENSE) * open_cells:
         wrong_way = DENSER_WRONG_WAY if robots > DENSER * open_cells else DENSE_WRONG_WAY
         return "windowed-directed", {"wrong_way": wrong_way, "circulates": True, **found}
     return "windowed", found

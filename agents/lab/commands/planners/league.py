@@ -141,7 +141,10 @@ def league(
 def usual_name(problem: League, step_seconds: float) -> str:
     """Return the name, with arguments, of the planner of a problem for which none is named."""
     seconds = step_seconds / planned_steps(problem)
-    name, arguments = usual_planner(len(problem.layout.open_cells), len(problem.starts), seconds)
+    name, arguments = usual_planner(
+        len(problem.layout.open_cells), len(problem.starts), seconds,
+        is_scheduled=not problem.strategy,
+    )  # fmt: skip
     given = (
         f"{key}={value if value is True else format(value, 'g')}"
         for key, value in arguments.items()
