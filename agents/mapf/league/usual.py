@@ -74,7 +74,7 @@ def usual_planner(
         open_cells: number of open cells.
         robots: number of robots.
         seconds: time of the planner and the scheduler for a step.
-        is_scheduled: whether a scheduler chooses tasks, and not the problem as in 2023.
+        is_scheduled: true if a scheduler chooses tasks, false if the problem does, as in 2023.
     """
     seconds *= SHARE
     if robots > CROWD:
