@@ -86,6 +86,8 @@ def learned_fleet_costs(layout: Layout, robots: int, trials: int, seed: int) -> 
 
     They are learned once in a process, and are not to be changed.
     """
+    if len(layout.open_cells) < 2:
+        trials = 0  # nobody can move
     costs = learned_costs(layout, robots, trials, seed=seed, goals=station_goals(layout))
     costs.flags.writeable = False
     return costs

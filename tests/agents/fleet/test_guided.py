@@ -2,10 +2,11 @@
 
 import numpy as np
 import pytest
+from helpers.mapf_problems import situation
 
 from agents.errors import AgentError
 from agents.fleet import guided
-from agents.registry import make_fleet_agent
+from agents.registry import make_fleet_agent, make_planner
 from warehouse_core import FleetEnv, Layout, OrderQueue
 from warehouse_core.records.recorder import record_fleet_episode
 
@@ -41,6 +42,12 @@ def test_ways_of_learned_costs_lead_around_chargers() -> None:
     assert graph.costs is not None
     dearer = {tuple(each) for each in np.argwhere(graph.costs - learned > 5).tolist()}
     assert {(20, 2), (25, 1), (27, 3)} <= dearer
+
+
+@pytest.mark.parametrize("name", ["windowed-learned", "windowed-directed", "circulation-directed"])
+def test_a_floor_of_one_cell_needs_no_trials(name: str) -> None:
+    planner = make_planner(f"{name}:trials=999,robots=50", 0, Layout(["."]), 1)
+    assert planner.next_cells(situation([0])).tolist() == [0]
 
 
 def test_learning_needs_the_number_of_robots() -> None:

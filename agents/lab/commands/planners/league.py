@@ -105,12 +105,12 @@ def league(
         )
     if save and len(files) * max(len(planners), 1) != 1:
         raise typer.BadParameter("--save takes the result of one problem and one planner")
-    with warnings_printed():
-        problems = [load_league(file) for file in files]
-    for name in planners:  # what is wrong with one is told before a game
-        headed_planner(name, seed, problems[0].layout, len(problems[0].starts))
+    for name in planners:  # what is wrong with one is told before files; a cell needs no trials
+        headed_planner(name, seed, Layout(["."]), 1)
     rows = []
-    for file, problem, other in zip_longest(files, problems, beside or ()):
+    for file, other in zip_longest(files, beside or ()):
+        with warnings_printed():
+            problem = load_league(file)
         theirs = None if other is None else read_result(other, problem.layout)
         steps = max_steps or (len(theirs.actual) if theirs else STEPS)
         for name in planners or [usual_name(problem, step_seconds)]:
