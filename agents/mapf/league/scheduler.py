@@ -38,7 +38,7 @@ FULL = 0.9
 tasks, so that as many as can be join in.
 """
 
-BUSY_BY_CELL, BUSY_BY_ROBOT = 0.3125, 0.0725
+BUSY_BY_CELL, BUSY_BY_ROBOT = 0.2275, 0.19
 """Most robots with tasks at a time for each open cell, and more of them for each robot."""
 
 BUSY_IN_CROWD = 0.185
@@ -64,7 +64,7 @@ def most_busy(open_cells: int, robots: int) -> int:
     Example:
         >>> from agents.mapf.league.scheduler import most_busy
         >>> most_busy(open_cells=819, robots=400), most_busy(open_cells=819, robots=800)
-        (284, 313)
+        (262, 338)
         >>> most_busy(open_cells=38_586, robots=10_000)
         7138
     """

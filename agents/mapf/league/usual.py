@@ -20,8 +20,10 @@ SHARE, GROUPS, SAMPLES = 0.8, 100, 1000
 ``windowed`` for each robot, and most plans that ``circulation`` compares.
 """
 
-PATIENCE = 8
-"""Patience of ``windowed``."""
+PATIENCE, LED = 8, 0.35
+"""Patience of ``windowed``, and least number of robots that it leads for each open cell where the
+problem gives the tasks, of which many are far.
+"""
 
 DENSE, DENSER = 0.4, 0.6
 """Robots for each open cell above which ``windowed`` plans by circulations on a floor that is made
@@ -83,9 +85,12 @@ def usual_planner(
         return "circulation-directed", {
             "wrong_way": FULL_WRONG_WAY, "samples": SAMPLES, "seconds": seconds
         }  # fmt: skip
-    led = min(most_busy(open_cells, robots), robots)
+    led = most_busy(open_cells, robots)
+    if not is_scheduled:
+        led = max(led, int(LED * open_cells))
     found = {
-        "groups": GROUPS * robots, "seconds": seconds, "led": led, "patience": PATIENCE
+        "groups": GROUPS * robots, "seconds": seconds, "led": min(led, robots),
+        "patience": PATIENCE,
     }  # fmt: skip
     if robots > (DENSER if is_scheduled else DENSE) * open_cells:
         wrong_way = DENSER_WRONG_WAY if robots > DENSER * open_cells else DENSE_WRONG_WAY
