@@ -144,8 +144,8 @@ class Dispatcher:
         is_charging = self.chargers.charging(robots.cells)
         is_away = ((robots.goals != NONE) | (self.chargers.turn != NONE)) & ~robots.ended
         away = np.flatnonzero(is_away & (goals != robots.cells) & ~is_charging)
-        rows, ways = self._fields.rows(goals[away]), np.full(len(goals), FAR)
-        ways[away] = self._fields.matrix[rows, robots.cells[away]]
+        ways = np.full(len(goals), FAR)
+        ways[away] = self._fields.distances(goals[away], robots.cells[away])
         is_done |= bool((is_charging != self._was_charging).any())
         self._was_charging = is_charging
         return self._escapes.aims(robots.cells, goals, ways, walls, people, is_done)

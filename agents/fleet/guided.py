@@ -35,9 +35,8 @@ class Guided:
     def __call__(self, **given: Any) -> Planner:
         """Return a planner."""
         of_graph = {name: given.pop(name) for name in self._of_graph if name in given}
-        self._make_planner(
-            Graph(of_graph["layout"]), **given
-        )  # refuses it before costs are learned
+        # What is wrong with its arguments is told before costs are learned in trials.
+        self._make_planner(Graph(of_graph["layout"]), **given)
         return self._make_planner(self._make_graph(**of_graph), **given)
 
 

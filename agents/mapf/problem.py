@@ -90,9 +90,7 @@ class Problem:
     def fewest_steps(self) -> Integers:
         """``[R]``, the fewest steps from each start to its goal."""
         fields = self.fields(self.graph.with_costs())
-        rows = fields.rows(np.array(self.goals, np.intp))
-        found: Integers = fields.matrix[rows, self.places]
-        return found
+        return fields.distances(np.array(self.goals, np.intp), self.places)
 
     @property
     def lower_bound(self) -> int:

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import NamedTuple
+from typing import Any, NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,7 +21,7 @@ from agents.mapf.graph import CLOSED, Costs, Graph
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
-from agents.mapf.planner import HeadedPlanner
+from agents.mapf.planner import HeadedPlanner, Planner
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core.arguments import instance_of, one_of, real_number, whole_number
 from warehouse_core.world.actions import WAIT
@@ -81,12 +81,7 @@ def learned_costs(
         >>> learned_costs(shelf_layout(aisle=2), robots=8, trials=2, steps=20).shape
         (220, 4)
     """
-    learned = Traffic(layout)
-    for trial in range(seed, seed + trials):
-        graph = Graph(layout, learned.costs)
-        run = run_lifelong(graph, PIBT(graph, trial), robots, steps, trial, starts, goals)
-        learned.add(run.cells)
-    return learned.costs
+    return Traffic(layout).learned(PIBT, robots, trials, steps, seed, starts=starts, goals=goals)
 
 
 class Trials(NamedTuple):
@@ -175,16 +170,17 @@ def directions(
 ) -> Costs:
     """Return what ``directed_costs`` does, which has checked the arguments."""
     kind = TRIALS[planner]
-    directed, goals = Directions(layout, wrong_way), station_goals(layout)
     if len(layout.open_cells) < 2:
         trials = 0  # nobody can move
-    for trial in range(seed, seed + trials):
-        graph = Graph(layout, directed.costs)
-        leader = kind.make(graph, robots, trial)
-        run = run_lifelong(graph, leader, robots, kind.steps, trial, goals=goals, has_headings=True)
-        directed.add(run.cells)
-    directed.costs.flags.writeable = False
-    return directed.costs
+
+    def make(graph: Graph, trial: int) -> HeadedPlanner:
+        return kind.make(graph, robots, trial)
+
+    costs = Directions(layout, wrong_way).learned(
+        make, robots, trials, kind.steps, seed, goals=station_goals(layout), has_headings=True
+    )
+    costs.flags.writeable = False
+    return costs
 
 
 def station_goals(layout: Layout) -> Integers | None:
@@ -207,6 +203,19 @@ class Traffic:
         self._graph, self._trials = Graph(layout), 0
         self.costs = self._lanes = lane_costs(layout, wrong_way)
         self._mean = np.zeros((self._graph.size, WAIT + 1))
+
+    def learned(
+        self, make: Callable[[Graph, int], Planner], robots: int, trials: int, steps: int,
+        seed: int, **others: Any,
+    ) -> Costs:  # fmt: skip
+        """Return the costs after so many trials; see ``run_lifelong`` for ``others``.
+
+        The planner of a trial is made from the graph with the costs so far and the seed.
+        """
+        for trial in range(seed, seed + trials):
+            graph = Graph(self._graph.layout, self.costs)
+            self.add(run_lifelong(graph, make(graph, trial), robots, steps, trial, **others).cells)
+        return self.costs
 
     def add(self, cells: Integers) -> None:
         """Take over the cells of robots before each step of a trial and after the last."""

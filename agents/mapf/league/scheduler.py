@@ -76,7 +76,7 @@ def most_busy(open_cells: int, robots: int) -> int:
 
 def is_full(open_cells: int, robots: int) -> bool:
     """Return whether a floor is full; see ``FULL``. With more than ``CROWD`` robots it is not."""
-    return robots <= CROWD and robots > FULL * open_cells
+    return FULL * open_cells < robots <= CROWD
 
 
 class Scheduler:
@@ -134,10 +134,8 @@ class Scheduler:
             weight = TRIP_WEIGHT
         tasks = self._open_tasks(known, taken)
         busy = int((np.delete(schedule, robots) != NO_TASK).sum())
-        open_cells, most = len(self._graph.layout.open_cells), len(cells)
-        if not is_full(open_cells, most):
-            most = most_busy(open_cells, most)
-        room = most - busy
+        size = len(self._graph.layout.open_cells), len(cells)
+        room = (len(cells) if is_full(*size) else most_busy(*size)) - busy
         held = schedule.copy()
         schedule[robots] = NO_TASK
         while len(robots) and tasks and room > 0:

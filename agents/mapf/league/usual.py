@@ -11,7 +11,7 @@ from agents.mapf.graph import Costs, Graph
 from agents.mapf.lanes import aisle_costs
 from agents.mapf.league.scheduler import CROWD, is_full, most_busy
 from agents.mapf.planner import HeadedPlanner
-from agents.mapf.traffic import directed_costs
+from agents.mapf.traffic import TRIAL_LED, TRIAL_PATIENCE, TRIALS, directed_costs
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core.world.layout import Layout
 
@@ -20,9 +20,9 @@ SHARE, GROUPS, SAMPLES = 0.8, 100, 1000
 ``windowed`` for each robot, and most plans that ``circulation`` compares.
 """
 
-PATIENCE, LED = 8, 0.35
+PATIENCE, LED = TRIAL_PATIENCE, TRIAL_LED
 """Patience of ``windowed``, and least number of robots that it leads for each open cell where the
-problem gives the tasks, of which many are far.
+problem gives the tasks, of which many are far, both as in trials.
 """
 
 DENSE, DENSER = 0.4, 0.6
@@ -32,7 +32,8 @@ tasks that are near, it does so only above the second, since the ways round woul
 many of these tasks. On full floors ``circulation`` plans alone.
 """
 
-DENSE_WRONG_WAY, DENSER_WRONG_WAY, FULL_WRONG_WAY = 3.0, 4.0, 9.0
+DENSE_WRONG_WAY = 3.0
+DENSER_WRONG_WAY, FULL_WRONG_WAY = TRIALS["windowed"].wrong_way, TRIALS["circulation"].wrong_way
 """Costs of a move against all traffic on such floors."""
 
 WRONG_WAY, TRIES = 2.0, 2.0
