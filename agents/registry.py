@@ -87,10 +87,10 @@ PLANNERS: dict[str, Callable[..., Planner]] = {
     "windowed": WindowedPlanner,
     "windowed-lanes": Guided(WindowedPlanner, on_lanes),
     "windowed-learned": Guided(WindowedPlanner, on_learned),
-    "windowed-directed": Guided(WindowedPlanner, on_directed("windowed")),
+    "windowed-directed": Guided(WindowedPlanner, on_directed),
     "circulation": Circulation,
     "circulation-lanes": Guided(Circulation, on_lanes),
-    "circulation-directed": Guided(Circulation, on_directed("circulation")),
+    "circulation-directed": Guided(Circulation, on_directed),
     "timed": TimedPlanner,
     "timed-lanes": Guided(TimedPlanner, on_lanes),
 }

@@ -11,8 +11,14 @@ from agents.fleet.charging import costs_around_chargers
 from agents.mapf.graph import Costs, Graph
 from agents.mapf.lanes import WRONG_WAY, aisle_costs, lane_costs
 from agents.mapf.planner import Planner
-from agents.mapf.traffic import TRIAL_SEED, directed_costs, learned_costs, station_goals
-from agents.mapf.traffic import TRIALS as DIRECTING
+from agents.mapf.traffic import (
+    DIRECTED_TRIALS,
+    DIRECTED_WRONG_WAY,
+    TRIAL_SEED,
+    directed_costs,
+    learned_costs,
+    station_goals,
+)
 from warehouse_core import Layout
 
 TRIALS = 16
@@ -61,22 +67,17 @@ def on_learned(
     return Graph(layout, costs_around_chargers(layout, costs))
 
 
-def on_directed(planner: str) -> Callable[..., Graph]:
-    """Return what makes the graph of a floor with ``directed_costs`` by trials of a planner."""
-    kind = DIRECTING[planner]
-
-    def made(
-        layout: Layout,
-        robots: int,
-        wrong_way: float = kind.wrong_way,
-        trials: int = kind.number,
-        trial_seed: int = TRIAL_SEED,
-    ) -> Graph:
-        costs = directed_costs(layout, robots, planner, wrong_way, trials, trial_seed)
-        return Graph(layout, costs_around_chargers(layout, costs))
-
-    made.__qualname__ = on_directed.__name__  # which messages name
-    return made
+def on_directed(
+    layout: Layout,
+    robots: int,
+    wrong_way: float = DIRECTED_WRONG_WAY,
+    trials: int = DIRECTED_TRIALS,
+    trial_seed: int = TRIAL_SEED,
+    chains: int = 1,
+) -> Graph:
+    """Return the graph of a floor with the costs of ``directed_costs``."""
+    costs = directed_costs(layout, robots, wrong_way, trials, trial_seed, chains)
+    return Graph(layout, costs_around_chargers(layout, costs))
 
 
 @lru_cache(maxsize=16)

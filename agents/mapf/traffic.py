@@ -11,7 +11,7 @@ from __future__ import annotations
 
 from collections.abc import Callable
 from functools import lru_cache
-from typing import Any, NamedTuple
+from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
@@ -21,9 +21,8 @@ from agents.mapf.graph import CLOSED, Costs, Graph
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
-from agents.mapf.planner import HeadedPlanner, Planner
-from agents.mapf.windows import WindowedPlanner
-from warehouse_core.arguments import instance_of, one_of, real_number, whole_number
+from agents.mapf.planner import Planner
+from warehouse_core.arguments import instance_of, real_number, whole_number
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Integers
@@ -50,11 +49,13 @@ FEW = 0.003
 TRIAL_SEED = 1_000_000
 """Seed of the first trial, which no episode shares."""
 
-MAX_TRIALS = 1000
-"""Limit on the number of trials."""
+MAX_TRIALS, MAX_CHAINS = 1000, 1000
+"""Limits on the number of trials in a chain and of chains."""
 
-TRIAL_GROUPS, TRIAL_LED, TRIAL_PATIENCE = 3, 0.35, 8
-"""Groups for each robot, robots led for each open cell, and patience of windows in trials."""
+DIRECTED_WRONG_WAY, DIRECTED_TRIALS, DIRECTED_STEPS = 9.0, 24, 600
+"""Default cost of a move against all traffic, default number of trials of directed costs, and steps
+of each of them.
+"""
 
 Shares = NDArray[np.float64]
 
@@ -84,64 +85,28 @@ def learned_costs(
     return Traffic(layout).learned(PIBT, robots, trials, steps, seed, starts=starts, goals=goals)
 
 
-class Trials(NamedTuple):
-    """Trials that ``directed_costs`` makes with a planner.
-
-    Attributes:
-        make: function that makes the planner from a graph, the number of robots and a seed.
-        wrong_way: default cost of a move against all traffic.
-        number: default number of trials.
-        steps: steps of each.
-    """
-
-    make: Callable[[Graph, int, int], HeadedPlanner]
-    wrong_way: float
-    number: int
-    steps: int
-
-
-def circulating(graph: Graph, robots: int, seed: int) -> HeadedPlanner:
-    """Return a planner for trials on floors that are nearly full."""
-    return Circulation(graph, seed)
-
-
-def windowed(graph: Graph, robots: int, seed: int) -> HeadedPlanner:
-    """Return a planner for trials in crowds."""
-    led = max(1, int(TRIAL_LED * len(graph.layout.open_cells)))
-    return WindowedPlanner(
-        graph, groups=TRIAL_GROUPS * robots, seed=seed, led=led, patience=TRIAL_PATIENCE,
-        circulates=True,
-    )  # fmt: skip
-
-
-TRIALS = {
-    "circulation": Trials(circulating, wrong_way=9.0, number=12, steps=600),
-    "windowed": Trials(windowed, wrong_way=4.0, number=6, steps=300),
-}
-"""Trials by the name of their planner."""
-
-
 def directed_costs(
     layout: Layout,
     robots: int,
-    planner: str = "circulation",
-    wrong_way: float | None = None,
-    trials: int | None = None,
+    wrong_way: float = DIRECTED_WRONG_WAY,
+    trials: int = DIRECTED_TRIALS,
     trial_seed: int = TRIAL_SEED,
+    chains: int = 1,
 ) -> Costs:
     """Return costs of moves that make a crowded floor one-way, as ``lane_costs``.
 
-    In trials robots with headings are led by the costs so far, beginning with lanes. A move then
-    costs the more, the larger the share of the opposite move in all moves between the two cells is.
-    The costs are found once in a process, and are not to be changed.
+    In trials robots with headings are led in circulations by the costs so far, beginning with
+    lanes. A move then costs the more, the larger the share of the opposite move in all moves
+    between the two cells is. The costs are found once in a process, and are not to be changed.
 
     Args:
         layout: floor; robots go to its stations, see ``station_goals``.
         robots: number of robots.
-        planner: one of ``TRIALS``, where the defaults are.
         wrong_way: cost of a move against all traffic, 1 or more; with the traffic a move costs 1.
-        trials: number of trials, at most ``MAX_TRIALS``.
+        trials: number of trials in a chain, at most ``MAX_TRIALS``.
         trial_seed: seed of the first trial; the next trials have the next seeds.
+        chains: number of chains of trials that begin with lanes. One chain gives the costs, that in
+            whose second half most goals were reached.
 
     Raises:
         PlanError: as for ``run_lifelong``.
@@ -153,32 +118,30 @@ def directed_costs(
         >>> directed_costs(random_layout(6, 6, 0.1, seed=1), robots=12, trials=1).shape
         (36, 4)
     """
-    kind = TRIALS[one_of("planner", planner, TRIALS)]
     return directions(
         instance_of("layout", layout, Layout),
         whole_number("robots", robots, 1),
-        planner,
-        real_number("wrong_way", kind.wrong_way if wrong_way is None else wrong_way, 1.0),
-        whole_number("trials", kind.number if trials is None else trials, 1, MAX_TRIALS),
+        real_number("wrong_way", wrong_way, 1.0),
+        whole_number("trials", trials, 1, MAX_TRIALS),
         whole_number("trial_seed", trial_seed, 0),
+        whole_number("chains", chains, 1, MAX_CHAINS),
     )
 
 
 @lru_cache(maxsize=16)
 def directions(
-    layout: Layout, robots: int, planner: str, wrong_way: float, trials: int, seed: int
+    layout: Layout, robots: int, wrong_way: float, trials: int, seed: int, chains: int
 ) -> Costs:
     """Return what ``directed_costs`` does, which has checked the arguments."""
-    kind = TRIALS[planner]
     if len(layout.open_cells) < 2:
         trials = 0  # nobody can move
-
-    def make(graph: Graph, trial: int) -> HeadedPlanner:
-        return kind.make(graph, robots, trial)
-
-    costs = Directions(layout, wrong_way).learned(
-        make, robots, trials, kind.steps, seed, goals=station_goals(layout), has_headings=True
-    )
+    found = [Directions(layout, wrong_way) for _ in range(chains)]
+    for number, each in enumerate(found):
+        each.learned(
+            Circulation, robots, trials, DIRECTED_STEPS, seed + number * trials,
+            goals=station_goals(layout), has_headings=True,
+        )  # fmt: skip
+    costs = max(found, key=lambda each: sum(each.reached[trials // 2 :])).costs
     costs.flags.writeable = False
     return costs
 
@@ -197,10 +160,12 @@ class Traffic:
 
     Attributes:
         costs: ``[H * W, 4]``, see ``lane_costs``.
+        reached: number of goals that were reached in each trial of ``learned``.
     """
 
     def __init__(self, layout: Layout, wrong_way: float = FIRST_WRONG_WAY) -> None:
         self._graph, self._trials = Graph(layout), 0
+        self.reached: list[int] = []
         self.costs = self._lanes = lane_costs(layout, wrong_way)
         self._mean = np.zeros((self._graph.size, WAIT + 1))
 
@@ -214,7 +179,9 @@ class Traffic:
         """
         for trial in range(seed, seed + trials):
             graph = Graph(self._graph.layout, self.costs)
-            self.add(run_lifelong(graph, make(graph, trial), robots, steps, trial, **others).cells)
+            run = run_lifelong(graph, make(graph, trial), robots, steps, trial, **others)
+            self.reached.append(run.reached)
+            self.add(run.cells)
         return self.costs
 
     def add(self, cells: Integers) -> None:

@@ -10,7 +10,7 @@ from typing import Any
 
 from agents.mapf.league.entry import errands_of, foreseen, plan_steps
 from agents.mapf.league.start_kit import graph_of, steps_of, view_of
-from agents.mapf.league.usual import make_usual_planner
+from agents.mapf.league.usual import make_usual_planner, usual_graph
 from agents.mapf.planner import HeadedPlanner
 
 
@@ -22,7 +22,7 @@ class pyMAPFPlanner:
 
     def initialize(self, preprocess_time_limit: int) -> None:
         """Make the planner of the map."""
-        self._graph = graph_of(self.env)
+        self._graph = usual_graph(graph_of(self.env), self.env.num_of_agents)
         self._planner = cache(self._make_planner)
         self._planner(self.env.min_planner_communication_time)
 

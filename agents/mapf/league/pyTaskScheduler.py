@@ -10,6 +10,7 @@ from typing import Any
 from agents.mapf.league.entry import assigned
 from agents.mapf.league.scheduler import Scheduler
 from agents.mapf.league.start_kit import graph_of, view_of
+from agents.mapf.league.usual import usual_graph
 
 
 class pyTaskScheduler:
@@ -20,8 +21,8 @@ class pyTaskScheduler:
         self._scheduler: Scheduler | None = None
 
     def initialize(self, preprocess_time_limit: int) -> None:
-        """Read the map."""
-        self._graph = graph_of(self.env)
+        """Read the map, and find the costs of the planner's moves."""
+        self._graph = usual_graph(graph_of(self.env), self.env.num_of_agents)
 
     def plan(self, time_limit: int) -> list[int]:
         """Return the task of each robot, or -1."""

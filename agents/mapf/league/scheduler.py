@@ -33,9 +33,9 @@ Beyond it only robots without a task get one, in several matchings.
 CROWD = 2000
 """Robots above which planning in windows takes too long."""
 
-FULL = 0.9
-"""Robots for each open cell above which a floor is full: robots move in rings there, and all have
-tasks, so that as many as can be join in.
+FULL = 0.8
+"""Robots for each open cell above which a floor is full: all have tasks there, since who has none
+joins in no ring of robots that move at once.
 """
 
 BUSY_BY_CELL, BUSY_BY_ROBOT = 0.2275, 0.19
@@ -86,7 +86,7 @@ class Scheduler:
     there through its other cells. On crowded floors robots without a task give way to others.
 
     Args:
-        graph: floor, of which only the cells are used.
+        graph: floor, with costs of moves as the planner of the robots has them.
         tasks: most tasks that are known at a time.
 
     Example:
@@ -102,8 +102,8 @@ class Scheduler:
     """
 
     def __init__(self, graph: Graph, tasks: int) -> None:
-        self._graph = graph.with_costs()
-        headed = graph.with_costs(None, 1.0)
+        self._graph = graph.with_costs(graph.costs)
+        headed = graph.with_costs(graph.costs, 1.0)
         fits = headed.places * tasks * np.dtype(np.int32).itemsize <= MAX_FIELD_BYTES
         self._fields = Fields(headed) if fits else None
         self._trip = cache(self._trip_of)

@@ -4,19 +4,18 @@ import numpy as np
 import pytest
 
 from agents.errors import PlanError
+from agents.mapf import traffic
 from agents.mapf.circulation import Circulation
 from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from agents.mapf.traffic import (
-    TRIALS,
     Directions,
     directed_costs,
     directions,
     learned_costs,
     station_goals,
-    traffic,
 )
 from warehouse_core import Layout, random_layout
 
@@ -26,7 +25,7 @@ NORTH, EAST, SOUTH, WEST, WAIT = range(5)
 def test_traffic_is_counted_by_cell_and_move() -> None:
     graph = Graph(Layout(["...", "..."]))
     cells = np.array([[0, 5], [1, 5], [1, 2], [0, 2]])
-    counts = traffic(graph, cells)
+    counts = traffic.traffic(graph, cells)
     expected = np.zeros((6, 5))
     expected[0, EAST] = expected[1, WAIT] = expected[1, WEST] = 1
     expected[5, WAIT] = expected[5, NORTH] = expected[2, WAIT] = 1
@@ -70,11 +69,10 @@ def test_a_move_costs_more_the_more_robots_move_the_other_way() -> None:
 
 
 def test_full_floors_are_made_one_way(monkeypatch: pytest.MonkeyPatch) -> None:
-    few = TRIALS["circulation"]._replace(number=3, steps=50)
-    monkeypatch.setitem(TRIALS, "circulation", few)
+    monkeypatch.setattr(traffic, "DIRECTED_STEPS", 50)
     directions.cache_clear()
     layout = random_layout(12, 12, 0.1, seed=1)
-    costs = directed_costs(layout, 81)
+    costs = directed_costs(layout, 81, trials=3)
     directions.cache_clear()
     graph, plain = Graph(layout, costs), Graph(layout)
     reached = graph.neighbours[:, :WAIT]
@@ -91,6 +89,23 @@ def test_full_floors_are_made_one_way(monkeypatch: pytest.MonkeyPatch) -> None:
     assert after > 1.05 * before
 
 
+def test_the_costs_are_those_of_the_chain_that_ends_with_most_goals(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr(traffic, "DIRECTED_STEPS", 30)
+    monkeypatch.setattr(traffic, "station_goals", lambda layout: None)
+    directions.cache_clear()
+    layout = random_layout(8, 8, 0.1, seed=6)
+    found = [Directions(layout, 9.0) for _ in range(3)]
+    for seed, each in zip(range(0, 12, 4), found, strict=True):
+        each.learned(Circulation, 29, 4, 30, seed, has_headings=True)
+    late = [sum(each.reached[2:]) for each in found]
+    best = found[int(np.argmax(late))]
+    assert np.argmax(late) != np.argmax([sum(each.reached) for each in found])
+    assert np.array_equal(directed_costs(layout, 29, 9.0, 4, 0, chains=3), best.costs)
+    directions.cache_clear()
+
+
 def test_robots_go_to_pickups_and_dropoffs_as_often() -> None:
     layout = Layout(["PP..", "..D."])
     goals = station_goals(layout)
@@ -100,7 +115,7 @@ def test_robots_go_to_pickups_and_dropoffs_as_often() -> None:
 
 
 def test_stations_lead_the_trials(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setitem(TRIALS, "circulation", TRIALS["circulation"]._replace(steps=40))
+    monkeypatch.setattr(traffic, "DIRECTED_STEPS", 40)
     directions.cache_clear()
     rows = ["P....D", "......", "......"]
     moved = [
@@ -115,19 +130,18 @@ def test_a_floor_of_one_cell_needs_no_trials() -> None:
     assert directed_costs(Layout(["."]), 1).shape == (1, 4)
 
 
-@pytest.mark.parametrize("planner", TRIALS)
 def test_directions_are_found_once_for_the_same_arguments(
-    planner: str, monkeypatch: pytest.MonkeyPatch
+    monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setitem(TRIALS, planner, TRIALS[planner]._replace(steps=20))
+    monkeypatch.setattr(traffic, "DIRECTED_STEPS", 20)
     directions.cache_clear()
     layout = Layout(["....", ".##.", "...."])
-    costs = directed_costs(layout, 6, planner, trials=2)
-    assert directed_costs(layout, 6, planner, trials=2) is costs
-    assert costs.max() <= TRIALS[planner].wrong_way
-    assert not np.array_equal(directed_costs(layout, 6, planner, trials=2, trial_seed=5), costs)
+    costs = directed_costs(layout, 6, trials=2)
+    assert directed_costs(layout, 6, trials=2) is costs
+    assert costs.max() <= traffic.DIRECTED_WRONG_WAY
+    assert not np.array_equal(directed_costs(layout, 6, trials=2, trial_seed=5), costs)
     with pytest.raises(ValueError, match="read-only"):
         costs[0] = 1
     with pytest.raises(ValueError, match=r"wrong_way .* 0\.5"):
-        directed_costs(layout, 6, planner, wrong_way=0.5)
+        directed_costs(layout, 6, wrong_way=0.5)
     directions.cache_clear()

@@ -26,7 +26,7 @@ from agents.mapf.league.result import Result, read_result, write_result
 from agents.mapf.league.scheduler import CROWD, Scheduler
 from agents.mapf.league.simulator import planned_steps, play
 from agents.mapf.league.usual import SHARE, usual_planner
-from agents.mapf.planner import HeadedPlanner
+from agents.mapf.planner import GraphPlanner, HeadedPlanner
 from agents.registry import make_planner
 from warehouse_core import Layout
 from warehouse_core.wording import counted
@@ -141,15 +141,15 @@ def league(
 def usual_name(problem: League, step_seconds: float) -> str:
     """Return the name, with arguments, of the planner of a problem for which none is named."""
     seconds = step_seconds / planned_steps(problem)
-    name, arguments = usual_planner(
+    usual = usual_planner(
         len(problem.layout.open_cells), len(problem.starts), seconds,
         is_scheduled=not problem.strategy,
     )  # fmt: skip
     given = (
         f"{key}={value if value is True else format(value, 'g')}"
-        for key, value in arguments.items()
+        for key, value in (usual.floor | usual.others).items()
     )
-    return f"{name}:{','.join(given)}"
+    return f"{usual.name}:{','.join(given)}"
 
 
 def play_checked(problem: League, name: str, steps: int, seconds: float, seed: int) -> Result:
@@ -167,9 +167,11 @@ def play_checked(problem: League, name: str, steps: int, seconds: float, seed: i
 def entry_of(problem: League, name: str, seed: int) -> PlannedEntry:
     """Return an entry with a planner by name."""
     layout, robots = problem.layout, len(problem.starts)
+    planner = headed_planner(name, seed, layout, robots)
     graph = Graph(layout)
-    scheduler = None if problem.strategy else Scheduler(graph, problem.revealed)
-    return PlannedEntry(graph, headed_planner(name, seed, layout, robots), scheduler)
+    floor = planner.graph if isinstance(planner, GraphPlanner) else graph
+    scheduler = None if problem.strategy else Scheduler(floor, problem.revealed)
+    return PlannedEntry(graph, planner, scheduler)
 
 
 def headed_planner(name: str, seed: int, layout: Layout, robots: int) -> HeadedPlanner:

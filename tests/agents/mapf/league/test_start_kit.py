@@ -14,7 +14,7 @@ from agents.mapf.league import pyMAPFPlanner, pyTaskScheduler
 from agents.mapf.league.executor import Executor
 from agents.mapf.league.start_kit import view_of
 from agents.mapf.league.tasks import TaskPool
-from agents.mapf.league.usual import SHARE, make_usual_planner, usual_planner
+from agents.mapf.league.usual import SHARE, make_usual_planner, usual_graph, usual_planner
 from agents.mapf.planner import Situation
 from agents.mapf.windows import WindowedPlanner
 from agents.registry import make_planner
@@ -152,14 +152,14 @@ def test_a_plan_of_several_steps_has_the_time_limit_for_all_of_them(
 
 def test_a_crowd_has_the_planner_that_the_command_names() -> None:
     layout = Layout([".....", ".###.", ".....", ".###.", "....."])
-    name, arguments = usual_planner(len(layout.open_cells), 2001, 1.0)
-    planner = make_usual_planner(Graph(layout), 2001, 1.0)
-    named = make_planner(f"{name}:wrong_way={arguments['wrong_way']:g}", 0, layout, 2001)
+    name, floor, others = usual_planner(len(layout.open_cells), 2001, 1.0)
+    planner = make_usual_planner(usual_graph(Graph(layout), 2001), 2001, 1.0)
+    named = make_planner(f"{name}:wrong_way={floor['wrong_way']:g}", 0, layout, 2001)
     assert isinstance(planner, EPIBT)
     assert isinstance(named, EPIBT)
     assert planner.graph.costs is not None
     assert np.array_equal(planner.graph.costs, named.graph.costs)
-    assert planner.tries == arguments["tries"]
+    assert planner.tries == others["tries"]
 
 
 def test_states_of_the_start_kit_are_seen_as_they_are() -> None:

@@ -73,15 +73,23 @@ def test_the_problem_of_2023_says_who_does_what(
 def test_the_usual_planner_leads_some_of_a_crowd_at_a_time(hall: str) -> None:
     few = load_league(hall)
     assert usual_name(few, 2.0) == "windowed:groups=200,seconds=1.6,led=2,patience=8"
-    crowd = few._replace(starts=few.starts * 4)
-    dense = "circulates=True,groups=800,seconds=0.8,led=3,patience=8"
-    assert usual_name(crowd, 1.0) == f"windowed-directed:wrong_way=4,{dense}"
     some = few._replace(starts=[*few.starts * 2, few.starts[0]])
     assert usual_name(some, 1.0).startswith("windowed:")
     given = usual_name(some._replace(strategy="roundrobin"), 1.0)
-    assert given.startswith("windowed-directed:wrong_way=3,circulates=True,groups=500,")
+    dense = "chains=6,groups=500,seconds=0.8,led=3,patience=8"
+    assert given == f"windowed-directed:wrong_way=3,{dense}"
+    crowd = few._replace(starts=few.starts * 4)
+    denser = "chains=6,groups=800,seconds=0.8,led=4,patience=8"
+    assert usual_name(crowd, 1.0) == f"windowed-directed:wrong_way=4,{denser}"
+    nearly = few._replace(starts=[*few.starts * 4, few.starts[0]])
+    assert usual_name(nearly, 1.0).startswith(
+        "windowed-directed:wrong_way=9,chains=6,circulates=True,"
+    )
     full = few._replace(starts=few.starts * 5)
-    assert usual_name(full, 0.5) == "circulation-directed:wrong_way=9,samples=1000,seconds=0.4"
+    assert (
+        usual_name(full, 0.5)
+        == "circulation-directed:wrong_way=9,chains=6,samples=1000,seconds=0.4"
+    )
     crowd = few._replace(starts=few.starts * 2000)
     assert usual_name(crowd, 1.0) == "epibt-aisles:wrong_way=2,tries=2"
     ticks = few._replace(year=2026, ticks=5)  # three steps are planned at a time
