@@ -1,9 +1,9 @@
 """Pictures, pages, exports and outputs are as recorded, so that no change alters one unseen.
 
 Nearly all numbers in their code are sizes, places and colours that no other test names.
-After a change that is meant to alter them, ``python tests/system/test_recorded.py`` writes the
-record anew, which is compressed text: ``git diff`` shows it after
-``git config diff.gzip.textconv "gzip -dc"``.
+After a change that is meant to alter them, ``python tests/system/test_recorded.py [CASE ...]``
+records the cases again. Each has a file of compressed text in ``tests/data/recorded``, which
+``git diff`` shows after ``git config diff.gzip.textconv "gzip -dc"``.
 """
 
 import gzip
@@ -17,12 +17,13 @@ from functools import partial
 from hashlib import sha256
 from inspect import isclass, signature
 from io import StringIO
-from itertools import islice
+from itertools import islice, product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import FunctionType
 from typing import Any, ClassVar
 
+import gymnasium
 import matplotlib
 import numpy as np
 import pytest
@@ -40,6 +41,7 @@ from helpers.player import said_by
 from helpers.results_files import BAD, GOOD, Cases, fill, fleet_row, outcomes, scores_of
 from helpers.rigid_bodies import EAST, NORTH, WEST, together
 from matplotlib.figure import Figure
+from numpy.typing import NDArray
 
 import warehouse_core
 import warehouse_physics
@@ -86,7 +88,7 @@ from warehouse_core.viz.tracks import Frame, Pose, Track, track_of_record
 from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Waiting
 from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, RobotSpec, Stop
 
-RECORD = Path(__file__).parents[1] / "data/recorded.txt.gz"
+RECORDS = Path(__file__).parents[1] / "data/recorded"
 
 HEAVY = RobotSpec(
     mass=120, radius=0.45, cell_size=1.4, top_speed=1.6, acceleration=2.5, motor_force=400
@@ -378,9 +380,121 @@ def reports() -> Lines:
         yield from of_command(f"export {number}.sqlite {number}.csv")
 
 
+def episodes() -> Lines:
+    """Yield whole episodes of the agents, on the grid and with bodies."""
+    agents = "greedy", "model", "utility", "exploring", "astar", "random"
+    for name, backend, seed in product(agents, ("grid", "physics"), (3, 12)):
+        episode = run_episode(name, backend, seed=seed, max_steps=60)
+        sums = episode.total_reward, episode.seconds, episode.joules
+        yield f"{name} {backend} {seed} {episode.outcome} {' '.join(episode.actions)} {sums}"
+
+
+def shifts() -> Lines:
+    """Yield shifts of fleets with compass moves and with headings, directed by each planner."""
+    layout = shelf_layout(2, 3, aisle=2, pickups=3, dropoffs=2, chargers=2)
+    names = "pibt", "pibt-lanes", "windowed", "windowed-lanes", "circulation", "circulation-lanes"
+    for moves, name in product(("compass", "turn"), names):
+        if moves == "turn" and name.startswith("pibt"):
+            continue
+        agent = make_fleet_agent(name, "urgent", 1, layout, 8)
+        env = FleetEnv(
+            layout, 8, orders=OrderStream(0.5, due=(20, 60)), max_steps=60, battery=90,
+            people=1, moves=moves, dispatch=False, seed=5,
+        )  # fmt: skip
+        episode = record_fleet_episode(env, agent, seed=5)
+        digest = sha256(repr(episode.actions).encode()).hexdigest()[:16]
+        yield f"{moves} {name} {episode.outcome} {episode.total_reward} {digest}"
+
+
+def pixels() -> Lines:
+    """Yield the mean colours of small blocks in pictures that are made of pixels."""
+    scenes = {
+        "lone": env_pixels("Warehouse-v0", view_radius=2),
+        "bodies": env_pixels("Warehouse-v0", backend="physics"),
+        "large": env_pixels("Warehouse-v0", layout=shelf_layout(4, 6, aisle=2)),
+        "fleet": fleet_pixels(),
+        "headings": fleet_pixels(moves="turn"),
+        "crowd": fleet_pixels(robots=12, people=4),
+    }
+    for name, picture in scenes.items():
+        height, width = (side - side % 4 for side in picture.shape[:2])
+        blocks = picture[:height, :width].reshape(height // 4, 4, width // 4, 4, 3)
+        yield f"{name} {picture.shape} {picture.dtype}"
+        for row in blocks.mean(axis=(1, 3)).round().astype(int)[:: 1 + height // 200]:
+            yield f"figure {row.ravel().tolist()}"
+
+
+def env_pixels(name: str, **settings: Any) -> NDArray[np.uint8]:
+    env = gymnasium.make(
+        f"warehouse_core.gymnasium_env:{name}", render_mode="rgb_array", **settings
+    )
+    env.reset(seed=3)
+    for action in (0, 1, 1, 2):
+        env.step(action)
+    picture: Any = env.render()
+    env.close()
+    return np.asarray(picture)
+
+
+def fleet_pixels(robots: int = 4, **settings: Any) -> NDArray[np.uint8]:
+    layout = shelf_layout(2, 2, aisle=2, pickups=2, dropoffs=2, chargers=2)
+    env = pettingzoo_env.parallel_env(
+        layout=layout, robots=robots, orders=0.5, render_mode="rgb_array", **settings
+    )
+    env.reset(seed=3)
+    for action in (0, 1, 2):
+        env.step(dict.fromkeys(env.agents, action))
+    return np.asarray(env.render())
+
+
+def grades() -> Lines:
+    """Yield what is printed of grades, and the feedback pages, of good and of bad agents."""
+    Path("wrong.py").write_text(WRONG)
+    yield from of_command("grade greedy --save good.html")
+    yield from of_command("grade wrong.py --trust --save wrong.html")
+    solution = ROOT / "agents/handbook/exercises/solutions/exercise-01.py"
+    yield from of_command(f"grade {solution} --rubric exercise-01 --trust --save one.html")
+
+
+WRONG = """
+class Wrong:
+    def reset(self):
+        self.steps = 0
+
+    def act(self, observation):
+        self.steps += 1
+        return "N" if self.steps < 30 else 1 / 0
+"""
+"""An agent that drives north and then fails."""
+
+
+def sweeps() -> Lines:
+    """Yield the output of a sweep and its table for other programs, without their version."""
+    Path("plan.toml").write_text(PLAN)
+    yield from of_command("sweep plan.toml -o a.sqlite -j 1")
+    fleets = "--set robots=2,3 --set layout=depot --set max_steps=30"
+    yield from of_command(f"sweep {fleets} -n 2 -o b.sqlite -j 1")
+    for name in "ab":
+        for line in of_command(f"export {name}.sqlite {name}.csv"):
+            yield PROGRAM.sub("", line)
+
+
+PLAN = """
+episodes = 4
+seed = 3
+
+[settings]
+agent = ["greedy", "reflex"]
+battery = [20, 60]
+"""
+
+PROGRAM = re.compile(r',"?warehouse-lab.*')
+"""Last column of a table of episodes, which has versions."""
+
+
 KINDS = (
     version, options, interface, conformance, rows, planners, lone, seen, bodies, fleet, driven,
-    slipping, signs, pair, maps, charts, reports,
+    slipping, signs, pair, maps, charts, reports, episodes, shifts, pixels, grades, sweeps,
 )  # fmt: skip
 
 COMMANDS = (
@@ -414,35 +528,33 @@ def lines_of(case: str) -> list[str]:
     ]
 
 
-def recorded() -> dict[str, list[str]]:
-    found: dict[str, list[str]] = {}
-    for line in gzip.decompress(RECORD.read_bytes()).decode().splitlines():
-        if line.startswith("== "):
-            lines = found[line[3:]] = []
-        else:
-            lines.append(line)
-    return found
+def file_of(case: str) -> Path:
+    return RECORDS / f"{re.sub('[^a-z0-9]+', '-', case.lower())}.txt.gz"
 
 
-@pytest.fixture(scope="module")
-def record() -> dict[str, list[str]]:
-    return recorded()
+def recorded(case: str) -> list[str]:
+    return gzip.decompress(file_of(case).read_bytes()).decode().splitlines()
 
 
 @pytest.mark.parametrize("case", [case for case in CASES if case != "version"])
-def test_it_is_as_recorded(case: str, record: dict[str, list[str]]) -> None:
-    found, expected = lines_of(case), record[case]
+def test_it_is_as_recorded(case: str) -> None:
+    found, expected = lines_of(case), recorded(case)
     if found == expected:
         return
     words, expected_words = (NUMBER.sub("0", "\n".join(lines)) for lines in (found, expected))
     assert words.splitlines() == expected_words.splitlines()
-    pixels = PIXELS if record["version"] == [*version()] else OTHER_PIXELS
+    pixels = PIXELS if recorded("version") == [*version()] else OTHER_PIXELS
     for line, other in zip(found, expected, strict=True):
         numbers, others = ([*map(float, NUMBER.findall(each))] for each in (line, other))
         error = pixels if line.startswith(DRAWN) else 1e-5
         assert numbers == pytest.approx(others, 1e-5, error), f"{line}\nrecorded: {other}"
 
 
+def test_each_record_has_its_case() -> None:
+    assert {*RECORDS.iterdir()} == {*map(file_of, CASES)}
+
+
 if __name__ == "__main__":
-    text = "".join(f"== {case}\n" + "".join(f"{x}\n" for x in lines_of(case)) for case in CASES)
-    RECORD.write_bytes(gzip.compress(text.encode(), mtime=0))
+    for case in sys.argv[1:] or CASES:
+        text = "".join(f"{line}\n" for line in lines_of(case))
+        file_of(case).write_bytes(gzip.compress(text.encode(), mtime=0))
