@@ -18,8 +18,6 @@ from agents.lab.commands import cli
 project = "warehouse-lab"
 release = metadata.version(project)
 extensions = ["myst_nb", "sphinx.ext.autodoc", "sphinx.ext.napoleon"]
-if "live" in globals()["tags"]:  # which Sphinx defines, from its option -t
-    extensions.append("agents.handbook.live")
 html_theme = "furo"
 html_title = f"{project} {release}"
 html_show_copyright = False

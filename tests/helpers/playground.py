@@ -45,15 +45,7 @@ def run_by_cpython(script: Path) -> str:
 def run_in_node(page: Path, script: Path) -> str:
     """Return what a script prints that Pyodide runs in node, with the wheel of a page."""
     [wheel] = page.glob("*.whl")
-    return run_by(page / RUNTIME, script, wheel)
-
-
-def run_by(runtime: Path, script: Path, loaded: Path) -> str:
-    """Return what a script prints that Pyodide runs in node.
-
-    Before it, a wheel is loaded, with NumPy, or the packages that another script imports.
-    """
-    words = ["node", ROOT / "tests" / "helpers" / "pyodide.mjs", runtime, script, loaded]
+    words = ["node", ROOT / "tests/helpers/pyodide.mjs", page / RUNTIME, script, wheel]
     return subprocess.run(words, capture_output=True, text=True, check=True).stdout
 
 

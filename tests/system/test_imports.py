@@ -127,7 +127,7 @@ MAY_IMPORT = {
         "lab/experiments lab/playground lab/reports lab/runs lab/training lab/trials learning mapf "
         "registry search warehouse_agent_greedy"
     ),
-    "agents/handbook": "lab/commands lab/playground",
+    "agents/handbook": "lab/commands",
     "agents/__main__": "lab/commands",
     "agents/run_episode": "lab/commands lab/console",
 }

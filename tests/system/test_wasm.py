@@ -1,26 +1,21 @@
 """Pyodide, in node and in headless Chromium, does what CPython does; ``.ci/pyodide`` fetches it."""
 
 import json
-import re
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers import wasm_digests, wasm_pages
-from helpers.handbook import WRITE
-from helpers.live import LivePage, cells_of, write_site
+from helpers import wasm_digests
 from helpers.playground import (
     MAX_DOWNLOAD,
     Playground,
-    run_by,
     run_by_cpython,
     run_in_node,
     served,
     write_page,
 )
 
-from agents.handbook import live
 from agents.lab.grading.exercises import SOLUTIONS
 from agents.lab.grading.rubric import MINI_LAB
 from agents.lab.playground.session import Session
@@ -50,54 +45,6 @@ def test_node_has_the_digests_of_cpython(page_folder: Path) -> None:
     pyodide = run_in_node(page_folder, script)
     assert len(cpython.splitlines()) > 20
     assert pyodide == cpython
-
-
-@pytest.fixture(scope="module")
-def site(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return the folder of the handbook's site with live pages."""
-    return write_site(tmp_path_factory.mktemp("site"))
-
-
-@pytest.mark.parametrize("page", [page.stem for page in live.pages() if cells_of(page.stem)])
-def test_a_live_page_says_in_node_what_it_says_in_cpython(
-    page: str, site: Path, tmp_path: Path
-) -> None:
-    cells = cells_of(page)
-    script, loaded = tmp_path / "cells_of_a_page.py", tmp_path / "loaded.py"
-    source = Path(wasm_pages.__file__).read_text(encoding="utf-8")
-    script.write_text(f"{source}\n\nrun_cells({cells!r})\n", encoding="utf-8")
-    imported = [cell for cell in cells if not cell.startswith(WRITE)]
-    loaded.write_text("\n".join(imported), encoding="utf-8")
-    cpython = run_by_cpython(script)
-    assert len(cpython.splitlines()) >= len(cells)
-    assert run_by(site / live.FOLDER / live.RUNTIME, script, loaded) == cpython
-
-
-def test_each_page_with_cells_links_to_its_notebook_and_others_to_none(site: Path) -> None:
-    live_pages = {page.stem for page in live.pages()}
-    for file in site.glob("*.html"):
-        text = file.read_text(encoding="utf-8")
-        links = re.findall(r'href="(live/[^"?]*)\?path=([^"]*)"', text)
-        wanted = [("live/notebooks/index.html", f"{file.stem}.ipynb")]
-        assert links == (wanted if file.stem in live_pages else []), file.name
-    assert (site / "live/notebooks/index.html").exists()
-    assert {file.stem for file in (site / "live/files").glob("*.ipynb")} == live_pages
-
-
-def test_a_live_page_runs_and_asks_its_own_server_alone(browser: Any, site: Path) -> None:
-    with served(site) as address, browser.new_context() as context:
-        reading = LivePage(context.new_page(), address, "mini_lab")
-        reading.run()
-        reading.wait_for_player()
-        reading.wait_for_end()
-        outputs = "\n".join(reading.outputs)
-        assert "delivered 23 12.7" in outputs
-        assert "Writing my_layout.txt" in outputs  # by one of the last cells
-        assert reading.red == []
-        assert 10_000_000 < reading.compressed(site) < MAX_DOWNLOAD
-        assert [url for url in reading.requests if not url.startswith((address, "blob:"))] == []
-        assert [url for url in reading.requests if url.endswith(".whl")] != []
-        assert reading.errors == []
 
 
 @pytest.fixture(scope="module")

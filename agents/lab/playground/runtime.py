@@ -5,7 +5,7 @@ from __future__ import annotations
 import hashlib
 import http.client
 import json
-from collections.abc import Callable, Mapping
+from collections.abc import Callable
 from pathlib import Path
 from urllib.error import URLError
 from urllib.parse import urljoin, urlsplit
@@ -23,9 +23,6 @@ VERSION: str = PINNED["version"]
 FILES: dict[str, str] = PINNED["files"]
 """SHA-256 digests, by names of files: Python, its library, and NumPy."""
 
-SCRIPT: dict[str, str] = PINNED["script"]
-"""Digest of the one file that notebooks need beside these, by its name."""
-
 SERVER = f"https://cdn.jsdelivr.net/pyodide/v{VERSION}/full/"
 """Address from which the files are loaded unless another place is given."""
 
@@ -37,20 +34,9 @@ MAX_BYTES = 64 * 1024 * 1024
 
 
 def copy_runtime(source: str, folder: Path, advance: Callable[[], None] = lambda: None) -> None:
-    """Copy the files of Pyodide into a folder, as ``copy_files`` does."""
-    copy_files(FILES, source, folder, advance)
-
-
-def copy_files(
-    files: Mapping[str, str],
-    source: str,
-    folder: Path,
-    advance: Callable[[], None] = lambda: None,
-) -> None:
-    """Copy files into a folder; those that are there already stay.
+    """Copy the files of Pyodide into a folder. Files that are already there are kept.
 
     Args:
-        files: SHA-256 digests by names of files.
         source: folder, or address of one that begins with ``http://`` or ``https://``.
         folder: folder, which is made once there is a file for it.
         advance: called after each file.
@@ -59,7 +45,7 @@ def copy_files(
         PyodideError: a file cannot be read, or is one of another version.
         OSError: the folder cannot be written.
     """
-    for name, digest in files.items():
+    for name, digest in FILES.items():
         target = folder / name
         if not (target.is_file() and digest_of(target.read_bytes()) == digest):
             content = _read(source, name)

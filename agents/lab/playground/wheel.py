@@ -1,4 +1,4 @@
-"""Wheels of what is installed here, for Python in a browser."""
+"""The wheel of this project, for Python in a browser."""
 
 from __future__ import annotations
 
@@ -25,24 +25,22 @@ LEFT_OUT = {"__pycache__", "solutions"}
 TAGS = "Wheel-Version: 1.0\nGenerator: warehouse-lab\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
 
 
-def write_wheel(folder: Path, name: str = DISTRIBUTION) -> str:
-    """Write the wheel of a distribution into a folder, and return the name of its file.
+def write_wheel(folder: Path) -> str:
+    """Write the wheel of this project into a folder, and return the name of its file.
 
     Args:
-        folder: folder that is there.
-        name: name of an installed distribution in which nothing is compiled.
+        folder: folder that exists.
 
     Raises:
-        PackageNotFoundError: no such distribution is installed.
+        PackageNotFoundError: this project is not installed.
         OSError: the folder cannot be written.
     """
-    found = distribution(name)
-    stem = f"{name.replace('-', '_')}-{found.version}"
+    own = distribution(DISTRIBUTION)
+    stem = f"{DISTRIBUTION.replace('-', '_')}-{own.version}"
     path = folder / f"{stem}-py3-none-any.whl"
     rows, record = [], f"{stem}.dist-info/RECORD"
-    contents = _own_contents if name == DISTRIBUTION else _contents
     with atomic_path(path) as part, ZipFile(part, "w", ZIP_DEFLATED) as archive:
-        for inner, content in contents(found, f"{stem}.dist-info"):
+        for inner, content in _contents(own, f"{stem}.dist-info"):
             info = ZipInfo(inner, DATE)
             info.compress_type = ZIP_DEFLATED
             archive.writestr(info, content)
@@ -52,26 +50,13 @@ def write_wheel(folder: Path, name: str = DISTRIBUTION) -> str:
     return path.name
 
 
-def _own_contents(own: Distribution, info: str) -> Iterator[tuple[str, bytes]]:
-    """Yield the name and the content of each file of this project's wheel but its record."""
+def _contents(own: Distribution, info: str) -> Iterator[tuple[str, bytes]]:
+    """Yield the name and the content of each file of the wheel but its record."""
     for package in OWN:
         for path in sorted((ROOT / package).rglob("*")):
             inner = path.relative_to(ROOT)
             if path.is_file() and not LEFT_OUT.intersection(inner.parts):
                 yield inner.as_posix(), path.read_bytes()
-    yield from _information(own, info)
-
-
-def _contents(other: Distribution, info: str) -> Iterator[tuple[str, bytes]]:
-    """Yield the name and the content of each file of another wheel but its record."""
-    for path in sorted(other.files or ()):
-        is_in_wheel = path.parts[0] != ".." and not LEFT_OUT.intersection(path.parts)
-        if is_in_wheel and not path.parts[0].endswith(".dist-info"):
-            yield path.as_posix(), path.read_binary()
-    yield from _information(other, info)
-
-
-def _information(found: Distribution, info: str) -> Iterator[tuple[str, bytes]]:
     yield f"{info}/WHEEL", TAGS.encode()
     for name in KEPT:
-        yield f"{info}/{name}", (found.read_text(name) or "").encode()
+        yield f"{info}/{name}", (own.read_text(name) or "").encode()
