@@ -2,7 +2,6 @@
 
 import re
 from collections import defaultdict
-from contextlib import nullcontext
 from importlib.metadata import entry_points, version
 from pathlib import Path
 
@@ -17,13 +16,10 @@ from helpers.command_line import (
     without_display,
 )
 from helpers.pictures import short_episode
-from helpers.sweeps import Here
 from PIL import Image
 
 import agents.__main__ as program
-from agents.lab.commands import train
-from agents.lab.experiments import sweep
-from agents.lab.training import exams
+from agents.lab.commands.cli import RENAMED_COMMANDS
 from agents.registry import make_agent
 from agents.run_episode import run_episode
 from warehouse_core import Episode
@@ -114,23 +110,11 @@ def test_agents_that_the_help_lists_exist() -> None:
 
 
 @pytest.mark.parametrize(
-    ("line", "file"),
-    [
-        ("compare --seed 3 --max-steps 1 --save a.svg", "a.svg"),
-        ("compare-agents -n 1 --max-steps 2 --backend grid --save a.svg", "a.svg"),
-        ("layout generate --output a.txt", "a.txt"),
-        ("train q --steps 10 --output=a.npz", "a.npz"),
-        ("sweep --set battery=1 -n 1 --output a.sqlite --workers 1", "a.sqlite"),
-    ],
+    "name", sorted(RENAMED_COMMANDS.keys() - {line.split()[0] for line in LEAVES})
 )
-def test_commands_of_version_0_1_still_work(
-    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch, line: str, file: str
-) -> None:
-    monkeypatch.setattr(sweep, "process_pool", lambda count: nullcontext((Here(), count)))
-    monkeypatch.setattr(exams, "EXAM_SEEDS", exams.EXAM_SEEDS[:3])
-    monkeypatch.setattr(train, "FINAL_SEEDS", train.FINAL_SEEDS[:4])
-    assert warehouse(*line.split()).code == 0
-    assert Path(file).stat().st_size > 0
+def test_a_former_command_prints_what_to_type_instead(refused: Refused, name: str) -> None:
+    line = f"the command {name!r} no longer exists; use: {RENAMED_COMMANDS[name]}"
+    assert refused(name, "--seed", 1, code=2) == line
 
 
 @pytest.mark.parametrize(

@@ -41,7 +41,27 @@ from agents.lab.reports.report import report
 from warehouse_core import Episode
 from warehouse_core.viz.tracks.track import INTERVAL_MS
 
+RENAMED_COMMANDS = {
+    "explore": "warehouse run --agent exploring",
+    "search": "warehouse compare search",
+    "mapf": "warehouse plan",
+    "gap": "warehouse compare backends --robots N",
+    "dataset": "warehouse export",
+    "league": "warehouse plan --moves turn",
+    "pogema": "python tests/benchmarks/bench_pogema.py",
+    "compare-agents": "warehouse compare agents",
+}
+"""What to type instead of each command that no longer exists."""
+
+
+class Commands(CommandGroup):
+    """The commands of ``warehouse``."""
+
+    renamed = RENAMED_COMMANDS
+
+
 app = console.application(
+    cls=Commands,
     name="warehouse",
     help="A grid warehouse for rational agents, with a motion backend you can swap.",
     no_args_is_help=True,
@@ -73,7 +93,7 @@ def replay(
 
 
 class CompareGroup(CommandGroup):
-    """The group ``warehouse compare``, which was a command of its own in version 0.1."""
+    """The group ``warehouse compare``."""
 
     usual = "backends"
 
@@ -131,7 +151,6 @@ for title, commands in GROUPS.items():
             app.command(name, rich_help_panel=title, epilog=NAMES if command is sweep else None)(
                 command
             )
-app.command("compare-agents", hidden=True)(compare_agents)  # its name in version 0.1
 
 
 def _print_version(wanted: bool) -> None:

@@ -2,7 +2,8 @@
 
 from __future__ import annotations
 
-from typing import Any
+from collections.abc import Mapping
+from typing import Any, ClassVar
 
 import typer
 from typer.core import TyperGroup
@@ -17,9 +18,11 @@ class CommandGroup(TyperGroup):
 
     Attributes:
         usual: Command that is run if none is named, or "" where the help is shown instead.
+        renamed: What to type instead of each command that no longer exists.
     """
 
     usual = ""
+    renamed: ClassVar[Mapping[str, str]] = {}
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write a section for each title, with the names and summaries of its commands."""
@@ -44,6 +47,10 @@ class CommandGroup(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the command that the words begin with, and the other words."""
         if args[0] not in self.commands:
+            if args[0] in self.renamed:
+                raise typer.BadParameter(
+                    f"the command {args[0]!r} no longer exists; use: {self.renamed[args[0]]}"
+                )
             allowed = ", ".join(name for name, each in self.commands.items() if not each.hidden)
             raise typer.BadParameter(f"no command is called {args[0]!r}; allowed: {allowed}")
         return super().resolve_command(ctx, args)

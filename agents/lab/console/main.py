@@ -20,9 +20,6 @@ USER_ERROR, INTERRUPTED = 1, 130
 EXPECTED = (WarehouseError, OSError)
 """Errors that a user may cause. Any other error is a bug and keeps its traceback."""
 
-RENAMED = {"output": "save", "workers": "jobs"}
-"""Names of options in version 0.1, which still work, and their names now."""
-
 SENTENCES = (
     (r"No such option: (\S+)", r"no option is called '\1'"),
     (r"No such option: (\S+) \(.*: (.+)\)", r"no option is called '\1'; similar: \2"),
@@ -40,10 +37,7 @@ def application(**settings: Any) -> typer.Typer:
         cls=settings.pop("cls", CommandGroup),
         add_completion=False,
         rich_markup_mode=None,
-        context_settings={
-            "help_option_names": [*HELP],
-            "token_normalize_func": lambda name: RENAMED.get(name, name),
-        },
+        context_settings={"help_option_names": [*HELP]},
         **settings,
     )
 

@@ -40,7 +40,7 @@ def test_layouts_are_printed(warehouse: Warehouse, words: str, printed: Layout) 
     assert warehouse("layout", *words.split()) == (0, f"{printed}\n", "")
 
 
-@pytest.mark.parametrize(("kind", "option"), [("generate", "--output"), ("shelves", "-o")])
+@pytest.mark.parametrize(("kind", "option"), [("generate", "--save"), ("shelves", "-o")])
 def test_a_layout_goes_to_a_file_and_passes_the_check(
     warehouse: Warehouse, kind: str, option: str
 ) -> None:

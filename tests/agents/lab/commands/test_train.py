@@ -212,7 +212,7 @@ def test_a_table_is_trained_and_run(warehouse: Warehouse) -> None:
 
 def test_the_seed_repeats_a_training(warehouse: Warehouse, curves: list[list[ExamPoint]]) -> None:
     for seed, name in ((3, "a.npz"), (3, "b.npz"), (4, "c.npz")):
-        warehouse(*WORDS, "--steps", 300, "--seed", seed, "--output", name)
+        warehouse(*WORDS, "--steps", 300, "--seed", seed, "--save", name)
     assert load_table("a.npz")[0] == load_table("b.npz")[0] != load_table("c.npz")[0]
     assert curves[0] == curves[1] != curves[2]
 
