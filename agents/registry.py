@@ -26,7 +26,7 @@ import numpy as np
 
 from agents.errors import AgentError, reason_of
 from agents.fleet.charging import costs_around_chargers
-from agents.fleet.guided import Guided, on_aisles, on_directed, on_lanes, on_learned
+from agents.fleet.guided import Guided, on_directed, on_lanes, on_learned
 from agents.fleet.planned import DEFAULT_ASSIGNMENT, PlannedFleet
 from agents.fleet.team import Team
 from agents.kinds.goal_based import GoalBasedAgent
@@ -35,17 +35,14 @@ from agents.kinds.simple_reflex import ReflexAgent
 from agents.kinds.utility_based import UtilityBasedAgent
 from agents.learning.baselines import RandomAgent
 from agents.learning.clone_agent import CloneAgent
-from agents.learning.clone_planner import ClonePlanner
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
 from agents.mapf.assignment import ASSIGNMENTS
 from agents.mapf.circulation import Circulation
-from agents.mapf.epibt import EPIBT
 from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Planner
 from agents.mapf.problem import Solver
-from agents.mapf.timed import TimedPlanner
 from agents.mapf.windows import WindowedPlanner
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
@@ -81,9 +78,6 @@ PLANNERS: dict[str, Callable[..., Planner]] = {
     "pibt": PIBT,
     "pibt-lanes": Guided(PIBT, on_lanes),
     "pibt-learned": Guided(PIBT, on_learned),
-    "epibt": EPIBT,
-    "epibt-lanes": Guided(EPIBT, on_lanes),
-    "epibt-aisles": Guided(EPIBT, on_aisles),
     "windowed": WindowedPlanner,
     "windowed-lanes": Guided(WindowedPlanner, on_lanes),
     "windowed-learned": Guided(WindowedPlanner, on_learned),
@@ -91,10 +85,19 @@ PLANNERS: dict[str, Callable[..., Planner]] = {
     "circulation": Circulation,
     "circulation-lanes": Guided(Circulation, on_lanes),
     "circulation-directed": Guided(Circulation, on_directed),
-    "timed": TimedPlanner,
-    "timed-lanes": Guided(TimedPlanner, on_lanes),
 }
 """Planners of the robots of a fleet, by name."""
+
+REMOVED_PLANNERS = {
+    "epibt": "windowed",
+    "epibt-lanes": "windowed-lanes",
+    "epibt-aisles": "windowed-lanes",
+    "timed": "windowed",
+    "timed-lanes": "windowed-lanes",
+    "prioritised": "anytime, or ecbs",
+    "clone": "windowed",
+}
+"""Planners that no longer exist, and what to use instead."""
 
 TRAINED: dict[str, Callable[..., Agent]] = {
     "clone": CloneAgent.load,
@@ -102,9 +105,6 @@ TRAINED: dict[str, Callable[..., Agent]] = {
     "q": load_agent,
 }
 """Functions that load an agent of ``warehouse train``, by the word before the colon."""
-
-TRAINED_PLANNERS: dict[str, Callable[..., Planner]] = {"clone": ClonePlanner.load}
-"""Functions that load a planner of ``warehouse train``, by words that ``TRAINED`` has too."""
 
 FIXED = ("seed", "layout", "graph", "algorithm")
 """Arguments that a name does not give: parts of the episode, and what the name itself says."""
@@ -124,7 +124,7 @@ class Sort(NamedTuple):
 
 
 AGENT = Sort("agent", AGENTS, TRAINED, [("reset", "act")])
-PLANNER = Sort("planner", PLANNERS, TRAINED_PLANNERS, [("reset", "next_cells"), ("reset", "act")])
+PLANNER = Sort("planner", PLANNERS, {}, [("reset", "next_cells"), ("reset", "act")])
 BACKEND = Sort("backend", {}, {}, [("reset", "advance", "close")])
 
 
@@ -175,7 +175,7 @@ def make_planner(
 ) -> Planner | FleetAgent:
     """Return a planner of the robots of a fleet, or an agent that directs them, by name.
 
-    Names are as for ``make_agent``, but with ``PLANNERS`` and ``TRAINED_PLANNERS``. A class of a
+    Names are as for ``make_agent``, but with ``PLANNERS`` and without trained ones. A class of a
     user that has ``next_cells`` is a ``Planner``, one that has ``act`` a ``FleetAgent``. Besides
     seed and layout it gets ``robots`` if it takes them and the name does not give them, and if it
     takes a ``graph`` the graph of the layout, where ways lead around chargers.
@@ -210,8 +210,7 @@ def make_solver(name: str, known: Mapping[str, Solver], seed: int = 0) -> Solver
         >>> solve = make_solver("ecbs:w=1.1", {"ecbs": solve_eecbs})
     """
     source, options = _split(name)
-    if name.partition(":")[0] in TRAINED_PLANNERS:
-        return None
+    check_planner(name)
     solve = known.get(source) or _load_function(source)
     if solve is None:
         return None
@@ -224,6 +223,13 @@ def make_solver(name: str, known: Mapping[str, Solver], seed: int = 0) -> Solver
         ) from None
     given = {"seed": seed} if takes_seed else {}
     return partial(solve, **given, **_options(f"planner {source!r}", rest, options))
+
+
+def check_planner(name: str) -> None:
+    """Raise an ``AgentError`` if a name is of a planner that no longer exists."""
+    word = name.partition(":")[0]
+    if word in REMOVED_PLANNERS:
+        raise AgentError(f"planner {word!r} no longer exists; use {REMOVED_PLANNERS[word]}")
 
 
 def make_backend(name: str) -> Backend:
@@ -296,6 +302,8 @@ def _make(
     sort: Sort, name: str, seeds: Sequence[int | None], layout: Layout, robots: int | None = None
 ) -> list[Any]:
     """Return one by name for each seed."""
+    if sort is PLANNER:
+        check_planner(name)
     word, colon, rest = name.partition(":")
     if colon and word in sort.trained:
         return [_load_trained(sort, word, rest, seed, layout) for seed in seeds]

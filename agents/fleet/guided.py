@@ -9,7 +9,7 @@ from typing import Any
 
 from agents.fleet.charging import costs_around_chargers
 from agents.mapf.graph import Costs, Graph
-from agents.mapf.lanes import WRONG_WAY, aisle_costs, lane_costs
+from agents.mapf.lanes import WRONG_WAY, lane_costs
 from agents.mapf.planner import Planner
 from agents.mapf.traffic import (
     DIRECTED_TRIALS,
@@ -51,11 +51,6 @@ def on_lanes(layout: Layout, wrong_way: float = WRONG_WAY) -> Graph:
     return Graph(layout, costs_around_chargers(layout, lane_costs(layout, wrong_way)))
 
 
-def on_aisles(layout: Layout, wrong_way: float = WRONG_WAY) -> Graph:
-    """Return the graph of a floor with the costs of lanes in aisles, see ``aisle_costs``."""
-    return Graph(layout, costs_around_chargers(layout, aisle_costs(layout, wrong_way)))
-
-
 def on_learned(
     layout: Layout, robots: int, trials: int = TRIALS, trial_seed: int = TRIAL_SEED
 ) -> Graph:
@@ -73,10 +68,9 @@ def on_directed(
     wrong_way: float = DIRECTED_WRONG_WAY,
     trials: int = DIRECTED_TRIALS,
     trial_seed: int = TRIAL_SEED,
-    chains: int = 1,
 ) -> Graph:
     """Return the graph of a floor with the costs of ``directed_costs``."""
-    costs = directed_costs(layout, robots, wrong_way, trials, trial_seed, chains)
+    costs = directed_costs(layout, robots, wrong_way, trials, trial_seed)
     return Graph(layout, costs_around_chargers(layout, costs))
 
 

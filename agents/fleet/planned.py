@@ -63,7 +63,7 @@ def check_headings(planner: Planner, env: FleetEnv) -> None:
     if env.settings.has_headings and not isinstance(planner, HeadedPlanner):
         raise AgentError(
             f"planner {type(planner).__name__} does not know headings, which robots "
-            'with moves="turn" have; it needs a method next_places, as EPIBT has'
+            'with moves="turn" have; it needs a method next_places'
         )
 
 

@@ -253,7 +253,7 @@ class Fields:
         self.step = 1 if graph.costs is None and not graph.turn_cost else PARTS
         self._rounded = graph if self.step == 1 else in_parts(graph)
         self.matrix = np.empty((0, graph.places), np.int32)
-        self._row_of = np.full(graph.size + 1, NO_ROW)
+        self._row_of = np.full(graph.size, NO_ROW)
         self._free: list[int] = []
         self._used = 0
         self._closed, self._leads_back = graph.closed, not graph.turn_cost
@@ -265,10 +265,7 @@ class Fields:
         return table_of(self.matrix)
 
     def rows(self, goals: Integers) -> Integers:
-        """Return the row of ``matrix`` of each goal; it holds until the next call.
-
-        The goal ``size`` stands for nowhere: all distances from it are 0.
-        """
+        """Return the row of ``matrix`` of each goal; it holds until the next call."""
         if self._closed != self._followed.closed:
             self._closed = self._followed.closed
             for graph in (self.graph, self._rounded):
@@ -283,22 +280,13 @@ class Fields:
             self._free_rows(goals, len(new))
         for goal in new:
             self._row_of[goal] = row = self._free.pop()
-            if goal == self.graph.size:
-                self.matrix[row] = 0
-            else:
-                self._measure(goal, self.matrix[row])
+            self._measure(goal, self.matrix[row])
         return self._row_of[goals]
 
     def distances(self, goals: Integers, places: Integers) -> NDArray[np.int64]:
         """Return the distance of each place from a goal; all are of the same length."""
         rows = self.rows(goals)
         return self.matrix[rows, places].astype(np.int64)
-
-    def nearest(self, rows: Integers, cells: Integers) -> Integers:
-        """Return the distance of each cell from the goal of a row, by the best heading."""
-        places = np.arange(0, self.graph.places, self.graph.size) + cells[:, None]
-        found: Integers = self.matrix[rows[:, None], places].min(axis=1)
-        return found
 
     def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
         """Write the distances of all places from a goal into a field."""
@@ -394,6 +382,6 @@ class Fields:
         """
         rows, kept = least + least // 2, self.matrix
         if rows * kept.shape[1] * kept.itemsize > MAX_COPIED:
-            rows = max(least, min(most, len(self.graph.layout.open_cells) + 1))
+            rows = max(least, min(most, len(self.graph.layout.open_cells)))
         self.matrix = np.empty((rows, kept.shape[1]), np.int32)
         self.matrix[: len(kept)] = kept

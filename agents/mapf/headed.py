@@ -10,13 +10,12 @@ from numpy.typing import NDArray
 from agents.mapf.graph import CLOSED, Fields, Graph
 from agents.mapf.kernels.buffers import buffer, prepare, table_of
 from agents.mapf.kernels.floor import ACTIONS, FAR, NONE, STAY, Turning, measure_turning
-from agents.mapf.kernels.packed import BASE, PACKED_FAR, pack
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.moves import FORWARD, LEFT, RIGHT
 from warehouse_core.world.tables import Integers
 
 SQUARE = 4
-"""Cells across a square of cells whose distances are measured and packed beside one another.
+"""Cells across a square of cells whose distances are measured next to one another.
 
 A robot asks for distances ahead and to its sides, which are in fewer lines of the cache so.
 """
@@ -30,9 +29,6 @@ class HeadedFields(Fields):
 
     Args:
         graph: floor; turns take a step each, whatever its ``turn_cost`` is.
-
-    Attributes:
-        columns: ``[size]``, number of each open cell, square by square.
     """
 
     def __init__(self, graph: Graph) -> None:
@@ -42,8 +38,8 @@ class HeadedFields(Fields):
             self.step = 1
         rows, columns = np.divmod(graph.layout.open_cells, graph.layout.width)
         self._cells = graph.layout.open_cells[np.lexsort((columns // SQUARE, rows // SQUARE))]
-        self.columns = np.zeros(graph.size, np.intp)
-        self.columns[self._cells] = np.arange(len(self._cells))
+        self._columns = np.zeros(graph.size, np.intp)
+        self._columns[self._cells] = np.arange(len(self._cells))
         self._field = np.empty((len(self._cells), WAIT), np.int32)
         prepare(measure_turning)
 
@@ -73,22 +69,18 @@ class HeadedFields(Fields):
 
     def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
         """Write the distances of all places from a goal into a field."""
-        self._measure_open_cells(goal)
-        field[:] = FAR
-        field.reshape(WAIT, -1)[:, self._cells] = self._field.T
-
-    def _measure_open_cells(self, goal: int) -> None:
-        """Write the distances of ``_cells`` from a goal, by heading, into ``_field``."""
         if self._is_compiled:
-            measure_turning(self._turning, int(self.columns[goal]), table_of(self._field))
+            measure_turning(self._turning, int(self._columns[goal]), table_of(self._field))
+            field[:] = FAR
+            field.reshape(WAIT, -1)[:, self._cells] = self._field.T
         else:
-            self._field[:] = self._distances(goal).reshape(WAIT, -1)[:, self._cells].T
+            field[:] = self._distances(goal)
 
     @cached_property
     def _turning(self) -> Turning:
         """The steps of ``near``, from where they lead."""
         (here, facing), ahead = self._stands, self.near[:, FORWARD]
-        places = self.columns[here] * WAIT + facing
+        places = self._columns[here] * WAIT + facing
         moves = np.flatnonzero(ahead != self.graph.places)
         behind, price = np.full((2, self._field.size), NONE, np.int32)
         behind[places[ahead[moves]]] = places[moves]
@@ -99,29 +91,3 @@ class HeadedFields(Fields):
             heads=buffer(int(self.prices.max()) + 1, NONE), entries=table_of(entries),
             below=table_of(below),
         )  # fmt: skip
-
-
-class PackedFields(HeadedFields):
-    """Distances between places, of which each open cell has the four in one number.
-
-    That is a quarter of the memory or less. Ways of ``PACKED_FAR`` and more count as none; see
-    ``kernels/packed.py``.
-
-    Attributes:
-        matrix: ``[n, open cells]`` int32, a row for each goal, in the order of ``columns``.
-    """
-
-    def __init__(self, graph: Graph) -> None:
-        super().__init__(graph)
-        self.matrix = np.empty((0, len(self._cells)), np.int32)
-        prepare(pack)
-
-    def nearest(self, rows: Integers, cells: Integers) -> Integers:
-        """Return the distance of each cell from the goal of a row, by the best heading."""
-        found: Integers = (self.matrix[rows, self.columns[cells]] >> BASE) & PACKED_FAR
-        return found
-
-    def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
-        """Write the numbers of all open cells into a field."""
-        self._measure_open_cells(goal)
-        pack(table_of(self._field), table_of(field))

@@ -49,8 +49,8 @@ FEW = 0.003
 TRIAL_SEED = 1_000_000
 """Seed of the first trial, which no episode shares."""
 
-MAX_TRIALS, MAX_CHAINS = 1000, 1000
-"""Limits on the number of trials in a chain and of chains."""
+MAX_TRIALS = 1000
+"""Limit on the number of trials."""
 
 DIRECTED_WRONG_WAY, DIRECTED_TRIALS, DIRECTED_STEPS = 9.0, 24, 600
 """Default cost of a move against all traffic, default number of trials of directed costs, and steps
@@ -91,7 +91,6 @@ def directed_costs(
     wrong_way: float = DIRECTED_WRONG_WAY,
     trials: int = DIRECTED_TRIALS,
     trial_seed: int = TRIAL_SEED,
-    chains: int = 1,
 ) -> Costs:
     """Return costs of moves that make a crowded floor one-way, as ``lane_costs``.
 
@@ -103,10 +102,8 @@ def directed_costs(
         layout: floor; robots go to its stations, see ``station_goals``.
         robots: number of robots.
         wrong_way: cost of a move against all traffic, 1 or more; with the traffic a move costs 1.
-        trials: number of trials in a chain, at most ``MAX_TRIALS``.
+        trials: number of trials, at most ``MAX_TRIALS``.
         trial_seed: seed of the first trial; the next trials have the next seeds.
-        chains: number of chains of trials that begin with lanes. One chain gives the costs, that in
-            whose second half most goals were reached.
 
     Raises:
         PlanError: as for ``run_lifelong``.
@@ -124,24 +121,18 @@ def directed_costs(
         real_number("wrong_way", wrong_way, 1.0),
         whole_number("trials", trials, 1, MAX_TRIALS),
         whole_number("trial_seed", trial_seed, 0),
-        whole_number("chains", chains, 1, MAX_CHAINS),
     )
 
 
 @lru_cache(maxsize=16)
-def directions(
-    layout: Layout, robots: int, wrong_way: float, trials: int, seed: int, chains: int
-) -> Costs:
+def directions(layout: Layout, robots: int, wrong_way: float, trials: int, seed: int) -> Costs:
     """Return what ``directed_costs`` does, which has checked the arguments."""
     if len(layout.open_cells) < 2:
         trials = 0  # nobody can move
-    found = [Directions(layout, wrong_way) for _ in range(chains)]
-    for number, each in enumerate(found):
-        each.learned(
-            Circulation, robots, trials, DIRECTED_STEPS, seed + number * trials,
-            goals=station_goals(layout), has_headings=True,
-        )  # fmt: skip
-    costs = max(found, key=lambda each: sum(each.reached[trials // 2 :])).costs
+    costs = Directions(layout, wrong_way).learned(
+        Circulation, robots, trials, DIRECTED_STEPS, seed, goals=station_goals(layout),
+        has_headings=True,
+    )  # fmt: skip
     costs.flags.writeable = False
     return costs
 
@@ -160,12 +151,10 @@ class Traffic:
 
     Attributes:
         costs: ``[H * W, 4]``, see ``lane_costs``.
-        reached: number of goals that were reached in each trial of ``learned``.
     """
 
     def __init__(self, layout: Layout, wrong_way: float = FIRST_WRONG_WAY) -> None:
         self._graph, self._trials = Graph(layout), 0
-        self.reached: list[int] = []
         self.costs = self._lanes = lane_costs(layout, wrong_way)
         self._mean = np.zeros((self._graph.size, WAIT + 1))
 
@@ -180,7 +169,6 @@ class Traffic:
         for trial in range(seed, seed + trials):
             graph = Graph(self._graph.layout, self.costs)
             run = run_lifelong(graph, make(graph, trial), robots, steps, trial, **others)
-            self.reached.append(run.reached)
             self.add(run.cells)
         return self.costs
 

@@ -13,7 +13,6 @@ IJCAI: groups that are planned anew.
 
 from __future__ import annotations
 
-from copy import copy
 from math import inf
 from time import perf_counter
 
@@ -44,7 +43,6 @@ from agents.mapf.kernels.ways import (
     reserve,
     reserve_only,
 )
-from agents.mapf.leading import Leading
 from agents.mapf.memory import Memory
 from agents.mapf.planner import NO_CELLS, Situation
 from warehouse_core.arguments import (
@@ -86,9 +84,6 @@ class WindowedPlanner:
         groups: groups of robots that are planned anew in each step, and kept if no worse.
         seconds: time in each step after which no more groups are planned anew.
         seed: seed of the order in groups.
-        led: most robots that are led to their goals at a time, first those nearest to them; others
-            give way. Few are led into the same region, and who comes no nearer to its goal rests.
-            In crowds more goals are reached so. The default is all.
         fresh: steps after which a plan made anew may take the place of the one that goes on.
         patience: steps without a goal, at most ``MAX_PATIENCE``, after which the cost of a robot
             counts twice as much, thrice after as many again, and so on. In crowds fewer robots are
@@ -116,13 +111,11 @@ class WindowedPlanner:
         seconds: float = inf,
         seed: int = 0,
         turn_cost: float = 0.0,
-        led: int | None = None,
         fresh: int = FRESH,
         patience: int | None = None,
         circulates: bool = False,
     ) -> None:
         self.groups, self.seed = whole_number("groups", groups, 0), seed_number(seed)
-        self.led = None if led is None else whole_number("led", led, 1)
         if patience is not None:
             patience = whole_number("patience", patience, 1, MAX_PATIENCE)
         self.patience = patience
@@ -168,11 +161,6 @@ class WindowedPlanner:
         """Cells of the plan from before the step just chosen on, ``[R, window + 1]``."""
         return self._places % self.graph.size
 
-    def go_on(self, cells: Integers) -> None:
-        """Let the next plan go on from another one: cells from now on, ``[R, window]``."""
-        memory = copy(self._memory)  # which is to know nothing of times that have not come
-        self._places[:, 1:] = np.array([memory.places(each) for each in cells.T]).T
-
     def _plan(self, situation: Situation, places: Integers | None) -> None:
         """Plan for robots, which have headings if their present places are given."""
         deadline, has_headings = perf_counter() + self.seconds, places is not None
@@ -201,9 +189,6 @@ class WindowedPlanner:
         self._frontier = new_frontier(floor, self._ways)
         self._groups = new_groups(robots, times, self.seed)
         self._since = self.fresh
-        self._leading = None
-        if self.led is not None:
-            self._leading = Leading(self.graph, robots, self.led, self.seed)
         ranks = np.random.default_rng(self.seed).permutation(robots) / robots
         self._memory = Memory(self.graph, ranks)
         self._places = np.asarray(self._ways.places).reshape(robots, times)
@@ -214,9 +199,6 @@ class WindowedPlanner:
         graph, cells, goals = self._fields.graph, situation.cells, situation.goals
         if self.circulates:
             goals = np.where(waits_for_exits(self._outward, cells, goals), cells, goals)
-        if self._leading is not None:
-            distances = self._fields.distances(goals, self._here)
-            goals = self._leading.goals(situation._replace(goals=goals), distances)
         rows = self._fields.rows(goals)
         is_away = self._fields.matrix[rows, self._here] == FAR
         if is_away.any():  # a goal that no way leads to is as none

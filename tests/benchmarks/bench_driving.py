@@ -23,8 +23,7 @@ from agents.mapf.problem import Problem
 from agents.registry import PLANNERS, make_planner
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.generators import kiva_warehouse
-from warehouse_core.world.layout import Layout
-from warehouse_physics import DrivingMotion, RobotSpec
+from warehouse_physics import DrivingMotion
 
 PLANS, STEPS = int(os.environ.get("WAREHOUSE_PLANS", "1")), 100
 MAX_RATIO = {32: 0.8, 100: 0.9, 192: 0.9}
@@ -37,9 +36,6 @@ MEASURED = 2
 LAYOUT, STARTS, GOALS = kiva_warehouse()
 ONCE = "lacam"
 """A planner of robots that go to their goals once."""
-
-TIMED = "timed-lanes"
-"""A planner that knows how long robots take."""
 
 SPELL = 10
 """Simulated seconds whose duration is measured."""
@@ -99,44 +95,6 @@ def test_plans_are_driven_through_faster_than_in_joint_steps(
     assert hits == 0
     assert joules <= MAX_JOULES
     assert makespan <= MAX_RATIO[robots]
-
-
-MAX_DELAYS = {12: (1.04, 1.05), 32: (1.04, 1.05), 100: (1.06, 1.10), 192: (1.10, 1.20)}
-"""Makespan and sum of arrivals over those of robots alone on the floor, by number of robots."""
-
-IDLE = RobotSpec().idle_power
-
-
-def drive_alone(plan: np.ndarray) -> Execution:
-    """Let each robot of a plan drive its way alone, on a floor of its own."""
-    floors = Layout([*LAYOUT.rows] * plan.shape[1])
-    return drive_through(floors, plan + LAYOUT.height * LAYOUT.width * np.arange(plan.shape[1]))
-
-
-@pytest.mark.parametrize("robots", MAX_DELAYS)
-def test_robots_hardly_delay_one_another_on_timed_plans(robots: int, measured) -> None:
-    found = []
-    for seed in range(PLANS):
-        plan = plan_of(TIMED, robots, seed)
-        driven, alone = drive_through(LAYOUT, plan), drive_alone(plan)
-        work, least = (each.joules - IDLE * robots * each.seconds for each in (driven, alone))
-        assert driven.hits == 0
-        found.append(
-            (
-                driven.seconds / alone.seconds,
-                driven.arrivals.sum() / alone.arrivals.sum(),
-                driven.joules / alone.joules,
-                work / least,
-            )
-        )
-    makespan, arrivals, joules, work = np.max(found, axis=0).tolist()
-    measured(
-        f"driven through over alone on the floor, {TIMED}, {robots} robots, {PLANS} plans",
-        f"makespan at most {makespan:.3f}; arrivals {arrivals:.3f}; joules {joules:.3f}, without "
-        f"idle power {work:.3f}",
-    )
-    assert makespan <= MAX_DELAYS[robots][0]
-    assert arrivals <= MAX_DELAYS[robots][1]
 
 
 class Crowd:

@@ -13,7 +13,6 @@ from agents.mapf.lacam import lacam
 from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT, pibt
 from agents.mapf.planner import Planner
-from agents.mapf.prioritised import solve_prioritised
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import random_layout
 from warehouse_core.motion.grid import GridMotion
@@ -21,7 +20,6 @@ from warehouse_physics import RigidBodyMotion
 
 PROBLEMS, ON_BODIES = 2_000, 100
 SOLVERS = {
-    "prioritised": solve_prioritised,
     "cbs": solve_cbs,
     "lacam": lacam,
     "anytime": solve_anytime,

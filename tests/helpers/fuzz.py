@@ -13,10 +13,9 @@ import resource
 import signal
 import sqlite3
 import sys
-import warnings
 from collections.abc import Callable
 from contextlib import closing, suppress
-from functools import cache, partial
+from functools import cache
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from time import process_time
@@ -55,7 +54,6 @@ from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.world.map_files import load_map, save_map
 from warehouse_core.world.named_layouts import as_layout
-from warehouse_core.world.robot_runners import load_agents, load_league, load_tasks
 from warehouse_core.world.scenarios import check_scenarios, load_scenarios
 
 MAX_BYTES, MAX_SECONDS = 256 * 2**20, 2.0
@@ -299,13 +297,6 @@ def formats() -> dict[str, Format]:
     )
     tiles = str(DEFAULT_LAYOUT).encode()
     scenario = b"version 1\n0\tmaps/hall.map\t12\t7\t1\t1\t3\t1\t2.0\n5 m.map 12 7 3 3 4 3 1e0\n"
-    problem = (
-        b'{"mapFile": "h.map", "agentFile": "h.agents", "taskFile": "h.tasks", "teamSize": 2, '
-        b'"numTasksReveal": 1.5, "unknown": {"a": [[], {"b": null}]}, "agentCounter": 4, '
-        b'"agentSize": 1.0, "delayConfig": {"seed": 1, "minDelay": 2, "maxDelay": 9, '
-        b'"eventModel": "poisson", "pDelay": 0.1, "durationModel": "gaussian", '
-        b'"gaussMeanRatio": 0.5, "gaussStdRatio": 0.2}}'
-    )
     flags = (b"battery=20:200:20", b"escape=on,off", b"agent=greedy, ppo:a.npz", b"size=7x12",
              b"density=0.1,0.25", b"robot.mass=50,60", b"stations=kept")  # fmt: skip
     names = (b"greedy:memory=20,escape_steps=0", b"random", b"ppo:a.npz", b"astar:weight=2.5",
@@ -317,15 +308,8 @@ def formats() -> dict[str, Format]:
     return {
         "layout": Format((tiles, b"\xef\xbb\xbf  #P\r\n  CD\r\n"), _read_layout, TEXT),
         "map": Format((octile, b"type octile\nwidth 2\nheight 1\nmap\nGT\n"), load_map, TEXT),
-        "LoRR map": Format((b"type octile\nheight 2\nwidth 3\nmap\n.ES\n@.T\n",),
-                           partial(load_map, robot_runners=True), TEXT),
-        "LoRR problem": Format((problem,), _read_problem, TEXT),
         "scen": Format((scenario,),
                        lambda path: check_scenarios(DEFAULT_LAYOUT, load_scenarios(path)), TEXT),
-        "tasks": Format((b"# t\n3\n13,15\n25\n13,14,25\n",),
-                        lambda path: load_tasks(path, DEFAULT_LAYOUT), TEXT),
-        "agents": Format((b"2\n13\n# r\n14\n",),
-                         lambda path: load_agents(path, DEFAULT_LAYOUT), TEXT),
         "orders": Format(orders, _read_orders, TEXT),
         "episode": Format((grid, physics), _read_episode, NPZ),
         "fleet": Format((fleet, bodies), _read_episode, NPZ),
@@ -380,15 +364,6 @@ def _read_episode(path: Path) -> None:
     assert repr(episode)
     diagnose(episode)
     track_of_record(episode)
-
-
-def _read_problem(path: Path) -> None:
-    save_map(DEFAULT_LAYOUT, path.with_name("h.map"))
-    path.with_name("h.agents").write_text("2\n13\n14\n")
-    path.with_name("h.tasks").write_text("1\n13,15\n")
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of fields without effect
-        load_league(path)
 
 
 def _read_orders(path: Path) -> None:

@@ -10,7 +10,6 @@ from hashlib import sha256
 import numpy as np
 
 from agents.mapf.circulation import Circulation
-from agents.mapf.epibt import EPIBT
 from agents.mapf.graph import Graph
 from agents.mapf.kernels.buffers import IS_COMPILED
 from agents.mapf.lacam import LaCAM, lacam
@@ -85,25 +84,22 @@ def once() -> Iterator[tuple[str, np.ndarray]]:
 
 
 def turning() -> Iterator[tuple[str, np.ndarray]]:
-    """Yield lifelong runs of robots with headings, and by EPIBT of others."""
+    """Yield lifelong runs and plans of robots with headings."""
     for seed in SEEDS:
         graph = Graph(random_layout(14, 14, 0.2, seed))
-        for has_headings, tries in ((False, 0), (True, 0), (True, 2)):
-            planner = EPIBT(graph, seed, window=3 if has_headings else 2, tries=tries)
-            run = run_lifelong(graph, planner, 30, 20, seed, has_headings=has_headings)
-            yield f"epibt {has_headings} {tries} {seed}", run.cells
         for robots, samples in ((60, 1), (100, 3)):
             for has_headings in (False, True):
                 planner = Circulation(graph.with_costs(lane_costs(graph.layout)), seed, samples)
                 run = run_lifelong(graph, planner, robots, 12, seed, has_headings=has_headings)
                 yield f"circulation {has_headings} {robots} {seed}", run.cells
-            windowed = WindowedPlanner(graph, 6, 8, seed=seed, led=40, circulates=True)
+            windowed = WindowedPlanner(graph, 6, 8, seed=seed, circulates=True)
             run = run_lifelong(graph, windowed, robots, 8, seed, has_headings=True)
             yield f"windowed circulates {robots} {seed}", run.cells
         for name, costs in (("plain", None), ("lanes", lane_costs(graph.layout, 1.3))):
-            windowed = WindowedPlanner(graph.with_costs(costs), 8, 12, seed=seed, led=20, fresh=3)
-            run = run_lifelong(graph, windowed, 30, 12, seed, has_headings=True)
-            yield f"windowed {name} {seed}", run.cells
+            for groups in (0, 12):
+                windowed = WindowedPlanner(graph.with_costs(costs), 8, groups, seed=seed, fresh=3)
+                run = run_lifelong(graph, windowed, 30, 12, seed, has_headings=True)
+                yield f"windowed {name} {groups} {seed}", run.cells
         for robots, rounds in ((2, 4_000), (12, 400)):
             ends = random_problem(random_layout(8, 8, 0.2, seed), robots, seed)
             search = LaCAM(replace(ends, headings=[seed] * robots), seed)

@@ -8,8 +8,6 @@ from agents.learning.layers import Layer
 from agents.learning.map_memory import view_size
 from agents.learning.move_network import MoveNetwork
 from agents.learning.policy_network import PolicyNetwork, input_size
-from agents.learning.traffic_network import TrafficNetwork
-from agents.learning.traffic_view import SIZE
 
 
 def layers_of(*widths: int, stream: np.random.Generator) -> list[Layer]:
@@ -34,12 +32,6 @@ def random_moves(seed: int, radius: int = 3, view_radius: int = 2) -> MoveNetwor
     """Return a network of moves with random weights."""
     stream = np.random.default_rng(seed)
     return MoveNetwork(view_radius, radius, layers_of(view_size(radius), 8, 6, 1, stream=stream))
-
-
-def random_traffic(seed: int, *, lanes: bool = False) -> TrafficNetwork:
-    """Return a network of the moves of a fleet with random weights."""
-    stream = np.random.default_rng(seed)
-    return TrafficNetwork(lanes, layers_of(SIZE, 8, 6, 1, stream=stream))
 
 
 def constant_network(*logits: float, view_radius: int = 2) -> PolicyNetwork:

@@ -88,7 +88,6 @@ MAY_IMPORT = {
     "agents/search": "warehouse_agent_greedy",
     "agents/kinds": "search warehouse_agent_greedy",
     "agents/mapf": "errors mapf/kernels",
-    "agents/mapf/league": "errors mapf",
     "agents/fleet": "errors mapf mapf/kernels",
     "agents/learning": "errors fleet mapf mapf/kernels warehouse_agent_greedy",
     "agents/lab": "errors fleet mapf",
@@ -98,7 +97,7 @@ MAY_IMPORT = {
     "agents/lab/trials": "errors lab/console lab/runs learning registry",
     "agents/lab/commands/fleet": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/commands/planners": (
-        "errors fleet lab lab/console lab/trials mapf mapf/kernels mapf/league registry"
+        "errors fleet lab lab/console lab/trials mapf mapf/kernels registry"
     ),
     "agents/lab/experiments": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/grading": "errors lab lab/runs lab/trials registry warehouse_agent_greedy",
@@ -113,7 +112,7 @@ MAY_IMPORT = {
     ),
     "agents/lab/commands/gap": (
         "errors fleet lab lab/commands/planners lab/console lab/reports lab/runs lab/trials mapf "
-        "mapf/kernels mapf/league registry"
+        "mapf/kernels registry"
     ),
     "agents/lab/commands/grade": "errors lab lab/console lab/grading lab/reports lab/trials",
     "agents/lab/playground": "errors lab lab/grading lab/runs registry",
@@ -214,7 +213,7 @@ import warehouse_core.render.window
 from warehouse_core.render.painter import TilePainter, bar
 TilePainter(16).picture(warehouse_core.DEFAULT_LAYOUT, (1, 1), True), bar(0.5, 10, 4)
 
-import agents.mapf.lanes, agents.mapf.lacam, agents.mapf.prioritised
+import agents.mapf.lanes, agents.mapf.lacam
 
 from agents import *
 import agents.registry, agents.fleet, agents.mapf, agents.search, agents.learning

@@ -15,7 +15,6 @@ EXAMPLES = examples()
 
 NOT_RUN = {
     "agents.learning.clone_training:CloneLearner",
-    "agents.learning.fleet_clone_training:FleetCloneLearner",
     "agents.learning.ppo_training:PPOLearner",
     "warehouse_core.render.window:PictureWindow",
 }

@@ -28,7 +28,7 @@ from warehouse_core.world.text_lines import (
     read_line,
     whole_number_at,
 )
-from warehouse_core.world.tiles import DROPOFF, EMPTY, NO_STATIONS, PICKUP, WALL
+from warehouse_core.world.tiles import EMPTY, NO_STATIONS, WALL
 
 SUFFIX = ".map"
 
@@ -37,16 +37,7 @@ MAX_BLANKS = 16
 
 TERRAIN = {".": EMPTY, "G": EMPTY, "S": EMPTY, "@": WALL, "O": WALL, "T": WALL, "W": WALL}
 
-ALLOWED_TERRAIN = ". G S (floor), @ O T W (not), and E only in the robot-runners dialect"
-
-ROBOT_RUNNERS = {".": EMPTY, "E": PICKUP, "S": DROPOFF, "@": WALL, "T": WALL}
-"""Items come from an emitter and go to a service point.
-
-The tasks of the Start-Kit's warehouse run from ``E`` to ``S`` too, although its table of symbols
-calls ``E`` "delivery" and ``S`` "pick up".
-"""
-
-ALLOWED_ROBOT_RUNNERS = ". (floor), E (emitter), S (service), @ T (not passable)"
+ALLOWED_TERRAIN = ". G S (floor), @ O T W (not)"
 
 _BLANK = b" \t\r\n"
 
@@ -95,15 +86,14 @@ def save_layout(layout: Layout, path: str | Path) -> None:
         layout.save(path)
 
 
-def load_map(path: str | os.PathLike[str], *, robot_runners: bool = False) -> Layout:
-    """Read a ``.map``. Only the dialect has stations: ``E`` is a pickup, ``S`` a dropoff.
+def load_map(path: str | os.PathLike[str]) -> Layout:
+    """Read a ``.map``, which has no stations.
 
     A map that is too large is rejected by its header. Of any other map at most ``MAX_BLANKS`` bytes
     a row are read in addition to its cells.
 
     Args:
         path: the file.
-        robot_runners: read the dialect of the League of Robot Runners.
 
     Raises:
         LayoutError: the file is not such a map, or too large; the message starts with its name.
@@ -116,12 +106,9 @@ def load_map(path: str | os.PathLike[str], *, robot_runners: bool = False) -> La
         >>> load_map("small.map").rows
         ('..#', '...')
     """
-    terrain, allowed = TERRAIN, ALLOWED_TERRAIN
-    if robot_runners:
-        terrain, allowed = ROBOT_RUNNERS, ALLOWED_ROBOT_RUNNERS
     with opened(path) as file:
         height, width = _read_header(file)
-        rows = list(_read_rows(file, height, width, terrain, allowed))
+        rows = list(_read_rows(file, height, width))
         _check_end(file, height)
         return Layout(rows)
 
@@ -175,12 +162,10 @@ def _read_header(file: BufferedReader) -> tuple[int, int]:
     return height, width
 
 
-def _read_rows(
-    file: BufferedReader, height: int, width: int, terrain: dict[str, str], allowed: str
-) -> Iterator[str]:
+def _read_rows(file: BufferedReader, height: int, width: int) -> Iterator[str]:
     """Yield the rows of a map as tiles."""
-    known = "".join(terrain).encode()
-    tiles = bytes.maketrans(known, "".join(terrain.values()).encode())
+    known = "".join(TERRAIN).encode()
+    tiles = bytes.maketrans(known, "".join(TERRAIN.values()).encode())
     for number in range(5, height + 5):
         data = file.readline(width + MAX_BLANKS + 1)
         if not data:
@@ -189,7 +174,9 @@ def _read_rows(
         if strange := row.translate(None, known):
             column = row.index(strange[:1])
             shown = row[column:].decode(errors="replace")[0]
-            raise error_at(number, column + 1, f"{shown!r} is no terrain; allowed: {allowed}")
+            raise error_at(
+                number, column + 1, f"{shown!r} is no terrain; allowed: {ALLOWED_TERRAIN}"
+            )
         if len(row) != width:
             ends = "ends" if len(row) < width else "goes on"
             message = f"the row {ends} here; its header says width {width}"

@@ -21,7 +21,6 @@ from agents.lab.commands.fleet.report import report_fleet
 from agents.lab.commands.gap.gap import gap
 from agents.lab.commands.grade.grade import grade
 from agents.lab.commands.planners.compare_planners import compare_planners
-from agents.lab.commands.planners.league import league
 from agents.lab.commands.planners.mapf import mapf
 from agents.lab.commands.play import play
 from agents.lab.commands.playground import playground
@@ -127,7 +126,6 @@ GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
     "Several robots": {
         "fleet": fleet,
         "mapf": mapf,
-        "league": league,
         "pogema": pogema,
         "gap": gap,
     },

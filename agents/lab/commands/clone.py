@@ -6,10 +6,7 @@ from functools import partial
 from pathlib import Path
 from typing import TYPE_CHECKING, Annotated
 
-import typer
-
 from agents.lab.commands import random_layouts
-from agents.lab.commands.fleet_clone import FleetFloors, train_fleet
 from agents.lab.commands.train import (
     MODEL_SUFFIX,
     AgentFile,
@@ -23,12 +20,11 @@ from agents.lab.commands.train import (
 from agents.lab.console import options
 from agents.lab.console.options import option
 from agents.lab.console.values import load_layout
-from agents.lab.parameters import Whole
 from agents.lab.parameters import size as check_size
 from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS
 from agents.lab.trials.random_layouts import RandomLayouts, VariedLayouts
 from agents.lab.trials.task import Task
-from agents.registry import PLANNERS, make_agent
+from agents.registry import make_agent
 from warehouse_core import Layout
 
 if TYPE_CHECKING:
@@ -45,9 +41,7 @@ SIZE = f"{DEFAULTS.height}x{DEFAULTS.width}"
 
 
 def train_clone(
-    teacher: Annotated[
-        str, option("--from NAME", f"Teacher. {options.AGENT} Or a planner of fleets.")
-    ] = KNOWS_THE_MAP,
+    teacher: Annotated[str, option("--from NAME", f"Teacher. {options.AGENT}")] = KNOWS_THE_MAP,
     steps: Steps = 1_000_000,
     seed: TrainingSeed = 1,
     layout: random_layouts.LayoutOrRandom = None,
@@ -62,14 +56,6 @@ def train_clone(
         ),
     ] = None,
     layouts: random_layouts.Pool = None,
-    robots: Annotated[
-        int,
-        option(
-            "--robots -r N",
-            f"{options.ROBOTS} The most on a floor, for a teacher that is a planner of fleets.",
-            Whole(1, 1000),
-        ),
-    ] = 64,
     save: AgentFile = Path("clone.npz"),
     resume: Resume = False,
 ) -> None:
@@ -88,24 +74,8 @@ def train_clone(
     --size, two in five of them mazes. Exams and the comparison at the end are on
     other floors than the training.
 
-    If the teacher is a planner of fleets (warehouse fleet --planner), the network
-    ranks the moves of each of its robots by the traffic on their ways, and PIBT
-    resolves the conflicts: "warehouse fleet --planner clone:FILE". Then random
-    floors are by POGEMA's generators, random maps and mazes by turns.
-
     Example: warehouse train clone --from astar --layout random -o clone.npz
     """
-    if is_planner(teacher):
-        is_random = random_layouts.are_wanted(layout, layouts=layouts)
-        if size or (battery, max_steps) != (MOST_STEPS, MOST_STEPS):
-            raise typer.BadParameter(
-                f"--size, --battery and --max-steps are for a lone robot; {teacher!r} is a planner "
-                "of fleets"
-            )
-        given = None if is_random else load_layout(layout)
-        floors = FleetFloors(robots, given, layouts or DEFAULTS.count, seed)
-        train_fleet(teacher, floors, steps, seed, save, resume=resume)
-        return
     place: Layout | RandomLayouts
     if random_layouts.are_wanted(layout, size=size, layouts=layouts):
         height, width = map(int, (size or SIZE).split("x"))
@@ -118,11 +88,6 @@ def train_clone(
     learner = make_clone_learner(teacher, task, steps, seed)
     training = Training(f"clone of {teacher}", task, steps, seed, save)
     training.run(learner, {MODEL_SUFFIX: learner.save_network}, resume=resume)
-
-
-def is_planner(name: str) -> bool:
-    """Return whether a name is of a planner of fleets."""
-    return name.partition(":")[0] in PLANNERS
 
 
 def make_clone_learner(teacher: str, task: Task, steps: int, seed: int) -> CloneLearner:

@@ -112,17 +112,13 @@ def warehouse(
 @app.command("import")
 def import_map(
     file: Annotated[Path, typer.Argument(metavar="FILE.map", help="A map in MovingAI's format.")],
-    robot_runners: Annotated[
-        bool,
-        option("--robot-runners", "Read E as pickups and S as dropoffs, not swamp."),
-    ] = False,
     save: LayoutFile = None,
 ) -> None:
     """Read a map in MovingAI's format.
 
     Example: warehouse layout import den312d.map -o den.txt
     """
-    _print_or_save(load_map(file, robot_runners=robot_runners), save)
+    _print_or_save(load_map(file), save)
 
 
 @app.command()

@@ -18,7 +18,6 @@ import numpy as np
 
 from agents.mapf.kernels.buffers import Buffer, Table, buffer, buffer_of, kernel, table_of
 from agents.mapf.kernels.floor import FORWARD, NONE, STAY, TURNS
-from agents.mapf.kernels.packed import unpack
 from agents.mapf.kernels.rounds import CHANCE_KEY, NOBODY, SPREAD, draw, first_random, mix
 from warehouse_core.world.tables import Integers
 
@@ -44,9 +43,6 @@ class Crew(NamedTuple):
     Attributes:
         size: number of cells; the cell of a place is its remainder by it.
         window: steps of an operation, ``W``.
-        is_packed: 1 if distances are packed, see ``packed.py``.
-        columns: ``[size]``, column of each cell in fields that are packed.
-        has_headings: 1 if actions move robots forward or turn them.
         ahead: ``[size * 4]``, cell that a move N, E, S or W leads to, or ``NONE``.
         operations: ``[N * W]``, actions of each operation; the first one waits.
         parents: ``[M]``, for each beginning of an operation the one that is an action shorter; the
@@ -62,7 +58,6 @@ class Crew(NamedTuple):
         ways: ``[R * W]``, places after each step of the window.
         kept: ``[R * W]``, places after each step if they go on as expected.
         states: ``FREE``, ``CHOOSING`` or ``CHOSEN``.
-        is_fixed: 1 for robots that wait in this step.
         visits: number of times that each has begun to choose in this step.
         pushed: robot that each has pushed last in vain, or ``NOBODY``.
         pushed_at: step of the window in which it would have met that one.
@@ -81,9 +76,6 @@ class Crew(NamedTuple):
 
     size: int
     window: int
-    is_packed: int
-    columns: Table
-    has_headings: int
     ahead: Table
     operations: Buffer
     parents: Buffer
@@ -98,7 +90,6 @@ class Crew(NamedTuple):
     ways: Buffer
     kept: Buffer
     states: Buffer
-    is_fixed: Buffer
     visits: Buffer
     pushed: Buffer
     pushed_at: Buffer
@@ -114,10 +105,7 @@ class Crew(NamedTuple):
     random: Buffer
 
 
-def crew_of(
-    ahead: Integers, operations: Integers, robots: int, seed: int | None,
-    has_headings: bool = False, columns: Integers | None = None,
-) -> Crew:  # fmt: skip
+def crew_of(ahead: Integers, operations: Integers, robots: int, seed: int | None) -> Crew:
     """Return the buffers of robots.
 
     Args:
@@ -125,22 +113,18 @@ def crew_of(
         operations: ``[N, W]``, likewise.
         robots: number of robots.
         seed: seed of the random numbers.
-        has_headings: true if actions drive robots forward and turn them.
-        columns: ``[size]``, see ``Crew``, if distances are packed.
     """
     (size, _), (count, window) = ahead.shape, operations.shape
     parents, actions, within = beginnings(operations)
     number = len(parents)
     return Crew(
-        size=size, window=window, is_packed=int(columns is not None),
-        columns=table_of(np.asarray(() if columns is None else columns, np.int32)),
-        has_headings=int(has_headings), ahead=table_of(ahead.astype(np.int32)),
+        size=size, window=window, ahead=table_of(ahead.astype(np.int32)),
         operations=buffer_of(operations), parents=buffer_of(np.array(parents)),
         actions=buffer_of(np.array(actions)), within=buffer_of(np.array(within)),
         cells=buffer(number), headings=buffer(number), passed=buffer(number),
         places=buffer(robots), rows=buffer(robots), order=buffer(robots),
         ways=buffer(robots * window, NONE), kept=buffer(robots * window),
-        states=buffer(robots), is_fixed=buffer(robots), visits=buffer(robots),
+        states=buffer(robots), visits=buffer(robots),
         pushed=buffer(robots), pushed_at=buffer(robots), met_at=buffer(1),
         keys=buffer(robots * count), stack=buffer(robots), marks=buffer(robots),
         trail=buffer(robots + 1), robot_in=buffer(size, NOBODY),
@@ -270,15 +254,13 @@ def entered(crew: Crew, cell: int, heading: int, action: int) -> int:
     """Return the cell in which a robot is after an action, or ``NONE`` if a wall is there."""
     if action == STAY:
         return cell
-    if not crew.has_headings:
-        return crew.ahead[cell * STAY + action] + 0
     return crew.ahead[cell * STAY + heading] + 0 if action == FORWARD else cell
 
 
 @kernel
-def turned(crew: Crew, heading: int, action: int) -> int:
-    """Return the heading of a robot after an action, 0 for robots without headings."""
-    if not crew.has_headings or action in (FORWARD, STAY):
+def turned(heading: int, action: int) -> int:
+    """Return the heading of a robot after an action."""
+    if action in (FORWARD, STAY):
         return heading
     return (heading + TURNS - 2 * action) & 3
 
@@ -290,26 +272,14 @@ def follow(crew: Crew, robot: int, operation: int) -> None:
     for time in range(crew.window):
         action = crew.operations[operation * crew.window + time]
         cell = entered(crew, cell, heading, action)
-        heading = turned(crew, heading, action)
+        heading = turned(heading, action)
         crew.ways[robot * crew.window + time] = heading * crew.size + cell
 
 
 @kernel
 def distance(crew: Crew, fields: Table, row: int, cell: int, heading: int) -> int:
     """Return the distance of a robot from the goal of a row."""
-    if crew.is_packed:
-        return unpack(fields[row + crew.columns[cell]], heading)
     return fields[row + heading * crew.size + cell] + 0
-
-
-@kernel
-def cost(crew: Crew, fields: Table, robot: int, ways: Buffer) -> int:
-    """Return the cost of one of the ways of a robot: its distances from the goal, weighted."""
-    total, left, row = 0, 0, crew.rows[robot]
-    for at in range(robot * crew.window, (robot + 1) * crew.window):
-        left = distance(crew, fields, row, ways[at] % crew.size, ways[at] // crew.size)
-        total += left
-    return total + (END_WEIGHT - 1) * left
 
 
 @kernel
@@ -324,7 +294,7 @@ def weigh(crew: Crew, fields: Table, robot: int, depth: int) -> None:
         cell, heading, left = cells[parent], headings[parent], 0
         if cell != NONE:
             cell = entered(crew, cell, heading, action)
-            heading = turned(crew, heading, action)
+            heading = turned(heading, action)
         if cell != NONE:
             left = distance(crew, fields, row, cell, heading)
         operation = at - number + count
@@ -463,50 +433,3 @@ def plan(crew: Crew, fields: Table) -> None:
         robot = crew.order[at]
         if crew.states[robot] != CHOSEN and not push(crew, fields, robot):
             go_on(crew, robot)
-
-
-@kernel
-def enter(crew: Crew, robot: int, mark: int) -> None:
-    """Write a robot, or ``NOBODY``, into the cells in which the robot is expected."""
-    for time in range(crew.window):
-        cell = crew.kept[robot * crew.window + time] % crew.size
-        crew.expected[time * crew.size + cell] = mark
-
-
-@kernel
-def improve(crew: Crew, fields: Table, tries: int) -> None:
-    """Let random robots choose once more, and keep what lowers the sum of the costs of all ways.
-
-    Robots that are fixed do not choose.
-    """
-    last = len(crew.trail) - 1
-    for at in range(len(crew.holder)):
-        crew.holder[at] = crew.expected[at] = NOBODY
-    for robot in range(len(crew.places)):
-        for at in range(robot * crew.window, (robot + 1) * crew.window):
-            crew.kept[at] = crew.ways[at]
-        crew.visits[robot] = 0
-        enter(crew, robot, robot)
-        if crew.is_fixed[robot]:
-            hold(crew, robot)
-        else:
-            crew.states[robot] = FREE
-    for _ in range(tries):
-        robot = draw(crew.random) % len(crew.places)
-        if crew.is_fixed[robot] or not push(crew, fields, robot):
-            continue
-        gain = 0
-        for at in range(crew.trail[last]):
-            robot = crew.trail[at]
-            gain += cost(crew, fields, robot, crew.kept) - cost(crew, fields, robot, crew.ways)
-        if gain > 0:
-            for at in range(crew.trail[last]):
-                enter(crew, crew.trail[at], NOBODY)
-            for at in range(crew.trail[last]):
-                robot = crew.trail[at]
-                for step in range(robot * crew.window, (robot + 1) * crew.window):
-                    crew.kept[step] = crew.ways[step]
-                enter(crew, robot, robot)
-        undo(crew, 0)
-    for at in range(len(crew.ways)):
-        crew.ways[at] = crew.kept[at]

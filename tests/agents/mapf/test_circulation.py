@@ -9,7 +9,6 @@ from helpers.mapf_problems import random_problem, situation
 from helpers.mapf_runs import check_headed_planner, check_planner
 
 from agents.mapf.circulation import Circulation, crowd_on, dead_ends, kept_aims, waits_for_exits
-from agents.mapf.epibt import EPIBT
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels.buffers import buffer_of
 from agents.mapf.kernels.circulation import claim, hold_auction, offer, stand
@@ -86,7 +85,7 @@ def test_on_full_floors_circulations_reach_what_others_do_not() -> None:
     one_by_one, windowed, together, compared, circulating = (
         run_lifelong(graph, planner, 126, 40, seed=1, has_headings=True).reached
         for planner in (
-            EPIBT(graph), WindowedPlanner(graph, 8, 10), Circulation(graph),
+            WindowedPlanner(graph, 8, 0), WindowedPlanner(graph, 8, 10), Circulation(graph),
             Circulation(graph, samples=4), WindowedPlanner(graph, 8, 10, circulates=True),
         )
     )  # fmt: skip

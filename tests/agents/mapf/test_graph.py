@@ -12,9 +12,8 @@ from helpers.mapf_problems import situation
 from agents.errors import AgentError, PlanError
 from agents.mapf import graph as module
 from agents.mapf.circulation import Circulation
-from agents.mapf.epibt import EPIBT
 from agents.mapf.graph import CLOSED, Fields, Graph
-from agents.mapf.headed import HeadedFields, PackedFields
+from agents.mapf.headed import HeadedFields
 from agents.mapf.kernels.floor import FAR
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
@@ -68,7 +67,7 @@ def test_rows_of_goals_that_nobody_has_are_used_again(monkeypatch: pytest.Monkey
     assert len(fields.matrix) <= 160
 
 
-@pytest.mark.parametrize("kind", [Fields, HeadedFields, PackedFields])
+@pytest.mark.parametrize("kind", [Fields, HeadedFields])
 def test_nowhere_is_as_far_from_all_cells(kind: type[Fields]) -> None:
     fields = kind(Graph(ROOM))
     rows = fields.rows(np.array([0, fields.graph.size, 1]))
@@ -76,7 +75,7 @@ def test_nowhere_is_as_far_from_all_cells(kind: type[Fields]) -> None:
     assert fields.matrix[rows[[0, 2]]].any(axis=1).all()
 
 
-@pytest.mark.parametrize("kind", [Fields, HeadedFields, PackedFields])
+@pytest.mark.parametrize("kind", [Fields, HeadedFields])
 def test_rows_follow_the_cells_that_are_closed(kind: type[Fields]) -> None:
     graph, goals = Graph(ROOM), np.array([0, 7])
     fields = kind(graph)
@@ -88,7 +87,7 @@ def test_rows_follow_the_cells_that_are_closed(kind: type[Fields]) -> None:
         assert np.array_equal(fields.near, fresh.near), closed
 
 
-HEADED = [EPIBT, Circulation, WindowedPlanner, partial(WindowedPlanner, circulates=True)]
+HEADED = [Circulation, WindowedPlanner, partial(WindowedPlanner, circulates=True)]
 
 
 @pytest.mark.parametrize("make", [PIBT, *HEADED])

@@ -12,12 +12,11 @@ from helpers.mapf_validator import plan_conflict, step_conflict
 
 from agents.errors import PlanError
 from agents.mapf.graph import Fields, Graph
-from agents.mapf.headed import HeadedFields, PackedFields
+from agents.mapf.headed import HeadedFields
 from agents.mapf.kernels import ways as kernels
 from agents.mapf.kernels.buffers import buffer, buffer_of, table_of
 from agents.mapf.kernels.floor import FAR, NONE, measure, measure_turning
 from agents.mapf.kernels.groups import improve, new_groups
-from agents.mapf.kernels.packed import PACKED_FAR, unpack
 from agents.mapf.kernels.rollouts import prices
 from agents.mapf.lacam import lacam, lacam_star
 from agents.mapf.lanes import lane_costs
@@ -139,30 +138,14 @@ def test_measured_distances_are_those_of_dijkstra(kind: type[Fields], wrong_way:
         found = np.full(fields.graph.places, FAR, np.int32)
         if isinstance(fields, HeadedFields):
             of_open_cells = np.empty((len(layout.open_cells), 4), np.int32)
-            measure_turning(fields._turning, int(fields.columns[goal]), table_of(of_open_cells))
-            columns = fields.columns[layout.open_cells]
+            measure_turning(fields._turning, int(fields._columns[goal]), table_of(of_open_cells))
+            columns = fields._columns[layout.open_cells]
             found.reshape(4, -1)[:, layout.open_cells] = of_open_cells[columns].T
         else:
             buffers = buffer(10 * span, NONE), buffer(room), buffer(room)
             measure(fields.floor, goal, table_of(found), *buffers)
         distances = fields.graph.distances(goal) * fields.step
         assert np.array_equal(found, np.minimum(np.rint(distances), FAR))
-
-
-@pytest.mark.parametrize("wrong_way", [None, 5.0])
-def test_packed_distances_are_those_that_were_packed(wrong_way: float | None) -> None:
-    layout = Layout(["....#.", "###.##", "......"])  # nothing leads to the last cell above
-    graph = Graph(layout, None if wrong_way is None else lane_costs(layout, wrong_way))
-    plain, packed, cells = HeadedFields(graph), PackedFields(graph), layout.open_cells
-    for goal in cells.tolist():
-        fields = [each.rows(np.array([goal])) for each in (plain, packed)]
-        for heading, cell in product(range(4), cells.tolist()):
-            number = int(packed.matrix[fields[1][0], packed.columns[cell]])
-            distance = plain.matrix[fields[0][0], heading * graph.size + cell]
-            assert unpack(number, heading) == min(distance, PACKED_FAR)
-        rows = (np.repeat(each, len(cells)) for each in fields)
-        near = [each.nearest(row, cells) for each, row in zip((plain, packed), rows, strict=True)]
-        assert np.array_equal(np.minimum(near[0], PACKED_FAR), near[1])
 
 
 def least_step_cost(rows: list[str], starts: list[int], goals: list[int]) -> int | None:

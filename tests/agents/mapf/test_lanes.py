@@ -1,7 +1,7 @@
 """Lanes as costs of moves."""
 
 from agents.mapf.graph import Graph
-from agents.mapf.lanes import aisle_costs, lane_costs
+from agents.mapf.lanes import lane_costs
 from warehouse_core import Layout
 
 
@@ -10,14 +10,6 @@ def test_rows_run_east_and_west_columns_south_and_north_in_turn() -> None:
     assert costs[0, 0].tolist() == [7, 1, 1, 7]
     assert costs[1, 1].tolist() == [1, 7, 7, 1]
     assert costs[2, 1].tolist() == [1, 1, 7, 7]
-
-
-def test_aisles_run_in_turn_whatever_is_between_them() -> None:
-    rows = [".......", ".#.###.", ".#.###.", ".......", ".#.###.", "......."]
-    costs = aisle_costs(Layout(rows), 7).reshape(6, 7, 4)
-    assert costs[[0, 3, 5], 4].tolist() == [[1, 1, 1, 7], [1, 7, 1, 1], [1, 1, 1, 7]]
-    assert costs[1, [0, 2, 6]].tolist() == [[7, 1, 1, 1], [1, 1, 7, 1], [7, 1, 1, 1]]
-    assert (costs[[1, 4], [1, 4]] == 1).all()
 
 
 def test_robots_that_meet_keep_to_their_lanes() -> None:

@@ -89,23 +89,6 @@ def test_full_floors_are_made_one_way(monkeypatch: pytest.MonkeyPatch) -> None:
     assert after > 1.05 * before
 
 
-def test_the_costs_are_those_of_the_chain_that_ends_with_most_goals(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr(traffic, "DIRECTED_STEPS", 30)
-    monkeypatch.setattr(traffic, "station_goals", lambda layout: None)
-    directions.cache_clear()
-    layout = random_layout(8, 8, 0.1, seed=6)
-    found = [Directions(layout, 9.0) for _ in range(3)]
-    for seed, each in zip(range(0, 12, 4), found, strict=True):
-        each.learned(Circulation, 29, 4, 30, seed, has_headings=True)
-    late = [sum(each.reached[2:]) for each in found]
-    best = found[int(np.argmax(late))]
-    assert np.argmax(late) != np.argmax([sum(each.reached) for each in found])
-    assert np.array_equal(directed_costs(layout, 29, 9.0, 4, 0, chains=3), best.costs)
-    directions.cache_clear()
-
-
 def test_robots_go_to_pickups_and_dropoffs_as_often() -> None:
     layout = Layout(["PP..", "..D."])
     goals = station_goals(layout)

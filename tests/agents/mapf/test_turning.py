@@ -14,13 +14,11 @@ from agents.mapf import anytime
 from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import solve_cbs
 from agents.mapf.eecbs import solve_eecbs
-from agents.mapf.epibt import EPIBT
 from agents.mapf.graph import Graph
 from agents.mapf.lacam import LaCAM, lacam, lacam_star
 from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import pibt
 from agents.mapf.planner import solve_by_steps
-from agents.mapf.prioritised import solve_prioritised
 from agents.mapf.problem import Plan, Problem
 from agents.mapf.refinement import Refinement
 from agents.mapf.turning import with_turns
@@ -138,7 +136,7 @@ def test_robots_that_are_at_their_goals_need_no_step() -> None:
         assert (plan.cells.tolist(), plan.headings.tolist()) == ([[2, 0]], [[0, 3]])
 
 
-@pytest.mark.parametrize("make", [EPIBT, WindowedPlanner])
+@pytest.mark.parametrize("make", [WindowedPlanner, partial(WindowedPlanner, circulates=True)])
 def test_planners_of_steps_solve_problems_of_robots_with_headings(make) -> None:
     problem = headed(random_problem(random_layout(10, 10, 0.1, 2), 6, 2))
     plan = solve_by_steps(make(problem.graph), problem, HOUR)
@@ -150,7 +148,6 @@ def test_planners_of_steps_solve_problems_of_robots_with_headings(make) -> None:
     [
         (solve_cbs, "CBS"),
         (solve_eecbs, "CBS"),
-        (solve_prioritised, "prioritised planning"),
         (pibt, "planner PIBT"),
     ],
 )

@@ -1,6 +1,5 @@
 """Lifelong windows: small cases by hand, crowds by the rules of the field."""
 
-import numpy as np
 import pytest
 from helpers.mapf_problems import random_problem, random_problems, situation
 from helpers.mapf_runs import check_planner
@@ -9,7 +8,6 @@ from helpers.mapf_validator import step_conflict
 from agents.mapf import windows
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs
-from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from agents.mapf.problem import Problem
 from agents.mapf.windows import WindowedPlanner
@@ -109,18 +107,6 @@ def test_groups_that_are_planned_anew_have_less_delay() -> None:
     assert left[60] < left[0]
 
 
-def test_the_nearest_is_led_until_it_is_at_its_goal() -> None:
-    """The robot in cell 7 has one step left; the robot in 1 waits, then goes to 5."""
-    planner, cells, steps = WindowedPlanner(Graph(Layout(["." * 10])), led=1), [1, 7], []
-    for goals in ([5, 8], [5, 0], [5, 0], [5, 0]):
-        cells = planner.next_cells(situation(cells, goals)).tolist()
-        steps.append(cells[0])
-    assert steps == [1, 2, 3, 4]
-    planner.reset()
-    given = situation([1, 7], [5, 8])._replace(urgent=np.array([0]))
-    assert planner.next_cells(given).tolist() == [2, 7]
-
-
 def test_a_robot_counts_more_the_longer_it_is_without_a_goal(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
@@ -136,18 +122,6 @@ def test_a_robot_counts_more_the_longer_it_is_without_a_goal(
             cells = planner.next_cells(given).tolist()
     assert weights[:4] == [[4, 4], [3, 5], [3, 6], [4, 7]]
     assert weights[4:] == [[1, 1]] * 4
-
-
-def test_in_crowds_more_goals_are_reached_if_some_robots_are_led() -> None:
-    graph = Graph(random_layout(16, 16, 0.2, seed=2))
-    robots = len(graph.layout.open_cells) * 3 // 4
-    every, some = (
-        run_lifelong(graph, planner, robots, 60, 1, has_headings=True).reached
-        for planner in (
-            WindowedPlanner(graph, 8, 40), WindowedPlanner(graph, 8, 40, led=robots // 3)
-        )
-    )  # fmt: skip
-    assert some > 1.2 * every
 
 
 def test_the_same_seed_gives_the_same_steps() -> None:

@@ -11,12 +11,11 @@ import pytest
 from agents.lab.experiments.choices import read_plan_file
 from agents.learning.policy_network import PolicyNetwork
 from agents.learning.q_table import load_table
-from warehouse_core import DEFAULT_LAYOUT, Episode, Layout
+from warehouse_core import Episode, Layout
 from warehouse_core.files.reading import open_file, read_file
 from warehouse_core.orders.files import load_orders
 from warehouse_core.world.map_files import load_map
 from warehouse_core.world.named_layouts import find_layout
-from warehouse_core.world.robot_runners import load_agents, load_league, load_tasks
 from warehouse_core.world.scenarios import load_scenarios
 
 READERS: dict[str, Callable[[Path], Any]] = {
@@ -29,9 +28,6 @@ READERS: dict[str, Callable[[Path], Any]] = {
     "map": load_map,
     "scenarios": load_scenarios,
     "orders": load_orders,
-    "problem": load_league,
-    "agents": lambda path: load_agents(path, DEFAULT_LAYOUT),
-    "tasks": lambda path: load_tasks(path, DEFAULT_LAYOUT),
     "plan": read_plan_file,
 }
 

@@ -1,6 +1,5 @@
 from collections.abc import Callable
 from contextlib import AbstractContextManager
-from functools import partial
 from pathlib import Path
 
 import pytest
@@ -22,29 +21,13 @@ def hall(tmp_path: Path) -> Path:
     return tmp_path / "hall.map"
 
 
-def refused(file: Path, data: str | bytes, *, robot_runners: bool = False) -> str:
-    return refusal(partial(load_map, robot_runners=robot_runners), file, data)
+def refused(file: Path, data: str | bytes) -> str:
+    return refusal(load_map, file, data)
 
 
 def test_every_terrain_is_floor_or_wall(hall: Path) -> None:
     hall.write_text("type octile\nheight 1\nwidth 7\nmap\n.GS@OTW\n")
     assert load_map(hall).rows == ("...####",)
-
-
-def test_emitters_of_the_dialect_are_pickups_and_service_points_are_dropoffs(hall: Path) -> None:
-    hall.write_text(f"{HEADER}.E@\nTS.\n")
-    layout = load_map(hall, robot_runners=True)
-    assert layout.rows == (".P#", "#D.")
-    assert (layout.pickups, layout.dropoffs) == (((0, 1),), ((1, 1),))
-
-
-@pytest.mark.parametrize("symbol", ["G", "W"])
-def test_other_terrain_in_the_dialect_raises(hall: Path, symbol: str) -> None:
-    message = refused(hall, f"{HEADER}...\n..{symbol}\n", robot_runners=True)
-    assert message == (
-        f"line 6, column 3: '{symbol}' is no terrain; "
-        "allowed: . (floor), E (emitter), S (service), @ T (not passable)"
-    )
 
 
 @pytest.mark.parametrize(
@@ -93,7 +76,7 @@ def test_an_invalid_header_raises_with_its_place(
     ("rows", "message"),
     [
         ("...\n..E\n", "line 6, column 3: 'E' is no terrain; allowed: . G S (floor), "
-         "@ O T W (not), and E only in the robot-runners dialect"),
+         "@ O T W (not)"),
         ("...\n.ü.\n", "line 6, column 2: 'ü' is no terrain"),
         (b"...\n.\xff.\n", "line 6, column 2: '\ufffd' is no terrain"),
         ("...\n. .\n", "line 6, column 2: ' ' is no terrain"),
@@ -163,7 +146,7 @@ def test_a_saved_map_has_the_same_walls_and_no_stations(
     path = tmp_path_factory.getbasetemp() / "saved.map"
     save_map(Layout(rows), path)
     floor = [row.translate(dict.fromkeys(map(ord, "PDC"), ".")) for row in rows]
-    assert load_map(path).rows == load_map(path, robot_runners=True).rows == tuple(floor)
+    assert load_map(path).rows == tuple(floor)
 
 
 def test_a_saved_map_looks_like_this(hall: Path) -> None:

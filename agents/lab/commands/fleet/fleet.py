@@ -111,8 +111,8 @@ def fleet(
         str,
         option(
             "--moves NAME",
-            f"{options.MOVES} turn needs a planner that knows headings: epibt, circulation or "
-            "windowed, also with -lanes.",
+            f"{options.MOVES} turn needs a planner that knows headings: circulation or windowed, "
+            "also with -lanes.",
         ),
     ] = COMPASS,
     late_penalty: Annotated[
@@ -159,7 +159,7 @@ def fleet(
         raise typer.BadParameter("--assignment needs a planner; add --planner NAME")
     if planner is None and moves == TURN:
         raise typer.BadParameter(
-            "--moves turn needs a planner that knows headings; add --planner epibt"
+            "--moves turn needs a planner that knows headings; add --planner windowed"
         )
     watched = parse_robots(show_plans, robots)
     if planner is None and (watched or show_pushes):

@@ -13,10 +13,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.fleet.dispatcher import Dispatcher
+from agents.mapf.execution import corner_steps
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels.floor import FAR
 from agents.mapf.memory import Memory
-from agents.mapf.timed import pace_of
 from warehouse_core import Cell, FleetEnv, Layout, Outcome
 from warehouse_core.motion.base import Ways
 from warehouse_core.world.actions import WAIT
@@ -93,7 +93,7 @@ class AloneFleet:
         """Return the next action of each robot, as an index."""
         if self._dispatcher is None:
             motion: Any = env.motion
-            graph = Graph(env.layout, turn_cost=pace_of(motion.spec).corner)
+            graph = Graph(env.layout, turn_cost=corner_steps(motion.spec))
             self._dispatcher = Dispatcher(env, self._assignment, graph)
             self._fields, self._memory = Fields(graph), Memory(graph, np.zeros(len(env.cells)))
         robots, goals, stays, actions = self._dispatcher.duties(env)

@@ -11,11 +11,9 @@ from typing import Annotated
 import typer
 
 from agents.fleet.planned import PLAN_SECONDS
-from agents.lab.commands.gap.league import STEPS, VALUES, gap_of_league
 from agents.lab.commands.gap.summary import SeedScores, gap_table, losses, message
 from agents.lab.commands.gap.trial import Score, Setting, make_env, run_trial
 from agents.lab.commands.gap.worlds import WORLDS, Shocks, make_world
-from agents.lab.commands.planners.league import BESIDE, SECONDS, StepSeconds
 from agents.lab.console import options
 from agents.lab.console.csv_file import write_csv
 from agents.lab.console.options import MANY, option, writable
@@ -30,27 +28,10 @@ from warehouse_core.orders.order import MAX_ORDERS
 from warehouse_core.wording import counted
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
-PAGE = ".html"
-
-OF_ORDERS = (
-    "robots", "assignment", "plan_seconds", "order_rate", "count", "due", "layout", "battery",
-    "episodes",
-)  # fmt: skip
-OF_LEAGUE = "beside", "max_steps", "step_seconds"
-"""Options that have no effect with a problem of the League, and without one."""
+PAGE, VALUES = ".html", ".csv"
 
 
 def gap(
-    context: typer.Context,
-    file: Annotated[
-        Path | None,
-        typer.Argument(
-            metavar="FILE",
-            help="A problem of the League of Robot Runners, .json, in place of a fleet with "
-            "orders.",
-            show_default=False,
-        ),
-    ] = None,
     robots: options.RobotsOption = 12,
     planner: Annotated[
         str,
@@ -83,21 +64,6 @@ def gap(
         ),
     ] = 60.0,
     episodes: options.Episodes = 4,
-    beside: Annotated[
-        Path | None,
-        option(
-            "--beside FILE",
-            f"{BESIDE} It is driven too.",
-            show_default=False,
-        ),
-    ] = None,
-    max_steps: Annotated[
-        int | None,
-        options.parameter_option(
-            "max_steps", more=f"Default for FILE: those of --beside, or {STEPS}."
-        ),
-    ] = None,
-    step_seconds: StepSeconds = SECONDS,
     seed: options.Seed = 0,
     jobs: options.Jobs = None,
     *,
@@ -126,21 +92,8 @@ def gap(
     By default this takes about 25 s. Give -n 20 for 95% intervals, in five times
     as long.
 
-    Of a problem of the League, the plan of its game is driven: each robot does
-    the same moves and turns, and tasks count that are finished in the same
-    seconds, of which a step is one. FILE goes with --planner, --beside,
-    --max-steps, --step-seconds, --noise, --stop, --seed, --jobs and --save.
-    For 100 robots, the default of 100 steps takes one to two minutes.
-
     Example: warehouse gap --robots 8 --count 20 -n 3 --save gap.html
     """
-    check_options(context, has_file=file is not None)
-    if file is not None:
-        name = planner if is_given(context, "planner") else None
-        gap_of_league(
-            file, name, beside, max_steps, step_seconds, Shocks(noise, stop), seed, jobs, save
-        )
-        return
     if not order_rate:
         raise typer.BadParameter("--order-rate is 0; allowed: a number above 0")
     setting = Setting(
@@ -170,21 +123,6 @@ def gap(
         print_error(f"warning: {loss}")
     for path in save:
         say(f"saved {path}")
-
-
-def is_given(context: typer.Context, name: str) -> bool:
-    """Return whether an option is given."""
-    source = context.get_parameter_source(name)
-    return source is not None and source.name != "DEFAULT"
-
-
-def check_options(context: typer.Context, *, has_file: bool) -> None:
-    """Raise if an option is given that has no effect with a problem of the League, or without."""
-    for name in OF_ORDERS if has_file else OF_LEAGUE:
-        if is_given(context, name):
-            verb = "does not go with" if has_file else "needs"
-            words = name.replace("_", "-")
-            raise typer.BadParameter(f"--{words} {verb} a problem of the League")
 
 
 def check(setting: Setting, seed: int) -> None:

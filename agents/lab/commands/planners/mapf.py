@@ -106,8 +106,8 @@ def mapf(
         str,
         option(
             "--moves NAME",
-            f"{options.MOVES} turn needs a planner that knows headings: {KNOW_HEADINGS}, epibt or "
-            "windowed. All robots head east at first.",
+            f"{options.MOVES} turn needs a planner that knows headings: {KNOW_HEADINGS}, "
+            "circulation or windowed. All robots head east at first.",
             one_of(*MOVES),
         ),
     ] = COMPASS,
@@ -152,7 +152,7 @@ def mapf(
     file, count = next(iter(files or ()), None), next(iter(sizes), None)
     check_file(file, steps)
     if steps is not None and moves == TURN:
-        raise typer.BadParameter("--moves turn does not go with --lifelong; see warehouse league")
+        raise typer.BadParameter("--moves turn does not go with --lifelong")
     if drive:
         load_backend("driving")  # what it needs is missed here, and not after the plans
     for path in save:
@@ -198,9 +198,7 @@ def check_file(file: Path | None, steps: int | None) -> None:
     if not file.exists():
         raise typer.BadParameter(f"{file}: there is no such file or folder")
     if file.suffix.lower() != SCENARIO:
-        raise typer.BadParameter(
-            f"{file}: unknown format of a problem; allowed: {SCENARIO}; see also: warehouse league"
-        )
+        raise typer.BadParameter(f"{file}: unknown format of a problem; allowed: {SCENARIO}")
     if steps is not None:
         raise typer.BadParameter(
             "--lifelong does not go with a .scen: it has one goal for each robot"

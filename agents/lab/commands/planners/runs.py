@@ -29,7 +29,6 @@ from agents.mapf.planner import (
     check_turns,
     solve_by_steps,
 )
-from agents.mapf.prioritised import solve_prioritised
 from agents.mapf.problem import Plan, Problem, Solver
 from agents.mapf.solvable import check_solvable
 from agents.mapf.time_limit import time_limit
@@ -43,7 +42,6 @@ SOLVERS: dict[str, Solver] = {
     "lacam": lacam,
     "lacam-star": lacam_star,
     "anytime": solve_anytime,
-    "prioritised": solve_prioritised,
     "cbs": solve_cbs,
     "ecbs": solve_eecbs,
 }
@@ -87,9 +85,7 @@ def make_stepper(
     if not isinstance(made, Planner):
         raise AgentError(f"planner {name!r} has no next_cells; it directs a fleet, not a problem")
     if has_headings and not isinstance(made, HeadedPlanner):
-        raise AgentError(
-            f"planner {name!r} does not know headings; it needs a method next_places, as epibt has"
-        )
+        raise AgentError(f"planner {name!r} does not know headings; it needs a method next_places")
     return CheckedPlanner(made, name, Graph(layout), seconds)
 
 

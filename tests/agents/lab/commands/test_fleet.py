@@ -261,13 +261,13 @@ def test_a_plan_that_takes_too_long_is_cut_off_and_reported(warehouse: Warehouse
 
 def test_robots_with_headings_need_a_planner_that_knows_them(warehouse: Warehouse) -> None:
     turning = (*SMALL, "--moves", "turn")
-    done = warehouse(*turning, "--planner", "epibt", "--order-rate", 0.2, "--save", "a.npz")
+    done = warehouse(*turning, "--planner", "windowed", "--order-rate", 0.2, "--save", "a.npz")
     assert (done.code, done.err) == (0, "")
     episode = FleetEpisode.load("a.npz")
     assert episode.measures.blocked_by_robot == 0
     assert {1, 2} < {*episode.actions.ravel().tolist()}
     assert warehouse(*turning).err == (
-        "warehouse: --moves turn needs a planner that knows headings; add --planner epibt\n"
+        "warehouse: --moves turn needs a planner that knows headings; add --planner windowed\n"
     )
     for episodes in (1, 2):
         saved = "--save", "b.npz", "--save", "b.csv", "-n", episodes

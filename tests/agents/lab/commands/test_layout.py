@@ -83,16 +83,6 @@ def test_check_names_what_is_wrong_with_a_layout(refused: Refused, rows: str, me
     assert refused("layout", "check", "room.txt").startswith(f"room.txt: {message}")
 
 
-def test_import_reads_stations_only_with_robot_runners(
-    warehouse: Warehouse, refused: Refused
-) -> None:
-    ends = Path("ends.map")
-    ends.write_text(Path("hall.map").read_text().replace("T...", "T.E."))
-    words = ("layout", "import", ends)
-    assert warehouse(*words, "--robot-runners") == (0, "#.D.\n#.P.\n", "")
-    assert refused(*words).startswith("ends.map: line 6, column 3: 'E' is no terrain")
-
-
 def test_import_takes_a_map_under_any_name_and_writes_a_layout(warehouse: Warehouse) -> None:
     words = ("layout", "import", Path("hall.map").rename("hall.octile"), "-o", "hall.txt")
     assert warehouse(*words) == (0, "saved hall.txt\n", "")

@@ -114,7 +114,7 @@ def test_a_robot_that_stops_waits() -> None:
 
 
 def test_a_robot_without_others_is_as_fast_as_alone() -> None:
-    setting = replace(SETTING, planner="timed", robots=1)
+    setting = replace(SETTING, planner="windowed", robots=1)
     alone, driving = (run_trial(world, 3, setting=setting).score for world in (ALONE, DRIVING))
     assert alone.makespan == pytest.approx(driving.makespan, abs=0.5)  # ways of equal cost differ
 
