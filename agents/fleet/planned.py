@@ -17,7 +17,6 @@ from agents.mapf.graph import Graph
 from agents.mapf.planner import (
     GraphPlanner,
     HeadedPlanner,
-    MotionPlanner,
     Planner,
     PushingPlanner,
     Situation,
@@ -137,8 +136,6 @@ class PlannedFleet:
         """
         if self._dispatcher is None:
             check_headings(self.planner, env)
-            if isinstance(self.planner, MotionPlanner):
-                self.planner.plan_for(env.motion)
             roads = self.planner.graph if isinstance(self.planner, GraphPlanner) else None
             self._dispatcher = Dispatcher(env, self._assignment, roads)
         situation, actions = self._dispatcher.situation(env)

@@ -12,7 +12,6 @@ from numpy.typing import NDArray
 from agents.errors import PlanError
 from agents.mapf.graph import CLOSED, Graph, robots_in
 from agents.mapf.problem import Plan, Problem
-from warehouse_core.motion.base import Motion
 from warehouse_core.wording import brief, counted
 from warehouse_core.world.moves import HEADINGS
 from warehouse_core.world.tables import Integers
@@ -21,7 +20,6 @@ __all__ = [
     "ForesightedPlanner",
     "GraphPlanner",
     "HeadedPlanner",
-    "MotionPlanner",
     "Planner",
     "PushingPlanner",
     "Situation",
@@ -71,8 +69,7 @@ class Situation(NamedTuple):
 class Planner(Protocol):
     """Chooses the next cells of robots; each planner is made for one ``Graph``.
 
-    A planner may also be a ``GraphPlanner``, a ``ForesightedPlanner``, a ``MotionPlanner`` and a
-    ``PushingPlanner``.
+    A planner may also be a ``GraphPlanner``, a ``ForesightedPlanner`` and a ``PushingPlanner``.
 
     Example:
         >>> from agents.mapf.graph import Graph
@@ -118,11 +115,11 @@ class HeadedPlanner(Planner, Protocol):
     """A planner that knows the headings of robots which drive forward and turn on the spot.
 
     Example:
-        >>> from agents.mapf.epibt import EPIBT
         >>> from agents.mapf.graph import Graph
         >>> from agents.mapf.planner import HeadedPlanner
+        >>> from agents.mapf.windows import WindowedPlanner
         >>> from warehouse_core import DEFAULT_LAYOUT
-        >>> isinstance(EPIBT(Graph(DEFAULT_LAYOUT)), HeadedPlanner)
+        >>> isinstance(WindowedPlanner(Graph(DEFAULT_LAYOUT)), HeadedPlanner)
         True
     """
 
@@ -153,23 +150,6 @@ class ForesightedPlanner(Protocol):
 
     def plan_of(self, robot: int) -> list[int]:
         """Return the cells of a robot after each of the next steps, first the one just chosen."""
-
-
-@runtime_checkable
-class MotionPlanner(Protocol):
-    """A planner that knows how long the robots of a motion take.
-
-    Example:
-        >>> from agents.mapf.graph import Graph
-        >>> from agents.mapf.planner import MotionPlanner
-        >>> from agents.mapf.timed import TimedPlanner
-        >>> from warehouse_core import DEFAULT_LAYOUT
-        >>> isinstance(TimedPlanner(Graph(DEFAULT_LAYOUT)), MotionPlanner)
-        True
-    """
-
-    def plan_for(self, motion: Motion) -> None:
-        """Forget all plans, and plan for the robots of a motion from now on."""
 
 
 @runtime_checkable

@@ -4,8 +4,7 @@ Errors in a ``.map`` give a line and a column, counted from 1, as editors do. Ro
 MovingAI's swamp can be entered from land and becomes floor; its water can only be entered from
 water and becomes a wall.
 
-Source: https://movingai.com/benchmarks/formats.html; for the dialect ``Input_Output_Format.md`` of
-the League of Robot Runners' Start-Kit.
+Source: https://movingai.com/benchmarks/formats.html
 """
 
 from __future__ import annotations
@@ -37,7 +36,7 @@ MAX_BLANKS = 16
 
 TERRAIN = {".": EMPTY, "G": EMPTY, "S": EMPTY, "@": WALL, "O": WALL, "T": WALL, "W": WALL}
 
-ALLOWED_TERRAIN = ". G S (floor), @ O T W (not)"
+ALLOWED = ". G S (floor), @ O T W (not)"
 
 _BLANK = b" \t\r\n"
 
@@ -174,9 +173,7 @@ def _read_rows(file: BufferedReader, height: int, width: int) -> Iterator[str]:
         if strange := row.translate(None, known):
             column = row.index(strange[:1])
             shown = row[column:].decode(errors="replace")[0]
-            raise error_at(
-                number, column + 1, f"{shown!r} is no terrain; allowed: {ALLOWED_TERRAIN}"
-            )
+            raise error_at(number, column + 1, f"{shown!r} is no terrain; allowed: {ALLOWED}")
         if len(row) != width:
             ends = "ends" if len(row) < width else "goes on"
             message = f"the row {ends} here; its header says width {width}"

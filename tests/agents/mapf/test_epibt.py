@@ -47,10 +47,10 @@ def test_one_robot_takes_as_many_steps_as_its_distance_with_turns(make: Make) ->
 
 
 def test_a_robot_that_heads_the_wrong_way_is_pushed_out_of_the_way() -> None:
-    layout = Layout(["#.#", "...", "#.#"])
+    layout = Layout(["##.##", ".....", "##.##"])
     graph = Graph(layout)
-    planner, cells, headings = WindowedPlanner(graph, groups=0), np.array([3, 4]), np.array([1, 3])
-    goals = np.array([5, 3])  # they meet head-on, and the second has to turn before it can leave
+    planner, cells, headings = WindowedPlanner(graph), np.array([6, 8]), np.array([1, 3])
+    goals = np.array([9, 5])  # they meet head-on, and the second has to turn before it can leave
     for _ in range(12):
         situation = Situation(cells, goals, np.array([False, False]), NO_CELLS)
         headings, cells = np.divmod(planner.next_places(situation, headings), graph.size)

@@ -68,14 +68,6 @@ def test_rows_of_goals_that_nobody_has_are_used_again(monkeypatch: pytest.Monkey
 
 
 @pytest.mark.parametrize("kind", [Fields, HeadedFields])
-def test_nowhere_is_as_far_from_all_cells(kind: type[Fields]) -> None:
-    fields = kind(Graph(ROOM))
-    rows = fields.rows(np.array([0, fields.graph.size, 1]))
-    assert (fields.matrix[rows[1]] == 0).all()
-    assert fields.matrix[rows[[0, 2]]].any(axis=1).all()
-
-
-@pytest.mark.parametrize("kind", [Fields, HeadedFields])
 def test_rows_follow_the_cells_that_are_closed(kind: type[Fields]) -> None:
     graph, goals = Graph(ROOM), np.array([0, 7])
     fields = kind(graph)
@@ -167,7 +159,7 @@ def test_large_matrices_are_reserved_once(monkeypatch: pytest.MonkeyPatch) -> No
     first = fields.matrix
     fields.rows(cells[3:])
     assert fields.matrix is first
-    assert len(first) == len(cells) + 1
+    assert len(first) == len(cells)
 
 
 @pytest.mark.parametrize("cost", [1.5, 30_000.0])

@@ -13,7 +13,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.fleet.dispatcher import Dispatcher
-from agents.mapf.execution import corner_steps
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels.floor import FAR
 from agents.mapf.memory import Memory
@@ -92,6 +91,8 @@ class AloneFleet:
     def act(self, env: FleetEnv) -> NDArray[np.intp]:
         """Return the next action of each robot, as an index."""
         if self._dispatcher is None:
+            from agents.mapf.execution import corner_steps  # imports pymunk
+
             motion: Any = env.motion
             graph = Graph(env.layout, turn_cost=corner_steps(motion.spec))
             self._dispatcher = Dispatcher(env, self._assignment, graph)

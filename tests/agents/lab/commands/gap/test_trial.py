@@ -20,9 +20,11 @@ from agents.lab.commands.gap.worlds import (
     Shocks,
     make_world,
 )
+from agents.mapf.execution import corner_steps
 from warehouse_core import FleetEpisode, Layout, shelf_layout
 from warehouse_core.fleet import Battery
 from warehouse_core.motion.base import Contact
+from warehouse_physics import RobotSpec
 
 STOP = 30.0
 LINE = Layout(["P....D"])
@@ -114,7 +116,7 @@ def test_a_robot_that_stops_waits() -> None:
 
 
 def test_a_robot_without_others_is_as_fast_as_alone() -> None:
-    setting = replace(SETTING, planner="windowed", robots=1)
+    setting = replace(SETTING, planner=f"windowed:turn_cost={corner_steps(RobotSpec())}", robots=1)
     alone, driving = (run_trial(world, 3, setting=setting).score for world in (ALONE, DRIVING))
     assert alone.makespan == pytest.approx(driving.makespan, abs=0.5)  # ways of equal cost differ
 
