@@ -17,7 +17,7 @@ from warehouse_core.arguments import (
 from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import BackendError
 from warehouse_core.motion.backends import Backend, make_motion
-from warehouse_core.motion.base import DrivesThrough, Motion, Outcome, conditions_of
+from warehouse_core.motion.base import Motion, Outcome, conditions_of, with_defaults
 from warehouse_core.task.rules import charged, is_truncated, judge
 from warehouse_core.task.settings import Settings
 from warehouse_core.task.sight import Sight
@@ -114,7 +114,7 @@ class WarehouseEnv(CopiedWhole):
         self._given_layout = layout
         self._start_pos = self._start_in(self.layout, start_pos)
         self._motion = make_motion(backend)
-        if isinstance(self._motion, DrivesThrough):
+        if with_defaults(self._motion).drives_through:
             raise BackendError(
                 f"backend {brief(backend)} drives through the cells of a plan; allowed here: one "
                 "whose robots rest in each cell. FleetEnv takes both"

@@ -101,7 +101,7 @@ class Arena:
         self.space.add(body, shape, *joined)
 
     def scan(self, robot: int, rays: int) -> Floats:
-        """Return how far walls and other robots are from the middle of a robot; see ``Senses``."""
+        """Return how far walls and other robots are from a robot; see ``BaseMotion.scan``."""
         start, distances = self.bodies[robot].position, np.full(rays, SCAN_RANGE)
         own = group_of(robot)
         for ray, way in enumerate(ways_of(rays)):

@@ -8,7 +8,7 @@ from itertools import product
 from typing import Any, ClassVar, Self
 
 from warehouse_core.arguments import MAX_STEPS, flag, instance_of, whole_number
-from warehouse_core.motion.base import MAX_RAYS, Conditions, Outcome, Pose, centre_of
+from warehouse_core.motion.base import MAX_RAYS, BaseMotion, Outcome, Pose, centre_of
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
@@ -28,7 +28,7 @@ MOVES = tuple(product(dict.fromkeys(DISPLACEMENTS), (False, True)))
 _NUMBERS = {move: number for number, move in enumerate(MOVES)}
 
 
-class BodyMotion:
+class BodyMotion(BaseMotion):
     """Base of the motions that move bodies; see ``RigidBodyMotion`` for the arguments.
 
     A copy, or what a pickle gives, repeats all calls since the reset: a copied space of Chipmunk
@@ -62,6 +62,7 @@ class BodyMotion:
             else instance_of("disturbances", disturbances, Disturbances)
         )
         self.cell_size = self.spec.cell_size
+        self.conditions = self.disturbances.conditions
         self.cell_joules = move_joules(self.spec, loaded=True)
         self._record_path = flag("record_path", record_path)
         self._path_every = whole_number("path_every", path_every, 1, MAX_STEPS)
@@ -76,19 +77,14 @@ class BodyMotion:
         own = {name: number for name, number in numbers.items() if name in cls.NUMBERS}
         return cls(RobotSpec.from_numbers(robot, cls.NUMBERS), **own)
 
-    @property
-    def conditions(self) -> Conditions:
-        """Floor and motors, for records."""
-        return self.disturbances.conditions
-
     def scan(self, robot: int, rays: int) -> Floats:
-        """Return how far walls and other robots are; see ``Senses``."""
+        """Return how far walls and other robots are; see ``BaseMotion.scan``."""
         robot, rays = self._known(robot), whole_number("rays", rays, 1, MAX_RAYS)
         distances: Floats = getattr(self, self.BODIES).scan(robot, rays)
         return distances
 
     def odometry(self, robot: int) -> Pose | None:
-        """Return where a robot believes to be; see ``Senses``."""
+        """Return where a robot believes to be; see ``BaseMotion.odometry``."""
         robot = self._known(robot)
         return None if self._odometry is None else self._odometry.poses[robot]
 

@@ -108,7 +108,7 @@ class RigidBodyMotion(BodyMotion):
 
     @exclusive
     def face(self, directions: Sequence[Cell]) -> None:
-        """Let robots turn on the spot in the next ``advance``; see ``Turns``."""
+        """Let robots turn on the spot in the next ``advance``; see ``BaseMotion.face``."""
         if self._arena is None:
             raise RuntimeError("face() needs a reset() before it")
         check_directions(len(self._arena.robots), directions)
@@ -146,7 +146,7 @@ class RigidBodyMotion(BodyMotion):
         )
 
     def batch(self, layouts: Sequence[Layout]) -> RigidBodyBatch:
-        """Return a motion for one robot in each of these layouts; see ``Batchable``.
+        """Return a motion for one robot in each of these layouts; see ``BaseMotion.batch``.
 
         Raises:
             ValueError: no layouts, or this motion has disturbances, which a batch cannot have.

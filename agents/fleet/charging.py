@@ -17,7 +17,7 @@ from agents.mapf.graph import CLOSED, MOVES, Costs, Graph
 from agents.mapf.matching import cheapest_matching
 from warehouse_core import FleetEnv, Layout
 from warehouse_core.batch.fleet.battery import STEPS
-from warehouse_core.motion.base import HasCost, cell_steps_of
+from warehouse_core.motion.base import BaseMotion, with_defaults
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.tables import Integers
 
@@ -82,11 +82,12 @@ def use_and_charge(env: FleetEnv) -> tuple[float, float]:
 
     In joules a robot uses what the motion says of its body, or what is nominal.
     """
-    battery, motion, cell_steps = env.settings.battery, env.motion, cell_steps_of(env.motion)
+    motion: BaseMotion = with_defaults(env.motion)
+    battery, cell_steps = env.settings.battery, motion.cell_steps
     use = battery.step_cost(env.cell_size)
     if battery.unit == STEPS:
         use *= cell_steps
-    elif isinstance(motion, HasCost):
+    elif motion.cell_joules is not None:
         use = motion.cell_joules
     return use, battery.step_charge(env.cell_size) * cell_steps
 

@@ -16,7 +16,7 @@ from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels.floor import FAR
 from agents.mapf.planner import Situation
 from warehouse_core import Cell, FleetEnv
-from warehouse_core.motion.base import cell_steps_of
+from warehouse_core.motion.base import with_defaults
 from warehouse_core.world.actions import DISPLACEMENTS, DROP, PICK, WAIT
 from warehouse_core.world.distances import nearest
 from warehouse_core.world.layout import Layout
@@ -78,7 +78,7 @@ class Dispatcher:
         # Who is near is a matter of time: of cells at top speed, and of turns.
         turns = known.turn_cost if known else 0.0
         self._times = Fields(self.graph.with_turns(turns)) if turns else self._fields
-        self._cell_steps = cell_steps_of(env.motion)
+        self._cell_steps: float = with_defaults(env.motion).cell_steps
         self.chargers = Chargers(env, roads)
         self._assign, self._reassigns = ASSIGNMENTS[assignment], assignment in REASSIGNING
         self._capacity = env.settings.battery.capacity

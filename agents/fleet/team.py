@@ -15,7 +15,7 @@ class Team:
     """Robots each of which is directed by an agent of the chapter, such as ``GreedyAgent``.
 
     See ``Pilot`` for what the agents observe. A robot that drives on from one step to the next, as
-    with a backend that ``DrivesThrough``, has no action to choose until it is at rest.
+    with a backend that drives through, has no action to choose until it is at rest.
 
     Args:
         agents: one agent for each robot.

@@ -8,7 +8,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core import Cell, Layout
-from warehouse_core.motion.batch import NOTHING, WALL
+from warehouse_core.motion.base import NOTHING, WALL
 from warehouse_core.motion.grid import GridFleetBatch, GridMotion
 from warehouse_core.motion.traffic import Obstacle, find_stops
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT

@@ -9,8 +9,7 @@ import numpy as np
 import pytest
 
 from warehouse_core import Cell, Layout, Outcome, WarehouseEnv, random_layout
-from warehouse_core.motion.base import centre_of
-from warehouse_core.motion.batch import BatchOutcome
+from warehouse_core.motion.base import BatchOutcome, centre_of
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.tiles import moved
 from warehouse_physics import RigidBodyMotion, RobotSpec

@@ -9,7 +9,7 @@ import pytest
 from helpers.rigid_bodies import Singles, batch_in, rows_differ, some_layouts
 
 from warehouse_core import Layout, LayoutError
-from warehouse_core.motion.batch import Batchable, BatchOutcome
+from warehouse_core.motion.base import BatchOutcome
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
 from warehouse_physics.arena import WALL, Hit
 from warehouse_physics.batch import rigid_body_batch
@@ -227,7 +227,6 @@ def test_a_wall_is_in_the_way_that_pushes_back_rather_than_aside(
 
 
 def test_only_a_nominal_motion_can_be_batched() -> None:
-    assert isinstance(RigidBodyMotion(), Batchable)
     disturbed = RigidBodyMotion(disturbances=Disturbances(motor_strength=0.5))
     with pytest.raises(ValueError, match=r"motor_strength=0\.5.*cannot be batched.*nominal"):
         disturbed.batch([HALL])

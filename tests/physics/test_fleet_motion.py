@@ -10,8 +10,7 @@ from helpers.rigid_bodies import EAST, NORTH, SOUTH, STAY, STEPS, WEST, together
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, Outcome, random_layout
 from warehouse_core.motion.backends import make_fleet_motion
-from warehouse_core.motion.base import WALL_CONTACT, robot_contact
-from warehouse_core.motion.batch import NOTHING, WALL
+from warehouse_core.motion.base import NOTHING, WALL, WALL_CONTACT, robot_contact
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
 
 HALL = Layout(["......"] * 6)

@@ -16,7 +16,7 @@ from gymnasium.utils.env_checker import check_env
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, Motion
 from warehouse_core.errors import BackendError
 from warehouse_core.gymnasium_env import WarehouseGymnasiumEnv, WarehouseVectorEnv
-from warehouse_core.motion.base import SCAN_RANGE, Senses
+from warehouse_core.motion.base import SCAN_RANGE
 from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, RobotSpec
 
 HALL = Layout(["." * 30] * 3)
@@ -36,7 +36,6 @@ def test_a_scan_goes_from_east_to_south_up_to_walls_robots_and_its_range(
     kind: Callable[..., Motion],
 ) -> None:
     motion = placed(kind(RobotSpec(cell_size=2.0)), HALL, (1, 3), (1, 5), (1, 15))
-    assert isinstance(motion, Senses)
     near, half = 4.0 - 0.35, math.sqrt(2) * 3.0
     first = [near, half, 3.0, half, 7.0, half, 3.0, half]
     assert motion.scan(0, 8) == pytest.approx(first, abs=1e-5)

@@ -149,7 +149,7 @@ EXPORTS = {
         make_form
     """,
     "warehouse_core.motion": """
-        BatchMotion BatchOutcome Batchable Conditions Contact HasConditions Motion Outcome
+        BaseBatchMotion BaseMotion BatchMotion BatchOutcome Conditions Contact Motion Outcome
         backend_names load_backend make_motion
     """,
     "warehouse_core.orders": "Order OrderQueue OrderStream load_orders save_orders",

@@ -77,6 +77,7 @@ from warehouse_core import (
     shelf_layout,
 )
 from warehouse_core.conformance.suite import CHECKS
+from warehouse_core.motion.base import BaseMotion
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.viz.axes.congestion import congestion_picture
 from warehouse_core.viz.axes.heat_map import blocked_heat_map, heat_map
@@ -182,7 +183,7 @@ def options() -> Lines:
 class Counted(GridMotion):
     """A grid that counts and mixes what it is asked."""
 
-    batch = fleet_batch = None
+    batch, fleet_batch = BaseMotion.batch, BaseMotion.fleet_batch
     asked: ClassVar[list[object]] = []
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int) -> None:

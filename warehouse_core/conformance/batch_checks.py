@@ -12,16 +12,14 @@ from contextlib import ExitStack, closing, suppress
 import numpy as np
 
 from warehouse_core.conformance.trials import MAZE, MakeMotion, expect, expect_error
-from warehouse_core.motion.base import Motion, Outcome
-from warehouse_core.motion.batch import (
+from warehouse_core.motion.base import (
     NOTHING,
     WALL,
-    Batchable,
-    BatchMotion,
+    BaseBatchMotion,
     BatchOutcome,
-    ChangesLayouts,
-    FleetBatchable,
-    FleetBatchMotion,
+    Motion,
+    Outcome,
+    with_defaults,
 )
 from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS
 from warehouse_core.world.layout import Layout
@@ -62,7 +60,7 @@ def check_a_batch_moves_in_changed_layouts(make_motion: MakeMotion) -> None:
     before = [POOL[number % len(POOL)] for number in range(len(LAYOUTS))]
     with ExitStack() as open_motions:
         batch = _batch_of(make_motion, open_motions, before)
-        if isinstance(batch, ChangesLayouts):
+        if batch is not None and batch.changes_layouts:
             singles = [open_motions.enter_context(closing(make_motion())) for _ in before]
             layouts, stream = before.copy(), random.Random(2)
             for _ in range(CHANGES):
@@ -96,34 +94,40 @@ BATCH_CHECKS = (
 
 def _batch_of(
     make_motion: MakeMotion, open_motions: ExitStack, layouts: list[Layout]
-) -> BatchMotion | None:
+) -> BaseBatchMotion | None:
     """Return a batch of lone robots in these layouts, or ``None`` if the motion has none."""
     motion = open_motions.enter_context(closing(make_motion()))
-    if isinstance(motion, Batchable):
-        with suppress(ValueError):
-            return open_motions.enter_context(closing(motion.batch(layouts)))
+    with suppress(ValueError):
+        return _opened(with_defaults(motion).batch(layouts), open_motions)
     return None
 
 
 def _fleet_batch_of(
     make_motion: MakeMotion, open_motions: ExitStack, layouts: list[Layout], robots: int
-) -> FleetBatchMotion | None:
+) -> BaseBatchMotion | None:
     """Return a batch of so many robots in each layout, or ``None`` if the motion has none."""
     motion = open_motions.enter_context(closing(make_motion()))
-    if isinstance(motion, FleetBatchable):
-        with suppress(ValueError):
-            return open_motions.enter_context(closing(motion.fleet_batch(layouts, robots)))
+    with suppress(ValueError):
+        return _opened(with_defaults(motion).fleet_batch(layouts, robots), open_motions)
     return None
 
 
+def _opened(batch: BaseBatchMotion | None, open_motions: ExitStack) -> BaseBatchMotion | None:
+    """Return a batch, which is closed at last, if there is one."""
+    if batch is None:
+        return None
+    complete: BaseBatchMotion = with_defaults(batch, BaseBatchMotion)
+    return open_motions.enter_context(closing(complete))
+
+
 def _walk_side_by_side(
-    batch: BatchMotion,
+    batch: BaseBatchMotion,
     singles: list[Motion],
     stream: random.Random,
     layouts: list[Layout],
     robots: int = 1,
     moves: int = MOVES,
-    fleet: FleetBatchMotion | None = None,
+    fleet: BaseBatchMotion | None = None,
 ) -> None:
     """Make the same random moves on both, and place the robots of some floors anew at times.
 

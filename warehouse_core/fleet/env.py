@@ -20,7 +20,7 @@ from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import EndedError, OrderError
 from warehouse_core.fleet.observation import FleetObservation, observation_of
 from warehouse_core.motion.backends import Backend, make_motion
-from warehouse_core.motion.base import DrivesThrough, Outcome, Ways, conditions_of
+from warehouse_core.motion.base import BaseMotion, Outcome, Ways, conditions_of, with_defaults
 from warehouse_core.orders.book import NONE, OrderBook
 from warehouse_core.orders.order import Order, OrderArrays, Orders
 from warehouse_core.task.encoding import FleetArrays
@@ -153,7 +153,8 @@ class FleetEnv(CopiedWhole):
         self.motion = motion = make_motion(backend)
         self.cell_size, self.conditions = motion.cell_size, conditions_of(motion, self.layout)
         self.backend = backend if isinstance(backend, str) else type(motion).__name__
-        self._ways = motion.ways if isinstance(motion, DrivesThrough) else None
+        complete: BaseMotion = with_defaults(motion)
+        self._ways = complete.ways if complete.drives_through else None
         self._engine = FleetEngine([self.layout], self.settings, motion)
         self._warn_of_supply()
         self.seed = seed_number(seed)

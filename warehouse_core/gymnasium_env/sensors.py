@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.arguments import whole_number
 from warehouse_core.errors import BackendError
-from warehouse_core.motion.base import MAX_RAYS, SCAN_RANGE, Senses
+from warehouse_core.motion.base import MAX_RAYS, SCAN_RANGE, with_defaults
 from warehouse_core.warehouse_env import WarehouseEnv
 
 
@@ -39,17 +39,17 @@ class Sensors:
     """
 
     def __init__(self, env: WarehouseEnv, scan: int, observation: str) -> None:
-        self._env, self._rays = env, whole_number("scan", scan, 0, MAX_RAYS)
+        self._rays = whole_number("scan", scan, 0, MAX_RAYS)
         self.spaces: dict[str, spaces.Space[Any]] = {}
-        motion = env.motion
+        self._motion = motion = with_defaults(env.motion)
         if self._rays:
-            if not isinstance(motion, Senses):
+            if motion.scan(0, self._rays) is None:
                 raise BackendError(
                     f"scan is {scan}, but backend {env.backend!r} has no bodies to be seen; "
                     "allowed: 0, or a backend with a scan, such as 'physics'"
                 )
             self.spaces["scan"] = spaces.Box(0.0, SCAN_RANGE, (self._rays,), np.float32)
-        if isinstance(motion, Senses) and motion.odometry(0) is not None:
+        if motion.odometry(0) is not None:
             # No step is longer than a cell, nor measured as three times as long.
             farthest = (max(env.height, env.width) + 3 * env.max_steps) * motion.cell_size
             limits = np.array([farthest, farthest, math.pi], np.float32)
@@ -61,6 +61,6 @@ class Sensors:
 
     def read(self) -> dict[str, NDArray[np.float32]]:
         """Return what the robot senses now, as fresh arrays."""
-        motion: Any = self._env.motion
+        motion = self._motion
         sense = {"scan": lambda: motion.scan(0, self._rays), "odometry": lambda: motion.odometry(0)}
         return {key: np.array(sense[key](), np.float32) for key in self.spaces}

@@ -18,14 +18,7 @@ from typing import TYPE_CHECKING
 
 from warehouse_core.errors import BackendError
 from warehouse_core.extras import pip_install, requirements_of
-from warehouse_core.motion.base import Motion
-from warehouse_core.motion.batch import (
-    Batchable,
-    BatchMotion,
-    FleetBatchable,
-    FleetBatchMotion,
-    is_outdated,
-)
+from warehouse_core.motion.base import BaseBatchMotion, Motion, with_defaults
 from warehouse_core.motion.separate import SeparateMotions
 from warehouse_core.wording import brief
 from warehouse_core.world.layout import Layout
@@ -63,23 +56,26 @@ def make_motion(backend: Backend) -> Motion:
     )
 
 
-def make_batch_motion(backend: Backend, layouts: Sequence[Layout]) -> BatchMotion:
+def make_batch_motion(backend: Backend, layouts: Sequence[Layout]) -> BaseBatchMotion:
     """Return a motion of a backend for a lone robot in each of these layouts.
 
     Raises:
         BackendError: as for ``make_motion``; or the backend has no ``batch``.
         ValueError: the settings of the motion do not allow a batch.
     """
-    motion = make_motion(backend)
-    if not isinstance(motion, Batchable) or is_outdated(motion, "batch"):
+    motion, batch = make_motion(backend), None
+    if not is_outdated(motion, "batch"):
+        batch = with_defaults(motion).batch(layouts)
+    if batch is None:
         raise BackendError(
             f"backend {brief(backend, 100)} cannot move a batch; it would need a method "
             "batch(layouts) for its own advance()"
         )
-    return motion.batch(layouts)
+    complete: BaseBatchMotion = with_defaults(batch, BaseBatchMotion)
+    return complete
 
 
-def make_fleet_motion(backend: Backend, layouts: Sequence[Layout], robots: int) -> FleetBatchMotion:
+def make_fleet_motion(backend: Backend, layouts: Sequence[Layout], robots: int) -> BaseBatchMotion:
     """Return a motion of a backend for so many robots, at least 1, in each of these layouts.
 
     If the backend cannot move them by arrays, each layout has a motion of its own.
@@ -87,16 +83,29 @@ def make_fleet_motion(backend: Backend, layouts: Sequence[Layout], robots: int) 
     Raises:
         BackendError: as for ``make_motion``; or an instance that would have to be several motions.
     """
-    motion = make_motion(backend)
-    if isinstance(motion, FleetBatchable) and not is_outdated(motion, "fleet_batch"):
-        with suppress(ValueError):
-            return motion.fleet_batch(layouts, robots)
+    motion, batch = make_motion(backend), None
+    with suppress(ValueError):
+        if not is_outdated(motion, "fleet_batch"):
+            batch = with_defaults(motion).fleet_batch(layouts, robots)
+    if batch is not None:
+        complete: BaseBatchMotion = with_defaults(batch, BaseBatchMotion)
+        return complete
     if len(layouts) > 1 and not isinstance(backend, (str, type)):
         raise BackendError(
             f"backend {brief(backend, 100)} is a single motion, for one layout; "
             f"{len(layouts)} layouts need the name or the class of a backend"
         )
     return SeparateMotions([make_motion(backend) for _ in layouts], layouts, robots)
+
+
+def is_outdated(motion: Motion, method: str) -> bool:
+    """Return whether a method that makes batches comes from a class whose ``advance`` is not used.
+
+    A subclass that overrides ``advance`` alone inherits batches that move as its parent does.
+    """
+    kinds = type(motion).__mro__
+    nearest = {name: kind for kind in reversed(kinds) for name in vars(kind)}
+    return kinds.index(nearest["advance"]) < kinds.index(nearest.get(method, kinds[0]))
 
 
 def _make_named(backend: str) -> Motion:

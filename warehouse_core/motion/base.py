@@ -7,12 +7,17 @@ robots, but no rewards, items or batteries: those are in ``task/rules.py``, whic
 A *position* is ``(x, y)`` in metres with ``x = (col + 0.5) * cell_size`` and
 ``y = (row + 0.5) * cell_size``; rows grow downward and so does y. A *heading* is in radians from
 the x axis towards the y axis: east 0, south pi/2.
+
+A *batch motion* moves ``R`` robots in each of ``B`` layouts. Floor ``b`` of the batch equals a
+separate motion in ``layouts[b]``, in ``cell`` and ``blocked``. Its arrays have a row for each of
+the ``N = B * R`` robots, floor by floor: robot ``r`` of floor ``b`` is row ``b * R + r``. Here the
+cell of a robot is a single number, ``row * W + col``, where ``W`` is the width of its layout.
 """
 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -20,9 +25,13 @@ from numpy.typing import NDArray
 from warehouse_core.errors import LayoutError
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.layout import Layout, check_open
+from warehouse_core.world.tables import Flags, Integers
 from warehouse_core.world.tiles import Cell
 
 WALL_CONTACT = "wall"
+
+NOTHING, WALL = -1, -2
+"""Values of ``stopped_by`` besides the robots of the floor, which have numbers from 0."""
 
 
 class Conditions(NamedTuple):
@@ -40,34 +49,6 @@ class Conditions(NamedTuple):
 
     slippery: tuple[Cell, ...] = ()
     motor_strength: float = 1.0
-
-
-@runtime_checkable
-class HasConditions(Protocol):
-    """A motion whose conditions are recorded, and drawn in replays.
-
-    Example:
-        >>> from warehouse_core import GridMotion
-        >>> from warehouse_core.motion import HasConditions
-        >>> from warehouse_physics import RigidBodyMotion
-        >>> isinstance(RigidBodyMotion(), HasConditions), isinstance(GridMotion(), HasConditions)
-        (True, False)
-    """
-
-    @property
-    def conditions(self) -> Conditions:
-        """Floor and motors."""
-
-
-def conditions_of(motion: object, layout: Layout) -> Conditions:
-    """Return the conditions of a motion in a layout, in whose open cells the floor may be slippery.
-
-    A motion that tells none has nominal ones.
-    """
-    if not isinstance(motion, HasConditions):
-        return Conditions()
-    slippery, strength = motion.conditions
-    return Conditions(tuple(filter(layout.is_open, sorted(slippery))), float(strength))
 
 
 def robot_contact(robot: int) -> str:
@@ -205,24 +186,6 @@ class Motion(Protocol):
         """Release resources; safe to call twice."""
 
 
-@runtime_checkable
-class Turns(Motion, Protocol):
-    """A motion whose robots can turn on the spot; any other waits instead."""
-
-    def face(self, directions: Sequence[Cell]) -> None:
-        """Let robots that stay in their cells in the next ``advance`` turn in it.
-
-        Args:
-            directions: displacement of a move in the direction that each robot turns to, the
-                shorter way round; ``(0, 0)`` for robots that do not turn.
-
-        Raises:
-            ValueError: another number of directions than robots, or another displacement; nothing
-                has changed.
-            RuntimeError: before ``reset`` or after ``close``.
-        """
-
-
 class Ways(NamedTuple):
     """The ways that ``R`` robots have ahead of them.
 
@@ -243,58 +206,6 @@ class Ways(NamedTuple):
     closed: Sequence[Cell] = ()
 
 
-@runtime_checkable
-class HasPace(Protocol):
-    """A motion that says how many of its steps a robot takes for a cell.
-
-    Attributes:
-        cell_steps: steps of a cell at top speed.
-    """
-
-    cell_steps: float
-
-
-def cell_steps_of(motion: object) -> float:
-    """Return how many steps of a motion a robot takes for a cell, 1 if it does not say so."""
-    return motion.cell_steps if isinstance(motion, HasPace) else 1.0
-
-
-@runtime_checkable
-class HasCost(Protocol):
-    """A motion that says how much energy a cell takes.
-
-    Attributes:
-        cell_joules: joules that a robot is to count with for a cell.
-    """
-
-    cell_joules: float
-
-
-@runtime_checkable
-class DrivesThrough(Motion, Protocol):
-    """A motion whose robots have ways ahead of them, and drive through the cells of these ways.
-
-    A displacement does not move a robot from where it is, but appends a cell to the end of its way;
-    without room there the robot waits. A call of ``advance`` may end while robots drive.
-    """
-
-    def ways(self) -> Ways:
-        """Return the way that each robot has ahead of it.
-
-        Raises:
-            RuntimeError: before ``reset`` or after ``close``.
-        """
-
-    def fail(self, robot: int) -> None:
-        """Let a robot brake and stay where it is for good, and others go on without it.
-
-        Robots that are then caught between others, with no cell to come to rest in, fail too.
-
-        Raises:
-            RuntimeError: before ``reset`` or after ``close``.
-        """
-
-
 Pose = tuple[float, float, float]
 """A position x and y in metres, and a heading."""
 
@@ -305,11 +216,183 @@ SCAN_RANGE = 10.0
 """Metres beyond which a scan sees nothing."""
 
 
-@runtime_checkable
-class Senses(Motion, Protocol):
-    """A motion whose robots have sensors."""
+class BatchOutcome(NamedTuple):
+    """The outcome of one action of each robot; the arrays belong to the caller.
 
-    def scan(self, robot: int, rays: int) -> NDArray[np.float64]:
+    Attributes:
+        cells: ``[N]`` intp, where the robots are now.
+        blocked: ``[N]`` bool, whether something stopped the robot on its way to another cell.
+        seconds: ``[N]`` float64, duration of each action.
+        joules: ``[N]`` float64, cost of each action.
+        stopped_by: ``[N]`` intp, what stopped the robot: ``NOTHING``, ``WALL``, or the number of
+            another robot on its floor. ``None`` if robots are alone and only walls block them.
+        ends: ``[N]`` intp, where their next moves begin, of a motion that drives
+            through. ``None``: where they are.
+        driving: ``[N]`` bool, whether the robot has not come to rest, so that it can neither pick,
+            drop nor charge. ``None``: all are at rest after each action.
+        failed: ``[N]`` bool, whether the robot stays where it is for good. ``None``: none can.
+
+    Example:
+        >>> import numpy as np
+        >>> from warehouse_core import DEFAULT_LAYOUT, GridMotion
+        >>> motion = GridMotion().batch([DEFAULT_LAYOUT, DEFAULT_LAYOUT])
+        >>> motion.place(np.array([0, 1]), np.array([13, 14]), [None, None])
+        >>> outcome = motion.advance(np.array([1, 0]), np.array([False, False]))
+        >>> outcome.cells, outcome.blocked
+        (array([14, 14]), array([False,  True]))
+    """
+
+    cells: NDArray[np.intp]
+    blocked: Flags
+    seconds: NDArray[np.float64]
+    joules: NDArray[np.float64]
+    stopped_by: NDArray[np.intp] | None = None
+    ends: NDArray[np.intp] | None = None
+    driving: Flags | None = None
+    failed: Flags | None = None
+
+
+class BatchMotion(Protocol):
+    """The interface of a motion of ``R`` robots in each of ``B`` layouts.
+
+    Example:
+        >>> from warehouse_core import DEFAULT_LAYOUT, GridMotion
+        >>> from warehouse_core.motion import BatchMotion
+        >>> motion: BatchMotion = GridMotion().batch([DEFAULT_LAYOUT, DEFAULT_LAYOUT])
+    """
+
+    def place(
+        self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
+    ) -> None:
+        """Put the robots of some floors at rest in the middle of their cells, heading east.
+
+        Args:
+            rows: ``[F * R]``, all robots of ``F`` different floors, in order on each floor.
+            cells: ``[F * R]``, for each of them an open cell of its layout, on a floor all
+                different. A backend need not check either.
+            seeds: ``F``, for the backend's random numbers on each of these floors; ``None`` lets
+                the backend choose.
+        """
+
+    def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
+        """Carry out one action for each robot; all must have been placed.
+
+        Args:
+            actions: ``[N]``, indices into ``DISPLACEMENTS``.
+            loaded: ``[N]``, whether the robot carries an item.
+
+        Raises:
+            RuntimeError: after ``close``.
+        """
+
+    def close(self) -> None:
+        """Release resources; safe to call twice."""
+
+
+class BaseBatchMotion(BatchMotion):
+    """A base class of batch motions, with a default for everything that one need not do.
+
+    Attributes:
+        changes_layouts: ``True`` if ``change`` replaces the layouts of floors; pools need it.
+
+    Example:
+        >>> from warehouse_core import DEFAULT_LAYOUT, GridMotion
+        >>> from warehouse_core.motion import BaseBatchMotion
+        >>> batch = GridMotion().batch([DEFAULT_LAYOUT])
+        >>> isinstance(batch, BaseBatchMotion), batch.changes_layouts
+        (True, True)
+    """
+
+    changes_layouts: bool = False
+
+    def outcomes(self, floor: int) -> Sequence[Outcome]:
+        """Return what the last ``advance`` did on one floor, with paths and contacts.
+
+        A batch of lone robots need not tell that.
+
+        Raises:
+            RuntimeError: the robots of the floor have not moved since they were placed.
+        """
+        return ()
+
+    def change(self, floors: Integers, layouts: Sequence[Layout]) -> None:
+        """Replace the layouts of different floors by others of their sizes.
+
+        The robots there must be placed before they move.
+        """
+
+    def face(self, actions: Integers) -> None:
+        """Let robots that stay in their cells turn in the next ``advance``; by default they wait.
+
+        Args:
+            actions: ``[N]``, indices into ``DISPLACEMENTS`` of the directions that the robots turn
+                to; ``WAIT`` for those that do not turn.
+        """
+
+    def fail(self, rows: Integers) -> None:
+        """Let robots stay where they are for good; see ``BaseMotion.fail``."""
+
+
+class BaseMotion(Motion):
+    """A base class of motions, with a default for everything that a motion need not do.
+
+    A motion that does not derive from it is used ``with_defaults``.
+
+    Attributes:
+        conditions: conditions of floor and motors, which are recorded and drawn in replays.
+        cell_steps: calls of ``advance`` in which a robot crosses a cell at top speed.
+        cell_joules: joules that a robot should expect to use for a cell; ``None`` for the nominal
+            cost.
+        drives_through: ``True`` if robots drive through the cells of paths ahead of them, see
+            ``Ways``. A displacement then does not move a robot from where it is, but appends a cell
+            to the end of its path; if the path has no room for it, the robot waits. A call of
+            ``advance`` may end while robots drive.
+
+    Example:
+        >>> from warehouse_core.motion import BaseMotion
+        >>> from warehouse_physics import DrivingMotion, RigidBodyMotion
+        >>> BaseMotion.drives_through, DrivingMotion.drives_through
+        (False, True)
+        >>> isinstance(RigidBodyMotion(), BaseMotion)
+        True
+    """
+
+    conditions: Conditions = Conditions()
+    cell_steps: float = 1.0
+    cell_joules: float | None = None
+    drives_through: bool = False
+
+    def face(self, directions: Sequence[Cell]) -> None:
+        """Let robots that stay in their cells turn in the next ``advance``; by default they wait.
+
+        Args:
+            directions: displacement of a move in the direction that each robot turns to, the
+                shorter way round; ``(0, 0)`` for robots that do not turn.
+
+        Raises:
+            ValueError: another number of directions than robots, or another displacement; nothing
+                has changed.
+            RuntimeError: before ``reset`` or after ``close``.
+        """
+
+    def ways(self) -> Ways:
+        """Return the path that each robot has ahead of it, if the motion ``drives_through``.
+
+        Raises:
+            RuntimeError: before ``reset`` or after ``close``.
+        """
+        return Ways((), (), ())
+
+    def fail(self, robot: int) -> None:
+        """Let a robot brake and stay where it is for good; without ``drives_through``, do nothing.
+
+        Robots that are then caught between others, with no cell to come to rest in, fail too.
+
+        Raises:
+            RuntimeError: before ``reset`` or after ``close``.
+        """
+
+    def scan(self, robot: int, rays: int) -> NDArray[np.float64] | None:
         """Return how far walls and other robots are in ``rays`` directions.
 
         Args:
@@ -318,12 +401,14 @@ class Senses(Motion, Protocol):
                 towards south, whatever the heading of the robot is.
 
         Returns:
-            ``[rays]`` metres from the middle of the robot, ``SCAN_RANGE`` if nothing is nearer.
+            ``[rays]`` metres from the middle of the robot, ``SCAN_RANGE`` if nothing is nearer;
+            ``None`` for robots without sensors.
 
         Raises:
             ValueError: there is no such robot, or no ray.
             RuntimeError: before ``reset`` or after ``close``.
         """
+        return None
 
     def odometry(self, robot: int) -> Pose | None:
         """Return where a robot believes to be, or ``None`` without odometry.
@@ -332,6 +417,44 @@ class Senses(Motion, Protocol):
             ValueError: there is no such robot.
             RuntimeError: before ``reset`` or after ``close``.
         """
+        return None
+
+    def batch(self, layouts: Sequence[Layout]) -> BatchMotion | None:
+        """Return a motion for a lone robot in each of these layouts, or ``None`` if it has none.
+
+        Raises:
+            ValueError: the settings of this motion do not allow a batch.
+        """
+        return None
+
+    def fleet_batch(self, layouts: Sequence[Layout], robots: int) -> BatchMotion | None:
+        """Return a motion for so many robots, at least 1, in each layout, or ``None``.
+
+        Raises:
+            ValueError: the settings of this motion do not allow a batch of so many robots.
+        """
+        return None
+
+
+def with_defaults(motion: Any, base: Any = BaseMotion) -> Any:
+    """Return a motion with the defaults of a base class for everything that it lacks.
+
+    A motion that derives from the base class, ``BaseMotion`` or ``BaseBatchMotion``, is
+    returned itself.
+    """
+    if isinstance(motion, base):
+        return motion
+    complete = base.__new__(base)
+    for name in (*Motion.__annotations__, *dir(base)):
+        if not name.startswith("_") and hasattr(motion, name):
+            setattr(complete, name, getattr(motion, name))
+    return complete
+
+
+def conditions_of(motion: object, layout: Layout) -> Conditions:
+    """Return the conditions of a motion in a layout; only open cells may be slippery."""
+    slippery, strength = with_defaults(motion).conditions
+    return Conditions(tuple(filter(layout.is_open, sorted(slippery))), float(strength))
 
 
 def centre_of(cell: Cell, cell_size: float) -> tuple[float, float]:

@@ -15,9 +15,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.arguments import real_number
-from warehouse_core.motion.array_traffic import MAX_SMALL_FLEET, ArrayTraffic
 from warehouse_core.motion.base import (
+    NOTHING,
+    WALL,
     WALL_CONTACT,
+    BaseBatchMotion,
+    BaseMotion,
+    BatchOutcome,
     Contact,
     Outcome,
     centre_of,
@@ -26,8 +30,7 @@ from warehouse_core.motion.base import (
     check_starts,
     robot_contact,
 )
-from warehouse_core.motion.batch import NOTHING, WALL, BatchOutcome
-from warehouse_core.motion.traffic import Obstacle, find_stops
+from warehouse_core.motion.traffic import MAX_SMALL_FLEET, ArrayTraffic, Obstacle, find_stops
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Flags, Integers, LayoutSet, sides_table, size_of
@@ -65,7 +68,7 @@ MAX_PATHS_BYTES = 32_000_000
 """Limit on the paths of all moves; a layout that needs more has none made at once."""
 
 
-class GridMotion:
+class GridMotion(BaseMotion):
     """Moves robots by whole cells; several at once by the table in ``traffic.py``.
 
     Args:
@@ -103,7 +106,7 @@ class GridMotion:
         self._headings, self._facing = [EAST] * len(cells), ()
 
     def face(self, directions: Sequence[Cell]) -> None:
-        """Let robots turn on the spot in the next ``advance``; see ``Turns``."""
+        """Let robots turn on the spot in the next ``advance``; see ``BaseMotion.face``."""
         if not self._cells:
             raise RuntimeError("face() needs a reset() before it")
         check_directions(len(self._cells), directions)
@@ -133,11 +136,11 @@ class GridMotion:
         self._cells, self._headings, self._lone = [], [], {}
 
     def batch(self, layouts: Sequence[Layout]) -> GridBatch:
-        """Return a motion for a lone robot in each of these layouts; see ``Batchable``."""
+        """Return a motion for a lone robot in each of these layouts; see ``BaseMotion.batch``."""
         return GridBatch(layouts, self.cell_size)
 
     def fleet_batch(self, layouts: Sequence[Layout], robots: int) -> GridFleetBatch:
-        """Return a motion for so many robots in each of these layouts; see ``FleetBatchable``."""
+        """Return a motion for so many robots in each layout; see ``BaseMotion.fleet_batch``."""
         return GridFleetBatch(layouts, self.cell_size, robots)
 
     def _advance_all(
@@ -223,11 +226,13 @@ def move_paths(layout: Layout, cell_size: float) -> dict[Cell, NDArray[np.float6
     return paths_by_move
 
 
-class GridBatch:
+class GridBatch(BaseBatchMotion):
     """Moves one robot in each of ``B`` layouts; one table lookup moves all of them.
 
     See ``BatchMotion``.
     """
+
+    changes_layouts = True
 
     def __init__(self, layouts: Sequence[Layout], cell_size: float, robots: int = 1) -> None:
         self._closed = False
@@ -247,7 +252,7 @@ class GridBatch:
         self._cells[rows] = cells
 
     def change(self, floors: Integers, layouts: Sequence[Layout]) -> None:
-        """Replace the layouts of some floors; see ``ChangesLayouts``."""
+        """Replace the layouts of some floors; see ``BaseBatchMotion.change``."""
         known = len(self._layouts.kinds)
         self._layouts.change(floors, layouts)
         if new := self._layouts.kinds[known:]:
@@ -295,7 +300,7 @@ class GridFleetBatch(GridBatch):
         self._headings[rows] = DISPLACEMENTS.index(EAST)
 
     def face(self, actions: Integers) -> None:
-        """Let robots turn on the spot in the next ``advance``; see ``CanTurn``."""
+        """Let robots turn on the spot in the next ``advance``; see ``BaseBatchMotion.face``."""
         self._facing = actions
 
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
@@ -330,7 +335,7 @@ class GridFleetBatch(GridBatch):
         return len({*cells, *targets}) == len(cells) + movers
 
     def outcomes(self, floor: int) -> Sequence[Outcome]:
-        """Return what the last ``advance`` did on one floor; see ``BatchMotion.outcomes``."""
+        """Return what the last ``advance`` did on one floor; see ``BaseBatchMotion.outcomes``."""
         rows = slice(floor * self._robots, (floor + 1) * self._robots)
         starts, moving = self._before[rows].tolist(), self._moving[rows].tolist()
         if NOT_MOVED in starts:

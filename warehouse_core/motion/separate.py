@@ -11,21 +11,24 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.motion.base import (
-    DrivesThrough,
+    NOTHING,
+    WALL,
+    BaseBatchMotion,
+    BaseMotion,
+    BatchOutcome,
     Motion,
     Outcome,
-    Turns,
     check_starts,
     robot_contact,
+    with_defaults,
 )
-from warehouse_core.motion.batch import NOTHING, WALL, BatchOutcome
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Flags, Integers
 from warehouse_core.world.tiles import Cell, moved
 
 
-class SeparateMotions:
+class SeparateMotions(BaseBatchMotion):
     """Moves ``R`` robots in each of ``B`` layouts by a motion for each; see ``BatchMotion``.
 
     ``stopped_by`` is the counterpart of the first contact of a blocked robot. Without a contact it
@@ -34,7 +37,8 @@ class SeparateMotions:
     """
 
     def __init__(self, motions: Sequence[Motion], layouts: Sequence[Layout], robots: int) -> None:
-        self._motions, self._layouts, self._robots = motions, list(layouts), robots
+        self._motions: list[BaseMotion] = list(map(with_defaults, motions))
+        self._layouts, self._robots = list(layouts), robots
         self._cells: list[list[Cell]] = [[] for _ in layouts]
         self._outcomes: list[Sequence[Outcome]] = [() for _ in layouts]
         self._number_of = {robot_contact(robot): robot for robot in range(robots)}
@@ -64,8 +68,10 @@ class SeparateMotions:
             self._motions[floor].reset(layout, each, seed)
             self._cells[floor], self._outcomes[floor] = each, ()
 
+    changes_layouts = True
+
     def change(self, floors: Integers, layouts: Sequence[Layout]) -> None:
-        """Replace the layouts of some floors; see ``ChangesLayouts``."""
+        """Replace the layouts of some floors; see ``BaseBatchMotion.change``."""
         for floor, layout in zip(floors.tolist(), layouts, strict=True):
             self._layouts[floor], self._cells[floor], self._outcomes[floor] = layout, [], ()
 
@@ -86,7 +92,7 @@ class SeparateMotions:
             targets = list(map(moved, self._cells[floor], moves))
             outcomes = self._outcomes[floor] = motion.advance(moves, loads)
             self._cells[floor] = [outcome.cell for outcome in outcomes]
-            if isinstance(motion, DrivesThrough):
+            if motion.drives_through:
                 ways = motion.ways()
                 self._cells[floor] = list(ways.ends)
                 driving += [not rests for rests in ways.at_rest]
@@ -106,24 +112,21 @@ class SeparateMotions:
         )
 
     def face(self, actions: Integers) -> None:
-        """Let robots turn on the spot, where the motion can do that; see ``CanTurn``."""
+        """Let robots turn on the spot; see ``BaseBatchMotion.face``."""
         for motion, chosen in zip(self._motions, self._by_floor(actions).tolist(), strict=True):
-            if isinstance(motion, Turns):
-                motion.face([DISPLACEMENTS[action] for action in chosen])
+            motion.face([DISPLACEMENTS[action] for action in chosen])
 
     def outcomes(self, floor: int) -> Sequence[Outcome]:
-        """Return what the last ``advance`` did on one floor; see ``BatchMotion.outcomes``."""
+        """Return what the last ``advance`` did on one floor; see ``BaseBatchMotion.outcomes``."""
         if not self._outcomes[floor]:
             raise RuntimeError(f"outcomes() needs an advance() after the place() of floor {floor}")
         return self._outcomes[floor]
 
     def fail(self, rows: Integers) -> None:
-        """Let robots of motions that drive through stay where they are for good."""
+        """Let robots stay where they are for good; see ``BaseBatchMotion.fail``."""
         for row in rows.tolist():
             floor, robot = divmod(row, self._robots)
-            motion = self._motions[floor]
-            if isinstance(motion, DrivesThrough):
-                motion.fail(robot)
+            self._motions[floor].fail(robot)
 
     def close(self) -> None:
         """Close all motions; see ``BatchMotion.close``."""

@@ -21,8 +21,7 @@ from warehouse_core.batch.fleet.tally import FleetMeasures
 from warehouse_core.errors import RecordError
 from warehouse_core.files.header import pack_header, unpack_header
 from warehouse_core.files.npz import Arrays, Schema
-from warehouse_core.motion.base import Contact, Outcome
-from warehouse_core.motion.batch import WALL
+from warehouse_core.motion.base import WALL, Contact, Outcome
 from warehouse_core.orders.order import Order
 from warehouse_core.task.settings import Settings, conditions_in
 from warehouse_core.wording import brief, listed

@@ -64,7 +64,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from warehouse_core.arguments import instance_of
-from warehouse_core.motion.batch import NOTHING
+from warehouse_core.motion.base import NOTHING
 from warehouse_core.records.episode import (
     BATTERY_DEPLETED,
     DELIVERED,

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.motion.batch import NOTHING
+from warehouse_core.motion.base import NOTHING
 from warehouse_core.records.episode import FleetEpisode
 from warehouse_core.world.actions import WAIT
 

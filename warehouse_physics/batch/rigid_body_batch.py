@@ -9,8 +9,7 @@ from typing import Any
 import numpy as np
 
 from warehouse_core import Layout, LayoutError
-from warehouse_core.motion.base import centre_of
-from warehouse_core.motion.batch import BatchOutcome
+from warehouse_core.motion.base import BaseBatchMotion, BatchOutcome, centre_of
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.layout import check_open
 from warehouse_core.world.tables import Flags, Integers
@@ -26,7 +25,7 @@ ROWS_OF_A_SPACE = 256
 _WAYS = np.array([(right, down) for down, right in DISPLACEMENTS], np.float64)
 
 
-class RigidBodyBatch:
+class RigidBodyBatch(BaseBatchMotion):
     """Moves one robot in each of ``B`` layouts as a disc with mass; see ``BatchMotion``.
 
     Up to ``ROWS_OF_A_SPACE`` robots are in one space, too far apart to touch. An action takes as
@@ -46,6 +45,7 @@ class RigidBodyBatch:
         array([False,  True])
     """
 
+    changes_layouts = True
     is_busy = False
 
     def __init__(self, spec: RobotSpec, layouts: Sequence[Layout]) -> None:
@@ -91,7 +91,7 @@ class RigidBodyBatch:
 
     @exclusive
     def change(self, floors: Integers, layouts: Sequence[Layout]) -> None:
-        """Replace the layouts of some floors by others of their sizes; see ``ChangesLayouts``."""
+        """Replace the layouts of some floors; see ``BaseBatchMotion.change``."""
         parts = self._in_use("change")
         rows = self._checked_rows(floors).tolist()
         for row, layout in zip(rows, layouts, strict=True):

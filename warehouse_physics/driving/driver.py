@@ -117,7 +117,7 @@ class Driver:
             self._leaders.find(robot, self._passed)
 
     def scan(self, robot: int, rays: int) -> Floats:
-        """Return what a robot sees; see ``Senses``."""
+        """Return what a robot sees; see ``BaseMotion.scan``."""
         return self._arena.scan(robot, rays)
 
     def at_rest(self) -> Flags:

@@ -77,6 +77,7 @@ class DrivingMotion(BodyMotion):
 
     BODIES = "_driver"
     NUMBERS = ("period",)
+    drives_through = True
 
     def __init__(
         self,
@@ -132,7 +133,7 @@ class DrivingMotion(BodyMotion):
         self._begin(layout, cells, drawn)
 
     def ways(self) -> Ways:
-        """Return what each robot has ahead of it; see ``DrivesThrough``."""
+        """Return what each robot has ahead of it; see ``BaseMotion.ways``."""
         driver = self._driven()
         ends = [driver.ways.end(robot) for robot in range(len(driver.work))]
         return Ways(
@@ -144,7 +145,7 @@ class DrivingMotion(BodyMotion):
         )
 
     def fail(self, robot: int) -> None:
-        """Let a robot stay where it is for good; see ``DrivesThrough``."""
+        """Let a robot stay where it is for good; see ``BaseMotion.fail``."""
         driver = self._driven()
         robot = whole_number("robot", robot, 0, len(driver.work) - 1)
         driver.fail(robot)

@@ -11,7 +11,7 @@ import pytest
 from warehouse_core import Cell, Contact, Layout, Motion, Outcome
 from warehouse_core.conformance import run_conformance
 from warehouse_core.conformance.suite import CHECKS, ConformanceError
-from warehouse_core.motion.batch import BatchOutcome
+from warehouse_core.motion.base import BaseMotion, BatchOutcome
 from warehouse_core.motion.grid import GridMotion
 from warehouse_core.world.tiles import moved
 
@@ -34,7 +34,8 @@ def path_of(rows: object) -> Any:
 class LoneGrid(GridMotion):
     """A grid without a batch, so that only the checks of single motions apply."""
 
-    batch = fleet_batch = None
+    batch = BaseMotion.batch  # type: ignore[assignment]
+    fleet_batch = BaseMotion.fleet_batch  # type: ignore[assignment]
 
 
 class Altered(LoneGrid):

@@ -10,6 +10,7 @@ from helpers.fleets import SHELVES
 
 from warehouse_core import FleetEnv, GridMotion, Layout
 from warehouse_core.fleet import FleetBatch
+from warehouse_core.motion.base import BaseMotion
 from warehouse_core.task import rules
 from warehouse_core.world.moves import TURN_ACTIONS
 from warehouse_core.world.tiles import Cell
@@ -231,7 +232,7 @@ def test_the_grid_turns_robots_the_shorter_way_round() -> None:
 
 def test_a_motion_that_cannot_turn_waits_instead() -> None:
     class Plain(GridMotion):
-        face = None  # type: ignore[assignment]
+        face = BaseMotion.face
 
         def advance(self, displacements: Any, loaded: Any) -> Any:
             return super().advance(displacements, loaded)

@@ -141,7 +141,8 @@ def test_fleets_of_one_robot_and_more_are_moved_by_arrays_if_the_backend_can(rob
         assert type(made) is SeparateMotions
         assert len({id(motion) for motion in made._motions}) == 2
     lone = WithoutBatch()
-    assert make_fleet_motion(lone, layouts[:1], robots)._motions == [lone]
+    [motion] = make_fleet_motion(lone, layouts[:1], robots)._motions
+    assert motion.advance.__self__ is lone
     with pytest.raises(BackendError, match=r"is a single motion.*2 layouts need the name or the"):
         make_fleet_motion(LoneBatch(), layouts, robots)
 

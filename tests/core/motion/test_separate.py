@@ -6,7 +6,7 @@ import pytest
 
 from warehouse_core import Contact, Layout, LayoutError, Outcome, random_layout
 from warehouse_core.conformance.batch_checks import BATCH_CHECKS
-from warehouse_core.motion.batch import NOTHING, WALL
+from warehouse_core.motion.base import NOTHING, WALL
 from warehouse_core.motion.grid import GridMotion
 from warehouse_core.motion.separate import SeparateMotions
 

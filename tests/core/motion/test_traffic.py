@@ -17,8 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from warehouse_core import Cell, Layout
-from warehouse_core.motion.array_traffic import MAX_SMALL_FRONT
-from warehouse_core.motion.traffic import Obstacle, find_stops
+from warehouse_core.motion.traffic import MAX_SMALL_FRONT, Obstacle, find_stops
 
 HALL = Layout(["......"] * 6)
 

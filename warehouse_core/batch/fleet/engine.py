@@ -22,7 +22,7 @@ from warehouse_core.batch.shell.env import NO_FLOORS, EngineStep
 from warehouse_core.batch.shell.floor import ALL
 from warehouse_core.batch.shell.robots import Robots
 from warehouse_core.motion.backends import Backend, make_fleet_motion, make_motion
-from warehouse_core.motion.batch import BatchOutcome, CanFail, FleetBatchMotion
+from warehouse_core.motion.base import BaseBatchMotion, BatchOutcome
 from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.task.rules import judge
 from warehouse_core.world.actions import PICK
@@ -54,7 +54,7 @@ class FleetEngine:
     def __init__(
         self, layouts: Sequence[Layout], settings: FleetSettings, backend: Backend
     ) -> None:
-        motion: FleetBatchMotion = make_fleet_motion(backend, layouts, settings.bodies)
+        motion: BaseBatchMotion = make_fleet_motion(backend, layouts, settings.bodies)
         self.layouts, self.settings = LayoutSet(layouts), settings
         floors, rows = len(layouts), len(layouts) * settings.robots
         self._floor = floor = FleetFloor(self.layouts, settings)
@@ -212,10 +212,9 @@ class FleetEngine:
         self.terminated |= active & (np.repeat(done, robots) if self.orders else done)
         is_out = np.zeros_like(active)
         is_out[out] = True
-        if isinstance(self.motion, CanFail):
-            empty = np.flatnonzero(active & is_out & ~self.failed)
-            if len(empty):
-                self.motion.fail(empty)
+        empty = np.flatnonzero(active & is_out & ~self.failed)
+        if len(empty):
+            self.motion.fail(empty)
         self.truncated |= active & (is_out | np.repeat(is_over, robots))
         self._note_ended()
 

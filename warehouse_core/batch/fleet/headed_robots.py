@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.batch.shell.floor import Floor
 from warehouse_core.batch.shell.robots import Counts, Robots
-from warehouse_core.motion.batch import BatchMotion, BatchOutcome, CanTurn
+from warehouse_core.motion.base import BaseBatchMotion, BatchOutcome
 from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.moves import COUNTS_AS, EAST, FORWARD, HEADING_AFTER, TURN_ACTIONS
@@ -22,22 +22,21 @@ _MOVES = np.where(_IS_TURN, WAIT, COUNTS_AS)
 """Index in ``ACTIONS`` of what the motion carries out, by heading and action."""
 
 _TURNS = np.where(_IS_TURN, HEADING_AFTER, WAIT)
-"""Direction that the motion turns a robot to, by heading and action; see ``CanTurn.face``."""
+"""Direction that the motion turns a robot to, by heading and action; see ``face``."""
 
 
 class HeadedRobots(Robots):
     """``N`` robots with headings; their actions are ``TURN_ACTIONS``.
 
-    A motion that is not ``CanTurn`` waits in place of a turn.
+    A motion whose robots cannot turn waits in place of a turn.
 
     Attributes:
         headings: ``[N]``, 0 to 3 for N, E, S and W.
     """
 
-    def __init__(self, floor: Floor, motion: BatchMotion, count: int) -> None:
+    def __init__(self, floor: Floor, motion: BaseBatchMotion, count: int) -> None:
         super().__init__(floor, motion, count)
         self.headings = np.full(count, EAST)
-        self._turning = motion if isinstance(motion, CanTurn) else None
 
     def place(
         self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
@@ -51,8 +50,7 @@ class HeadedRobots(Robots):
     ) -> tuple[BatchOutcome, NDArray[np.float64], Flags, Flags | None]:
         """Carry out one of ``TURN_ACTIONS`` for each robot; see ``Robots.step``."""
         entries = self.headings * len(TURN_ACTIONS) + actions
-        if self._turning:
-            self._turning.face(_TURNS.take(entries))
+        self.motion.face(_TURNS.take(entries))
         self.headings = HEADING_AFTER.take(entries)
         return self._carry_out(_MOVES.take(entries), COUNTS_AS.take(entries))
 

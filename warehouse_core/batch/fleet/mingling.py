@@ -9,20 +9,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.batch.fleet.people import Crowd
-from warehouse_core.motion.base import Outcome
-from warehouse_core.motion.batch import BatchOutcome, CanFail, CanTurn, FleetBatchMotion
+from warehouse_core.motion.base import BaseBatchMotion, BatchOutcome, Outcome
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Flags, Integers
 
 
-class MingledMotion:
-    """Moves ``R`` robots among ``P`` people on each floor; see ``FleetBatchMotion``.
+class MingledMotion(BaseBatchMotion):
+    """Moves ``R`` robots among ``P`` people on each floor; see ``BatchMotion``.
 
     The motion that it is made of moves ``R + P`` bodies on each floor, the robots first. People
     enter before robots are placed.
     """
 
-    def __init__(self, motion: FleetBatchMotion, robots: int, crowd: Crowd) -> None:
+    def __init__(self, motion: BaseBatchMotion, robots: int, crowd: Crowd) -> None:
         self._motion, self._robots, self._crowd = motion, robots, crowd
         self._bodies = robots + crowd.cells.shape[1]
 
@@ -47,15 +46,13 @@ class MingledMotion:
         return BatchOutcome(*of_robots)
 
     def face(self, actions: Integers) -> None:
-        """Let robots turn on the spot, if the motion can do that; see ``CanTurn``."""
-        if isinstance(self._motion, CanTurn):
-            self._motion.face(self._joined(actions, np.full_like(self._crowd.cells, WAIT)))
+        """Let robots turn on the spot; see ``BaseBatchMotion.face``."""
+        self._motion.face(self._joined(actions, np.full_like(self._crowd.cells, WAIT)))
 
     def fail(self, rows: Integers) -> None:
-        """Let robots stay where they are for good; see ``CanFail``."""
-        if isinstance(self._motion, CanFail):
-            floors, robots = np.divmod(rows, self._robots)
-            self._motion.fail(floors * self._bodies + robots)
+        """Let robots stay where they are for good; see ``BaseBatchMotion.fail``."""
+        floors, robots = np.divmod(rows, self._robots)
+        self._motion.fail(floors * self._bodies + robots)
 
     def outcomes(self, floor: int) -> Sequence[Outcome]:
         """Return what the robots of a floor, and then its people, did."""

@@ -9,7 +9,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.motion.batch import BatchOutcome
+from warehouse_core.motion.base import BatchOutcome
 from warehouse_core.orders.order import Order
 from warehouse_core.world.moves import ActionSet
 from warehouse_core.world.tables import Flags, Integers

@@ -12,7 +12,7 @@ from warehouse_core.batch.shell.env import NO_FLOORS, EngineStep
 from warehouse_core.batch.shell.floor import ALL, Floor
 from warehouse_core.batch.shell.robots import Robots
 from warehouse_core.batch.shell.verdicts import spend_and_charge
-from warehouse_core.motion.batch import BatchMotion, ChangesLayouts
+from warehouse_core.motion.base import BaseBatchMotion
 from warehouse_core.task.encoding import ObservationArrays
 from warehouse_core.task.state import WarehouseState
 from warehouse_core.world.actions import WAIT
@@ -28,7 +28,7 @@ class LoneEngine:
         layouts: LayoutSet,
         draws: EpisodeDraws,
         floor: Floor,
-        motion: BatchMotion,
+        motion: BaseBatchMotion,
         max_steps: int,
         battery: int,
     ) -> None:
@@ -45,7 +45,7 @@ class LoneEngine:
     def begin(self, floors: Integers, seeds: Sequence[int | None]) -> None:
         """Start an episode on some floors; see ``Engine.begin``."""
         self.draws.seed(floors, seeds)
-        if self.layouts.others and isinstance(self._motion, ChangesLayouts):
+        if self.layouts.others:
             self._motion.change(floors, self.draws.draw_layouts(floors))
         stations, starts = self.draws.draw(floors)
         if stations is None:

@@ -21,7 +21,6 @@ from warehouse_core.batch.shell.env import NEXT_STEP, ArrayEnv
 from warehouse_core.batch.shell.floor import Floor
 from warehouse_core.errors import BackendError
 from warehouse_core.motion.backends import Backend, make_batch_motion
-from warehouse_core.motion.batch import ChangesLayouts
 from warehouse_core.task.encoding import ObservationArrays
 from warehouse_core.task.starts import what_is_drawn
 from warehouse_core.task.state import WarehouseState
@@ -116,7 +115,7 @@ class BatchEnv(ArrayEnv[ObservationArrays]):
             one_of("marked", tile, TILES)
         floor = Floor(layouts, self.view_radius, moving_stations=drawn.stations, tiles=marked)
         motion = make_batch_motion(backend, layouts.rows)
-        if pool is not None and not isinstance(motion, ChangesLayouts):
+        if pool is not None and not motion.changes_layouts:
             raise BackendError(
                 f"backend {brief(backend)} cannot change layouts, which a pool needs; its batch "
                 "would need a method change(floors, layouts)"

@@ -17,7 +17,7 @@ from warehouse_core.batch.shell.checks import Seeds, checked_actions, checked_ma
 from warehouse_core.batch.shell.floor import ALL
 from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import EndedError
-from warehouse_core.motion.batch import BatchOutcome
+from warehouse_core.motion.base import BatchOutcome
 from warehouse_core.task.encoding import ObservationArrays
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.tables import Flags, Integers, LayoutSet, Rows

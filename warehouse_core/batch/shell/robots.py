@@ -9,7 +9,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.batch.shell.floor import Floor
 from warehouse_core.batch.shell.verdicts import NO_STATION, charging, judge_all, verdict_numbers
-from warehouse_core.motion.batch import BatchMotion, BatchOutcome
+from warehouse_core.motion.base import BaseBatchMotion, BatchOutcome
 from warehouse_core.task.encoding import ObservationArrays
 from warehouse_core.world.tables import Flags, Integers, Rows
 
@@ -24,7 +24,7 @@ class Robots:
         has_item: ``[N]`` bool.
     """
 
-    def __init__(self, floor: Floor, motion: BatchMotion, count: int) -> None:
+    def __init__(self, floor: Floor, motion: BaseBatchMotion, count: int) -> None:
         self.floor, self.motion = floor, motion
         self.cells = np.zeros(count, np.intp)
         self.has_item = np.zeros(count, np.bool_)

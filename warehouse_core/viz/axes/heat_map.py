@@ -18,8 +18,8 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import EngFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from warehouse_core.motion.batch import NOTHING
-from warehouse_core.motion.batch import WALL as WALL_STOPS
+from warehouse_core.motion.base import NOTHING
+from warehouse_core.motion.base import WALL as WALL_STOPS
 from warehouse_core.records.episode import FleetEpisode
 from warehouse_core.render.palette import COLORS, INK, PALETTE, PAPER, SHELF, Color
 from warehouse_core.viz.axes.look import POINTS, box_in, draw_grid

@@ -12,8 +12,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.arguments import instance_of, real_number, sequence_of
 from warehouse_core.errors import RecordError
-from warehouse_core.motion.base import Contact, Outcome
-from warehouse_core.motion.batch import NOTHING
+from warehouse_core.motion.base import NOTHING, Contact, Outcome
 from warehouse_core.motion.grid import ANGLES
 from warehouse_core.records.episode import UNFINISHED, Episode
 from warehouse_core.records.failure_modes import diagnose

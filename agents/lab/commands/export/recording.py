@@ -40,8 +40,14 @@ from warehouse_core import Episode
 from warehouse_core.errors import FormatError
 from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.motion.base import WALL_CONTACT, Contact, centre_of, robot_contact
-from warehouse_core.motion.batch import NOTHING, WALL
+from warehouse_core.motion.base import (
+    NOTHING,
+    WALL,
+    WALL_CONTACT,
+    Contact,
+    centre_of,
+    robot_contact,
+)
 from warehouse_core.motion.grid import NOMINAL_KG, NOMINAL_SECONDS
 from warehouse_core.viz.export import progress_bar
 from warehouse_core.viz.tracks.record_track import track_of_record

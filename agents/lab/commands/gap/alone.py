@@ -17,12 +17,12 @@ from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels.floor import FAR
 from agents.mapf.memory import Memory
 from warehouse_core import Cell, FleetEnv, Layout, Outcome
-from warehouse_core.motion.base import Ways
+from warehouse_core.motion.base import BaseMotion, Ways
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tiles import WALL
 
 
-class OwnFloors:
+class OwnFloors(BaseMotion):
     """Moves each robot as another motion does, on a floor of its own.
 
     The floors are below one another in one layout, with walls between them.
@@ -30,6 +30,8 @@ class OwnFloors:
     Args:
         motion: motion whose robots drive through.
     """
+
+    drives_through = True
 
     def __init__(self, motion: Any) -> None:
         self._motion, self.spec = motion, motion.spec
@@ -44,13 +46,13 @@ class OwnFloors:
         self._motion.reset(floors, starts, seed)
 
     def ways(self) -> Ways:
-        """Return what each robot has ahead of it; see ``DrivesThrough``."""
+        """Return what each robot has ahead of it; see ``BaseMotion.ways``."""
         ways: Ways = self._motion.ways()
         ends = [self._on_one_floor(robot, end) for robot, end in enumerate(ways.ends)]
         return ways._replace(ends=ends, closed=())  # a robot that failed closes its own floor
 
     def fail(self, robot: int) -> None:
-        """Let a robot stay where it is for good; see ``DrivesThrough``."""
+        """Let a robot stay where it is for good; see ``BaseMotion.fail``."""
         self._motion.fail(robot)
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
