@@ -1,12 +1,14 @@
-"""What the benchmarks share: timing of two calls, and the table of what has been measured.
+"""What the benchmarks share: timing of two calls, and the tables of what has been measured.
 
-``pytest tests/benchmarks/bench_*.py --measured`` writes the figures into ``.github/MEASURED.md``;
-those of benchmarks that were not run stay.
+``pytest tests/benchmarks/bench_fleet.py --measured`` writes the table of the subject "fleet" in
+``.github/MEASURED.md`` anew; the tables of other subjects stay.
 """
 
+import re
 import sys
 import time
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
+from pathlib import Path
 from statistics import median
 
 import pytest
@@ -15,37 +17,47 @@ from helpers.timing import seconds
 
 ROUNDS = 7
 
-TABLE = ROOT / ".github" / "MEASURED.md"
+TABLES = ROOT / ".github" / "MEASURED.md"
 HEAD = """# Measured
 
-Written by `pytest tests/benchmarks/bench_*.py --measured`; each line names its file.
-
-| what | figure | by |
-| --- | --- | --- |
+Each table is written by the command above it.
 """
+SECTION = re.compile(r"^## (\w+)\n.*?(?=^## |\Z)", flags=re.DOTALL | re.MULTILINE)
+
+FIGURES: dict[str, dict[str, str]] = {}
+"""Figures of this run by their names, by the subject that their file measures."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
-    parser.addoption("--measured", action="store_true", help=f"write the figures into {TABLE.name}")
+    parser.addoption("--measured", action="store_true", help=f"write tables into {TABLES.name}")
 
 
-def write_measured(what: str, figure: str, by: str) -> None:
-    """Write a line of the table, in place of an earlier one of the same name."""
-    lines = TABLE.read_text().splitlines()[HEAD.count("\n") :] if TABLE.exists() else []
-    table = {line.split(" | ")[0]: line for line in lines}
-    table[f"| {what}"] = f"| {what} | {figure} | `{by}` |"
-    TABLE.write_text(HEAD + "".join(f"{line}\n" for line in table.values()))
+def pytest_sessionfinish(session: pytest.Session) -> None:
+    if session.config.getoption("--measured"):
+        for subject, figures in FIGURES.items():
+            write_table(TABLES, subject, figures)
+
+
+def write_table(path: Path, subject: str, figures: Mapping[str, str]) -> None:
+    """Write the table of a subject in place of its earlier one; subjects are in order."""
+    text = path.read_text(encoding="utf-8") if path.exists() else ""
+    sections = {found[1]: found[0].rstrip() for found in SECTION.finditer(text)}
+    rows = "\n".join(f"| {name} | {figure} |" for name, figure in figures.items())
+    command = f"`pytest tests/benchmarks/bench_{subject}.py --measured`"
+    sections[subject] = f"## {subject}\n\n{command}\n\n| what | figure |\n| --- | --- |\n{rows}"
+    written = "\n\n".join(section for _, section in sorted(sections.items()))
+    path.write_text(f"{HEAD}\n{written}\n", encoding="utf-8")
 
 
 @pytest.fixture
 def measured(request: pytest.FixtureRequest, capsys) -> Callable[[str, object], None]:
-    """Return a function that prints a figure, and writes it into the table if that is asked for."""
+    """Return a function that prints a figure, and keeps it for the table of its subject."""
+    subject = request.path.stem.removeprefix("bench_")
 
     def say(what: str, figure: object) -> None:
         with capsys.disabled():
             print(f"\n{what}: {figure}")
-        if request.config.getoption("--measured"):
-            write_measured(what, str(figure), request.path.name)
+        FIGURES.setdefault(subject, {})[what] = str(figure)
 
     return say
 

@@ -18,12 +18,15 @@ SITE = [str(page.relative_to(HANDBOOK).with_suffix("")) for page in sorted(HANDB
 """All pages of the site by name, those of the reference among them."""
 
 BLOCK = re.compile(
-    r"^(?:```(?:\{code-cell\} ipython3|(\w+))( rl)?\n(?::[^\n]*\n\n)?|<!-- (test)\n)(.*?)"
+    r"^(?:```(?:\{code-cell\} ipython3|(\w+))( \w+)?\n(?::[^\n]*\n\n)?|<!-- (test)\n)(.*?)"
     r"^(?:```|-->)$",
     flags=re.DOTALL | re.MULTILINE,
 )
 INSTALL = "python3 -m venv .venv && .venv/bin/pip install -e "
-CELL, COMMAND, WRITE, TORCH, TEXT = "python", "warehouse ", "%%writefile ", "rl", "text"
+CELL, COMMAND, WRITE, TEXT = "python", "warehouse ", "%%writefile ", "text"
+TORCH, RAY = "rl", "neighbours"
+"""Words behind the language of blocks that need PyTorch, or Ray and Tianshou."""
+
 TEST = "test"
 """Language of comments with code that checks what a page says; no reader sees it."""
 
@@ -33,24 +36,24 @@ class Block(NamedTuple):
 
     language: str
     text: str
-    needs_torch: bool
+    needs: str
 
 
 def blocks_of(page: Path) -> Iterator[Block]:
     """Yield the blocks of a page that are run."""
-    for language, torch, test, text in BLOCK.findall(page.read_text(encoding="utf-8")):
+    for language, needs, test, text in BLOCK.findall(page.read_text(encoding="utf-8")):
         if language != TEXT:
-            yield Block(language or test or CELL, text, torch.strip() == TORCH)
+            yield Block(language or test or CELL, text, needs.strip())
 
 
-def run_page(page: Path, *, torch: bool = False) -> dict[str, object]:
+def run_page(page: Path, needs: str = "") -> dict[str, object]:
     """Run the blocks of a page in the current folder, and return the names that they define.
 
-    Of a page with blocks that need PyTorch, these or the others are run.
+    Only the blocks with the same needs are run: none, ``TORCH`` or ``RAY``.
     """
     names: dict[str, object] = {"__name__": "__main__"}
-    for language, text, needs_torch in blocks_of(page):
-        if needs_torch != torch:
+    for language, text, needed in blocks_of(page):
+        if needed != needs:
             continue
         if text.startswith(WRITE):
             head, _, rest = text.partition("\n")

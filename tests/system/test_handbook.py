@@ -16,7 +16,9 @@ from helpers.handbook import (
     HANDBOOK,
     INSTALL,
     PAGES,
+    RAY,
     TEST,
+    TORCH,
     blocks_of,
     run_command,
     run_page,
@@ -90,18 +92,17 @@ def test_every_block_of_a_page_runs(page: Path, less_work: None) -> None:
 
 @pytest.mark.learning
 def test_the_commands_that_need_pytorch_run() -> None:
-    run_page(HANDBOOK / "learning.md", torch=True)
+    run_page(HANDBOOK / "learning.md", TORCH)
     assert Path("model.png").exists()
 
 
-@pytest.mark.neighbours
+@pytest.mark.learning
 @pytest.mark.filterwarnings("ignore")  # of libraries, in the names of others
-def test_the_programs_for_other_libraries_run_and_learn(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_the_programs_for_other_libraries_run_and_learn() -> None:
     import torch
 
     torch.set_num_threads(1)  # more are slower for networks of this size
-    monkeypatch.setenv("RAY_AUTH_MODE", "disabled")
-    names: dict[str, Any] = run_page(HANDBOOK / "libraries.md", torch=True)
+    names: dict[str, Any] = run_page(HANDBOOK / "libraries.md", TORCH)
     rewards = names["rewards_of_updates"]
     assert sum(rewards[-10:]) > sum(rewards[:10]) + 3
     goals, delivered = names["goals"], 0
@@ -116,6 +117,13 @@ def test_the_programs_for_other_libraries_run_and_learn(monkeypatch: pytest.Monk
     assert delivered >= 18
     assert names["rollout"]["next", "reward"].shape == (100, 1)
     assert all(each.grad is not None for each in names["actor"].parameters())
+
+
+@pytest.mark.neighbours
+@pytest.mark.filterwarnings("ignore")  # of libraries, in the names of others
+def test_the_programs_for_tianshou_and_rllib_run(monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setenv("RAY_AUTH_MODE", "disabled")
+    names: dict[str, Any] = run_page(HANDBOOK / "libraries.md", RAY)
     assert (names["tianshou_result"].train_step, names["tianshou_result"].update_step) == (400, 10)
     assert names["rllib_result"]["env_runners"]["num_env_steps_sampled"] == 400
 
@@ -137,7 +145,7 @@ def test_a_page_with_cells_is_a_notebook(page: Path) -> None:
     cells = [each.source for each in jupytext.read(page).cells if each.cell_type == "code"]
     assert not [cell for cell in cells if "assert " in cell], "readers of a notebook see it"
     assert TEXTS[page].count("<!-- test\n") == sum(b.language == TEST for b in blocks_of(page))
-    run = [each for each in blocks_of(page) if each.language == CELL and not each.needs_torch]
+    run = [each for each in blocks_of(page) if each.language == CELL and not each.needs]
     assert cells == [block.text.rstrip("\n") for block in run]
 
 

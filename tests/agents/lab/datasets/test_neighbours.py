@@ -14,7 +14,7 @@ from agents.lab.datasets.minari_files import save_dataset
 from agents.registry import make_agent
 from warehouse_core.world.actions import action_index
 
-pytestmark = pytest.mark.neighbours
+pytestmark = pytest.mark.learning
 
 SEEDS = range(5)
 
