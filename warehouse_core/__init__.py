@@ -3,8 +3,7 @@
 import warehouse_core.registration  # tells Gymnasium the names of environments
 import warehouse_core.viz.notebooks  # noqa: F401 - says what notebooks show
 from warehouse_core.batch import BatchEnv
-from warehouse_core.batch.fleet.battery import Battery
-from warehouse_core.batch.fleet.people import People
+from warehouse_core.batch.fleet_settings import Battery, People
 from warehouse_core.errors import BackendError, LayoutError, OrderError, RecordError, WarehouseError
 from warehouse_core.fleet.env import FleetEnv
 from warehouse_core.motion.base import Contact, Motion, Outcome

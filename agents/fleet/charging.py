@@ -16,7 +16,7 @@ from agents.mapf.assignment import NONE, OUT_OF_REACH
 from agents.mapf.graph import CLOSED, MOVES, Costs, Graph
 from agents.mapf.matching import cheapest_matching
 from warehouse_core import FleetEnv, Layout
-from warehouse_core.batch.fleet.battery import STEPS
+from warehouse_core.batch.fleet_settings import STEPS
 from warehouse_core.motion.base import BaseMotion, with_defaults
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.tables import Integers

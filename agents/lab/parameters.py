@@ -19,7 +19,7 @@ from agents.fleet.planned import DEFAULT_ASSIGNMENT
 from agents.lab.place import RANDOM, Stations
 from agents.mapf.assignment import ASSIGNMENTS
 from warehouse_core.arguments import MAX_VIEW_RADIUS
-from warehouse_core.batch.fleet.people import MAX_BODIES
+from warehouse_core.batch.fleet_settings import MAX_BODIES
 from warehouse_core.motion import backends
 from warehouse_core.wording import printable
 from warehouse_core.world.generators import MAX_DENSITY

@@ -10,7 +10,7 @@ from numpy.typing import NDArray
 from agents.learning.layers import SingleFloats
 from agents.learning.policy_network import TIMES, Tiles, network_input
 from warehouse_core.batch import BatchEnv
-from warehouse_core.batch.fleet.env import FleetBatch
+from warehouse_core.batch.fleets import FleetBatch
 from warehouse_core.task.encoding import FLEET_TILES, MARKED_TILES, vector_limits
 
 VectorStep = tuple[SingleFloats, SingleFloats, NDArray[np.bool_], list[dict[str, Any]]]

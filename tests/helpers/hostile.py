@@ -40,7 +40,7 @@ from warehouse_core import (
     WarehouseError,
     record_episode,
 )
-from warehouse_core.batch.shell.env import ArrayEnv
+from warehouse_core.batch.array_env import ArrayEnv
 from warehouse_core.fleet import Battery, People
 from warehouse_core.pettingzoo_env import parallel_env
 from warehouse_core.viz.tracks import track_of_record

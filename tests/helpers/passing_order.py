@@ -9,7 +9,7 @@ from scipy.optimize import LinearConstraint, milp
 from helpers.driving import resolved
 from warehouse_core import Cell, Layout
 from warehouse_physics.driving.dependencies import Dependencies, Visit
-from warehouse_physics.driving.switching import Progress, Timetable, find_switches
+from warehouse_physics.driving.switching import RouteProgress, Timetable, find_switches
 
 Plan = list[list[Cell]]
 
@@ -21,10 +21,10 @@ def built(plan: Plan) -> Dependencies:
     return ways
 
 
-def at_starts(robots: int, late: int = 0, seconds: float = 60.0) -> Progress:
+def at_starts(robots: int, late: int = 0, seconds: float = 60.0) -> RouteProgress:
     """Return robots at rest at their starts, of which one is late."""
     starts = np.where(np.arange(robots) == late, seconds, 0.0)
-    return Progress(*([0] * robots for _ in range(3)), starts, 1.0)
+    return RouteProgress(*([0] * robots for _ in range(3)), starts, 1.0)
 
 
 def random_plan(seed: int, robots: int, steps: int, side: int) -> Plan:
@@ -34,13 +34,13 @@ def random_plan(seed: int, robots: int, steps: int, side: int) -> Plan:
     return resolved(layout, stream.sample(cells, robots), actions)
 
 
-def switch(ways: Dependencies, progress: Progress) -> set[int]:
+def switch(ways: Dependencies, progress: RouteProgress) -> set[int]:
     return {
         robot for order in find_switches(ways, progress).values() for robot in ways.reorder(order)
     }
 
 
-def optimum(plan: Plan, progress: Progress) -> float:
+def optimum(plan: Plan, progress: RouteProgress) -> float:
     """Return the least sum of arrivals over all orders of visits, by mixed-integer programming."""
     ways, robots = built(plan), len(plan[0])
     visits = [Visit(robot, each) for robot in range(robots) for each in range(ways.last(robot) + 1)]
@@ -94,7 +94,7 @@ def optimum(plan: Plan, progress: Progress) -> float:
     return float(found.fun)
 
 
-def arrivals(ways: Dependencies, progress: Progress) -> float:
+def arrivals(ways: Dependencies, progress: RouteProgress) -> float:
     table = Timetable(ways, progress)
     ends = {visit.robot: time for visit, time in zip(table.visits, table.times(), strict=True)}
     return sum(ends.get(robot, start) for robot, start in enumerate(progress.starts.tolist()))

@@ -26,23 +26,17 @@ MAY_IMPORT = {
     "warehouse_core/motion": "arguments errors extras wording world",
     "warehouse_core/orders": "arguments errors files wording world",
     "warehouse_core/task": "arguments errors wording world",
-    "warehouse_core/batch/shell": "arguments copies errors motion task wording world",
+    "warehouse_core/batch": "arguments copies errors motion orders task wording world",
     "warehouse_core/conformance": "errors motion world",
     "warehouse_core/render": "arguments errors task world",
     "warehouse_core/warehouse_env": "arguments copies errors motion task wording world",
-    "warehouse_core/batch/fleet": "arguments batch/shell errors motion orders task wording world",
-    "warehouse_core/batch/lone": "arguments batch/shell errors motion task wording world",
     "warehouse_core/viz/export": "errors extras render",
-    "warehouse_core/batch": "batch/lone batch/shell",
-    "warehouse_core/fleet": (
-        "arguments batch/fleet copies errors motion orders task wording world"
-    ),
+    "warehouse_core/fleet": ("arguments batch copies errors motion orders task wording world"),
     "warehouse_core/gymnasium_env": (
-        "arguments batch batch/shell copies errors motion registration render task warehouse_env "
-        "wording world"
+        "arguments batch copies errors motion registration render task warehouse_env wording world"
     ),
     "warehouse_core/records": (
-        "arguments batch/fleet errors files fleet motion orders task warehouse_env wording world"
+        "arguments batch errors files fleet motion orders task warehouse_env wording world"
     ),
     "warehouse_core/pettingzoo_env": (
         "arguments copies errors extras fleet gymnasium_env render task wording world"

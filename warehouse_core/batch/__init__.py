@@ -6,7 +6,7 @@ Example:
     ('NextStep', 'SameStep', 'Disabled')
 """
 
-from warehouse_core.batch.lone.env import BatchEnv
-from warehouse_core.batch.shell.env import AUTORESET_MODES
+from warehouse_core.batch.array_env import AUTORESET_MODES
+from warehouse_core.batch.lone import BatchEnv
 
 __all__ = ["AUTORESET_MODES", "BatchEnv"]

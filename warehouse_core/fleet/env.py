@@ -11,11 +11,9 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.arguments import seed_number, whole_number
-from warehouse_core.batch.fleet.battery import Battery
-from warehouse_core.batch.fleet.engine import FleetEngine
-from warehouse_core.batch.fleet.people import People
-from warehouse_core.batch.fleet.settings import FleetSettings
-from warehouse_core.batch.fleet.tally import FleetMeasures
+from warehouse_core.batch.fleet_settings import Battery, FleetSettings, People
+from warehouse_core.batch.fleets import FleetEngine
+from warehouse_core.batch.tally import FleetMeasures
 from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import EndedError, OrderError
 from warehouse_core.fleet.observation import FleetObservation, observation_of
@@ -348,7 +346,7 @@ class FleetEnv(CopiedWhole):
     @property
     def people(self) -> list[Cell]:
         """Where each person is."""
-        return self.layout.cells(self._engine.crowd.cells[0])
+        return self.layout.cells(self._engine.walkers.cells[0])
 
     @property
     def steps(self) -> int:

@@ -14,8 +14,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.arguments import MAX_STEPS, one_of, whole_number
 from warehouse_core.batch import BatchEnv
-from warehouse_core.batch.shell.checks import Seeds
-from warehouse_core.batch.shell.env import NEXT_STEP
+from warehouse_core.batch.array_env import NEXT_STEP, Seeds
 from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import EndedError
 from warehouse_core.gymnasium_env.spaces import (

@@ -16,8 +16,8 @@ from typing import Any, TypeVar
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.batch.fleet.settings import FleetSettings
-from warehouse_core.batch.fleet.tally import FleetMeasures
+from warehouse_core.batch.fleet_settings import FleetSettings
+from warehouse_core.batch.tally import FleetMeasures
 from warehouse_core.errors import RecordError
 from warehouse_core.files.header import pack_header, unpack_header
 from warehouse_core.files.npz import Arrays, Schema

@@ -17,8 +17,8 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.batch.fleet.settings import FleetSettings
-from warehouse_core.batch.fleet.tally import FleetMeasures
+from warehouse_core.batch.fleet_settings import FleetSettings
+from warehouse_core.batch.tally import FleetMeasures
 from warehouse_core.errors import RecordError
 from warehouse_core.files.npz import read_arrays, write_arrays
 from warehouse_core.orders.order import Order

@@ -10,7 +10,7 @@ from typing import Any, Protocol, SupportsIndex
 import numpy as np
 
 from warehouse_core.arguments import MAX_SEED, instance_of, whole_number, with_methods
-from warehouse_core.batch.fleet.settings import FleetSettings
+from warehouse_core.batch.fleet_settings import FleetSettings
 from warehouse_core.fleet.env import Actions, FleetEnv
 from warehouse_core.motion.backends import Backend
 from warehouse_core.motion.base import Outcome

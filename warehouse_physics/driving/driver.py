@@ -25,7 +25,7 @@ from warehouse_physics.driving.headings import Headings
 from warehouse_physics.driving.leaders import NOWHERE, Leaders, Places
 from warehouse_physics.driving.limits import Limits
 from warehouse_physics.driving.motors import Motors
-from warehouse_physics.driving.switching import Progress, find_switches
+from warehouse_physics.driving.switching import RouteProgress, find_switches
 from warehouse_physics.driving.wheels import WheeledArena, WheelHeadings
 from warehouse_physics.energy import regained, spent
 from warehouse_physics.profile import Floats, stopping_distances, stopping_speeds
@@ -334,7 +334,7 @@ class Driver:
         present = np.clip(self._present(), passed, self._lasts)
         reached = np.maximum(self._committed(), present)
         nodes = passed.tolist(), present.tolist(), reached.tolist()
-        progress = Progress(*nodes, starts, pace)
+        progress = RouteProgress(*nodes, starts, pace)
         orders = find_switches(self.ways, progress)
         changed = {robot for visits in orders.values() for robot in self.ways.reorder(visits)}
         for robot in sorted(changed):

@@ -55,7 +55,7 @@ CLOSE = 1e-6
 """Seconds to which times are exact."""
 
 
-class Progress(NamedTuple):
+class RouteProgress(NamedTuple):
     """How far ``R`` robots are on their ways.
 
     Attributes:
@@ -79,7 +79,7 @@ class Timetable:
     The ``N`` visits that have not begun are numbered robot by robot.
     """
 
-    def __init__(self, ways: Dependencies, progress: Progress) -> None:
+    def __init__(self, ways: Dependencies, progress: RouteProgress) -> None:
         self._ways, self._progress = ways, progress
         robots, passed = range(len(progress.passed)), progress.passed
         self._lasts = [ways.last(robot) for robot in robots]
@@ -249,7 +249,7 @@ class Timetable:
         return visit.number == self._lasts[visit.robot]
 
 
-def find_switches(ways: Dependencies, progress: Progress) -> dict[Cell, list[Visit]]:
+def find_switches(ways: Dependencies, progress: RouteProgress) -> dict[Cell, list[Visit]]:
     """Return the orders of cells in which robots arrive sooner, of the cells where these change."""
     table, stream = Timetable(ways, progress), random.Random(0)
     times, planned = table.times(), table.orders.copy()

@@ -13,7 +13,7 @@ import typer
 from agents.lab.place import Place, Stations, check_stations, usual_stations, what_to_draw
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout
 from warehouse_core.arguments import MAX_STEPS
-from warehouse_core.batch.fleet.battery import JOULES, STEPS
+from warehouse_core.batch.fleet_settings import JOULES, STEPS
 from warehouse_core.fleet import Battery
 from warehouse_core.world.layout import check_open
 from warehouse_core.world.named_layouts import find_layout

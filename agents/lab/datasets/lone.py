@@ -22,7 +22,7 @@ from agents.lab.datasets.source import (
 from agents.lab.place import Place
 from agents.registry import is_own_code, make_agent
 from warehouse_core import DEFAULT_LAYOUT, Agent, BatchEnv
-from warehouse_core.batch.shell.env import DISABLED
+from warehouse_core.batch.array_env import DISABLED
 from warehouse_core.fleet.observation import observation_of
 from warehouse_core.gymnasium_env import ID
 from warehouse_core.task.encoding import FleetArrays, ObservationArrays, vector

@@ -16,7 +16,7 @@ from agents.lab.trials.scores import FleetScores, Scores
 from agents.learning.learner import MakeAgent
 from agents.registry import make_backend
 from warehouse_core import DEFAULT_LAYOUT, Agent, BatchEnv, Cell, FleetEnv, Layout, WarehouseEnv
-from warehouse_core.batch.shell.env import SAME_STEP
+from warehouse_core.batch.array_env import SAME_STEP
 from warehouse_core.fleet import FleetBatch
 from warehouse_core.fleet.env import Actions
 from warehouse_core.records import FleetAgent

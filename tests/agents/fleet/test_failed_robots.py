@@ -8,7 +8,7 @@ from helpers.fleets import SHELVES
 from agents.lab.commands.fleet.report import result_of, verdict
 from agents.registry import make_fleet_agent
 from warehouse_core import Cell, FleetEnv, Order, record_fleet_episode
-from warehouse_core.batch.fleet.battery import JOULES
+from warehouse_core.batch.fleet_settings import JOULES
 from warehouse_core.fleet import Battery
 from warehouse_core.records.episode import FleetEpisode
 from warehouse_physics import Disturbances, DrivingMotion, RobotSpec, Stop

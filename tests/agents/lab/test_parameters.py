@@ -13,7 +13,7 @@ from agents.lab.parameters import (
     field_defaults,
     find,
 )
-from warehouse_core.batch.fleet.people import MAX_BODIES
+from warehouse_core.batch.fleet_settings import MAX_BODIES
 from warehouse_core.world.generators import MAX_DENSITY
 from warehouse_physics import Disturbances, RobotSpec
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from warehouse_core import Cell, Layout, random_layout
-from warehouse_core.batch.shell.floor import NO_CELL, Floor
+from warehouse_core.batch.floor import NO_CELL, BatchFloor
 from warehouse_core.task.encoding import MARKED_TILES, marks
 from warehouse_core.task.sight import Sight
 from warehouse_core.world.tables import LayoutSet
@@ -20,7 +20,7 @@ def codes(window: list[str]) -> list[int]:
     return [CELL_CODES[tile] for line in window for tile in line]
 
 
-def put(floor: Floor, row: int, layout: Layout, *stations: Cell) -> None:
+def put(floor: BatchFloor, row: int, layout: Layout, *stations: Cell) -> None:
     pickups, dropoffs = ([at[0] * layout.width + at[1]] for at in stations)
     floor.put_stations(np.array([row]), np.array(pickups), np.array(dropoffs))
 
@@ -29,7 +29,7 @@ def put(floor: Floor, row: int, layout: Layout, *stations: Cell) -> None:
 def test_windows_show_stations_only_where_they_are(radius: int) -> None:
     """Every place of pickup, dropoff and robot, in layouts narrower and wider than the window."""
     floor, marked = (
-        Floor(LayoutSet(BARE), radius, moving_stations=True, tiles=tiles)
+        BatchFloor(LayoutSet(BARE), radius, moving_stations=True, tiles=tiles)
         for tiles in ((), MARKED_TILES)
     )
     for row, layout in enumerate(BARE):
@@ -55,17 +55,20 @@ def test_windows_show_stations_only_where_they_are(radius: int) -> None:
 def test_a_station_that_does_not_exist_is_seen_nowhere(radius: int) -> None:
     for layout in BARE:
         cells = layout.open_cells
-        floor, none = Floor(LayoutSet([layout]), radius, moving_stations=True), np.array([NO_CELL])
+        floor, none = (
+            BatchFloor(LayoutSet([layout]), radius, moving_stations=True),
+            np.array([NO_CELL]),
+        )
         floor.put_stations(np.array([0]), none, none)
         found = floor.windows(np.zeros(len(cells), np.intp), cells, np.zeros(len(cells), np.bool_))
         assert not {CELL_CODES["P"], CELL_CODES["D"]} & set(found.ravel().tolist())
 
 
 def test_windows_whose_marks_are_too_large_are_codes(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("warehouse_core.batch.shell.floor.MAX_TABLE_BYTES", 3 * 12 * 9 - 1)
+    monkeypatch.setattr("warehouse_core.batch.floor.MAX_TABLE_BYTES", 3 * 12 * 9 - 1)
     kinds = {}
     for layout in (OPEN, LANE):
-        floor = Floor(LayoutSet([layout]), 1, moving_stations=False, tiles=MARKED_TILES)
+        floor = BatchFloor(LayoutSet([layout]), 1, moving_stations=False, tiles=MARKED_TILES)
         given = np.array([0]), np.array([5]), np.array([False])
         kinds[layout] = floor.windows(*given).dtype
     assert kinds == {OPEN: np.uint8, LANE: np.bool_}
@@ -76,7 +79,7 @@ def test_a_station_very_far_away_is_not_seen() -> None:
     length = 2**16
     layouts = LayoutSet([Layout(["."] * length), Layout(["." * length])])
     ends: list[tuple[Cell, Cell]] = [((0, 0), (length - 1, 0)), ((length - 1, 0), (0, 0))]
-    floor = Floor(layouts, 1, moving_stations=True)
+    floor = BatchFloor(layouts, 1, moving_stations=True)
     for robot, station in ends:
         put(floor, 0, layouts.kinds[0], station, station)
         found = floor.windows(np.array([0]), np.array([robot[0]]), np.array([False]))

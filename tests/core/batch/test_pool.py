@@ -10,7 +10,7 @@ from helpers.batches import CORRIDOR, ROOM, Single, Walk, over_modes, over_start
 
 from warehouse_core import BackendError, Layout, LayoutError, random_layout
 from warehouse_core.batch import BatchEnv
-from warehouse_core.batch.shell.env import SAME_STEP
+from warehouse_core.batch.array_env import SAME_STEP
 from warehouse_core.motion.grid import GridMotion
 from warehouse_core.task.encoding import MARKED_TILES, vector
 

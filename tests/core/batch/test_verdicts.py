@@ -2,7 +2,7 @@ from itertools import product
 
 import numpy as np
 
-from warehouse_core.batch.shell.verdicts import (
+from warehouse_core.batch.verdicts import (
     STATION_KINDS,
     charging,
     judge_all,

@@ -5,13 +5,14 @@ import pytest
 from helpers.fleet_truth import EAST, WAIT
 
 from warehouse_core import FleetEnv, Layout, random_layout
-from warehouse_core.batch.fleet import people
+from warehouse_core.batch import people
+from warehouse_core.batch.fleet_settings import HABITS
 from warehouse_core.fleet import People
 from warehouse_core.motion.backends import Backend
 
 CORRIDOR = Layout(["....."])
 
-over_habits = pytest.mark.parametrize("habit", people.HABITS)
+over_habits = pytest.mark.parametrize("habit", HABITS)
 
 
 def walk(layout: Layout, crowd: People, steps: int, seed: int = 1) -> np.ndarray:

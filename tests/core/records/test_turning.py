@@ -10,7 +10,7 @@ import pytest
 from helpers.fleets import SHELVES
 
 from warehouse_core import Episode, FleetEnv, record_episode, replay_episode
-from warehouse_core.batch.fleet.settings import FleetSettings
+from warehouse_core.batch.fleet_settings import FleetSettings
 from warehouse_core.errors import RecordError
 from warehouse_core.files.npz import write_arrays
 from warehouse_core.records import FleetRecorder

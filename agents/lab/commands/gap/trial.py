@@ -21,8 +21,8 @@ from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import run
 from agents.registry import make_fleet_agent
 from warehouse_core import FleetEnv, FleetEpisode, Layout, Outcome
-from warehouse_core.batch.fleet.battery import JOULES
-from warehouse_core.batch.fleet.tally import SECONDS_PER_HOUR
+from warehouse_core.batch.fleet_settings import JOULES
+from warehouse_core.batch.tally import SECONDS_PER_HOUR
 from warehouse_core.fleet import Battery
 from warehouse_core.motion.grid import NOMINAL_SECONDS
 from warehouse_core.records import FleetAgent

@@ -47,7 +47,7 @@ from agents.mapf.lifelong import LifelongRun, run_lifelong
 from agents.mapf.planner import Planner
 from agents.mapf.problem import Problem
 from agents.registry import PLANNERS
-from warehouse_core.batch.fleet.people import MAX_BODIES
+from warehouse_core.batch.fleet_settings import MAX_BODIES
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.wording import counted, listed, seconds_of
 from warehouse_core.world.moves import COMPASS, MOVES, TURN

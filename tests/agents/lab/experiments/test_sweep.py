@@ -29,7 +29,7 @@ from agents.lab.experiments.store import Store
 from agents.lab.parameters import PARAMETERS
 from agents.lab.runs.programs import program_for
 from agents.lab.trials.rows import FleetRow
-from warehouse_core.batch.fleet.people import MAX_BODIES
+from warehouse_core.batch.fleet_settings import MAX_BODIES
 from warehouse_core.world.generators import MAX_DENSITY
 
 

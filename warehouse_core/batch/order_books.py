@@ -6,9 +6,8 @@ from functools import partial
 
 import numpy as np
 
-from warehouse_core.batch.fleet.floor import FleetFloor
-from warehouse_core.batch.fleet.settings import FleetSettings
-from warehouse_core.batch.shell.floor import NO_CELL
+from warehouse_core.batch.fleet_settings import FleetSettings
+from warehouse_core.batch.floor import NO_CELL, FleetFloor
 from warehouse_core.orders.book import NEVER, NONE, OrderBook
 from warehouse_core.orders.order import Order, OrderQueue, OrderStream
 from warehouse_core.orders.sources import DrawnOrders, ListedOrders, QueuedOrders

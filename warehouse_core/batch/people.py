@@ -7,24 +7,18 @@ traffic, or by what bodies do, whoever would run into one is blocked.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass
 from typing import Any
 
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.arguments import one_of, real_number, settle, whole_number
+from warehouse_core.batch.fleet_settings import STATIONS, People
+from warehouse_core.motion.base import BaseBatchMotion, BatchOutcome, Outcome
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.distances import distances
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tables import Integers, LayoutSet, sides_table, size_of
+from warehouse_core.world.tables import Flags, Integers, LayoutSet, sides_table, size_of
 from warehouse_core.world.tiles import Cell
-
-STATIONS, AISLES = "stations", "aisles"
-HABITS = (STATIONS, AISLES)
-
-MAX_BODIES = 100_000
-"""Limit on the sum of robots and people on a floor."""
 
 MAX_GOALS = 32
 """Limit on the stations of a layout between which people walk; more are left out evenly."""
@@ -39,39 +33,7 @@ NUMBERS = WAIT + 2
 """Random numbers of a person in a step: one for each direction, one for a pause, one for a goal."""
 
 
-@dataclass(frozen=True)
-class People:
-    """How many people walk on a floor, and how.
-
-    Args:
-        count: number of people on each floor, 0 to ``MAX_BODIES``.
-        habit: ``"stations"``: each walks by shortest ways from one station to another;
-            ``"aisles"``: each mostly walks straight on and turns at random.
-        pause: probability that a person stands still in a step, 0 to 1.
-
-    Raises:
-        ValueError: a value that is not allowed.
-        TypeError: ``count`` is not an integer.
-
-    Example:
-        >>> from warehouse_core import FleetEnv, People
-        >>> env = FleetEnv(robots=2, people=People(3, habit="aisles"), seed=1)
-        >>> observations, info = env.reset()
-        >>> len(env.people)
-        3
-    """
-
-    count: int
-    habit: str = STATIONS
-    pause: float = 0.2
-
-    def __post_init__(self) -> None:
-        count = whole_number("people", self.count, 0, MAX_BODIES)
-        settle(self, count=count, pause=real_number("pause", self.pause, 0, 1))
-        one_of("habit", self.habit, HABITS)
-
-
-class Crowd:
+class Walkers:
     """The people on ``B`` floors, ``P`` on each; arrays are ``[B, P]``.
 
     Attributes:
@@ -202,3 +164,64 @@ _AHEAD = np.full((WAIT + 1, WAIT), ASIDE)
 """Weights of the directions after each action; all are equal before the first."""
 _AHEAD[range(WAIT), range(WAIT)] = AHEAD
 _AHEAD[range(WAIT), [2, 3, 0, 1]] = BACK
+
+
+class MingledMotion(BaseBatchMotion):
+    """Moves ``R`` robots among ``P`` people on each floor; see ``BatchMotion``.
+
+    The motion that it is made of moves ``R + P`` bodies on each floor, the robots first. People
+    enter before robots are placed.
+    """
+
+    def __init__(self, motion: BaseBatchMotion, robots: int, walkers: Walkers) -> None:
+        self._motion, self._robots, self._walkers = motion, robots, walkers
+        self._bodies = robots + walkers.cells.shape[1]
+
+    def place(
+        self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
+    ) -> None:
+        """Put robots and people of some floors in their cells; see ``BatchMotion.place``."""
+        floors = rows[:: self._robots] // self._robots
+        bodies = floors[:, None] * self._bodies + np.arange(self._bodies)
+        people = self._walkers.cells[floors]
+        self._motion.place(bodies.ravel(), self._joined(cells, people), seeds)
+
+    def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
+        """Carry out one action for each robot and person; see ``BatchMotion.advance``."""
+        people = self._walkers.actions()
+        outcome = self._motion.advance(
+            self._joined(actions, people), self._joined(loaded, np.zeros_like(people, np.bool_))
+        )
+        ends = outcome.cells if outcome.ends is None else outcome.ends
+        self._walkers.move(self._of_people(outcome.cells), self._of_people(ends))
+        of_robots: list[Any] = [None if each is None else self._of_robots(each) for each in outcome]
+        return BatchOutcome(*of_robots)
+
+    def face(self, actions: Integers) -> None:
+        """Let robots turn on the spot; see ``BaseBatchMotion.face``."""
+        self._motion.face(self._joined(actions, np.full_like(self._walkers.cells, WAIT)))
+
+    def fail(self, rows: Integers) -> None:
+        """Let robots stay where they are for good; see ``BaseBatchMotion.fail``."""
+        floors, robots = np.divmod(rows, self._robots)
+        self._motion.fail(floors * self._bodies + robots)
+
+    def outcomes(self, floor: int) -> Sequence[Outcome]:
+        """Return what the robots of a floor, and then its people, did."""
+        return self._motion.outcomes(floor)
+
+    def close(self) -> None:
+        """Close the motion of robots and people; see ``BatchMotion.close``."""
+        self._motion.close()
+
+    def _joined(self, robots: NDArray[Any], people: NDArray[Any]) -> NDArray[Any]:
+        """Return the values of all bodies, from robots ``[F * R]`` and people ``[F, P]``."""
+        return np.hstack([np.reshape(robots, (len(people), -1)), people]).ravel()
+
+    def _of_people(self, bodies: NDArray[Any]) -> NDArray[Any]:
+        """Return the values of the people ``[F, P]`` from the values of all bodies."""
+        return bodies.reshape(-1, self._bodies)[:, self._robots :]
+
+    def _of_robots(self, bodies: NDArray[Any]) -> NDArray[Any]:
+        """Return the values of the robots ``[N]`` from the values of all bodies."""
+        return bodies.reshape(-1, self._bodies)[:, : self._robots].ravel()

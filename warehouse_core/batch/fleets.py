@@ -4,31 +4,72 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import replace
-from typing import cast
+from typing import Any, cast
 
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.batch.fleet.battery import STEPS
-from warehouse_core.batch.fleet.floor import FleetFloor
-from warehouse_core.batch.fleet.headed_robots import HeadedRobots
-from warehouse_core.batch.fleet.mingling import MingledMotion
-from warehouse_core.batch.fleet.order_books import OrderBooks
-from warehouse_core.batch.fleet.people import Crowd
-from warehouse_core.batch.fleet.placing import Placing
-from warehouse_core.batch.fleet.settings import FleetSettings
-from warehouse_core.batch.fleet.tally import FleetMeasures, Tally
-from warehouse_core.batch.shell.env import NO_FLOORS, EngineStep
-from warehouse_core.batch.shell.floor import ALL
-from warehouse_core.batch.shell.robots import Robots
+from warehouse_core.arguments import MAX_ENVS, as_cell, whole_number
+from warehouse_core.batch.array_env import (
+    NEXT_STEP,
+    NO_FLOORS,
+    ArrayEnv,
+    EngineStep,
+    one_layout_each,
+)
+from warehouse_core.batch.fleet_settings import STEPS, FleetSettings
+from warehouse_core.batch.floor import ALL, FleetFloor
+from warehouse_core.batch.order_books import OrderBooks
+from warehouse_core.batch.people import MingledMotion, Walkers
+from warehouse_core.batch.robots import HeadedRobots, Robots
+from warehouse_core.batch.tally import FleetMeasures, Tally
+from warehouse_core.errors import LayoutError
 from warehouse_core.motion.backends import Backend, make_fleet_motion, make_motion
-from warehouse_core.motion.base import BaseBatchMotion, BatchOutcome
+from warehouse_core.motion.base import BaseBatchMotion, BatchOutcome, check_starts
 from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.task.rules import judge
+from warehouse_core.task.starts import empty_cells
 from warehouse_core.world.actions import PICK
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Flags, Integers, LayoutSet, Rows
 from warehouse_core.world.tiles import EMPTY
+
+
+class Placing:
+    """The starts on a layout: given, the usual start of a lone robot, or drawn from empty cells.
+
+    If robots and people need more than the empty cells, stations and chargers are drawn too.
+    """
+
+    def __init__(self, layout: Layout, settings: FleetSettings) -> None:
+        self._robots, self._bodies = settings.robots, settings.bodies
+        self._fixed = np.array(_fixed(layout, settings), np.intp)
+        rest = np.setdiff1d(empty_cells(layout), self._fixed)
+        needed = self._bodies - len(self._fixed)
+        if len(rest) < needed:
+            rest = np.setdiff1d(layout.open_cells, self._fixed)
+        if len(rest) < needed:
+            raise LayoutError(
+                f"{settings.robots} robots and {settings.people.count} people have no room on the "
+                f"{len(layout.open_cells)} open cells of the layout; one cell is needed for each"
+            )
+        self._rest = rest
+
+    def draw(self, stream: np.random.Generator) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
+        """Return the cells of the robots, ``[R]``, and of the people, ``[P]``, all different."""
+        drawn = stream.choice(self._rest, self._bodies - len(self._fixed), replace=False)
+        cells = np.concatenate([self._fixed, drawn])
+        return cells[: self._robots], cells[self._robots :]
+
+
+def _fixed(layout: Layout, settings: FleetSettings) -> list[int]:
+    """Return the numbers of the starts that are not drawn."""
+    if settings.starts is None:
+        return [layout.number(layout.usual_start())] if settings.robots == 1 else []
+    cells = [as_cell(f"the start of robot {robot}", it) for robot, it in enumerate(settings.starts)]
+    check_starts(layout, cells)
+    return list(map(layout.number, cells))
+
 
 NO_HEADINGS = NO_ROWS = np.empty(0, np.intp)
 
@@ -60,9 +101,9 @@ class FleetEngine:
         self._floor = floor = FleetFloor(self.layouts, settings)
         self.orders = OrderBooks(self.layouts, settings, floor) if settings.has_orders else None
         self._starts = [Placing(kind, settings) for kind in self.layouts.kinds]
-        self.crowd = Crowd(settings.people, self.layouts)
+        self.walkers = Walkers(settings.people, self.layouts)
         if settings.people.count:
-            motion = MingledMotion(motion, settings.robots, self.crowd)
+            motion = MingledMotion(motion, settings.robots, self.walkers)
         self.motion = motion
         make_robots = HeadedRobots if settings.has_headings else Robots
         self.robots = make_robots(self._floor, motion, rows)
@@ -86,7 +127,7 @@ class FleetEngine:
             starts, orders, people, motion = self._streams[floor].spawn(4)
             robots, persons = self._starts[self.layouts.kind[floor]].draw(starts)
             cells.append(robots)
-            self.crowd.enter(floor, persons, people)
+            self.walkers.enter(floor, persons, people)
             motion_seeds.append(int(motion.integers(2**32)))
             if self.orders:
                 self.orders.begin(floor, orders)
@@ -128,7 +169,7 @@ class FleetEngine:
 
     def observe(self, rows: Rows = ALL) -> FleetArrays:
         """Return fresh arrays of what some of the robots observe."""
-        self._floor.show(self.robots.cells, self.robots.has_item, self.crowd.cells)
+        self._floor.show(self.robots.cells, self.robots.has_item, self.walkers.cells)
         steps = self.steps.repeat(self.settings.robots)[rows]
         battery = self.battery[rows].astype(np.int32)  # rounded down, as it is not negative
         arrays = cast(FleetArrays, self.robots.observe(rows, battery[:, None], steps[:, None]))
@@ -226,3 +267,69 @@ class FleetEngine:
     def _rows_out(self) -> Integers:
         """Return the rows of robots whose battery is empty or which have failed."""
         return ((self.battery <= 0) | self.failed).nonzero()[0]
+
+
+class FleetBatch(ArrayEnv[FleetArrays]):
+    """``B`` fleets of ``R`` robots; row ``b * R + r`` is robot ``r`` of fleet ``b``.
+
+    Description:
+        Fleet ``b`` equals a ``FleetEnv`` in its layout with the same seed and actions. A policy
+        that is trained on the rows is shared by all robots.
+
+    Actions:
+        ``[N]`` integers, indices of the actions of ``FleetEnv``; ``N = B * R``.
+
+    Observations:
+        ``FleetArrays`` with a leading ``N``.
+
+    Rewards:
+        The rewards of ``FleetEnv``, ``[N]`` float64.
+
+    Ends:
+        Robots end as in ``FleetEnv``. A robot that has ended before others of its fleet waits,
+        without a reward, and its flags stay set; a fleet of which all robots have ended restarts by
+        ``autoreset_mode``.
+
+    Args:
+        fleets: number of fleets, ``B``, 1 to ``MAX_ENVS``.
+        layout: one layout for all fleets, or a list of ``B``; ``None`` is the chapter's.
+        robots: number of robots of each fleet, ``R``, at least 1.
+        backend: name, class or instance of the motion that carries out the moves.
+        autoreset_mode: time at which a fleet that has ended restarts; see ``BatchEnv``.
+        settings: all other arguments of ``FleetEnv`` but ``seed``.
+
+    Raises:
+        ValueError: a value that is not allowed; also as ``LayoutError``, ``OrderError`` or
+            ``BackendError``.
+        TypeError: an argument of another type.
+
+    Example:
+        >>> from warehouse_core.fleet import FleetBatch
+        >>> batch = FleetBatch(8, robots=4, orders=0.1)
+        >>> observation, info = batch.reset(seed=1)
+        >>> observation["robot_pos"].shape
+        (32, 2)
+    """
+
+    def __init__(
+        self,
+        fleets: int,
+        layout: Layout | Sequence[Layout] | None = None,
+        robots: int = 2,
+        *,
+        backend: Backend = "grid",
+        autoreset_mode: str = NEXT_STEP,
+        **settings: Any,
+    ) -> None:
+        self.fleets = whole_number("fleets", fleets, 1, MAX_ENVS)
+        layouts = one_layout_each(layout, self.fleets)
+        self.settings = FleetSettings.of(robots, **settings)
+        self.max_steps, self.max_battery = self.settings.max_steps, self.settings.battery.capacity
+        self.view_radius = self.settings.view_radius
+        self._fleets = FleetEngine(layouts, self.settings, backend)
+        actions = len(self.settings.actions)
+        super().__init__(self._fleets, self.fleets, self.settings.robots, autoreset_mode, actions)
+
+    def measures(self, fleet: int) -> FleetMeasures:
+        """Return how well a fleet has done in its present episode."""
+        return self._fleets.measures(whole_number("fleet", fleet, 0, self.fleets - 1))

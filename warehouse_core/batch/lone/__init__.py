@@ -1,1 +1,0 @@
-"""Lone robots, each on a floor of its own."""
