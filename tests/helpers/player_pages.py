@@ -46,24 +46,10 @@ COUNT = """
 """
 """Returns which part of each box has a colour."""
 
-CURSOR = """
-() => {
-  const [{canvas}] = player.charts;
-  const copy = Object.assign(document.createElement("canvas"), {width: canvas.width, height: 1});
-  const context = copy.getContext("2d", {willReadFrequently: true});
-  context.drawImage(canvas, 0, -4);
-  context.fillStyle = player.theme.accent;
-  context.fillRect(0, 0, 1, 1);
-  const {data} = context.getImageData(0, 0, canvas.width, 1);
-  for (let x = 1; x < canvas.width; x++) {
-    if ([0, 1, 2].every((part) => data[4 * x + part] === data[part])) return x;
-  }
-}
-"""
-"""Returns the place of the first pixel of the cursor in a row of the first chart."""
-
 PICTURES = """
-() => [...document.querySelectorAll("main canvas")].map((canvas) => canvas.toDataURL()).join(" ")
+() => [...document.querySelectorAll("main canvas, .chart > svg")].map(
+  (part) => part.toDataURL?.() ?? part.outerHTML
+).join(" ")
 """
 
 
@@ -145,7 +131,7 @@ class Shown:
         return self.shares(color, [box])[0]
 
     def pictures(self) -> str:
-        """Return all canvases as text."""
+        """Return all canvases and charts as text."""
         text: str = self.read(PICTURES)
         return text
 

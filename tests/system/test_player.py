@@ -225,14 +225,14 @@ def test_the_slider_is_dragged(page: Shown, track: Track) -> None:
 
 
 def test_a_chart_is_clicked_and_dragged(page: Shown, track: Track) -> None:
-    canvas = page.page.locator(".chart canvas").first
-    box = canvas.bounding_box()
+    chart = page.page.locator(".chart > svg").first
+    box = chart.bounding_box()
     for share in (0.3, 0.8):
-        canvas.click(position={"x": share * box["width"], "y": 30})
+        chart.click(position={"x": share * box["width"], "y": 30})
         expected = page.read(f"player.charts[0].timeAt({share} * {box['width']})")
         assert page.read("player.time") == pytest.approx(expected, abs=0.01)
         assert 0 < expected < track.steps
-    canvas.hover(position={"x": 0.5 * box["width"], "y": 30})
+    chart.hover(position={"x": 0.5 * box["width"], "y": 30})
     before = page.read("player.time")
     assert before == pytest.approx(expected, abs=0.01), "moving without a button does nothing"
     page.page.mouse.down()

@@ -101,6 +101,11 @@ NAMELESS = re.compile(r" at 0x\w+")
 VERSIONS = re.compile("<th scope=.row.>(Python|warehouse-lab|numpy|scipy|matplotlib)<")
 """Lines with versions."""
 
+SCRIPTS = re.compile(
+    r"<script.*?</script>|&lt;script.*?&lt;/script&gt;|(?<=sha256-)[\w+/=]+", re.DOTALL
+)
+"""Scripts of pages and of their frames, and the digests of these."""
+
 DRAWN = ("text ", "path ", "figure ")
 """Words that begin a line of what Matplotlib draws."""
 
@@ -130,7 +135,7 @@ def of_page(page: str) -> Lines:
     for name, value in said.items():
         for each in value if isinstance(value, list) else [value]:
             yield f"{name} {json.dumps(each)}"
-    yield from re.sub(r"<script.*?</script>", "", page, flags=re.DOTALL).splitlines()
+    yield from SCRIPTS.sub("", page).splitlines()
 
 
 def of_command(words: str) -> Lines:

@@ -1,7 +1,7 @@
-// Draws robots and people, their batteries, and hits.
+// Draws robots and people, items, and hits.
 
-import { centerText, drawLabel, fillOutlined, LARGE_TEXT, MIN_TEXT, writeOutlined } from "./canvas.js";
-import { drawBox } from "./items.js";
+import { LARGE_TEXT } from "./canvas.js";
+import { LATE, waitingByPickup } from "./orders.js";
 
 const RADIUS = 0.34;
 const MIN_RADIUS = 2;
@@ -15,66 +15,79 @@ const MAX_NUMBER = 0.75;
 const FEW = 12;
 const LOW_SHARE = 0.25;
 
+/** The side and the middle of an item in a cell, whose letter is in the opposite corner. */
+const [SIDE, PLACE] = [0.4, 0.75];
+const MIN_SIDE = 4;
+
 /** Draw robots and people. `chosen` and `hovered` are numbers of robots, or `null`. */
-export function drawRobots(context, track, moment, view, theme, chosen, hovered) {
-  const size = nameSize(context, track, view, theme);
-  const radius = Math.max(RADIUS * view.scale, MIN_RADIUS, size && radiusAround(context, track, size));
-  const groups = new Map();
+export function drawRobots(brush, track, moment, chosen, hovered) {
+  const size = nameSize(brush, track);
+  const radius = Math.max(RADIUS * brush.scale, MIN_RADIUS, size && radiusAround(brush, track, size));
+  const shown = bodiesIn(brush.view, track, moment);
+  const hasDetail = radius >= MIN_DETAIL;
+  if (hasDetail) drawNoses(brush, shown, radius);
+  drawDiscs(brush, shown, radius);
+  for (const { x, y, load } of shown) {
+    if (load > 0) drawCarried(brush, track, x, y, load, radius, size || hasDetail);
+  }
+  drawBatteries(brush, shown, track, moment, radius);
+  if (size) drawNames(brush, shown, track, size);
+  const mine = shown.find((item) => item.body === chosen);
+  if (mine) drawRing(brush, mine, radius);
+  if (size || !track.isFleet) return;
+  for (const { body, x, y } of shown) {
+    if (body !== chosen && body !== hovered) continue;
+    const bottom = y - 2 * radius - 4 * brush.theme.density;
+    brush.label("dark", "light", String(body), x, bottom, brush.minText);
+  }
+}
+
+/** Return what is drawn of each body that is in sight. */
+function bodiesIn(view, track, moment) {
   const shown = [];
   for (let body = 0; body < track.bodies; body++) {
     const pose = track.pose(body, moment);
     if (!pose || !view.shows(pose.x, pose.y, 1)) continue;
-    const color = colorOf(track, body, pose, moment, theme);
-    const [x, y] = [view.x(pose.x), view.y(pose.y)];
-    const item = { body, x, y, color, heading: pose.heading, load: pose.load };
-    shown.push(item);
-    if (!groups.has(color)) groups.set(color, []);
-    groups.get(color).push(item);
+    const [x, y, color] = [view.x(pose.x), view.y(pose.y), colorOf(track, body, pose, moment)];
+    shown.push({ body, x, y, color, heading: pose.heading, load: pose.load, isPerson: body >= track.robots });
   }
-  if (radius >= MIN_DETAIL) drawNoses(context, shown, radius, theme);
-  for (const [color, items] of groups) {
+  return shown;
+}
+
+/** Return the name of the colour of a body. */
+export function colorOf(track, body, pose, moment) {
+  if (body >= track.robots) return "person";
+  if (track.fleet && track.batteryLevel(body, moment.frame) <= 0) return "stranded";
+  return pose.load > 0 ? "loaded" : "robot";
+}
+
+/** Draw the discs of robots and the diamonds of people, those of a colour as one shape. */
+function drawDiscs(brush, shown, radius) {
+  const { context } = brush;
+  for (const color of new Set(shown.map((item) => item.color))) {
+    const items = shown.filter((item) => item.color === color);
     if (radius < MIN_SHAPE) {
       // Squares: a browser fills a path of a thousand circles slowly.
-      context.fillStyle = color;
-      for (const { x, y } of items) context.fillRect(x - radius, y - radius, 2 * radius, 2 * radius);
+      for (const { x, y } of items) brush.rect(color, x - radius, y - radius, 2 * radius, 2 * radius);
       continue;
     }
     context.beginPath();
-    for (const { body, x, y } of items) outline(context, x, y, radius, body >= track.robots);
-    fillOutlined(context, color, theme.rim, Math.max(1, radius / 8));
+    for (const { x, y, isPerson } of items) {
+      if (isPerson) {
+        context.moveTo(x, y - radius);
+        for (const [dx, dy] of [[1, 0], [0, 1], [-1, 0]]) context.lineTo(x + dx * radius, y + dy * radius);
+        context.closePath();
+      } else {
+        context.moveTo(x + radius, y);
+        context.arc(x, y, radius, 0, 2 * Math.PI);
+      }
+    }
+    brush.paint(color, "rim", Math.max(1, radius / 8));
   }
-  drawItems(context, shown, track, radius, theme, size || radius >= MIN_DETAIL);
-  drawBatteries(context, shown, track, moment, radius, theme);
-  if (size) drawNames(context, shown, track, size, theme);
-  const mine = shown.find((item) => item.body === chosen);
-  if (mine) drawRing(context, mine, radius, theme);
-  if (size || !track.isFleet) return;
-  for (const { body, x, y } of shown) {
-    if (body !== chosen && body !== hovered) continue;
-    const bottom = y - 2 * radius - 4 * theme.density;
-    drawLabel(context, String(body), x, bottom, MIN_TEXT * theme.density, [theme.dark, theme.light]);
-  }
-}
-
-function outline(context, x, y, radius, isPerson) {
-  if (isPerson) {
-    context.moveTo(x, y - radius);
-    for (const [dx, dy] of [[1, 0], [0, 1], [-1, 0]]) context.lineTo(x + dx * radius, y + dy * radius);
-    context.closePath();
-  } else {
-    context.moveTo(x + radius, y);
-    context.arc(x, y, radius, 0, 2 * Math.PI);
-  }
-}
-
-export function colorOf(track, body, pose, moment, theme) {
-  if (body >= track.robots) return theme.person;
-  if (track.fleet && track.batteryLevel(body, moment.frame) <= 0) return theme.stranded;
-  return theme[pose.load > 0 ? "loaded" : "robot"];
 }
 
 /** Draw the nose of each robot that has a heading: a wedge at its rim. */
-function drawNoses(context, shown, radius, theme) {
+function drawNoses({ context, theme }, shown, radius) {
   context.fillStyle = theme.rim;
   context.beginPath();
   for (const { x, y, heading } of shown) {
@@ -90,33 +103,25 @@ function drawNoses(context, shown, radius, theme) {
   context.fill();
 }
 
-/** Draw a box on each loaded robot, of the colour of its order's age. */
-function drawItems(context, shown, track, radius, theme, isBeside) {
-  const side = Math.max(2, (track.isFleet ? 0.85 : 1.2) * radius);
-  for (const { x, y, load } of shown) {
-    if (load <= 0) continue;
-    // The number of a robot of a fleet stays readable beside its item.
-    const away = track.isFleet && isBeside ? 0.8 * radius : 0;
-    const color = track.isFleet ? theme.orders[load - 1] : theme.item;
-    drawBox(context, x + away, y - away, side, color, theme);
-  }
+/** Draw the item of a robot, of the colour of its order's age; a number of a fleet stays readable. */
+function drawCarried(brush, track, x, y, load, radius, isBeside) {
+  if (!track.isFleet) return drawBox(brush, x, y, Math.max(2, 1.2 * radius), "item");
+  const away = isBeside ? 0.8 * radius : 0;
+  drawBox(brush, x + away, y - away, Math.max(2, 0.85 * radius), brush.theme.orders[load - 1]);
 }
 
 /** Draw a bar below each robot whose battery is low, or of a few robots below each. */
-function drawBatteries(context, shown, track, moment, radius, theme) {
+function drawBatteries(brush, shown, track, moment, radius) {
   if (!track.fleet || radius < MIN_SHAPE) return;
   const [length, height] = [2 * radius, Math.max(2, 0.3 * radius)];
-  for (const { body, x, y } of shown) {
-    if (body >= track.robots) continue;
+  for (const { body, x, y, isPerson } of shown) {
+    if (isPerson) continue;
     const level = track.batteryLevel(body, moment.frame);
     if (level >= (track.robots > FEW ? LOW_SHARE : 1)) continue;
     const [left, top] = [x - radius, y + 0.8 * radius];
-    context.fillStyle = theme.dark;
-    context.fillRect(left - 1, top - 1, length + 2, height + 2);
-    context.fillStyle = theme.light;
-    context.fillRect(left, top, length, height);
-    context.fillStyle = level < LOW_SHARE ? theme.warning : theme.battery;
-    context.fillRect(left, top, level * length, height);
+    brush.rect("dark", left - 1, top - 1, length + 2, height + 2);
+    brush.rect("light", left, top, length, height);
+    brush.rect(level < LOW_SHARE ? "warning" : "battery", left, top, level * length, height);
   }
 }
 
@@ -126,59 +131,101 @@ function longestName(track) {
 }
 
 /** Return the size of the letters and numbers on bodies, or 0 if cells have no room for them. */
-function nameSize(context, track, view, theme) {
+function nameSize(brush, track) {
   const name = longestName(track);
-  const fitting = Math.min(1.1, 2 / name.length) * RADIUS * view.scale;
-  const size = Math.max(fitting, MIN_TEXT * theme.density);
-  centerText(context, size);
-  return context.measureText(name).width <= MAX_NUMBER * view.scale ? size : 0;
+  const size = Math.max(Math.min(1.1, 2 / name.length) * RADIUS * brush.scale, brush.minText);
+  brush.centerText(size);
+  return brush.widthOf(name) <= MAX_NUMBER * brush.scale ? size : 0;
 }
 
 /** Return the radius of a disc that holds the longest number: small robots grow around theirs. */
-function radiusAround(context, track, size) {
-  return Math.hypot(context.measureText(longestName(track)).width, 0.75 * size) / 2 + 1;
+function radiusAround(brush, track, size) {
+  return Math.hypot(brush.widthOf(longestName(track)), 0.75 * size) / 2 + 1;
 }
 
-function drawNames(context, shown, track, size, theme) {
-  const isLarge = size >= LARGE_TEXT * theme.density;
-  centerText(context, size);
-  for (const { body, x, y, color, load } of shown) {
-    const isPerson = body >= track.robots;
+function drawNames(brush, shown, track, size) {
+  const isLarge = size >= LARGE_TEXT * brush.theme.density;
+  brush.centerText(size);
+  for (const { body, x, y, color, load, isPerson } of shown) {
     const name = isPerson ? "H" : track.robots > 1 ? String(body) : load > 0 ? "r" : "R";
     const place = [name, x, y + 0.06 * size];
-    const isDark = color === theme.loaded;
-    context.fillStyle = isDark ? theme.dark : theme.light;
-    if (isDark || isLarge) context.fillText(...place);
-    else writeOutlined(context, ...place, [theme.light, theme.dark], theme.density);
+    const isDark = color === "loaded";
+    if (isDark || isLarge) brush.write(isDark ? "dark" : "light", ...place);
+    else brush.writeOutlined("light", "dark", ...place);
   }
 }
 
-function drawRing(context, { x, y }, radius, theme) {
-  for (const [color, width] of [[theme.light, 5], [theme.accent, 3]]) {
-    context.strokeStyle = color;
-    context.lineWidth = width * theme.density;
+function drawRing({ context, theme }, { x, y }, radius) {
+  for (const [strokeStyle, width] of [[theme.light, 5], [theme.accent, 3]]) {
+    Object.assign(context, { strokeStyle, lineWidth: width * theme.density });
     context.beginPath();
     context.arc(x, y, Math.max(radius * 1.5, 8 * theme.density), 0, 2 * Math.PI);
     context.stroke();
   }
 }
 
-export function drawHits(context, track, moment, view, theme) {
+/** Draw the orders of a fleet that wait at pickups, and where there is room how many. */
+export function drawWaiting(brush, track, moment) {
+  if (!track.fleet.orders) return;
+  const side = Math.max(MIN_SIDE, SIDE * brush.scale);
+  const size = Math.max(0.7 * side, brush.minText);
+  for (const [cell, { count, age }] of waitingByPickup(track.fleet.orders, moment.step)) {
+    const [row, column] = track.rowAndColumn(cell);
+    const [x, y] = [brush.view.x(column + PLACE), brush.view.y(row + PLACE)];
+    drawBox(brush, x, y, side, brush.theme.orders[age]);
+    brush.centerText(size);
+    if (count < 2 || Math.max(brush.widthOf(String(count)), size) > side) continue;
+    brush.write(age === LATE ? "light" : "dark", String(count), x, y + 0.06 * size);
+  }
+}
+
+/** Draw the item of a lone robot where it waits or has been put. */
+export function drawItem(brush, track, moment) {
+  const side = Math.max(MIN_SIDE, SIDE * brush.scale);
+  for (const cell of itemCells(track, moment)) {
+    const [row, column] = track.rowAndColumn(cell);
+    drawBox(brush, brush.view.x(column + PLACE), brush.view.y(row + PLACE), side, "item");
+  }
+}
+
+/** Return where the item of a lone robot waits or has been put. */
+function itemCells(track, moment) {
+  if (track.load[moment.frame] !== 0) return [];
+  for (let frame = moment.frame; frame > 0; frame--) {
+    if (track.isLoaded(0, frame - 1)) return [track.cell(0, frame)];
+  }
+  const tiles = track.tiles[track.tileAt[moment.frame]];
+  return [...tiles].flatMap((tile, cell) => (tile === "P" ? [cell] : []));
+}
+
+/** Draw an item around its middle: a box with a strip of tape. */
+function drawBox(brush, x, y, side, color) {
+  const [left, top, whole] = [x - side / 2, y - side / 2, side].map(Math.round);
+  if (whole < 5) {
+    brush.rect("dark", left, top, whole, whole);
+    return;
+  }
+  const line = Math.max(1, Math.round(whole / 10));
+  brush.rect("light", left - line, top - line, whole + 2 * line, whole + 2 * line);
+  brush.rect("dark", left, top, whole, whole);
+  brush.rect(color, left + line, top + line, whole - 2 * line, whole - 2 * line);
+  brush.rect("dark", left + Math.round((whole - line) / 2), top, line, Math.round(0.4 * whole));
+}
+
+export function drawHits(brush, track, moment) {
+  const { view, scale, theme } = brush;
   const hits = track.hitsIn(moment.frame);
-  const radius = Math.max(5, 0.26 * view.scale * (track.robots > 1 ? 0.7 : 1));
-  for (const { x, y } of hits) {
-    context.beginPath();
-    for (let point = 0; point < 10; point++) {
+  const radius = Math.max(5, 0.26 * scale * (track.robots > 1 ? 0.7 : 1));
+  for (const hit of hits) {
+    brush.outline(Array.from({ length: 10 }, (_, point) => {
       const reach = point % 2 ? 0.45 * radius : radius;
       const angle = (point / 10) * 2 * Math.PI - Math.PI / 2;
-      context.lineTo(view.x(x) + reach * Math.cos(angle), view.y(y) + reach * Math.sin(angle));
-    }
-    context.closePath();
-    fillOutlined(context, theme.hit, theme.dark, Math.max(1, radius / 10));
+      return [view.x(hit.x) + reach * Math.cos(angle), view.y(hit.y) + reach * Math.sin(angle)];
+    }));
+    brush.paint("hit", "dark", Math.max(1, radius / 10));
   }
   const last = hits.at(-1);
   if (!last?.label) return;
-  const size = Math.max(12 * theme.density, 0.3 * view.scale);
-  const bottom = view.y(last.y) - radius - 0.3 * size;
-  drawLabel(context, last.label, view.x(last.x), bottom, size, [theme.hit, theme.dark]);
+  const size = Math.max(12 * theme.density, 0.3 * scale);
+  brush.label("hit", "dark", last.label, view.x(last.x), view.y(last.y) - radius - 0.3 * size, size);
 }

@@ -1,183 +1,111 @@
 // A chart beside the floor: its lines so far in full, what is to come pale, and a cursor.
 
-import { element } from "./elements.js";
+import { drawn, element, setText } from "./elements.js";
 import { extent, shown, ticks } from "./scale.js";
 import { indexAt } from "./track.js";
 
-const HEIGHT = 110;
-const [LEFT, RIGHT, TOP, BOTTOM] = [50, 10, 8, 20];
-const PALE = 0.25;
+/** The height of the lines, and the room to their left and right, as in the style sheet. */
+const [HEIGHT, LEFT, RIGHT] = [82, 50, 10];
+
+/** The widest bar, as a share of the time. */
+const MAX_BAR = 0.02;
+
+/** The share of the time from which on a number below the axis ends there. */
+const LAST = 0.97;
 
 /** Times of charts have single precision. */
 const ROUNDING = 1e-3;
-const DASHES = [[], [6, 4], [2, 3], [8, 3, 2, 3]];
 
 export class Chart {
   /** Args: the data of a chart, the names of the tracks, the end of time, what a click calls. */
   constructor(data, names, end, goTo) {
+    const { title, series } = data;
     this.data = data;
-    const { series } = data;
     this.names = series.every(({ track }) => track === series[0].track) ? [] : names;
     this.end = Math.max(end, 1e-9);
-    this.range = extent(series.map(({ y }) => y));
-    this.caption = element("figcaption");
-    this.canvas = element("canvas");
-    this.canvas.setAttribute("role", "img");
-    this.element = element("figure", { className: "chart" }, this.caption, this.canvas);
+    [this.low, this.high] = extent(series.map(({ y }) => y));
+    this.values = series.map(({ kind, color, track }) =>
+      keyed(element("span", { className: `key ${kind} ${track ? "other" : ""}` }), color));
+    this.veil = drawn("rect", { class: "veil", height: HEIGHT });
+    this.cursor = drawn("line", { class: "cursor", y2: HEIGHT });
+    const lines = series.map((each) =>
+      keyed(drawn("path", { class: `${each.kind} of-${each.track}`, d: this.pathOf(each) }), each.color));
+    const size = { viewBox: `0 0 1 ${HEIGHT}`, preserveAspectRatio: "none", width: "100%", height: HEIGHT };
+    const area = drawn("svg", { ...size, "aria-hidden": true }, ...lines, this.veil);
+    this.svg = drawn("svg", { role: "img" }, area, ...this.axes(), this.cursor);
+    const caption = element("figcaption", {}, element("strong", {}, title), ...this.values);
+    this.element = element("figure", { className: "chart" }, caption, this.svg);
     const seek = (event) => {
-      if (event.buttons & 1) goTo(this.timeAt(event.offsetX));
+      if (event.buttons & 1) goTo(this.timeAt(event.clientX - this.svg.getBoundingClientRect().left));
     };
-    this.canvas.addEventListener("pointerdown", (event) => {
-      this.canvas.setPointerCapture(event.pointerId);
+    this.svg.addEventListener("pointerdown", (event) => {
+      this.svg.setPointerCapture(event.pointerId);
       seek(event);
     });
-    this.canvas.addEventListener("pointermove", seek);
+    this.svg.addEventListener("pointermove", seek);
   }
 
   timeAt(x) {
-    const share = (x - LEFT) / (this.canvas.clientWidth - LEFT - RIGHT);
+    const share = (x - LEFT) / (this.svg.getBoundingClientRect().width - LEFT - RIGHT);
     return Math.min(Math.max(share, 0), 1) * this.end;
   }
 
-  /** Draw the chart at a time, in the colours of a theme. */
-  draw(time, theme) {
-    this.say(time, theme);
-    const width = Math.round(this.canvas.clientWidth * theme.density);
-    if (!width) return;
-    const height = Math.round(HEIGHT * theme.density);
-    const key = `${width} ${theme.key}`;
-    if (key !== this.key) this.prepare(width, height, theme);
-    this.key = key;
-    const context = this.canvas.getContext("2d");
-    const x = Math.round(this.x(time));
-    context.clearRect(0, 0, width, height);
-    context.globalAlpha = PALE;
-    context.drawImage(this.lines, 0, 0);
-    context.globalAlpha = 1;
-    context.save();
-    context.beginPath();
-    context.rect(0, 0, x, height);
-    context.clip();
-    context.drawImage(this.lines, 0, 0);
-    context.restore();
-    context.drawImage(this.axes, 0, 0);
-    context.fillStyle = theme.accent;
-    context.fillRect(x, 0, Math.max(1, Math.round(1.5 * theme.density)), height - BOTTOM * theme.density);
-  }
-
-  /** Write the values at a time above the chart. */
-  say(time, theme) {
-    const words = this.data.series.map((series) => {
-      const name = [this.names[series.track], series.name].filter(Boolean).join(" ");
+  /** Show a time, and write the values at it above the chart. */
+  draw(time) {
+    const words = this.data.series.map(({ track, name, x, y }) => {
       const now = time + ROUNDING;
-      const known = series.x.length && series.x[0] <= now;
-      const value = known ? shown(series.y[indexAt(series.x, now)]) : "\u2013";
-      return { series, text: `${name} ${value}` };
+      const value = x.length && x[0] <= now ? shown(y[indexAt(x, now)]) : "\u2013";
+      return [this.names[track], name, value].filter(Boolean).join(" ");
     });
-    const text = `${this.data.title}: ${words.map((word) => word.text).join(", ")}`;
-    if (text === this.text && theme.key === this.spokenKey) return;
-    [this.text, this.spokenKey] = [text, theme.key];
-    this.canvas.setAttribute("aria-label", text);
-    this.caption.replaceChildren(
-      element("strong", {}, this.data.title),
-      ...words.map(({ series, text: value }) => {
-        const className = `key ${series.kind} ${series.track ? "other" : ""}`;
-        const span = element("span", { className }, value);
-        span.style.setProperty("--key", theme[series.color]);
-        return span;
-      }),
-    );
+    for (const [i, text] of words.entries()) setText(this.values[i], text);
+    this.text = `${this.data.title}: ${words.join(", ")}`;
+    if (this.svg.ariaLabel !== this.text) this.svg.ariaLabel = this.text;
+    const share = time / this.end;
+    this.veil.setAttribute("x", share);
+    this.veil.setAttribute("width", 1 - share);
+    for (const end of ["x1", "x2"]) this.cursor.setAttribute(end, `${100 * share}%`);
   }
 
-  /** Draw axes and lines once; they stay the same until the size or the colours change. */
-  prepare(width, height, theme) {
-    Object.assign(this, { width, height, density: theme.density });
-    Object.assign(this.canvas, { width, height });
-    [this.axes, this.lines] = [element("canvas", { width, height }), element("canvas", { width, height })];
-    this.drawAxes(this.axes.getContext("2d"), theme);
-    for (const series of this.data.series) this.drawSeries(this.lines.getContext("2d"), series, theme);
-  }
-
-  x(time) {
-    const room = this.width - (LEFT + RIGHT) * this.density;
-    return LEFT * this.density + (Math.min(time, this.end) / this.end) * room;
-  }
-
+  /** Return the place of a value, in pixels from the top. */
   y(value) {
-    const [low, high] = this.range;
-    const room = this.height - (TOP + BOTTOM) * this.density;
-    return TOP * this.density + ((high - value) / (high - low)) * room;
+    return ((this.high - value) / (this.high - this.low)) * HEIGHT;
   }
 
-  drawAxes(context, theme) {
-    context.font = `${12 * theme.density}px system-ui, sans-serif`;
-    context.fillStyle = theme.quiet;
-    context.textBaseline = "middle";
-    context.textAlign = "right";
-    for (const value of ticks(...this.range, 3)) {
-      const y = Math.round(this.y(value));
-      context.fillText(shown(value), (LEFT - 6) * theme.density, y);
-      context.globalAlpha = value === 0 ? 0.6 : 0.2;
-      context.fillRect(LEFT * theme.density, y, this.width - (LEFT + RIGHT) * theme.density, 1);
-      context.globalAlpha = 1;
+  /** Return numbers along both axes, and lines across. */
+  axes() {
+    const across = ticks(this.low, this.high, 3).flatMap((value) => [
+      drawn("text", { x: -6, y: this.y(value), class: "left" }, shown(value)),
+      drawn("line", { x2: "100%", y1: this.y(value), y2: this.y(value), class: value === 0 ? "zero" : "" }),
+    ]);
+    const down = ticks(0, this.end, 5).map((value) => {
+      const share = value / this.end;
+      const place = { x: `${100 * share}%`, y: HEIGHT + 16, class: share > LAST ? "last" : "" };
+      return drawn("text", place, shown(value, 1));
+    });
+    return [...across, ...down];
+  }
+
+  /** Return the path of a series: across in shares of the time, down in pixels. */
+  pathOf({ kind, x, y }) {
+    const places = Array.from(x, (time, i) => [Math.min(time, this.end) / this.end, this.y(y[i])]);
+    if (kind === "dots") return places.map(([px, py]) => `M${px} ${py}h0`).join("");
+    if (kind === "bars") {
+      const width = Math.min(0.6 / Math.max(x.length, 1), MAX_BAR);
+      return places.map(([px, py]) => `M${px - width / 2} ${this.y(0)}h${width}V${py}h${-width}z`).join("");
     }
-    context.textBaseline = "bottom";
-    context.textAlign = "center";
-    for (const value of ticks(0, this.end, 5)) {
-      const words = shown(value, 1);
-      const half = context.measureText(words).width / 2;
-      context.fillText(words, Math.min(this.x(value), this.width - half), this.height - 2);
-    }
-  }
-
-  drawSeries(context, series, theme) {
-    const color = theme[series.color];
-    context.strokeStyle = color;
-    context.fillStyle = color;
-    context.lineWidth = (series.kind === "thin" ? 1 : 2) * theme.density;
-    context.lineJoin = "round";
-    context.setLineDash(DASHES[series.track % DASHES.length].map((part) => part * theme.density));
-    if (series.kind === "bars") this.drawBars(context, series);
-    else if (series.kind === "dots") this.drawDots(context, series, theme);
-    else this.drawLine(context, series);
-  }
-
-  drawLine(context, { kind, x, y }) {
-    context.beginPath();
     let isDown = false;
-    for (let i = 0; i < x.length; i++) {
-      if (Number.isNaN(y[i])) {
-        isDown = false;
-        continue;
-      }
-      const [px, py] = [this.x(x[i]), this.y(y[i])];
-      if (!isDown) context.moveTo(px, py);
-      else {
-        if (kind !== "line") context.lineTo(px, this.y(y[i - 1]));
-        context.lineTo(px, py);
-      }
-      isDown = true;
-    }
-    context.stroke();
+    return places.map(([px, py]) => {
+      const wasDown = isDown;
+      isDown = !Number.isNaN(py);
+      if (!isDown) return "";
+      if (!wasDown) return `M${px} ${py}`;
+      return kind === "line" ? `L${px} ${py}` : `H${px}V${py}`;
+    }).join("");
   }
+}
 
-  drawBars(context, { x, y }) {
-    const room = (this.x(this.end) - this.x(0)) / Math.max(x.length, 1);
-    const width = Math.max(1, Math.min(0.6 * room, 6 * this.density));
-    for (let i = 0; i < x.length; i++) {
-      const [top, bottom] = [this.y(Math.max(y[i], 0)), this.y(Math.min(y[i], 0))];
-      context.fillRect(this.x(x[i]) - width / 2, top, width, Math.max(bottom - top, 1));
-    }
-  }
-
-  drawDots(context, { x, y }, theme) {
-    const radius = 2.5 * theme.density;
-    context.beginPath();
-    for (let i = 0; i < x.length; i++) {
-      const [px, py] = [this.x(x[i]), this.y(y[i])];
-      context.moveTo(px + radius, py);
-      context.arc(px, py, radius, 0, 2 * Math.PI);
-    }
-    context.fill();
-  }
+/** Give an element a colour of the palette, which changes with the scheme. */
+function keyed(keyedElement, color) {
+  keyedElement.style.setProperty("--key", `var(--${color})`);
+  return keyedElement;
 }

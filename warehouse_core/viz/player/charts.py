@@ -3,9 +3,8 @@
 from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
-from typing import Any, Literal, NamedTuple
+from typing import Literal, NamedTuple
 
-from warehouse_core.viz.player.columns import Columns
 from warehouse_core.viz.tracks.track import Track
 
 SeriesKind = Literal["line", "thin", "steps", "bars", "dots"]
@@ -28,34 +27,7 @@ class Series(NamedTuple):
     values: Sequence[float]
 
 
-def packed_charts(
-    tracks: Sequence[Track], times: Sequence[Sequence[float]], columns: Columns
-) -> list[dict[str, Any]]:
-    """Return the charts of some tracks, whose frames have these times, and add their numbers.
-
-    Series with the same title are one chart. Of more than ``MAX_TRACKS`` tracks there are none.
-    """
-    if len(tracks) > MAX_TRACKS:
-        return []
-    charts: dict[str, list[dict[str, Any]]] = {}
-    for number, (track, moments) in enumerate(zip(tracks, times, strict=True)):
-        for series in _series_of(track, moments):
-            if len(tracks) > 1 and (series.kind == "bars" or not len(series.times)):
-                continue  # bars would hide each other
-            charts.setdefault(series.chart, []).append(
-                {
-                    "track": number,
-                    "name": series.name,
-                    "kind": series.kind,
-                    "color": series.color,
-                    "x": columns.real(series.times),
-                    "y": columns.real(series.values),
-                }
-            )
-    return [{"title": title, "series": series} for title, series in charts.items()]
-
-
-def _series_of(track: Track, times: Sequence[float]) -> Iterator[Series]:
+def series_of(track: Track, times: Sequence[float]) -> Iterator[Series]:
     """Yield what is drawn of a track beside its floor."""
     steps = [times[end] for end in track.ends]
     metrics = track.metrics

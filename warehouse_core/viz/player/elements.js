@@ -7,6 +7,14 @@ export function element(name, properties = {}, ...children) {
   return made;
 }
 
+/** Return a new element of a drawing with some attributes and children. */
+export function drawn(name, attributes, ...children) {
+  const made = document.createElementNS("http://www.w3.org/2000/svg", name);
+  for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
+  made.append(...children);
+  return made;
+}
+
 /** Return a copy of the only element of a template. */
 export function copy(id) {
   return document.getElementById(id).content.firstElementChild.cloneNode(true);

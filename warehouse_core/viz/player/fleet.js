@@ -1,9 +1,11 @@
 // What the page tells about a fleet: a chosen robot, and the orders that wait.
 
+import { kept } from "./canvas.js";
 import { copy, element, partOf, setText } from "./elements.js";
-import { HeatMap } from "./heat.js";
+import { heatOf, highestOf, mapOf } from "./floor.js";
 import { AGES, ageOf, historyOf, isTaken, orderOf, waitingAt } from "./orders.js";
 import { shown } from "./scale.js";
+import { heldUpUntil } from "./track.js";
 
 const MAX_ROWS = 8;
 
@@ -23,7 +25,9 @@ export class FleetPanel {
       for (const fleet of player.fleets) fleet.find("heat").checked = player.hasHeat;
       player.draw();
     });
-    this.heat = new HeatMap(track, this.find("heat-map"));
+    this.map = this.find("map");
+    Object.assign(this.map, { width: track.width, height: track.height });
+    this.find("heat-map").hidden = !track.fleet.heldUp.step.length;
     this.orders = this.find("orders");
     this.orders.hidden = !track.fleet.orders;
   }
@@ -31,13 +35,27 @@ export class FleetPanel {
   /** Write everything about a moment, if the step or the robot is another one. */
   draw(time) {
     const moment = this.track.at(time);
-    this.heat.draw(moment, this.player.theme);
-    const robot = this.player.chosen;
-    const key = `${moment.frame} ${robot}`;
-    if (key === this.key) return;
-    this.key = key;
-    this.sayRobot(robot, moment);
-    if (this.track.fleet.orders) this.sayOrders(moment.step);
+    const { chosen: robot, theme } = this.player;
+    kept(this, "map", `${moment.step} ${theme.key}`, () => this.drawMap(moment, theme));
+    kept(this, "words", `${moment.frame} ${robot}`, () => {
+      this.sayRobot(robot, moment);
+      if (this.track.fleet.orders) this.sayOrders(moment.step);
+    });
+  }
+
+  /** Draw where robots were held up so far, with a pixel for each cell, and say where most. */
+  drawMap(moment, theme) {
+    const { track, map } = this;
+    const context = map.getContext("2d");
+    context.drawImage(mapOf(track, track.tileAt[moment.frame], theme), 0, 0);
+    context.drawImage(heatOf(track, moment.step, theme), 0, 0);
+    this.find("ramp").style.background = `linear-gradient(to right, ${theme.heat.join()})`;
+    const [cell, most] = highestOf([...heldUpUntil(track, moment.step)]);
+    const [row, column] = track.rowAndColumn(cell);
+    const place = `most at row ${row}, column ${column}`;
+    setText(this.find("most"), String(most));
+    setText(this.find("peak"), most ? place : "nowhere yet");
+    map.ariaLabel = most ? `Robots were held up ${place}: ${most} times` : "No robot was held up yet";
   }
 
   sayRobot(robot, moment) {

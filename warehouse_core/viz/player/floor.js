@@ -1,6 +1,8 @@
-// Draws what stands still: floor, walls, shelves, stations, and what is not seen yet.
+// Draws what stands still on a floor, and what tints its cells.
 
-import { centerText, MIN_TEXT, writeOutlined } from "./canvas.js";
+import { kept } from "./canvas.js";
+import { element } from "./elements.js";
+import { heldUpUntil, marksUntil, visitsUntil } from "./track.js";
 
 const WALL = "#";
 const UNSEEN = "?";
@@ -17,161 +19,125 @@ const MAX_LINED_COLUMNS = 40;
 const MIN_STATION = 6;
 const MIN_TEXTURE = 9;
 
-/** Draw the tiles of a floor. Colours are those of the theme. */
-export function drawFloor(context, track, tiles, view, theme) {
-  context.fillStyle = theme.floor;
-  context.fillRect(...view.box(0, 0, track.width, track.height));
-  if (track.width <= MAX_LINED_COLUMNS) drawLines(context, track, view, theme);
-  drawSlippery(context, track, view, theme);
-  drawRuns(context, track, tiles, view, UNSEEN, theme.unseen);
-  drawHatching(context, track, tiles, view, theme);
-  drawRuns(context, track, tiles, view, WALL, theme.shelf);
-  if (view.scale >= MIN_TEXTURE) drawShelves(context, track, tiles, view, theme);
-  drawBorder(context, track, tiles, view, theme);
-  drawNumbers(context, track, view, theme);
-  for (const place of placesOf(track, tiles, Object.keys(STATIONS))) drawStation(context, place, view, theme);
+/** The size of a letter that a robot leaves free, as a share of a cell, and where it is. */
+const [LETTER, CORNER] = [0.22, 0.11];
+
+/** Opacity of counts on a floor, whose letters and lines are to be seen. */
+const HEAT_ON_FLOOR = 0.6;
+
+/** Draw the tiles of a floor. */
+export function drawFloor(brush, track, tiles) {
+  const { width, height } = track;
+  brush.fill("floor", 0, 0, width, height);
+  if (width <= MAX_LINED_COLUMNS) drawLines(brush, width, height);
+  for (const [row, column] of track.slippery) drawWaves(brush, row, column);
+  drawRuns(brush, track, tiles, UNSEEN, "unseen");
+  drawStripes(brush, track, tiles);
+  drawRuns(brush, track, tiles, WALL, "shelf");
+  for (const [row, column] of placesOf(track, tiles, WALL)) {
+    if (isBorder(track, row, column)) brush.fill("wall", column, row);
+    else if (brush.scale >= MIN_TEXTURE) drawBoards(brush, row, column);
+  }
+  if (track.outer) drawMargin(brush, track);
+  for (const place of placesOf(track, tiles, Object.keys(STATIONS))) drawStation(brush, ...place);
 }
 
-/** Return the row, the column and the tile of each wall. */
-export function wallsOf(track, tiles) {
-  return [...placesOf(track, tiles, WALL)];
-}
-
-/** Yield the row, the column and the tile of each cell that has one of some tiles. */
-function* placesOf(track, tiles, wanted) {
+/** Return the row, the column and the tile of each cell that has one of some tiles. */
+export function placesOf(track, tiles, wanted) {
+  const places = [];
   for (let cell = 0; cell < tiles.length; cell++) {
-    if (wanted.includes(tiles[cell])) yield [...track.rowAndColumn(cell), tiles[cell]];
+    if (wanted.includes(tiles[cell])) places.push([...track.rowAndColumn(cell), tiles[cell]]);
   }
-}
-
-function drawLines(context, track, view, theme) {
-  context.fillStyle = theme.line;
-  const [left, top, width, height] = view.box(0, 0, track.width, track.height);
-  for (let column = 1; column < track.width; column++) {
-    context.fillRect(Math.round(view.x(column)), top, 1, height);
-  }
-  for (let row = 1; row < track.height; row++) {
-    context.fillRect(left, Math.round(view.y(row)), width, 1);
-  }
-}
-
-/** Fill each run of a tile in a row as one box. */
-function drawRuns(context, track, tiles, view, tile, color) {
-  context.fillStyle = color;
-  for (let row = 0; row < track.height; row++) {
-    const line = tiles.slice(row * track.width, (row + 1) * track.width);
-    for (let first = line.indexOf(tile); first >= 0; ) {
-      let end = first;
-      while (line[end] === tile) end++;
-      context.fillRect(...view.box(first, row, end - first, 1));
-      first = line.indexOf(tile, end);
-    }
-  }
+  return places;
 }
 
 export function isBorder(track, row, column) {
   return row === 0 || column === 0 || row === track.height - 1 || column === track.width - 1;
 }
 
-/** Draw two boards across each wall that is not part of the border. */
-function drawShelves(context, track, tiles, view, theme) {
-  context.fillStyle = theme.board;
-  const thick = Math.max(1, Math.round(view.scale / 12));
-  for (const [row, column] of wallsOf(track, tiles)) {
-    if (isBorder(track, row, column)) continue;
-    const [x, , width] = view.box(column, row, 1, 1, 0.12);
-    for (const share of [0.3, 0.62]) {
-      context.fillRect(x, Math.round(view.y(row + share)), width, thick);
+function drawLines(brush, columns, rows) {
+  const [left, top, width, height] = brush.view.box(0, 0, columns, rows);
+  for (let column = 1; column < columns; column++) {
+    brush.rect("line", Math.round(brush.view.x(column)), top, 1, height);
+  }
+  for (let row = 1; row < rows; row++) brush.rect("line", left, Math.round(brush.view.y(row)), width, 1);
+}
+
+/** Fill each run of a tile in a row as one box. */
+function drawRuns(brush, track, tiles, tile, color) {
+  for (let row = 0; row < track.height; row++) {
+    const line = tiles.slice(row * track.width, (row + 1) * track.width);
+    for (let first = line.indexOf(tile); first >= 0; ) {
+      let end = first;
+      while (line[end] === tile) end++;
+      brush.fill(color, first, row, end - first);
+      first = line.indexOf(tile, end);
     }
   }
 }
 
-/** The width of the part of a border that is not shown, in cells. */
-const OUTER = 0.7;
-
-/** Return how much of the outermost cells is not shown: a border of walls is thin. */
-export function outerOf(track) {
-  track.outer ??= track.tiles.every((tiles) => isBordered(track, tiles)) ? OUTER : 0;
-  return track.outer;
+/** Draw two boards across a wall that is not part of the border. */
+function drawBoards(brush, row, column) {
+  const thick = Math.max(1, Math.round(brush.scale / 12));
+  const [x, , width] = brush.view.box(column, row, 1, 1, 0.12);
+  for (const share of [0.3, 0.62]) {
+    brush.rect("board", x, Math.round(brush.view.y(row + share)), width, thick);
+  }
 }
 
-/** Draw the walls of the border, and clear its outer part, so that they are thin. */
-function drawBorder(context, track, tiles, view, theme) {
-  context.fillStyle = theme.wall;
-  for (const [row, column] of wallsOf(track, tiles)) {
-    if (isBorder(track, row, column)) context.fillRect(...view.box(column, row));
-  }
-  context.fillStyle = theme.paper;
-  const { width, height } = track;
-  const outer = outerOf(track);
-  if (!outer) return;
-  for (const [column, row, columns, rows] of [
+/** Clear the outer part of a border, so that it is thin, and number columns and rows on the rest. */
+function drawMargin(brush, { outer, width, height }) {
+  for (const box of [
     [0, 0, width, outer],
     [0, height - outer, width, outer],
     [0, 0, outer, height],
     [width - outer, 0, outer, height],
-  ]) context.fillRect(...view.box(column, row, columns, rows));
-}
-
-/** Write the numbers of columns and rows on a thin border that has room for them. */
-function drawNumbers(context, track, view, theme) {
-  const middle = (1 + outerOf(track)) / 2;
-  const thick = (1 - outerOf(track)) * view.scale;
-  const size = Math.max(0.75 * thick, MIN_TEXT * theme.density);
-  if (!outerOf(track) || size > thick) return;
-  centerText(context, size, "normal");
+  ]) brush.fill("paper", ...box);
+  const [middle, thick] = [(1 + outer) / 2, (1 - outer) * brush.scale];
+  const size = Math.max(0.75 * thick, brush.minText);
+  if (size > thick) return;
+  brush.centerText(size, "normal");
+  const { view } = brush;
   // The border may be one that is not seen yet.
-  const write = (number, x, y) =>
-    writeOutlined(context, String(number), x, y, [theme.paper, theme.wall], theme.density);
-  for (let column = 1; column < track.width - 1; column++) {
-    write(column, view.x(column + 0.5), view.y(middle));
-  }
-  for (let row = 1; row < track.height - 1; row++) {
-    write(row, view.x(middle), view.y(row + 0.5));
-  }
+  const write = (number, x, y) => brush.writeOutlined("paper", "wall", String(number), x, y);
+  for (let column = 1; column < width - 1; column++) write(column, view.x(column + 0.5), view.y(middle));
+  for (let row = 1; row < height - 1; row++) write(row, view.x(middle), view.y(row + 0.5));
 }
 
-function isBordered(track, tiles) {
-  for (let cell = 0; cell < tiles.length; cell++) {
-    const isOuter = isBorder(track, ...track.rowAndColumn(cell));
-    if (isOuter && tiles[cell] !== WALL && tiles[cell] !== UNSEEN) return false;
-  }
-  return true;
-}
-
-function drawStation(context, [row, column, tile], view, theme) {
-  const inset = Math.max(0, Math.min(0.06, (1 - MIN_STATION / view.scale) / 2));
-  let [x, y, width, height] = view.box(column, row, 1, 1, inset);
+function drawStation(brush, row, column, tile) {
+  const inset = Math.max(0, Math.min(0.06, (1 - MIN_STATION / brush.scale) / 2));
+  let [x, y, width, height] = brush.view.box(column, row, 1, 1, inset);
   if (width < MIN_STATION) {
     [x, y] = [x - (MIN_STATION - width) / 2, y - (MIN_STATION - height) / 2];
     [width, height] = [MIN_STATION, MIN_STATION];
   }
-  context.fillStyle = theme[STATIONS[tile]];
-  context.fillRect(x, y, width, height);
-  context.fillStyle = theme.dark;
-  if (!letterSize(view, theme)) fillShape(context, SHAPES[tile], x, y, width, height);
+  brush.rect(STATIONS[tile], x, y, width, height);
+  if (letterSize(brush)) return;
+  brush.outline(SHAPES[tile].map(([right, down]) => [x + right * width, y + down * height]));
+  brush.context.fillStyle = brush.color("dark");
+  brush.context.fill();
 }
 
-/** The size of a letter that a robot leaves free, as a share of a cell, and where it is. */
-const [LETTER, CORNER] = [0.22, 0.11];
-
 /** Return the size of the letters of stations, or 0 if there is no room for them. */
-function letterSize(view, theme) {
-  const size = Math.max(LETTER * view.scale, MIN_TEXT * theme.density);
-  return 1.3 * size > view.scale ? 0 : size;
+function letterSize({ scale, minText }) {
+  const size = Math.max(LETTER * scale, minText);
+  return 1.3 * size > scale ? 0 : size;
 }
 
 /** Write the letters of stations where there is room: larger ones not under robots and people. */
-export function drawLetters(context, track, moment, view, theme) {
-  const size = letterSize(view, theme);
+export function drawLetters(brush, track, moment) {
+  const size = letterSize(brush);
   if (!size) return;
+  const { view } = brush;
   const isCovered = size > LETTER * view.scale ? coveredCells(track, moment) : new Set();
-  centerText(context, size);
-  context.textAlign = "left";
-  for (const [row, column, tile] of stationsOf(track, track.tileAt[moment.frame])) {
+  brush.centerText(size);
+  brush.context.textAlign = "left";
+  const index = track.tileAt[moment.frame];
+  const stations = kept(track, "stations", index, () => placesOf(track, track.tiles[index], Object.keys(STATIONS)));
+  for (const [row, column, tile] of stations) {
     if (!view.shows(column, row, 1) || isCovered.has(row * track.width + column)) continue;
     const [x, y] = [view.x(column + CORNER), view.y(row + CORNER) + 0.45 * size];
-    writeOutlined(context, tile, x, y, [theme.light, theme.dark], theme.density);
+    brush.writeOutlined("light", "dark", tile, x, y);
   }
 }
 
@@ -184,43 +150,26 @@ function coveredCells(track, moment) {
   return cells;
 }
 
-/** Return the row, the column and the tile of each station. */
-function stationsOf(track, index) {
-  track.stations ??= [];
-  track.stations[index] ??= [...placesOf(track, track.tiles[index], Object.keys(STATIONS))];
-  return track.stations[index];
-}
-
-/** Fill a shape, whose corners are shares of a box. */
-function fillShape(context, corners, x, y, width, height) {
-  context.beginPath();
-  for (const [right, down] of corners) context.lineTo(x + right * width, y + down * height);
-  context.fill();
-}
-
-/** Draw waves on slippery cells. */
-function drawSlippery(context, track, view, theme) {
-  for (const [row, column] of track.slippery) {
-    context.fillStyle = theme.ice;
-    context.fillRect(...view.box(column, row));
-    context.strokeStyle = theme.wave;
-    context.lineWidth = Math.max(1, view.scale / 22);
-    for (const share of [0.25, 0.5, 0.75]) {
-      const [x, y, size] = [view.x(column + 0.12), view.y(row + share), 0.19 * view.scale];
-      context.beginPath();
-      context.moveTo(x, y);
-      for (let wave = 0; wave < 4; wave++) {
-        const [start, bend] = [x + wave * size, (wave % 2 ? 0.3 : -0.3) * size];
-        context.quadraticCurveTo(start + size / 2, y + 2 * bend, start + size, y);
-      }
-      context.stroke();
+/** Draw waves on a slippery cell. */
+function drawWaves(brush, row, column) {
+  const { context, view } = brush;
+  brush.fill("ice", column, row);
+  context.strokeStyle = brush.color("wave");
+  context.lineWidth = Math.max(1, view.scale / 22);
+  for (const share of [0.25, 0.5, 0.75]) {
+    const [x, y, size] = [view.x(column + 0.12), view.y(row + share), 0.19 * view.scale];
+    context.beginPath();
+    context.moveTo(x, y);
+    for (let wave = 0; wave < 4; wave++) {
+      const [start, bend] = [x + wave * size, (wave % 2 ? 0.3 : -0.3) * size];
+      context.quadraticCurveTo(start + size / 2, y + 2 * bend, start + size, y);
     }
+    context.stroke();
   }
 }
 
 /** Draw stripes on cells that are not seen yet, along their diagonals. */
-function drawHatching(context, track, tiles, view, theme) {
-  if (!tiles.includes(UNSEEN)) return;
+function drawStripes({ context, view, theme }, track, tiles) {
   context.strokeStyle = theme.stripe;
   context.lineWidth = Math.max(1, view.scale / 14);
   context.beginPath();
@@ -230,4 +179,92 @@ function drawHatching(context, track, tiles, view, theme) {
     context.lineTo(x + width, y);
   }
   context.stroke();
+}
+
+/** Darken what a robot does not see, around the window of its view. */
+export function drawSight({ context, view, theme }, track, body, moment) {
+  const pose = track.pose(body, moment);
+  if (track.viewRadius === null || !pose) return;
+  const { outer, width, height, viewRadius } = track;
+  const [column, row] = [Math.floor(pose.x) - viewRadius, Math.floor(pose.y) - viewRadius];
+  const side = 2 * viewRadius + 1;
+  const [left, top] = [Math.max(column, outer), Math.max(row, outer)];
+  const right = Math.min(column + side, width - outer);
+  const bottom = Math.min(row + side, height - outer);
+  context.fillStyle = theme.shadow;
+  context.beginPath();
+  context.rect(...view.box(outer, outer, width - 2 * outer, height - 2 * outer));
+  context.rect(...view.box(left, top, right - left, bottom - top));
+  context.fill("evenodd");
+}
+
+/** Tint the cells that a robot has been to, the more the oftener. */
+export function drawVisits(brush, track, body, moment) {
+  for (const [cell, count] of visitsUntil(track, body, moment.frame)) {
+    if (count < 2) continue;
+    const [row, column] = track.rowAndColumn(cell);
+    brush.context.globalAlpha = Math.min(0.12 * (count - 1), 0.5);
+    brush.fill("visited", column, row);
+  }
+  brush.context.globalAlpha = 1;
+}
+
+/** Draw the cells of a search in the colours that they have by now. */
+export function drawMarks(brush, track, moment) {
+  for (const [cell, index] of marksUntil(track, moment.time)) {
+    const [row, column] = track.rowAndColumn(cell);
+    brush.fill(track.marks.colors[index], column, row, 1, 1, 0.03);
+  }
+}
+
+/** Draw the start and the goal of a search as letters. */
+export function drawEnds(brush, track) {
+  track.marks.ends.forEach(([row, column], i) => {
+    const { view } = brush;
+    const [x, y, radius] = [view.x(column + 0.5), view.y(row + 0.5), Math.max(8, 0.46 * view.scale)];
+    brush.circle(x, y, radius);
+    brush.paint("light", "dark", Math.max(1, radius / 8));
+    brush.centerText(1.3 * radius);
+    brush.write("dark", "SG"[i], x, y + 0.08 * radius);
+  });
+}
+
+/** Draw how often robots were held up in each cell. */
+export function drawHeat({ context, view, theme }, track, moment) {
+  const [width, height] = [track.width * view.scale, track.height * view.scale];
+  context.imageSmoothingEnabled = false;
+  context.globalAlpha = HEAT_ON_FLOOR;
+  context.drawImage(heatOf(track, moment.step, theme), view.x(0), view.y(0), width, height);
+  context.globalAlpha = 1;
+}
+
+/** Return an image with a pixel for each cell in which robots were held up. */
+export function heatOf(track, step, theme) {
+  return kept(track, "heat", `${step} ${theme.key}`, () => {
+    const counts = [...heldUpUntil(track, step)];
+    const share = (theme.heat.length - 1) / highestOf(counts)[1];
+    return imageOf(track, counts.map(([cell, count]) => [cell, theme.heat[Math.round(count * share)]]));
+  });
+}
+
+/** Return the cell with the highest count, and the count. */
+export function highestOf(counts) {
+  return counts.reduce((best, each) => (each[1] > best[1] ? each : best), [-1, 0]);
+}
+
+/** Return an image with a pixel for each cell, dark for walls. */
+export function mapOf(track, index, theme) {
+  return kept(track, "map", `${index} ${theme.key}`, () =>
+    imageOf(track, Array.from(track.tiles[index], (tile, cell) => [cell, theme[tile === WALL ? "shelf" : "floor"]])));
+}
+
+/** Return an image with a pixel of a colour for each of some cells. */
+function imageOf({ width, height }, colors) {
+  const image = element("canvas", { width, height });
+  const context = image.getContext("2d");
+  for (const [cell, color] of colors) {
+    context.fillStyle = color;
+    context.fillRect(cell % width, Math.floor(cell / width), 1, 1);
+  }
+  return image;
 }

@@ -1,7 +1,7 @@
 // The legend: what the tracks of a page have in them, and nothing else.
 
 import { element } from "./elements.js";
-import { isBorder, wallsOf } from "./floor.js";
+import { isBorder, placesOf } from "./floor.js";
 import { AGES } from "./orders.js";
 
 /** Return the signs of tracks: words, a shape of the style sheet, and a colour. */
@@ -9,8 +9,8 @@ export function signsOf(tracks, theme) {
   const has = (test) => tracks.some(test);
   const hasTile = (tile) => has((track) => track.tiles.some((tiles) => tiles.includes(tile)));
   const hasWall = (onBorder) =>
-    has((track) => track.tiles.some((tiles) => wallsOf(track, tiles).some(([row, column]) =>
-      isBorder(track, row, column) === onBorder)));
+    has((track) => track.tiles.some((tiles) =>
+      placesOf(track, tiles, "#").some(([row, column]) => isBorder(track, row, column) === onBorder)));
   const hasLoad = (test) => has((track) => track.load.some(test));
   const isFleet = has((track) => track.isFleet && track.robots > 1);
   const marks = tracks.find((track) => track.marks)?.marks;
@@ -32,8 +32,8 @@ export function signsOf(tracks, theme) {
       "what the robot does not see", "square", theme.shadow],
     [has((track) => track.hits.frame.length), "hit", "star", theme.hit],
     [has((track) => track.route && !track.marks), "plan", "dots", theme.ink],
-    [has((track) => track.fleet?.plans.length), "plan of a robot", "line", theme.robot],
-    [has((track) => track.fleet?.pushes.length), "pushes", "arrow", theme.ink],
+    [has((track) => track.fleet?.plans.frame.length), "plan of a robot", "line", theme.robot],
+    [has((track) => track.fleet?.pushes.frame.length), "pushes", "arrow", theme.ink],
     ...(marks ? marks.names.map((name, i) => [true, name, "square", marks.colors[i]]) : []),
     [Boolean(marks), "S start, G goal", "disc", theme.light],
   ];

@@ -1,8 +1,8 @@
 // Starts the page: reads its data, and connects buttons, keys and the address with the player.
 
-import { decode, unpack } from "./decode.js";
 import { setText } from "./elements.js";
 import { Player, SPEEDS } from "./player.js";
+import { decode, unpack } from "./track.js";
 
 const ZOOM = 1.5;
 

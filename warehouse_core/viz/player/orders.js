@@ -45,20 +45,13 @@ export function waitingByPickup(orders, step) {
 }
 
 /** Return the order that a robot carries or was last assigned after a step, or -1. */
-export function orderOf(fleet, robot, step) {
-  const { orders, assigned } = fleet;
-  for (let order = 0; order < orders.released.length; order++) {
-    if (orders.takenBy[order] !== robot || !isTaken(orders, order, step)) continue;
-    if (!isPast(orders.delivered[order], step)) return order;
-  }
-  const count = assigned.length / 3;
-  for (let i = count - 1; i >= 0; i--) {
-    if (assigned[i] <= step && assigned[count + i] === robot) {
-      const order = assigned[2 * count + i];
-      return isTaken(orders, order, step) ? -1 : order;
-    }
-  }
-  return -1;
+export function orderOf({ orders, assigned }, robot, step) {
+  const carried = Array.from(orders.taken.keys()).find((order) =>
+    orders.takenBy[order] === robot && isTaken(orders, order, step) && !isPast(orders.delivered[order], step));
+  if (carried !== undefined) return carried;
+  const last = assigned.robot.findLastIndex((each, i) => each === robot && assigned.step[i] <= step);
+  const order = assigned.order[last] ?? -1;
+  return order < 0 || isTaken(orders, order, step) ? -1 : order;
 }
 
 /** Return what a robot did up to a step, the last first: step, "picked" or "delivered", order. */

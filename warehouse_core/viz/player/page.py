@@ -25,9 +25,8 @@ from warehouse_core.wording import printable
 FOLDER = Path(__file__).parent
 
 SCRIPTS = (
-    "scale.js", "decode.js", "track.js", "orders.js", "view.js", "theme.js", "elements.js",
-    "canvas.js", "floor.js", "items.js", "bodies.js", "ways.js", "heat.js", "layers.js", "scene.js",
-    "charts.js", "legend.js", "panel.js", "fleet.js", "player.js", "main.js",
+    "scale.js", "track.js", "orders.js", "canvas.js", "elements.js", "floor.js", "bodies.js",
+    "ways.js", "charts.js", "legend.js", "panel.js", "fleet.js", "player.js", "main.js",
 )  # fmt: skip
 """Each imports only those before it, so that they can be one script."""
 

@@ -1,9 +1,11 @@
 // One track on the page: its floor, what the robot does and why, its battery and its ending.
 
+import { drawHits, drawItem, drawRobots, drawWaiting } from "./bodies.js";
+import { Brush, kept } from "./canvas.js";
 import { copy, element, partOf, setText } from "./elements.js";
-import { drawFloor } from "./floor.js";
+import { drawEnds, drawFloor, drawHeat, drawLetters, drawMarks, drawSight, drawVisits } from "./floor.js";
 import { seconds, shown } from "./scale.js";
-import { drawScene } from "./scene.js";
+import { drawPlans, drawPushes, drawRoute, drawTrail, drawWayAhead } from "./ways.js";
 
 const TAP = 6;
 const LOW = 0.2;
@@ -41,23 +43,42 @@ export class Panel {
     view.place(...size, theme.density);
     const index = track.tileAt[moment.frame];
     const key = `${view.key} ${index} ${theme.key}`;
-    if (key !== this.key) this.still = this.drawStill(track.tiles[index], theme);
-    this.key = key;
+    const still = kept(this, "still", key, () => this.drawStill(track.tiles[index], theme));
     const context = this.canvas.getContext("2d");
-    context.drawImage(this.still, 0, 0);
-    const hovered = this.pointer ? this.robotAt(...this.pointer, moment) : null;
-    drawScene(context, track, moment, view, theme, this.player, hovered);
+    context.drawImage(still, 0, 0);
+    this.drawMoving(new Brush(context, view, theme), moment);
   }
 
   /** Return a canvas with all that does not move. */
   drawStill(tiles, theme) {
     const { width, height } = this.canvas;
-    const still = Object.assign(this.still ?? element("canvas"), { width, height });
-    const context = still.getContext("2d", { alpha: false });
-    context.fillStyle = theme.paper;
-    context.fillRect(0, 0, width, height);
-    drawFloor(context, this.track, tiles, this.view, theme);
+    const still = element("canvas", { width, height });
+    const brush = new Brush(still.getContext("2d", { alpha: false }), this.view, theme);
+    brush.rect("paper", 0, 0, width, height);
+    drawFloor(brush, this.track, tiles);
     return still;
+  }
+
+  /** Draw all that changes, from the lowest to the highest. */
+  drawMoving(brush, moment) {
+    const { track, player } = this;
+    const { chosen } = player;
+    const watched = chosen ?? (track.robots === 1 && track.bodies > 0 ? 0 : null);
+    if (track.marks) drawMarks(brush, track, moment);
+    if (watched !== null) drawVisits(brush, track, watched, moment);
+    if (player.hasHeat && track.fleet) drawHeat(brush, track, moment);
+    if (watched !== null && !track.isFleet) drawSight(brush, track, watched, moment);
+    drawRoute(brush, track, moment);
+    if (track.fleet) drawPlans(brush, track, moment);
+    if (track.marks) drawEnds(brush, track);
+    if (chosen !== null) drawWayAhead(brush, track, chosen, moment);
+    if (watched !== null) drawTrail(brush, track, watched, moment);
+    drawLetters(brush, track, moment);
+    if (track.fleet) drawWaiting(brush, track, moment);
+    drawRobots(brush, track, moment, chosen, this.pointer ? this.robotAt(...this.pointer, moment) : null);
+    if (track.robots === 1) drawItem(brush, track, moment);
+    if (track.fleet) drawPushes(brush, track, moment);
+    drawHits(brush, track, moment);
   }
 
   say(moment) {

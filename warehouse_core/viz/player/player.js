@@ -1,15 +1,13 @@
 // The page: one clock, and everything that is drawn at its time.
 
+import { readTheme, View } from "./canvas.js";
 import { Chart } from "./charts.js";
 import { partOf } from "./elements.js";
 import { FleetPanel } from "./fleet.js";
-import { outerOf } from "./floor.js";
 import { drawLegend } from "./legend.js";
 import { Panel } from "./panel.js";
 import { seconds, shown } from "./scale.js";
 import { nextEvent, Track } from "./track.js";
-import { readTheme } from "./theme.js";
-import { View } from "./view.js";
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16];
 
@@ -75,7 +73,7 @@ export class Player {
     const isTold = this.charts.some((chart) => chart.names.length);
     this.panels = this.tracks.map((track, i) => {
       const size = `${track.width} ${track.height}`;
-      const margin = MARGIN - outerOf(track);
+      const margin = MARGIN - track.outer;
       if (!views.has(size)) views.set(size, new View(track.width, track.height, margin));
       const title = isTold && names[i] === LETTERS[i] ? `${names[i]}: ${titles[i]}` : titles[i];
       return new Panel(track, title, views.get(size), this);
@@ -108,7 +106,7 @@ export class Player {
     this.theme = readTheme();
     const time = this.isReduced && this.isPlaying ? this.momentary() : this.time;
     for (const panel of this.panels) panel.draw(time, this.theme);
-    for (const chart of this.charts) chart.draw(time, this.theme);
+    for (const chart of this.charts) chart.draw(time);
     for (const fleet of this.fleets) fleet.draw(time);
     drawLegend(this.find("legend"), this.tracks, this.theme);
     for (const listener of this.listeners) listener();

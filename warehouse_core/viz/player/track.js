@@ -1,4 +1,6 @@
-// A track at any moment. Nothing is drawn here.
+// A track at any moment, and the block of bytes that it is read from. Nothing is drawn here.
+
+const KINDS = { i1: Int8Array, i2: Int16Array, i4: Int32Array, f4: Float32Array };
 
 const TURN = 120;
 const NO_HEADING = 127;
@@ -6,18 +8,54 @@ const NO_HEADING = 127;
 /** Steps in one place, with the same load, after which a robot is stuck. */
 const STUCK_VISITS = 3;
 
-/** Return the last index whose time is at most `time`, or 0. Times do not decrease. */
-export function indexAt(times, time) {
-  let low = 0;
-  let high = times.length;
-  while (high - low > 1) {
+/** Return the bytes of a compressed block, given as base64. */
+export async function unpack(text) {
+  const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
+  const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
+  return new Response(stream).arrayBuffer();
+}
+
+/** Return the JSON value at the start of a block, with arrays in place of references; see tracks.py. */
+export function decode(block) {
+  const length = new DataView(block).getUint32(0, true);
+  const text = new TextDecoder().decode(new Uint8Array(block, 4, length));
+  const start = 4 + length;
+  return JSON.parse(text, (_, value) => (value?.$ ? column(block, start, value.$) : value));
+}
+
+function column(block, start, [kind, offset, length, isDelta, unit]) {
+  const stored = new KINDS[kind](block, start + offset, length);
+  if (!isDelta && unit === 1) return stored;
+  const values = unit === 1 ? new Int32Array(length) : new Float64Array(length);
+  let sum = 0;
+  for (let i = 0; i < length; i++) {
+    sum = isDelta ? sum + stored[i] : stored[i];
+    values[i] = sum * unit;
+  }
+  return values;
+}
+
+/** Return how many of some times, which do not decrease, are at most `time`. */
+function countAt(times, time) {
+  let [low, high] = [0, times.length];
+  while (low < high) {
     const middle = (low + high) >> 1;
-    if (times[middle] <= time) low = middle;
+    if (times[middle] <= time) low = middle + 1;
     else high = middle;
   }
   return low;
 }
 
+/** Return the last index whose time is at most `time`, or 0. Times do not decrease. */
+export function indexAt(times, time) {
+  return Math.max(countAt(times, time) - 1, 0);
+}
+
+/** Return the indices of the entries of a frame, whose frames do not decrease. */
+function entriesIn(frames, frame) {
+  const first = countAt(frames, frame - 1);
+  return Array.from({ length: countAt(frames, frame) - first }, (_, i) => first + i);
+}
 /** Return the angle a share of the way from one to another, the short way round. */
 export function angleBetween(from, to, share) {
   const difference = ((to - from + 1.5 * TURN) % TURN) - TURN / 2;
@@ -35,7 +73,6 @@ export class Track {
       if (Math.floor(data.progress[frame]) === this.stepFrames.length) this.stepFrames.push(frame);
     }
     this.steps = Math.ceil(data.progress[this.frames - 1]);
-    this.firstHit = firstOf(data.hits.frame, this.frames);
   }
 
   /** Return a moment: its frame, the next one, the share of the way there, and the steps complete. */
@@ -105,16 +142,10 @@ export class Track {
 
   /** Return the hits that a frame shows. */
   hitsIn(frame) {
-    const found = [];
-    for (let i = this.firstHit[frame]; i < this.firstHit[frame + 1]; i++) {
-      found.push({
-        x: this.hits.x[i],
-        y: this.hits.y[i],
-        robot: this.hits.robot[i],
-        label: this.hits.labels[this.hits.labelAt[i]],
-      });
-    }
-    return found;
+    const { x, y, robot, labels, labelAt } = this.hits;
+    return entriesIn(this.hits.frame, frame).map((i) => (
+      { x: x[i], y: y[i], robot: robot[i], label: labels[labelAt[i]] }
+    ));
   }
 
   /** Return whether a robot has a hit in a frame that the frame before did not show. */
@@ -126,30 +157,25 @@ export class Track {
       .some((hit) => !this.isContinuous || !before.some((old) => old.x === hit.x && old.y === hit.y));
   }
 
-  /** Return the points of the planned way in a frame. */
+  /** Return the points of the planned way of a lone robot in a frame. */
   routeIn(frame) {
-    if (!this.route) return [];
-    this.routeEnds ??= sums(this.route.count);
-    const points = [];
-    for (let i = this.routeEnds[frame]; i < this.routeEnds[frame + 1]; i++) {
-      points.push([this.route.x[i], this.route.y[i]]);
-    }
-    return points;
+    const { frame: frames, x, y } = this.route ?? { frame: [] };
+    return entriesIn(frames, frame).map((i) => [x[i], y[i]]);
   }
-}
 
-/** Return the sums of the first 0, 1, 2, ... numbers. */
-export function sums(numbers) {
-  const found = new Int32Array(numbers.length + 1);
-  for (let i = 0; i < numbers.length; i++) found[i + 1] = found[i] + numbers[i];
-  return found;
-}
+  /** Return the planned ways of a fleet in a frame, and those that robots wish for. */
+  plansIn(frame) {
+    const { plans, ways } = this.fleet;
+    return entriesIn(plans.frame, frame).map((i) => (
+      { robot: plans.robot[i], isWish: plans.isWish[i] > 0, cells: ways.subarray(plans.end[i - 1] ?? 0, plans.end[i]) }
+    ));
+  }
 
-/** Return for each of the places 0, 1, 2, ..., and one more, the index of its first entry in a list in order. */
-function firstOf(places, count) {
-  const counts = new Int32Array(count);
-  for (const place of places) counts[place]++;
-  return sums(counts);
+  /** Return who pushes whom in a frame, the pusher first. */
+  pushesIn(frame) {
+    const { pushes } = this.fleet;
+    return entriesIn(pushes.frame, frame).map((i) => [pushes.pusher[i], pushes.robot[i]]);
+  }
 }
 
 /** Return the words for what happened to a robot in a frame: "hit", "pick", "drop" or "stuck". */
@@ -202,28 +228,30 @@ function* findStuck(track, body) {
 
 /** Return how often a body was in each cell up to a frame, as a map from cells to counts. */
 export function visitsUntil(track, body, frame) {
-  return countUntil(track, body, frame, (next) => {
+  return grown(track, `visits of ${body}`, frame + 1, (counts, next) => {
     const cell = track.cell(body, next);
-    return next > 0 && track.cell(body, next - 1) === cell ? [] : [cell];
+    if (next === 0 || track.cell(body, next - 1) !== cell) counts.set(cell, (counts.get(cell) ?? 0) + 1);
   });
 }
 
 /** Return how often robots were held up in each cell up to a step, as a map from cells. */
-export function heldUpUntil(track, step) {
-  const { step: steps, cell } = track.fleet.heldUp;
-  track.firstHeldUp ??= firstOf(steps, track.steps + 1);
-  const of = (next) => cell.subarray(track.firstHeldUp[next], track.firstHeldUp[next + 1]);
-  return countUntil(track, "held up", step, of);
+export function heldUpUntil(track, until) {
+  const { step, cell } = track.fleet.heldUp;
+  return grown(track, "held up", countAt(step, until), (counts, i) =>
+    counts.set(cell[i], (counts.get(cell[i]) ?? 0) + 1));
 }
 
-/** Count the cells of each frame or step up to one. What was counted last under a key is counted on from there. */
-function countUntil(track, key, frame, cellsIn) {
-  track.counted ??= new Map();
-  let found = track.counted.get(key);
-  if (!(found?.frame <= frame)) found = { frame: -1, counts: new Map() };
-  track.counted.set(key, found);
-  while (found.frame < frame) {
-    for (const cell of cellsIn(++found.frame)) found.counts.set(cell, (found.counts.get(cell) ?? 0) + 1);
-  }
-  return found.counts;
+/** Return the colour, by its number, of each cell that a search has marked until a time, as a map. */
+export function marksUntil(track, until) {
+  const { time, cell, value } = track.marks;
+  return grown(track, "marks", countAt(time, until), (colors, i) => colors.set(cell[i], value[i]));
+}
+
+/** Return a map to which the first entries of a list are added; what it has from an earlier time stays. */
+function grown(track, name, count, add) {
+  track.grown ??= {};
+  let known = track.grown[name];
+  if (!(known?.count <= count)) known = track.grown[name] = { count: 0, map: new Map() };
+  while (known.count < count) add(known.map, known.count++);
+  return known.map;
 }

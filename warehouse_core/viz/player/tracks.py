@@ -1,29 +1,44 @@
-"""What a page says of tracks, as a JSON value with columns; ``player/decode.js`` reads it."""
+"""What a page says of tracks: a JSON value, and a block of bytes that it refers to.
+
+A reference is ``{"$": [kind, offset, length, is_delta, unit]}``, where ``kind`` is the type of the
+stored numbers (``i1``, ``i2``, ``i4`` or ``f4``, little-endian) and ``offset`` counts bytes. With
+``is_delta`` a number is the difference to the one before. ``player/track.js`` reads them.
+"""
 
 from __future__ import annotations
 
+import json
+import struct
+import zlib
+from base64 import b64encode
 from collections.abc import Iterable, Sequence
 from typing import Any
 
 import numpy as np
+from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.orders.order import Order
 from warehouse_core.render.palette import hex_color
-from warehouse_core.viz.player.charts import packed_charts
-from warehouse_core.viz.player.columns import Columns
-from warehouse_core.viz.tracks.track import Frame, Track
+from warehouse_core.viz.player.charts import MAX_TRACKS, series_of
+from warehouse_core.viz.tracks.track import Frame, Marks, Track
 from warehouse_core.world.tiles import Cell
 
-FINE, HALF = 1 / 1024, 1 / 2
-"""Units of places, in cells: of continuous tracks, and of others, whose robots are in cells."""
+ALIGNMENT = 4
+LEVEL = 6
+"""Level of compression; the highest takes ten times as long and makes pages 7% smaller."""
+
+KINDS = {"i1": 2**7, "i2": 2**15, "i4": 2**31}
+"""Types of whole numbers, and what their absolute values are below."""
+
+FINE, HALF, MILLI = 1 / 1024, 1 / 2, 1e-3
+"""Units of places, in cells: of continuous tracks, and of others, whose robots are in cells; and of
+times and batteries."""
 
 TURN, NO_HEADING = 120, 127
 """Parts of a whole turn, and the sign of an unknown heading."""
 
 NOT_SHOWN, EMPTY = -1, 0
 """Loads of robots; a loaded one has 1 plus the age of its order."""
-
-MILLI = 1e-3
 
 DEFAULT_SPEED = 4.0
 """Simulated seconds in a second; a step of the grid takes a second."""
@@ -33,6 +48,70 @@ MAX_SECONDS, MIN_SECONDS = 30.0, 6.0
 
 MAX_TEXT = 1_000
 """Characters of a title, a caption or a label; a longer one is cut."""
+
+Reference = dict[str, list[Any]]
+
+
+class Columns:
+    """Collects arrays, and packs them behind a JSON value that refers to them."""
+
+    def __init__(self) -> None:
+        self._parts: list[bytes] = []
+        self._length = 0
+
+    def whole(self, values: ArrayLike, *, is_delta: bool = False, unit: float = 1) -> Reference:
+        """Add numbers, rounded to multiples of ``unit``.
+
+        Raises:
+            ValueError: a number is not finite, or too large for 32 bits.
+        """
+        stored = np.rint(np.asarray(values, np.float64).ravel() / unit)
+        largest = _largest(stored)
+        if is_delta:
+            stored = np.diff(stored, prepend=0)
+            largest = _largest(stored)
+        kind = next(name for name, limit in KINDS.items() if largest < limit)
+        return self._add(kind, stored.astype(f"<{kind}"), is_delta=is_delta, unit=unit)
+
+    def real(self, values: ArrayLike) -> Reference:
+        """Add numbers of single precision; NaN is one of them."""
+        return self._add("f4", np.asarray(values, "<f4").ravel(), is_delta=False, unit=1)
+
+    def table(
+        self, names: str, rows: Sequence[Sequence[int | None]], unit: float = 1
+    ) -> dict[str, Reference]:
+        """Add rows of numbers, a column for each of some names; ``None`` becomes -1."""
+        columns = [*zip(*rows, strict=True)] or [()] * len(names.split())
+        return {
+            name: self.whole(
+                [-1 if value is None else value for value in column], is_delta=True, unit=unit
+            )
+            for name, column in zip(names.split(), columns, strict=True)
+        }
+
+    def packed(self, value: Any) -> str:
+        """Return a JSON value and all columns, compressed, as base64."""
+        text = json.dumps(value, ensure_ascii=False, separators=(",", ":"), allow_nan=False)
+        words = text.encode("utf-8", "backslashreplace")
+        words += b" " * (-len(words) % ALIGNMENT)
+        block = b"".join([struct.pack("<I", len(words)), words, *self._parts])
+        return b64encode(zlib.compress(block, LEVEL)).decode("ascii")
+
+    def _add(self, kind: str, stored: Any, *, is_delta: bool, unit: float) -> Reference:
+        data = stored.tobytes()
+        reference = [kind, self._length, len(stored), int(is_delta), unit]
+        data += b"\0" * (-len(data) % ALIGNMENT)
+        self._parts.append(data)
+        self._length += len(data)
+        return {"$": reference}
+
+
+def _largest(numbers: NDArray[np.float64]) -> float:
+    """Return the largest absolute value of some numbers, or 0; raise unless 32 bits hold it."""
+    largest = float(np.abs(numbers).max(initial=0))
+    if not largest < KINDS["i4"]:
+        raise ValueError("a number of a page is not finite, or too large for 32 bits")
+    return largest
 
 
 def packed(tracks: Sequence[Track], title: str, speed: float, opens_at: float | None = None) -> str:
@@ -45,18 +124,15 @@ def packed(tracks: Sequence[Track], title: str, speed: float, opens_at: float | 
     times = [_times(track) for track in tracks]
     end = max(moments[-1] for moments in times)
     is_search = any(track.marks for track in tracks)
-    rate = max(1.0, end / (MAX_SECONDS * DEFAULT_SPEED)) if is_search else 1.0
+    pairs = [*zip(tracks, times, strict=True)]
     page = {
         "title": title,
         "speed": min(DEFAULT_SPEED, end / MIN_SECONDS or 1.0) * speed,
-        "rate": rate,
+        "rate": max(1.0, end / (MAX_SECONDS * DEFAULT_SPEED)) if is_search else 1.0,
         "opensAt": opens_at,
         "unit": "expansion" if is_search else "step",
-        "tracks": [
-            _packed_track(track, moments, columns)
-            for track, moments in zip(tracks, times, strict=True)
-        ],
-        "charts": packed_charts(tracks, times, columns),
+        "tracks": [_track(track, moments, columns) for track, moments in pairs],
+        "charts": _charts(pairs, columns) if len(tracks) <= MAX_TRACKS else [],
     }
     return columns.packed(page)
 
@@ -68,15 +144,33 @@ def _times(track: Track) -> list[float]:
     return [frame.progress for frame in track.frames]
 
 
-def _packed_track(track: Track, times: Sequence[float], columns: Columns) -> dict[str, Any]:
+def _charts(pairs: Sequence[tuple[Track, Sequence[float]]], columns: Columns) -> list[Any]:
+    """Return the charts of some tracks with their times; series with the same title are one."""
+    charts: dict[str, list[dict[str, Any]]] = {}
+    for number, (track, times) in enumerate(pairs):
+        for series in series_of(track, times):
+            if len(pairs) > 1 and (series.kind == "bars" or not len(series.times)):
+                continue  # bars would hide each other
+            charts.setdefault(series.chart, []).append(
+                {
+                    "track": number,
+                    "name": series.name,
+                    "kind": series.kind,
+                    "color": series.color,
+                    "x": columns.real(series.times),
+                    "y": columns.real(series.values),
+                }
+            )
+    return [{"title": title, "series": series} for title, series in charts.items()]
+
+
+def _track(track: Track, times: Sequence[float], columns: Columns) -> dict[str, Any]:
     frames = track.frames
-    rows = frames[0].tiles
-    first = frames[0].fleet
+    rows, first = frames[0].tiles, frames[0].fleet
     bodies = max(len(frame.robots) for frame in frames)
-    robots = bodies if first is None else len(first.battery)
     tiles, tile_at = _indexed("".join(frame.tiles) for frame in frames)
-    energy = any(frame.energy for frame in frames)
     captions, caption_at = _indexed(_cut(frame.caption) for frame in frames)
+    has_energy = any(frame.energy for frame in frames)
     return {
         "title": _cut(track.title),
         "ending": _cut(track.ending),
@@ -84,7 +178,8 @@ def _packed_track(track: Track, times: Sequence[float], columns: Columns) -> dic
         "isFleet": track.is_fleet,
         "width": len(rows[0]),
         "height": len(rows),
-        "robots": robots,
+        "outer": track.outer,
+        "robots": bodies if first is None else len(first.battery),
         "bodies": bodies,
         "tiles": tiles,
         "tileAt": columns.whole(tile_at, is_delta=True),
@@ -95,15 +190,15 @@ def _packed_track(track: Track, times: Sequence[float], columns: Columns) -> dic
         "progress": columns.real([frame.progress for frame in frames]),
         **_poses(track, bodies, columns),
         "hits": _hits(frames, columns),
-        "route": _routes(frames, columns),
-        "energy": columns.real([frame.energy for frame in frames] if energy else []),
+        "route": _route(frames, columns),
+        "energy": columns.real([frame.energy for frame in frames] if has_energy else []),
         "battery": columns.real(track.metrics.get("battery", [])),
         "fullBattery": track.full_battery,
         "viewRadius": track.view_radius,
         "slippery": [list(cell) for cell in track.slippery],
         "motorStrength": track.motor_strength,
-        "fleet": None if first is None else _fleet(track, robots, columns),
-        "marks": None if track.marks is None else _marks(track, columns),
+        "fleet": None if first is None else _fleet(track, len(first.battery), columns),
+        "marks": None if track.marks is None else _marks(track.marks, len(rows[0]), columns),
     }
 
 
@@ -144,23 +239,21 @@ def _hits(frames: Sequence[Frame], columns: Columns) -> dict[str, Any]:
     }
 
 
-def _routes(frames: Sequence[Frame], columns: Columns) -> dict[str, Any] | None:
-    points = [point for frame in frames for point in frame.route]
+def _route(frames: Sequence[Frame], columns: Columns) -> dict[str, Any] | None:
+    points = [(index, point) for index, frame in enumerate(frames) for point in frame.route]
     if not points:
         return None
     return {
-        "count": columns.whole([len(frame.route) for frame in frames]),
-        "x": columns.whole([x for x, _ in points], is_delta=True, unit=FINE),
-        "y": columns.whole([y for _, y in points], is_delta=True, unit=FINE),
+        "frame": columns.whole([index for index, _ in points], is_delta=True),
+        "x": columns.whole([x for _, (x, _) in points], is_delta=True, unit=FINE),
+        "y": columns.whole([y for _, (_, y) in points], is_delta=True, unit=FINE),
     }
 
 
-def _marks(track: Track, columns: Columns) -> dict[str, Any]:
-    marks = track.marks
-    assert marks is not None, "only tracks of searches have them"
+def _marks(marks: Marks, width: int, columns: Columns) -> dict[str, Any]:
     return {
         "time": columns.whole(marks.times, is_delta=True),
-        "cell": columns.whole(_numbers(marks.cells, track), is_delta=True),
+        "cell": columns.whole(_numbers(marks.cells, width), is_delta=True),
         "value": columns.whole(marks.values),
         "colors": [hex_color(color) for color in marks.colors],
         "names": [_cut(name) for name in marks.names],
@@ -170,54 +263,49 @@ def _marks(track: Track, columns: Columns) -> dict[str, Any]:
 
 def _fleet(track: Track, robots: int, columns: Columns) -> dict[str, Any]:
     fleets = [frame.fleet for frame in track.frames if frame.fleet is not None]
+    width = len(track.frames[0].tiles[0])
     battery = np.array([fleet.battery for fleet in fleets]).reshape(-1, robots)
     ways: list[Cell] = []
-    lines: list[tuple[int, int, int, int]] = []
+    plans: list[tuple[int, int, int, int]] = []
     pushes: list[tuple[int, int, int]] = []
     for index, fleet in enumerate(fleets):
-        for kind, found in enumerate((fleet.plans.ways, fleet.plans.wishes)):
+        for is_wish, found in enumerate((fleet.plans.ways, fleet.plans.wishes)):
             for robot, way in found.items():
-                lines.append((index, robot, kind, len(way)))
                 ways += way
+                plans.append((index, robot, is_wish, len(ways)))
         pushes += [(index, robot, pusher) for robot, pusher in fleet.plans.pushers.items()]
+    held_up = [(step, _number(cell, width)) for step, cell in track.held_up]
     return {
         "battery": columns.whole(battery.T, is_delta=True, unit=MILLI),
-        "plans": columns.whole(np.array(lines, np.int64).reshape(-1, 4).T, is_delta=True),
-        "ways": columns.whole(_numbers(ways, track), is_delta=True),
-        "pushes": columns.whole(np.array(pushes, np.int64).reshape(-1, 3).T, is_delta=True),
-        "heldUp": {
-            "step": columns.whole([step for step, _ in track.held_up], is_delta=True),
-            "cell": columns.whole(_numbers([cell for _, cell in track.held_up], track)),
-        },
-        **({} if track.orders is None else _orders(track, track.orders, columns)),
+        "plans": columns.table("frame robot isWish end", plans),
+        "ways": columns.whole(_numbers(ways, width), is_delta=True),
+        "pushes": columns.table("frame robot pusher", pushes),
+        "heldUp": columns.table("step cell", held_up),
+        **({} if track.orders is None else _orders(track, track.orders, width, columns)),
     }
 
 
-def _orders(track: Track, orders: Sequence[Order], columns: Columns) -> dict[str, Any]:
-    fields = {
-        "released": [order.released for order in orders],
-        "due": [order.due for order in orders],
-        "taken": [_or_never(order.taken) for order in orders],
-        "takenBy": [_or_never(order.taken_by) for order in orders],
-        "delivered": [_or_never(order.delivered) for order in orders],
-        "pickup": _numbers([order.pickup for order in orders], track),
-        "dropoff": _numbers([order.dropoff for order in orders], track),
-    }
-    assigned = [(step, robot, _or_never(order)) for step, robot, order in track.assignments]
+def _orders(track: Track, orders: Sequence[Order], width: int, columns: Columns) -> dict[str, Any]:
+    rows = [
+        (
+            order.released, order.due, order.taken, order.taken_by, order.delivered,
+            _number(order.pickup, width), _number(order.dropoff, width),
+        )
+        for order in orders
+    ]  # fmt: skip
     return {
-        "orders": {name: columns.whole(values, is_delta=True) for name, values in fields.items()},
-        "assigned": columns.whole(np.array(assigned, np.int64).reshape(-1, 3).T, is_delta=True),
+        "orders": columns.table("released due taken takenBy delivered pickup dropoff", rows),
+        "assigned": columns.table("step robot order", track.assignments),
     }
 
 
-def _or_never(value: int | None) -> int:
-    return -1 if value is None else value
+def _number(cell: Cell, width: int) -> int:
+    """Return a cell as ``row * W + col``."""
+    return cell[0] * width + cell[1]
 
 
-def _numbers(cells: Iterable[Cell], track: Track) -> list[int]:
-    """Return cells as ``row * W + col``."""
-    width = len(track.frames[0].tiles[0])
-    return [row * width + col for row, col in cells]
+def _numbers(cells: Iterable[Cell], width: int) -> list[int]:
+    return [_number(cell, width) for cell in cells]
 
 
 def _cut(text: str) -> str:

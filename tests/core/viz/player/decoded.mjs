@@ -1,8 +1,8 @@
-// Prints what decode.js makes of the packed block on standard input, as JSON; NaN is a word there.
+// Prints what track.js makes of the packed block on standard input, as JSON; NaN is a word there.
 
 import { readFileSync } from "node:fs";
 
-import { decode, unpack } from "../../../../warehouse_core/viz/player/decode.js";
+import { decode, unpack } from "../../../../warehouse_core/viz/player/track.js";
 
 const block = await unpack(readFileSync(0, "latin1"));
 const plain = (_, value) => {

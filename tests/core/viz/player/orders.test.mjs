@@ -23,8 +23,9 @@ const orders = {
   pickup: [11, 11, 12, 12],
   dropoff: [88, 77, 88, 77],
 };
-/** Steps, robots and orders: robot 0 gets order 0, then 2, then none; robot 1 gets order 1. */
-const fleet = { orders, assigned: [0, 2, 10, 12, 0, 1, 0, 0, 0, 1, 2, -1] };
+/** Robot 0 gets order 0, then 2, then none; robot 1 gets order 1. */
+const assigned = { step: [0, 2, 10, 12], robot: [0, 1, 0, 0], order: [0, 1, 2, -1] };
+const fleet = { orders, assigned };
 
 test("an order ages by thirds of its time, and is late after it is due", () => {
   const ages = [0, 2, 3, 5, 6, 8, 9, 10].map((step) => ageOf(orders, 0, step));

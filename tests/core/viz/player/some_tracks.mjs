@@ -1,4 +1,4 @@
-// Data of small tracks, as decode.js returns it.
+// Data of small tracks, as track.js decodes it.
 
 import { Track } from "../../../../warehouse_core/viz/player/track.js";
 
@@ -11,6 +11,7 @@ export function trackOf(bodies, changes = {}) {
     title: "A track",
     width: 10,
     height: 10,
+    outer: 0,
     robots: bodies.length,
     bodies: bodies.length,
     isContinuous: false,

@@ -2,7 +2,7 @@ import math
 
 import pytest
 
-from warehouse_core.viz.player.columns import Columns
+from warehouse_core.viz.player.tracks import Columns
 
 
 @pytest.mark.parametrize("values", [[2**31 - 0.4], [0, 2**31 - 1, -1], [math.nan], [math.inf] * 2])

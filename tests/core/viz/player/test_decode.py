@@ -13,8 +13,7 @@ from helpers.fleets import fleet_episode
 from helpers.pages import HOSTILE
 
 from warehouse_core import Episode, FleetEpisode, WarehouseEnv, record_episode
-from warehouse_core.viz.player.columns import Columns
-from warehouse_core.viz.player.tracks import packed
+from warehouse_core.viz.player.tracks import Columns, packed
 from warehouse_core.viz.tracks import Track, track_of_record
 from warehouse_core.viz.tracks.track import Frame
 

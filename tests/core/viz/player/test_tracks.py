@@ -25,10 +25,11 @@ def test_a_page_has_the_plans_of_each_frame() -> None:
     plans = [StepPlans({0: way}), StepPlans({1: way}, {1: wish}, {2: 3})]
     page = player_page([track_of_record(episode, plans=plans)])
     fleet = said_by(page)["tracks"][0]["fleet"]
-    # Frames, robots, whether they are ways or wishes, and lengths; then frame, robot and pusher.
-    assert fleet["plans"] == [0, 1, 1, 0, 1, 1, 0, 0, 1, 2, 2, 3]
+    assert fleet["plans"] == {
+        "frame": [0, 1, 1], "robot": [0, 1, 1], "isWish": [0, 0, 1], "end": [2, 4, 7],
+    }  # fmt: skip
     assert fleet["ways"] == [row * width + col for row, col in (*way, *way, *wish)]
-    assert fleet["pushes"] == [1, 2, 3]
+    assert fleet["pushes"] == {"frame": [1], "robot": [2], "pusher": [3]}
 
 
 @pytest.mark.parametrize("opens_at", [None, 0.0, 61.5])

@@ -2,9 +2,8 @@
 
 import { readFileSync } from "node:fs";
 
-import { decode, unpack } from "../../../../warehouse_core/viz/player/decode.js";
 import { waitingByPickup } from "../../../../warehouse_core/viz/player/orders.js";
-import { Track } from "../../../../warehouse_core/viz/player/track.js";
+import { decode, Track, unpack } from "../../../../warehouse_core/viz/player/track.js";
 
 const data = decode(await unpack(readFileSync(0, "latin1")));
 const frames = data.tracks.map((packed) => {

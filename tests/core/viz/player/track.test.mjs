@@ -7,7 +7,6 @@ import {
   indexAt,
   nextEvent,
   stuckFrames,
-  sums,
   visitsUntil,
 } from "../../../../warehouse_core/viz/player/track.js";
 import { along, hitsOf, trackOf } from "./some_tracks.mjs";
@@ -98,14 +97,10 @@ test("a hit that is shown for several frames is one event, and in steps each is 
 });
 
 test("a route is that of its frame", () => {
-  const route = { count: [1, 0, 2], x: [1, 2, 3], y: [4, 5, 6] };
+  const route = { frame: [0, 2, 2], x: [1, 2, 3], y: [4, 5, 6] };
   const track = trackOf([along([0, 1, 2])], { route });
   assert.deepEqual([0, 1, 2].map((frame) => track.routeIn(frame)), [[[1, 4]], [], [[2, 5], [3, 6]]]);
   assert.deepEqual(trackOf([along([0])]).routeIn(0), []);
-});
-
-test("sums start at 0 and end with the whole", () => {
-  assert.deepEqual([...sums([3, 0, 2])], [0, 3, 3, 5]);
 });
 
 test("the next event is a pick, a drop or a hit, of the robots asked for", () => {

@@ -1,8 +1,8 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
+import { View } from "../../../../warehouse_core/viz/player/canvas.js";
 import { Player, shortNames } from "../../../../warehouse_core/viz/player/player.js";
-import { View } from "../../../../warehouse_core/viz/player/view.js";
 
 function viewOf(columns, rows, width, height) {
   const view = new View(columns, rows, 0.1);
