@@ -10,8 +10,7 @@ from pathlib import Path
 import numpy as np
 
 from agents.learning.map_memory import MapMemory
-from agents.learning.move_network import MoveNetwork
-from agents.learning.view_radius import check_view_radius
+from agents.learning.policy_network import MoveNetwork
 from agents.warehouse_agent_greedy import goal_of
 from warehouse_core.arguments import instance_of
 from warehouse_core.task.encoding import ObservationArrays, encode
@@ -37,7 +36,7 @@ class CloneAgent:
         >>> import numpy as np
         >>> from agents import CloneAgent
         >>> from agents.learning.map_memory import view_size
-        >>> from agents.learning.move_network import MoveNetwork
+        >>> from agents.learning.policy_network import MoveNetwork
         >>> from warehouse_core import WarehouseEnv
         >>> widths = [view_size(radius=3), 8, 8, 1]
         >>> layers = [(np.zeros((b, a)), np.zeros(b)) for a, b in zip(widths, widths[1:])]
@@ -71,7 +70,7 @@ class CloneAgent:
         Raises:
             AgentError: the view radius differs from the training.
         """
-        check_view_radius(observation, self._network.view_radius, self._name)
+        self._network.check_view(observation, self._name)
         [scores] = self._network.scores(self._memory.look(_batch_of(encode(observation))))
         goal, [is_open] = goal_of(observation), self._memory.is_open
         if goal == observation["robot_pos"]:

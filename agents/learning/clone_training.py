@@ -23,10 +23,8 @@ import torch
 
 from agents.learning.clone_agent import CloneAgent
 from agents.learning.learner import RECENT_EPISODES, MakeAgent, WatchTraining
-from agents.learning.lessons import Lessons
-from agents.learning.map_memory import MOVES, WALLS, MapMemory, turns, view_size
-from agents.learning.move_network import MoveNetwork
-from agents.learning.ranking_layers import copied_layers, improve, new_layers
+from agents.learning.map_memory import MOVES, WALLS, MapMemory, SingleFloats, turns, view_size
+from agents.learning.policy_network import Layer, MoveNetwork
 from agents.learning.teachers import Teacher
 from warehouse_core.batch import BatchEnv
 from warehouse_core.world.actions import action_index
@@ -56,6 +54,32 @@ RADIUS, WIDTH = 3, 64
 PICK, DROP = action_index("PICK"), action_index("DROP")
 
 
+class Lessons:
+    """The latest views with the moves that would have been right.
+
+    Args:
+        most: number of views that are kept.
+        size: length of a view.
+    """
+
+    def __init__(self, most: int, size: int) -> None:
+        self._views = np.zeros((most, size), np.float16)
+        self._right = np.zeros((most, len(MOVES)), np.bool_)
+        self._added = 0
+
+    def add(self, views: SingleFloats, right: Flags) -> None:
+        """Add the views for which a move is right, in place of the oldest."""
+        useful = right.any(axis=1)
+        places = (self._added + np.arange(useful.sum())) % len(self._views)
+        self._views[places], self._right[places] = views[useful], right[useful]
+        self._added += len(places)
+
+    def draw(self, stream: np.random.Generator, count: int) -> tuple[SingleFloats, Flags]:
+        """Return random views, ``[count, ...]``, and which moves would have been right."""
+        drawn = stream.integers(min(self._added, len(self._views)), size=count)
+        return self._views[drawn].astype(np.float32), self._right[drawn]
+
+
 class CloneLearner:
     """Learns from what a teacher would do in the episodes of a batch.
 
@@ -78,12 +102,15 @@ class CloneLearner:
         torch.manual_seed(seed)
         self._batch, self._teacher = batch, teacher
         self._round, self._rounds = 0, math.ceil(steps / (batch.num_envs * ROUND))
-        self._layers = new_layers(view_size(RADIUS), WIDTH)
+        self._layers = torch.nn.Sequential(
+            torch.nn.Linear(view_size(RADIUS), WIDTH), torch.nn.ReLU(),
+            torch.nn.Linear(WIDTH, WIDTH), torch.nn.ReLU(), torch.nn.Linear(WIDTH, 1),
+        )  # fmt: skip
         self._optimiser = torch.optim.Adam(self._layers.parameters(), LEARNING_RATE)
         self._stream = np.random.default_rng(seed)
         self._memory = MapMemory(batch.num_envs, batch.view_radius, RADIUS)
         self._drawn = np.arange(batch.num_envs) >= BEST * batch.num_envs
-        self._lessons = Lessons(KEPT * ROUND * batch.num_envs, (view_size(RADIUS),), len(MOVES))
+        self._lessons = Lessons(KEPT * ROUND * batch.num_envs, view_size(RADIUS))
         self._recent = deque[bool](maxlen=RECENT_EPISODES)
         self._arrays, _ = batch.reset(seed=seed)
         teacher.begin(np.arange(batch.num_envs), self._arrays)
@@ -120,7 +147,8 @@ class CloneLearner:
 
     def network(self) -> MoveNetwork:
         """Return a copy of the network."""
-        return MoveNetwork(self._batch.view_radius, RADIUS, copied_layers(self._layers))
+        layers = [copied(part) for part in self._layers if isinstance(part, torch.nn.Linear)]
+        return MoveNetwork(self._batch.view_radius, RADIUS, layers)
 
     def save_network(self, path: Path) -> None:
         """Write the file that ``CloneAgent.load`` reads."""
@@ -166,5 +194,14 @@ class CloneLearner:
             by_move = torch.from_numpy(views[:, turns(RADIUS)[self._stream.integers(2)]])
             walls = torch.from_numpy(views[:, WALLS] > 0)
             scores = self._layers(by_move)[..., 0].masked_fill(walls, -math.inf)
+            # Moves that are drawn by their scores become likelier to be any of the right ones.
             wrong = torch.from_numpy(~right)
-            improve(self._optimiser, scores, wrong)
+            gain = scores.masked_fill(wrong, -math.inf).logsumexp(1) - scores.logsumexp(1)
+            self._optimiser.zero_grad()
+            (-gain.mean()).backward()
+            self._optimiser.step()
+
+
+def copied(part: torch.nn.Linear) -> Layer:
+    """Return a copy of the weights and biases of a layer, for NumPy."""
+    return part.weight.detach().numpy().copy(), part.bias.detach().numpy().copy()

@@ -10,12 +10,14 @@ from __future__ import annotations
 from functools import lru_cache
 
 import numpy as np
+from numpy.typing import NDArray
 
-from agents.learning.layers import SingleFloats
 from warehouse_core.copies import CopiedWhole
 from warehouse_core.task.encoding import NOWHERE, ObservationArrays
 from warehouse_core.world.tables import Flags, Integers
 from warehouse_core.world.tiles import CELL_CODES, MOVE_DELTAS, WALL
+
+SingleFloats = NDArray[np.float32]
 
 MOVES = np.array(list(MOVE_DELTAS.values()))
 """Displacements of N, E, S and W, ``[4, 2]``."""

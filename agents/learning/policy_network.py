@@ -1,46 +1,218 @@
-"""The network that chooses an action: two hidden layers of tanh, run by NumPy.
+"""The networks that choose actions, run with NumPy, and the files that hold them.
 
-Training needs PyTorch (``ppo_training.py``); running needs only NumPy.
+A network has three layers with fixed weights. Training needs PyTorch, see ``ppo_training.py`` and
+``clone_training.py``; running needs only NumPy. A file is a plain ``.npz`` without pickled objects.
 """
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
+from typing import Any, ClassVar, Self
 
 import numpy as np
+from numpy.typing import NDArray
 
-from agents.learning.layers import (
-    Layer,
-    SingleFloats,
-    checked_layers,
-    load_network,
-    outputs_of,
-    save_layers,
-)
-from warehouse_core.arguments import whole_number
+from agents.errors import AgentError
+from agents.learning.map_memory import SingleFloats, turns, view_size
+from warehouse_core import RecordError
+from warehouse_core.arguments import MAX_VIEW_RADIUS, whole_number
+from warehouse_core.files.header import pack_header, unpack_header
+from warehouse_core.files.npz import Schema, read_arrays, write_arrays
 from warehouse_core.task.encoding import MARKED_TILES, OTHER_NUMBERS, ObservationArrays, vector
+from warehouse_core.task.state import Observation
 from warehouse_core.wording import brief
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.tiles import CELL_CODES
 
-FORMAT = "warehouse-lab policy 1"
-HEADER_KEYS = ("view_radius", "tiles")
+LAYERS = 3
+
+SCHEMA: Schema = {
+    "header": ("|u1", 1),
+    **{f"weights_{layer}": ("<f4", 2) for layer in range(LAYERS)},
+    **{f"biases_{layer}": ("<f4", 1) for layer in range(LAYERS)},
+}
 
 TIMES = 2
-"""Battery and steps, at the end of a vector; they are no input of a network.
+"""Number of entries for battery and steps, at the end of a vector, which are no input of a network.
 
-The best action does not depend on them, so a network may be run with another battery than in its
-training.
+The best action does not depend on them, so a network may be run with another battery than the one
+of its training.
 """
+
+Layer = tuple[SingleFloats, SingleFloats]
+"""Weights ``[outputs, inputs]`` and biases ``[outputs]``."""
 
 Tiles = tuple[str, ...]
 """Tiles that a network tells apart in a window: ``MARKED_TILES``, or ``FLEET_TILES`` in a fleet."""
 
 
+class Network(ABC):
+    """Three layers with fixed weights that choose among actions.
+
+    Args:
+        view_radius: number of cells that the robot sees in each direction.
+        layers: ``LAYERS`` layers, first to last.
+        inputs: number of inputs of the first layer.
+        outputs: number of outputs of the last layer.
+
+    Raises:
+        ValueError: the layers do not fit together or hold numbers that are not finite.
+    """
+
+    form: ClassVar[str]
+    """Value of ``format`` in the header of a file."""
+
+    keys: ClassVar[tuple[str, str]]
+    """Names of the two other values in the header, which are attributes of the network."""
+
+    def __init__(
+        self, view_radius: int, layers: Sequence[Layer], inputs: int, outputs: int
+    ) -> None:
+        self.view_radius = view_radius
+        self.layers = _checked(layers, inputs, outputs)
+
+    def check_view(self, observation: Observation, name: str) -> None:
+        """Raise unless a robot sees as far as in the training of this network.
+
+        Args:
+            observation: observation of the robot.
+            name: name of the network in the message.
+
+        Raises:
+            AgentError: the view radius differs from the training.
+        """
+        radius = len(observation["local_grid"]) // 2
+        if radius != self.view_radius:
+            raise AgentError(
+                f"{name} was trained with view radius {self.view_radius}; this robot has {radius}"
+            )
+
+    def save(self, path: str | Path) -> None:
+        """Write the network to one ``.npz`` file, completely or not at all."""
+        first, second = (getattr(self, key) for key in self.keys)
+        values = first, "".join(second) if isinstance(second, tuple) else second
+        header = {"format": self.form, **dict(zip(self.keys, values, strict=True))}
+        arrays: dict[str, NDArray[Any]] = {"header": pack_header(header)}
+        for number, (weights, biases) in enumerate(self.layers):
+            arrays |= {f"weights_{number}": weights, f"biases_{number}": biases}
+        write_arrays(path, arrays, SCHEMA)
+
+    @classmethod
+    def load(cls, path: str | Path) -> Self:
+        """Read a network that ``save`` wrote.
+
+        Raises:
+            RecordError: the file is damaged or has other contents; the message says which.
+            OSError: the file cannot be read.
+        """
+        arrays = read_arrays(path, SCHEMA)
+        layers = [(arrays[f"weights_{n}"], arrays[f"biases_{n}"]) for n in range(LAYERS)]
+        try:
+            return cls._of_header(unpack_header(arrays["header"], cls.form, cls.keys), layers)
+        except (TypeError, ValueError) as error:
+            raise RecordError(f"{path}: {error}") from error
+
+    @classmethod
+    @abstractmethod
+    def _of_header(cls, header: Any, layers: list[Layer]) -> Self:
+        """Return the network with the values of a header."""
+
+    @staticmethod
+    @abstractmethod
+    def _activate(values: SingleFloats) -> SingleFloats:
+        """Return the function of the outputs of all layers but the last."""
+
+    def _outputs(self, inputs: SingleFloats) -> SingleFloats:
+        """Return the outputs ``[..., M]`` for inputs ``[..., L]``."""
+        *hidden, (weights, biases) = self.layers
+        # OpenBLAS computes whole vectors, also with what lies behind the end of a short one. That
+        # may set the flag of an invalid operation, though every number of a network is finite.
+        with np.errstate(invalid="ignore"):
+            for inner_weights, inner_biases in hidden:
+                inputs = self._activate(inputs @ inner_weights.T + inner_biases)
+            return inputs @ weights.T + biases
+
+
+class PolicyNetwork(Network):
+    """The network of PPO: it scores the seven actions for what a robot observes.
+
+    Args:
+        view_radius: number of cells that the robot sees in each direction.
+        layers: ``LAYERS`` layers with hyperbolic tangents between them.
+        tiles: tiles that the network tells apart.
+
+    Raises:
+        ValueError: the layers do not fit together or hold numbers that are not finite.
+    """
+
+    form = "warehouse-lab policy 1"
+    keys = ("view_radius", "tiles")
+
+    def __init__(
+        self, view_radius: int, layers: Sequence[Layer], tiles: Tiles = MARKED_TILES
+    ) -> None:
+        super().__init__(view_radius, layers, input_size(view_radius, tiles), len(ACTIONS))
+        self.tiles = tiles
+
+    def logits(self, inputs: SingleFloats) -> SingleFloats:
+        """Return ``[..., 7]`` for ``[..., L]`` inputs; higher values mean likelier actions."""
+        return self._outputs(inputs)
+
+    @classmethod
+    def _of_header(cls, header: Any, layers: list[Layer]) -> Self:
+        radius = whole_number("view_radius", header.get("view_radius"), 0)
+        tiles = header.get("tiles", "".join(MARKED_TILES))
+        if not isinstance(tiles, str) or not set(tiles) <= CELL_CODES.keys():
+            raise ValueError(f"tiles are {brief(tiles)}; allowed: {''.join(CELL_CODES)}")
+        return cls(radius, layers, tuple(tiles))
+
+    @staticmethod
+    def _activate(values: SingleFloats) -> SingleFloats:
+        return np.tanh(values)
+
+
+class MoveNetwork(Network):
+    """The network of imitation: it ranks the four moves of a robot with a memory.
+
+    The same layers judge each move: their input is the view of a robot that looks in its direction.
+    So the network applies what it has learned about one direction to all four, and is small.
+
+    Args:
+        view_radius: number of cells that the robot sees in each direction.
+        radius: number of cells of its map that it is shown in each direction.
+        layers: ``LAYERS`` layers with rectifiers between them, the last with one output.
+
+    Raises:
+        ValueError: the layers do not fit together or hold numbers that are not finite.
+    """
+
+    form = "warehouse-lab moves 1"
+    keys = ("view_radius", "radius")
+
+    def __init__(self, view_radius: int, radius: int, layers: Sequence[Layer]) -> None:
+        super().__init__(view_radius, layers, view_size(radius), 1)
+        self.radius = radius
+
+    def scores(self, views: SingleFloats) -> SingleFloats:
+        """Return how good N, E, S and W are in ``[B, L]`` views of a ``MapMemory``, ``[B, 4]``."""
+        return self._outputs(views[:, turns(self.radius)[0]])[..., 0]
+
+    @classmethod
+    def _of_header(cls, header: Any, layers: list[Layer]) -> Self:
+        view_radius, radius = (
+            whole_number(key, header.get(key), 0, MAX_VIEW_RADIUS) for key in cls.keys
+        )
+        return cls(view_radius, radius, layers)
+
+    @staticmethod
+    def _activate(values: SingleFloats) -> SingleFloats:
+        return np.maximum(values, 0)
+
+
 def network_input(arrays: ObservationArrays, tiles: Tiles = MARKED_TILES) -> SingleFloats:
-    """Return the input of a network for an observation, ``[..., L]``."""
+    """Return the input of a ``PolicyNetwork`` for an observation, ``[..., L]``."""
     return vector(arrays, tiles)[..., :-TIMES]
 
 
@@ -49,42 +221,23 @@ def input_size(view_radius: int, tiles: Tiles = MARKED_TILES) -> int:
     return len(tiles) * (2 * view_radius + 1) ** 2 + OTHER_NUMBERS - TIMES
 
 
-class PolicyNetwork:
-    """A network of ``LAYERS`` layers with fixed weights.
+def _checked(layers: Sequence[Layer], inputs: int, outputs: int) -> list[Layer]:
+    """Return layers that lead from so many inputs to so many outputs.
 
     Raises:
         ValueError: the layers do not fit together or hold numbers that are not finite.
     """
-
-    def __init__(
-        self, view_radius: int, layers: Sequence[Layer], tiles: Tiles = MARKED_TILES
-    ) -> None:
-        self.view_radius, self.tiles = view_radius, tiles
-        self.layers = checked_layers(layers, input_size(view_radius, tiles), len(ACTIONS))
-
-    def logits(self, inputs: SingleFloats) -> SingleFloats:
-        """Return ``[..., 7]`` for ``[..., L]`` inputs; the higher, the more likely is an action."""
-        return outputs_of(self.layers, inputs, np.tanh)
-
-    def save(self, path: str | Path) -> None:
-        """Write the network to one ``.npz`` file, whole or not at all."""
-        header = {"format": FORMAT, "view_radius": self.view_radius, "tiles": "".join(self.tiles)}
-        save_layers(path, header, self.layers)
-
-    @staticmethod
-    def load(path: str | Path) -> PolicyNetwork:
-        """Read a network that ``save`` wrote.
-
-        Raises:
-            RecordError: the file is damaged or has other contents; the message says which.
-            OSError: the file cannot be read.
-        """
-        return load_network(path, FORMAT, HEADER_KEYS, _network)
-
-
-def _network(header: Any, layers: list[Layer]) -> PolicyNetwork:
-    radius = whole_number("view_radius", header.get("view_radius"), 0)
-    tiles = header.get("tiles", "".join(MARKED_TILES))
-    if not isinstance(tiles, str) or not set(tiles) <= CELL_CODES.keys():
-        raise ValueError(f"tiles are {brief(tiles)}; allowed: {''.join(CELL_CODES)}")
-    return PolicyNetwork(radius, layers, tuple(tiles))
+    if len(layers) != LAYERS:
+        raise ValueError(f"there are {len(layers)} layers; there must be {LAYERS}")
+    width = inputs
+    for number, (weights, biases) in enumerate(layers):
+        height = outputs if number == LAYERS - 1 else len(biases)
+        if weights.shape != (height, width) or biases.shape != (height,):
+            raise ValueError(
+                f"layer {number} has the shapes {weights.shape} and {biases.shape}; "
+                f"they must be ({height}, {width}) and ({height},)"
+            )
+        if not (np.isfinite(weights).all() and np.isfinite(biases).all()):
+            raise ValueError(f"layer {number} has numbers that are not finite")
+        width = height
+    return list(layers)

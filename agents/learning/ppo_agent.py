@@ -11,9 +11,8 @@ from pathlib import Path
 import numpy as np
 
 from agents.errors import AgentError
-from agents.learning.layers import SingleFloats
+from agents.learning.map_memory import SingleFloats
 from agents.learning.policy_network import PolicyNetwork, network_input
-from agents.learning.view_radius import check_view_radius
 from agents.warehouse_agent_greedy import open_moves
 from warehouse_core.arguments import flag, instance_of, real_number, seed_number
 from warehouse_core.task.encoding import FLEET_TILES, encode
@@ -101,7 +100,7 @@ class PPOAgent:
         Raises:
             AgentError: the view radius differs from the training.
         """
-        check_view_radius(observation, self._network.view_radius, self._name)
+        self._network.check_view(observation, self._name)
         logits = self._network.logits(network_input(encode(observation), self._network.tiles))
         if self.revisit:
             logits = logits - np.float32(self.revisit) * self._visits_after(observation)

@@ -20,9 +20,8 @@ from sb3_contrib import MaskablePPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
 
-from agents.learning.layers import Layer
 from agents.learning.learner import RECENT_EPISODES, MakeAgent, WatchTraining
-from agents.learning.policy_network import PolicyNetwork
+from agents.learning.policy_network import Layer, PolicyNetwork
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.vec_env import BatchVecEnv
 from agents.learning.vector_steps import Batch, tiles_of

@@ -9,7 +9,7 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from stable_baselines3.common.vec_env import VecEnv
 
-from agents.learning.layers import SingleFloats
+from agents.learning.map_memory import SingleFloats
 from agents.learning.policy_network import network_input
 from agents.learning.vector_steps import Batch, VectorStep, input_limits, tiles_of, vector_step
 from warehouse_core.world.actions import ACTIONS

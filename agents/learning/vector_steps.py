@@ -7,7 +7,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.learning.layers import SingleFloats
+from agents.learning.map_memory import SingleFloats
 from agents.learning.policy_network import TIMES, Tiles, network_input
 from warehouse_core.batch import BatchEnv
 from warehouse_core.batch.fleets import FleetBatch

@@ -4,10 +4,8 @@ from itertools import pairwise
 
 import numpy as np
 
-from agents.learning.layers import Layer
 from agents.learning.map_memory import view_size
-from agents.learning.move_network import MoveNetwork
-from agents.learning.policy_network import PolicyNetwork, input_size
+from agents.learning.policy_network import Layer, MoveNetwork, PolicyNetwork, input_size
 
 
 def layers_of(*widths: int, stream: np.random.Generator) -> list[Layer]:

@@ -12,7 +12,7 @@ from agents.errors import AgentError
 from agents.lab.trials.task import Task
 from agents.learning.clone_agent import CloneAgent
 from agents.learning.map_memory import MapMemory, view_size
-from agents.learning.move_network import MoveNetwork
+from agents.learning.policy_network import MoveNetwork
 from agents.registry import make_agent
 from warehouse_core import (
     BatchEnv,

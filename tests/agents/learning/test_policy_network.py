@@ -7,8 +7,8 @@ import numpy as np
 import pytest
 from helpers.networks import layers_of, random_network
 
-from agents.learning.layers import SCHEMA
 from agents.learning.policy_network import (
+    SCHEMA,
     PolicyNetwork,
     Tiles,
     input_size,
