@@ -31,8 +31,7 @@ from agents.lab.experiments.episodes import run_task
 from agents.lab.experiments.plan import spread
 from agents.lab.experiments.store import Store
 from agents.lab.grading.archives import members_of, unpack
-from agents.lab.grading.grades import load_grades, save_grades
-from agents.lab.grading.late import load_days
+from agents.lab.grading.grades import load_days, load_grades, save_grades
 from agents.lab.grading.rubric import MINI_LAB, load_rubric
 from agents.lab.reports.analysis.answers import answers
 from agents.lab.reports.analysis.results import FLEETS, LONE, Experiment

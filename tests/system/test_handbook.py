@@ -26,10 +26,9 @@ from helpers.handbook import (
 
 from agents.lab.commands import train
 from agents.lab.experiments.sweep import PRESETS
-from agents.lab.grading.calls import is_right
+from agents.lab.grading.cases import is_right
 from agents.lab.grading.child import as_value
-from agents.lab.grading.exercises import SOLUTIONS, find_rubric
-from agents.lab.grading.rubric import load_rubric
+from agents.lab.grading.rubric import SOLUTIONS, find_rubric, load_rubric
 from agents.lab.training import exams
 from warehouse_core.viz.replay import Replay
 

@@ -150,7 +150,6 @@ WRONG = {
     "demo ballet": "no demo is called 'ballet'; allowed: delivery",
     "grade . --save a.csv --save b.csv": "--save takes one .csv file for a folder",
     "grade mine.py --pages pages": "--pages needs a folder of submissions; 'mine.py' is none",
-    "grade mine.py --class Mine": "--class needs a folder of submissions; 'mine.py' is none",
 }
 """Command lines that are wrong usage, and what is said of them."""
 

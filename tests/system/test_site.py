@@ -19,7 +19,7 @@ from helpers.command_line import LEAVES
 from helpers.handbook import HANDBOOK, SITE
 from helpers.player_pages import shown, wait_until
 
-from agents.lab.grading.exercises import SOLUTIONS
+from agents.lab.grading.rubric import SOLUTIONS
 
 pytestmark = pytest.mark.browser
 

@@ -16,8 +16,7 @@ from helpers.playground import (
     write_page,
 )
 
-from agents.lab.grading.exercises import SOLUTIONS
-from agents.lab.grading.rubric import MINI_LAB
+from agents.lab.grading.rubric import MINI_LAB, SOLUTIONS
 from agents.lab.playground.session import Session
 from warehouse_core import DEFAULT_LAYOUT
 

@@ -1,17 +1,107 @@
-"""The episodes of a rubric: where they take place, and how they are run again."""
+"""The cases of a rubric, each with episodes or with calls, and what an agent does in them."""
 
 from __future__ import annotations
 
 import shlex
+from collections import Counter
+from collections.abc import Callable, Iterable, Iterator, Sequence
+from contextlib import closing, contextmanager
 from dataclasses import dataclass
+from functools import lru_cache
+from math import isclose
 from pathlib import Path
+from typing import Any, ClassVar, NamedTuple
 
+from agents.lab.grading.child import as_tuples
+from agents.lab.grading.sandbox import FAILS, AgentFailureError, Runner
 from agents.lab.grading.slipping import SlippingGrid
 from agents.lab.parameters import usual
 from agents.lab.place import RANDOM, Stations, usual_stations, what_to_draw
-from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, Observation, WarehouseEnv, random_layout
-from warehouse_core.records.failure_modes import fewest_steps
+from agents.warehouse_agent_greedy import GreedyAgent
+from warehouse_core import (
+    DEFAULT_LAYOUT,
+    Cell,
+    EpisodeRecorder,
+    Layout,
+    Observation,
+    WarehouseEnv,
+    random_layout,
+)
+from warehouse_core.records.episode import DELIVERED, Action, Episode
+from warehouse_core.records.failure_modes import diagnose, fewest_steps
+from warehouse_core.wording import counted
+from warehouse_core.world.actions import DROP, INVALID, PICK, action_index
 from warehouse_core.world.named_layouts import DEFAULT, find_layout
+
+EPISODE, CALL = "episode", "call"
+"""The two things that a case may consist of."""
+
+MAX_SHOWN = 300
+"""Most characters of a value that are told."""
+
+TOLERANCE = 1e-6
+"""Difference by which a number may miss the answer, absolute and relative."""
+
+
+class Run(NamedTuple):
+    """The outcome of one episode or of one call.
+
+    Attributes:
+        seed: seed of the episode, or number of the call.
+        needed: fewest steps of a delivery; ``None`` if no path exists, and for a call.
+        delivered: the episode ended with the delivery, or the call with the right answer.
+        useless: number of actions that had no effect, waits not counted.
+        unknown: number of unknown actions.
+        mode: the failure mode, or ``"delivered"``; ``"right"`` or ``"wrong"`` for a call.
+        sentence: evidence for the mode, in words.
+        where: place of the failure, in words; "" if the agent was not loaded.
+        slowest: seconds of the slowest answer.
+        agent: name of its class or function, if it was loaded.
+        actions: its actions; none if the episode was not run, and for a call.
+        reward: sum of the rewards.
+    """
+
+    case: Case
+    seed: int
+    needed: int | None = None
+    delivered: bool = False
+    steps: int = 0
+    useless: int = 0
+    unknown: int = 0
+    mode: str = ""
+    sentence: str = ""
+    failure: AgentFailureError | None = None
+    where: str = ""
+    slowest: float = 0.0
+    agent: str = ""
+    actions: tuple[Action, ...] = ()
+    reward: float = 0.0
+
+    @property
+    def outcome(self) -> str:
+        """The failure of the agent, or else the mode."""
+        return self.failure.kind if self.failure else self.mode
+
+    @property
+    def charged_steps(self) -> int:
+        """The steps of a delivery, or else all that the episode may have."""
+        return self.steps if self.delivered else max(self.steps, self.case.full_length)
+
+    @property
+    def told(self) -> str:
+        """The course of the episode in words, as far as the case may be told."""
+        is_visible = self.case.visible
+        if self.failure is not None:
+            kind, text, public = self.failure.kind, self.failure.text, self.failure.public
+            if is_visible:
+                return f"{kind}{self.where}: {text}"
+            return ": ".join(filter(None, (kind, public)))
+        is_told = self.delivered or self.needed is None  # the mode tells it in other episodes
+        counts = {"useless action": self.useless * is_told, "unknown action": self.unknown}
+        also = "".join(f"; {counted(count, noun)}" for noun, count in counts.items() if count)
+        is_plain = self.delivered or self.case.unit == CALL
+        told = [] if is_plain and is_visible else [self.mode]
+        return ": ".join([*told, self.sentence] if is_visible else told) + also
 
 
 @dataclass(frozen=True, slots=True)
@@ -21,7 +111,7 @@ class GradedCase:
     Attributes:
         layout: a name, the path of a file, or ``RANDOM``; its size and density are of that alone.
         stations: source of pickup and dropoff; ``None`` leaves it to the rule of ``warehouse run``.
-        start: start cell, or ``None`` to draw it.
+        start: start cell, or ``None`` to draw it at random.
         visible: the report may tell the seeds and what happened.
         slip: chance with which a move goes to a side, see ``SlippingGrid``.
     """
@@ -40,6 +130,8 @@ class GradedCase:
     visible: bool = True
     slip: float = 0.0
 
+    unit: ClassVar[str] = EPISODE
+
     @property
     def files(self) -> list[Path]:
         """The file of the layout, if it has one."""
@@ -51,13 +143,10 @@ class GradedCase:
         """The seeds of the episodes."""
         return range(self.first_seed, self.first_seed + self.episodes)
 
-    def agent_seed(self, seed: int) -> int:
-        """Return the seed that the agent of an episode is given.
-
-        It is the seed of the episode, as for ``warehouse run``; if that is hidden it is the number
-        of the episode, because an agent could draw the same layout from the seed.
-        """
-        return seed if self.visible else seed - self.first_seed
+    @property
+    def full_length(self) -> int:
+        """The steps of an episode without a delivery, unless it charges its battery."""
+        return min(self.max_steps, self.battery)
 
     def layout_of(self, seed: int) -> Layout:
         """Return the layout of an episode, before stations are drawn."""
@@ -69,11 +158,6 @@ class GradedCase:
         """Return where pickup and dropoff come from, in a layout of the case."""
         return self.stations or usual_stations(layout, is_default=layout is DEFAULT_LAYOUT)
 
-    def begin(self, seed: int) -> tuple[WarehouseEnv, Observation]:
-        """Return the environment of an episode, and the first observation."""
-        layout = self.layout_of(seed)
-        return self.begin_in(layout, self.stations_of(layout), seed)
-
     def begin_in(
         self, layout: Layout, stations: Stations, seed: int
     ) -> tuple[WarehouseEnv, Observation]:
@@ -82,6 +166,61 @@ class GradedCase:
         backend = SlippingGrid(self.slip) if self.slip else "grid"
         env = WarehouseEnv(layout, self.start, *limits, backend=backend)
         return env, env.reset(what_to_draw(stations, self.start), seed)
+
+    @contextmanager
+    def begin(self, seed: int) -> Iterator[tuple[WarehouseEnv, Observation]]:
+        """Yield the environment of an episode, and the first observation."""
+        layout = self.layout_of(seed)
+        env, observation = self.begin_in(layout, self.stations_of(layout), seed)
+        with closing(env):
+            yield env, observation
+
+    def run(self, runner: Runner, seed: int) -> Run:
+        """Run one episode.
+
+        The agent is given the seed of the episode, as by ``warehouse run``. If that is hidden, it
+        is given the number of the episode, because it could draw the same layout from the seed.
+        """
+        failure = None
+        with self.begin(seed) as (env, observation):
+            recorder, needed = EpisodeRecorder(env, seed=seed), _needed_steps(env)
+            try:
+                with runner.episode() as agent:
+                    agent.start(seed if self.visible else seed - self.first_seed)
+                    while not recorder.ended:
+                        observation = recorder.step(agent.act(observation))
+            except AgentFailureError as error:
+                failure = error
+        episode = recorder.episode
+        diagnosis, counts = diagnose(episode), count_useless(episode)
+        return Run(
+            self, seed, needed, episode.outcome == DELIVERED, episode.steps,
+            sum(counts.values()), counts[INVALID], diagnosis.mode, diagnosis.sentence, failure,
+            where=f" at step {episode.steps + 1}" if agent.name else "",
+            slowest=agent.slowest, agent=agent.name, actions=tuple(episode.actions),
+            reward=episode.total_reward,
+        )  # fmt: skip
+
+    def needed_steps(self, seed: int) -> int | None:
+        """Return the fewest steps of a delivery in an episode; ``None`` if no path exists."""
+        with self.begin(seed) as (env, _):
+            return _needed_steps(env)
+
+    @lru_cache(maxsize=100_000)  # noqa: B019 (cases live as long as their rubric)
+    def greedy_steps(self, seed: int) -> int:
+        """Return the steps of the greedy agent in an episode; it takes all that it may have."""
+        with self.begin(seed) as (env, _):
+            recorder = EpisodeRecorder(env, seed=seed)
+            recorder.run(GreedyAgent(seed))
+        return recorder.episode.steps
+
+    def episode(self, run: Run) -> Episode:
+        """Return the record of an episode, made from its actions without its agent."""
+        with self.begin(run.seed) as (env, _):
+            recorder = EpisodeRecorder(env, seed=run.seed)
+            for action in run.actions:
+                recorder.step(action)
+        return recorder.episode
 
     def command(self, agent: str, seed: int) -> str:
         """Return the command that shows an episode."""
@@ -95,7 +234,9 @@ class GradedCase:
             )
             words += ["--layout", file]
         elif self.layout != DEFAULT:
-            words += ["--layout", _short(self.layout)]
+            path, here = Path(self.layout), Path.cwd()
+            is_below = path.is_relative_to(here)
+            words += ["--layout", str(path.relative_to(here)) if is_below else self.layout]
         words += ["--stations", str(self.stations)] if self.stations else []
         words += ["--start", "{},{}".format(*self.start)] if self.start else []
         for name in ("battery", "max_steps", "view_radius"):
@@ -107,12 +248,139 @@ class GradedCase:
         return before + shlex.join(words)
 
 
-def needed_steps(env: WarehouseEnv) -> int | None:
-    """Return the fewest steps of a delivery after ``reset``, ``None`` without a way."""
+class Call(NamedTuple):
+    """The arguments of a call, and the right answer; both are as JSON has them."""
+
+    arguments: Sequence[Any]
+    answer: Any
+
+
+@dataclass(frozen=True, slots=True)
+class CallCase:
+    """Calls of one function of a submission, as a table of the rubric asks for them.
+
+    A call needs no steps, has no files and no command that shows it.
+
+    Attributes:
+        function: name of the function, or of a dictionary that is looked up by the arguments.
+        visible: the report may tell the calls and their answers.
+    """
+
+    name: str
+    function: str
+    calls: tuple[Call, ...]
+    visible: bool = True
+
+    unit: ClassVar[str] = CALL
+    full_length: ClassVar[int] = 0
+    files: ClassVar[Sequence[Path]] = ()
+
+    @property
+    def seeds(self) -> range:
+        """The numbers of the calls."""
+        return range(self.episodes)
+
+    @property
+    def episodes(self) -> int:
+        """The number of calls."""
+        return len(self.calls)
+
+    def needed_steps(self, number: int) -> None:
+        """Return ``None``, as for an episode without a delivery."""
+
+    def command(self, agent: str, number: int) -> str:
+        """Return no command."""
+        return ""
+
+    def run(self, runner: Runner, number: int) -> Run:
+        """Run one call, in a process of its own like an episode."""
+        call, failure, answer = self.calls[number], None, None
+        try:
+            with runner.episode() as agent:
+                agent.start(number, self.function)
+                answer = agent.call(call.arguments)
+        except AgentFailureError as error:
+            failure = error
+        shown = f"{self.function}({', '.join(_shown(as_tuples(each)) for each in call.arguments)})"
+        right = failure is None and is_right(answer, call.answer)
+        told = "" if right else f"{shown} is {_shown(answer)}, not {_shown(call.answer)}"
+        return Run(
+            self, number, None, right, mode="right" if right else "wrong", sentence=told,
+            failure=failure, where=f" in {shown}" if agent.name else "",
+            slowest=agent.slowest, agent=agent.name,
+        )  # fmt: skip
+
+
+Case = GradedCase | CallCase
+"""The cases of a rubric: of episodes, or of calls of a function."""
+
+
+def run_cases(
+    runner: Runner, cases: Iterable[Case], give_up_after: int, advance: Callable[[], None]
+) -> list[Run]:
+    """Run all episodes of cases, with each of their seeds.
+
+    Args:
+        runner: what starts the agent for each episode.
+        cases: cases in the order in which they are run.
+        give_up_after: episodes in a row that are too slow, end the process or cannot be loaded;
+            further ones of the case count as the last one, unrun.
+        advance: called after each episode.
+
+    Returns:
+        A run for each seed of each case.
+    """
+    runs, hopeless = list[Run](), 0
+    for case in cases:
+        if runs and runs[-1].agent:  # it was loaded, so another case may be another matter
+            hopeless = 0
+        for seed in case.seeds:
+            if hopeless < give_up_after:
+                run = case.run(runner, seed)
+            else:
+                needed = case.needed_steps(seed)
+                run = runs[-1]._replace(case=case, seed=seed, needed=needed, actions=())
+            is_hopeless = run.failure is not None and run.failure.kind != FAILS
+            hopeless = hopeless + 1 if is_hopeless else 0
+            runs.append(run)
+            advance()
+    return runs
+
+
+def count_useless(episode: Episode) -> Counter[int]:
+    """Return by their index how many actions had no effect, waits not counted."""
+    found: Counter[int] = Counter()
+    loaded = zip(episode.loaded, episode.loaded[1:], strict=False)
+    delivered = len(episode.actions) - 1 if episode.terminated else None
+    for step, (before, after) in enumerate(loaded):
+        index = action_index(episode.actions[step])
+        is_idle = index in (PICK, DROP) and before == after and step != delivered
+        found[index] += is_idle or episode.motions[step].blocked or index == INVALID
+    return found
+
+
+def is_right(answer: object, wanted: object) -> bool:
+    """Return whether an answer is the right one; numbers may differ by ``TOLERANCE``."""
+    if isinstance(answer, bool) or isinstance(wanted, bool):
+        return answer is wanted
+    if isinstance(answer, int | float) and isinstance(wanted, int | float):
+        try:
+            return isclose(answer, wanted, rel_tol=TOLERANCE, abs_tol=TOLERANCE)
+        except OverflowError:  # an int that no float can hold
+            return answer == wanted
+    if isinstance(answer, list) and isinstance(wanted, list):
+        return len(answer) == len(wanted) and all(map(is_right, answer, wanted))
+    if isinstance(answer, dict) and isinstance(wanted, dict):
+        same = answer.keys() == wanted.keys()
+        return same and all(is_right(answer[key], wanted[key]) for key in answer)
+    return answer == wanted
+
+
+def _needed_steps(env: WarehouseEnv) -> int | None:
     return fewest_steps(env.layout, (env.state.robot_pos, False))[0]
 
 
-def _short(path: str) -> str:
-    """Return a path as a user would type it."""
-    file = Path(path)
-    return str(file.relative_to(Path.cwd())) if file.is_relative_to(Path.cwd()) else path
+def _shown(value: object) -> str:
+    """Return a value as it would be typed, cut short if it is long."""
+    text = repr(value)
+    return text if len(text) <= MAX_SHOWN else f"{text[:MAX_SHOWN]}..."

@@ -2,15 +2,15 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Mapping
+from collections.abc import Iterable, Iterator
 from itertools import combinations
-from pathlib import Path, PurePosixPath
+from pathlib import Path
 
 from agents.errors import AgentError
 from agents.lab.grading.archives import members_of, read_member
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.sandbox import OWN, AgentFailureError, Sandbox
-from agents.lab.grading.submissions import CODE, MAX_SOURCE, NOTEBOOK, Submission
+from agents.lab.grading.submissions import CODE, MAX_SOURCE, NOTEBOOK, Submission, files_in
 from agents.lab.trials.wording import percent
 from warehouse_core.files.reading import open_file
 
@@ -23,7 +23,7 @@ MAX_NAMED = 3
 OURS = ("agents/warehouse_agent_greedy.py", "agents/search/agents.py")
 """Files of this program that a submission may be alike."""
 
-Shapes = dict[str, frozenset[int]]
+SOURCES = (CODE, NOTEBOOK)
 
 
 def find_copies(submissions: Iterable[Submission], rubric: Rubric) -> dict[str, str]:
@@ -48,7 +48,7 @@ def find_copies(submissions: Iterable[Submission], rubric: Rubric) -> dict[str, 
     }
 
 
-def _shapes_of(submissions: Iterable[Submission], rubric: Rubric) -> Shapes:
+def _shapes_of(submissions: Iterable[Submission], rubric: Rubric) -> dict[str, frozenset[int]]:
     """Return the shape of each submission that can be parsed, and of our own agents."""
     no_agent = Submission("", "", None, "", None, None, "")
     sources = {each.name: _sources_of(each) for each in submissions}
@@ -68,34 +68,30 @@ def _shape(sandbox: Sandbox, sources: list[tuple[str, str]]) -> frozenset[int]:
 
 
 def _sources_of(submission: Submission) -> list[tuple[str, str]]:
-    """Return the kind and the text of each source, together at most ``MAX_SOURCE`` bytes."""
+    """Return the kind and the text of each source, together at most ``MAX_SOURCE`` characters."""
     found, left = list[tuple[str, str]](), MAX_SOURCE
     try:
-        for name, text in _texts_of(submission).items():
-            found.append((PurePosixPath(name).suffix, text[:left]))
-            left -= len(text[:left])
+        for suffix, text in _texts_of(submission):
+            found.append((suffix, text[:left]))
+            left -= len(found[-1][1])
     except (AgentError, OSError):  # which its grade says
         return []
     return found
 
 
-def _texts_of(submission: Submission) -> Mapping[str, str]:
-    if submission.archive is not None:
-        path = submission.archive
-        names = [each for each in members_of(path) if each.suffix in (CODE, NOTEBOOK)]
-        return {
-            str(name): read_member(path, name, MAX_SOURCE).decode("utf-8", "replace")
-            for name in names
-            if not str(name).startswith("__")
-        }
-    if submission.file is None or submission.folder is None:
-        return {} if submission.file is None else {str(submission.file): _read(submission.file)}
-    paths = (each for each in sorted(submission.folder.rglob("*")) if not each.is_symlink())
-    return {
-        str(path): _read(path)
-        for path in paths
-        if path.suffix in (CODE, NOTEBOOK) and path.is_file()
-    }
+def _texts_of(submission: Submission) -> Iterator[tuple[str, str]]:
+    """Yield the kind and the text of each source, by the order of their names."""
+    path = submission.archive
+    if path is not None:
+        for name in members_of(path):
+            if name.suffix in SOURCES and not str(name).startswith("__"):
+                text = read_member(path, name, MAX_SOURCE)
+                yield name.suffix, text.decode("utf-8", "replace")
+    elif submission.file is not None:
+        folder = submission.folder
+        for file in [submission.file] if folder is None else sorted(files_in(folder)):
+            if file.suffix in SOURCES and file.is_file() and not file.is_symlink():
+                yield file.suffix, _read(file)
 
 
 def _read(path: Path) -> str:

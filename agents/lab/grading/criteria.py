@@ -7,7 +7,7 @@ from collections import Counter
 from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
-from agents.lab.grading.runs import Run, greedy_steps
+from agents.lab.grading.cases import CALL, EPISODE, GradedCase, Run
 from agents.lab.grading.sandbox import SLOW
 from agents.lab.trials.wording import percent
 from warehouse_core.records.episode import DELIVERED
@@ -21,7 +21,7 @@ VISIBILITIES = ("visible", "after_due_date", "after_published", "hidden")
 MAX_USELESS = 10
 """Useless actions that an agent may take in an episode without a way."""
 
-EPISODE, CALL = "episode", "call"
+WITH_WAY, WITHOUT = "with a way to deliver", "without a way to deliver"
 
 Runs = Sequence[Run]
 
@@ -32,8 +32,8 @@ class GradedMeasure(NamedTuple):
     Attributes:
         asked: says what is asked, with ``{}`` for the number as it is ``shown``.
         badness: the worst episode is the first that has the largest.
-        counts: returns ``True`` for an episode that counts; ``counted`` are these in words.
         seen: says what was seen, beside the number.
+        counted: the episodes that count, ``WITH_WAY``, ``WITHOUT`` or "" for all.
         is_secret: the number is not told, because it is different each time; such a measure gives
             all points or none.
         unit: ``EPISODE`` or ``CALL``, what it judges.
@@ -43,9 +43,8 @@ class GradedMeasure(NamedTuple):
     shown: Callable[[float], str]
     value: Callable[[Runs], float]
     badness: Callable[[Run], float]
-    counts: Callable[[Run], bool]
-    counted: str
     seen: Callable[[Runs], str]
+    counted: str = ""
     more_is_better: bool = True
     is_secret: bool = False
     unit: str = EPISODE
@@ -55,6 +54,10 @@ class GradedMeasure(NamedTuple):
         if value == other:
             return or_equal
         return (value > other) is self.more_is_better
+
+    def counts(self, run: Run) -> bool:
+        """Return whether an episode counts."""
+        return not self.counted or (self.counted == WITHOUT) is (run.needed is None)
 
 
 class Criterion(NamedTuple):
@@ -101,6 +104,10 @@ class Criterion(NamedTuple):
             asked if self.zero == self.full else f"{asked}; no points at {measure.shown(self.zero)}"
         )
 
+    def is_shown(self, when: str) -> bool:
+        """Return whether students see it at a time, one of ``VISIBILITIES``."""
+        return VISIBILITIES.index(self.visibility) <= VISIBILITIES.index(when)
+
     def points_for(self, value: float) -> float:
         """Return the points for a number, rounded to hundredths."""
         if not self.measure.is_better(self.full, value):
@@ -110,10 +117,6 @@ class Criterion(NamedTuple):
         # Not up to the full points, which only the full number gives.
         share = (value - self.zero) / (self.full - self.zero)
         return min(round(share * self.points, 2), max(self.points - 0.01, 0.0))
-
-
-def _share(is_good: Callable[[Run], bool]) -> Callable[[Runs], float]:
-    return lambda runs: sum(map(is_good, runs)) / len(runs)
 
 
 def _steps(runs: Runs) -> int:
@@ -133,18 +136,6 @@ def outcomes(runs: Runs) -> str:
     return listed(f"{count} {mode}" for mode, count in rows)
 
 
-def _is_calm(run: Run) -> bool:
-    return not run.failure and run.useless <= MAX_USELESS
-
-
-def _is_valid(run: Run) -> bool:
-    return not run.failure and not run.unknown
-
-
-def _is_flawless(run: Run) -> bool:
-    return run.delivered and not run.useless
-
-
 def _useless(runs: Runs) -> str:
     most = max(run.useless for run in runs)
     failed = sum(bool(run.failure) for run in runs)
@@ -162,11 +153,8 @@ def _times(value: float) -> str:
 
 
 def _greedy_ratio(runs: Runs) -> float:
-    return sum(greedy_steps(run.case, run.seed) for run in runs) / _steps(runs)
-
-
-def _has_way(run: Run) -> bool:
-    return run.needed is not None
+    greedy = (run.case.greedy_steps(run.seed) for run in runs if isinstance(run.case, GradedCase))
+    return sum(greedy) / _steps(runs)
 
 
 def _slowest(run: Run) -> float:
@@ -180,58 +168,65 @@ def _in_time(runs: Runs) -> str:
     return f"{late or 'none'} too slow"
 
 
-WITH_WAY, WITHOUT = "with a way to deliver", "without a way to deliver"
+def _share_of(
+    asked: str,
+    is_good: Callable[[Run], bool],
+    badness: Callable[[Run], float],
+    seen: Callable[[Runs], str],
+    counted: str = "",
+    unit: str = EPISODE,
+) -> GradedMeasure:
+    """Return the measure of the share of good runs; the badness of another one is above 0."""
+    return GradedMeasure(
+        asked, percent, lambda runs: sum(map(is_good, runs)) / len(runs),
+        lambda run: 0 if is_good(run) else badness(run), seen, counted, unit=unit,
+    )  # fmt: skip
+
 
 MEASURES = {
-    "delivered": GradedMeasure(
+    "delivered": _share_of(
         "{} of the episodes end with the delivery",
-        percent, _share(lambda run: run.delivered),
-        lambda run: 0 if run.delivered else 1 + bool(run.failure),
-        _has_way, WITH_WAY, outcomes,
+        lambda run: run.delivered, lambda run: 1 + bool(run.failure), outcomes, WITH_WAY,
     ),
     "steps_of_fewest": GradedMeasure(
         "at most {} the fewest possible steps, an episode without a delivery counted with all",
         _times, lambda runs: _steps(runs) / sum(run.needed or 0 for run in runs),
-        _slowness, _has_way, WITH_WAY, outcomes, more_is_better=False,
+        _slowness, outcomes, WITH_WAY, more_is_better=False,
     ),
     "greedy_steps": GradedMeasure(
         "the greedy agent takes {} as many steps",
-        _times, _greedy_ratio, _slowness, _has_way, WITH_WAY, outcomes,
+        _times, _greedy_ratio, _slowness, outcomes, WITH_WAY,
     ),
-    "calm_without_way": GradedMeasure(
+    "calm_without_way": _share_of(
         "in {} of the episodes without a way no failure, and at most "
         f"{MAX_USELESS} useless actions (picks, drops, bumps, unknown ones)",
-        percent, _share(_is_calm),
-        lambda run: 0 if _is_calm(run) else run.useless + 1000 * bool(run.failure),
-        lambda run: run.needed is None, WITHOUT, _useless,
+        lambda run: not run.failure and run.useless <= MAX_USELESS,
+        lambda run: run.useless + 1000 * bool(run.failure), _useless, WITHOUT,
     ),
-    "protocol": GradedMeasure(
+    "protocol": _share_of(
         "in {} of the episodes no failure and no unknown action",
-        percent, _share(_is_valid),
-        lambda run: 0 if _is_valid(run) else run.unknown + 1000 * bool(run.failure),
-        lambda _: True, "", _invalid,
+        lambda run: not run.failure and not run.unknown,
+        lambda run: run.unknown + 1000 * bool(run.failure), _invalid,
     ),
     "answer_seconds": GradedMeasure(
         "each answer takes less than {}",
         lambda seconds: f"{seconds:g} s", lambda runs: max(map(_slowest, runs)),
-        _slowest, lambda _: True, "", _in_time, more_is_better=False, is_secret=True,
+        _slowest, _in_time, more_is_better=False, is_secret=True,
     ),
-    "flawless": GradedMeasure(
+    "flawless": _share_of(
         "{} of the episodes end with the delivery, without a useless action (pick, drop, bump, "
         "unknown one)",
-        percent, _share(_is_flawless),
-        lambda run: 0 if _is_flawless(run) else 1 + run.useless + 1000 * bool(run.failure),
-        _has_way, WITH_WAY, lambda runs: f"{outcomes(runs)}; {_useless(runs)}",
+        lambda run: run.delivered and not run.useless,
+        lambda run: 1 + run.useless + 1000 * bool(run.failure),
+        lambda runs: f"{outcomes(runs)}; {_useless(runs)}", WITH_WAY,
     ),
     "reward": GradedMeasure(
         "a mean reward of at least {}",
         lambda value: f"{value:.2f}", lambda runs: sum(run.reward for run in runs) / len(runs),
-        lambda run: 1000 * bool(run.failure) - run.reward, lambda _: True, "", outcomes,
+        lambda run: 1000 * bool(run.failure) - run.reward, outcomes,
     ),
-    "answered": GradedMeasure(
+    "answered": _share_of(
         "{} of the calls give the right answer",
-        percent, _share(lambda run: run.is_right),
-        lambda run: 0 if run.is_right else 1 + bool(run.failure),
-        lambda _: True, "", outcomes, unit=CALL,
+        lambda run: run.delivered, lambda run: 1 + bool(run.failure), outcomes, unit=CALL,
     ),
 }  # fmt: skip

@@ -1,15 +1,70 @@
-"""The grade of an agent as Gradescope reads it: ``/autograder/results/results.json``.
+"""Gradescope: the results that it reads, and an autograder, which runs this program there.
 
-Source: gradescope-autograders.readthedocs.io/en/latest/specs, "Output format".
+The archive of an autograder has this program as it is here, so that agents are graded there as
+here, and the versions of the libraries that it needs.
+
+Source: gradescope-autograders.readthedocs.io, "Technical Details", "Output format" and "Submission
+Metadata".
 """
 
 from __future__ import annotations
 
+import json
+import math
+import os
+import re
+import sys
+from collections.abc import Iterator
+from datetime import datetime, timedelta
+from importlib.metadata import PackageNotFoundError, requires, version
+from pathlib import Path
 from typing import Any
+from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
-from agents.lab.grading.grading import Grade, GradeReport
+from agents.errors import GradeError
+from agents.lab.grading.grading import Grade, GradeReport, grade
+from agents.lab.grading.rubric import MAX_DAYS, Rubric, load_rubric
+from agents.lab.grading.sandbox import check_trust
+from agents.lab.grading.submissions import submission_at
+from agents.lab.runs.programs import OWN, ROOT
+from warehouse_core.errors import WarehouseError
+from warehouse_core.files.atomic import atomic_path
+from warehouse_core.files.reading import read_file
 
 __all__ = ["results_of"]
+
+SETUP = """#!/usr/bin/env bash
+set -e
+apt-get update
+apt-get install -y python3 python3-venv
+python3 -c 'import sys; sys.exit(sys.version_info < (3, 11))' || {
+    echo "This image has no Python 3.11; choose a newer one." >&2
+    exit 1
+}
+python3 -m venv /autograder/venv
+/autograder/venv/bin/pip install -r /autograder/source/requirements.txt
+"""
+
+RUN = """#!/usr/bin/env bash
+# Grades submission/ and writes results/results.json whatever happens: first that it failed.
+root="${AUTOGRADER_ROOT:-/autograder}"
+mkdir -p "$root/results"
+cat > "$root/results/results.json" <<'END'
+FAILED
+END
+chmod 600 "$root/source/rubric.toml"  # where the kernel does not keep it from agents
+cd "$root" || exit 0
+export PYTHONPATH="$root/source/packages"
+"${AUTOGRADER_PYTHON:-$root/venv/bin/python}" -m agents.lab.grading.gradescope "$root"
+exit 0
+"""
+
+ENDED = "The grader was ended before it was done, by a limit on its time or memory."
+
+NOBODY = "nobody"
+"""User that runs agents where the grader is root, as it is in Gradescope's containers."""
+
+MAX_METADATA = 1_000_000
 
 
 def results_of(report: GradeReport) -> dict[str, Any]:
@@ -40,10 +95,7 @@ def results_of(report: GradeReport) -> dict[str, Any]:
         "visibility": "visible",
         "stdout_visibility": "hidden",
         "extra_data": {
-            "agent": report.agent,
-            "rubric": report.rubric,
-            "code": report.code,
-            "episodes": report.episodes,
+            name: getattr(report, name) for name in ("agent", "rubric", "code", "episodes")
         },
         "tests": [_test(number, grade) for number, grade in enumerate(report.grades, 1)],
     }
@@ -75,17 +127,96 @@ def _test(number: int, grade: Grade) -> dict[str, Any]:
         "score": grade.points,
         "max_score": criterion.points,
         "status": "passed" if grade.is_full else "failed",
-        "output": "\n".join(f"{name}: {text}" for name, text in lines_of(grade)),
+        "output": "\n".join(f"{name}: {text}" for name, text in grade.lines),
         "visibility": criterion.visibility,
     }
 
 
-def lines_of(grade: Grade) -> list[tuple[str, str]]:
-    """Return what was asked and seen, and the worst episode, each with its name."""
-    lines = [
-        ("asked", grade.criterion.asked),
-        ("seen", grade.seen),
-        ("worst", grade.worst),
-        ("replay", grade.command),
-    ]
-    return [(name, text) for name, text in lines if text]
+def write_autograder(target: Path, rubric: Rubric) -> None:
+    """Write the archive that Gradescope takes; the file is complete or not there.
+
+    Raises:
+        GradeError: a layout of the rubric is not beside it, or this package is not installed.
+    """
+    with atomic_path(target) as part, ZipFile(part, "w", ZIP_DEFLATED) as archive:
+        for name, data in _files(rubric):
+            member = ZipInfo(name)  # of 1980, so that the same files have the same archive
+            is_script = name in ("setup.sh", "run_autograder")
+            member.external_attr = (0o100755 if is_script else 0o100644) << 16
+            member.compress_type = ZIP_DEFLATED
+            archive.writestr(member, data)
+
+
+def _files(rubric: Rubric) -> Iterator[tuple[str, bytes]]:
+    failed = json.dumps(failed_results(ENDED))
+    yield "setup.sh", SETUP.encode()
+    yield "run_autograder", RUN.replace("FAILED", failed).encode()
+    yield "requirements.txt", "\n".join([*_requirements(), ""]).encode()
+    beside = rubric.file.resolve().parent
+    for file in dict.fromkeys(map(Path.resolve, rubric.files)):
+        if not file.is_relative_to(beside):
+            raise GradeError(f"{file}: a layout of an autograder has to be beside its rubric")
+        is_rubric = file == rubric.file.resolve()
+        yield "rubric.toml" if is_rubric else str(file.relative_to(beside)), file.read_bytes()
+    for package in OWN:
+        for file in sorted((ROOT / package).rglob("*")):
+            if file.is_file() and not {"__pycache__", "handbook"} & {*file.parts}:
+                yield f"packages/{file.relative_to(ROOT).as_posix()}", file.read_bytes()
+
+
+def _requirements() -> list[str]:
+    """Return the libraries that this program needs, in the versions that are installed here."""
+    try:
+        needed = [each for each in requires("warehouse-lab") or () if "extra ==" not in each]
+    except PackageNotFoundError:
+        raise GradeError("an autograder needs warehouse-lab to be installed, by pip") from None
+    names = [re.split(r"[^\w-]", each, maxsplit=1)[0] for each in needed]
+    return [f"{name}=={version(name)}" for name in names]
+
+
+def run(root: Path) -> dict[str, Any]:
+    """Grade the submission in Gradescope's folder, and return the results.
+
+    Raises:
+        WarehouseError: it cannot be graded; the message says why.
+        OSError: the rubric cannot be read.
+    """
+    rubric, folder = load_rubric(root / "source" / "rubric.toml"), root / "submission"
+    submission = submission_at(folder, None)
+    if Path(submission.shown).is_absolute():
+        submission = submission._replace(shown=str(Path(submission.shown).relative_to(folder)))
+    user = NOBODY if os.getuid() == 0 else None
+    check_trust(user, is_trusted=False, are_many=False)
+    return results_of(grade(submission, rubric, user, late=days_late(root)))
+
+
+def days_late(root: Path) -> int:
+    """Return the days that a submission is late, by what Gradescope tells of it; 0 if it does not.
+
+    A day that has begun counts.
+    """
+    try:
+        told: Any = json.loads(read_file(root / "submission_metadata.json", MAX_METADATA))
+        made = datetime.fromisoformat(told["created_at"])
+        due = datetime.fromisoformat(told["assignment"]["due_date"])
+        days = math.ceil((made - due) / timedelta(days=1))
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        return 0
+    return min(max(days, 0), MAX_DAYS)
+
+
+def main() -> None:
+    """Grade in the folder that the command line names, and write the results or the failure."""
+    root = Path(sys.argv[1]).resolve()
+    try:
+        results = run(root)
+    except (WarehouseError, OSError) as error:
+        results = failed_results(f"It cannot be graded: {error}")
+    except Exception as error:  # whatever happens, there are results
+        results = failed_results(f"The grader failed: {type(error).__name__}: {error}")
+    with atomic_path(root / "results" / "results.json") as part:
+        part.write_text(json.dumps(results, indent=2), encoding="utf-8")
+
+
+if __name__ == "__main__":
+    main()

@@ -7,11 +7,10 @@ from collections.abc import Callable, Collection
 from typing import NamedTuple
 
 from agents.errors import GradeError
-from agents.lab.grading.cases import GradedCase
-from agents.lab.grading.criteria import CALL, EPISODE, VISIBILITIES, Criterion, Runs, outcomes
+from agents.lab.grading.cases import CALL, Run, run_cases
+from agents.lab.grading.criteria import VISIBILITIES, Criterion, Runs, outcomes
 from agents.lab.grading.rubric import Rubric
-from agents.lab.grading.runs import MakeRunner, Run, run_cases
-from agents.lab.grading.sandbox import Sandbox
+from agents.lab.grading.sandbox import SameProcess, Sandbox
 from agents.lab.grading.submissions import NOTEBOOK, Submission
 from agents.lab.trials.wording import percent
 from warehouse_core.wording import counted, printable
@@ -49,6 +48,13 @@ class Grade(NamedTuple):
     def is_full(self) -> bool:
         """Whether all points were given."""
         return self.points >= self.criterion.points
+
+    @property
+    def lines(self) -> list[tuple[str, str]]:
+        """What was asked and seen, and the worst episode, each with its name."""
+        lines = (("asked", self.criterion.asked), ("seen", self.seen), ("worst", self.worst),
+                 ("replay", self.command))  # fmt: skip
+        return [(name, text) for name, text in lines if text]
 
 
 class GradeReport(NamedTuple):
@@ -115,8 +121,7 @@ class GradeReport(NamedTuple):
 
     def shown(self, when: str = VISIBILITIES[0]) -> GradeReport:
         """Return what a student sees at a time, one of ``VISIBILITIES``."""
-        seen = VISIBILITIES[: VISIBILITIES.index(when) + 1]
-        grades = tuple(each for each in self.grades if each.criterion.visibility in seen)
+        grades = tuple(each for each in self.grades if each.criterion.is_shown(when))
         withheld = self.max_points - sum(each.criterion.points for each in grades)
         reason = "" if withheld else self.reason
         return self._replace(grades=grades, withheld=withheld, reason=reason)
@@ -129,15 +134,23 @@ def grade(
     advance: Callable[[], None] = lambda: None,
     late: int = 0,
     *,
-    make_runner: MakeRunner = Sandbox,
+    make_runner: type[Sandbox | SameProcess] = Sandbox,
 ) -> GradeReport:
     """Run the episodes of a rubric with an agent, and judge them.
 
     The report depends on the agent and the rubric alone, if the agent does, except that an answer
-    near a time limit may be within it or not. If no episode counts for a criterion, or agents
-    cannot be run here, that is a ``GradeError``. The agent may run as another ``user``, see
-    ``Sandbox``; ``advance`` is called after each episode. It is some days ``late``. What
-    ``make_runner`` returns runs its episodes: in processes of their own, or in this one.
+    near a time limit may be within it or not.
+
+    Args:
+        submission: agent to be graded.
+        rubric: criteria, cases and limits.
+        user: another user as which the agent runs, see ``Sandbox``.
+        advance: called after each episode.
+        late: number of days that the submission is late.
+        make_runner: class that runs the episodes, in processes of their own or in this one.
+
+    Raises:
+        GradeError: no episode counts for a criterion, or agents cannot be run here.
 
     Example:
         >>> from dataclasses import replace
@@ -152,20 +165,29 @@ def grade(
     """
     # Hidden ones last: what an agent keeps of them in files is not told in visible ones.
     cases = sorted(rubric.used_cases, key=lambda case: not case.visible)
+    limits = rubric.limits
     with submission.unpacked(user) as unpacked:
-        runs = run_cases(unpacked, cases, rubric.limits, user, rubric.files, advance, make_runner)
+        with make_runner(unpacked, limits, user, rubric.files) as runner:
+            runs = run_cases(runner, cases, limits.give_up_after, advance)
         note = _note(unpacked.hiding)
-    played = (run.agent for run in runs if run.agent and isinstance(run.case, GradedCase))
+    return judge(submission, rubric, runs, note, late)
+
+
+def judge(
+    submission: Submission, rubric: Rubric, runs: Runs, note: str = "", late: int = 0
+) -> GradeReport:
+    """Return the report of a submission whose episodes were run; see ``grade``."""
+    played = (run.agent for run in runs if run.agent and run.case.unit != CALL)
     name = submission.called(next(played, None))
     grades: dict[str, Grade] = {}
     for criterion in rubric.criteria:
         grades[criterion.name] = _judge(criterion, runs, grades, name)
     is_loaded = any(run.agent for run in runs)
-    failure = "" if is_loaded else runs[0].told
-    reason = "" if any(each.points for each in grades.values()) else _reason(runs)
     report = GradeReport(
         printable(name), rubric.title, rubric.digest, submission.digest, tuple(grades.values()),
-        failure, reason, note, len(runs), outcomes(runs), late,
+        failure="" if is_loaded else runs[0].told,
+        reason="" if any(each.points for each in grades.values()) else _reason(runs),
+        note=note, episodes=len(runs), outcomes=outcomes(runs), late=late,
     )  # fmt: skip
     return report._replace(taken=rubric.late.taken(late, report.points))
 
@@ -173,7 +195,7 @@ def grade(
 def _reason(runs: Runs) -> str:
     """Return why an agent has no points: what it fails with most, or how its episodes end."""
     failures = Counter(run.failure.kind for run in runs if run.failure)
-    unit = EPISODE if isinstance(runs[0].case, GradedCase) else CALL
+    unit = runs[0].case.unit
     if not failures:
         return f"no points: {counted(len(runs), unit)}, {outcomes(runs)}"
     [(kind, count)] = failures.most_common(1)

@@ -1,4 +1,7 @@
-"""What is asked of an agent and what it is worth: a file in TOML, see ``mini_lab.toml``."""
+"""What is asked of an agent and what it is worth: a file in TOML, see ``mini_lab.toml``.
+
+The mini-lab and the exercises of the handbook have a rubric each, with its starting file beside it.
+"""
 
 from __future__ import annotations
 
@@ -6,18 +9,16 @@ import hashlib
 import json
 import math
 import re
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from agents.errors import GradeError
-from agents.lab.grading.calls import Call, CallCase
-from agents.lab.grading.cases import GradedCase
-from agents.lab.grading.criteria import CALL, EPISODE, MEASURES, VISIBILITIES, Criterion
-from agents.lab.grading.late import MAX_DAYS, LateRule
+from agents.lab.grading.cases import Call, CallCase, Case, GradedCase
+from agents.lab.grading.criteria import MEASURES, VISIBILITIES, Criterion
 from agents.lab.grading.sandbox import AgentLimits
-from agents.lab.parameters import PARAMETERS, CheckValue, Number, Whole, flag, one_of
+from agents.lab.parameters import PARAMETERS, CheckValue, Number, Whole, flag, one_of, text
 from agents.lab.place import RANDOM, Stations, check_stations
 from agents.lab.toml_text import MAX_BYTES, parse_toml
 from warehouse_core import LayoutError
@@ -28,16 +29,31 @@ __all__ = ["Rubric", "load_rubric"]
 
 MINI_LAB = Path(__file__).parent / "mini_lab.toml"
 
+EXERCISES = Path(__file__).parents[2] / "handbook" / "exercises"
+SOLUTIONS = EXERCISES / "solutions"
+"""Folder of the solutions, which the repository has, and an installed package has not."""
+
 MAX_CASES, MAX_CELLS = 1_000, 2_000_000
 """Limits on the cases of a rubric, and on the cells of all their layouts, each of which is drawn or
 read with the rubric."""
 
-MAX_EPISODES, MAX_COUNT, MAX_SEED = 10_000, 1_000_000, 2**31 - 1
+MAX_EPISODES, MAX_COUNT, MAX_SEED, MAX_DAYS = 10_000, 1_000_000, 2**31 - 1, 3_650
 
 TAKEN = (
     "submission", "points", "of", "late", "failure", "outcomes", "similar", "code", "rubric",
 )  # fmt: skip
 """Columns of a table of grades that are not of a criterion."""
+
+
+class LateRule(NamedTuple):
+    """The points that each day takes, and the last day on which there are any."""
+
+    points: float = 0.0
+    days: int = MAX_DAYS
+
+    def taken(self, days: int, points: float) -> float:
+        """Return how many of an agent's points are taken for some days."""
+        return points if days > self.days else min(days * self.points, points)
 
 
 @dataclass(frozen=True, slots=True)
@@ -55,7 +71,7 @@ class Rubric:
 
     title: str
     limits: AgentLimits
-    cases: Mapping[str, GradedCase | CallCase]
+    cases: Mapping[str, Case]
     criteria: tuple[Criterion, ...]
     digest: str
     file: Path
@@ -66,15 +82,15 @@ class Rubric:
         """The sum of all points."""
         return sum(criterion.points for criterion in self.criteria)
 
-    def shown(self, when: str) -> list[Criterion]:
-        """Return the criteria that students see at a time, one of ``VISIBILITIES``."""
-        seen = VISIBILITIES[: VISIBILITIES.index(when) + 1]
-        return [each for each in self.criteria if each.visibility in seen]
-
     @property
     def first_case(self) -> GradedCase | None:
         """The first episodes that criteria judge; ``None`` if they only judge calls."""
         return next((case for case in self.used_cases if isinstance(case, GradedCase)), None)
+
+    @property
+    def shown_name(self) -> str:
+        """The name that a user types: that of an exercise, or the path of the file."""
+        return self.file.stem if self.file.parent == EXERCISES else str(self.file)
 
     @property
     def starter(self) -> Path:
@@ -87,34 +103,27 @@ class Rubric:
         return [self.file, *(file for case in self.cases.values() for file in case.files)]
 
     @property
-    def used_cases(self) -> list[GradedCase | CallCase]:
+    def used_cases(self) -> list[Case]:
         """The cases that criteria judge, in the order of the file."""
         used = {name for criterion in self.criteria for name in criterion.cases}
         return [case for name, case in self.cases.items() if name in used]
 
 
-def text(value: Any) -> str:
-    """Check that a value is text."""
-    if not isinstance(value, str) or not value.strip():
-        raise ValueError("text")
-    return value
+def words(allowed: str, least: int, is_allowed: Callable[[str], bool]) -> CheckValue:
+    """Return a check of lists of at least so many words."""
+
+    def check(value: Any) -> tuple[str, ...]:
+        is_list = isinstance(value, list) and len(value) >= least
+        if not is_list or not all(isinstance(each, str) and is_allowed(each) for each in value):
+            raise ValueError(f"a list of {allowed}")
+        return tuple(value)
+
+    return check
 
 
-def names(value: Any) -> tuple[str, ...]:
-    """Check that a value is a list of names."""
-    if not isinstance(value, list) or not value or not all(isinstance(each, str) for each in value):
-        raise ValueError('a list of names of [cases], as in ["chapter"]')
-    return tuple(value)
-
-
-def modules(value: Any) -> tuple[str, ...]:
-    """Check that a value is a list of names of modules."""
-    if not isinstance(value, list) or not all(
-        isinstance(each, str) and all(part.isidentifier() for part in each.split("."))
-        for each in value
-    ):
-        raise ValueError('a list of names of modules, as in ["math", "numpy"]')
-    return tuple(value)
+def is_module(name: str) -> bool:
+    """Return whether a word can be the name of a module."""
+    return all(part.isidentifier() for part in name.split("."))
 
 
 def pair(minimum: int, example: str) -> CheckValue:
@@ -143,12 +152,14 @@ def calls(value: Any) -> tuple[Call, ...]:
     return tuple(found)
 
 
+NAMES = words('names of [cases], as in ["chapter"]', 1, lambda name: True)
+MODULES = words('names of modules, as in ["math", "numpy"]', 0, is_module)
 SECONDS = Number(0.01, 3600)
 
 LIMITS: dict[str, CheckValue] = {
     "start_seconds": SECONDS, "answer_seconds": SECONDS, "episode_seconds": SECONDS,
     "memory_mb": Whole(64, MAX_COUNT), "give_up_after": Whole(1, MAX_EPISODES),
-    "allow_imports": modules, "deny_imports": modules,
+    "allow_imports": MODULES, "deny_imports": MODULES,
 }  # fmt: skip
 
 CASE: dict[str, CheckValue] = {
@@ -163,7 +174,7 @@ CALLED: dict[str, CheckValue] = {"function": text, "calls": calls, "visible": fl
 """Keys of a case of calls, which has a function."""
 
 CRITERION: dict[str, CheckValue] = {
-    "name": text, "points": Number(0, MAX_COUNT), "measure": one_of(*MEASURES), "cases": names,
+    "name": text, "points": Number(0, MAX_COUNT), "measure": one_of(*MEASURES), "cases": NAMES,
     "full": Number(0, MAX_COUNT), "zero": Number(0, MAX_COUNT), "needs": text,
     "visibility": one_of(*VISIBILITIES), "leaderboard": flag,
 }  # fmt: skip
@@ -220,6 +231,31 @@ class _Reader:
         return found
 
 
+def exercise_names() -> list[str]:
+    """Return the names of all exercises, such as ``"exercise-07"``."""
+    return sorted(path.stem for path in EXERCISES.glob("*.toml"))
+
+
+def own_rubrics() -> dict[str, Path]:
+    """Return the files of the rubrics of this program by name: mini-lab first, then exercises."""
+    return {path.stem: path for path in (MINI_LAB, *sorted(EXERCISES.glob("*.toml")))}
+
+
+def find_rubric(path: Path) -> Path:
+    """Return the file of a rubric: the path itself, or the file of an exercise named by it.
+
+    Raises:
+        GradeError: there is no such file, and no such exercise.
+    """
+    names = exercise_names()
+    if str(path) in names:
+        return EXERCISES / f"{path}.toml"
+    if not path.suffix and not path.exists():
+        first, last = names[0], names[-1]
+        raise GradeError(f"there is no rubric {path}; allowed: a file, or {first} to {last}")
+    return path
+
+
 def load_rubric(path: Path) -> Rubric:
     """Read a rubric.
 
@@ -265,7 +301,7 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
     return Rubric(title, limits, cases, tuple(criteria), digest.hexdigest(), reader.path, late)
 
 
-def _make_case(reader: _Reader, name: str, values: Any) -> GradedCase | CallCase:
+def _make_case(reader: _Reader, name: str, values: Any) -> Case:
     header = f"[cases.{name}]"
     if isinstance(values, dict) and "function" in values:
         found = reader.table(values, CALLED, header)
@@ -294,7 +330,8 @@ def _check_case(reader: _Reader, case: GradedCase, digest: Any, most: int) -> in
         cells = layout.height * layout.width
         _check_cells(cells, most)
         check_stations(layout, case.stations_of(layout), case.layout, 'stations = "drawn"')
-        case.begin(case.first_seed)[0].close()
+        with case.begin(case.first_seed):
+            pass
         digest.update("\n".join(layout.rows).encode())
         return cells
     except (LayoutError, OSError) as error:
@@ -313,7 +350,7 @@ def _make_criterion(
     reader: _Reader,
     values: Any,
     count: int,
-    cases: Mapping[str, GradedCase | CallCase],
+    cases: Mapping[str, Case],
     before: list[Criterion],
 ) -> Criterion:
     header = "[[criteria]]"
@@ -328,9 +365,8 @@ def _make_criterion(
     for name in found["cases"]:
         if name not in cases:
             raise fail(f"cases has {name!r}; allowed: {', '.join(cases)}", "cases")
-        unit = CALL if isinstance(cases[name], CallCase) else EPISODE
-        if unit != MEASURES[found["measure"]].unit:
-            kind = found["measure"]
+        kind, unit = found["measure"], cases[name].unit
+        if unit != MEASURES[kind].unit:
             message = f"measure is {kind!r}, which does not judge {unit}s, as case {name!r} has"
             raise fail(message, "measure")
     earlier = [each.name for each in before]

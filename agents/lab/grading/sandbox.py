@@ -2,13 +2,15 @@
 
 The operating system enforces the limits, and what an agent starts is killed with it. Linux also
 keeps it from files and other processes, see ``walls.py``. Where it does not, an agent can use the
-network, and all files that its user can. macOS does not limit memory, nor find what has left the
-session of the agent.
+network, and all files that its user can, and must be trusted. macOS does not limit memory, nor find
+what has left the session of the agent. Where there are no processes, as in a browser, an agent runs
+in this one.
 """
 
 from __future__ import annotations
 
 import builtins
+import importlib
 import json
 import math
 import os
@@ -18,7 +20,7 @@ import signal
 import socket
 import subprocess
 import sys
-from collections.abc import Collection, Iterable, Iterator, Sequence
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
 from time import monotonic
@@ -27,6 +29,7 @@ from typing import Any, NamedTuple
 from agents.errors import GradeError
 from agents.lab.grading import child, walls
 from agents.lab.grading.submissions import Submission
+from agents.lab.grading.walls import FILES, PROCESSES
 from agents.lab.runs import programs
 from warehouse_core import Observation
 from warehouse_core.wording import printable
@@ -52,10 +55,11 @@ IMPORT_SECONDS = 60.0
 ENDING_SECONDS = 5.0
 """Longest time in which the fork server ends an agent process, and then itself."""
 
-MEBI = 1024 * 1024
-
-Ids = tuple[int, int]
-"""The numbers of a user and its group."""
+DEEDS = {
+    FILES: "read files that are neither theirs nor Python's, or write any",
+    PROCESSES: "reach other processes or the network",
+}
+"""The deeds of agents that each wall prevents, in words."""
 
 
 class AgentLimits(NamedTuple):
@@ -87,7 +91,7 @@ class AgentLimits(NamedTuple):
         No processes, and no files that are not empty. Root has no limit of processes.
         """
         return {
-            "RLIMIT_AS": self.memory_mb * MEBI,
+            "RLIMIT_AS": self.memory_mb * 1024**2,
             "RLIMIT_FSIZE": 0,
             "RLIMIT_MSGQUEUE": 0,
             "RLIMIT_CPU": math.ceil(self.start_seconds + self.episode_seconds) + 1,
@@ -117,15 +121,21 @@ LOAD, FAILS, SLOW, ENDS = "cannot be loaded", "fails", "takes too long", "ends i
 
 
 class AgentProcess:
-    """An agent in the process of one episode: its class, once started, and its slowest answer."""
+    """An agent in the process of one episode.
 
-    def __init__(self, questions: int, answers: int, limits: AgentLimits) -> None:
-        self._questions, self._answers, self._limits = questions, answers, limits
+    Attributes:
+        name: name of its class or function; "" until it is loaded.
+        slowest: seconds of its slowest answer.
+    """
+
+    def __init__(self, submission: Submission, limits: AgentLimits, *pipes: int) -> None:
+        self._submission, self._limits, self._pipes = submission, limits, pipes
         self._left = limits.episode_seconds
         self.name, self.slowest = "", 0.0
 
-    def start(self, submission: Submission, seed: int, function: str | None = None) -> None:
+    def start(self, seed: int, function: str | None = None) -> None:
         """Load and reset the agent, or load a function, or raise its ``AgentFailureError``."""
+        submission = self._submission
         task = {
             "file": None if submission.file is None else str(submission.file),
             "module": submission.module,
@@ -171,7 +181,7 @@ class AgentProcess:
     def _ask(self, question: dict[str, Any], seconds: float) -> dict[str, Any]:
         word = secrets.token_hex(8)
         try:
-            os.write(self._questions, json.dumps(question | {"word": word}).encode() + b"\n")
+            os.write(self._pipes[0], json.dumps(question | {"word": word}).encode() + b"\n")
         except BrokenPipeError:
             raise AgentFailureError(ENDS, "") from None
         line = self._read_line(seconds)
@@ -189,11 +199,11 @@ class AgentProcess:
     def _read_line(self, seconds: float) -> bytes:
         found, until = b"", monotonic() + seconds
         ready = select.poll()
-        ready.register(self._answers, select.POLLIN)
+        ready.register(self._pipes[1], select.POLLIN)
         while not found.endswith(b"\n"):
             if not ready.poll(max(until - monotonic(), 0.0) * 1000):
                 raise self._too_slow(seconds)
-            part = os.read(self._answers, MAX_LINE)
+            part = os.read(self._pipes[1], MAX_LINE)
             found += part
             if not part:
                 raise AgentFailureError(ENDS, "")
@@ -239,9 +249,9 @@ class Sandbox:
     ) -> None:
         if sys.platform == "win32":
             raise GradeError("agents are graded on Linux and macOS; on Windows, use WSL")
-        self._submission, self._limits = submission, limits
         if submission.is_built_in:  # it is one of the packages that may be denied to others
-            self._limits = limits = limits._replace(allow_imports=None, deny_imports=())
+            limits = limits._replace(allow_imports=None, deny_imports=())
+        self._submission, self._limits = submission, limits
         readable, listed = _files_of(submission, secrets, limits.deny_imports)
         self._bounds = {
             "user": None if user is None else _ids_of(user),
@@ -270,23 +280,18 @@ class Sandbox:
         The failure of an agent in the block says how its process ended, if it did.
         """
         (theirs, questions), (answers, also_theirs) = os.pipe(), os.pipe()
+        failure = None
         try:
             self._fork(theirs, also_theirs)
-            with self._ended_clearly():
-                yield AgentProcess(questions, answers, self._limits)
+            try:
+                yield AgentProcess(self._submission, self._limits, questions, answers)
+            except AgentFailureError as found:
+                failure = found
+            finally:
+                status = self._end()
         finally:
             os.close(questions)
             os.close(answers)
-
-    @contextmanager
-    def _ended_clearly(self) -> Iterator[None]:
-        failure = None
-        try:
-            yield
-        except AgentFailureError as found:
-            failure = found
-        finally:
-            status = self._end()
         if failure is not None:
             if failure.kind == ENDS and not failure.text:
                 failure = AgentFailureError(ENDS, _ending(status))
@@ -382,7 +387,7 @@ def _files_of(
     return [*own, *readable], [str(folder)]
 
 
-def _ids_of(user: str) -> Ids:
+def _ids_of(user: str) -> tuple[int, int]:
     """Return the numbers of a user and its group."""
     import pwd
 
@@ -402,3 +407,91 @@ def _ending(status: int | None) -> str:
     if status >= 0:
         return f"exit code {status}"
     return f"signal {-status} ({signal.strsignal(-status)})"
+
+
+class SameProcess:
+    """Runs an agent in this process, where there can be no other, as in a browser.
+
+    Nothing keeps such an agent from anything, and it is not interrupted when it takes too long:
+    whoever grades it so has to trust it, and to end the process. It is used like a ``Sandbox``,
+    without its user and secrets.
+    """
+
+    def __init__(self, submission: Submission, limits: AgentLimits, *_: object) -> None:
+        self._submission, self._limits = submission, limits
+
+    def __enter__(self) -> SameProcess:
+        return self
+
+    def __exit__(self, *error: object) -> None:
+        pass
+
+    @contextmanager
+    def episode(self) -> Iterator[AgentProcess]:
+        """Yield an agent that is not loaded yet; what it may import is forgotten after."""
+        paths, by_statement, by_name = sys.path[:], builtins.__import__, importlib.import_module
+        try:
+            yield _AgentHere(self._submission, self._limits)
+        finally:
+            sys.path[:] = paths
+            builtins.__import__, importlib.import_module = by_statement, by_name
+
+
+class _AgentHere(AgentProcess):
+    """An agent in this process; it is asked like one in another, and answers at once."""
+
+    _reply: Callable[[dict[str, Any]], dict[str, Any]] | None = None
+    _file: str | None = None
+
+    def _ask(self, question: dict[str, Any], seconds: float) -> dict[str, Any]:
+        asked = json.loads(json.dumps(question))
+        try:
+            if self._reply is not None:
+                return self._reply(asked)
+            self._file = asked["file"]
+            if asked["allowed"] is not None or asked["denied"]:
+                child.guard_imports(asked)
+            name, self._reply = child.begin(asked)
+            return {"name": name}
+        except (Exception, SystemExit) as error:
+            raise failure_of(child.described(error, self._file)) from error
+
+
+Runner = Sandbox | SameProcess
+"""Runs the agent of a submission, afresh in each episode."""
+
+
+def check_trust(user: str | None, is_trusted: bool, are_many: bool) -> str:
+    """Return what agents cannot do here, and what they can, in words.
+
+    Args:
+        user: user that runs the agents, or ``None`` for the one that grades.
+        is_trusted: promise that the agents do no harm.
+        are_many: true for a folder of agents, false for one agent.
+
+    Raises:
+        GradeError: root would run agents that are not trusted, or nothing keeps the agents of a
+            class from the files of others.
+    """
+    kept = walls.held()
+    prevented = [deed for wall, deed in DEEDS.items() if wall in kept]
+    possible = [deed for wall, deed in DEEDS.items() if wall not in kept]
+    if not is_trusted and user is None:
+        if sys.platform != "win32" and os.getuid() == 0:
+            raise GradeError(
+                "root does not run agents with its own rights: choose a user without any, such as "
+                "--user nobody, or --trust the agents"
+            )
+        if are_many and possible:
+            raise GradeError(
+                f"on this system agents can {', and '.join(possible)}: grade them as root with a "
+                "--user without rights, such as nobody, or --trust them"
+            )
+    told = f"agents cannot {', nor '.join(prevented)}" if prevented else ""
+    also = f"agents can {', and '.join(possible)}" if possible else ""
+    return "; ".join(filter(None, (told, also)))
+
+
+def most_jobs(user: str | None, jobs: int) -> int:
+    """Return how many agents may run at once: of one user only one, if it could reach others."""
+    return 1 if user is not None and PROCESSES not in walls.held() else jobs

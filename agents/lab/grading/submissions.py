@@ -7,7 +7,7 @@ import os
 import re
 import stat
 import sys
-from collections.abc import Callable, Collection, Iterable, Iterator
+from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import islice
 from pathlib import Path, PurePath, PurePosixPath
@@ -18,7 +18,7 @@ from agents.errors import AgentError
 from agents.lab.grading.archives import MAX_BYTES, MAX_FILES, members_of, read_member, unpack
 from agents.lab.runs.programs import ROOT, digest_of, fingerprint
 from warehouse_core.files.kinds import not_a_file
-from warehouse_core.wording import printable
+from warehouse_core.wording import listed, printable
 
 __all__ = ["Submission", "find_submission", "in_folder"]
 
@@ -39,7 +39,7 @@ which in a notebook is in quotes."""
 MAX_SOURCE = 1024 * 1024
 """Most bytes of a source in which imports are looked for."""
 
-CODE, NOTEBOOK, ARCHIVE = ".py", ".ipynb", ".zip"
+CODE, NOTEBOOK, ARCHIVE = SUFFIXES = ".py", ".ipynb", ".zip"
 
 USUAL = "agent"
 """Name of the file of the agent where there are several, without its suffix."""
@@ -135,8 +135,10 @@ class Unusable(NamedTuple):
 def find_submission(name: str) -> Submission:
     """Return the agent ``file.py:Class``, ``file.py``, ``module:Class`` or a built-in one.
 
-    The file may be a notebook or an archive too. If there is none, or it needs the map, that is an
-    ``AgentError``.
+    The file may be a notebook or an archive too.
+
+    Raises:
+        AgentError: there is none, or it needs the map.
 
     Example:
         >>> from pathlib import Path
@@ -145,56 +147,97 @@ def find_submission(name: str) -> Submission:
         >>> find_submission("mine.py:Mine").kind
         'Mine'
     """
-    if name.endswith((CODE, NOTEBOOK, ARCHIVE)):
-        return of_file(name, Path(name), None)
-    source, colon, kind = name.rpartition(":")
-    if not colon:
+    source, colon, last = name.rpartition(":")
+    if name.endswith(SUFFIXES):
+        source, kind = name, None
+    elif colon:
+        kind = last
+    else:
         return _built_in(name)
-    if source.endswith((CODE, NOTEBOOK, ARCHIVE)):
-        return of_file(name, Path(source), kind)
-    return Submission(name, source, None, source, kind, Path.cwd(), fingerprint(None, source) or "")
-
-
-def of_file(name: str, file: Path, kind: str | None) -> Submission:
-    """Return the agent in a file; that there is none is an ``AgentError``."""
-    if not file.is_file():
-        raise AgentError(f"agent file {file}: {not_a_file(file) or 'there is no such file'}")
-    if file.suffix == ARCHIVE:
-        try:
+    if not source.endswith(SUFFIXES):
+        code = fingerprint(None, source) or ""
+        return Submission(name, source, None, source, kind, Path.cwd(), code)
+    file = Path(source)
+    try:
+        if not file.is_file():
+            raise AgentError(not_a_file(file) or "there is no such file")
+        if file.suffix == ARCHIVE:
             return _of_archive(name, file, kind)
-        except AgentError as error:
-            raise AgentError(f"agent file {file}: {error}") from None
-    path = file.resolve().parent / file.name
-    return _of_files(name, file, kind, path.parent, [path])
+        return _of_files(name, file, kind, folder=file.resolve().parent)
+    except AgentError as error:
+        raise AgentError(f"agent file {file}: {error}") from None
 
 
-def of_folder(name: str, folder: Path, kind: str | None) -> Submission:
-    """Return the agent in a folder; that there is none, or that it is a link, is an ``AgentError``.
+def in_folder(
+    folder: Path, kind: str | None, other: Collection[Path] = ()
+) -> Iterator[Submission | Unusable]:
+    """Yield the submissions in a folder by name: each file and folder, but hidden ones.
+
+    What cannot be graded is ``Unusable``. Links are not followed, so that nobody is graded with the
+    file of another. Each has a class ``kind``. Files in ``other`` are of the lecturer.
+
+    Example:
+        >>> from pathlib import Path
+        >>> from agents.lab.grading.submissions import in_folder
+        >>> Path("class").mkdir()
+        >>> for name in ("one.py", "two.py"):
+        ...     Path("class", name).touch()
+        >>> [submission.name for submission in in_folder(Path("class"), None)]
+        ['one.py', 'two.py']
+    """
+    ours = {path.resolve() for path in other}
+    for path in sorted(folder.iterdir()):
+        if path.name.startswith((".", "__")) or folder.resolve() / path.name in ours:
+            continue
+        try:
+            yield submission_at(path, kind)
+        except (AgentError, OSError) as error:
+            yield Unusable(path.name, str(error))
+
+
+def submission_at(path: Path, kind: str | None) -> Submission:
+    """Return the agent in a file that stands alone, in an archive, or in a folder.
 
     A folder with an archive and no other code, as Moodle makes it, is as the archive.
+
+    Raises:
+        AgentError: there is none, or it is a link.
     """
-    names = list(islice(_paths_in(folder), MAX_FILES + 1))
-    chosen = folder / _choose(names, (CODE, NOTEBOOK, ARCHIVE))
-    if (reason := _unusable(chosen) or not_a_file(chosen)) is not None:
-        raise AgentError(f"{chosen.relative_to(folder).as_posix()}: {reason}")
-    if chosen.suffix == ARCHIVE:
-        return _of_archive(name, chosen, kind)
-    return _of_files(name, chosen, kind, folder.resolve(), _files_in(folder.resolve()))
+    _check_kind(path)
+    file, files, folder = path, list[Path](), None
+    if path.is_dir():
+        folder = path.resolve()
+        files = files_in(folder)
+        file = path / _choose((each.relative_to(folder) for each in files), SUFFIXES)
+        try:
+            _check_kind(file)
+        except AgentError as error:
+            raise AgentError(f"{file.relative_to(path).as_posix()}: {error}") from None
+    if file.suffix == ARCHIVE:
+        return _of_archive(path.name, file, kind)
+    if file.suffix not in SUFFIXES:
+        raise AgentError(f"it is no {CODE}, {NOTEBOOK} or {ARCHIVE} file, and no folder")
+    return _of_files(path.name, file, kind, files, folder)
 
 
-def _of_archive(name: str, file: Path, kind: str | None) -> Submission:
-    """Return the agent in an archive, which is not unpacked here."""
-    members = members_of(file)
-    inner = _choose(members, (CODE, NOTEBOOK))
-    own = {PurePath(part).stem for member in members for part in member.parts}
-    once = _imported_once(read_member(file, PurePosixPath(inner), MAX_SOURCE), own.__contains__)
-    return Submission(
-        name, str(inner), Path(inner), inner.stem, kind, None, _content_digest(file), once,
-        file.resolve(),
-    )  # fmt: skip
+def files_in(folder: Path) -> list[Path]:
+    """Return the files in a folder and its folders, at most one more than ``MAX_FILES``.
+
+    Links, which are not followed, and whatever else is no folder count as files.
+    """
+    walk = (Path(place, name) for place, _, names in os.walk(folder) for name in names)
+    return list(islice(walk, MAX_FILES + 1))
 
 
-def _choose(names: Iterable[PurePath], suffixes: Iterable[str]) -> PurePath:
+def _check_kind(path: Path) -> None:
+    """Raise an ``AgentError`` if neither a file nor a folder is at a path."""
+    if path.is_symlink():
+        raise AgentError("it is a link, which is not followed")
+    if not path.is_dir() and (kind := not_a_file(path)) is not None:
+        raise AgentError(kind)
+
+
+def _choose(names: Iterable[PurePath], suffixes: Sequence[str]) -> PurePath:
     """Return the file of the agent, out of the files of a submission.
 
     It is the only file ``agent.py`` that is nearest to the top, or else the only ``.py`` file that
@@ -211,22 +254,36 @@ def _choose(names: Iterable[PurePath], suffixes: Iterable[str]) -> PurePath:
                 return top[0]
         if found:
             raise AgentError(f"it has {len(found)} {suffix} files, and none is {USUAL}{suffix}")
-    *_, last = suffixes = tuple(suffixes)
-    raise AgentError(f"it has no {', '.join(suffixes[:-1])} or {last} file")
+    raise AgentError(f"it has no {listed(suffixes, 'or')} file")
+
+
+def _of_archive(name: str, file: Path, kind: str | None) -> Submission:
+    """Return the agent in an archive, which is not unpacked here."""
+    members = members_of(file)
+    inner = _choose(members, (CODE, NOTEBOOK))
+    own = {PurePath(part).stem for member in members for part in member.parts}
+    once = _imported_once(read_member(file, PurePosixPath(inner), MAX_SOURCE), own.__contains__)
+    return Submission(
+        name, str(inner), Path(inner), inner.stem, kind, None, _content_digest(file), once,
+        file.resolve(),
+    )  # fmt: skip
 
 
 def _of_files(
-    name: str, file: Path, kind: str | None, folder: Path | None, files: Iterable[Path]
+    name: str, file: Path, kind: str | None, files: Iterable[Path] = (), folder: Path | None = None
 ) -> Submission:
-    """Return the agent in a file, which may import from a folder, and consists of some files."""
+    """Return the agent in a file, which may have other files too, and import from a folder."""
     path = file.resolve().parent / file.name
 
     def is_own(top: str) -> bool:
         places = () if folder is None else (folder, path.parent)
         return any((place / each).exists() for place in places for each in (f"{top}.py", top))
 
-    base = folder or path.parent
-    digest = digest_of(_few(files, base), base, _content_digest)
+    base, found = folder or path.parent, {each: each.lstat() for each in files or [path]}
+    if len(found) > MAX_FILES or sum(each.st_size for each in found.values()) > MAX_BYTES:
+        raise AgentError(f"it has more than {MAX_FILES:,} files or {MAX_BYTES // 1024**2:,} MiB")
+    regular = (each for each, status in found.items() if stat.S_ISREG(status.st_mode))
+    digest = digest_of(regular, base, _content_digest)
     with path.open("rb") as source:
         once = _imported_once(source.read(MAX_SOURCE), is_own)
     return Submission(name, str(file), path, file.stem, kind, folder, digest, once)
@@ -259,80 +316,6 @@ def _built_in(name: str) -> Submission:
         raise AgentError(f"{name!r} {reason}; allowed: {', '.join(graded)}, or file.py:Class")
     module = made.__module__
     return Submission(name, name, None, module, made.__name__, Path.cwd(), "", (module,))
-
-
-def in_folder(
-    folder: Path, kind: str | None, other: Collection[Path] = ()
-) -> Iterator[Submission | Unusable]:
-    """Yield the submissions in a folder by name: each file and folder, but hidden ones.
-
-    What cannot be graded is ``Unusable``. Links are not followed, so that nobody is graded with the
-    file of another. Each has a class ``kind``. Files in ``other`` are of the lecturer.
-
-    Example:
-        >>> from pathlib import Path
-        >>> from agents.lab.grading.submissions import in_folder
-        >>> Path("class").mkdir()
-        >>> for name in ("one.py", "two.py"):
-        ...     Path("class", name).touch()
-        >>> [submission.name for submission in in_folder(Path("class"), None)]
-        ['one.py', 'two.py']
-    """
-    ours = {path.resolve() for path in other}
-    for path in sorted(folder.iterdir()):
-        if path.name.startswith((".", "__")) or folder.resolve() / path.name in ours:
-            continue
-        try:
-            yield _entry(path, kind)
-        except (AgentError, OSError) as error:
-            yield Unusable(path.name, str(error))
-
-
-def _entry(path: Path, kind: str | None) -> Submission:
-    if (reason := _unusable(path)) is not None:
-        raise AgentError(reason)
-    if path.is_dir():
-        return of_folder(path.name, path, kind)
-    if path.suffix == ARCHIVE:
-        return _of_archive(path.name, path, kind)
-    if path.suffix not in (CODE, NOTEBOOK):
-        raise AgentError(f"it is no {CODE}, {NOTEBOOK} or {ARCHIVE} file, and no folder")
-    return _of_files(path.name, path, kind, None, [path.resolve()])
-
-
-def _unusable(path: Path) -> str | None:
-    """Return why neither a file nor a folder is at a path; ``None`` if one is."""
-    if path.is_symlink():
-        return "it is a link, which is not followed"
-    return None if path.is_dir() else not_a_file(path)
-
-
-def _paths_in(folder: Path) -> Iterator[PurePath]:
-    """Yield what is in a folder and its folders, relative to it; links are not followed."""
-    for place, folders, names in os.walk(folder):
-        for name in (*folders, *names):
-            if not Path(place, name).is_dir() or name.endswith(CODE):
-                yield Path(place, name).relative_to(folder)
-
-
-def _files_in(folder: Path) -> Iterator[Path]:
-    """Yield the regular files in a folder and its folders; links are not followed."""
-    for place, _, names in os.walk(folder):
-        for name in names:
-            if stat.S_ISREG((file := Path(place, name)).lstat().st_mode):
-                yield file
-
-
-def _few(files: Iterable[Path], folder: Path) -> list[Path]:
-    """Return files of a folder; ``AgentError`` if they are too many or too large."""
-    found, left = list[Path](), MAX_BYTES
-    for file in files:
-        found.append(file)
-        left -= file.stat().st_size
-        if left < 0 or len(found) > MAX_FILES:
-            limits = f"{MAX_FILES:,} files or {MAX_BYTES // 1024**2:,} MiB"
-            raise AgentError(f"{folder.name} has more than {limits}")
-    return found
 
 
 def _content_digest(file: Path) -> str:

@@ -6,8 +6,7 @@ import json
 from collections.abc import Callable
 from pathlib import Path
 
-from agents.lab.grading.exercises import own_rubrics
-from agents.lab.grading.rubric import Rubric, load_rubric
+from agents.lab.grading.rubric import Rubric, load_rubric, own_rubrics
 from agents.lab.place import Stations
 from agents.lab.playground.runtime import SERVER, copy_runtime
 from agents.lab.playground.wheel import write_wheel

@@ -15,10 +15,9 @@ from typing import Any
 
 from agents.errors import AgentError, frames_in, reason_of
 from agents.lab.grading.cases import GradedCase
-from agents.lab.grading.exercises import own_rubrics
 from agents.lab.grading.grading import grade
-from agents.lab.grading.rubric import load_rubric
-from agents.lab.grading.same_process import SameProcess
+from agents.lab.grading.rubric import load_rubric, own_rubrics
+from agents.lab.grading.sandbox import SameProcess
 from agents.lab.grading.submissions import find_submission
 from agents.lab.place import Stations
 from agents.registry import make_agent
@@ -111,7 +110,7 @@ class Session:
             find_submission(str(self._file)),
             rubric,
             advance=lambda: advance(next(done), total),
-            make_runner=lambda _, limits, *__: SameProcess(limits),
+            make_runner=SameProcess,
         ).shown()
         rows = [
             {"name": row.criterion.name, "points": row.points, "max": row.criterion.points,

@@ -27,12 +27,12 @@ from agents.lab.grading.grades import (
     plain,
     row_of,
     save_grades,
+    summary_of,
 )
 from agents.lab.grading.grading import grade
 from agents.lab.grading.rubric import Rubric
+from agents.lab.grading.sandbox import most_jobs
 from agents.lab.grading.submissions import Submission, Unusable, in_folder
-from agents.lab.grading.summary import summary_of
-from agents.lab.grading.trust import most_jobs
 from agents.lab.trials.workers import process_pool
 from warehouse_core.wording import counted
 

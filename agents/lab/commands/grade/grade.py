@@ -11,35 +11,27 @@ from typing import Annotated
 import typer
 
 from agents.errors import GradeError
-from agents.lab.commands.grade.folder import (
-    grade_folder,
-)
+from agents.lab.commands.grade.folder import grade_folder
 from agents.lab.commands.grade.pages import PAGE, RESULTS, write_report
 from agents.lab.console import options
 from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.terminal import say
-from agents.lab.grading.autograder import write_autograder
 from agents.lab.grading.criteria import VISIBILITIES
-from agents.lab.grading.exercises import find_rubric, rubric_name
-from agents.lab.grading.gradescope import lines_of
+from agents.lab.grading.grades import load_days, save_canvas, save_moodle
+from agents.lab.grading.gradescope import write_autograder
 from agents.lab.grading.grading import GradeReport
 from agents.lab.grading.grading import grade as grade_agent
-from agents.lab.grading.late import load_days
-from agents.lab.grading.lms import save_canvas, save_moodle
-from agents.lab.grading.rubric import MINI_LAB, Rubric, load_rubric
+from agents.lab.grading.rubric import MINI_LAB, Rubric, find_rubric, load_rubric
+from agents.lab.grading.sandbox import check_trust
 from agents.lab.grading.submissions import MAX_SOURCE, find_submission
-from agents.lab.grading.trust import check_trust
 from agents.lab.parameters import one_of
 from warehouse_core.files.atomic import atomic_path, check_suffix, check_target
 from warehouse_core.files.reading import read_file
 
-CODE, TABLE, ARCHIVE = ".py", ".csv", ".zip"
+TABLE = ".csv"
 
-
-def _print_rubric(wanted: bool) -> None:
-    if wanted:
-        say(MINI_LAB.read_text(encoding="utf-8").rstrip())
-        raise typer.Exit
+CODE, ASKED, ARCHIVE = ".py", ".toml", ".zip"
+"""Suffixes of what can be written for a rubric: its starting file, itself, and an autograder."""
 
 
 def grade(
@@ -94,7 +86,6 @@ def grade(
         Path | None,
         option("--canvas FILE", "Save grades for Canvas, as .csv.", callback=writable(TABLE)),
     ] = None,
-    kind: Annotated[str | None, option("--class NAME", "Class of the agents in a folder.")] = None,
     user: Annotated[
         str | None,
         option(
@@ -112,29 +103,13 @@ def grade(
         ),
     ] = False,
     jobs: options.Jobs = None,
-    print_rubric: Annotated[
-        bool,
-        option(
-            "--print-rubric",
-            "Print the rubric of the mini-lab, to be copied and changed.",
-            callback=_print_rubric,
-            is_eager=True,
-        ),
-    ] = False,
-    starter: Annotated[
+    write: Annotated[
         Path | None,
         option(
-            "--starter FILE",
-            "Write the starting file of the rubric, for students, and grade nothing.",
-            callback=writable(CODE),
-        ),
-    ] = None,
-    autograder: Annotated[
-        Path | None,
-        option(
-            "--autograder FILE",
-            "Write what Gradescope takes for the rubric, a .zip, and grade nothing.",
-            callback=writable(ARCHIVE),
+            "--write FILE",
+            "Write what a class needs for the rubric, and grade nothing: the starting file of "
+            "students as .py, the rubric itself as .toml, or an autograder for Gradescope as .zip.",
+            callback=writable(CODE, ASKED, ARCHIVE),
         ),
     ] = None,
     *,
@@ -166,17 +141,13 @@ def grade(
     Example: warehouse grade my_agent.py:Agent --save results.json
     """
     wanted = load_rubric(find_rubric(rubric))
-    if starter is not None:
-        write_starter(wanted, starter)
-    if autograder is not None:
-        write_autograder(autograder, wanted)
-        say(f"saved {autograder}")
-    if starter is not None or autograder is not None:
+    if write is not None:
+        write_for_class(wanted, write)
         return
     if not agent:
         raise typer.BadParameter("AGENT is missing; see: warehouse grade -h")
-    folder = Path(agent)
-    if folder.is_dir():
+    folder, kind = _folder_in(agent)
+    if folder is not None:
         target, *more = save or [Path("grades.csv")]
         if more:
             raise typer.BadParameter(f"--save takes one {TABLE} file for a folder")
@@ -195,7 +166,7 @@ def grade(
                 say(f"saved {path}")
         return
     for name, value in {
-        "--pages": pages, "--class": kind, "--late": late, "--moodle": moodle, "--canvas": canvas,
+        "--pages": pages, "--late": late, "--moodle": moodle, "--canvas": canvas,
     }.items():  # fmt: skip
         if value is not None:
             raise typer.BadParameter(f"{name} needs a folder of submissions; {agent!r} is none")
@@ -215,18 +186,35 @@ def grade(
         say(f"saved {path}")
 
 
-def write_starter(rubric: Rubric, target: Path) -> None:
-    """Write the starting file of a rubric; a file that is there is not written over."""
+def _folder_in(agent: str) -> tuple[Path | None, str | None]:
+    """Return the folder that an argument names, or ``None``, and the class of its agents."""
+    if Path(agent).is_dir():
+        return Path(agent), None
+    source, _, kind = agent.rpartition(":")
+    return (Path(source), kind) if source and Path(source).is_dir() else (None, None)
+
+
+def write_for_class(rubric: Rubric, target: Path) -> None:
+    """Write the starting file of a rubric, the rubric, or an autograder, by the suffix of the file.
+
+    An autograder is written over; other files, in which somebody may have worked, are not.
+    """
+    suffix = target.suffix.lower()
+    if suffix == ARCHIVE:
+        write_autograder(target, rubric)
+        say(f"saved {target}")
+        return
     if target.exists():
         raise GradeError(f"{target}: it exists, and is not written over; choose another name")
-    if not rubric.starter.exists():
-        raise GradeError(f"{rubric.file}: it has no starting file {rubric.starter.name} beside it")
-    text = read_file(rubric.starter, MAX_SOURCE)
+    source, shown = rubric.starter if suffix == CODE else rubric.file, shlex.quote(str(target))
+    if not source.exists():
+        raise GradeError(f"{rubric.file}: it has no starting file {source.name} beside it")
     with atomic_path(target) as part:
-        part.write_bytes(text)
-    name = shlex.quote(rubric_name(rubric.file))
+        part.write_bytes(read_file(source, MAX_SOURCE))
+    name = shlex.quote(rubric.shown_name)
     asked = "" if rubric.file == MINI_LAB else f" --rubric {name}"
-    say(f"saved {target}; to grade it: warehouse grade {shlex.quote(str(target))}{asked}")
+    words = f"{shown}{asked}" if suffix == CODE else f"my_agent.py --rubric {shown}"
+    say(f"saved {target}; to grade {'it' if suffix == CODE else 'by it'}: warehouse grade {words}")
 
 
 def print_report(report: GradeReport) -> None:
@@ -237,6 +225,6 @@ def print_report(report: GradeReport) -> None:
     for grade in report.grades:
         criterion = grade.criterion
         say(f"\n{grade.points:g} of {criterion.points:g}  {criterion.name}", bold=True)
-        for name, text in lines_of(grade):
+        for name, text in grade.lines:
             say(f"    {name:7} {text}")
     say(f"\n{report.points:g} of {report.max_points:g} points", bold=True)

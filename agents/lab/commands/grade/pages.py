@@ -8,13 +8,12 @@ from pathlib import Path
 from typing import Any
 from urllib.parse import quote
 
-from agents.lab.grading.grades import FAILURE, LATE, NAME, POINTS, SIMILAR, GradeRow
+from agents.lab.grading.cases import GradedCase
+from agents.lab.grading.grades import FAILURE, LATE, NAME, POINTS, SIMILAR, GradeRow, summary_of
 from agents.lab.grading.gradescope import results_of
 from agents.lab.grading.grading import GradeReport
 from agents.lab.grading.rubric import Rubric
-from agents.lab.grading.runs import episode_of
 from agents.lab.grading.submissions import Submission
-from agents.lab.grading.summary import summary_of
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.files.reading import read_file
 
@@ -46,7 +45,8 @@ def _write_page(path: Path, report: GradeReport) -> None:
 
     title, player = f"{report.points:g} of {report.max_points:g} points", None
     if (worst := report.worst) is not None and worst.run is not None:
-        track = track_of_record(episode_of(worst.run))
+        assert isinstance(worst.run.case, GradedCase), "a call has no actions"
+        track = track_of_record(worst.run.case.episode(worst.run))
         player = player_of(track, f"Replay of the worst episode: {worst.worst}")
     write_template(
         path, "grade.html", title, has_players=player is not None, report=report, player=player
@@ -69,7 +69,7 @@ def are_written(pages: Path, submission: Submission, rubric: Rubric, when: str) 
     page, results = files_of(pages, submission)
     try:
         found: Any = json.loads(read_file(results, MAX_RESULTS))
-        shown = {each.name for each in rubric.shown(when)}
+        shown = {each.name for each in rubric.criteria if each.is_shown(when)}
         return page.exists() and {each["name"] for each in found["tests"]} == shown
     except (OSError, ValueError, LookupError, TypeError, RecursionError):
         return False

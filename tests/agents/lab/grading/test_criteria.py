@@ -1,19 +1,15 @@
 """What each measure makes of episodes, in points, in words and by the worst of them."""
 
 from collections.abc import Sequence
-from contextlib import nullcontext
 from types import SimpleNamespace
 from typing import Any, cast
 
 import pytest
 
-from agents.lab.grading import grading
-from agents.lab.grading.cases import GradedCase
+from agents.lab.grading.cases import GradedCase, Run, count_useless
 from agents.lab.grading.criteria import Criterion
-from agents.lab.grading.grading import Grade, GradeReport, grade
-from agents.lab.grading.late import LateRule
-from agents.lab.grading.rubric import Rubric
-from agents.lab.grading.runs import Run, _count_useless
+from agents.lab.grading.grading import Grade, GradeReport, judge
+from agents.lab.grading.rubric import LateRule, Rubric
 from agents.lab.grading.sandbox import ENDS, FAILS, LOAD, SLOW, AgentFailureError
 from agents.lab.grading.submissions import Submission
 from warehouse_core import EpisodeRecorder, Layout, WarehouseEnv
@@ -34,154 +30,83 @@ def judged(criterion: Criterion, *runs: Run) -> Grade:
     return report_of([criterion], *runs).grades[-1]
 
 
-def report_of(criteria: Sequence[Criterion], *runs: Run, hiding: Sequence[str] = ()) -> GradeReport:
-    cases = list(dict.fromkeys(run.case for run in runs))
+def report_of(criteria: Sequence[Criterion], *runs: Run, note: str = "") -> GradeReport:
     numbered = [run._replace(seed=seed) for seed, run in enumerate(runs, 1)]
-    rubric = SimpleNamespace(
-        criteria=criteria, used_cases=cases, limits=None, files=(), title="A title", digest="r",
-        late=LateRule(),
-    )  # fmt: skip
-    submission = SimpleNamespace(
-        called=lambda name: f"mine:{name}",
-        digest="c",
-        hiding=hiding,
-        unpacked=lambda user: nullcontext(submission),
-    )
-    with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(grading, "run_cases", lambda *_: numbered)
-        return grade(cast("Submission", submission), cast("Rubric", rubric))
+    rubric = SimpleNamespace(criteria=criteria, title="A title", digest="r", late=LateRule())
+    submission = Submission("mine", "mine", None, "mine", None, None, "c")
+    return judge(submission, cast("Rubric", rubric), numbered, note)
 
 
 def on(kind: str, full: float, zero: float, case: str = "open", **others: Any) -> Criterion:
     return Criterion("a criterion", 10, kind, (case,), full, zero, **others)
 
 
+def failed(run: Run, step: int, failure: AgentFailureError = CRASH) -> Run:
+    return run._replace(failure=failure, where=f" at step {step}" if step else "")
+
+
 @pytest.mark.parametrize(
     ("criterion", "runs", "points", "seen", "worst"),
     [
-        (
-            on("delivered", 1, 0),
-            [GOOD, LOST, GOOD, LOST._replace(failure=CRASH, step=7)],
-            5,
-            "50% of 4 episodes: 2 delivered, 1 fails and 1 oscillation",
-            (4, "fails at step 7: ValueError: 3"),
-        ),
-        (
-            on("delivered", 1, 0),
-            [GOOD, LOST, LOST, CALM],
-            3.33,
-            "33% of 3 episodes: 1 delivered and 2 oscillation",
-            (2, "oscillation: It went to and fro."),
-        ),
-        (
-            on("delivered", 1, 0),  # other cases, and episodes without a way, do not count
-            [GOOD, CALM, LOST._replace(case=SHUT), LOST._replace(needed=None)],
-            10,
-            "100% of 1 episode: 1 delivered",
-            None,
-        ),
-        (
-            on("steps_of_fewest", 1, 3),  # 20 + 90 steps, as it charged its battery on the way
-            [GOOD, LOST._replace(steps=90)],
-            1.25,
-            "2.75 times in 2 episodes: 1 delivered and 1 oscillation",
-            (2, "oscillation: It went to and fro."),
-        ),
-        (
-            on("steps_of_fewest", 1, 3),  # 50 + 60 steps where 20 + 30 are enough
-            [GOOD._replace(steps=50), LOST._replace(needed=30), CALM],
-            4,
-            "2.20 times in 2 episodes: 1 delivered and 1 oscillation",
-            (1, "It delivered."),
-        ),
-        (
-            on("steps_of_fewest", 1, 3),  # one that failed is the worst, however few it needed
-            [GOOD._replace(steps=50), LOST._replace(needed=30, steps=9, failure=CRASH, step=10)],
-            4,
-            "2.20 times in 2 episodes: 1 delivered and 1 fails",
-            (2, "fails at step 10: ValueError: 3"),
-        ),
-        (
-            on("calm_without_way", 1, 0, "shut"),
-            [CALM._replace(useless=10), CALM._replace(useless=11), CALM._replace(useless=12)],
-            3.33,
-            "33% of 3 episodes: 0 failures, at most 12 useless actions in an episode",
-            (3, "unreachable: There is no way.; 12 useless actions"),
-        ),
-        (
-            on("calm_without_way", 1, 0, "shut"),
-            [CALM._replace(useless=60), CALM._replace(failure=CRASH, step=1), CALM],
-            3.33,
-            "33% of 3 episodes: 1 failure, at most 60 useless actions in an episode",
-            (2, "fails at step 1: ValueError: 3"),
-        ),
-        (
-            on("protocol", 1, 0),
-            [GOOD, GOOD._replace(unknown=2), GOOD._replace(unknown=3), LOST],
-            5,
-            "50% of 4 episodes: 0 failures, 5 unknown actions",
-            (3, "It delivered.; 3 unknown actions"),
-        ),
-        (
-            on("protocol", 1, 0),
-            [LOST._replace(unknown=60), LOST._replace(failure=CRASH, step=0)],
-            0,
-            "0% of 2 episodes: 1 failure, 60 unknown actions",
-            (2, "fails: ValueError: 3"),
-        ),
-        (
-            on("flawless", 1, 0),
-            [GOOD, GOOD._replace(useless=2), GOOD._replace(useless=1), LOST, CALM],
-            2.5,
-            "25% of 4 episodes: 3 delivered and 1 oscillation; 0 failures, at most 2 useless "
-            "actions in an episode",
-            (2, "It delivered.; 2 useless actions"),
-        ),
-        (
-            on("flawless", 1, 0),
-            [GOOD._replace(useless=2), LOST._replace(failure=CRASH, step=3)],
-            0,
-            "0% of 2 episodes: 1 delivered and 1 fails; 1 failure, at most 2 useless actions in "
-            "an episode",
-            (2, "fails at step 3: ValueError: 3"),
-        ),
-        (
-            on("reward", 8, 4),  # an episode without a way counts too
-            [GOOD._replace(reward=12.0), CALM._replace(case=OPEN, reward=-1.0)],
-            3.75,
-            "5.50 in 2 episodes: 1 delivered and 1 unreachable",
-            (2, "unreachable: There is no way."),
-        ),
-        (
-            on("reward", 8, 4),  # one that failed is the worst, however much it has
-            [LOST._replace(reward=-20.0), LOST._replace(reward=9.0, failure=CRASH, step=2)],
-            0,
-            "-5.50 in 2 episodes: 1 fails and 1 oscillation",
-            (2, "fails at step 2: ValueError: 3"),
-        ),
-        (
-            on("answer_seconds", 0.1, 0.1),  # the first that is too slow, not the slowest
-            [GOOD, GOOD._replace(slowest=0.2), GOOD._replace(slowest=0.3)],
-            0,
-            "not all in time in 3 episodes: none too slow",
-            (2, "It delivered."),
-        ),
-        (
-            on("answer_seconds", 0.1, 0.1),
-            [GOOD, GOOD._replace(failure=AgentFailureError(SLOW, "an answer"), step=3)],
-            0,
-            "not all in time in 2 episodes: 1 too slow",
-            (2, "takes too long at step 3: an answer"),
-        ),
-        (
-            on("answer_seconds", 0.1, 0.1),
-            [GOOD, GOOD._replace(failure=AgentFailureError(ENDS, "exit code 1"), step=3)],
-            10,
-            "all in time in 2 episodes: none too slow",
-            None,
-        ),
+        (on("delivered", 1, 0), [GOOD, LOST, GOOD, failed(LOST, 7)],
+         5, "50% of 4 episodes: 2 delivered, 1 fails and 1 oscillation",
+         (4, "fails at step 7: ValueError: 3")),
+        # Other cases, and episodes without a way, do not count.
+        (on("delivered", 1, 0),
+         [GOOD, CALM, LOST._replace(case=SHUT), LOST._replace(needed=None)],
+         10, "100% of 1 episode: 1 delivered", None),
+        # 20 + 90 steps, as it charged its battery on the way.
+        (on("steps_of_fewest", 1, 3), [GOOD, LOST._replace(steps=90)],
+         1.25, "2.75 times in 2 episodes: 1 delivered and 1 oscillation",
+         (2, "oscillation: It went to and fro.")),
+        # 50 + 60 steps where 20 + 30 are enough.
+        (on("steps_of_fewest", 1, 3), [GOOD._replace(steps=50), LOST._replace(needed=30), CALM],
+         4, "2.20 times in 2 episodes: 1 delivered and 1 oscillation", (1, "It delivered.")),
+        # One that failed is the worst, however few it needed.
+        (on("steps_of_fewest", 1, 3),
+         [GOOD._replace(steps=50), failed(LOST._replace(needed=30, steps=9), 10)],
+         4, "2.20 times in 2 episodes: 1 delivered and 1 fails",
+         (2, "fails at step 10: ValueError: 3")),
+        (on("calm_without_way", 1, 0, "shut"),
+         [CALM._replace(useless=10), CALM._replace(useless=11), CALM._replace(useless=12)],
+         3.33, "33% of 3 episodes: 0 failures, at most 12 useless actions in an episode",
+         (3, "unreachable: There is no way.; 12 useless actions")),
+        (on("calm_without_way", 1, 0, "shut"), [CALM._replace(useless=60), failed(CALM, 1), CALM],
+         3.33, "33% of 3 episodes: 1 failure, at most 60 useless actions in an episode",
+         (2, "fails at step 1: ValueError: 3")),
+        (on("protocol", 1, 0), [GOOD, GOOD._replace(unknown=2), GOOD._replace(unknown=3), LOST],
+         5, "50% of 4 episodes: 0 failures, 5 unknown actions",
+         (3, "It delivered.; 3 unknown actions")),
+        (on("protocol", 1, 0), [LOST._replace(unknown=60), failed(LOST, 0)],
+         0, "0% of 2 episodes: 1 failure, 60 unknown actions", (2, "fails: ValueError: 3")),
+        (on("flawless", 1, 0),
+         [GOOD, GOOD._replace(useless=2), GOOD._replace(useless=1), LOST, CALM],
+         2.5, "25% of 4 episodes: 3 delivered and 1 oscillation; 0 failures, at most 2 useless "
+         "actions in an episode", (2, "It delivered.; 2 useless actions")),
+        (on("flawless", 1, 0), [GOOD._replace(useless=2), failed(LOST, 3)],
+         0, "0% of 2 episodes: 1 delivered and 1 fails; 1 failure, at most 2 useless actions in "
+         "an episode", (2, "fails at step 3: ValueError: 3")),
+        # An episode without a way counts too.
+        (on("reward", 8, 4), [GOOD._replace(reward=12.0), CALM._replace(case=OPEN, reward=-1.0)],
+         3.75, "5.50 in 2 episodes: 1 delivered and 1 unreachable",
+         (2, "unreachable: There is no way.")),
+        # One that failed is the worst, however much it has.
+        (on("reward", 8, 4), [LOST._replace(reward=-20.0), failed(LOST._replace(reward=9.0), 2)],
+         0, "-5.50 in 2 episodes: 1 fails and 1 oscillation",
+         (2, "fails at step 2: ValueError: 3")),
+        # The first that is too slow, not the slowest.
+        (on("answer_seconds", 0.1, 0.1),
+         [GOOD, GOOD._replace(slowest=0.2), GOOD._replace(slowest=0.3)],
+         0, "not all in time in 3 episodes: none too slow", (2, "It delivered.")),
+        (on("answer_seconds", 0.1, 0.1),
+         [GOOD, failed(GOOD, 3, AgentFailureError(SLOW, "an answer"))],
+         0, "not all in time in 2 episodes: 1 too slow",
+         (2, "takes too long at step 3: an answer")),
+        (on("answer_seconds", 0.1, 0.1),
+         [GOOD, failed(GOOD, 3, AgentFailureError(ENDS, "exit code 1"))],
+         10, "all in time in 2 episodes: none too slow", None),
     ],
-)
+)  # fmt: skip
 def test_a_measure_is_told_with_the_worst_episode(
     criterion: Criterion,
     runs: list[Run],
@@ -240,21 +165,10 @@ def test_an_agent_that_never_began_has_the_first_reason() -> None:
     reasons = [AgentFailureError(LOAD, text) for text in ("no class", "the time is up")]
     unloaded = [LOST._replace(failure=reason, agent="") for reason in reasons]
     report = report_of([on("delivered", 1, 0)], *unloaded)
-    assert (report.failure, report.agent) == ("cannot be loaded: no class", "mine:None")
+    assert (report.failure, report.agent) == ("cannot be loaded: no class", "mine")
     assert report.remarks == ["cannot be loaded: no class"]
     report = report_of([on("delivered", 1, 0)], *unloaded, GOOD)
     assert (report.failure, report.agent, report.remarks) == ("", "mine:Agent", [])
-
-
-@pytest.mark.parametrize(
-    ("hiding", "note"),
-    [
-        (["numpy"], "numpy hides a module of that name from all imports"),
-        (["numpy", "re"], "numpy, re hide modules of that name from all imports"),
-    ],
-)
-def test_files_that_hide_modules_are_named(hiding: list[str], note: str) -> None:
-    assert report_of([on("delivered", 1, 0)], GOOD, hiding=hiding).remarks == [note]
 
 
 def test_a_demand_says_what_gives_none() -> None:
@@ -272,6 +186,6 @@ def test_bumps_into_walls_and_what_has_no_effect_are_useless_waits_are_not(backe
     for action in ["N", "S", "W", "WAIT", "DROP", "PICK", "PICK", "E", "E", "E", "DROP"]:
         recorder.step(action)
     env.close()
-    useless = {ACTIONS[index]: times for index, times in _count_useless(recorder.episode).items()}
+    useless = {ACTIONS[index]: times for index, times in count_useless(recorder.episode).items()}
     expected = dict.fromkeys(["N", "S", "W", "E", "DROP", "PICK"], 1)
     assert {action: times for action, times in useless.items() if times} == expected

@@ -7,9 +7,8 @@ import pytest
 from helpers.command_line import Refused, Warehouse
 
 from agents.lab.grading.criteria import MEASURES
-from agents.lab.grading.exercises import SOLUTIONS, exercise_names, find_rubric
 from agents.lab.grading.grading import GradeReport, grade
-from agents.lab.grading.rubric import MINI_LAB, load_rubric
+from agents.lab.grading.rubric import MINI_LAB, SOLUTIONS, exercise_names, find_rubric, load_rubric
 from agents.lab.grading.sandbox import ENDS, FAILS, LOAD, SLOW
 from agents.lab.grading.submissions import find_submission
 from agents.lab.grading.walls import FILES, held
@@ -82,7 +81,7 @@ def test_an_exercise_is_begun_and_graded_by_its_name(
     warehouse: Warehouse, refused: Refused, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.chdir(tmp_path)
-    out = warehouse("grade", "--rubric", "exercise-02", "--starter", "mine.py").out
+    out = warehouse("grade", "--rubric", "exercise-02", "--write", "mine.py").out
     assert "warehouse grade mine.py --rubric exercise-02" in out
     Path("mine.py").write_text(solution("exercise-02"))
     out = warehouse("grade", "mine.py", "--rubric", "exercise-02", "--trust").out

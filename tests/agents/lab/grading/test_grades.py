@@ -1,12 +1,28 @@
-"""Tables of grades: what is read, and what is refused before it takes memory."""
+"""Tables of grades: what is read and refused, their summary, and what they are for others."""
 
+import csv
 import os
 from pathlib import Path
 
 import pytest
+from helpers.submissions import write_rubric
 
 from agents.errors import GradeError
-from agents.lab.grading.grades import MAX_BYTES, load_grades, save_grades
+from agents.lab.grading.cases import Run
+from agents.lab.grading.criteria import outcomes
+from agents.lab.grading.grades import (
+    MAX_BYTES,
+    OUTCOMES,
+    POINTS,
+    failed_row,
+    load_days,
+    load_grades,
+    save_canvas,
+    save_grades,
+    save_moodle,
+    summary_of,
+)
+from agents.lab.grading.rubric import load_rubric
 
 COLUMNS = ["submission", "points", "of", "delivers", "failure", "code", "rubric"]
 HEAD = ",".join(COLUMNS)
@@ -29,14 +45,12 @@ def test_a_table_is_read_as_it_was_written(tmp_path: Path) -> None:
     ("text", "reason"),
     [
         ("", "the column 'submission' is missing"),
-        ("a,b\n1,2\n", "the column 'submission' is missing"),
         (HEAD.replace("failure,", ""), "the column 'failure' is missing"),
         (f"{HEAD}{',x' * 1000}", "1,007 columns are more than MAX_COLUMNS = 1000"),
-        (f"{HEAD}\n\nann,1,30,10,,c,r\nbob,2,30,10,,c\n", "line 4 has 6 fields or no points"),
-        (f"{HEAD}\nann,1,30,10,,c,r,more\n", "line 2 has 8 fields or no points"),
-        (f"{HEAD}\nann\n", "line 2 has 1 field or no points"),
+        (f"{HEAD}\n\nann,1,30,10,,c,r\nbob,2,30,10,,c\n", "line 4: 6 fields, not 7"),
+        (f"{HEAD}\nann,1,30,10,,c,r,more\n", "line 2: 8 fields, not 7"),
         (f"{HEAD}\nann,many,30,10,,c,r\n", "could not convert string to float: 'many'"),
-        (f"{HEAD}\nann,nan,30,10,,c,r\n", "line 2 has 7 fields or no points"),
+        (f"{HEAD}\nann,nan,30,10,,c,r\n", "line 2: points is nan"),
         (f'{HEAD}\n"ann', "unexpected end of data"),
         (f"{HEAD}\n\udcff", "can't decode byte 0xff"),
     ],
@@ -60,3 +74,73 @@ def test_a_table_that_is_too_long_or_no_file_is_refused(tmp_path: Path) -> None:
     os.mkfifo(path)
     with pytest.raises(OSError, match="it is a pipe, not a file"):
         load_grades(path)
+
+
+def test_a_table_of_days_is_read_and_another_one_refused(tmp_path: Path) -> None:
+    path = tmp_path / "late.csv"
+    path.write_text("\ufeffsubmission,more,days\nann.py,x,2\n=bob,,0\n", encoding="utf-8")
+    assert load_days(path) == {"ann.py": 2, "=bob": 0}
+    for text, reason in {
+        "submission\nann": "the column 'days' is missing",
+        "submission,days\nann,-1": "line 2: days is '-1'; allowed: a whole number from 0 to 3650",
+        "submission,days\nann,\u00b2": "line 2: days is",
+        "submission,days\nann": "line 2: 1 field, not 2",
+        f"submission,days\nann,{'9' * 5000}": "line 2: days is '99999999999999999999'; allowed",
+    }.items():
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(GradeError, match="it is no table of late submissions") as caught:
+            load_days(path)
+        assert reason in str(caught.value)
+
+
+NAMES = "Ann B_12_assignsubmission_file_", "beebob_34_567_agent.py", "ceecil_LATE_56_7_a b.zip", "d"
+
+
+def test_students_are_found_by_the_numbers_in_names_or_by_names(tmp_path: Path) -> None:
+    rubric, path = load_rubric(write_rubric(tmp_path)), tmp_path / "grades.csv"
+    rows = {}
+    for points, name in enumerate(NAMES):
+        rows[name] = failed_row(name, "why", rubric) | {POINTS: f"{points}"}
+    save_moodle(path, rows, rubric)
+    with path.open(newline="", encoding="utf-8") as file:
+        moodle = [tuple(row.values()) for row in csv.DictReader(file)]
+    assert moodle[0] == ("Participant 12", "Ann B", "0", "100", "-", "why")
+    assert [row[0] for row in moodle[1:]] == ["beebob_34_567_agent", "ceecil_LATE_56_7_a b", "d"]
+    save_canvas(path, rows, rubric)
+    with path.open(newline="", encoding="utf-8") as file:
+        canvas = [tuple(row.values()) for row in csv.DictReader(file)]
+    assert canvas == [
+        ("    Points Possible", "", "", "", "", "100"),
+        ("", "", "", "Ann B_12_assignsubmission_file_", "", "0"),
+        ("beebob", "34", "", "", "", "1"),
+        ("ceecil", "56", "", "", "", "2"),
+        ("", "", "", "d", "", "3"),
+    ]
+
+
+def test_a_class_is_summarised(tmp_path: Path) -> None:
+    rubric = load_rubric(write_rubric(tmp_path))
+    runs = [
+        Run(rubric.cases["chapter"], 1, 9, mode=mode)
+        for mode in ["delivered"] * 3 + ["takes too long"] * 2 + ["cannot be loaded", "wandering"]
+    ]
+    none = failed_row("none", "no file", rubric)
+    half = none | {POINTS: "49.5", "delivers": "30", "no way": "20", OUTCOMES: outcomes(runs)}
+    full = none | {each.name: f"{each.points:g}" for each in rubric.criteria}
+    full |= {POINTS: "100", OUTCOMES: "1000 delivered and 1 wandering"}
+    found = summary_of([none, half, full], rubric)
+    assert dict(found.ranges) == {
+        f"{n * 10} to {n * 10 + 10}": int(n in (0, 4, 9)) for n in range(10)
+    }
+    assert found.outcomes == [
+        ("delivered", 1003), ("takes too long", 2), ("wandering", 2), ("cannot be loaded", 1),
+    ]  # fmt: skip
+    assert [(each.name, each.submissions) for each in found.missed] == [
+        ("protocol", 2), ("fewest", 2), ("delivers", 2), ("no way", 1),
+    ]  # fmt: skip
+    assert found.missed[2].share == pytest.approx(0.5)
+    assert found.sentences == [
+        "mean 49.8, median 49.5; 1 have all points, 1 none",
+        "most miss 'protocol': 2 of 3 lack points of it, and the mean has 33%",
+        "1,008 episodes: 1,003 delivered, 2 takes too long, 2 wandering and 1 cannot be loaded",
+    ]

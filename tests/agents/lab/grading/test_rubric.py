@@ -13,7 +13,7 @@ from agents.lab.grading import cases
 from agents.lab.grading.cases import GradedCase
 from agents.lab.grading.criteria import MEASURES, Criterion
 from agents.lab.grading.grading import grade
-from agents.lab.grading.rubric import CASE, LIMITS, MINI_LAB, load_rubric
+from agents.lab.grading.rubric import CASE, LIMITS, MINI_LAB, LateRule, load_rubric
 from agents.lab.grading.sandbox import AgentLimits
 from agents.lab.grading.submissions import find_submission
 from agents.lab.toml_text import MAX_BYTES
@@ -30,7 +30,7 @@ LINE = 1 + RUBRIC.splitlines().index("[cases.chapter]")
         ("[limits]", "a" + ".a" * 10 + " = 1", "line 4 has a key of more than MAX_DEPTH = 10"),
         ("[limits]", "[limits", "it is no TOML: Expected ']' at the end of a table declaration"),
         ("[limits]", "[limit]", "there is no key 'limit'; allowed: title, limits"),
-        ('title = "A short rubric"', "title = 1", "line 2: title is 1; allowed: text"),
+        ('title = "A short rubric"', "title = 1", "line 2: title is 1; allowed: a name of at"),
         ("memory_mb = 512", "memory = 512", "line 8: there is no key 'memory' in [limits]"),
         ("memory_mb = 512", "memory_mb = 1", "line 8: memory_mb is 1; allowed: a whole"),
         ("episodes = 4", "episodes = 0", f"line {LINE + 1}: episodes is 0; allowed: a"),
@@ -137,3 +137,10 @@ def test_the_rubric_of_the_mini_lab_has_100_points_and_names_every_measure() -> 
     assert rubric.points == 100
     text = MINI_LAB.read_text(encoding="utf-8")
     assert all(f"#   {name} " in text for name in MEASURES)
+
+
+def test_each_day_takes_points_and_after_the_last_there_are_none() -> None:
+    rule = LateRule(points=10, days=2)
+    assert [rule.taken(days, 75) for days in range(4)] == [0, 10, 20, 75]
+    assert rule.taken(2, 15) == 15
+    assert LateRule().taken(9, 75) == 0

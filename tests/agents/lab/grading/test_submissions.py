@@ -30,8 +30,8 @@ from agents.lab.grading.grades import row_of
 from agents.lab.grading.gradescope import results_of
 from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import load_rubric
+from agents.lab.grading.sandbox import check_trust, most_jobs
 from agents.lab.grading.submissions import Submission, Unusable, find_submission, in_folder
-from agents.lab.grading.trust import check_trust, most_jobs
 
 NOBODY = 65534
 
@@ -264,9 +264,9 @@ def test_a_folder_has_files_and_folders(tmp_path: Path, monkeypatch: pytest.Monk
     assert {name: each.reason for name, each in found.items() if isinstance(each, Unusable)} == {
         "notes.txt": "it is no .py, .ipynb or .zip file, and no folder",
         "copied.py": "it is a link, which is not followed",
-        "folder": "agent.py: it is a folder, not a file",
+        "folder": "it has no .py, .ipynb or .zip file",
         "gone.py": "it is a link, which is not followed",
-        "large": "large has more than 1,000 files or 0 MiB",
+        "large": "it has more than 1,000 files or 0 MiB",
         "other": "it is a link, which is not followed",
         "pipe.py": "it is a pipe, not a file",
         "two: a": "it has 2 .py files, and none is agent.py",

@@ -15,7 +15,7 @@ from zipfile import ZipFile
 import pytest
 from helpers.command_line import Refused, Warehouse
 
-from agents.lab.grading.exercises import exercise_names
+from agents.lab.grading.rubric import exercise_names
 from agents.lab.playground import runtime
 from agents.lab.playground.page import SCRIPTS
 

@@ -5,9 +5,8 @@ from typing import Any
 import pytest
 from helpers.command_line import Warehouse
 
-from agents.lab.grading.exercises import SOLUTIONS, own_rubrics
 from agents.lab.grading.grading import grade
-from agents.lab.grading.rubric import MINI_LAB, load_rubric
+from agents.lab.grading.rubric import MINI_LAB, SOLUTIONS, load_rubric, own_rubrics
 from agents.lab.grading.submissions import find_submission
 from agents.lab.playground.page import exercise_settings
 from agents.lab.playground.session import Session
@@ -73,12 +72,12 @@ def test_an_episode_of_an_exercise_is_as_the_exercise_has_it(name: str, page: Pa
     case = load_rubric(own_rubrics()[name]).first_case
     assert case is not None
     for seed, each in enumerate(told, 1):
-        env, observation = case.begin(seed)
-        agent, is_over = make_agent(str(page.file), seed, env.layout), False
-        agent.reset()
-        while not is_over:
-            observation, _, terminated, truncated, _ = env.step(agent.act(observation))
-            is_over = terminated or truncated
+        with case.begin(seed) as (env, observation):
+            agent, is_over = make_agent(str(page.file), seed, env.layout), False
+            agent.reset()
+            while not is_over:
+                observation, _, terminated, truncated, _ = env.step(agent.act(observation))
+                is_over = terminated or truncated
         assert f" in {env.state.steps} steps" in each
 
 

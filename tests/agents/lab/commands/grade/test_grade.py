@@ -213,11 +213,6 @@ def test_an_interrupted_folder_is_resumed_and_nothing_is_left_running(
     assert list(rows_of("grades.csv")) == ["searches", "sleeps"]
 
 
-def test_the_rubric_of_the_mini_lab_is_printed(warehouse: Warehouse) -> None:
-    out = warehouse("grade", "--print-rubric").out
-    assert out == MINI_LAB.read_text(encoding="utf-8")
-
-
 def test_another_table_is_not_written_over(refused: Refused) -> None:
     write_submissions(Path("all"), "searches")
     Path("other.csv").write_text("a,b\n1,2\n", encoding="utf-8")
@@ -226,22 +221,29 @@ def test_another_table_is_not_written_over(refused: Refused) -> None:
     assert Path("other.csv").read_text(encoding="utf-8") == "a,b\n1,2\n"
 
 
-def test_the_starting_file_runs_and_has_few_points_and_none_is_written_over(
+def test_the_files_of_a_class_are_written_and_not_written_over(
     warehouse: Warehouse, refused: Refused, rubric: Path
 ) -> None:
-    out = warehouse("grade", "--starter", "my_agent.py").out
+    out = warehouse("grade", "--write", "my_agent.py").out
     assert out == "saved my_agent.py; to grade it: warehouse grade my_agent.py\n"
     report = grade(find_submission("my_agent.py"), load_rubric(MINI_LAB))
     assert not report.failure
     assert 0 < report.points < 40
     Path("my_agent.py").write_text("mine", encoding="utf-8")
-    assert "written over" in refused("grade", "--starter", "my_agent.py")
+    assert "written over" in refused("grade", "--write", "my_agent.py")
     assert Path("my_agent.py").read_text(encoding="utf-8") == "mine"
-    words = "grade", "--rubric", rubric, "--starter", "start.py"
+    words = "grade", "--rubric", rubric, "--write", "start.py"
     assert refused(*words) == f"{rubric}: it has no starting file rubric.py beside it"
     rubric.with_suffix(".py").write_text(GOOD, encoding="utf-8")
     assert f"warehouse grade start.py --rubric {rubric}" in warehouse(*words).out
     assert Path("start.py").read_text(encoding="utf-8") == GOOD
+    out = warehouse("grade", "--write", "mine.toml").out
+    assert (
+        out == "saved mine.toml; to grade by it: warehouse grade my_agent.py --rubric mine.toml\n"
+    )
+    assert Path("mine.toml").read_bytes() == MINI_LAB.read_bytes()
+    assert warehouse("grade", "--write", "a.zip").out == "saved a.zip\n"
+    assert Path("a.zip").stat().st_size > 100_000
 
 
 LATER = RUBRIC.replace("points = 20\n", 'points = 20\nvisibility = "after_due_date"\n').replace(
@@ -289,13 +291,14 @@ def test_names_that_cannot_be_are_refused(refused: Refused, rubric: Path) -> Non
     assert refused(*words).startswith("all/index: the page of the class has this name")
 
 
-def test_tables_for_others_and_an_autograder_are_saved(warehouse: Warehouse, rubric: Path) -> None:
+def test_tables_for_others_are_saved_and_agents_have_a_class(
+    warehouse: Warehouse, rubric: Path
+) -> None:
     Path("all").mkdir()
-    Path("all", "ann.py").write_text("", encoding="utf-8")
-    words = ("grade", "--trust", "all", "--rubric", rubric, "--jobs", 1)
+    Path("all", "ann.py").write_text(GOOD, encoding="utf-8")
+    words = ("grade", "--trust", "all:Mine", "--rubric", rubric, "--jobs", 1)
     out = warehouse(*words, "--moodle", "m.csv", "--canvas", "c.csv").out
     assert "saved m.csv\nsaved c.csv\n" in out
+    assert "ann.py: cannot be loaded: AttributeError: there is no class Mine" in out
     assert "ann,,0,100" in Path("m.csv").read_text()
     assert ",,,ann,,0" in Path("c.csv").read_text()
-    assert warehouse("grade", "--autograder", "a.zip").out == "saved a.zip\n"
-    assert Path("a.zip").stat().st_size > 100_000

@@ -12,7 +12,7 @@ import pytest
 from helpers.submissions import GOOD, RUBRIC, idle, notebook_of, write_rubric
 
 from agents.errors import GradeError
-from agents.lab.grading.autograder import ENDED, days_late, write_autograder
+from agents.lab.grading.gradescope import ENDED, days_late, write_autograder
 from agents.lab.grading.rubric import load_rubric
 
 SHORT = RUBRIC.replace("[limits]", "[late]\npoints = 10\n[limits]").replace(

@@ -5,7 +5,7 @@ from pathlib import Path
 import pytest
 
 from agents.errors import GradeError
-from agents.lab.grading.calls import is_right
+from agents.lab.grading.cases import is_right
 from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import load_rubric
 from agents.lab.grading.submissions import find_submission
@@ -120,7 +120,7 @@ def test_numbers_may_differ_a_little_and_nothing_else(
         ('answer = "secret"', "answer = 2020-01-01", "line 16: calls is [{"),
         ('answer = "secret"', 'answer = "a"\nepisodes = 1', "line"),
         ('calls = [{ arguments = ["x", 1], answer = "secret" }]', "", "function needs calls"),
-        ('function = "TABLE"', "function = 1", "line 15: function is 1; allowed: text"),
+        ('function = "TABLE"', "function = 1", "line 15: function is 1; allowed: a name of at"),
         ('function = "TABLE"\n', "", "no key 'calls' in [cases.hidden]; allowed: layout, size"),
         ('measure = "answered"\ncases = ["hidden"]', 'measure = "delivered"\ncases = ["hidden"]',
          "measure is 'delivered', which does not judge calls, as case 'hidden' has"),
