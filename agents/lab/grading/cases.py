@@ -321,7 +321,7 @@ def run_cases(
     """Run all episodes of cases, with each of their seeds.
 
     Args:
-        runner: what starts the agent for each episode.
+        runner: starter of the agent's processes, one for each episode.
         cases: cases in the order in which they are run.
         give_up_after: episodes in a row that are too slow, end the process or cannot be loaded;
             further ones of the case count as the last one, unrun.

@@ -89,7 +89,7 @@ class Rubric:
 
     @property
     def shown_name(self) -> str:
-        """The name that a user types: that of an exercise, or the path of the file."""
+        """The name that a user types: the name of an exercise, or the path of the file."""
         return self.file.stem if self.file.parent == EXERCISES else str(self.file)
 
     @property
