@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, replace
+from dataclasses import replace
 from itertools import accumulate, product
+from typing import NamedTuple
 
 from agents.search.agents import ExploringAgent
-from warehouse_core import Episode, EpisodeRecorder, Layout, WarehouseEnv
+from warehouse_core import Episode, Layout
 from warehouse_core.render.atlas import ROBOT_RADIUS, UNSEEN
+from warehouse_core.task.state import Observation
 from warehouse_core.viz.tracks.record_track import step_captions, track_of_record
 from warehouse_core.viz.tracks.track import Point, TileRows, Track
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, Cell
@@ -18,8 +20,7 @@ GAP = ROBOT_RADIUS + 0.05
 """Distance in cells from the middle of the robot to the first dot of its plan."""
 
 
-@dataclass(frozen=True, slots=True)
-class Insight:
+class Insight(NamedTuple):
     """Cells that an agent had not seen before it chose an action, and the cells of its plan.
 
     Tiles are ``"#"`` or ``"."``; the plan begins with the cell of the robot.
@@ -29,25 +30,20 @@ class Insight:
     route: tuple[Cell, ...]
 
 
-def record_beliefs(
-    env: WarehouseEnv,
-    agent: ExploringAgent,
-    *,
-    seed: int | None = None,
-    randomize: bool | str = True,
-) -> tuple[Episode, list[Insight]]:
-    """Do what ``record_episode`` does, and return its record and ``[T]`` the agent's insights."""
-    observation = env.reset(randomize=randomize, seed=seed)
-    agent.reset()
-    recorder = EpisodeRecorder(env, seed=seed, agent=type(agent).__name__)
-    cells = set(product(range(env.layout.height), range(env.layout.width)))
-    history = []
-    while not recorder.ended:
-        action = agent.act(observation)
+def noted(agent: ExploringAgent, layout: Layout) -> list[Insight]:
+    """Return a list to which each further action of an agent on a layout adds an insight."""
+    cells = {*product(range(layout.height), range(layout.width))}
+    history: list[Insight] = []
+    act = agent.act
+
+    def acting(observation: Observation) -> str:
+        action = act(observation)
         seen = {cell: tile for cell, tile in agent.belief.news.items() if cell in cells}
         history.append(Insight(seen, agent.route))
-        observation = recorder.step(action, agent.reason)
-    return recorder.episode, history
+        return action
+
+    agent.act = acting  # type: ignore[method-assign]
+    return history
 
 
 def believed_tiles(layout: Layout, history: Sequence[Insight]) -> list[TileRows]:

@@ -24,7 +24,7 @@ from zipfile import ZIP_DEFLATED, ZipFile
 
 import numpy as np
 
-from agents.lab.commands.export.table import columns_of, lines_of
+from agents.lab.datasets.table import columns_of, lines_of
 from agents.lab.experiments.case import is_fleet, make_case
 from agents.lab.experiments.choices import parse_flags, read_plan_file
 from agents.lab.experiments.episodes import run_task

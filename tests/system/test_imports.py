@@ -95,9 +95,8 @@ MAY_IMPORT = {
     ),
     "agents/lab/experiments": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/grading": "errors lab lab/runs lab/trials registry warehouse_agent_greedy",
-    "agents/lab/datasets": "errors lab registry",
     "agents/lab/training": "lab/console lab/trials learning",
-    "agents/lab/commands/export": "errors lab/console lab/experiments lab/trials",
+    "agents/lab/datasets": "errors lab lab/experiments lab/trials registry",
     "agents/lab/reports/analysis": "lab lab/experiments lab/trials",
     "agents/lab/reports/figures": "errors lab lab/experiments lab/reports/analysis lab/trials",
     "agents/lab/reports": (
@@ -114,7 +113,7 @@ MAY_IMPORT = {
         "lab/reports/analysis lab/reports/figures lab/runs lab/trials mapf mapf/kernels registry"
     ),
     "agents/lab/commands": (
-        "errors fleet lab lab/commands/export lab/commands/fleet lab/commands/gap "
+        "errors fleet lab lab/commands/fleet lab/commands/gap "
         "lab/commands/grade lab/commands/planners lab/commands/pogema lab/console lab/datasets "
         "lab/experiments lab/playground lab/reports lab/runs lab/training lab/trials learning mapf "
         "registry search warehouse_agent_greedy"

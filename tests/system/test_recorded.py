@@ -47,9 +47,9 @@ import warehouse_core
 import warehouse_physics
 from agents.errors import PlanError
 from agents.lab.commands import cli
-from agents.lab.commands.export.recording import entries
 from agents.lab.commands.planners.picture import curves_figure
 from agents.lab.console.main import main
+from agents.lab.datasets.recording import entries
 from agents.lab.reports.figures import pictures
 from agents.lab.training.curve import learning_curve
 from agents.lab.training.exams import ExamPoint
@@ -504,18 +504,18 @@ KINDS = (
 )  # fmt: skip
 
 COMMANDS = (
-    "search --save x.svg --still",
-    "explore --seed 3 --max-steps 6 --save x.svg",
+    "search --save x.svg",
+    "run --agent exploring --seed 3 --max-steps 6 --save x.svg",
     "demo cbs --save x.svg",
-    "demo bump --save x.svg --still",
+    "demo bump --save x.svg",
     "race --agent random --agent greedy --seed 3 --max-steps 5 --save x.html",
     "run --seed 4 --no-show",
     "fleet --seed 4 --no-show --max-steps 30 --robots 4 --save x.csv",
     "compare agents --seed 1 -n 2 --max-steps 40 --save x.svg",
-    "layout list",
-    "layout shelves",
-    "layout generate --seed 1",
-    "layout warehouse 3-4-5-2-1",
+    "layout",
+    "layout shelves:",
+    "layout random:seed=1",
+    "layout warehouse:3-4-5-2-1",
 )
 
 CASES: dict[str, Callable[[], Lines]] = {

@@ -20,22 +20,15 @@ from agents.lab.trials.random_layouts import TRAINING_LAYOUTS
 
 MANY = 10**9
 ORDERS = "released,due,pickup_row,pickup_col,dropoff_row,dropoff_col,robot"
-SIDES = (
-    "height", "width", "rows", "columns", "length", "depth", "aisle", "pickups", "dropoffs",
-    "chargers",
-)  # fmt: skip
 LIMITS = {
     "--battery": {(1, MANY)},
     "--count": {(1, 10**6)},
-    "--density": {(0, 0.4)},
     "--episodes": {(1, 100_000), (1, 100_000_000)},
-    "--interval-ms": {(1, 60_000)},
     "--jobs": {(1, 1024)},
     "--late-penalty": {(0, sys.float_info.max)},
     "--layouts": {(1, 100_000)},
     "--lifelong": {(1, MANY)},
     "--max-steps": {(1, MANY)},
-    "--memory": {(0, MANY)},
     "--noise": {(0, 0.5)},
     "--order-rate": {(0, MANY)},
     "--people": {(0, 100_000)},
@@ -46,23 +39,16 @@ LIMITS = {
     "--steps": {(1, MANY)},
     "--stop": {(0, math.inf)},
     "--view-radius": {(0, 1000)},
-    **{f"--{side}": {(0, MANY)} for side in SIDES},
 }
 """Least and greatest values of options; commands may differ in them."""
 
 ARGUMENTS = {
-    "export": ("r.sqlite", "t.csv"),
+    "export": ("warehouse/greedy-v0",),
     "grade": ("agent.py",),
-    "layout check": ("hall.map",),
-    "layout import": ("hall.map",),
-    "layout warehouse": ("1-1-1-1-1",),
     "replay": ("e.npz",),
     "report": ("r.sqlite",),
 }
 """Arguments of commands that need some; options are refused before these files are read."""
-
-NEEDED = ARGUMENTS | {"dataset": ("-o", "warehouse/greedy-v0")}
-"""The same, and the options that commands need."""
 
 BACKENDS = {"sleigh": "no backend is called 'sleigh'; installed: driving, grid, physics"}
 CELLS = {
@@ -103,13 +89,9 @@ SIZES = "it must be whole numbers, at least 1, as in 32,64"
 WEIGHT = "each must be 0..1000000 or inf"
 DENSITY = "it must be LOW:HIGH as in 0.1:0.4, or one number"
 UNUSED = "describes random layouts; add --layout random"
-GREEDY = "--memory and --escape need agent greedy, not 'astar'"
 WAREHOUSE = "is not a warehouse; allowed: five whole numbers C-R-L-W-A, such as 10-20-10-2-1"
 
 WRONG = {
-    "run --agent astar --memory 5": GREEDY,
-    "run --agent astar --escape": GREEDY,
-    "run --agent astar --no-escape": GREEDY,
     "fleet --due 9": f"--due is 9; {DUE}",
     "fleet --due 9:8": f"--due is '9:8'; {DUE}",
     "fleet --orders 0.2": "0.2: unknown format of orders; allowed: .csv",
@@ -184,18 +166,18 @@ IMPOSSIBLE = {
     "train q --save q.NPZ": "q.NPZ: cannot save as .NPZ; allowed: .npz",
     "train q --save missing/q.npz": "the folder missing does not exist",
     "train q --layout tiny.txt": "randomize needs two open cells",
-    "layout generate -o missing/hall.txt": "the folder missing does not exist",
-    "layout generate --height 1": "the size is 1 x 16",
-    "layout shelves --rows 0": "shelf_rows is 0",
-    "layout warehouse 10-20-10-0-1": "depth is 0; it must be at least 1",
-    "layout warehouse 999999999-1-1-1-1": "columns is 999999999; it must be at most",
-    "layout warehouse 10-20-10-2": f"'10-20-10-2' {WAREHOUSE}",
-    "layout warehouse 10-20-10-2-1-1": WAREHOUSE,
-    "layout warehouse 1-1-1-1-x": f"'1-1-1-1-x' {WAREHOUSE}",
-    f"layout warehouse 1-1-1-1-{'9' * 5000}": "'1-1-1-1-9999",
-    "layout check missing.txt": "missing.txt: No such file or directory",
-    "layout print missing.txt": "missing.txt: No such file or directory",
-    "layout check bad.txt": "bad.txt: row 1, column 2: 'x' is not a tile",
+    "layout random -o missing/hall.txt": "the folder missing does not exist",
+    "layout random:height=1": "the size is 1 x 16",
+    "layout shelves:rows=0": "shelf_rows is 0",
+    "layout warehouse:10-20-10-0-1": "depth is 0; it must be at least 1",
+    "layout warehouse:999999999-1-1-1-1": "columns is 999999999; it must be at most",
+    "layout warehouse:10-20-10-2": f"'10-20-10-2' {WAREHOUSE}",
+    "layout warehouse:10-20-10-2-1-1": WAREHOUSE,
+    "layout warehouse:1-1-1-1-x": f"'1-1-1-1-x' {WAREHOUSE}",
+    f"layout warehouse:1-1-1-1-{'9' * 5000}": "'1-1-1-1-9999",
+    "layout --check missing.txt": "missing.txt: No such file or directory",
+    "layout missing.txt": "missing.txt: No such file or directory",
+    "layout --check bad.txt": "bad.txt: row 1, column 2: 'x' is not a tile",
     "grade none.py": "agent file none.py: there is no such file",
     "grade none.zip:Agent": "agent file none.zip: there is no such file",
     "grade . --trust --late none.csv": "none.csv: No such file or directory",
@@ -242,7 +224,6 @@ SUFFIXES = {
     "grade": ".json, .html, .csv",
     "demo": PICTURES,
     "search": PICTURES,
-    "explore": f"{PICTURES}, .npz",
     "replay": f"{PICTURES}, .npz",
     "compare backends": PICTURES,
     "compare agents": ".svg, .png",
@@ -313,7 +294,7 @@ def folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
 def test_a_wrong_value_is_refused_before_any_work(
     refused: Refused, name: str, option: str, value: str, code: int, message: str
 ) -> None:
-    line = refused(*name.split(), *NEEDED.get(name, ()), option, value, code=code)
+    line = refused(*name.split(), *ARGUMENTS.get(name, ()), option, value, code=code)
     assert message in line
     assert len(line) < 1000
     if message == "; allowed: ":
@@ -341,7 +322,7 @@ def test_the_limits_of_numbers_are_those_of_the_table() -> None:
             if pair is not None:
                 limits.setdefault(option, set()).add(pair)
                 for value in pair:
-                    words = [*NEEDED.get(name, ()), option, str(value)]
+                    words = [*ARGUMENTS.get(name, ()), option, str(value)]
                     # It raises if a limit is refused. Other tests use the option for help too.
                     leaf.make_context(name, words, help_option_names=[*HELP])
             else:
@@ -351,7 +332,7 @@ def test_the_limits_of_numbers_are_those_of_the_table() -> None:
 
 @each_command
 def test_what_a_command_does_not_have_is_wrong_usage(refused: Refused, name: str) -> None:
-    words = (*name.split(), *NEEDED.get(name, ()))
+    words = (*name.split(), *ARGUMENTS.get(name, ()))
     line = refused(*words, "--qqqqqq", code=2)
     assert line.startswith("no option is called '--qqqqqq'; see: ")
     assert line.endswith(f" {name} -h")

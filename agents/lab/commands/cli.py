@@ -8,18 +8,16 @@ from typing import Annotated
 
 import typer
 
-from agents.lab.commands import layout as layout_commands
 from agents.lab.commands.clone import train_clone
 from agents.lab.commands.compare_agents import compare_agents
 from agents.lab.commands.compare_backends import compare_backends
-from agents.lab.commands.dataset import dataset
 from agents.lab.commands.demos import demo
-from agents.lab.commands.explore import explore
-from agents.lab.commands.export.export import export
+from agents.lab.commands.export import export
 from agents.lab.commands.fleet.fleet import fleet
 from agents.lab.commands.fleet.report import report_fleet
 from agents.lab.commands.gap.gap import gap
 from agents.lab.commands.grade.grade import grade
+from agents.lab.commands.layout import layout
 from agents.lab.commands.planners.compare_planners import compare_planners
 from agents.lab.commands.planners.mapf import mapf
 from agents.lab.commands.play import play
@@ -35,22 +33,20 @@ from agents.lab.console.group import CommandGroup
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
 from agents.lab.experiments.sweep import NAMES, sweep
-from agents.lab.parameters import Number
 from agents.lab.reports.report import report
 from warehouse_core import Episode
-from warehouse_core.viz.tracks.track import INTERVAL_MS
 
 RENAMED_COMMANDS = {
     "explore": "warehouse run --agent exploring",
     "search": "warehouse compare search",
     "mapf": "warehouse plan",
     "gap": "warehouse compare backends --robots N",
-    "dataset": "warehouse export",
+    "dataset": "warehouse export NAME",
     "league": "warehouse plan --moves turn",
     "pogema": "python tests/benchmarks/bench_pogema.py",
     "compare-agents": "warehouse compare agents",
 }
-"""What to type instead of each command that no longer exists."""
+"""The command to use instead of each one that no longer exists."""
 
 
 class Commands(CommandGroup):
@@ -72,11 +68,6 @@ def replay(
     *,
     save: options.Save,
     show: options.Show = None,
-    still: options.Still = False,
-    interval_ms: Annotated[
-        float,
-        options.option("--interval-ms N", "Milliseconds between frames.", Number(1, 60_000)),
-    ] = INTERVAL_MS,
     speed: options.Speed = 1.0,
 ) -> None:
     """Replay a saved episode.
@@ -88,7 +79,7 @@ def replay(
         report_fleet(episode)
     else:
         report_episode(episode)
-    replay_or_save(episode, save, show, interval_ms, speed, still=still)
+    replay_or_save(episode, save, show, speed)
 
 
 class CompareGroup(CommandGroup):
@@ -121,7 +112,6 @@ GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
         "demo": demo,
         "replay": replay,
         "search": search,
-        "explore": explore,
     },
     "Several robots": {
         "fleet": fleet,
@@ -132,12 +122,11 @@ GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
     "Study": {
         "compare": comparing,
         "train": training,
-        "dataset": dataset,
         "sweep": sweep,
         "report": report,
         "grade": grade,
     },
-    "Files": {"layout": layout_commands.app, "export": export},
+    "Files": {"layout": layout, "export": export},
 }
 """The commands by the title under which the help lists them."""
 

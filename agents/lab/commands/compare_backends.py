@@ -65,7 +65,6 @@ def compare_backends(
     *,
     save: options.SaveReplay,
     show: options.Show = None,
-    still: options.Still = False,
 ) -> None:
     """Run an episode on two backends.
 
@@ -82,6 +81,6 @@ def compare_backends(
         for backend in (left, right)
     )
     print_table(comparison_table(one, other))
-    film = Film(lambda: [track_of_record(one), track_of_record(other)], still=still)
+    film = Film(lambda: [track_of_record(one), track_of_record(other)])
     names = (episode.settings.backend for episode in (one, other))
     show_or_save(film, save, show, f"compare-{one.agent}-{'-'.join(names)}-{seed}.gif")

@@ -366,7 +366,6 @@ def demo(
     *,
     save: options.SaveReplay,
     show: options.Show = None,
-    still: options.Still = False,
 ) -> None:
     """Show bodies and planners at work.
 
@@ -394,7 +393,7 @@ def demo(
         load_backend("physics")
     shown = DEMOS[name]()
     say(shown.said)
-    show_or_save(Film(lambda: shown.tracks, still=still), save, show, f"demo-{name}.gif")
+    show_or_save(Film(lambda: shown.tracks), save, show, f"demo-{name}.gif")
 
 
 def _together(episode: Episode, title: str, ending: str) -> Track:

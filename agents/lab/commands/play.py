@@ -124,7 +124,6 @@ def play(
     max_steps: options.MaxSteps = 200,
     *,
     save: options.Save,
-    still: options.Still = False,
 ) -> None:
     """Drive the robot yourself, in a window.
 
@@ -149,7 +148,7 @@ def play(
             del driver.games[-1]  # the window was closed at its start
         else:
             report_game(driver.games, place)
-        replay_or_save(driver.games[0], save, show=False, still=still)
+        replay_or_save(driver.games[0], save, show=False)
         for game in driver.games[1:]:
-            replay_or_save(game, list(map(unused, save)), show=False, still=still)
+            replay_or_save(game, list(map(unused, save)), show=False)
         env.close()

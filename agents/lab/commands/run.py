@@ -1,6 +1,11 @@
-"""Run one episode from a random start, print its outcome and replay it."""
+"""Run episodes from random starts, print their outcomes and replay the first."""
 
 from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+from contextlib import closing
+from statistics import fmean
+from typing import TYPE_CHECKING, NamedTuple
 
 import typer
 
@@ -8,13 +13,19 @@ from agents.errors import EpisodeError, EpisodeInterrupted
 from agents.lab.console import options
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
-from agents.lab.console.values import greedy_with, load_place
+from agents.lab.console.values import load_place
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import draw_seed
 from agents.lab.runs.run import run as run_agent
 from agents.registry import make_agent, make_backend
-from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, Layout, WarehouseEnv
+from agents.search.agents import ExploringAgent
+from warehouse_core import DEFAULT_LAYOUT, Agent, Cell, Episode, Layout, WarehouseEnv
+from warehouse_core.records.episode import DELIVERED
 from warehouse_core.records.failure_modes import diagnose
+
+if TYPE_CHECKING:
+    from agents.search.belief_replay import Insight
+    from warehouse_core.viz.tracks.track import Track
 
 
 def run_episode(
@@ -52,16 +63,42 @@ def run_episode(
         >>> run_episode("greedy", seed=12).outcome
         'delivered'
     """
-    layout = layout or DEFAULT_LAYOUT
-    motion = make_backend(backend)
-    env = WarehouseEnv(layout, start_pos, max_steps, battery, view_radius, backend=motion)
     seed = draw_seed() if seed is None else seed
-    try:
-        acting = make_agent(agent, seed, layout)
-        watch = slow_steps_told(acting, agent)
-        return run_agent(env, acting, seed, watch, name=agent, randomize=randomize)
-    finally:
-        env.close()
+    case = Case(agent, backend, layout or DEFAULT_LAYOUT, battery, max_steps, view_radius)
+    return case.run(seed, start_pos, randomize)
+
+
+class Case(NamedTuple):
+    """An agent and its environment; the fields are arguments of ``run_episode``."""
+
+    agent: str
+    backend: str
+    layout: Layout
+    battery: int
+    max_steps: int
+    view_radius: int
+
+    def run(
+        self,
+        seed: int,
+        start_pos: Cell | None,
+        randomize: bool | str,
+        notice: Callable[[Agent], None] = lambda agent: None,
+    ) -> Episode:
+        """Run the episode of a seed; ``notice`` is given the agent before it acts."""
+        env = WarehouseEnv(
+            self.layout,
+            start_pos,
+            self.max_steps,
+            self.battery,
+            self.view_radius,
+            backend=make_backend(self.backend),
+        )
+        with closing(env):
+            acting = make_agent(self.agent, seed, self.layout)
+            notice(acting)
+            watch = slow_steps_told(acting, self.agent)
+            return run_agent(env, acting, seed, watch, name=self.agent, randomize=randomize)
 
 
 def report_episode(episode: Episode, stations: str = "") -> None:
@@ -85,43 +122,90 @@ def run(
     stations: options.StationsOption = None,
     start: options.Start = None,
     seed: options.SeedOption = None,
+    episodes: options.Episodes = 1,
     battery: options.BatteryOption = 200,
     max_steps: options.MaxSteps = 200,
     view_radius: options.ViewRadius = 2,
-    memory: options.Memory = None,
-    escape: options.Escape = None,
     *,
     save: options.Save,
     show: options.Show = None,
-    still: options.Still = False,
     speed: options.Speed = 1.0,
 ) -> None:
-    """Run one episode and replay it.
+    """Run episodes of one robot and replay one.
+
+    Several episodes are printed with a line each and a summary, and replayed
+    only with --save or --show. The replay of the agent "exploring" shows what
+    it believes, next to the world.
 
     Example: warehouse run --agent astar --seed 12 --save replay.gif
     """
     place = load_place(layout, stations, start)
-    name = greedy_with(agent, memory, escape)
+    case = Case(agent, backend, place.layout, battery, max_steps, view_radius)
+    first = draw_seed() if seed is None else seed
+    beliefs = list[Belief]()
+
+    def notice(acting: Agent) -> None:
+        if isinstance(acting, ExploringAgent):
+            from agents.search.belief_replay import noted
+
+            beliefs.append((acting, noted(acting, place.layout)))
 
     def finish(episode: Episode, show: bool | None) -> None:
         report_episode(episode, place.stations)
-        replay_or_save(episode, save, show, speed=speed, still=still)
+        make_tracks = report_belief(episode, *beliefs[0]) if beliefs else None
+        replay_or_save(episode, save, show, speed, make_tracks=make_tracks)
 
-    try:
-        episode = run_episode(
-            name,
-            backend,
-            seed=seed,
-            battery=battery,
-            max_steps=max_steps,
-            view_radius=view_radius,
-            **place._asdict(),
-        )
-    except EpisodeError as error:
-        if error.episode is not None:
-            finish(error.episode, show)
-        raise
-    except EpisodeInterrupted as error:
-        finish(error.episode, False)
-        raise typer.Abort from error
-    finish(episode, show)
+    def run_seed(seed: int) -> Episode:
+        try:
+            return case.run(seed, place.start_pos, place.randomize, notice)
+        except EpisodeError as error:
+            if error.episode is not None:
+                finish(error.episode, show)
+            raise
+        except EpisodeInterrupted as error:
+            finish(error.episode, False)
+            raise typer.Abort from error
+
+    if episodes == 1:
+        finish(run_seed(first), show)
+        return
+    finished = [run_and_tell(run_seed, each) for each in range(first, first + episodes)]
+    report_summary(finished)
+    del beliefs[1:]
+    if save or show:
+        finish(finished[0], show)
+
+
+Belief = tuple[ExploringAgent, "list[Insight]"]
+"""An exploring agent and what it knew in each step."""
+
+
+def run_and_tell(run_seed: Callable[[int], Episode], seed: int) -> Episode:
+    """Run the episode of a seed and print it as a line."""
+    episode = run_seed(seed)
+    say(f"seed {seed}: {diagnose(episode).sentence}; total reward {episode.total_reward:.2f}")
+    return episode
+
+
+def report_summary(episodes: Sequence[Episode]) -> None:
+    """Print how many of several episodes were delivered, and their means."""
+    delivered = sum(episode.outcome == DELIVERED for episode in episodes)
+    reward = fmean(episode.total_reward for episode in episodes)
+    steps = fmean(episode.steps for episode in episodes)
+    say(
+        f"{delivered} of {len(episodes)} episodes delivered, "
+        f"mean total reward {reward:.2f}, mean length {steps:.1f} steps"
+    )
+
+
+def report_belief(
+    episode: Episode, agent: ExploringAgent, history: list[Insight]
+) -> Callable[[], Sequence[Track]] | None:
+    """Print how much an exploring agent saw, and return what makes the tracks of its belief."""
+    from agents.search.belief_replay import belief_tracks
+
+    seen, cells = sum(len(insight.seen) for insight in history), episode.layout
+    say(f"cells seen      {seen} of {cells.height * cells.width}, plans made: {agent.plans}")
+    if len(history) != episode.steps:  # the episode ended with an error
+        return None
+    return lambda: belief_tracks(episode, history)

@@ -143,7 +143,6 @@ def search(
     *,
     save: options.SaveReplay,
     show: options.Show = None,
-    still: options.Still = False,
 ) -> None:
     """Compare search algorithms on one floor.
 
@@ -173,7 +172,7 @@ def search(
 
         return search_replay(courses, title, window=window)
 
-    film = Film(lambda: [*map(track_of_course, courses)], title, draw=draw, still=still)
+    film = Film(lambda: [*map(track_of_course, courses)], title, draw=draw)
     show_or_save(film, save, show, "search.gif")
 
 

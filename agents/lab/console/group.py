@@ -18,7 +18,7 @@ class CommandGroup(TyperGroup):
 
     Attributes:
         usual: Command that is run if none is named, or "" where the help is shown instead.
-        renamed: What to type instead of each command that no longer exists.
+        renamed: Command to use instead of each one that no longer exists.
     """
 
     usual = ""

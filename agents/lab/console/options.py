@@ -116,13 +116,6 @@ AGENT = (
     "file.py:Class; arguments may follow, as in greedy:memory=20."
 )
 AgentOption = Annotated[str, option("--agent NAME", AGENT)]
-Memory = Annotated[int | None, parameter_option("memory")]
-Escape = Annotated[
-    bool | None,
-    option(
-        "--escape/--no-escape", "Let the greedy agent escape from loops, or do not. Default: do."
-    ),
-]
 
 LAYOUT = f"Layout: a file, or one of {', '.join(NAMES)}."
 FleetLayout = Annotated[Path, option("--layout FILE", LAYOUT)]
@@ -159,6 +152,13 @@ BACKEND = (
     "Name of the motion backend. Allowed: grid, physics, {}or your own as file.py:Class; numbers "
     "and the drive of the robot may follow, as in physics:top_speed=2,drive=differential."
 )
+InstalledBackend = Annotated[
+    str,
+    option(
+        "--backend NAME",
+        "Name of the motion backend. Allowed: grid, physics, or another that is installed.",
+    ),
+]
 BackendOption = Annotated[str, option("--backend NAME", BACKEND.format(""))]
 FleetBackend = Annotated[
     str,
@@ -204,9 +204,6 @@ SaveReplay = Annotated[
         callback=writable(replays=True),
         **MANY,
     ),
-]
-Still = Annotated[
-    bool, option("--still", "A replay as .svg is one picture, with charts, and does not move.")
 ]
 SaveFigure = Annotated[
     Path | None,

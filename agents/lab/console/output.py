@@ -17,7 +17,7 @@ from warehouse_core.render.window import has_display
 from warehouse_core.viz.player import save_page
 from warehouse_core.viz.svg import animated_svg
 from warehouse_core.viz.tracks.record_track import track_of_record
-from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
+from warehouse_core.viz.tracks.track import Track
 
 if TYPE_CHECKING:
     from warehouse_core.viz.figure import SceneFigure
@@ -34,8 +34,7 @@ class Film:
     """What a command shows. A window or a picture needs Matplotlib, a page or an animation not.
 
     ``tracks`` makes the tracks when they are needed; their titles are the default of a page's. The
-    replay is theirs, unless ``draw`` makes another, with a window or without one. An ``.svg`` does
-    not move if ``still`` is true.
+    replay is theirs, unless ``draw`` makes another, with a window or without one.
     """
 
     tracks: Callable[[], Sequence[Track]]
@@ -43,7 +42,6 @@ class Film:
     record: Episode | None = None
     speed: float = 1.0
     draw: Callable[[bool], Replay] | None = None
-    still: bool = False
 
     def replay(self, window: bool) -> Replay:
         """Return the replay, with a window or without one."""
@@ -60,12 +58,12 @@ class Film:
             self.record.save(target)
         elif suffix == PAGE_SUFFIX:
             save_page(target, self.tracks(), title=self.title, speed=self.speed)
-        elif suffix == DRAWING_SUFFIX and not self.still:
+        elif suffix == DRAWING_SUFFIX:
             drawing = animated_svg(self.tracks(), title=self.title, speed=self.speed)
             with atomic_path(target) as part:
                 part.write_text(drawing, encoding="utf-8")
         else:
-            self.replay(window=False).save(target, still=self.still)
+            self.replay(window=False).save(target)
         say(f"saved {target}")
 
 
@@ -73,21 +71,22 @@ def replay_or_save(
     episode: Episode,
     targets: Sequence[Path],
     show: bool | None,
-    interval_ms: float = INTERVAL_MS,
     speed: float = 1.0,
     plans: Sequence[StepPlans] = (),
-    still: bool = False,
+    make_tracks: Callable[[], Sequence[Track]] | None = None,
 ) -> None:
-    """Show or save an episode as ``show_or_save`` does; ``.npz`` is its record."""
+    """Show or save an episode as ``show_or_save`` does; ``.npz`` is its record.
+
+    ``make_tracks`` returns the tracks to show, by default the one of the record with ``plans``.
+    """
     seed = "unseeded" if episode.seed is None else episode.seed
     name = re.sub(r"[^\w-]+", "_", f"replay-{episode.agent}-{episode.backend}-{seed}")
     # Drawing each frame of a whole shift takes minutes; a page does not.
     suffix = PAGE_SUFFIX if episode.is_fleet else ".gif"
     film = Film(
-        lambda: [track_of_record(episode, plans=plans)],
+        make_tracks or (lambda: [track_of_record(episode, plans=plans)]),
         record=episode,
-        speed=speed * INTERVAL_MS / interval_ms,
-        still=still,
+        speed=speed,
     )
     show_or_save(film, targets, show, name + suffix)
 

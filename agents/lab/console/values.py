@@ -38,16 +38,6 @@ def load_place(path: Path | None, stations: Stations | None, start: str | None) 
     return Place(layout, cell, what_to_draw(chosen, cell))
 
 
-def greedy_with(agent: str, memory: int | None, escape: bool | None) -> str:
-    """Return the name of an agent with what the options say of its memory and its escape."""
-    arguments = [] if memory is None else [f"memory={memory}"]
-    arguments += ["escape_steps=0"] if escape is False else []
-    name, colon, _ = agent.partition(":")
-    if name != "greedy" and (memory is not None or escape is not None):
-        raise typer.BadParameter(f"--memory and --escape need agent greedy, not {agent!r}")
-    return f"{agent}{',' if colon else ':'}{','.join(arguments)}" if arguments else agent
-
-
 def parse_cell(text: str | None, option: str) -> Cell | None:
     """Return the cell in a text ``ROW,COL``, or ``None`` without a text."""
     if text is None:

@@ -11,7 +11,7 @@ from agents.lab.datasets.source import MOTION
 
 
 class EvenInfos(StepDataCallback):
-    """Infos as in the datasets of ``warehouse dataset``: masks, and what the motion did.
+    """Infos as in the datasets of ``warehouse export``: masks, and what the motion did.
 
     ``Warehouse-v0`` has ``info["motion"]`` after a step and not after a reset, and it has paths of
     different lengths; ``DataCollector(env, record_infos=True)`` needs the same arrays each time.

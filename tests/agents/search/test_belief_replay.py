@@ -10,7 +10,7 @@ from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from agents.search.agents import ExploringAgent
-from agents.search.belief_replay import Insight, belief_tracks, believed_tiles, record_beliefs
+from agents.search.belief_replay import Insight, belief_tracks, believed_tiles, noted
 from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, Layout, WarehouseEnv, record_episode
 from warehouse_core.render.palette import INK, SHADOW, UNKNOWN, blend
 from warehouse_core.viz.replay import Replay, replay_of_tracks
@@ -24,8 +24,13 @@ def explored(
 ) -> tuple[Episode, list[Insight]]:
     options.setdefault("view_radius", 1)
     start = (3, 3) if layout is DETOUR else layout.usual_start()
-    env = WarehouseEnv(layout, start, **options)
-    return record_beliefs(env, ExploringAgent(), seed=3, randomize=randomize)
+    return recorded(WarehouseEnv(layout, start, **options), randomize=randomize)
+
+
+def recorded(env: WarehouseEnv, randomize: bool = True) -> tuple[Episode, list[Insight]]:
+    agent = ExploringAgent()
+    history = noted(agent, env.layout)
+    return record_episode(env, agent, seed=3, randomize=randomize), history
 
 
 def replay(**options: Any) -> Replay:
@@ -42,21 +47,18 @@ def unknown_share(image: NDArray[np.int64]) -> tuple[float, float]:
 # Recorded beliefs.
 
 
-def test_recording_beliefs_does_not_change_the_episode_and_is_repeated() -> None:
-    agent = ExploringAgent()
-    one, other, third = (WarehouseEnv(DETOUR, (3, 3), view_radius=1) for _ in range(3))
-    watched, history = record_beliefs(one, agent, seed=3)
-    assert (watched, history) == record_beliefs(other, agent, seed=3)
-    assert watched == record_episode(third, agent, seed=3)
-    assert watched.agent == "ExploringAgent"
-    assert set(watched.reasons) > {"is there"}
+def test_noting_beliefs_does_not_change_the_episode() -> None:
+    one, other = (WarehouseEnv(DETOUR, (3, 3), view_radius=1) for _ in range(2))
+    watched, history = recorded(one)
+    assert watched == record_episode(other, ExploringAgent(), seed=3)
     assert len(history) == watched.steps
 
 
 def test_each_cell_of_the_belief_is_in_exactly_one_insight() -> None:
     agent = ExploringAgent()
     env = WarehouseEnv(DETOUR, (3, 3), view_radius=1)
-    _, history = record_beliefs(env, agent, seed=3)
+    history = noted(agent, env.layout)
+    record_episode(env, agent, seed=3)
     known: dict[Any, str] = {}
     for insight in history:
         assert not known.keys() & insight.seen.keys()
@@ -94,7 +96,7 @@ def test_at_first_only_the_view_and_two_stations_are_known(
     rows: Sequence[str], start: Cell, tiles: str, seen: int
 ) -> None:
     env = WarehouseEnv(rows, start, view_radius=1)
-    _, history = record_beliefs(env, ExploringAgent(), randomize=False)
+    _, history = recorded(env, randomize=False)
     assert believed_tiles(env.layout, history)[0] == tuple(tiles.split())
     assert sum(cell[0] >= 0 <= cell[1] for cell in history[0].seen) == seen
 

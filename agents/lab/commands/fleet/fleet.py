@@ -139,7 +139,6 @@ def fleet(
         ),
     ],
     show: options.Show = None,
-    still: options.Still = False,
     speed: options.Speed = 1.0,
 ) -> None:
     """Run a shift of robots and replay it.
@@ -225,7 +224,7 @@ def fleet(
             say(f"saved {path} and {write_shifts(path, results)}")
         replays, plans = [path for path in save if path not in tables], log.plans if log else ()
         show = bool(show) if tables else show
-        replay_or_save(records[0], replays, show, speed=speed, plans=plans, still=still)
+        replay_or_save(records[0], replays, show, speed=speed, plans=plans)
 
     try:
         with warnings_printed():

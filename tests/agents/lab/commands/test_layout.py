@@ -20,34 +20,34 @@ def files(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> None:
 @pytest.mark.parametrize(
     ("words", "printed"),
     [
-        ("generate --height 8 --width 9 --density 0.3 --seed 5", random_layout(8, 9, 0.3, 5)),
+        ("random:height=8,width=9,density=0.3,seed=5", random_layout(8, 9, 0.3, 5)),
         (
-            "shelves --rows 3 --columns 2 --length 5 --depth 2 --aisle 3 --seed 7",
+            "shelves:rows=3,columns=2,length=5,depth=2,aisle=3,seed=7",
             shelf_layout(3, 2, 5, 2, 3, 7),
         ),
         (
-            "shelves --aisle 2 --pickups 4 --dropoffs 3 --chargers 2 --seed 7",
+            "shelves:aisle=2,pickups=4,dropoffs=3,chargers=2,seed=7",
             shelf_layout(aisle=2, seed=7, pickups=4, dropoffs=3, chargers=2),
         ),
-        ("warehouse 3-4-5-2-1", benchmark_warehouse(3, 4, 5, 2, 1)),
-        ("print room.txt", Layout(["#####", "#P.D#", "#...#", "#####"])),
-        ("print maze", named_layout("maze")),
-        ("print", DEFAULT_LAYOUT),
-        ("import hall.map", Layout(["#...", "#..."])),
+        ("warehouse:3-4-5-2-1", benchmark_warehouse(3, 4, 5, 2, 1)),
+        ("room.txt", Layout(["#####", "#P.D#", "#...#", "#####"])),
+        ("maze", named_layout("maze")),
+        ("default", DEFAULT_LAYOUT),
+        ("hall.map", Layout(["#...", "#..."])),
     ],
 )
 def test_layouts_are_printed(warehouse: Warehouse, words: str, printed: Layout) -> None:
     assert warehouse("layout", *words.split()) == (0, f"{printed}\n", "")
 
 
-@pytest.mark.parametrize(("kind", "option"), [("generate", "--save"), ("shelves", "-o")])
+@pytest.mark.parametrize(("kind", "option"), [("random", "--save"), ("shelves:", "-o")])
 def test_a_layout_goes_to_a_file_and_passes_the_check(
     warehouse: Warehouse, kind: str, option: str
 ) -> None:
     assert warehouse("layout", kind, option, "new.txt") == (0, "saved new.txt\n", "")
     printed = warehouse("layout", kind).out
-    assert warehouse("layout", "print", "new.txt").out == printed
-    result = warehouse("layout", "check", "new.txt")
+    assert warehouse("layout", "new.txt").out == printed
+    result = warehouse("layout", "new.txt", "--check")
     assert (result.code, "0 of them cut off" in result.out) == (0, True)
 
 
@@ -61,7 +61,7 @@ def test_a_layout_goes_to_a_file_and_passes_the_check(
 )
 def test_check_describes_a_layout(warehouse: Warehouse, rows: str, said: str) -> None:
     Path("room.txt").write_text(rows)
-    result = warehouse("layout", "check", "room.txt")
+    result = warehouse("layout", "room.txt", "--check")
     assert (result.code, result.err) == (0, "")
     assert result.out.startswith("room.txt: ")
     assert said in result.out
@@ -80,22 +80,33 @@ def test_check_describes_a_layout(warehouse: Warehouse, rows: str, said: str) ->
 )
 def test_check_names_what_is_wrong_with_a_layout(refused: Refused, rows: str, message: str) -> None:
     Path("room.txt").write_text(rows)
-    assert refused("layout", "check", "room.txt").startswith(f"room.txt: {message}")
+    assert refused("layout", "room.txt", "--check").startswith(f"room.txt: {message}")
 
 
-def test_import_takes_a_map_under_any_name_and_writes_a_layout(warehouse: Warehouse) -> None:
-    words = ("layout", "import", Path("hall.map").rename("hall.octile"), "-o", "hall.txt")
-    assert warehouse(*words) == (0, "saved hall.txt\n", "")
-    assert Layout.load("hall.txt").rows == ("#...", "#...")
+@pytest.mark.parametrize(
+    ("words", "code", "message"),
+    [
+        ("print trap", 2, "'layout print' no longer exists; use: warehouse layout FILE"),
+        ("list", 2, "'layout list' no longer exists; use: warehouse layout"),
+        ("random:height=x", 1, "random has 'height=x'; it must be NAME=NUMBER; allowed: height, "),
+        ("shelves:length=1,size=2", 1, "shelves has 'size=2'; it must be NAME=NUMBER"),
+        ("tower:3", 1, "no layout is called 'tower:3'; allowed: default, corridor, "),
+        ("trap maze -o a.txt", 2, "--save takes one layout"),
+    ],
+)
+def test_what_is_no_layout_is_refused(
+    refused: Refused, words: str, code: int, message: str
+) -> None:
+    assert refused("layout", *words.split(), code=code).startswith(message)
 
 
 def test_a_layout_can_be_saved_as_a_map(warehouse: Warehouse) -> None:
-    assert warehouse("layout", "shelves", "-o", "new.map").out == "saved new.map\n"
+    assert warehouse("layout", "shelves:", "-o", "new.map").out == "saved new.map\n"
     assert load_map("new.map") == shelf_layout().with_stations(None, None)
 
 
 def test_layouts_with_names_are_listed(warehouse: Warehouse) -> None:
-    out = warehouse("layout", "list").out
+    out = warehouse("layout").out
     for name in NAMES:
         layout = named_layout(name)
         assert f"{name}, {layout.height} x {layout.width}\n{layout}\n" in out

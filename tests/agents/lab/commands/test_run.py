@@ -70,7 +70,9 @@ class Mute(Still):
 """
 
 
-@pytest.mark.parametrize("line", ["run", "explore", "fleet --robots 2", "compare --left grid"])
+@pytest.mark.parametrize(
+    "line", ["run", "run --agent exploring", "fleet --robots 2", "compare --left grid"]
+)
 def test_a_backend_of_a_user_is_given_by_its_file(
     warehouse: Warehouse, refused: Refused, tmp_path: Path, line: str
 ) -> None:
@@ -87,9 +89,8 @@ def test_a_backend_of_a_user_is_given_by_its_file(
         assert record.backend == "Mine"
         with pytest.raises(BackendError, match="no backend is called 'Mine'"):
             replay_episode(record)
-    if not line.startswith("explore"):
-        said = refused(*words, "my_motion.py:Mine:steps=2", "--no-show")
-        assert said == "seed 1, step 2, backend Mine: ValueError: stuck (my_motion.py, line 13)"
+    said = refused(*words, "my_motion.py:Mine:steps=2", "--no-show")
+    assert said == "seed 1, step 2, backend Mine: ValueError: stuck (my_motion.py, line 13)"
     assert "takes no argument 'mass'" in refused(*words, "my_motion.py:Mine:mass=2")
     assert "has no close; needed: reset and advance and close" in refused(
         *words, "my_motion.py:Still"
@@ -135,8 +136,8 @@ def test_the_command_passes_every_option_on(
     report_episode(episode, "kept")
     expected = capsys.readouterr().out
     words = ["--backend", "physics", "--layout", room, "--start", "2,3", "--seed", 6]
-    words += ["--battery", 30, "--max-steps", 12, "--view-radius", 1, "--memory", 3, "--no-escape"]
-    words += ["--no-show"]
+    words += ["--battery", 30, "--max-steps", 12, "--view-radius", 1, "--no-show"]
+    words += ["--agent", "greedy:memory=3,escape_steps=0"]
     assert warehouse(*words, app=app) == (0, expected, "")
 
 
@@ -166,6 +167,34 @@ def test_the_episode_until_an_agent_fails_is_reported_and_saved(
     assert (result.code, result.err) == (code, f"warehouse: {line}\n")
     assert "outcome         unfinished\n" in result.out
     assert Episode.load("e.npz").actions == ["N"] * 3
+
+
+def test_several_episodes_have_a_line_each_and_a_summary(warehouse: Warehouse) -> None:
+    code, out, err = warehouse("run", "-n", 3, "--seed", 4, "--max-steps", 50, "--save", "e.npz")
+    episodes = [run_episode(seed=seed, max_steps=50) for seed in (4, 5, 6)]
+    assert (code, err) == (0, "")
+    *lines, summary = out.splitlines()[:4]
+    for episode, line in zip(episodes, lines, strict=True):
+        assert line.startswith(f"seed {episode.seed}: ")
+        assert line.endswith(f"; total reward {episode.total_reward:.2f}")
+    delivered = sum(episode.outcome == "delivered" for episode in episodes)
+    steps = sum(episode.steps for episode in episodes) / 3
+    assert summary.startswith(f"{delivered} of 3 episodes delivered, mean total reward ")
+    assert summary.endswith(f", mean length {steps:.1f} steps")
+    assert Episode.load("e.npz") == episodes[0]
+    assert "outcome" not in warehouse("run", "-n", 2, "--seed", 4, "--max-steps", 5).out
+
+
+@pytest.mark.parametrize(("radius", "seen", "plans"), [(0, 14, 3), (1, 38, 2), (20, 84, 2)])
+def test_the_exploring_agent_prints_how_much_it_has_seen_and_shows_its_belief(
+    warehouse: Warehouse, radius: int, seen: int, plans: int
+) -> None:
+    words = ("--seed", 12, "--view-radius", radius, "--save", "way.npz", "--save", "way.html")
+    code, out, _ = warehouse("run", "--agent", "exploring", *words)
+    assert code == 0
+    assert f"cells seen      {seen} of 84, plans made: {plans}\n" in out
+    assert Episode.load("way.npz").agent == "ExploringAgent"
+    assert "Belief of ExploringAgent" in Path("way.html").read_text()
 
 
 @pytest.mark.parametrize(

@@ -4,7 +4,7 @@ from pathlib import Path
 import pytest
 from helpers.command_line import Refused
 
-from agents.lab.console.values import greedy_with, load_layout, load_place
+from agents.lab.console.values import load_layout, load_place
 from agents.lab.place import Place, Stations
 from warehouse_core import DEFAULT_LAYOUT, LayoutError
 from warehouse_core.world.map_files import save_layout
@@ -73,18 +73,3 @@ def test_a_place_without_an_episode_is_an_error(
 def test_a_map_has_no_stations_and_they_are_drawn(tmp_path: Path) -> None:
     save_layout(DEFAULT_LAYOUT, tmp_path / "room.map")
     assert load_place(tmp_path / "room.map", None, None).stations is DRAWN
-
-
-@pytest.mark.parametrize(
-    ("agent", "memory", "escape", "name"),
-    [
-        ("astar", None, None, "astar"),
-        ("greedy", None, True, "greedy"),
-        ("greedy", 5, False, "greedy:memory=5,escape_steps=0"),
-        ("greedy:memory=3", None, False, "greedy:memory=3,escape_steps=0"),
-    ],
-)
-def test_memory_and_escape_are_arguments_of_the_greedy_agent(
-    agent: str, memory: int | None, escape: bool | None, name: str
-) -> None:
-    assert greedy_with(agent, memory, escape) == name

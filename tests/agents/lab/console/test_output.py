@@ -40,9 +40,8 @@ class FakeReplay:
         assert self.window
         self.shown += 1
 
-    def save(self, target: Path, *, still: bool) -> None:
+    def save(self, target: Path) -> None:
         assert not self.window
-        assert not still
         target.touch()
 
 
@@ -63,7 +62,7 @@ def test_a_replay_is_saved_at_the_given_speed_and_opens_no_window(
     import matplotlib.pyplot as plt
 
     without_display(monkeypatch)
-    replay_or_save(short_episode(), [Path("film.gif")], None, 300, 2.5)
+    replay_or_save(short_episode(), [Path("film.gif")], None, 1.25)
     with Image.open("film.gif") as film:
         assert film.info["duration"] == 120
     assert capsys.readouterr().out == "saved film.gif\n"
@@ -95,12 +94,12 @@ def test_a_window_opens_if_requested_or_if_nothing_is_saved(
     lines: list[str],
 ) -> None:
     replay = fake(monkeypatch, has_display=has_display)
-    replay_or_save(short_episode(), [Path(file) for file in files], show, 70, 3.0)
+    replay_or_save(short_episode(), [Path(file) for file in files], show, 3.0)
     lines = [*(f"saved {file}" for file in files), *lines]
     assert capsys.readouterr().out.splitlines() == lines
     assert names(folder) == [line[6:] for line in lines if line.startswith("saved ")]
     assert replay.shown == lines.count(KEYS)
-    assert set(replay.speeds) <= {3.0 * 150 / 70}
+    assert set(replay.speeds) <= {3.0}
 
 
 def test_a_default_name_does_not_overwrite_an_older_file(
@@ -125,7 +124,7 @@ def test_the_name_of_an_agent_cannot_lead_to_another_folder(
 
 def test_a_page_is_written_at_the_given_speed(folder: Path) -> None:
     for speed in (1.0, 2.0):
-        replay_or_save(short_episode(), [Path(f"{speed:g}.HTML")], None, 75, speed)
+        replay_or_save(short_episode(), [Path(f"{speed:g}.HTML")], None, speed)
     assert names(folder) == ["1.HTML", "2.HTML"]
     pages = [said_by(Path(name).read_text(encoding="utf-8")) for name in names(folder)]
     assert pages[1]["speed"] == 2 * pages[0]["speed"]
@@ -178,14 +177,9 @@ def test_a_page_that_cannot_be_written_leaves_no_file(
     assert names(folder) == []
 
 
-def test_an_svg_moves_without_matplotlib_unless_it_is_to_be_still(
-    folder: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    with monkeypatch.context() as patched:
-        patched.setitem(sys.modules, "warehouse_core.viz.replay", None)
-        output.replay_or_save(short_episode(), [Path("a.svg")], show=False, speed=2)
-    output.replay_or_save(short_episode(), [Path("b.svg")], show=False, still=True)
-    moves, still = (Path(name).read_text(encoding="utf-8") for name in ("a.svg", "b.svg"))
+def test_an_svg_moves_without_matplotlib(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+    monkeypatch.setitem(sys.modules, "warehouse_core.viz.replay", None)
+    output.replay_or_save(short_episode(), [Path("a.svg")], show=False, speed=2)
+    moves = Path("a.svg").read_text(encoding="utf-8")
     assert "<animateTransform" in moves
     assert 'dur="2.55s"' in moves
-    assert "<animate" not in still

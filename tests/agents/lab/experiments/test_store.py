@@ -16,7 +16,7 @@ from helpers.command_line import ROOT, in_a_process
 from helpers.results_files import change, fill, fleet_row, row
 
 from agents.errors import StoreError
-from agents.lab.commands.export.table import columns_of
+from agents.lab.datasets.table import columns_of
 from agents.lab.experiments.case import key_of, make_case
 from agents.lab.experiments.store import Store
 from agents.lab.experiments.tables import APPLICATION, VERSION

@@ -1,4 +1,4 @@
-"""``warehouse dataset``: what it writes, and what it refuses."""
+"""``warehouse export`` of datasets: what it writes, and what it refuses."""
 
 import sys
 from pathlib import Path
@@ -20,7 +20,7 @@ def datasets(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Path:
 
 def test_a_dataset_has_the_episodes_of_an_agent(warehouse: Warehouse, datasets: Path) -> None:
     words = "--agent", "astar", "-n", 5, "--seed", 12, "--layout", "rooms", "--battery", 90
-    done = warehouse("dataset", "-o", "warehouse/astar-v0", *words)
+    done = warehouse("export", "warehouse/astar-v0", *words)
     folder = datasets / "warehouse" / "astar-v0"
     assert (done.code, done.out) == (0, f"saved 5 episodes as warehouse/astar-v0 in {folder}\n")
     loaded = minari.load_dataset("warehouse/astar-v0")
@@ -38,7 +38,7 @@ def test_a_dataset_has_the_episodes_of_an_agent(warehouse: Warehouse, datasets: 
 
 def test_without_a_seed_datasets_differ(warehouse: Warehouse) -> None:
     for version in range(2):
-        assert warehouse("dataset", "-o", f"any-v{version}", "-n", 3).code == 0
+        assert warehouse("export", f"any-v{version}", "-n", 3).code == 0
     first, second = (minari.load_dataset(f"any-v{version}")[0] for version in range(2))
     assert first.observations[0].tolist() != second.observations[0].tolist()
 
@@ -46,7 +46,7 @@ def test_without_a_seed_datasets_differ(warehouse: Warehouse) -> None:
 @pytest.mark.parametrize("director", [("--agent", "greedy"), ("--planner", "pibt")])
 def test_a_dataset_of_a_fleet_is_joint(warehouse: Warehouse, director: tuple[str, str]) -> None:
     words = "-r", 3, "-n", 2, "--seed", 1, "--max-steps", 40, "--layout", "depot", *director
-    assert warehouse("dataset", "-o", "fleet-v0", *words).code == 0
+    assert warehouse("export", "fleet-v0", *words).code == 0
     loaded = minari.load_dataset("fleet-v0")
     assert loaded.storage.metadata["algorithm_name"] == director[1]
     for episode in loaded:
@@ -59,15 +59,13 @@ def test_a_dataset_of_a_fleet_is_joint(warehouse: Warehouse, director: tuple[str
 def test_what_cannot_be_is_refused_before_any_episode(
     refused: Refused, monkeypatch: pytest.MonkeyPatch, datasets: Path
 ) -> None:
-    assert refused("dataset", "-o", "old").startswith("'old' cannot name a dataset; allowed: ")
-    line = refused("dataset", "-o", "new-v0", "-r", 2, "--start", "1,1", code=2)
-    assert line.startswith("--stations and --start do not go with --robots")
-    line = refused("dataset", "-o", "new-v0", "--backend", "mine.py")
+    assert refused("export", "old").startswith("'old' cannot name a dataset; allowed: ")
+    line = refused("export", "new-v0", "--backend", "mine.py")
     assert line.startswith("no backend is called 'mine.py'; installed: driving, grid, physics")
-    line = refused("dataset", "-o", "new-v0", "-n", 1, "--agent", "greedier")
+    line = refused("export", "new-v0", "-n", 1, "--agent", "greedier")
     assert line.startswith("no agent is called 'greedier'")
     assert [*datasets.iterdir()] == []
     monkeypatch.delitem(sys.modules, "agents.lab.datasets.minari_files", raising=False)
     monkeypatch.setitem(sys.modules, "h5py", None)
-    line = refused("dataset", "-o", "new-v0")
+    line = refused("export", "new-v0")
     assert line == "datasets need h5py, which is not installed: pip install 'minari[hdf5]>=0.5.2'"

@@ -13,9 +13,9 @@ from helpers.command_line import Refused, Warehouse
 from helpers.results_files import fleet_row
 from pyarrow import parquet
 
-from agents.lab.commands.export import table as table_export
-from agents.lab.commands.export.export import export
-from agents.lab.commands.export.table import columns_of, lines_of
+from agents.lab.commands.export import save_file
+from agents.lab.datasets import table as table_export
+from agents.lab.datasets.table import columns_of, lines_of
 from agents.lab.experiments.case import TILES, make_case
 from agents.lab.experiments.store import Store
 from agents.lab.trials.rows import Row
@@ -197,6 +197,6 @@ def test_lone_robots_and_fleets_share_a_table(tmp_path: Path) -> None:
     assert alone["robots"] is alone["per_hour"] is None
     assert alone["reward"] == -0.1 - 0.2
     for suffix in (".csv", ".parquet"):
-        export(path, tmp_path / f"t{suffix}")
+        save_file(path, tmp_path / f"t{suffix}")
     assert parquet.read_table(tmp_path / "t.parquet")["per_hour"].to_pylist()[-1] == 180.0
     assert read_csv(tmp_path / "t.csv")[-1]["on_time"] == ""

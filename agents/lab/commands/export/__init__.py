@@ -1,1 +1,0 @@
-"""The command ``warehouse export``: results and episodes as files for other programs."""
