@@ -1,15 +1,32 @@
-"""The physics backend against a bare ``space.step``; ``bench_physics_truth.py`` has long runs."""
+"""Bodies against a bare ``space.step``, fleets of bodies, and long runs against what must hold.
 
+The number of robot moves of long runs is in the environment variable ``TRUTH_MOVES``.
+"""
+
+import os
 import random
+import time
+from collections import Counter
+from collections.abc import Sequence
 from statistics import median
 from time import perf_counter
 
 import numpy as np
 import pytest
+from helpers.fleet_truth import free_moves
+from helpers.physics_truth import (
+    differences_in_jams,
+    errors_of_the_books,
+    queue,
+    random_robots_move_as_the_grid,
+    straight_queue,
+    winding_queue,
+)
 from helpers.rigid_bodies import STEPS, batch_in, drive_at_walls
 
-from warehouse_core import DEFAULT_LAYOUT, Layout, WarehouseEnv, random_layout
-from warehouse_physics import Disturbances, RigidBodyMotion
+from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, WarehouseEnv, random_layout
+from warehouse_core.world import benchmark_warehouse
+from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
 
 MOVES = 2_000
 """In a round of a measurement."""
@@ -157,3 +174,113 @@ def test_a_row_of_a_large_batch_costs_what_one_of_256_costs(times_faster) -> Non
         lambda: [small.advance(each, empty[:256]) for each in drawn.reshape(16, 256)],
     )
     assert ratio >= 1 / 1.2
+
+
+LARGE = benchmark_warehouse(6, 30, 8, 2, 2)
+"""124 x 90 cells."""
+
+DRIVES, ROBOT_MOVES = 4, 3000
+SUBSTEPS = 1 / RobotSpec().time_step
+"""In a second."""
+
+
+class Drive:
+    """Robots that carry out the same moves again and again, from the same cells."""
+
+    def __init__(self, robots: int, record_path: bool) -> None:
+        stream = np.random.default_rng(robots)
+        starts = stream.permutation(LARGE.open_cells)[:robots]
+        self.robots, self.motion = robots, RigidBodyMotion(record_path=record_path)
+        self.starts: list[Cell] = [divmod(cell, LARGE.width) for cell in starts.tolist()]
+        self.plan: list[tuple[Sequence[Cell], Sequence[Cell]]] = []
+        cells = self.starts
+        for _ in range(max(3, ROBOT_MOVES // robots)):
+            moves, cells = free_moves(LARGE, cells, stream)
+            self.plan.append((moves, cells))
+
+    def run(self) -> tuple[float, float, float]:
+        """Return simulated seconds, those taken by the clock, and of the processor."""
+        self.motion.reset(LARGE, self.starts, 0)
+        simulated = wall = cpu = 0.0
+        for moves, targets in self.plan:
+            since, used = time.perf_counter(), time.process_time()
+            outcomes = self.motion.advance(moves, [False] * self.robots)
+            wall, cpu = wall + time.perf_counter() - since, cpu + time.process_time() - used
+            assert [outcome.cell for outcome in outcomes] == targets
+            simulated += max(outcome.seconds for outcome in outcomes)
+        return simulated, wall, cpu
+
+
+@pytest.mark.parametrize("record_path", [True, False])
+def test_many_bodies_cost_little_more_each_than_ten(record_path: bool, measured) -> None:
+    drives = [Drive(robots, record_path) for robots in (10, 100, 400, 1000)]
+    rounds = [[drive.run() for drive in drives] for _ in range(DRIVES)]
+    costs, words, speed = {}, [], (0.0, 0.0)
+    for drive, found in zip(drives, zip(*rounds, strict=True), strict=True):
+        simulated, wall, cpu = (min(column) for column in zip(*found, strict=True))
+        costs[drive.robots] = cpu / (simulated * SUBSTEPS * drive.robots)
+        words.append(f"{costs[drive.robots] * 1e6:.2f} µs for {drive.robots:,}")
+        speed = simulated / wall, simulated / cpu
+    paths = "with paths" if record_path else "without paths"
+    measured(
+        f"CPU time of a body in a substep, {paths}",
+        f"{', '.join(words)}; 400 to 10: {costs[400] / costs[10]:.2f}",
+    )
+    measured(
+        f"simulated time over time taken, 1,000 bodies {paths}",
+        f"{speed[0]:.1f} by the clock, {speed[1]:.1f} by CPU time",
+    )
+    assert speed[1] >= 5
+    assert costs[400] <= 1.3 * costs[10]
+
+
+TRUTH_MOVES = int(os.environ.get("TRUTH_MOVES", "60000"))
+BOOKED = TRUTH_MOVES // 10
+"""Moves that are booked in every substep, by slow code."""
+
+
+@pytest.fixture
+def public_steps(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Let each substep call ``space.step``, where the book is kept."""
+    monkeypatch.setattr(stepping, "IS_KNOWN", False)
+
+
+def test_random_robots_move_as_on_the_grid_alone_and_in_a_batch(measured) -> None:
+    made, braked = random_robots_move_as_the_grid(TRUTH_MOVES)
+    what = f"{made:,} moves of random robots, {braked:,} braked by the floor"
+    measured(what, "0 differences to the grid and between batch and single")
+
+
+def test_heavy_jams_end_as_the_table_says(measured) -> None:
+    made, wrong, cut_off = differences_in_jams(TRUTH_MOVES)
+    measured(f"{made:,} robot moves in heavy jams", f"{wrong} differences, {cut_off} cut off")
+    assert (wrong, cut_off) == (0, 0)
+
+
+@pytest.mark.parametrize("make_queue", [straight_queue, winding_queue])
+def test_queues_of_160_end_as_the_table_says(make_queue, measured) -> None:
+    layout, cells = make_queue(160)
+    for loaded in (False, True):
+        outcomes = queue(layout, cells, loaded)
+        wrong = sum(it.cell != cell for it, cell in zip(outcomes, cells, strict=True))
+        seconds = max(outcome.seconds for outcome in outcomes)
+        name = f"{make_queue.__name__.replace('_', ' ')} of 160{' with loads' if loaded else ''}"
+        measured(name, f"{wrong} differences, {seconds:.2f} s")
+        assert wrong == 0
+        assert not any(outcome.cut_off for outcome in outcomes)
+
+
+@pytest.mark.usefixtures("public_steps")
+@pytest.mark.parametrize("robots", [1, 8])
+def test_the_books_agree_within_a_hundredth(robots: int, measured) -> None:
+    errors = errors_of_the_books(BOOKED, robots, seed=1000)
+    words = f"joules {_spread(errors.joules)}; impulses {_spread(errors.impulses)}"
+    measured(f"against a second book, {robots} random robots at once", words)
+    for each in errors:
+        assert max(each, default=0.0) <= 0.01
+
+
+def _spread(errors: Sequence[float]) -> str:
+    above = Counter(error > 0.01 for error in errors)[True]
+    worst = max(errors, default=0.0)
+    return f"of {len(errors)} at most {100 * worst:.2g}% off, {above} by more than 1%"

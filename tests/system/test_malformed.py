@@ -1,4 +1,4 @@
-"""Malformed actions are refused or count as invalid; ``bench_endurance.py`` takes millions."""
+"""Malformed actions are refused or count as invalid; ``bench_env.py`` takes millions."""
 
 import pytest
 from helpers.malformed import MAKERS, step_malformed
