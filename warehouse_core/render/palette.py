@@ -35,6 +35,17 @@ PALETTE: dict[str, Any] = json.loads(
 )
 """Colours by name as ``#rrggbb``: ``light``, ``dark``, ``both``; lists: ``series``, ``heat``."""
 
+LOOK: dict[str, Any] = json.loads(
+    Path(__file__).with_name("tiles.json").read_text(encoding="utf-8")
+)
+"""Words and geometry of tiles, robots and what is on them, by name, for every picture and page.
+
+Lengths are in cells. The corners of ``shapes`` are around the middle of a cell or of a body, which
+heads east. ``letter`` and ``name`` are sizes of fonts, of a name of one digit; ``lines`` are widths,
+that of the line around a letter as a share of its size. Fleets of more than ``few`` robots show
+only batteries below a share ``low`` of a full one.
+"""
+
 
 def color_named(name: str) -> Color:
     """Return a colour of a light page by its name in the palette.

@@ -17,8 +17,7 @@ from pathlib import Path
 
 from warehouse_core.arguments import instance_of, real_number, whole_number
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.render.look import LOOK
-from warehouse_core.render.palette import PALETTE, style_rules
+from warehouse_core.render.palette import LOOK, PALETTE, style_rules
 from warehouse_core.viz.player.tracks import packed
 from warehouse_core.viz.tracks.track import MAX_PACE, MIN_PACE, Track
 from warehouse_core.wording import printable
@@ -154,9 +153,9 @@ def player_frame(
 
 @cache
 def script() -> str:
-    """Return the palette, the look of tiles and the files of the script as one."""
+    """Return the colours, the look of tiles, and the files of the script as one."""
     texts = [(FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS]
-    data = f"const PALETTE = {json.dumps(PALETTE)};\nconst LOOK = {json.dumps(LOOK)};\n"
+    data = f"const PALETTE = {json.dumps(PALETTE)}, LOOK = {json.dumps(LOOK)};\n"
     return data + "".join(EXPORT.sub("", IMPORT.sub("", text)) for text in texts)
 
 
