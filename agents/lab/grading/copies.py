@@ -9,8 +9,9 @@ from pathlib import Path
 from agents.errors import AgentError
 from agents.lab.grading.archives import members_of, read_member
 from agents.lab.grading.rubric import Rubric
-from agents.lab.grading.sandbox import OWN, AgentFailureError, Sandbox
+from agents.lab.grading.sandbox import AgentFailureError, Sandbox
 from agents.lab.grading.submissions import CODE, MAX_SOURCE, NOTEBOOK, Submission, files_in
+from agents.lab.runs.programs import ROOT
 from agents.lab.trials.wording import percent
 from warehouse_core.files.reading import open_file
 
@@ -52,7 +53,7 @@ def _shapes_of(submissions: Iterable[Submission], rubric: Rubric) -> dict[str, f
     """Return the shape of each submission that can be parsed, and of our own agents."""
     no_agent = Submission("", "", None, "", None, None, "")
     sources = {each.name: _sources_of(each) for each in submissions}
-    sources |= {name: [(CODE, _read(Path(OWN, name)))] for name in OURS}
+    sources |= {name: [(CODE, _read(ROOT / name))] for name in OURS}
     start = [(CODE, _read(rubric.starter))] if rubric.starter.exists() else []
     with Sandbox(no_agent, rubric.limits) as sandbox:
         given = _shape(sandbox, start)

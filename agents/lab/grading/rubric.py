@@ -11,6 +11,7 @@ import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from itertools import takewhile
 from pathlib import Path
 from typing import Any, NamedTuple
 
@@ -109,33 +110,29 @@ class Rubric:
         return [case for name, case in self.cases.items() if name in used]
 
 
-def words(allowed: str, least: int, is_allowed: Callable[[str], bool]) -> CheckValue:
-    """Return a check of lists of at least so many words."""
+def list_of(
+    allowed: str, is_allowed: Callable[[Any], bool], least: int = 0, most: int = MAX_COUNT
+) -> CheckValue:
+    """Return a check of lists by their length and each value; errors have what is allowed."""
 
-    def check(value: Any) -> tuple[str, ...]:
-        is_list = isinstance(value, list) and len(value) >= least
-        if not is_list or not all(isinstance(each, str) and is_allowed(each) for each in value):
-            raise ValueError(f"a list of {allowed}")
+    def check(value: Any) -> tuple[Any, ...]:
+        is_list = isinstance(value, list) and least <= len(value) <= most
+        if not is_list or not all(map(is_allowed, value)):
+            raise ValueError(allowed)
         return tuple(value)
 
     return check
 
 
-def is_module(name: str) -> bool:
-    """Return whether a word can be the name of a module."""
-    return all(part.isidentifier() for part in name.split("."))
+def is_module(name: Any) -> bool:
+    """Return whether a value can be the name of a module."""
+    return isinstance(name, str) and all(part.isidentifier() for part in name.split("."))
 
 
 def pair(minimum: int, example: str) -> CheckValue:
     """Return a check of lists of two whole numbers."""
-
-    def check(value: Any) -> tuple[int, int]:
-        is_pair = isinstance(value, list) and len(value) == 2
-        if not is_pair or not all(type(each) is int and each >= minimum for each in value):
-            raise ValueError(f"two whole numbers of at least {minimum}, as in {example}")
-        return value[0], value[1]
-
-    return check
+    allowed = f"two whole numbers of at least {minimum}, as in {example}"
+    return list_of(allowed, lambda each: type(each) is int and each >= minimum, 2, 2)
 
 
 def calls(value: Any) -> tuple[Call, ...]:
@@ -152,8 +149,10 @@ def calls(value: Any) -> tuple[Call, ...]:
     return tuple(found)
 
 
-NAMES = words('names of [cases], as in ["chapter"]', 1, lambda name: True)
-MODULES = words('names of modules, as in ["math", "numpy"]', 0, is_module)
+NAMES = list_of(
+    'a list of names of [cases], as in ["chapter"]', lambda each: isinstance(each, str), least=1
+)
+MODULES = list_of('a list of names of modules, as in ["math", "numpy"]', is_module)
 SECONDS = Number(0.01, 3600)
 
 LIMITS: dict[str, CheckValue] = {
@@ -194,20 +193,15 @@ class _Reader:
 
     def fail(self, message: str, header: str = "", count: int = 1, key: str = "") -> GradeError:
         """Return an error in the key of a table, the ``count``-th of its header."""
-        line = self._line(re.compile(rf"\s*{re.escape(header)}\s*(#.*)?"), count) if header else 0
-        inner = re.compile(rf"\s*[\"']?{re.escape(key)}[\"']?\s*=.*") if key else None
-        for number, each in enumerate(self._lines[line:], line + 1):
-            if inner is None or each.lstrip().startswith("["):
-                break
-            if inner.fullmatch(each):
-                line = number
-                break
+        top = re.compile(rf"\s*{re.escape(header)}\s*(#.*)?")
+        tops = [line for line, each in enumerate(self._lines, 1) if top.fullmatch(each)]
+        line = tops[count - 1] if header and len(tops) >= count else 0
+        inner = re.compile(rf"\s*[\"']?{re.escape(key)}[\"']?\s*=.*")
+        rows = takewhile(lambda each: not each.lstrip().startswith("["), self._lines[line:])
+        places = (line + number for number, each in enumerate(rows, 1) if inner.fullmatch(each))
+        line = next(places, line) if key else line
         where = f", line {line}" if line else ""
         return GradeError(f"{self.path}{where}: {message}")
-
-    def _line(self, pattern: re.Pattern[str], count: int) -> int:
-        found = [line for line, each in enumerate(self._lines, 1) if pattern.fullmatch(each)]
-        return found[count - 1] if len(found) >= count else 0
 
     def table(
         self, values: Any, checks: Mapping[str, CheckValue], header: str, count: int = 1

@@ -34,9 +34,6 @@ from agents.lab.runs import programs
 from warehouse_core import Observation
 from warehouse_core.wording import printable
 
-OWN = str(Path(__file__).parents[3])
-"""Folder of the packages of this program."""
-
 VARIABLES = {
     "PYTHONHASHSEED": "0", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1", "LANG": "C.UTF-8", "PATH": os.defpath,
@@ -256,11 +253,13 @@ class Sandbox:
         self._bounds = {
             "user": None if user is None else _ids_of(user),
             "walls": sorted(walls.held()),
-            "own": OWN,
+            "own": str(programs.ROOT),
             "readable": readable,
             "listed": listed,
             "limits": limits.of_process(),
-            "denied": [str(Path(OWN, *name.split("."))) for name in limits.deny_imports],
+            "denied": [
+                str(programs.ROOT.joinpath(*name.split("."))) for name in limits.deny_imports
+            ],
         }
         self._server: subprocess.Popen[bytes] | None = None
         self._children: tuple[int, ...] = ()
@@ -303,7 +302,7 @@ class Sandbox:
                 self._start()
             try:
                 socket.send_fds(self._control, [b"f"], pipes)
-            except OSError:  # something has ended it since the last episode
+            except OSError:  # something has ended it since the previous episode
                 self._stop()
                 self._start()
                 socket.send_fds(self._control, [b"f"], pipes)
@@ -373,7 +372,7 @@ def _files_of(
     submission: Submission, secrets: Iterable[Path], denied: Collection[str]
 ) -> tuple[list[str], list[str]]:
     """Return the files and folders that an agent may read, and the folders that it may list."""
-    own = [str(Path(OWN, name)) for name in programs.OWN if name not in denied]
+    own = [str(programs.ROOT / name) for name in programs.OWN if name not in denied]
     folder = submission.folder
     if folder is None:
         return [*own, str(submission.file)], []

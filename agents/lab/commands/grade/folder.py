@@ -1,15 +1,21 @@
-"""Grade all submissions in a folder: in parallel, and only those that have changed."""
+"""Grade all submissions in a folder: in parallel, and only those that have changed.
+
+Each submission has a row in the table, and on request a page and its results as files.
+"""
 
 from __future__ import annotations
 
+import json
 from collections.abc import Mapping
 from concurrent.futures import Future, as_completed
 from pathlib import Path
+from typing import Any
+from urllib.parse import quote
 
 from agents.errors import AgentError, GradeError, WorkerError
-from agents.lab.commands.grade.pages import INDEX, are_written, write_files, write_index
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
+from agents.lab.grading.cases import GradedCase
 from agents.lab.grading.copies import find_copies
 from agents.lab.grading.criteria import VISIBILITIES
 from agents.lab.grading.grades import (
@@ -29,14 +35,23 @@ from agents.lab.grading.grades import (
     save_grades,
     summary_of,
 )
-from agents.lab.grading.grading import grade
+from agents.lab.grading.gradescope import results_of
+from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.sandbox import most_jobs
 from agents.lab.grading.submissions import Submission, Unusable, in_folder
 from agents.lab.trials.workers import process_pool
+from warehouse_core.files.atomic import atomic_path
+from warehouse_core.files.reading import read_file
 from warehouse_core.wording import counted
 
-NOBODY_LATE: Mapping[str, int] = {}
+RESULTS, PAGE = ".json", ".html"
+
+INDEX = "index"
+"""Name of the page of a class, which no submission can have."""
+
+MAX_RESULTS = 1_000_000
+"""Most bytes of results that are read again."""
 
 
 def grade_folder(
@@ -47,7 +62,7 @@ def grade_folder(
     pages: Path | None,
     user: str | None,
     jobs: int,
-    late: Mapping[str, int] = NOBODY_LATE,
+    late: Mapping[str, int] | None = None,
     when: str = VISIBILITIES[0],
 ) -> dict[str, GradeRow]:
     """Grade the submissions in a folder that have changed, and write the table after each.
@@ -70,15 +85,16 @@ def grade_folder(
 
     ours = [target, *rubric.files, rubric.starter, *([pages] if pages else [])]
     found = list(in_folder(folder, kind, ours))
-    _check_names(folder, [each.name for each in found], late)
+    _check_names(folder, [each.name for each in found], late or {})
+    days_of = dict.fromkeys((each.name for each in found), 0) | dict(late or {})
     before, rows = load_grades(target), dict[str, GradeRow]()
     waiting = list[Submission]()
     for each in found:
-        days = late.get(each.name, 0)
+        days = days_of[each.name]
         if isinstance(each, Unusable):
             rows[each.name] = failed_row(each.name, each.reason, rubric, late=days)
         elif _is_done(each, before, rubric, days) and (
-            pages is None or are_written(pages, each, rubric, when)
+            pages is None or _are_written(pages, each, rubric, when)
         ):
             rows[each.name] = before[plain(each.name)]
         else:
@@ -93,12 +109,12 @@ def grade_folder(
             progress_bar(len(waiting), "submissions") as advance,
         ):
             futures = {
-                pool.submit(_grade, each, rubric, user, pages, late.get(each.name, 0), when): each
+                pool.submit(_grade, each, rubric, user, pages, days_of[each.name], when): each
                 for each in waiting
             }
             for number, future in enumerate(as_completed(futures), 1):
                 each = futures[future]
-                rows[each.name] = _row(future, each, rubric, late.get(each.name, 0))
+                rows[each.name] = _row(future, each, rubric, days_of[each.name])
                 save_grades(target, columns_of(rubric), rows)
                 advance(number, each.name)
     except KeyboardInterrupt:
@@ -111,7 +127,7 @@ def grade_folder(
     save_grades(target, columns_of(rubric), rows)
     _print_grades(rows, rubric)
     if pages is not None:
-        say(f"saved {write_index(pages, rows, rubric)}, the page of the class")
+        say(f"saved {_write_index(pages, rows, rubric)}, the page of the class")
     say(f"saved {target}: {counts}")
     return rows
 
@@ -140,8 +156,8 @@ def _grade(
 ) -> GradeRow:
     """Grade a submission, in a process of its own."""
     report = grade(each, rubric, user, late=late)
-    if pages is not None:
-        write_files(pages, each, report, when)
+    for path in [] if pages is None else _files_of(pages, each):
+        write_report(path, report.shown(when))
     return row_of(each.name, report)
 
 
@@ -149,9 +165,14 @@ def _row(future: Future[GradeRow], each: Submission, rubric: Rubric, late: int =
     try:
         return future.result()
     except WorkerError as error:  # an agent has ended the grader
-        return failed_row(each.name, f"it ended the grader: {error}", rubric, each.digest, late)
+        reason = f"it ended the grader: {error}"
     except AgentError as error:  # an archive that cannot be unpacked
-        return failed_row(each.name, str(error), rubric, each.digest, late)
+        reason = str(error)
+    return failed_row(each.name, reason, rubric, each.digest, late)
+
+
+def _best_first(rows: Mapping[str, GradeRow]) -> list[GradeRow]:
+    return sorted(rows.values(), key=lambda row: (-float(row[POINTS]), row[NAME]))
 
 
 def _print_grades(rows: dict[str, GradeRow], rubric: Rubric) -> None:
@@ -161,7 +182,7 @@ def _print_grades(rows: dict[str, GradeRow], rubric: Rubric) -> None:
     """
     names = [criterion.name for criterion in rubric.criteria]
     columns = [NAME, POINTS, *(f"{number}" for number in range(1, len(names) + 1))]
-    ordered = sorted(rows.values(), key=lambda row: (-float(row[POINTS]), row[NAME]))
+    ordered = _best_first(rows)
     lines = [tuple(row[column] for column in (NAME, POINTS, *names)) for row in ordered]
     title = f"{rubric.title}: {counted(len(rows), 'submission')}, points of {rubric.points:g}"
     print_table(TextTable(tuple(columns), lines, title))
@@ -175,3 +196,67 @@ def _print_grades(rows: dict[str, GradeRow], rubric: Rubric) -> None:
             say(f"{row[NAME]} is like {row[SIMILAR]}: a hint to look, and no verdict")
     for sentence in summary_of(rows.values(), rubric).sentences:
         say(sentence)
+
+
+def write_report(path: Path, report: GradeReport) -> None:
+    """Write a report by the suffix of the file; the file is complete or not there.
+
+    On a page the words of the agent are escaped text. It is one file with all that it needs.
+    """
+    if path.suffix.lower() == PAGE:
+        _write_page(path, report)
+        return
+    text = json.dumps(results_of(report), indent=2, ensure_ascii=True)
+    with atomic_path(path) as part:
+        part.write_text(f"{text}\n", encoding="utf-8")
+
+
+def _write_page(path: Path, report: GradeReport) -> None:
+    from agents.lab.reports.page import player_of, write_template  # Jinja takes long to import
+    from warehouse_core.viz.tracks.record_track import track_of_record
+
+    title, player = f"{report.points:g} of {report.max_points:g} points", None
+    if (worst := report.worst) is not None and worst.run is not None:
+        assert isinstance(worst.run.case, GradedCase), "a call has no actions"
+        track = track_of_record(worst.run.case.episode(worst.run))
+        player = player_of(track, f"Replay of the worst episode: {worst.worst}")
+    write_template(
+        path, "grade.html", title, has_players=player is not None, report=report, player=player
+    )
+
+
+def _files_of(pages: Path, submission: Submission) -> list[Path]:
+    """Return the page and the results of a submission."""
+    return [pages / f"{submission.name}{suffix}" for suffix in (PAGE, RESULTS)]
+
+
+def _are_written(pages: Path, submission: Submission, rubric: Rubric, when: str) -> bool:
+    """Return whether the page and the results of a submission are there, as seen at that time."""
+    page, results = _files_of(pages, submission)
+    try:
+        found: Any = json.loads(read_file(results, MAX_RESULTS))
+        shown = {each.name for each in rubric.criteria if each.is_shown(when)}
+        return page.exists() and {each["name"] for each in found["tests"]} == shown
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        return False
+
+
+def _write_index(pages: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> Path:
+    """Write the page of a class, and return it; it is for who grades, and not for students."""
+    from agents.lab.reports.page import write_template
+
+    lines = [
+        (_link(pages, row[NAME]), row[NAME], row[POINTS], row[LATE], row[SIMILAR], row[FAILURE])
+        for row in _best_first(rows)
+    ]
+    path, summary = pages / f"{INDEX}{PAGE}", summary_of(rows.values(), rubric)
+    write_template(
+        path, "grades.html", rubric.title, has_players=False, summary=summary, lines=lines,
+        most=max(1, *(count for _, count in summary.ranges)),
+    )  # fmt: skip
+    return path
+
+
+def _link(pages: Path, name: str) -> str:
+    """Return the address of the page of a submission, or "" if there is none."""
+    return f"./{quote(f'{name}{PAGE}')}" if (pages / f"{name}{PAGE}").exists() else ""

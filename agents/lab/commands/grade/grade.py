@@ -11,8 +11,7 @@ from typing import Annotated
 import typer
 
 from agents.errors import GradeError
-from agents.lab.commands.grade.folder import grade_folder
-from agents.lab.commands.grade.pages import PAGE, RESULTS, write_report
+from agents.lab.commands.grade.folder import PAGE, RESULTS, grade_folder, write_report
 from agents.lab.console import options
 from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.terminal import say
@@ -156,7 +155,7 @@ def grade(
         if pages is not None:
             pages.mkdir(parents=True, exist_ok=True)
         say(check_trust(user, trust, are_many=True))
-        days = load_days(late) if late else {}
+        days = load_days(late) if late else None
         rows = grade_folder(
             folder, kind, wanted, target, pages, user, jobs or os.cpu_count() or 1, days, reveal
         )
