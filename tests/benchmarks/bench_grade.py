@@ -1,17 +1,137 @@
-"""Grading: an episode has a process of its own, which must cost less than a start of Python."""
+"""Grading: its speed, classes in every form, and hostile agents among honest ones.
 
+An episode has a process of its own, which must cost less than a start of Python. Each deed of a
+hostile agent is tried in each place, with and without a user of their own: the agent goes on like
+an honest one if its deed is refused, and fails if it succeeds, so that all must have all points.
+"""
+
+import os
+import signal
 import subprocess
 import sys
-from time import perf_counter
+from collections.abc import Callable, Iterator
+from itertools import count, islice, product
+from pathlib import Path
+from time import perf_counter, sleep
+from typing import NamedTuple
+from zipfile import ZIP_DEFLATED, ZipFile
 
-from helpers.submissions import GOOD, write_rubric
+import pytest
+from helpers.attacks import DEEDS, PLACES, attacker
+from helpers.command_line import ROOT, heed_interrupts
+from helpers.submissions import GOOD, RUBRIC, SUBMISSIONS, notebook_of, running_in, write_rubric
 from helpers.timing import processor_seconds
 
+from agents.lab.commands.grade.folder import grade_folder
+from agents.lab.grading.grades import load_grades
 from agents.lab.grading.grading import grade
 from agents.lab.grading.rubric import MINI_LAB, load_rubric
-from agents.lab.grading.runs import run_case
 from agents.lab.grading.sandbox import Sandbox
 from agents.lab.grading.submissions import find_submission
+
+PATIENT = (
+    RUBRIC.replace("start_seconds = 1.0", "start_seconds = 20.0")
+    .replace("answer_seconds = 0.5", "answer_seconds = 3.0")
+    .replace("episode_seconds = 3.0", "episode_seconds = 20.0")
+)
+"""The rubric with limits that honest agents keep on a machine with other work, too."""
+
+USER = "nobody" if os.getuid() == 0 else None
+
+EVERY = 10
+"""Hostile agents for an honest one."""
+
+
+BEFORE, AFTER = GOOD.split("class Agent:")
+NESTED = f"from helper import *\nclass Agent:{AFTER}"
+RENAMED = GOOD.replace("walls", "w").replace("queue", "q").replace("first", "f")
+
+Write = Callable[[Path], object]
+
+
+class Sent(NamedTuple):
+    """A submission: what writes it to a path, its points, and whether it is a copy."""
+
+    write: Write
+    points: float
+    is_copy: bool = False
+
+
+def text_of(text: str) -> Write:
+    return lambda path: path.write_text(text, encoding="utf-8")
+
+
+def tree_of(**files: str) -> Write:
+    """Return what writes a folder; names have ``__`` for ``/`` and ``_`` for a dot."""
+
+    def write(path: Path) -> None:
+        for name, text in files.items():
+            file = path / name.replace("__", "/").replace("_", ".")
+            file.parent.mkdir(parents=True, exist_ok=True)
+            file.write_text(text, encoding="utf-8")
+
+    return write
+
+
+def archive_of(**files: str) -> Write:
+    """Return what writes an archive; names are as for ``tree_of``."""
+
+    def write(path: Path) -> None:
+        with ZipFile(path, "w") as archive:
+            for name, text in files.items():
+                archive.writestr(name.replace("__", "/").replace("_", "."), text, ZIP_DEFLATED)
+
+    return write
+
+
+FORMS = {
+    "file.py": Sent(text_of(GOOD), 100, is_copy=True),
+    "other_name.py": Sent(text_of(GOOD.replace("Agent", "MyRobot")), 100, is_copy=True),
+    "renamed.py": Sent(text_of(RENAMED), 100, is_copy=True),
+    "cells.ipynb": Sent(text_of(notebook_of(BEFORE, f"class Agent:{AFTER}")), 100, is_copy=True),
+    "draws.ipynb": Sent(
+        text_of(notebook_of("%matplotlib inline\n!pip install x", GOOD, "1 / 0")), 100, is_copy=True
+    ),
+    "wrong.ipynb": Sent(text_of(notebook_of("class Agent\n")), 0),
+    "none.ipynb": Sent(text_of("{}"), 0),
+    "deep.ipynb": Sent(text_of("[" * 100_000), 0),
+    "flat.zip": Sent(archive_of(agent_py=GOOD), 100, is_copy=True),
+    "inner.zip": Sent(
+        archive_of(ann__src__agent_py=NESTED, ann__src__helper_py=BEFORE), 100, is_copy=True
+    ),
+    "cells.zip": Sent(archive_of(hw_ipynb=notebook_of(GOOD)), 100, is_copy=True),
+    "leaves.zip": Sent(archive_of(____src__agent_py=GOOD), 0),
+    "none.zip": Sent(archive_of(notes_txt=""), 0),
+    "bomb.zip": Sent(archive_of(agent_py="0" * 300_000_000), 0),
+    "no_archive.zip": Sent(text_of("PK"), 0),
+    "nested": Sent(tree_of(src__agent_py=NESTED, src__helper_py=BEFORE), 100, is_copy=True),
+    "notebook": Sent(tree_of(hw_ipynb=notebook_of(GOOD), notes_txt=""), 100, is_copy=True),
+    "two": Sent(tree_of(a_py=GOOD, b_py=GOOD), 0),
+    "empty": Sent(tree_of(notes_txt=""), 0),
+    "notes.txt": Sent(text_of("I was ill."), 0),
+    "agents.java": Sent(text_of("class Agent {}"), 0),
+    "link.py": Sent(lambda path: path.symlink_to(path.parent / "file.py"), 0),
+}
+"""Submissions beside those of ``SUBMISSIONS``, which are folders; their names are of files."""
+
+
+def write_class(folder: Path, size: int) -> dict[str, Sent]:
+    """Write as many submissions, and return them by their names."""
+    folder.mkdir()
+    written = dict(islice(_sent(), size))
+    for name, sent in written.items():
+        sent.write(folder / name)
+    return written
+
+
+def _sent() -> Iterator[tuple[str, Sent]]:
+    """Yield submissions without end, each time around under other names."""
+    for number in count():
+        start = f"{number} " if number else ""
+        for name, each in SUBMISSIONS.items():
+            yield f"{start}{name}", Sent(tree_of(agent_py=each.source), each.points)
+        for name, sent in FORMS.items():
+            yield f"{start}{name}", sent
 
 
 def test_an_episode_in_its_own_process_is_faster_than_a_start_of_python(
@@ -24,7 +144,7 @@ def test_an_episode_in_its_own_process_is_faster_than_a_start_of_python(
     with Sandbox(submission, rubric.limits) as sandbox:
 
         def ours() -> None:
-            assert run_case(sandbox, submission, case, 1).delivered
+            assert case.run(sandbox, 1).delivered
 
         def start() -> None:
             subprocess.run([sys.executable, "-c", "import numpy"], check=True)
@@ -45,3 +165,103 @@ def test_submissions_a_minute(tmp_path, measured) -> None:
     )
     measured("graded agents, an episode", episode)
     measured("graded agents, submissions a minute in one process", f"{60 / taken:.0f}")
+
+
+def test_all_of_a_class_have_what_they_have_earned(tmp_path: Path, measured) -> None:
+    sent, table = write_class(tmp_path / "all", 60), tmp_path / "grades.csv"
+    rubric = load_rubric(write_rubric(tmp_path, PATIENT))
+    rows = grade_folder(tmp_path / "all", None, rubric, table, tmp_path, USER, 2)
+    assert rows.keys() == sent.keys()
+    wrong = {
+        name: (row["points"], row["failure"])
+        for name, row in rows.items()
+        if float(row["points"]) != sent[name].points
+    }
+    assert not wrong
+    silent = [name for name, row in rows.items() if row["points"] == "0" and not row["failure"]]
+    assert not silent
+    copies = [name for name, each in sent.items() if each.is_copy]
+    assert all(rows[name]["similar"] for name in copies)
+    none = sum(row["points"] == "0" for row in rows.values())
+    measured(
+        "submissions of a class in all forms",
+        f"{len(rows)}: every grade as earned, {none} without points, each with its reason, "
+        f"{len(copies)} of {len(copies)} copies pointed out",
+    )
+
+
+def test_a_class_is_graded_and_resumed_after_it_was_killed(tmp_path: Path, measured) -> None:
+    """By the mini-lab's rubric, on two processors; killed when a third is done, and run again."""
+    size, table = 200, tmp_path / "grades.csv"
+    sent = write_class(tmp_path / "all", size)
+    words = [
+        sys.executable, "-m", "agents", "grade", "all", "--jobs", "2",
+        *(["--user", USER] if USER else ["--trust"]),
+    ]  # fmt: skip
+    variables = os.environ | {"PYTHONPATH": str(ROOT)}
+    begin = perf_counter()
+
+    def start() -> subprocess.Popen[str]:
+        return subprocess.Popen(
+            words, cwd=tmp_path, env=variables, stdout=subprocess.PIPE, text=True,
+            preexec_fn=heed_interrupts,
+        )  # fmt: skip
+
+    with start() as first:
+        while not table.exists() or len(load_grades(table)) < size // 3:
+            assert first.poll() is None
+            sleep(0.2)
+        before = load_grades(table)
+        first.send_signal(signal.SIGKILL)
+        first.communicate()
+    with start() as second:
+        out, _ = second.communicate()
+    taken = perf_counter() - begin
+    assert second.returncode == 0
+    after = load_grades(table)
+    assert after.keys() == sent.keys()
+    assert all(after[name]["code"] == row["code"] for name, row in before.items())
+    assert f"{len(before) - sum(not row['code'] for row in before.values())} unchanged" in out
+    load = os.getloadavg()[2] / (os.cpu_count() or 1)
+    measured(
+        "a class of 200 by the mini-lab's rubric, two at once",
+        f"{taken / 60:.1f} min with a kill and a resumption, on a machine with {load:.1f} running "
+        "processes for each processor",
+    )
+
+
+def left_behind() -> set[str]:
+    """Return what agents of this machine may leave outside of their folders."""
+    shared = [Path("/proc/sysvipc", name).read_text() for name in ("shm", "msg", "sem")]
+    lines = {line for text in shared for line in text.splitlines()[1:]}
+    return lines | {str(path) for place in ("/tmp", "/dev/shm") for path in Path(place).iterdir()}
+
+
+@pytest.mark.parametrize("user", dict.fromkeys((None, USER)))
+@pytest.mark.parametrize("jobs", [1, 2])
+def test_honest_agents_have_what_they_have_earned_among_hostile_ones(
+    tmp_path, measured, user: str | None, jobs: int
+) -> None:
+    folder, table = tmp_path / "all", tmp_path / "grades.csv"
+    folder.mkdir()
+    for number, (deed, place) in enumerate(product(DEEDS, PLACES)):
+        name = f"{number:03d} {deed} {place.partition('(')[0]}".replace("/", " ")
+        (folder / name).mkdir()
+        (folder / name / "agent.py").write_text(attacker(deed, place))
+        if number % EVERY == 0:
+            (folder / f"{number:03d}.py").write_text(GOOD)
+    rubric = load_rubric(write_rubric(tmp_path, RUBRIC.replace("episodes = 4", "episodes = 2")))
+    before = left_behind()
+    grade_folder(folder, None, rubric, table, None, user, jobs)
+    grades = load_grades(table)
+    wrong = {name: row["failure"] for name, row in grades.items() if row["points"] != "100"}
+    assert not wrong
+    assert not running_in(folder)
+    left = {each for each in left_behind() - before if "left" in each}
+    assert not left
+    who = f"as {user}" if user else "as the grader's user"
+    measured(
+        f"hostile agents {who}, {jobs} at once",
+        f"{len(DEEDS) * len(PLACES)} with {len(grades) - len(DEEDS) * len(PLACES)} honest ones: "
+        "every grade as earned, nothing left",
+    )

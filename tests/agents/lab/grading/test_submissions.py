@@ -149,7 +149,7 @@ def test_the_answers_of_an_episode_have_a_limit_together(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("user", [None, pytest.param("nobody", marks=as_root)])
 def test_the_kernel_refuses_what_is_outside_of_an_agent(tmp_path: Path, user: str | None) -> None:
-    """Each deed alone is tried by ``bench_hostile.py``, also when an agent is loaded and acts."""
+    """Each deed alone is tried by ``bench_grade.py``, also when an agent is loaded and acts."""
     tmp_path.chmod(0o700)  # the user of agents reads them all the same
     body = "\n".join(map(attempt, DEEDS.values()))
     (tmp_path / "rubric.toml").write_text("hidden")
