@@ -79,7 +79,7 @@ def test_an_option_has_one_meaning_in_all_commands_and_a_meaning_one_name() -> N
     assert [each for each in (*meanings.items(), *names.items()) if len(each[1]) > 1] == []
 
 
-@pytest.mark.parametrize("group", ["", "train", "compare", *LEAVES])
+@pytest.mark.parametrize("group", ["", "compare", *LEAVES])
 def test_the_help_fits_60_columns_and_cuts_no_summary_off(
     warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch, group: str
 ) -> None:

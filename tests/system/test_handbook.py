@@ -76,8 +76,8 @@ def less_work(monkeypatch: pytest.MonkeyPatch) -> None:
     """Save some frames of each replay, train for fewer steps, and start no more processes."""
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     monkeypatch.setattr(Replay, "new_saved_frame_seq", some_frames)
-    steps, *others = train.train_q.__defaults__ or ()
-    monkeypatch.setattr(train.train_q, "__defaults__", (steps // 20, *others))
+    kind = train.KINDS["q"]
+    monkeypatch.setitem(train.KINDS, "q", kind._replace(steps=kind.steps // 20))
     monkeypatch.setattr(exams, "EXAM_SEEDS", exams.EXAM_SEEDS[:5])
     monkeypatch.setattr(train, "FINAL_SEEDS", train.FINAL_SEEDS[:20])
 

@@ -47,6 +47,7 @@ ARGUMENTS = {
     "grade": ("agent.py",),
     "replay": ("e.npz",),
     "report": ("r.sqlite",),
+    "train": ("q",),
 }
 """Arguments of commands that need some; options are refused before these files are read."""
 
@@ -128,6 +129,10 @@ WRONG = {
     "train ppo --layout random --density 0.1:0.2:0.3": DENSITY,
     "compare agents --layout random --start 1,1": "--start does not go with --layout random",
     "train ppo --layout random --robots 2": "--layout random does not go with --robots",
+    "train q --layout random": "--layout random does not go with train q",
+    "train q --from greedy": "--from does not go with 'train q'",
+    "train clone --robots 2": "--robots does not go with 'train clone'",
+    "train dog": "KIND is 'dog'; allowed: q, ppo, clone",
     "demo --save a.gif": "--save needs a demo; allowed: delivery",
     "demo ballet": "no demo is called 'ballet'; allowed: delivery",
     "grade . --save a.csv --save b.csv": "--save takes one .csv file for a folder",

@@ -8,7 +8,6 @@ from typing import Annotated
 
 import typer
 
-from agents.lab.commands.clone import train_clone
 from agents.lab.commands.compare_agents import compare_agents
 from agents.lab.commands.compare_backends import compare_backends
 from agents.lab.commands.demos import demo
@@ -26,7 +25,7 @@ from agents.lab.commands.pogema.pogema import pogema
 from agents.lab.commands.race import race
 from agents.lab.commands.run import report_episode, run
 from agents.lab.commands.search import search
-from agents.lab.commands.train import train_ppo, train_q
+from agents.lab.commands.train import train
 from agents.lab.console import main as console
 from agents.lab.console import options
 from agents.lab.console.group import CommandGroup
@@ -96,13 +95,6 @@ comparing.command("backends")(compare_backends)
 comparing.command("agents")(compare_agents)
 comparing.command("planners")(compare_planners)
 
-training = typer.Typer(
-    cls=CommandGroup, no_args_is_help=True, help="Train an agent by reward or by imitation."
-)
-training.command("clone")(train_clone)
-training.command("ppo")(train_ppo)
-training.command("q")(train_q)
-
 GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
     "Start": {
         "run": run,
@@ -121,7 +113,7 @@ GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
     },
     "Study": {
         "compare": comparing,
-        "train": training,
+        "train": train,
         "sweep": sweep,
         "report": report,
         "grade": grade,

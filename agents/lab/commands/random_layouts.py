@@ -27,7 +27,6 @@ LayoutOrRandom = Annotated[
 ]
 
 SIZE = f"Rows and columns of random layouts. Default: {DEFAULTS.height}x{DEFAULTS.width}."
-Size = Annotated[str | None, option("--size HxW", SIZE, check_size)]
 Sizes = Annotated[
     list[str] | None,
     option("--size HxW", f"{SIZE} May be repeated.", check_size, show_default=False),

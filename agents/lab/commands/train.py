@@ -1,4 +1,4 @@
-"""The commands ``warehouse train q`` and ``warehouse train ppo``."""
+"""The command ``warehouse train``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
 
 import numpy as np
 import typer
@@ -18,15 +18,16 @@ from numpy.typing import NDArray
 from agents.errors import AgentError
 from agents.lab.commands import random_layouts
 from agents.lab.console import options
-from agents.lab.console.options import option
+from agents.lab.console.options import option, refuse_given
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_layout
 from agents.lab.parameters import Whole
+from agents.lab.parameters import size as check_size
 from agents.lab.training.checkpoint import load_checkpoint, save_checkpoint
 from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner
 from agents.lab.training.points import events, save_points
-from agents.lab.trials.random_layouts import RandomLayouts
+from agents.lab.trials.random_layouts import RandomLayouts, VariedLayouts
 from agents.lab.trials.scores import FleetScores, Scores
 from agents.lab.trials.task import FleetTask, Task
 from agents.lab.trials.wording import mean, share
@@ -34,14 +35,16 @@ from agents.lab.trials.workers import CheckInterrupt, deferred_interrupts
 from agents.learning.learner import Learner, MakeAgent
 from agents.learning.q_table import save_table
 from agents.learning.q_training import QLearner
-from agents.registry import make_team
+from agents.registry import make_agent, make_team
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import Layout
 from warehouse_core.errors import FormatError
 from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import check_target
+from warehouse_core.wording import brief
 
 if TYPE_CHECKING:
+    from agents.learning.clone_training import CloneLearner
     from agents.learning.ppo_training import PPOLearner
 
 LIBRARIES = ("torch", "stable_baselines3", "sb3_contrib")
@@ -55,76 +58,167 @@ VERSIONS = ("numpy", "stable_baselines3", "sb3_contrib", "torch", "warehouse-lab
 
 Writer = Callable[[Path], None]
 
-Steps = Annotated[int, option("--steps N", "Minimum training steps.", Whole(1))]
-TrainingSeed = Annotated[int, option("--seed N", options.SEED, Whole(0, 2**32 - 1))]
-AgentFile = Annotated[Path, option("--save -o FILE", f"{options.SAVE} The agent, as .npz.")]
-Resume = Annotated[
-    bool,
-    option(
-        "--resume",
-        "Go on from the checkpoint of an interrupted training, given the same options as then.",
+KNOWS_THE_MAP = "astar"
+"""Teacher that needs no search in each step, and accepts each first move of a shortest path."""
+
+VARIED = VariedLayouts()
+
+
+class Kind(NamedTuple):
+    """A kind of training: its name in messages, its defaults and the options it does not take.
+
+    Attributes:
+        name: name in messages and pictures.
+        steps: minimum training steps.
+        limit: steps of an episode and of a battery.
+        others: options that belong to other kinds.
+    """
+
+    name: str
+    steps: int
+    limit: int
+    others: tuple[str, ...]
+
+
+KINDS = {
+    "q": Kind(
+        "Q-learning", 600_000, 200,
+        ("teacher", "robots", "order_rate", "size", "density", "layouts"),
     ),
-]
+    "ppo": Kind("PPO", 2_000_000, 200, ("teacher",)),
+    "clone": Kind("clone", 1_000_000, 800, ("robots", "order_rate", "density")),
+}  # fmt: skip
 
 
-def train_ppo(
-    steps: Steps = 2_000_000,
-    seed: TrainingSeed = 1,
+def usual_of(field: str) -> str:
+    """Return the defaults of all kinds for a field of ``Kind``, in words."""
+    names: dict[int, list[str]] = {}
+    for name, kind in KINDS.items():
+        names.setdefault(getattr(kind, field), []).append(name)
+    return ", ".join(f"{value:,} for {' and '.join(kinds)}" for value, kinds in names.items())
+
+
+def train(
+    context: typer.Context,
+    kind: Annotated[
+        str,
+        typer.Argument(
+            metavar="KIND",
+            help="q: a table by Q-learning; ppo: a network by PPO; clone: a network by imitation "
+            "(DAgger), which sees a map of where it has been.",
+        ),
+    ],
+    steps: Annotated[
+        int | None,
+        option("--steps N", f"Minimum training steps. Default: {usual_of('steps')}.", Whole(1)),
+    ] = None,
+    seed: Annotated[int, option("--seed N", options.SEED, Whole(0, 2**32 - 1))] = 1,
     layout: random_layouts.LayoutOrRandom = None,
-    battery: options.BatteryOption = 200,
-    max_steps: options.MaxSteps = 200,
+    battery: Annotated[
+        int | None, options.parameter_option("battery", more=f"Default: {usual_of('limit')}.")
+    ] = None,
+    max_steps: Annotated[
+        int | None, options.parameter_option("max_steps", more=f"Default: {usual_of('limit')}.")
+    ] = None,
     robots: Annotated[
-        int, option("--robots -r N", f"{options.ROBOTS} Several have orders.", Whole(1, 1000))
+        int,
+        option("--robots -r N", f"{options.ROBOTS} Several have orders; for ppo.", Whole(1, 1000)),
     ] = 1,
     order_rate: options.OrderRate = 0.2,
-    size: random_layouts.Size = None,
+    teacher: Annotated[
+        str, option("--from NAME", "Teacher of a clone, an agent by name.")
+    ] = KNOWS_THE_MAP,
+    size: Annotated[
+        str | None,
+        option(
+            "--size HxW",
+            f"{random_layouts.SIZE} For clone the largest, by default "
+            f"{VARIED.height}x{VARIED.width}.",
+            check_size,
+        ),
+    ] = None,
     density: random_layouts.Density = None,
     layouts: random_layouts.Pool = None,
-    save: AgentFile = Path("ppo.npz"),
-    resume: Resume = False,
+    save: Annotated[
+        Path | None,
+        option("--save -o FILE", f"{options.SAVE} The agent, as .npz. Default: KIND.npz."),
+    ] = None,
+    resume: Annotated[
+        bool,
+        option(
+            "--resume",
+            "Go on from the checkpoint of an interrupted training, given the same options as then.",
+        ),
+    ] = False,
 ) -> None:
-    """Train a network by PPO.
+    """Train an agent by reward or by imitation.
 
-    Writes the agent (.npz), which "warehouse run --agent ppo:FILE" takes, a
-    picture of its learning curve (.png), its points (.csv, and events for
-    TensorBoard where that is installed), and the model of Stable-Baselines3
-    (.zip) for further training. At each exam it writes a .checkpoint, from
-    which --resume goes on to the same network. The .zip and the .checkpoint
-    hold pickled Python: load only files of that kind that you trust. By
-    default the training takes about a minute.
+    Writes the agent (.npz) for "warehouse run --agent KIND:FILE", its learning
+    curve (.png), the points of the curve (.csv, and events for TensorBoard if
+    that is installed), with ppo a model of Stable-Baselines3 (.zip), and at
+    each exam a .checkpoint for --resume. The .zip and the .checkpoint hold
+    pickled Python: load only files that you trust.
 
-    Several robots deliver orders of the layout's own stations; they share the
-    network, and each is rewarded for its own deliveries.
-
-    With --layout random each episode is in one of many random layouts, so that
-    the agent learns to deliver in layouts that it has never seen. Exams and the
-    comparison at the end are in other layouts than the training.
+    With --layout random each episode is in one of many random layouts; exams
+    are in others. The help of the options says which of them need a kind.
 
     Example: warehouse train ppo --steps 2000000 -o ppo.npz
     """
+    if kind not in KINDS:
+        raise typer.BadParameter(f"KIND is {brief(kind)}; allowed: {', '.join(KINDS)}")
+    usual = KINDS[kind]
+    refuse_given(context, usual.others, f"train {kind}")
+    steps, limit = steps or usual.steps, max_steps or usual.limit
+    battery = battery or usual.limit
+    target = save or Path(f"{kind}.npz")
+    is_random = random_layouts.are_wanted(layout, size=size, density=density, layouts=layouts)
+    if is_random and (kind == "q" or robots > 1):
+        raise typer.BadParameter(
+            "--layout random does not go with "
+            f"{'train q' if kind == 'q' else '--robots: it is for one robot'}"
+        )
     task: Task | FleetTask
-    if random_layouts.are_wanted(layout, size=size, density=density, layouts=layouts):
-        if robots > 1:
-            raise typer.BadParameter(
-                "--layout random does not go with --robots: it is for one robot"
-            )
-        task = Task(random_layouts.parse(size, density, layouts, seed), battery, max_steps)
-    elif robots > 1:
-        task = FleetTask(load_layout(layout), robots, order_rate, battery, max_steps)
+    if robots > 1:
+        task = FleetTask(load_layout(layout), robots, order_rate, battery, limit)
+    elif kind == "clone" and is_random:
+        height, width = map(int, size.split("x")) if size else (VARIED.height, VARIED.width)
+        varied = VariedLayouts(height, width, count=layouts or VARIED.count, pool_seed=seed)
+        task = Task(varied, battery, limit)
+    elif is_random:
+        task = Task(random_layouts.parse(size, density, layouts, seed), battery, limit)
     else:
-        task = Task(load_layout(layout), battery, max_steps)
-    check_agent_file(save)
+        task = Task(load_layout(layout), battery, limit)
+    check_agent_file(target)
     if isinstance(task, Task) and isinstance(task.layout, RandomLayouts):
         task = task._replace(layout=task.layout.without([*EXAM_SEEDS, *FINAL_SEEDS]))
-    training = Training("PPO", task, steps, seed, save)
-    learner = make_learner(task, steps, seed)
-    writers = {MODEL_SUFFIX: learner.save_network, ".zip": learner.save_model}
+    name = usual.name if kind != "clone" else f"clone of {teacher}"
+    training = Training(name, task, steps, seed, target)
+    learner, writers = LEARNERS[kind](task, steps, seed, teacher)
     training.run(learner, writers, resume=resume)
-    if isinstance(task.layout, RandomLayouts):
+    if kind == "ppo" and is_random:
         say(
-            f"ppo:{save}:revisit=4 avoids cells where it has been, which ends circles; compare "
-            f"with 'warehouse compare agents --layout random --agent ppo:{save}:revisit=4'"
+            f"ppo:{target}:revisit=4 avoids cells where it has been, which ends circles; compare "
+            f"with 'warehouse compare agents --layout random --agent ppo:{target}:revisit=4'"
         )
+
+
+def _ppo(task: Any, steps: int, seed: int, _: str) -> tuple[Learner, dict[str, Writer]]:
+    learner = make_learner(task, steps, seed)
+    return learner, {MODEL_SUFFIX: learner.save_network, ".zip": learner.save_model}
+
+
+def _q(task: Any, steps: int, seed: int, _: str) -> tuple[Learner, dict[str, Writer]]:
+    learner = QLearner(task.make_env(), steps, seed)
+    return learner, {MODEL_SUFFIX: partial(save_table, learner.table, task.layout)}
+
+
+def _clone(task: Any, steps: int, seed: int, teacher: str) -> tuple[Learner, dict[str, Writer]]:
+    learner = make_clone_learner(teacher, task, steps, seed)
+    return learner, {MODEL_SUFFIX: learner.save_network}
+
+
+LEARNERS = {"q": _q, "ppo": _ppo, "clone": _clone}
+"""Functions that return the learner of a kind, and what writes its files by suffix."""
 
 
 def make_learner(task: Task | FleetTask, steps: int, seed: int) -> PPOLearner:
@@ -148,31 +242,19 @@ def needed_libraries(what: str) -> Iterator[None]:
         ) from error
 
 
-def train_q(
-    steps: Steps = 600_000,
-    seed: TrainingSeed = 1,
-    layout: options.LayoutOption = None,
-    battery: options.BatteryOption = 200,
-    max_steps: options.MaxSteps = 200,
-    save: AgentFile = Path("q.npz"),
-    resume: Resume = False,
-) -> None:
-    """Train a table by Q-learning.
+def make_clone_learner(teacher: str, task: Task, steps: int, seed: int) -> CloneLearner:
+    """Return a learner from a teacher; an ``AgentError`` says how to install what is missing."""
+    from agents.learning.teachers import AgentTeacher, ShortestWays
 
-    Writes the table (.npz), which "warehouse run --agent q:FILE" takes, a
-    picture of its learning curve (.png) and its points (.csv, and events for
-    TensorBoard where that is installed), and compares the agent with the greedy
-    one. At each exam it writes a .checkpoint, from which --resume goes on to
-    the same table. It holds pickled Python: resume only what you trust.
-
-    Example: warehouse train q --steps 600000 -o q.npz
-    """
-    floor = load_layout(layout)
-    task = Task(floor, battery, max_steps)
-    check_agent_file(save)
-    learner = QLearner(task.make_env(), steps, seed)
-    training = Training("Q-learning", task, steps, seed, save)
-    training.run(learner, {MODEL_SUFFIX: partial(save_table, learner.table, floor)}, resume=resume)
+    make = partial(make_agent, teacher, seed)
+    make(task.layout_for(0))  # a wrong name is an error before the training
+    with needed_libraries("imitation"):
+        from agents.learning.clone_training import ENVS, CloneLearner
+    batch = task.make_batch(ENVS)
+    knows = teacher == KNOWS_THE_MAP
+    return CloneLearner(
+        batch, ShortestWays(batch) if knows else AgentTeacher(batch, make), steps, seed
+    )
 
 
 def check_agent_file(path: Path) -> None:

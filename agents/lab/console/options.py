@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterable
 from enum import StrEnum
 from pathlib import Path
 from typing import Annotated, Any
@@ -73,6 +73,14 @@ def parameter_option(name: str, metavar: str = "N", more: str = "") -> Any:
     parameter = PARAMETERS[name]
     words = f"--{name.replace('_', '-')} {metavar}"
     return option(words, f"{parameter.help} {more}".strip(), parameter.check)
+
+
+def refuse_given(context: typer.Context, names: Iterable[str], command: str) -> None:
+    """Raise ``typer.BadParameter`` if any of these options is on the command line."""
+    for parameter in context.command.params:
+        source = context.get_parameter_source(parameter.name or "")
+        if parameter.name in names and source is not None and source.name == "COMMANDLINE":
+            raise typer.BadParameter(f"{parameter.opts[0]} does not go with '{command}'")
 
 
 def one_of(kind: type[StrEnum]) -> CheckValue:
