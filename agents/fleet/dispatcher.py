@@ -13,7 +13,7 @@ from agents.fleet.detours import Detours
 from agents.fleet.escapes import Escapes
 from agents.mapf.assignment import ASSIGNMENTS, NONE, REASSIGNING, Tasks
 from agents.mapf.graph import Fields, Graph
-from agents.mapf.kernels.floor import FAR
+from agents.mapf.kernels.places import FAR
 from agents.mapf.planner import Situation
 from warehouse_core import Cell, FleetEnv
 from warehouse_core.motion.base import with_defaults

@@ -13,7 +13,7 @@ import numpy as np
 
 from agents.mapf.assignment import NONE
 from agents.mapf.graph import CLOSED, Fields
-from agents.mapf.kernels.floor import FAR
+from agents.mapf.kernels.places import FAR
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
 

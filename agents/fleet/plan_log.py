@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 
 from agents.mapf.graph import Graph
-from agents.mapf.kernels.rounds import NOBODY
+from agents.mapf.kernels.robots import NOBODY
 from agents.mapf.planner import (
     ForesightedPlanner,
     GraphPlanner,

@@ -23,8 +23,8 @@ from agents.errors import PlanError
 from agents.mapf.cbs import solve_cbs
 from agents.mapf.kernels.prepare import prepare_solvers
 from agents.mapf.lacam import LaCAM, lacam
+from agents.mapf.lns import Refinement
 from agents.mapf.problem import Plan, Problem
-from agents.mapf.refinement import Refinement
 from agents.mapf.traffic import Traffic
 from agents.mapf.turning import with_turns
 from warehouse_core.world.moves import HEADINGS

@@ -1,6 +1,6 @@
 """Circulations: joint steps in which all robots choose at once, for floors that are nearly full.
 
-See ``kernels/circulation.py``.
+See ``kernels/auction.py``.
 """
 
 from __future__ import annotations
@@ -14,10 +14,10 @@ from numpy.typing import NDArray
 from agents.mapf.epibt import outward_cells
 from agents.mapf.graph import CLOSED, Fields, Graph, robots_in
 from agents.mapf.headed import HeadedFields
+from agents.mapf.kernels.auction import Auction, auction_of, foresee
 from agents.mapf.kernels.buffers import buffer_of, prepare
-from agents.mapf.kernels.circulation import Crowd, crowd_of, foresee
-from agents.mapf.kernels.floor import FAR, NONE
-from agents.mapf.kernels.rounds import NOBODY
+from agents.mapf.kernels.places import FAR, NONE
+from agents.mapf.kernels.robots import NOBODY, robots_of
 from agents.mapf.memory import Memory
 from agents.mapf.planner import PlacePlanner, Situation
 from warehouse_core.arguments import instance_of, real_number, seed_number, whole_number
@@ -102,15 +102,20 @@ class Circulation(PlacePlanner):
         best, made = None, 0
         while made < self.samples and (made == 0 or perf_counter() < deadline):
             draws = self._drawn(is_first=made == 0)
-            total, made = foresee(self._crowd, self._fields.table, buffer_of(draws)), made + 1
+            total = self._foresee(draws)
+            made += 1
             if best is None or total < best:
                 best, self._draws = total, draws
         if self.samples > 1:
-            foresee(self._crowd, self._fields.table, buffer_of(self._draws[:1]))
+            self._foresee(self._draws[:1])
         self._places, self._aims = (
-            np.array(each, places.dtype) for each in (self._crowd.places, self._crowd.targets)
+            np.array(each, places.dtype) for each in (self._robots.places, self._auction.targets)
         )
         return self._places.copy()
+
+    def _foresee(self, draws: NDArray[np.int64]) -> int:
+        """Take a step for each draw, and return what robots have yet to gain after the last."""
+        return foresee(self._robots, self._auction, self._fields.table, buffer_of(draws))
 
     def _begin(self, robots: int, has_headings: bool) -> None:
         """Begin an episode of so many robots."""
@@ -119,7 +124,8 @@ class Circulation(PlacePlanner):
         self._fields = HeadedFields(graph) if has_headings else Fields(flat, graph)
         self._random = np.random.default_rng(self.seed)
         self._memory = Memory(graph, self._random.random(robots))
-        self._crowd = crowd_on(self._fields, robots, self.patience)
+        self._robots = robots_of(graph.size, robots, self.seed)
+        self._auction = auction_on(self._fields, robots, self.patience)
         self._places, self._aims = np.full((2, robots), NONE)
         self._draws = np.empty(0, np.int64)
 
@@ -135,7 +141,7 @@ class Circulation(PlacePlanner):
         self._memory.order(cells, goals, urgent)
         weights = np.minimum(self.patience + self._memory.ages, MOST_PATIENCES * self.patience)
         weights[urgent] *= URGENCY
-        rows, crowd = self._fields.rows(goals), self._crowd
+        rows, robots, auction = self._fields.rows(goals), self._robots, self._auction
         is_closed = self.graph.closed_with(closed)
         aims = np.where(
             (places == self._places) & ~stays & (is_closed[self._aims] == 0), self._aims, NONE
@@ -143,22 +149,22 @@ class Circulation(PlacePlanner):
         rests = (goals == cells) | (self._fields.matrix[rows, places] >= FAR)
         rests |= waits_for_exits(self._outward, cells, goals)
         for kept, new in (
-            (crowd.here, places), (crowd.aims, kept_aims(self.graph.size, cells, aims)),
-            (crowd.rests, rests), (crowd.goals, np.where(rests, cells, goals)),
-            (crowd.rows, rows * self._fields.matrix.shape[1]), (crowd.weights, weights),
-            (crowd.is_fixed, stays), (crowd.is_closed, is_closed),
+            (auction.here, places), (auction.aims, kept_aims(self.graph.size, cells, aims)),
+            (auction.rests, rests), (robots.goals, np.where(rests, cells, goals)),
+            (robots.rows, rows * self._fields.matrix.shape[1]), (auction.weights, weights),
+            (robots.stays, stays), (robots.is_closed, is_closed),
         ):  # fmt: skip
             kept[:] = buffer_of(new.astype(np.int64))
 
 
-def crowd_on(fields: Fields, robots: int, unit: int) -> Crowd:
-    """Return the buffers of robots on a floor; see ``Crowd``."""
+def auction_on(fields: Fields, robots: int, unit: int) -> Auction:
+    """Return the buffers of robots on a floor; see ``Auction``."""
     graph, has_headings = fields.graph, isinstance(fields, HeadedFields)
     beside, step = graph.neighbours[:, :WAIT], fields.step
     if graph.costs is not None:  # the cheapest move is to gain something too
         cheapest = graph.costs[beside != CLOSED].min(initial=1.0) * step
         step = max(1, int(cheapest))
-    return crowd_of(np.where(beside == CLOSED, NONE, beside), robots, step, has_headings, unit)
+    return auction_of(np.where(beside == CLOSED, NONE, beside), robots, step, has_headings, unit)
 
 
 def kept_aims(size: int, cells: Integers, aims: Integers) -> Integers:

@@ -1,6 +1,6 @@
 """Rounds of EPIBT, in which robots with headings choose several actions at once.
 
-See ``kernels/operations.py``.
+See ``kernels/epibt.py``.
 """
 
 from __future__ import annotations
@@ -10,18 +10,21 @@ from itertools import product
 import numpy as np
 
 from agents.mapf.graph import CLOSED, Fields, Graph
-from agents.mapf.kernels.floor import NONE, STAY
-from agents.mapf.kernels.operations import Crew, crew_of
+from agents.mapf.kernels.epibt import Epibt, epibt_of
+from agents.mapf.kernels.places import NONE, STAY
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.moves import FORWARD, LEFT, RIGHT
 from warehouse_core.world.tables import Integers
 
+OPERATION_STEPS = 3
+"""Steps for which robots choose their actions in a round."""
 
-def crew_on(fields: Fields, window: int, robots: int, seed: int | None) -> Crew:
-    """Return the buffers of robots with headings that choose actions for the steps of a window."""
+
+def epibt_on(fields: Fields, robots: int) -> Epibt:
+    """Return the buffers of EPIBT for robots with headings on a floor."""
     beside = fields.graph.neighbours[:, :WAIT]
     ahead = np.where(beside == CLOSED, NONE, beside)
-    return crew_of(ahead, turning_operations(window), robots, seed)
+    return epibt_of(ahead, turning_operations(OPERATION_STEPS), robots)
 
 
 def outward_cells(graph: Graph) -> Integers:

@@ -23,7 +23,7 @@ from agents.mapf.kernels.buffers import (
     prepare,
     table_of,
 )
-from agents.mapf.kernels.floor import FAR, NONE, Floor, measure
+from agents.mapf.kernels.places import FAR, NONE, Places, measure
 from warehouse_core.arguments import instance_of, real_number
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.edges import Edges
@@ -336,14 +336,14 @@ class Fields:
         return found
 
     @cached_property
-    def floor(self) -> Floor:
+    def floor(self) -> Places:
         """``near`` and ``prices`` for kernels."""
         size, places = self.graph.size, self.graph.places
         beside = self.near[:size, :WAIT]
         is_open = beside != places
         degree = is_open.sum(axis=1)
         through = (is_open & (degree[beside % size] > 1)).sum(axis=1)
-        return Floor(
+        return Places(
             size=size, closed=places, near=buffer_of(self.near), price=buffer_of(self.prices),
             cell=buffer_of(np.arange(places) % size), degree=buffer_of(degree),
             through=buffer_of(through), step=self.step,

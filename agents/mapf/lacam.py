@@ -2,7 +2,7 @@
 
 The search is complete: it ends with a plan, or with the proof that there is none. The first plan
 comes soon; LaCAM* goes on until the time is up or the plan is proved to be the cheapest. See
-``kernels/configurations.py`` for the search itself, and its source.
+``kernels/lacam.py`` for the search itself, and its source.
 
 The first plan of robots with headings is one without headings, to which turns are added: there is
 one exactly if there is one with headings. LaCAM* begins with it, and searches with headings.
@@ -17,14 +17,15 @@ from time import perf_counter
 import numpy as np
 
 from agents.errors import PlanError
-from agents.mapf.epibt import crew_on
+from agents.mapf.epibt import epibt_on
 from agents.mapf.graph import Fields
-from agents.mapf.kernels import configurations as kernels
+from agents.mapf.kernels import lacam as kernels
 from agents.mapf.kernels.buffers import buffer_of
-from agents.mapf.kernels.floor import NONE
-from agents.mapf.kernels.operations import Crew, crew_of
+from agents.mapf.kernels.epibt import Epibt, epibt_of
+from agents.mapf.kernels.pibt import pibt_of
+from agents.mapf.kernels.places import NONE
 from agents.mapf.kernels.prepare import prepare_solvers
-from agents.mapf.kernels.rounds import team_of
+from agents.mapf.kernels.robots import robots_of
 from agents.mapf.problem import Plan, Problem
 from agents.mapf.turning import with_turns
 from warehouse_core.wording import counted
@@ -34,9 +35,6 @@ __all__ = ["lacam", "lacam_star"]
 
 DECISIONS = 10_000
 """Decisions of robots between two looks at the clock."""
-
-CREW_WINDOW = 3
-"""Steps for which robots with headings choose their actions in a round."""
 
 MAX_NUMBERS = 150_000_000
 """Places in configurations beyond which the search ends; each takes 16 bytes."""
@@ -108,17 +106,18 @@ class LaCAM:
         self.steps = fields if fields.step == 1 else problem.fields(graph.with_costs())
         step_rows = self.steps.rows(goals) * fields.graph.places
         self._floor, self._fields, self._steps = fields.floor, fields.table, self.steps.table
-        self._team = team = team_of(graph.size, problem.robots, seed, is_final=True)
-        team.goals[:], team.rows[:] = buffer_of(goals), buffer_of(rows)
-        self._crew = self._crew_on(fields)
+        self._robots = robots = robots_of(graph.size, problem.robots, seed)
+        robots.goals[:], robots.rows[:] = buffer_of(goals), buffer_of(rows)
+        self._pibt = pibt_of(graph.size, problem.robots, is_final=True)
+        self._epibt = self._epibt_on(fields)
         left = self.steps.matrix.ravel()[step_rows + problem.places]
         self.lower_bound = int(left.sum())
         ranks = np.argsort(-left, kind="stable")
         self._search = search = kernels.new_search(problem.robots)
         search.ranks[:], search.rows[:] = buffer_of(ranks), buffer_of(step_rows)
-        team.chosen[:] = buffer_of(problem.places)
-        first = kernels.slot_of(search, team.chosen, 0)
-        kernels.add(search, team, self._floor, self._steps, NONE, first)
+        robots.chosen[:] = buffer_of(problem.places)
+        first = kernels.slot_of(search, robots.chosen, 0)
+        kernels.add(search, robots, self._floor, self._steps, NONE, first)
 
     def run(self, seconds: float, *, goes_on: bool = True) -> Plan:
         """Return the best plan that is found in so many seconds by the clock, or the first.
@@ -156,8 +155,8 @@ class LaCAM:
             portion = int(min(max(DECISIONS // max(robots, 1), 1), rounds))
             rounds -= portion
             status = kernels.explore(
-                self._search, self._team, self._crew, self._floor, self._fields, self._steps,
-                portion,
+                self._search, self._robots, self._pibt, self._epibt, self._floor, self._fields,
+                self._steps, portion,
             )  # fmt: skip
             if status == kernels.FULL:
                 if len(self._search.places) > MAX_NUMBERS:
@@ -182,28 +181,24 @@ class LaCAM:
 
     def _begin_with(self, way: Integers) -> None:
         """Take over a plan, its places ``[T + 1, R]``, and go on from the starts."""
-        node, team, floor = 0, self._team, self._floor
+        node, robots, floor = 0, self._robots, self._floor
         for places in way[1:]:
             if kernels.is_full(self._search):
                 self._search = kernels.enlarged_search(self._search)
-            team.chosen[:] = buffer_of(places)
-            slot = kernels.slot_of(self._search, team.chosen, 0)
+            robots.chosen[:] = buffer_of(places)
+            slot = kernels.slot_of(self._search, robots.chosen, 0)
             after = int(self._search.table[slot]) - 1
             if after == NONE:
-                after = kernels.add(self._search, team, floor, self._steps, node, slot)
+                after = kernels.add(self._search, robots, floor, self._steps, node, slot)
                 kernels.add_edge(self._search, node, after)
             else:
-                kernels.reach_again(self._search, team, floor, node, after)
+                kernels.reach_again(self._search, robots, floor, node, after)
             node = after
         self._search.counts[kernels.BEST] = node
         kernels.push(self._search, 0)
 
-    def _crew_on(self, fields: Fields) -> Crew:
-        """Return the robots of the team as they choose operations, or none without headings."""
-        team, problem = self._team, self.problem
-        if problem.headings is None:
-            return crew_of(np.empty((0, 4), np.intp), np.empty((0, 1), np.intp), 0, 0)
-        return crew_on(fields, CREW_WINDOW, problem.robots, 0)._replace(
-            places=team.places, rows=team.rows, order=team.order, robot_in=team.robot_in,
-            random=team.random,
-        )  # fmt: skip
+    def _epibt_on(self, fields: Fields) -> Epibt:
+        """Return the buffers of EPIBT, of no robots if they have no headings."""
+        if self.problem.headings is None:
+            return epibt_of(np.empty((0, 4), np.intp), np.empty((0, 1), np.intp), 0)
+        return epibt_on(fields, self.problem.robots)

@@ -6,7 +6,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.graph import EAST, Graph
-from agents.mapf.kernels.floor import NONE
+from agents.mapf.kernels.places import NONE
 from warehouse_core.world.tables import Integers
 
 

@@ -1,4 +1,4 @@
-"""PIBT: priority inheritance with backtracking, and swaps; see ``kernels/rounds.py``."""
+"""PIBT: priority inheritance with backtracking, and swaps; see ``kernels/pibt.py``."""
 
 from __future__ import annotations
 
@@ -9,22 +9,18 @@ from numpy.typing import NDArray
 
 from agents.mapf.graph import Fields, Graph, robots_in
 from agents.mapf.kernels.buffers import IS_COMPILED, buffer_of, prepare
-from agents.mapf.kernels.floor import FAR, STAY
-from agents.mapf.kernels.rounds import (
+from agents.mapf.kernels.pibt import (
     CHANCE_KEY,
     CHOSEN,
     CLOSED,
-    NOBODY,
     OCCUPIED_KEY,
-    SPREAD,
     STEP_KEY,
-    UNDECIDED,
     WAIT_KEY,
     choose,
-    draw,
-    mix,
-    team_of,
+    pibt_of,
 )
+from agents.mapf.kernels.places import FAR, STAY
+from agents.mapf.kernels.robots import NOBODY, SPREAD, UNDECIDED, draw, mix, robots_of
 from agents.mapf.memory import Memory
 from agents.mapf.planner import Situation, solve_by_steps
 from agents.mapf.problem import Plan, Problem
@@ -63,9 +59,6 @@ class PIBT:
         0.96
     """
 
-    ranks_moves = False
-    """True if a class computes the keys of choices itself, also where kernels are compiled."""
-
     def __init__(self, graph: Graph, seed: int = 0, turn_cost: float = 0.0) -> None:
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
         self.seed = seed_number(seed)
@@ -86,7 +79,8 @@ class PIBT:
         if len(cells) != len(self._memory.goals):
             ranks = np.random.default_rng(self.seed).random(len(cells))
             self._memory = Memory(self.graph, ranks)
-            self._team = team_of(self.graph.size, len(cells), self.seed)
+            self._robots = robots_of(self.graph.size, len(cells), self.seed)
+            self._pibt = pibt_of(self.graph.size, len(cells))
         places = self._memory.places(cells)
         order = self._memory.order(cells, goals, urgent)
         is_taken = np.zeros(self.graph.size, np.int64)
@@ -94,34 +88,34 @@ class PIBT:
         is_taken[cells[stays]] = CHOSEN
         robot_in = robots_in(self.graph.size, cells)
         rows = self.fields.rows(goals)
-        team = self._team
+        robots, pibt = self._robots, self._pibt
         for kept, new in (
-            (team.places, places), (team.goals, goals), (team.rows, rows * self.graph.places),
-            (team.order, order), (team.pushers, np.full(len(cells), NOBODY)),
-            (team.chosen, np.where(stays, places, UNDECIDED)), (team.robot_in, robot_in),
-            (team.is_taken, is_taken),
+            (robots.places, places), (robots.goals, goals), (robots.rows, rows * self.graph.places),
+            (robots.order, order), (pibt.pushers, np.full(len(cells), NOBODY)),
+            (robots.chosen, np.where(stays, places, UNDECIDED)), (robots.robot_in, robot_in),
+            (pibt.is_taken, is_taken),
         ):  # fmt: skip
             kept[:] = buffer_of(new)
-        if self.ranks_moves or not IS_COMPILED:
+        if not IS_COMPILED:
             near = self.fields.near[places]
             self._sort_choices(near, self._keys(rows, places, goals, robot_in))
-        choose(self.fields.floor, team, self.fields.table)
-        self.pushers = np.array(team.pushers)
-        return np.array(team.chosen) % self.graph.size
+        choose(self.fields.floor, robots, pibt, self.fields.table)
+        self.pushers = np.array(pibt.pushers)
+        return np.array(robots.chosen) % self.graph.size
 
     def _keys(
         self, rows: Integers, places: Integers, goals: Integers, robot_in: Integers
     ) -> NDArray[Any]:
         """Return the keys of the choices of all robots, ``[R, 5]``; low ones are tried first.
 
-        The keys are as in ``kernels.rounds.sort_choices``. NumPy is faster than plain Python if
+        The keys are as in ``kernels.pibt.sort_choices``. NumPy is faster than plain Python if
         there are more than a few robots.
         """
-        team, near = self._team, self.fields.near[places]
+        near = self.fields.near[places]
         is_step, number = near != self.graph.places, np.arange(len(places), dtype=np.int64)
         to = np.where(is_step, near, places[:, None])
-        draw(team.random)
-        chance = cast(Integers, mix(cast(int, team.random[0] + number * SPREAD)))[:, None]
+        draw(self._robots.random)
+        chance = cast(Integers, mix(cast(int, self._robots.random[0] + number * SPREAD)))[:, None]
         chance = chance >> 3 * (is_step.cumsum(axis=1) - 1) & CHANCE_KEY
         distances = self.fields.matrix[rows[:, None], to].astype(np.int64)
         keys: Integers = (distances + self.fields.prices[places]) * (
@@ -135,10 +129,10 @@ class PIBT:
 
     def _sort_choices(self, near: Integers, keys: NDArray[Any]) -> None:
         """Sort the choices of all robots by their keys; closed cells have the highest."""
-        team, best = self._team, np.argsort(keys, axis=1, kind="stable")
-        team.choices[:] = buffer_of(np.take_along_axis(near, best, 1))
-        team.options[:] = buffer_of((near != self.graph.places).sum(axis=1))
-        team.is_sorted[0] = 1
+        pibt, best = self._pibt, np.argsort(keys, axis=1, kind="stable")
+        pibt.choices[:] = buffer_of(np.take_along_axis(near, best, 1))
+        pibt.options[:] = buffer_of((near != self.graph.places).sum(axis=1))
+        pibt.is_sorted[0] = 1
 
 
 def pibt(problem: Problem, seconds: float, seed: int = 0) -> Plan:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 
 from agents.mapf.graph import robots_in
-from agents.mapf.kernels.rounds import NOBODY
+from agents.mapf.kernels.robots import NOBODY
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.moves import HEADINGS

@@ -1,7 +1,7 @@
 """Lifelong planning in windows: a plan of the next steps that is always free of conflicts.
 
 In each step the plan of the last is continued by a round of PIBT, and then refined group by group;
-see ``kernels/groups.py``. Every fifth step, fresh rounds of PIBT take its place if they are better.
+see ``kernels/lns.py``. Every fifth step, fresh rounds of PIBT take its place if they are better.
 For robots with headings the rounds are of EPIBT, and on floors that are nearly full circulations
 can take their place; see ``circulation.py``.
 Next goals are not known: a robot that has arrived gives way.
@@ -13,6 +13,7 @@ IJCAI: groups that are planned anew.
 
 from __future__ import annotations
 
+from collections.abc import Callable
 from math import inf
 from time import perf_counter
 
@@ -21,30 +22,31 @@ import numpy as np
 from agents.mapf.circulation import (
     MAX_PATIENCE,
     MOST_PATIENCES,
-    crowd_on,
+    auction_on,
     dead_ends,
     waits_for_exits,
 )
-from agents.mapf.epibt import crew_on
+from agents.mapf.epibt import epibt_on
 from agents.mapf.graph import Fields, Graph, robots_in
 from agents.mapf.headed import HeadedFields
+from agents.mapf.kernels.auction import Auction
 from agents.mapf.kernels.buffers import buffer_of, prepare
-from agents.mapf.kernels.circulation import Crowd
-from agents.mapf.kernels.floor import FAR, NONE
-from agents.mapf.kernels.groups import PORTION, improve, improve_until, new_groups, renew
-from agents.mapf.kernels.operations import Crew
-from agents.mapf.kernels.rollouts import prices, roll, roll_crew, roll_crowd
-from agents.mapf.kernels.rounds import Team, team_of
-from agents.mapf.kernels.ways import (
+from agents.mapf.kernels.epibt import Epibt
+from agents.mapf.kernels.lns import PORTION, improve, improve_until, new_groups, renew
+from agents.mapf.kernels.pibt import Pibt, pibt_of
+from agents.mapf.kernels.places import FAR, NONE
+from agents.mapf.kernels.robots import robots_of
+from agents.mapf.kernels.rolling_horizon import prices, roll_circulation, roll_epibt, roll_pibt
+from agents.mapf.kernels.space_time_astar import (
     CLOSED_STEPS,
-    find_way,
+    find_route,
     new_frontier,
-    new_ways,
+    new_routes,
     reserve,
     reserve_only,
 )
 from agents.mapf.memory import Memory
-from agents.mapf.planner import NO_CELLS, Situation
+from agents.mapf.planner import Situation
 from warehouse_core.arguments import (
     flag,
     instance_of,
@@ -64,9 +66,6 @@ GROUPS = 20
 
 FRESH = 5
 """Default steps after which a plan made anew may take the place of the one that goes on."""
-
-CREW_WINDOW = 3
-"""Steps for which robots with headings choose their actions in a round."""
 
 MAX_WINDOW = 10_000
 """Limit on the steps of a window, each of which takes memory for all cells."""
@@ -127,7 +126,7 @@ class WindowedPlanner:
             raise ValueError(f"turn_cost is {graph.turn_cost}; with circulates it must be 0")
         most = min(MAX_WINDOW, MAX_STATES // (2 * graph.places) - 1)
         self.window = whole_number("window", window, 2, most)
-        prepare(roll, roll_crew, roll_crowd, prices, improve, renew, reserve)
+        prepare(roll_pibt, roll_epibt, roll_circulation, prices, improve, renew, reserve)
         self.reset()
 
     def reset(self) -> None:
@@ -177,21 +176,28 @@ class WindowedPlanner:
         self._has_headings = has_headings
         self._fields = HeadedFields(self.graph) if has_headings else Fields(self.graph)
         floor, times = self._fields.floor, self.window + 1
-        self._team: Team | Crew | Crowd
+        self._robots = those = robots_of(self.graph.size, robots, self.seed)
+        # All kinds of rounds have the same arguments, but for what the algorithm knows of robots.
+        self._roll_by: Callable[..., None]
+        self._round: Auction | Epibt | Pibt
         if self.circulates:
             self._outward = dead_ends(self.graph)
-            self._team = crowd_on(self._fields, robots, self.patience or 1)
+            self._auction = auction_on(self._fields, robots, self.patience or 1)
+            those.random[0] = 1
+            self._roll_by, self._round = roll_circulation, self._auction
         elif has_headings:
-            self._team = crew_on(self._fields, CREW_WINDOW, robots, self.seed)
+            self._roll_by, self._round = roll_epibt, epibt_on(self._fields, robots)
         else:
-            self._team = team_of(self.graph.size, robots, self.seed)
-        self._ways = new_ways(floor, robots, times, True)
-        self._frontier = new_frontier(floor, self._ways)
+            self._roll_by, self._round = roll_pibt, pibt_of(self.graph.size, robots)
+        self._routes = new_routes(floor, robots, times, True)._replace(
+            goals=those.goals, rows=those.rows, stays=those.stays, is_closed=those.is_closed
+        )
+        self._frontier = new_frontier(floor, self._routes)
         self._groups = new_groups(robots, times, self.seed)
         self._since = self.fresh
         ranks = np.random.default_rng(self.seed).permutation(robots) / robots
         self._memory = Memory(self.graph, ranks)
-        self._places = np.asarray(self._ways.places).reshape(robots, times)
+        self._places = np.asarray(self._routes.places).reshape(robots, times)
         self._places[:] = NONE
 
     def _read(self, situation: Situation) -> None:
@@ -207,27 +213,21 @@ class WindowedPlanner:
         self._table = self._fields.table
         self._has_new_goal = goals != self._memory.goals
         self._order = buffer_of(self._memory.order(cells, goals, situation.urgent))
-        ways = self._ways
-        ways.goals[:], ways.rows[:] = buffer_of(goals), buffer_of(rows * graph.places)
+        robots, routes = self._robots, self._routes
+        robots.goals[:], robots.rows[:] = buffer_of(goals), buffer_of(rows * graph.places)
+        robots.stays[:] = buffer_of(situation.stays.astype(np.intp))
+        robots.is_closed[:] = buffer_of(self.graph.closed_with(situation.closed))
         if self.patience is not None:
-            ways.weights[:] = buffer_of(self.patience + self._memory.ages)
-        ways.stays[:] = buffer_of(situation.stays.astype(np.intp))
-        if isinstance(self._team, Crowd):
-            self._team.goals[:], self._team.rows[:] = ways.goals, ways.rows
-            weights = np.minimum(ways.weights, MOST_PATIENCES * self._team.unit)
-            self._team.weights[:], self._team.is_fixed[:] = buffer_of(weights), ways.stays
-        if not isinstance(self._team, Team):
-            self._team.is_closed[:] = buffer_of(self.graph.closed_with(NO_CELLS))
-        for cell in ways.closed:
-            ways.is_closed[cell] = 0
+            routes.weights[:] = buffer_of(self.patience + self._memory.ages)
+        if self.circulates:
+            weights = np.minimum(routes.weights, MOST_PATIENCES * self._auction.unit)
+            self._auction.weights[:] = buffer_of(weights)
         passing = [cell for cell in situation.closed.tolist() if cell not in self.graph.closed]
-        self._ways = ways._replace(closed=buffer_of(np.array(passing, np.intp)))
-        for cell in self._ways.closed:
-            ways.is_closed[cell] = 1
+        self._routes = routes._replace(closed=buffer_of(np.array(passing, np.intp)))
 
     def _continue(self, situation: Situation) -> None:
         """Continue the last plan, or make a new one if that is better."""
-        floor, ways, table = self._fields.floor, self._ways, self._table
+        floor, routes, table = self._fields.floor, self._routes, self._table
         last, places = self.window, self._places
         holds = self._mend(situation)
         if holds:
@@ -235,29 +235,26 @@ class WindowedPlanner:
             continued = places.copy()
             if self._since < self.fresh:
                 self._since += 1
-                prices(floor, ways, table)
+                prices(floor, routes, table)
                 return
         self._since = 1
         places[:, 0] = self._here
         self._roll(0)
-        cost = prices(floor, ways, table)
+        cost = prices(floor, routes, table)
         if holds:
             fresh = places.copy()
             places[:] = continued
-            if prices(floor, ways, table) > cost:
+            if prices(floor, routes, table) > cost:
                 places[:] = fresh
-                prices(floor, ways, table)
+                prices(floor, routes, table)
 
     def _roll(self, first: int) -> None:
         """Write the places at the times after ``first``."""
-        if isinstance(self._team, Crowd):
-            roll_crowd(self._ways, self._team, self._table, first, self.window)
-            return
-        self._team.order[:] = self._order
-        if isinstance(self._team, Crew):
-            roll_crew(self._ways, self._team, self._table, first, self.window)
-        else:
-            roll(self._fields.floor, self._ways, self._team, self._table, first, self.window)
+        self._robots.order[:] = self._order
+        self._roll_by(
+            self._fields.floor, self._routes, self._robots, self._round, self._table, first,
+            self.window,
+        )  # fmt: skip
 
     def _mend(self, situation: Situation) -> bool:
         """Move the plan on by a step, with new ways for robots that cannot go on as planned.
@@ -285,21 +282,21 @@ class WindowedPlanner:
             if not more.any():
                 break
             is_lost |= more
-        reserve_only(self._fields.floor, self._ways, np.flatnonzero(~is_lost))
+        reserve_only(self._fields.floor, self._routes, np.flatnonzero(~is_lost))
         for robot in self._order:
             if is_lost[robot]:
-                floor, ways = self._fields.floor, self._ways
-                if find_way(floor, ways, self._frontier, self._table, robot, FAR, 0) == NONE:
+                floor, routes = self._fields.floor, self._routes
+                if find_route(floor, routes, self._frontier, self._table, robot, FAR, 0) == NONE:
                     return False
-                reserve(floor, ways, robot, robot + 1)
+                reserve(floor, routes, robot, robot + 1)
         return True
 
     def _refine(self, deadline: float) -> None:
         """Plan groups anew until they or the time are over."""
-        floor, ways = self._fields.floor, self._ways
-        reserve_only(floor, ways, np.arange(len(self._places)))
+        floor, routes = self._fields.floor, self._routes
+        reserve_only(floor, routes, np.arange(len(self._places)))
         anew = buffer_of(np.flatnonzero(self._has_new_goal))
-        search = floor, ways, self._frontier, self._groups, self._table
+        search = floor, routes, self._frontier, self._groups, self._table
         for first in range(0, len(anew), PORTION):
             if perf_counter() < deadline:
                 renew(*search, anew[first : first + PORTION])

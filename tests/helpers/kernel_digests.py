@@ -15,9 +15,9 @@ from agents.mapf.kernels.buffers import IS_COMPILED
 from agents.mapf.lacam import LaCAM, lacam
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
+from agents.mapf.lns import Refinement
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Planner, Situation
-from agents.mapf.refinement import Refinement
 from agents.mapf.windows import WindowedPlanner
 from helpers.mapf_problems import random_problem
 from warehouse_core import random_layout, shelf_layout

@@ -6,9 +6,9 @@ Compiling takes some seconds once on a machine, which must not count against a l
 from __future__ import annotations
 
 from agents.mapf.kernels.buffers import prepare
-from agents.mapf.kernels.configurations import add, explore, fill_table
-from agents.mapf.kernels.floor import measure
-from agents.mapf.kernels.groups import improve
+from agents.mapf.kernels.lacam import add, explore, fill_table
+from agents.mapf.kernels.lns import improve
+from agents.mapf.kernels.places import measure
 
 
 def prepare_solvers() -> None:

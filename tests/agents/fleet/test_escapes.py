@@ -7,7 +7,7 @@ import numpy as np
 from agents.fleet.escapes import PATIENCE, STANDS, Escapes
 from agents.mapf.assignment import NONE
 from agents.mapf.graph import Fields, Graph
-from agents.mapf.kernels.floor import FAR
+from agents.mapf.kernels.places import FAR
 from warehouse_core import Cell, Layout
 
 DEAD_END = Layout(["P....#", "###.##", "###..D"])

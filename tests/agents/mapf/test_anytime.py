@@ -11,8 +11,8 @@ from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import solve_cbs
 from agents.mapf.graph import Graph
 from agents.mapf.lacam import lacam, lacam_star
+from agents.mapf.lns import Refinement
 from agents.mapf.problem import Problem
-from agents.mapf.refinement import Refinement
 from warehouse_core import Layout, random_layout
 
 HOUR = 3600.0

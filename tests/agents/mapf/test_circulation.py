@@ -8,11 +8,12 @@ import pytest
 from helpers.mapf_problems import random_problem, situation
 from helpers.mapf_runs import check_headed_planner, check_planner
 
-from agents.mapf.circulation import Circulation, crowd_on, dead_ends, kept_aims, waits_for_exits
+from agents.mapf.circulation import Circulation, auction_on, dead_ends, kept_aims, waits_for_exits
 from agents.mapf.graph import Fields, Graph
+from agents.mapf.kernels.auction import claim, hold_auction, offer, stand
 from agents.mapf.kernels.buffers import buffer_of
-from agents.mapf.kernels.circulation import claim, hold_auction, offer, stand
-from agents.mapf.kernels.floor import ACTIONS, NONE
+from agents.mapf.kernels.places import ACTIONS, NONE
+from agents.mapf.kernels.robots import robots_of
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.matching import cheapest_matching
 from agents.mapf.planner import NO_CELLS, HeadedPlanner, Situation
@@ -56,27 +57,27 @@ def test_robots_on_a_full_ring_turn_and_go_round_together() -> None:
 
 def test_an_auction_gains_as_much_as_the_best_matching() -> None:
     graph, stream = Graph(FULL), np.random.default_rng(5)
-    fields, robots = Fields(graph), len(FULL.open_cells) - 5
-    crowd = crowd_on(fields, robots, unit=1)
-    cells, goals = (stream.permutation(FULL.open_cells)[:robots] for _ in range(2))
+    fields, number = Fields(graph), len(FULL.open_cells) - 5
+    robots, auction = robots_of(graph.size, number, 0), auction_on(fields, number, unit=1)
+    cells, goals = (stream.permutation(FULL.open_cells)[:number] for _ in range(2))
     rows = fields.rows(goals)
-    crowd.here[:], crowd.goals[:] = buffer_of(cells), buffer_of(goals)
-    crowd.rows[:] = buffer_of(rows * fields.matrix.shape[1])
-    stand(crowd)
-    claim(crowd, True)
-    for robot in range(robots):
-        offer(crowd, fields.table, robot, False)
-    hold_auction(crowd)
+    auction.here[:], robots.goals[:] = buffer_of(cells), buffer_of(goals)
+    robots.rows[:] = buffer_of(rows * fields.matrix.shape[1])
+    stand(robots, auction)
+    claim(robots, auction)
+    for robot in range(number):
+        offer(robots, auction, fields.table, robot, False)
+    hold_auction(robots, auction)
     options, gains = (
-        np.array(each).reshape(robots, ACTIONS) for each in (crowd.options, crowd.gains)
+        np.array(each).reshape(number, ACTIONS) for each in (auction.options, auction.gains)
     )
-    chosen, every = np.array(crowd.chosen), np.arange(robots)
-    costs = np.full((robots, graph.size), 1e12)
+    chosen, every = np.array(auction.actions), np.arange(number)
+    costs = np.full((number, graph.size), 1e12)
     for action in range(ACTIONS):
         is_open = options[:, action] != NONE
         costs[every[is_open], options[is_open, action]] = -gains[is_open, action]
     best = -costs[cheapest_matching(costs)].sum()
-    assert len({*options[every, chosen].tolist()}) == robots
+    assert len({*options[every, chosen].tolist()}) == number
     assert 0.995 * best < gains[every, chosen].sum() <= best
 
 

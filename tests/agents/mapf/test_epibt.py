@@ -12,7 +12,7 @@ from agents.fleet import PlannedFleet
 from agents.mapf.circulation import Circulation
 from agents.mapf.epibt import outward_cells, turning_operations
 from agents.mapf.graph import Graph
-from agents.mapf.kernels.floor import STAY
+from agents.mapf.kernels.places import STAY
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import NO_CELLS, HeadedPlanner, Situation, check_turns
 from agents.mapf.windows import WindowedPlanner

@@ -14,7 +14,7 @@ from agents.mapf import graph as module
 from agents.mapf.circulation import Circulation
 from agents.mapf.graph import CLOSED, Fields, Graph
 from agents.mapf.headed import HeadedFields
-from agents.mapf.kernels.floor import FAR
+from agents.mapf.kernels.places import FAR
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT

@@ -13,15 +13,15 @@ from helpers.mapf_validator import plan_conflict, step_conflict
 from agents.errors import PlanError
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.headed import HeadedFields
-from agents.mapf.kernels import ways as kernels
+from agents.mapf.kernels import space_time_astar as kernels
 from agents.mapf.kernels.buffers import buffer, buffer_of, table_of
-from agents.mapf.kernels.floor import FAR, NONE, measure, measure_turning
-from agents.mapf.kernels.groups import improve, new_groups
-from agents.mapf.kernels.rollouts import prices
+from agents.mapf.kernels.lns import improve, new_groups
+from agents.mapf.kernels.places import FAR, NONE, measure, measure_turning
+from agents.mapf.kernels.rolling_horizon import prices
 from agents.mapf.lacam import lacam, lacam_star
 from agents.mapf.lanes import lane_costs
+from agents.mapf.lns import Refinement
 from agents.mapf.pibt import PIBT
-from agents.mapf.refinement import Refinement
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import Layout, random_layout
 
@@ -84,7 +84,7 @@ def test_ways_cost_what_brute_force_finds(is_open: bool) -> None:
                     break
             for way, cell in zip(others, after, strict=True):
                 way.append(cell)
-        ways = kernels.new_ways(fields.floor, 4, times, is_open)
+        ways = kernels.new_routes(fields.floor, 4, times, is_open)
         places = np.asarray(ways.places).reshape(4, times)
         places[0, 0], places[1:] = first[0], others
         for robot in range(1, 4):
@@ -93,7 +93,7 @@ def test_ways_cost_what_brute_force_finds(is_open: bool) -> None:
         frontier = kernels.new_frontier(fields.floor, ways)
         arguments = fields.floor, ways, frontier, fields.table, 0
         least = cheapest(layout.rows, first[0], goal, others, is_open)
-        cost = kernels.find_way(*arguments, FAR, stream.randrange(4))
+        cost = kernels.find_route(*arguments, FAR, stream.randrange(4))
         if least == inf:
             assert cost == NONE
             continue
@@ -102,7 +102,7 @@ def test_ways_cost_what_brute_force_finds(is_open: bool) -> None:
         plan = places.T.tolist()
         ends = [goal if not is_open else plan[-1][0], *plan[-1][1:]]
         assert plan_conflict(layout.rows, first, ends, plan) is None
-        assert kernels.find_way(*arguments, int(least) - 1, 0) == NONE
+        assert kernels.find_route(*arguments, int(least) - 1, 0) == NONE
     assert found > 30
 
 
@@ -113,7 +113,7 @@ def test_of_two_robots_that_cross_the_lighter_waits(heavy: int) -> None:
     fields, goals, light = Fields(graph), np.array([14, 22]), 1 - heavy
     begins = [[10, 11, 12, 13], [2, 7, 12, 17]]
     for seed in range(6):
-        ways = kernels.new_ways(fields.floor, 2, 4, is_open=True)
+        ways = kernels.new_routes(fields.floor, 2, 4, is_open=True)
         places = np.asarray(ways.places).reshape(2, 4)
         places[light], places[heavy] = begins[light], [begins[heavy][0], *begins[heavy][:3]]
         ways.goals[:] = buffer_of(goals)

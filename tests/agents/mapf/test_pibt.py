@@ -8,7 +8,7 @@ from helpers.mapf_validator import step_conflict
 
 from agents.errors import PlanError
 from agents.mapf.graph import Graph
-from agents.mapf.kernels.rounds import NOBODY
+from agents.mapf.kernels.pibt import NOBODY
 from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT, pibt
 from agents.mapf.problem import Problem

@@ -18,10 +18,10 @@ from agents.mapf.eecbs import solve_eecbs
 from agents.mapf.graph import Graph
 from agents.mapf.lacam import LaCAM, lacam, lacam_star
 from agents.mapf.lanes import lane_costs
+from agents.mapf.lns import Refinement
 from agents.mapf.pibt import pibt
 from agents.mapf.planner import solve_by_steps
 from agents.mapf.problem import Plan, Problem
-from agents.mapf.refinement import Refinement
 from agents.mapf.turning import with_turns
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import Layout, random_layout

@@ -14,7 +14,7 @@ from numpy.typing import NDArray
 
 from agents.fleet.dispatcher import Dispatcher
 from agents.mapf.graph import Fields, Graph
-from agents.mapf.kernels.floor import FAR
+from agents.mapf.kernels.places import FAR
 from agents.mapf.memory import Memory
 from warehouse_core import Cell, FleetEnv, Layout, Outcome
 from warehouse_core.motion.base import BaseMotion, Ways

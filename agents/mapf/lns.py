@@ -1,4 +1,4 @@
-"""Refinement of a plan by large-neighbourhood search; see ``kernels/groups.py``."""
+"""Refinement of a plan by large-neighbourhood search; see ``kernels/lns.py``."""
 
 from __future__ import annotations
 
@@ -8,9 +8,9 @@ import numpy as np
 
 from agents.mapf.graph import Fields
 from agents.mapf.kernels.buffers import buffer_of
-from agents.mapf.kernels.groups import improve_until, new_groups
+from agents.mapf.kernels.lns import improve_until, new_groups
 from agents.mapf.kernels.prepare import prepare_solvers
-from agents.mapf.kernels.ways import new_frontier, new_ways, reserve_only
+from agents.mapf.kernels.space_time_astar import new_frontier, new_routes, reserve_only
 from agents.mapf.problem import Plan, Problem
 
 SLACK = 8
@@ -37,22 +37,22 @@ class Refinement:
         rows = fields.rows(goals) * fields.graph.places
         self._floor, self._fields = fields.floor, fields.table
         times = plan.makespan + 1 + SLACK
-        self._ways = ways = new_ways(self._floor, robots, times, is_open=False)
+        self._routes = routes = new_routes(self._floor, robots, times, is_open=False)
         places = plan.places(graph)
         places = np.concatenate([places, np.repeat(places[-1:], SLACK, axis=0)])
-        np.asarray(ways.places)[:] = places.T.ravel()
-        for kept, new in (ways.goals, goals), (ways.rows, rows), (ways.costs, plan.costs):
+        np.asarray(routes.places)[:] = places.T.ravel()
+        for kept, new in (routes.goals, goals), (routes.rows, rows), (routes.costs, plan.costs):
             kept[:] = buffer_of(new)
-        reserve_only(self._floor, ways, np.arange(robots))
-        self._frontier = new_frontier(self._floor, ways)
+        reserve_only(self._floor, routes, np.arange(robots))
+        self._frontier = new_frontier(self._floor, routes)
         self._groups = new_groups(robots, times, seed)
 
     def run(self, deadline: float, trials: float = inf) -> int:
         """Try groups until the deadline of ``perf_counter``, or so many; return their number."""
-        search = self._floor, self._ways, self._frontier, self._groups, self._fields
+        search = self._floor, self._routes, self._frontier, self._groups, self._fields
         return improve_until(*search, deadline, trials)
 
     def plan(self) -> Plan:
         """Return the plan so far."""
-        places = np.asarray(self._ways.places, np.int64).reshape(len(self._ways.costs), -1).T
-        return self._problem.plan_of(places[: max(self._ways.costs, default=0) + 1])
+        places = np.asarray(self._routes.places, np.int64).reshape(len(self._routes.costs), -1).T
+        return self._problem.plan_of(places[: max(self._routes.costs, default=0) + 1])

@@ -1,6 +1,6 @@
-"""The cheapest way of one robot through space and time, around the ways that others have.
+"""Space-time A*: the cheapest route of one robot, around the routes that others have.
 
-A *state* is a place at a time. Where ways are open-ended, states have a second layer, for robots
+A *state* is a place at a time. Where routes are open-ended, states have a second layer, for robots
 that have been at their goals: from then on no step costs anything. Of equally good states the last
 is expanded first.
 
@@ -15,14 +15,14 @@ from typing import NamedTuple
 import numpy as np
 
 from agents.mapf.kernels.buffers import Buffer, Table, buffer, kernel, table_of
-from agents.mapf.kernels.floor import ACTIONS, FAR, NONE, STAY, Floor
+from agents.mapf.kernels.places import ACTIONS, FAR, NONE, STAY, Places
 from warehouse_core.world.tables import Integers
 
 CLOSED_STEPS = 5
 """Steps for which closed cells are expected to stay closed."""
 
 BUCKETS = 4_000
-"""Costs above the least possible one that a way may have."""
+"""Costs above the least possible one that a route may have."""
 
 MAX_ENTRIES = 4_000_000
 """States that a search may put into buckets."""
@@ -32,16 +32,16 @@ SEEN, SPENT, CAME, TIME = range(KNOWN)
 """Numbers that a search knows of a state."""
 
 
-class Ways(NamedTuple):
-    """The ways of ``R`` robots through ``T`` times.
+class Routes(NamedTuple):
+    """The routes of ``R`` robots through ``T`` times.
 
     Attributes:
         times: ``T``.
-        is_open: 1 if ways may end before the goal, at the price of the distance left; 0 if each
+        is_open: 1 if routes may end before the goal, at the price of the distance left; 0 if each
             robot has to be at its goal in the end.
         places: ``[R * T]``, the place of each robot at each time.
         reserved: ``[T * size]``, the robot in each cell at each time plus one, or 0.
-        costs: ``[R]``, the cost of each way.
+        costs: ``[R]``, the cost of each route.
         weights: ``[R]``, 1 or more; groups are planned so that the weighted sum of costs falls.
         goals: ``[R]``, goal cells.
         rows: ``[R]``, index of the distance field of each goal in the table of fields.
@@ -64,12 +64,12 @@ class Ways(NamedTuple):
 
 
 class Frontier(NamedTuple):
-    """What a search for a way has seen; states are ``(layer * T + time) * places + place``.
+    """What a search for a route has seen; states are ``(layer * T + time) * places + place``.
 
     Attributes:
         serial: ``[2]``, the number of the search, and the states that all have expanded.
         known: ``[states * 4]``, of each state: number of the last search that has seen it, cost of
-            the way there, state before it, and its time. They are used together.
+            the route there, state before it, and its time. They are used together.
         heads: ``[BUCKETS]``, last entry of each bucket, or ``NONE``.
         entries: states in buckets.
         below: entry before each in its bucket, or ``NONE``.
@@ -82,9 +82,9 @@ class Frontier(NamedTuple):
     below: Table
 
 
-def new_ways(floor: Floor, robots: int, times: int, is_open: bool) -> Ways:
-    """Return the buffers of ways, with nothing reserved."""
-    return Ways(
+def new_routes(floor: Places, robots: int, times: int, is_open: bool) -> Routes:
+    """Return the buffers of routes, with nothing reserved."""
+    return Routes(
         times=times, is_open=int(is_open), places=new_table(robots * times),
         reserved=new_table(times * floor.size), costs=buffer(robots), weights=buffer(robots, 1),
         goals=buffer(robots), rows=buffer(robots), stays=buffer(robots), closed=buffer(0),
@@ -92,9 +92,9 @@ def new_ways(floor: Floor, robots: int, times: int, is_open: bool) -> Ways:
     )  # fmt: skip
 
 
-def new_frontier(floor: Floor, ways: Ways) -> Frontier:
-    """Return the buffers of searches for such ways."""
-    states = ways.times * floor.closed * (1 + ways.is_open)
+def new_frontier(floor: Places, routes: Routes) -> Frontier:
+    """Return the buffers of searches for such routes."""
+    states = routes.times * floor.closed * (1 + routes.is_open)
     room = min(2 * states, MAX_ENTRIES) + ACTIONS
     return Frontier(
         serial=buffer(2), known=new_table(KNOWN * states), heads=buffer(BUCKETS, NONE),
@@ -108,59 +108,65 @@ def new_table(size: int) -> Table:
 
 
 @kernel
-def reserve(floor: Floor, ways: Ways, robot: int, holder: int) -> None:
-    """Write a number into the cells of the way of a robot: its own plus one, or 0."""
-    first, size = robot * ways.times, floor.size
-    for time in range(ways.times):
-        ways.reserved[time * size + floor.cell[ways.places[first + time]]] = holder
+def reserve(floor: Places, routes: Routes, robot: int, holder: int) -> None:
+    """Write a number into the cells of the route of a robot: its own plus one, or 0."""
+    first, size = robot * routes.times, floor.size
+    for time in range(routes.times):
+        routes.reserved[time * size + floor.cell[routes.places[first + time]]] = holder
 
 
-def reserve_only(floor: Floor, ways: Ways, robots: Integers) -> None:
-    """Reserve the ways of some robots, and nothing else."""
-    reserved = np.asarray(ways.reserved).reshape(ways.times, floor.size)
-    cells = np.asarray(ways.places).reshape(-1, ways.times)[robots] % floor.size
+def reserve_only(floor: Places, routes: Routes, robots: Integers) -> None:
+    """Reserve the routes of some robots, and nothing else."""
+    reserved = np.asarray(routes.reserved).reshape(routes.times, floor.size)
+    cells = np.asarray(routes.places).reshape(-1, routes.times)[robots] % floor.size
     reserved[:] = 0
-    reserved[np.arange(ways.times), cells] = robots[:, None] + 1
+    reserved[np.arange(routes.times), cells] = robots[:, None] + 1
 
 
 @kernel
-def free_from(floor: Floor, ways: Ways, cell: int) -> int:
+def free_from(floor: Places, routes: Routes, cell: int) -> int:
     """Return the time from which on nobody else is in a cell."""
-    time = ways.times
-    while time > 0 and ways.reserved[(time - 1) * floor.size + cell] == 0:
+    time = routes.times
+    while time > 0 and routes.reserved[(time - 1) * floor.size + cell] == 0:
         time -= 1
     return time
 
 
 @kernel
-def find_way(
-    floor: Floor, ways: Ways, frontier: Frontier, fields: Table, robot: int, most: int, turn: int
+def find_route(
+    floor: Places,
+    routes: Routes,
+    frontier: Frontier,
+    fields: Table,
+    robot: int,
+    most: int,
+    turn: int,
 ) -> int:
-    """Write the cheapest way of a robot among the reservations of others into its places.
+    """Write the cheapest route of a robot among the reservations of others into its places.
 
     Args:
         floor: floor of the robots.
-        ways: ways of all; nothing is reserved for this robot.
+        routes: routes of all; nothing is reserved for this robot.
         frontier: buffers of the search.
         fields: table of distance fields.
         robot: robot whose first place is known.
-        most: most that the way may cost.
+        most: most that the route may cost.
         turn: number by which the order of equally good steps is turned.
 
     Returns:
-        The cost, or ``NONE`` if there is no such way.
+        The cost, or ``NONE`` if there is no such route.
     """
     size, closed, near, price = floor.size, floor.closed, floor.near, floor.price
-    times, reserved, known, cells = ways.times, ways.reserved, frontier.known, floor.cell
+    times, reserved, known, cells = routes.times, routes.reserved, frontier.known, floor.cell
     heads, entries, below = frontier.heads, frontier.entries, frontier.below
-    goal, row, start = ways.goals[robot], ways.rows[robot], ways.places[robot * times]
+    goal, row, start = routes.goals[robot], routes.rows[robot], routes.places[robot * times]
     later, base = times * closed, 0
     is_there = cells[start] == goal or fields[row + start] >= FAR
     free = 0
-    if ways.is_open == 0:
-        free = free_from(floor, ways, goal) * floor.step
-    least = max(fields[row + start] + 0, free)
-    if ways.is_open == 1 and is_there:
+    if routes.is_open == 0:
+        free = free_from(floor, routes, goal) * floor.step
+    least = max(fields[row + start], free)
+    if routes.is_open == 1 and is_there:
         least, base = 0, later
     last = min(most - least, BUCKETS - 1)
     if last < 0:
@@ -178,20 +184,20 @@ def find_way(
             continue
         state, heads[bucket] = entries[entry], below[entry]
         has_arrived = state >= later
-        cost, time = known[KNOWN * state + SPENT] + 0, known[KNOWN * state + TIME] + 0
+        cost, time = known[KNOWN * state + SPENT], known[KNOWN * state + TIME]
         place = state - time * closed - (later if has_arrived else 0)
         cell = cells[place]
         left = 0 if has_arrived else fields[row + place]
         if max(cost + left, free) != least + bucket:
             continue  # a cheaper way there was found since
-        if time == times - 1 if ways.is_open == 1 else cell == goal and cost >= free:
+        if time == times - 1 if routes.is_open == 1 else cell == goal and cost >= free:
             found = state
             break
         if time == times - 1 or count + ACTIONS > len(entries):
             continue
         frontier.serial[1] += 1
         after = (time + 1) * size
-        must_stay = time == 0 and ways.stays[robot] == 1
+        must_stay = time == 0 and routes.stays[robot] == 1
         for number in range(ACTIONS):
             # Waiting is seen first, and so expanded last, but by a robot that has arrived.
             action = STAY if number == 0 else (number + turn) & 3
@@ -205,7 +211,7 @@ def find_way(
             there = cells[to]
             if reserved[after + there] != 0:
                 continue
-            if ways.is_closed[there] and time < CLOSED_STEPS and there != cell:
+            if routes.is_closed[there] and time < CLOSED_STEPS and there != cell:
                 continue
             other = reserved[time * size + there]
             if other != 0 and other == reserved[after + cell]:
@@ -216,7 +222,7 @@ def find_way(
             else:
                 total += price[place * ACTIONS + action]
                 left = fields[row + to]
-                if ways.is_open == 1 and there == goal:
+                if routes.is_open == 1 and there == goal:
                     reached += later
             entry = KNOWN * reached
             if known[entry + SEEN] == serial and known[entry + SPENT] <= total:
@@ -235,9 +241,9 @@ def find_way(
     total, end = least + bucket, times
     state = found
     while state != NONE:
-        time = known[KNOWN * state + TIME] + 0
+        time = known[KNOWN * state + TIME]
         place = state - time * closed - (later if state >= later else 0)
         for moment in range(time, end):
-            ways.places[robot * times + moment] = place
+            routes.places[robot * times + moment] = place
         end, state = time, known[KNOWN * state + CAME]
     return total

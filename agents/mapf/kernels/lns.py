@@ -14,9 +14,9 @@ from time import perf_counter
 from typing import NamedTuple
 
 from agents.mapf.kernels.buffers import Buffer, Table, buffer, kernel
-from agents.mapf.kernels.floor import ACTIONS, FAR, NONE, STAY, Floor
-from agents.mapf.kernels.rounds import draw, first_random
-from agents.mapf.kernels.ways import Frontier, Ways, find_way, reserve
+from agents.mapf.kernels.places import ACTIONS, FAR, NONE, STAY, Places
+from agents.mapf.kernels.robots import draw, first_random
+from agents.mapf.kernels.space_time_astar import Frontier, Routes, find_route, reserve
 
 AT_RANDOM, LATE, NEAR = range(3)
 """Kinds of groups."""
@@ -44,7 +44,7 @@ class Groups(NamedTuple):
         members: ``[MOST + 1]``, the robots of a group; the last entry is their number.
         is_in: ``[R]``, 1 for robots in the group.
         saved: ``[MOST * T]``, their places before.
-        costs: ``[MOST]``, costs of their new ways.
+        costs: ``[MOST]``, costs of their new routes.
         weights: ``[KINDS * SIZES]``.
         random: ``[1]``, state of the random numbers, not 0.
     """
@@ -77,36 +77,36 @@ def join(groups: Groups, robot: int, size: int) -> bool:
 
 
 @kernel
-def delay(ways: Ways, fields: Table, robot: int) -> int:
-    """Return by how much the way of a robot is longer than the shortest."""
-    left = fields[ways.rows[robot] + ways.places[robot * ways.times]]
-    return 0 if left >= FAR else ways.costs[robot] - left
+def delay(routes: Routes, fields: Table, robot: int) -> int:
+    """Return by how much the route of a robot is longer than the shortest."""
+    left = fields[routes.rows[robot] + routes.places[robot * routes.times]]
+    return 0 if left >= FAR else routes.costs[robot] - left
 
 
 @kernel
-def late_robot(ways: Ways, groups: Groups, fields: Table) -> int:
+def late_robot(routes: Routes, groups: Groups, fields: Table) -> int:
     """Return the latest of some robots at random."""
-    robots, random = len(ways.costs), groups.random
+    robots, random = len(routes.costs), groups.random
     latest = draw(random) % robots
     for _ in range(7):
         robot = draw(random) % robots
-        if delay(ways, fields, robot) > delay(ways, fields, latest):
+        if delay(routes, fields, robot) > delay(routes, fields, latest):
             latest = robot
     return latest
 
 
 @kernel
-def gather_late(floor: Floor, ways: Ways, groups: Groups, fields: Table, size: int) -> None:
+def gather_late(floor: Places, routes: Routes, groups: Groups, fields: Table, size: int) -> None:
     """Gather a late robot and those whom it meets on walks that would bring it there sooner."""
-    times, random, near = ways.times, groups.random, floor.near
-    robot = late_robot(ways, groups, fields)
-    goal_row, cost = ways.rows[robot], ways.costs[robot]
+    times, random, near = routes.times, groups.random, floor.near
+    robot = late_robot(routes, groups, fields)
+    goal_row, cost = routes.rows[robot], routes.costs[robot]
     join(groups, robot, size)
     for _ in range(4 * size):
         time = draw(random) % times
         if time * floor.step > cost:
             time = draw(random) % (cost // floor.step + 1)
-        place = ways.places[robot * times + time]
+        place = routes.places[robot * times + time]
         while time + 1 < times:
             action, to = draw(random) % ACTIONS, floor.closed
             for turn in range(ACTIONS):
@@ -118,33 +118,33 @@ def gather_late(floor: Floor, ways: Ways, groups: Groups, fields: Table, size: i
             if to == floor.closed:
                 break
             cell, after = to % floor.size, (time + 1) * floor.size
-            holder = ways.reserved[after + cell]
+            holder = routes.reserved[after + cell]
             if holder == 0:
-                other = ways.reserved[time * floor.size + cell]
-                if other != 0 and other == ways.reserved[after + place % floor.size]:
+                other = routes.reserved[time * floor.size + cell]
+                if other != 0 and other == routes.reserved[after + place % floor.size]:
                     holder = other
-            if 0 < holder <= len(ways.costs) and join(groups, holder - 1, size):
+            if 0 < holder <= len(routes.costs) and join(groups, holder - 1, size):
                 return
             place, time = to, time + 1
 
 
 @kernel
-def gather_near(floor: Floor, ways: Ways, groups: Groups, size: int) -> None:
+def gather_near(floor: Places, routes: Routes, groups: Groups, size: int) -> None:
     """Gather robots that pass cells at some time, on walks from a cell where one of them is."""
-    times, random = ways.times, groups.random
-    robot = draw(random) % len(ways.costs)
+    times, random = routes.times, groups.random
+    robot = draw(random) % len(routes.costs)
     join(groups, robot, size)
-    span = min(times - 1, ways.costs[robot] // floor.step)
+    span = min(times - 1, routes.costs[robot] // floor.step)
     time = draw(random) % (span + 1)
-    first = ways.places[robot * times + time]
+    first = routes.places[robot * times + time]
     for _ in range(size):
         place = first
         for _ in range(16):
             cell = place % floor.size
             for late in range(-2, 3):
                 if 0 <= time + late < times:
-                    holder = ways.reserved[(time + late) * floor.size + cell]
-                    if 0 < holder <= len(ways.costs) and join(groups, holder - 1, size):
+                    holder = routes.reserved[(time + late) * floor.size + cell]
+                    if 0 < holder <= len(routes.costs) and join(groups, holder - 1, size):
                         return
             to = floor.near[place * ACTIONS + draw(random) % STAY]
             if to != floor.closed:
@@ -152,15 +152,17 @@ def gather_near(floor: Floor, ways: Ways, groups: Groups, size: int) -> None:
 
 
 @kernel
-def gather(floor: Floor, ways: Ways, groups: Groups, fields: Table, kind: int, size: int) -> None:
+def gather(
+    floor: Places, routes: Routes, groups: Groups, fields: Table, kind: int, size: int
+) -> None:
     """Gather a group of at most so many robots in a random order."""
-    members, random, robots = groups.members, groups.random, len(ways.costs)
+    members, random, robots = groups.members, groups.random, len(routes.costs)
     members[MOST] = 0
     size = min(size, robots)
     if kind == LATE:
-        gather_late(floor, ways, groups, fields, size)
+        gather_late(floor, routes, groups, fields, size)
     elif kind == NEAR:
-        gather_near(floor, ways, groups, size)
+        gather_near(floor, routes, groups, size)
     else:
         while not join(groups, draw(random) % robots, size):
             pass
@@ -172,60 +174,62 @@ def gather(floor: Floor, ways: Ways, groups: Groups, fields: Table, kind: int, s
 
 
 @kernel
-def plan_anew(floor: Floor, ways: Ways, frontier: Frontier, groups: Groups, fields: Table) -> int:
+def plan_anew(
+    floor: Places, routes: Routes, frontier: Frontier, groups: Groups, fields: Table
+) -> int:
     """Plan the group anew, one robot after the other; return what is gained, 0 or more."""
-    members, saved, times, costs = groups.members, groups.saved, ways.times, ways.costs
+    members, saved, times, costs = groups.members, groups.saved, routes.times, routes.costs
     number, left, least, done = members[MOST], 0, 0, 0
     for at in range(number):
-        weight = ways.weights[members[at]]
+        weight = routes.weights[members[at]]
         left += costs[members[at]] * weight
-        least += (costs[members[at]] - delay(ways, fields, members[at])) * weight
+        least += (costs[members[at]] - delay(routes, fields, members[at])) * weight
     if left == least:
         return 0  # nobody is late
     for at in range(number):
         robot = members[at]
-        reserve(floor, ways, robot, 0)
+        reserve(floor, routes, robot, 0)
         for time in range(times):
-            saved[at * times + time] = ways.places[robot * times + time]
+            saved[at * times + time] = routes.places[robot * times + time]
     while done < number:
         robot = members[done]
-        weight = ways.weights[robot]
-        least -= (costs[robot] - delay(ways, fields, robot)) * weight
+        weight = routes.weights[robot]
+        least -= (costs[robot] - delay(routes, fields, robot)) * weight
         turn = draw(groups.random) & 3
         most = (left - least) // weight
-        cost = find_way(floor, ways, frontier, fields, robot, most, turn)
+        cost = find_route(floor, routes, frontier, fields, robot, most, turn)
         if cost == NONE:
             break
         left, groups.costs[done] = left - cost * weight, cost
-        reserve(floor, ways, robot, robot + 1)
+        reserve(floor, routes, robot, robot + 1)
         done += 1
     if done == number:
         for at in range(number):
             costs[members[at]] = groups.costs[at]
         return left
     for at in range(done):
-        reserve(floor, ways, members[at], 0)
+        reserve(floor, routes, members[at], 0)
     for at in range(number):
         robot = members[at]
         for time in range(times):
-            ways.places[robot * times + time] = saved[at * times + time]
-        reserve(floor, ways, robot, robot + 1)
+            routes.places[robot * times + time] = saved[at * times + time]
+        reserve(floor, routes, robot, robot + 1)
     return 0
 
 
 @kernel
 def renew(
-    floor: Floor, ways: Ways, frontier: Frontier, groups: Groups, fields: Table, robots: Buffer
+    floor: Places, routes: Routes, frontier: Frontier, groups: Groups, fields: Table, robots: Buffer
 ) -> None:
     """Plan some robots anew, each alone."""
     for robot in robots:
         groups.members[0], groups.members[MOST] = robot, 1
-        plan_anew(floor, ways, frontier, groups, fields)
+        plan_anew(floor, routes, frontier, groups, fields)
 
 
 @kernel
 def improve(
-    floor: Floor, ways: Ways, frontier: Frontier, groups: Groups, fields: Table, trials: int
+    floor: Places, routes: Routes, frontier: Frontier, groups: Groups, fields: Table, trials: int
 ) -> None:
     """Plan so many groups anew."""
     weights = groups.weights
@@ -241,21 +245,21 @@ def improve(
         while drawn >= weights[arm]:
             drawn -= weights[arm]
             arm += 1
-        gather(floor, ways, groups, fields, arm % KINDS, 2 << arm // KINDS)
+        gather(floor, routes, groups, fields, arm % KINDS, 2 << arm // KINDS)
         before = frontier.serial[1]
-        gained = plan_anew(floor, ways, frontier, groups, fields)
-        work = frontier.serial[1] - before + groups.members[MOST] * ways.times
+        gained = plan_anew(floor, routes, frontier, groups, fields)
+        work = frontier.serial[1] - before + groups.members[MOST] * routes.times
         weights[arm] += (min((gained << 24) // work, MOST_WEIGHT) - weights[arm]) // SHARE
 
 
 def improve_until(
-    floor: Floor, ways: Ways, frontier: Frontier, groups: Groups, fields: Table, deadline: float,
-    trials: float,
+    floor: Places, routes: Routes, frontier: Frontier, groups: Groups, fields: Table,
+    deadline: float, trials: float,
 ) -> int:  # fmt: skip
     """Plan so many groups anew, or until the deadline of ``perf_counter``; return their number."""
     tried = 0
     while tried < trials and perf_counter() < deadline:
         number = int(min(PORTION, trials - tried))
-        improve(floor, ways, frontier, groups, fields, number)
+        improve(floor, routes, frontier, groups, fields, number)
         tried += number
     return tried

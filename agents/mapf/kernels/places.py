@@ -27,7 +27,7 @@ FAR = 1 << 30
 """Distance of a place that no way leads from."""
 
 
-class Floor(NamedTuple):
+class Places(NamedTuple):
     """The places of a floor and the steps between them.
 
     Attributes:
@@ -54,7 +54,7 @@ class Floor(NamedTuple):
 
 @kernel
 def measure(
-    floor: Floor, goal: int, field: Table, heads: Buffer, entries: Buffer, below: Buffer
+    floor: Places, goal: int, field: Table, heads: Buffer, entries: Buffer, below: Buffer
 ) -> None:
     """Write the cost of the cheapest way from each place to a goal into a field.
 
@@ -80,7 +80,7 @@ def measure(
         if field[place] != distance:
             continue  # a cheaper way was found since
         for number in range(STAY):
-            before = near[place * ACTIONS + number] + 0
+            before = near[place * ACTIONS + number]
             step = before * ACTIONS + (number ^ 2)  # back again
             if before == floor.closed or near[step] != place:
                 continue
@@ -146,7 +146,7 @@ def measure_turning(turning: Turning, goal: int, field: Table) -> None:
             continue  # a cheaper way was found since
         for number in range(TURNS):
             if number == FORWARD:
-                before, cost = behind[place] + 0, price[place] + 0
+                before, cost = behind[place], price[place]
                 if before == NONE:
                     continue
             else:  # a turn to the right or to the left

@@ -4,7 +4,7 @@ The search is depth-first. Each configuration has a tree of constraints, who mus
 of which each visit tries one more; a round of PIBT chooses the places of the others, or a round of
 EPIBT where robots have headings. The tree is not stored: its nodes in breadth-first order are
 numbers in mixed radix, whose digits are the steps of the first robots by priority. Its last level
-has every joint step. Ways to configurations that are reached again become shorter, so that in the
+has every joint step. Routes to configurations that are reached again become shorter, so that in the
 end the plan is the cheapest, or it is proved that there is none.
 
 The cost of a joint step is the number of robots that are not at their goals before and after it.
@@ -18,11 +18,12 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from agents.mapf.kernels.buffers import Buffer, Table, buffer, enlarged, kernel
-from agents.mapf.kernels.floor import ACTIONS, NONE, Floor
-from agents.mapf.kernels.operations import CHOSEN as HAS_CHOSEN
-from agents.mapf.kernels.operations import FREE, Crew, expect, go_on, hold
-from agents.mapf.kernels.operations import push as push_robot
-from agents.mapf.kernels.rounds import CHOSEN, NOBODY, UNDECIDED, Team, choose, draw
+from agents.mapf.kernels.epibt import Epibt
+from agents.mapf.kernels.epibt import choose as choose_by_epibt
+from agents.mapf.kernels.pibt import CHOSEN, Pibt
+from agents.mapf.kernels.pibt import choose as choose_by_pibt
+from agents.mapf.kernels.places import ACTIONS, NONE, Places
+from agents.mapf.kernels.robots import NOBODY, UNDECIDED, Robots, draw
 
 SPENT, FULL, DONE, FOUND = 0, 1, 2, 3
 """Why a search returns: its rounds are over, a buffer is full, all is tried, there is a plan."""
@@ -50,7 +51,7 @@ class Search(NamedTuple):
         queue: ``[N + 1]``, configurations whose ways have become cheaper.
         is_queued: ``[N]``, 1 for those in the queue.
         ranks: ``[R]``, robots by falling length of their ways.
-        rows: ``[R]``, as in ``Team``, of distances in steps.
+        rows: ``[R]``, as in ``Robots``, of distances in steps.
         counts: ``[5]``: configurations, edges, height of the stack, last configuration of the
             best plan or ``NONE``, and 1 if the search goes on after the first plan.
     """
@@ -129,17 +130,17 @@ def slot_of(search: Search, places: Buffer, first: int) -> int:
 
     Its places are those from ``first`` in a buffer.
     """
-    robots, table, known = len(search.ranks), search.table, search.places
+    count, table, known = len(search.ranks), search.table, search.places
     mask, key = len(table) - 1, 0
-    for robot in range(robots):
+    for robot in range(count):
         key = ((key ^ places[first + robot]) * 0x9E3779B1) & 0xFFFFFFFFFF
         key ^= key >> 15
     slot = (key ^ (key >> 20)) & mask
     while table[slot]:
-        other, robot = (table[slot] - 1) * robots, 0
-        while robot < robots and known[other + robot] == places[first + robot]:
+        other, robot = (table[slot] - 1) * count, 0
+        while robot < count and known[other + robot] == places[first + robot]:
             robot += 1
-        if robot == robots:
+        if robot == count:
             return slot
         slot = (slot + 1) & mask
     return slot
@@ -153,13 +154,13 @@ def fill_table(search: Search) -> None:
 
 
 @kernel
-def step_cost(search: Search, team: Team, floor: Floor, node: int, after: int) -> int:
+def step_cost(search: Search, robots: Robots, floor: Places, node: int, after: int) -> int:
     """Return the cost of a joint step."""
-    robots, places, cost = len(team.goals), search.places, 0
-    for robot in range(robots):
-        goal = team.goals[robot]
-        is_there = places[node * robots + robot] % floor.size == goal
-        cost += not (is_there and places[after * robots + robot] % floor.size == goal)
+    count, places, cost = len(robots.goals), search.places, 0
+    for robot in range(count):
+        goal = robots.goals[robot]
+        is_there = places[node * count + robot] % floor.size == goal
+        cost += not (is_there and places[after * count + robot] % floor.size == goal)
     return cost
 
 
@@ -188,22 +189,22 @@ def add_edge(search: Search, node: int, after: int) -> None:
 
 
 @kernel
-def add(search: Search, team: Team, floor: Floor, steps: Table, parent: int, slot: int) -> int:
-    """Add the configuration that a team has chosen, and open it; return its number."""
-    counts, goals, chosen = search.counts, team.goals, team.chosen
-    robots, node, size = len(goals), counts[NODES], floor.size
-    first, at, left = node * robots, node * robots, 0
+def add(search: Search, robots: Robots, floor: Places, steps: Table, parent: int, slot: int) -> int:
+    """Add the configuration that robots have chosen, and open it; return its number."""
+    counts, goals, chosen = search.counts, robots.goals, robots.chosen
+    count, node, size = len(goals), counts[NODES], floor.size
+    first, at, left = node * count, node * count, 0
     counts[NODES] += 1
-    for robot in range(robots):
+    for robot in range(count):
         search.places[first + robot] = chosen[robot]
         left += steps[search.rows[robot] + chosen[robot]]
     # Robots keep their order until they reach their goals, and are the last from then on.
-    for number in range(robots):
-        robot = search.ranks[number] if parent == NONE else search.orders[parent * robots + number]
+    for number in range(count):
+        robot = search.ranks[number] if parent == NONE else search.orders[parent * count + number]
         if chosen[robot] % size != goals[robot]:
             search.orders[at] = robot
             at += 1
-    for number in range(robots):
+    for number in range(count):
         robot = search.ranks[number]
         if chosen[robot] % size == goals[robot]:
             search.orders[at] = robot
@@ -212,29 +213,29 @@ def add(search: Search, team: Team, floor: Floor, steps: Table, parent: int, slo
     search.cost[node], search.edges[node] = 0, NONE
     search.table[slot] = node + 1
     if parent != NONE:
-        search.cost[node] = search.cost[parent] + step_cost(search, team, floor, parent, node)
+        search.cost[node] = search.cost[parent] + step_cost(search, robots, floor, parent, node)
     search.entries[node] = search.is_queued[node] = 0
     push(search, node)
     return node
 
 
 @kernel
-def load(search: Search, team: Team, floor: Floor, node: int) -> None:
-    """Let a team stand as in a configuration, with nothing chosen."""
-    robots, size = len(team.goals), floor.size
-    for robot in range(robots):
-        team.robot_in[team.places[robot] % size] = NOBODY
-        if team.chosen[robot] != UNDECIDED:
-            team.is_taken[team.chosen[robot] % size] = 0
-    for robot in range(robots):
-        place = search.places[node * robots + robot]
-        team.places[robot], team.chosen[robot] = place, UNDECIDED
-        team.order[robot] = search.orders[node * robots + robot]
-        team.robot_in[place % size] = robot
+def load(search: Search, robots: Robots, pibt: Pibt, node: int) -> None:
+    """Let robots stand as in a configuration, with nothing chosen."""
+    count, size = len(robots.goals), robots.size
+    for robot in range(count):
+        robots.robot_in[robots.places[robot] % size] = NOBODY
+        if robots.chosen[robot] != UNDECIDED:
+            pibt.is_taken[robots.chosen[robot] % size] = 0
+    for robot in range(count):
+        place = search.places[node * count + robot]
+        robots.places[robot], robots.chosen[robot] = place, UNDECIDED
+        robots.order[robot] = search.orders[node * count + robot]
+        robots.robot_in[place % size] = robot
 
 
 @kernel
-def options(floor: Floor, place: int) -> int:
+def options(floor: Places, place: int) -> int:
     """Return the number of steps that a robot can take from a place; one of them is waiting."""
     found = 0
     for action in range(ACTIONS):
@@ -243,7 +244,7 @@ def options(floor: Floor, place: int) -> int:
 
 
 @kernel
-def constrain(search: Search, team: Team, floor: Floor, node: int) -> int:
+def constrain(search: Search, robots: Robots, pibt: Pibt, floor: Places, node: int) -> int:
     """Let the first robots take the steps of the next constraint of a configuration.
 
     Returns:
@@ -253,14 +254,14 @@ def constrain(search: Search, team: Team, floor: Floor, node: int) -> int:
     depth, block = 0, 1
     while number >= block:
         number -= block
-        if depth == len(team.order):
+        if depth == len(robots.order):
             return NONE
-        block *= options(floor, team.places[team.order[depth]])
+        block *= options(floor, robots.places[robots.order[depth]])
         depth += 1
     search.tried[node] += 1
     for at in range(depth):
-        robot = team.order[at]
-        place = team.places[robot]
+        robot = robots.order[at]
+        place = robots.places[robot]
         width = options(floor, place)
         digit, action = (number + node + at) % width, -1
         number //= width
@@ -268,62 +269,16 @@ def constrain(search: Search, team: Team, floor: Floor, node: int) -> int:
             action += 1
             digit -= near[place * ACTIONS + action] != floor.closed
         to = near[place * ACTIONS + action]
-        other = team.robot_in[to % size]
-        swaps = other not in (NOBODY, robot) and team.chosen[other] != UNDECIDED
-        if team.is_taken[to % size] or (swaps and team.chosen[other] % size == place % size):
+        other = robots.robot_in[to % size]
+        swaps = other not in (NOBODY, robot) and robots.chosen[other] != UNDECIDED
+        if pibt.is_taken[to % size] or (swaps and robots.chosen[other] % size == place % size):
             return 0
-        team.chosen[robot], team.is_taken[to % size] = to, CHOSEN
+        robots.chosen[robot], pibt.is_taken[to % size] = to, CHOSEN
     return 1
 
 
 @kernel
-def choose_turns(team: Team, crew: Crew, fields: Table) -> bool:
-    """Choose the next places of all undecided robots with headings, in one round of EPIBT.
-
-    The others are expected to wait after this step.
-
-    Args:
-        team: robots, some of which have chosen.
-        crew: the same robots, with the places, order and ``robot_in`` of the team.
-        fields: distances that guide the robots.
-
-    Returns:
-        False if an undecided robot finds no way out of a cell that one of the others enters.
-    """
-    robots, window = len(team.order), crew.window
-    draw(crew.random)
-    for robot in range(robots):
-        crew.visits[robot] = 0
-        crew.states[robot] = FREE if team.chosen[robot] == UNDECIDED else HAS_CHOSEN
-    for at in range(len(crew.holder)):
-        crew.holder[at] = NOBODY
-    expect(crew)
-    for robot in range(robots):
-        if crew.states[robot] == HAS_CHOSEN:
-            for at in range(robot * window, (robot + 1) * window):
-                crew.ways[at] = team.chosen[robot]
-            hold(crew, robot)
-    for turn in range(2):  # those who cannot go on as expected choose first
-        for at in range(robots):
-            robot = crew.order[at]
-            is_held = crew.holder[crew.kept[robot * window] % crew.size] != NOBODY
-            if crew.states[robot] == HAS_CHOSEN or (turn == 0 and not is_held):
-                continue
-            if push_robot(crew, fields, robot):
-                continue
-            if is_held:
-                for other in range(robots):
-                    if crew.states[other] == FREE:
-                        crew.ways[other * window] = NONE  # nothing is expected of it any more
-                return False
-            go_on(crew, robot)
-    for robot in range(robots):
-        team.chosen[robot] = crew.ways[robot * window]
-    return True
-
-
-@kernel
-def reach_again(search: Search, team: Team, floor: Floor, node: int, after: int) -> None:
+def reach_again(search: Search, robots: Robots, floor: Places, node: int, after: int) -> None:
     """Take over an edge between known configurations, and what becomes cheaper by it."""
     cost = search.cost
     edge = search.edges[node]
@@ -343,7 +298,7 @@ def reach_again(search: Search, team: Team, floor: Floor, node: int, after: int)
         while edge != NONE:
             to = search.edge_to[edge]
             if cost[here] + 1 <= cost[to]:  # no step is free but that from the goal to itself
-                total = cost[here] + step_cost(search, team, floor, here, to)
+                total = cost[here] + step_cost(search, robots, floor, here, to)
                 if total < cost[to]:
                     cost[to], search.parent[to] = total, here
                     if not search.is_queued[to]:
@@ -356,14 +311,16 @@ def reach_again(search: Search, team: Team, floor: Floor, node: int, after: int)
 
 @kernel
 def explore(
-    search: Search, team: Team, crew: Crew, floor: Floor, fields: Table, steps: Table, rounds: int
-) -> int:
+    search: Search, robots: Robots, pibt: Pibt, epibt: Epibt, floor: Places, fields: Table,
+    steps: Table, rounds: int,
+) -> int:  # fmt: skip
     """Search on for some rounds of PIBT or EPIBT.
 
     Args:
         search: known configurations.
-        team: robots of any configuration.
-        crew: the same robots if they have headings, see ``choose_turns``; else of no use.
+        robots: robots of any configuration.
+        pibt: buffers of PIBT, whose ``is_taken`` is used with headings too.
+        epibt: buffers of EPIBT if the robots have headings, else of no use.
         floor: floor of the robots.
         fields: distances that guide the robots.
         steps: distances in steps, which bound the costs.
@@ -388,8 +345,8 @@ def explore(
             if counts[ANYTIME] == 0:
                 return FOUND
             continue
-        load(search, team, floor, node)
-        state = constrain(search, team, floor, node)
+        load(search, robots, pibt, node)
+        state = constrain(search, robots, pibt, floor, node)
         if state == NONE:
             pop(search)
             continue
@@ -397,19 +354,19 @@ def explore(
         if state == 0:
             continue
         if floor.closed == floor.size:
-            is_complete = choose(floor, team, fields)
+            is_complete = choose_by_pibt(floor, robots, pibt, fields)
         else:
-            is_complete = choose_turns(team, crew, fields)
+            is_complete = choose_by_epibt(robots, epibt, fields)
         if not is_complete:
             continue
-        slot = slot_of(search, team.chosen, 0)
+        slot = slot_of(search, robots.chosen, 0)
         after = search.table[slot] - 1
         if after == NONE:
-            after = add(search, team, floor, steps, node, slot)
+            after = add(search, robots, floor, steps, node, slot)
             add_edge(search, node, after)
         elif after != node:
-            reach_again(search, team, floor, node, after)
-            again = after if draw(team.random) % RESTART else 0
+            reach_again(search, robots, floor, node, after)
+            again = after if draw(robots.random) % RESTART else 0
             if best == NONE or cost[again] + left[again] < cost[counts[BEST]]:
                 push(search, again)
     return DONE

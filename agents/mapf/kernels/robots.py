@@ -1,0 +1,85 @@
+"""The robots of a round, in which each chooses its next place; PIBT, EPIBT and circulations.
+
+Places are numbers as in ``graph.py``; the cell of a place is its remainder by ``size``.
+"""
+
+from __future__ import annotations
+
+from typing import NamedTuple
+
+import numpy as np
+
+from agents.mapf.kernels.buffers import Buffer, buffer, kernel
+
+NOBODY = -1
+"""Number in place of a robot where there is none."""
+
+UNDECIDED = -1
+"""Next place of a robot that has not chosen yet."""
+
+SPREAD = 0x9E3779B9
+"""Multiplier of the number of a robot, so that each has another chance."""
+
+
+class Robots(NamedTuple):
+    """Robots in a round; all buffers are ``[R]`` but for those that say so.
+
+    Attributes:
+        size: number of cells.
+        places: present places.
+        goals: goal cells.
+        rows: index of the distance field of each goal in the table of fields.
+        order: robots by falling priority.
+        stays: 1 for robots that have to stay in the first step of a plan.
+        chosen: next places, or ``UNDECIDED``. Robots with a next place before a round keep it.
+        stack: robots that wait for one that they push, or that have yet to choose.
+        robot_in: ``[size]``, robot in each cell, or ``NOBODY``.
+        is_closed: ``[size]``, 1 for cells that nobody can enter.
+        random: ``[1]``, state of the random numbers, not 0; each round draws one or more.
+    """
+
+    size: int
+    places: Buffer
+    goals: Buffer
+    rows: Buffer
+    order: Buffer
+    stays: Buffer
+    chosen: Buffer
+    stack: Buffer
+    robot_in: Buffer
+    is_closed: Buffer
+    random: Buffer
+
+
+def robots_of(size: int, robots: int, seed: int | None) -> Robots:
+    """Return the buffers of robots on so many cells, with nobody in them."""
+    return Robots(
+        size=size, places=buffer(robots), goals=buffer(robots), rows=buffer(robots),
+        order=buffer(robots), stays=buffer(robots), chosen=buffer(robots, UNDECIDED),
+        stack=buffer(robots), robot_in=buffer(size, NOBODY), is_closed=buffer(size),
+        random=first_random(seed),
+    )  # fmt: skip
+
+
+def first_random(seed: int | None) -> Buffer:
+    """Return the state of the random numbers of a seed."""
+    return buffer(1, int(np.random.default_rng(seed).integers(1, 1 << 32)))
+
+
+@kernel
+def draw(random: Buffer) -> int:
+    """Return the next random number of 32 bits, by Marsaglia's xorshift (2003)."""
+    x = random[0]
+    x ^= (x << 13) & 0xFFFFFFFF
+    x ^= x >> 17
+    x ^= (x << 5) & 0xFFFFFFFF
+    random[0] = x
+    return x
+
+
+@kernel
+def mix(number: int) -> int:
+    """Return 32 bits that look like chance, and that a number decides; arrays are taken too."""
+    number = ((number ^ (number >> 16)) * 0x45D9F3B) & 0xFFFFFFFF
+    number = ((number ^ (number >> 16)) * 0x45D9F3B) & 0xFFFFFFFF
+    return number ^ (number >> 16)

@@ -1,0 +1,158 @@
+"""Routes of all robots through a window: a round of PIBT, EPIBT or circulation for each step.
+
+A robot that reaches its goal gives way from then on, since its next goal is not known. All three
+kinds of rounds have the same arguments: the robots, what the algorithm knows of them, the distance
+fields, and the times between which the places are written.
+"""
+
+from __future__ import annotations
+
+from agents.mapf.kernels.auction import Auction, stand
+from agents.mapf.kernels.auction import choose as choose_by_circulation
+from agents.mapf.kernels.buffers import Buffer, Table, kernel
+from agents.mapf.kernels.epibt import Epibt
+from agents.mapf.kernels.epibt import choose as choose_by_epibt
+from agents.mapf.kernels.pibt import CHOSEN, CLOSED, Pibt
+from agents.mapf.kernels.pibt import choose as choose_by_pibt
+from agents.mapf.kernels.places import ACTIONS, FAR, Places
+from agents.mapf.kernels.robots import NOBODY, UNDECIDED, Robots
+from agents.mapf.kernels.space_time_astar import CLOSED_STEPS, Routes
+
+
+@kernel
+def route_cost(floor: Places, routes: Routes, fields: Table, robot: int) -> int:
+    """Return the cost of a route: until the robot is at its goal, or plus the distance left."""
+    first, row, goal = robot * routes.times, routes.rows[robot], routes.goals[robot]
+    cost, place = 0, routes.places[first]
+    if fields[row + place] >= FAR:
+        return 0
+    for time in range(1, routes.times):
+        if place % floor.size == goal:
+            return cost
+        after = routes.places[first + time]
+        for action in range(ACTIONS):
+            if floor.near[place * ACTIONS + action] == after:
+                cost += floor.price[place * ACTIONS + action]
+                break
+        place = after
+    return cost + fields[row + place]
+
+
+@kernel
+def stand_at(routes: Routes, robots: Robots, time: int) -> None:
+    """Let robots be where their routes are at a time."""
+    for robot in range(len(robots.places)):
+        robots.places[robot] = routes.places[robot * routes.times + time]
+
+
+@kernel
+def begin_step(routes: Routes, robots: Robots, time: int) -> None:
+    """Let no robot have chosen but those that have to stay, and close cells if it is soon."""
+    for robot in range(len(robots.places)):
+        place, stays = robots.places[robot], time == 0 and robots.stays[robot] == 1
+        robots.robot_in[place % robots.size] = robot
+        robots.chosen[robot] = place if stays else UNDECIDED
+    for cell in routes.closed:
+        robots.is_closed[cell] = time < CLOSED_STEPS
+
+
+@kernel
+def end_step(routes: Routes, robots: Robots, time: int) -> None:
+    """Move robots to the places that they have chosen, and write these into their routes."""
+    for robot in range(len(robots.places)):
+        robots.robot_in[robots.places[robot] % robots.size] = NOBODY
+    for robot in range(len(robots.places)):
+        robots.places[robot] = robots.chosen[robot]
+        routes.places[robot * routes.times + time + 1] = robots.chosen[robot]
+    for cell in routes.closed:
+        robots.is_closed[cell] = 1
+    lower(robots.order, robots.places, robots.goals, robots.stack, robots.size)
+
+
+@kernel
+def roll_pibt(
+    floor: Places, routes: Routes, robots: Robots, pibt: Pibt, fields: Table, first: int, last: int
+) -> None:
+    """Write the places at the times after ``first`` to ``last``, by a round of PIBT each.
+
+    The robots that stay do so in the step from the time 0. The order of the robots is that at the
+    time ``first``.
+    """
+    stand_at(routes, robots, first)
+    for time in range(first, last):
+        begin_step(routes, robots, time)
+        if time < CLOSED_STEPS:
+            for cell in routes.closed:
+                pibt.is_taken[cell] = CLOSED
+        for robot in range(len(robots.places)):
+            if robots.chosen[robot] != UNDECIDED:
+                pibt.is_taken[robots.places[robot] % robots.size] = CHOSEN
+        choose_by_pibt(floor, robots, pibt, fields)
+        for cell in routes.closed:
+            pibt.is_taken[cell] = 0
+        for robot in range(len(robots.places)):
+            pibt.is_taken[robots.chosen[robot] % robots.size] = 0
+        end_step(routes, robots, time)
+
+
+@kernel
+def roll_epibt(
+    floor: Places, routes: Routes, robots: Robots, epibt: Epibt, fields: Table, first: int,
+    last: int,
+) -> None:  # fmt: skip
+    """Do as ``roll_pibt`` by a round of EPIBT for each step."""
+    stand_at(routes, robots, first)
+    for time in range(first, last):
+        begin_step(routes, robots, time)
+        choose_by_epibt(robots, epibt, fields)
+        end_step(routes, robots, time)
+
+
+@kernel
+def roll_circulation(
+    floor: Places, routes: Routes, robots: Robots, auction: Auction, fields: Table, first: int,
+    last: int,
+) -> None:  # fmt: skip
+    """Do as ``roll_pibt`` by a circulation for each step.
+
+    A robot that has been at its goal until the time ``first`` goes nowhere from then on.
+    """
+    stand_at(routes, robots, first)
+    for robot in range(len(robots.places)):
+        auction.here[robot] = robots.places[robot]
+    stand(robots, auction)
+    for robot in range(len(robots.places)):
+        for time in range(first + 1):
+            place = routes.places[robot * routes.times + time]
+            if place % robots.size == robots.goals[robot]:
+                auction.is_there[robot] = 1
+    for time in range(first, last):
+        begin_step(routes, robots, time)
+        choose_by_circulation(robots, auction, fields)
+        end_step(routes, robots, time)
+
+
+@kernel
+def lower(order: Buffer, places: Buffer, goals: Buffer, spare: Buffer, size: int) -> None:
+    """Put the robots that are at their goals last, else in the order of before."""
+    count, rest = 0, 0
+    for at in range(len(order)):
+        robot = order[at]
+        if places[robot] % size == goals[robot]:
+            spare[rest] = robot
+            rest += 1
+        else:
+            order[count] = robot
+            count += 1
+    for at in range(rest):
+        order[count + at] = spare[at]
+
+
+@kernel
+def prices(floor: Places, routes: Routes, fields: Table) -> int:
+    """Write the costs of all routes, and return their sum."""
+    total = 0
+    for robot in range(len(routes.costs)):
+        routes.costs[robot] = route_cost(floor, routes, fields, robot)
+        total += routes.costs[robot] * routes.weights[robot]
+    return total
