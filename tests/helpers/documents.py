@@ -10,8 +10,7 @@ from xml.etree import ElementTree
 
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.store import Store
-from agents.lab.reports.contents import make_page
-from agents.lab.reports.page import write_page
+from agents.lab.reports.page import make_page, write_page
 from agents.lab.trials.figure import scores_figure
 from helpers.pages import a_page_of
 from helpers.pictures import named, replay_of

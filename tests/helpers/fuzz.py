@@ -33,9 +33,9 @@ from agents.lab.experiments.store import Store
 from agents.lab.grading.archives import members_of, unpack
 from agents.lab.grading.grades import load_days, load_grades, save_grades
 from agents.lab.grading.rubric import MINI_LAB, load_rubric
-from agents.lab.reports.analysis.answers import answers
-from agents.lab.reports.analysis.results import FLEETS, LONE, Experiment
+from agents.lab.reports.answers import answers
 from agents.lab.reports.examples import find_examples
+from agents.lab.reports.results import FLEETS, LONE, Experiment
 from agents.learning.policy_network import PolicyNetwork
 from agents.learning.q_learning import QTable
 from agents.learning.q_table import load_agent, save_table

@@ -4,9 +4,9 @@ from typing import Any
 
 from agents.lab.experiments.case import make_case
 from agents.lab.parameters import shown
-from agents.lab.reports.analysis.answers import Answer
+from agents.lab.reports.answers import Answer
 from agents.lab.reports.examples import Example, FoundEpisode
-from agents.lab.reports.figures.pictures import Picture
+from agents.lab.reports.figures import Picture
 from agents.lab.reports.page import Page, Table
 from helpers.pictures import named
 from warehouse_core.viz.tracks import track_of_record

@@ -9,7 +9,7 @@ from typing import Any
 
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.store import Store
-from agents.lab.reports.analysis.results import LONE, Experiment, ReportKind
+from agents.lab.reports.results import LONE, Experiment, ReportKind
 from agents.lab.trials.rows import AnyRow, FleetRow, Row
 from agents.lab.trials.scores import Scores
 

@@ -18,8 +18,7 @@ from numpy.typing import NDArray
 from PIL import Image
 
 from agents.lab.experiments.store import Store
-from agents.lab.reports.contents import make_page
-from agents.lab.reports.page import write_page
+from agents.lab.reports.page import make_page, write_page
 
 pytestmark = pytest.mark.browser
 

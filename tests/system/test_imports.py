@@ -97,12 +97,7 @@ MAY_IMPORT = {
     "agents/lab/grading": "errors lab lab/runs lab/trials registry warehouse_agent_greedy",
     "agents/lab/training": "lab/console lab/trials learning",
     "agents/lab/datasets": "errors lab lab/experiments lab/trials registry",
-    "agents/lab/reports/analysis": "lab lab/experiments lab/trials",
-    "agents/lab/reports/figures": "errors lab lab/experiments lab/reports/analysis lab/trials",
-    "agents/lab/reports": (
-        "errors lab lab/console lab/experiments lab/reports/analysis lab/reports/figures "
-        "lab/trials registry"
-    ),
+    "agents/lab/reports": "errors lab lab/console lab/experiments lab/trials registry",
     "agents/lab/commands/gap": (
         "errors fleet lab lab/console lab/reports lab/runs lab/trials mapf mapf/kernels registry"
     ),
@@ -110,7 +105,7 @@ MAY_IMPORT = {
     "agents/lab/playground": "errors lab lab/grading lab/runs registry",
     "agents/lab/commands/pogema": (
         "errors lab/commands/planners lab/console lab/experiments lab/reports "
-        "lab/reports/analysis lab/reports/figures lab/runs lab/trials mapf mapf/kernels registry"
+        "lab/runs lab/trials mapf mapf/kernels registry"
     ),
     "agents/lab/commands": (
         "errors fleet lab lab/commands/fleet lab/commands/gap "

@@ -50,7 +50,7 @@ from agents.lab.commands import cli
 from agents.lab.commands.planners.picture import curves_figure
 from agents.lab.console.main import main
 from agents.lab.datasets.recording import entries
-from agents.lab.reports.figures import pictures
+from agents.lab.reports import figures as report_figures
 from agents.lab.training.curve import learning_curve
 from agents.lab.training.exams import ExamPoint
 from agents.lab.trials.figure import scores_figure, sizes_figure
@@ -379,7 +379,7 @@ def reports() -> Lines:
             return b"<svg/>"
 
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(pictures, "themed_svg", keep)
+            patch.setattr(report_figures, "themed_svg", keep)
             fill(Path(f"{number}.sqlite"), each)
             yield from of_command(f"report {number}.sqlite --no-replays -o {number}.html")
         yield from figures

@@ -8,7 +8,7 @@ from agents.errors import AgentError, EpisodeError, reason_of
 from agents.lab.experiments.case import Case, cells_of
 from agents.lab.experiments.episodes import cause_of, check_fingerprint, run_one
 from agents.lab.experiments.store import Store
-from agents.lab.reports.figures.pictures import MAX_CELLS
+from agents.lab.reports.figures import MAX_CELLS
 from agents.registry import agent_file, is_own_code
 from warehouse_core import BackendError, LayoutError
 from warehouse_core.records.failure_modes import MODES, diagnose

@@ -46,9 +46,8 @@ def report(
     Example: warehouse report results.sqlite --figures figures
     """
     # Here, because importing SciPy and matplotlib takes longer than most commands.
-    from agents.lab.reports.contents import make_page
     from agents.lab.reports.examples import find_examples, replay
-    from agents.lab.reports.page import write_page
+    from agents.lab.reports.page import make_page, write_page
 
     target = output or results.with_suffix(PAGE_SUFFIX)
     check_suffix(target, [PAGE_SUFFIX])

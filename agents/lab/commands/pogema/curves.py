@@ -13,19 +13,20 @@ from matplotlib.ticker import PercentFormatter
 from agents.lab.commands.pogema.benchmark import Kind
 from agents.lab.commands.pogema.published import published
 from agents.lab.commands.pogema.summary import Group, Score
-from agents.lab.reports.analysis.design import Factor
-from agents.lab.reports.figures.dark import themed_svg
-from agents.lab.reports.figures.measure import DODGE, MARKERS
-from agents.lab.reports.figures.panels import (
+from agents.lab.reports.design import Factor
+from agents.lab.reports.figures import (
+    DODGE,
+    MARKERS,
     SHEETS,
     SMALL,
+    Picture,
     Sheet,
     draw_legend,
     make_panels,
     places_of,
     prepare_axis,
+    themed_svg,
 )
-from agents.lab.reports.figures.pictures import Picture
 from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval, share_interval
 from warehouse_core.render.palette import FAINT, SERIES
 from warehouse_core.viz.figure import SceneFigure

@@ -12,9 +12,9 @@ from jinja2 import UndefinedError
 
 from agents.lab.parameters import shown
 from agents.lab.reports import page as page_module
-from agents.lab.reports.analysis.answers import Answer
+from agents.lab.reports.answers import Answer
 from agents.lab.reports.examples import Example
-from agents.lab.reports.figures.pictures import Picture
+from agents.lab.reports.figures import Picture
 from agents.lab.reports.page import Table, write_page
 from warehouse_core.viz.player.page import digest, script
 from warehouse_core.wording import printable

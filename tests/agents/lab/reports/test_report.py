@@ -13,9 +13,9 @@ from agents.lab.experiments.case import make_case
 from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
-from agents.lab.reports import contents, report
-from agents.lab.reports.contents import make_page
-from agents.lab.reports.page import Page
+from agents.lab.reports import page as page_module
+from agents.lab.reports import report
+from agents.lab.reports.page import Page, make_page
 from agents.lab.runs.programs import program_for
 
 ON, OFF = {"escape": True, "max_steps": 30}, {"escape": False, "max_steps": 30}
@@ -127,7 +127,7 @@ def test_the_table_has_a_row_for_each_case_and_the_page_all_settings_and_version
     assert {name for name, _ in page.made_with} == {
         "Python", "warehouse-lab", "numpy", "scipy", "matplotlib", "8 episodes",
     }  # fmt: skip
-    monkeypatch.setattr(contents, "MAX_CASES", 1)
+    monkeypatch.setattr(page_module, "MAX_CASES", 1)
     [short] = page_of(*cases).tables
     assert (len(short.rows), short.note) == (1, "1 further combination in the file.")
 

@@ -15,8 +15,7 @@ from numpy.typing import NDArray
 
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.store import Store
-from agents.lab.reports.figures.heat_map import stuck_cells, stuck_heat_map
-from agents.lab.reports.figures.panels import SHEETS, Sheet
+from agents.lab.reports.figures import SHEETS, Sheet, stuck_cells, stuck_heat_map
 from warehouse_core import DEFAULT_LAYOUT, random_layout
 from warehouse_core.records.failure_modes import MODES
 from warehouse_core.render.palette import COLORS, SHELF

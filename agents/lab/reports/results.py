@@ -1,4 +1,7 @@
-"""What reports measure of the episodes of some cases, each with its interval."""
+"""What reports measure of the episodes of some cases, each with its interval.
+
+Two cases are compared seed by seed.
+"""
 
 from __future__ import annotations
 
@@ -12,10 +15,10 @@ import numpy as np
 from agents.lab.experiments.case import Case, row_type
 from agents.lab.experiments.store import Store
 from agents.lab.experiments.tables import TABLE_OF
-from agents.lab.reports.analysis.design import Design, make_design
+from agents.lab.reports.design import Design, make_design
 from agents.lab.trials.interval import Interval, mean_interval, share_interval
 from agents.lab.trials.rows import MODES_OF, AnyRow, FleetRow, Row
-from agents.lab.trials.wording import mean, share
+from agents.lab.trials.wording import mean, percent, share
 from warehouse_core.records.episode import DELIVERED
 
 CaseIds = tuple[int, ...]
@@ -87,6 +90,9 @@ class ReportKind(NamedTuple):
         counted: Condition of SQL on the episodes that a mean is taken over.
         counts: The same condition in words.
         modes: Name and title of the picture of the outcomes.
+        subject: Name of the first measure in a sentence, and its unit in ``unit``.
+        short: Function that gives the first measure without its interval as text.
+        words: Function that gives the first measure with its interval as text.
     """
 
     name: str
@@ -95,15 +101,20 @@ class ReportKind(NamedTuple):
     counted: str
     counts: str
     modes: tuple[str, str]
+    subject: str
+    unit: str
+    short: Callable[[float], str]
+    words: Callable[[Interval], str]
 
 
 LONE = ReportKind(
     "", Row, (SUCCESS, STEPS, SECONDS, JOULES), f"mode = '{DELIVERED}'", "were delivered",
-    ("modes", "What became of the episodes"),
+    ("modes", "What became of the episodes"), "success", "delivered", percent, share,
 )  # fmt: skip
 FLEETS = ReportKind(
     " of fleets", FleetRow, (PER_HOUR, ON_TIME, LATENESS, ENERGY, BLOCKED), "TRUE", "were run",
-    ("fleet-modes", "What became of the fleets"),
+    ("fleet-modes", "What became of the fleets"), "the number of items an hour", "items an hour",
+    lambda value: mean(Interval(value), ""), lambda interval: mean(interval, "an hour"),
 )  # fmt: skip
 
 
@@ -203,3 +214,89 @@ class Experiment:
         if case_ids not in self._results:
             self._results[case_ids] = Results(self, case_ids)
         return self._results[case_ids]
+
+
+COSTS = ("steps", "seconds", "joules")
+"""Costs of a delivery, compared where both cases deliver."""
+
+
+class PairedCosts(NamedTuple):
+    """Mean costs of two cases over the seeds that both deliver.
+
+    The difference is the mean of the second minus the first, seed by seed.
+    """
+
+    first: float
+    second: float
+    difference: Interval
+
+
+class Comparison(NamedTuple):
+    """Two cases over the seeds that both have, and which of these they deliver.
+
+    Attributes:
+        changes: the number of seeds with each pair of modes, of the first case and of the second.
+        chance: the probability of a split at least as uneven if neither were better; McNemar's
+            exact test, times the number of pairs to choose from (Bonferroni).
+        costs: costs of the seeds that both delivered, by column; empty if there are none.
+    """
+
+    changes: dict[tuple[str, str], int]
+    only_first: int
+    only_second: int
+    chance: float
+    both: int
+    costs: dict[str, PairedCosts]
+
+    @property
+    def seeds(self) -> int:
+        """The number of seeds that both cases have."""
+        return sum(self.changes.values())
+
+
+def compare(store: Store, first: int, second: int, pairs_to_choose: int = 1) -> Comparison:
+    """Compare two cases, chosen by their results from so many pairs.
+
+    Source: McNemar (1947), Note on the sampling error of the difference between correlated
+    proportions or percentages.
+    """
+    from scipy.special import betainc  # here, because it takes long to import
+
+    pairs = """
+        FROM episodes a JOIN episodes b ON b.seed = a.seed WHERE a.case_id = ? AND b.case_id = ?
+    """
+    modes = store.query(
+        f"SELECT a.mode, b.mode, count(*) {pairs} GROUP BY a.mode, b.mode", first, second
+    )
+    changes = {(mine, yours): count for mine, yours, count in modes}
+    both = changes.get((DELIVERED, DELIVERED), 0)
+    only_first = sum(count for (a, b), count in changes.items() if a == DELIVERED != b)
+    only_second = sum(count for (a, b), count in changes.items() if a != DELIVERED == b)
+    split = only_first + only_second
+    names = ", ".join(f"a.{column}, b.{column}" for column in COSTS)
+    rows = np.fromiter(
+        store.query(
+            f"SELECT {names} {pairs} AND a.mode = b.mode AND a.mode = ?", first, second, DELIVERED
+        ),
+        (float, 2 * len(COSTS)),
+    )
+    costs = {}
+    for column, (one, other) in zip(COSTS, rows.T.reshape(len(COSTS), 2, -1), strict=True):
+        if difference := mean_interval(other - one):
+            costs[column] = PairedCosts(float(one.mean()), float(other.mean()), difference)
+    fewer = min(only_first, only_second)
+    chance = 2 * float(betainc(split - fewer, fewer + 1, 0.5)) if split else 1.0
+    chance = min(pairs_to_choose * chance, 1.0)
+    return Comparison(changes, only_first, only_second, chance, both, costs)
+
+
+def rate_difference(store: Store, first: int, second: int) -> Interval | None:
+    """Return how many items an hour more a first fleet delivers, ``None`` without a common seed."""
+    rows = store.query(
+        "SELECT a.per_hour - b.per_hour FROM shifts a JOIN shifts b ON b.seed = a.seed "
+        "WHERE a.case_id = ? AND b.case_id = ? "
+        "AND a.per_hour IS NOT NULL AND b.per_hour IS NOT NULL",
+        first,
+        second,
+    )
+    return mean_interval(np.fromiter((value for (value,) in rows), dtype=float))

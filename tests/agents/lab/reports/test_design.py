@@ -8,7 +8,7 @@ import pytest
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.plan import make_plan
 from agents.lab.parameters import shown
-from agents.lab.reports.analysis.design import FOLDERS, Design, Factor, described, make_design
+from agents.lab.reports.design import FOLDERS, Design, Factor, described, make_design
 
 
 def design_of(**choices: Any) -> Design:

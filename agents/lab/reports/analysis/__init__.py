@@ -1,1 +1,0 @@
-"""Analysis of results: what differs, how cases compare, and sentences about it."""

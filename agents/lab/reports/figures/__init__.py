@@ -1,1 +1,0 @@
-"""Figures of results: charts of measures and failure modes, and heat maps."""
