@@ -6,13 +6,7 @@ from collections.abc import Sequence
 
 from agents.mapf.graph import Graph
 from agents.mapf.kernels.robots import NOBODY
-from agents.mapf.planner import (
-    ForesightedPlanner,
-    GraphPlanner,
-    Planner,
-    PushingPlanner,
-    Situation,
-)
+from agents.mapf.planner import Planner, Situation, with_defaults
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.world.tables import Integers
 
@@ -33,12 +27,11 @@ class PlanLog:
 
         The graph of the floor is used for a planner that shows none.
         """
-        cells, goals = situation.cells, situation.goals
-        if isinstance(planner, GraphPlanner):
-            graph = planner.graph
+        full, cells, goals = with_defaults(planner), situation.cells, situation.goals
+        graph = full.graph or graph
         ways, wishes = dict[int, list[int]](), dict[int, list[int]]()
         for robot in self._robots:
-            ahead = planner.plan_of(robot) if isinstance(planner, ForesightedPlanner) else []
+            ahead = full.plan_of(robot)
             # A robot that cannot go on as planned waits.
             is_planned = ahead[:1] == [chosen[robot]]
             ways[robot] = [int(cells[robot]), *(ahead if is_planned else [int(chosen[robot])])]
@@ -48,6 +41,6 @@ class PlanLog:
             for kind in (ways, wishes)
         )
         pushed = dict[int, int]()
-        if self.pushes and isinstance(planner, PushingPlanner):
-            pushed = {robot: int(by) for robot, by in enumerate(planner.pushers) if by != NOBODY}
+        if self.pushes and full.pushers is not None:
+            pushed = {robot: int(by) for robot, by in enumerate(full.pushers) if by != NOBODY}
         self.plans.append(StepPlans(places, wished, pushed))

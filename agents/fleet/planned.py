@@ -8,21 +8,13 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.errors import AgentError, file_of, reason_of
-from agents.fleet.dispatcher import Dispatcher, shares_cell
 from agents.fleet.parting import part
 from agents.fleet.plan_log import PlanLog
+from agents.fleet.scheduler import Scheduler, shares_cell
 from agents.fleet.turning import turning_actions
 from agents.mapf.assignment import ASSIGNMENTS
 from agents.mapf.graph import Graph
-from agents.mapf.planner import (
-    GraphPlanner,
-    HeadedPlanner,
-    Planner,
-    PushingPlanner,
-    Situation,
-    check_step,
-    check_turns,
-)
+from agents.mapf.planner import Planner, Situation, check_step, check_turns, with_defaults
 from agents.mapf.time_limit import time_limit
 from warehouse_core import FleetEnv
 from warehouse_core.arguments import flag, instance_of, one_of, real_number, with_methods
@@ -59,7 +51,7 @@ def check_headings(planner: Planner, env: FleetEnv) -> None:
     Raises:
         AgentError: the robots have headings, and the planner does not know any.
     """
-    if env.settings.has_headings and not isinstance(planner, HeadedPlanner):
+    if env.settings.has_headings and not with_defaults(planner).knows_headings:
         raise AgentError(
             f"planner {type(planner).__name__} does not know headings, which robots "
             'with moves="turn" have; it needs a method next_places'
@@ -111,7 +103,8 @@ class PlannedFleet:
     ) -> None:
         with_methods("planner", planner, "reset", "next_cells")
         self._log = None if log is None else instance_of("log", log, PlanLog)
-        if log and log.pushes and not isinstance(planner, PushingPlanner):
+        self._full = with_defaults(planner)
+        if log and log.pushes and self._full.pushers is None:
             raise AgentError(f"planner {type(planner).__name__} does not say which robots push")
         self.planner = planner
         self._assignment = one_of("assignment", assignment, ASSIGNMENTS)
@@ -121,8 +114,8 @@ class PlannedFleet:
 
     def reset(self) -> None:
         """Forget the last episode."""
-        self.planner.reset()
-        self._dispatcher: Dispatcher | None = None
+        self._full.reset()
+        self._scheduler: Scheduler | None = None
         self.lost: list[tuple[int, str]] = []
         if self._log:
             self._log.plans.clear()
@@ -134,21 +127,20 @@ class PlannedFleet:
             PlanError: the plan of the step has a conflict.
             AgentError: as for ``check_headings``.
         """
-        if self._dispatcher is None:
+        if self._scheduler is None:
             check_headings(self.planner, env)
-            roads = self.planner.graph if isinstance(self.planner, GraphPlanner) else None
-            self._dispatcher = Dispatcher(env, self._assignment, roads)
-        situation, actions = self._dispatcher.situation(env)
-        graph, cells, headings = self._dispatcher.graph, situation.cells, np.array(env.headings)
+            self._scheduler = Scheduler(env, self._assignment, self._full.graph)
+        situation, actions = self._scheduler.situation(env)
+        graph, cells, headings = self._scheduler.graph, situation.cells, np.array(env.headings)
         stays = headings * graph.size + cells if len(headings) else cells
-        known = self.planner.graph if isinstance(self.planner, GraphPlanner) else graph
+        known = self._full.graph or graph
         if known.closed != graph.closed:
             known.close(graph.closed)
-            self.planner.reset()
+            self._full.reset()
         try:
             chosen = self._plan(graph, situation, headings)
             if self._log:
-                self._log.add(self.planner, graph, situation, chosen % graph.size)
+                self._log.add(self._full, graph, situation, chosen % graph.size)
         except TimeoutError:
             chosen = self._lose(env, stays, f"the plan took more than {self._seconds:g} s")
         except Exception as error:  # the planner of a user may raise anything
@@ -164,19 +156,18 @@ class PlannedFleet:
 
     def _plan(self, graph: Graph, situation: Situation, headings: Integers) -> Integers:
         """Return the next cells of the robots, or with headings their next places, checked."""
-        planner = self.planner
         with time_limit(self._seconds):
-            if isinstance(planner, HeadedPlanner) and len(headings):
-                chosen = planner.next_places(situation, headings)
+            if len(headings):
+                chosen = self._full.next_places(situation, headings)
             else:
-                chosen = planner.next_cells(situation)
+                chosen = self._full.next_cells(situation)
         if len(headings):
             return check_turns(graph, situation, headings, chosen)
         return check_step(graph, situation, chosen)
 
     def _lose(self, env: FleetEnv, stays: Integers, reason: str) -> Integers:
         self.lost.append((env.steps + 1, reason))
-        self.planner.reset()
+        self._full.reset()
         if self._log:
             self._log.plans.append(NO_PLANS)
         return stays

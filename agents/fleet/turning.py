@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.fleet.dispatcher import shares_cell
 from agents.fleet.parting import part
+from agents.fleet.scheduler import shares_cell
 from agents.mapf.graph import Graph
 from agents.mapf.planner import Situation
 from warehouse_core.world.actions import DROP, PICK, WAIT
@@ -32,7 +32,7 @@ def turning_actions(
         graph: floor.
         situation: situation before the step.
         headings: ``[R]`` headings before it.
-        places: ``[R]`` places after it, see ``HeadedPlanner``.
+        places: ``[R]`` places after it, see ``BasePlanner``.
         actions: ``[R]``, ``PICK`` or ``DROP``; or ``WAIT`` for robots that move, turn or wait.
     """
     cells = situation.cells

@@ -95,9 +95,10 @@ class Circulation(PlacePlanner):
         super().reset()
         self._outward = dead_ends(self.graph)
 
-    def _choose(self, situation: Situation, places: Integers) -> Integers:
-        """Return the next place of each robot, given its present one."""
+    def _choose(self, situation: Situation, places: Integers | None) -> Integers:
+        """Return the next place of each robot, given its present one if it has a heading."""
         deadline = perf_counter() + self.seconds
+        places = situation.cells if places is None else places
         self._read(situation, places)
         best, made = None, 0
         while made < self.samples and (made == 0 or perf_counter() < deadline):

@@ -5,14 +5,13 @@ from __future__ import annotations
 import time
 from collections.abc import Callable
 from dataclasses import dataclass
-from typing import cast
 
 import numpy as np
 from numpy.typing import NDArray
 
 from agents.errors import PlanError
 from agents.mapf.graph import EAST, Graph
-from agents.mapf.planner import NO_CELLS, GraphPlanner, HeadedPlanner, Planner, Situation
+from agents.mapf.planner import NO_CELLS, Planner, Situation, with_defaults
 from warehouse_core.world.tables import Integers
 
 __all__ = ["LifelongRun", "run_lifelong"]
@@ -113,7 +112,7 @@ def run_lifelong(
         return wanted
 
     headings = np.full(robots, EAST) if has_headings else NO_CELLS
-    return lead(planner, cells, wanted, new_goals, steps, headings)
+    return lead(planner, cells, wanted, new_goals, steps, headings, graph.size)
 
 
 def lead(
@@ -123,22 +122,23 @@ def lead(
     new_goals: NewGoals,
     steps: int,
     headings: Integers = NO_CELLS,
+    size: int = 0,
 ) -> LifelongRun:
     """Reset a planner and let it lead robots from their first cells to goals that change.
 
-    The planner of robots with headings is a ``HeadedPlanner`` with a graph.
+    Where robots have headings, ``size`` is the number of cells, and the planner knows headings.
     """
+    full = with_defaults(planner)
     nobody = np.zeros(len(cells), np.bool_)
     ways, all_goals, seconds = [cells], [goals], []
-    planner.reset()
+    full.reset()
     for _ in range(steps):
         start = time.process_time()
         situation = Situation(cells, goals, nobody, NO_CELLS)
         if len(headings):
-            places = cast(HeadedPlanner, planner).next_places(situation, headings)
-            headings, cells = np.divmod(places, cast(GraphPlanner, planner).graph.size)
+            headings, cells = np.divmod(full.next_places(situation, headings), size)
         else:
-            cells = planner.next_cells(situation)
+            cells = full.next_cells(situation)
         seconds.append(time.process_time() - start)
         goals = new_goals(cells, goals)
         ways.append(cells)

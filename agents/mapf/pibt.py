@@ -22,7 +22,7 @@ from agents.mapf.kernels.pibt import (
 from agents.mapf.kernels.places import FAR, STAY
 from agents.mapf.kernels.robots import NOBODY, SPREAD, UNDECIDED, draw, mix, robots_of
 from agents.mapf.memory import Memory
-from agents.mapf.planner import Situation, solve_by_steps
+from agents.mapf.planner import PlacePlanner, Situation, solve_by_steps
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.arguments import instance_of, seed_number
 from warehouse_core.world.tables import Integers
@@ -30,7 +30,7 @@ from warehouse_core.world.tables import Integers
 __all__ = ["PIBT", "pibt"]
 
 
-class PIBT:
+class PIBT(PlacePlanner):
     """A planner by PIBT.
 
     The priority of a robot is the number of steps since it was at a goal of its own; urgent robots
@@ -59,6 +59,8 @@ class PIBT:
         0.96
     """
 
+    knows_headings = False
+
     def __init__(self, graph: Graph, seed: int = 0, turn_cost: float = 0.0) -> None:
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
         self.seed = seed_number(seed)
@@ -68,19 +70,18 @@ class PIBT:
 
     def reset(self) -> None:
         """Forget the last episode, and begin again with the random numbers of the seed."""
-        self._memory = Memory(self.graph, np.empty(0))
-        self.pushers: Integers = np.empty(0, np.intp)
+        super().reset()
+        self.pushers = np.empty(0, np.intp)
 
-    def next_cells(self, situation: Situation) -> Integers:
-        """Return the cell of each robot after the next joint step, ``[R]``."""
+    def _begin(self, robots: int, has_headings: bool) -> None:
+        """Begin an episode of so many robots."""
+        self._memory = Memory(self.graph, np.random.default_rng(self.seed).random(robots))
+        self._robots = robots_of(self.graph.size, robots, self.seed)
+        self._pibt = pibt_of(self.graph.size, robots)
+
+    def _choose(self, situation: Situation, places: Integers | None) -> Integers:
+        """Return the next place of each robot."""
         cells, goals, stays, closed, urgent = situation
-        if not len(cells):
-            return cells
-        if len(cells) != len(self._memory.goals):
-            ranks = np.random.default_rng(self.seed).random(len(cells))
-            self._memory = Memory(self.graph, ranks)
-            self._robots = robots_of(self.graph.size, len(cells), self.seed)
-            self._pibt = pibt_of(self.graph.size, len(cells))
         places = self._memory.places(cells)
         order = self._memory.order(cells, goals, urgent)
         is_taken = np.zeros(self.graph.size, np.int64)
@@ -101,7 +102,7 @@ class PIBT:
             self._sort_choices(near, self._keys(rows, places, goals, robot_in))
         choose(self.fields.floor, robots, pibt, self.fields.table)
         self.pushers = np.array(pibt.pushers)
-        return np.array(robots.chosen) % self.graph.size
+        return np.array(robots.chosen)
 
     def _keys(
         self, rows: Integers, places: Integers, goals: Integers, robot_in: Integers

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -17,15 +17,13 @@ from warehouse_core.world.moves import HEADINGS
 from warehouse_core.world.tables import Integers
 
 __all__ = [
-    "ForesightedPlanner",
-    "GraphPlanner",
-    "HeadedPlanner",
+    "BasePlanner",
     "Planner",
-    "PushingPlanner",
     "Situation",
     "check_step",
     "check_turns",
     "solve_by_steps",
+    "with_defaults",
 ]
 
 SIDES = ("north", "east", "south", "west")
@@ -69,7 +67,8 @@ class Situation(NamedTuple):
 class Planner(Protocol):
     """Chooses the next cells of robots; each planner is made for one ``Graph``.
 
-    A planner may also be a ``GraphPlanner``, a ``ForesightedPlanner`` and a ``PushingPlanner``.
+    A class of a user needs no more than these two methods. It may also have what a ``BasePlanner``
+    has.
 
     Example:
         >>> from agents.mapf.graph import Graph
@@ -92,36 +91,37 @@ class Planner(Protocol):
         """
 
 
-@runtime_checkable
-class GraphPlanner(Protocol):
-    """A planner that shows its graph.
+class BasePlanner(ABC):
+    """A planner with everything that a planner may have; what is optional has a default.
 
-    Cells of it are closed while nobody can enter them, and replays have ways of its costs.
+    Attributes:
+        graph: graph whose costs the robots follow, or ``None`` if the planner does not show it.
+            Cells of it are closed while nobody can enter them.
+        knows_headings: true if ``next_places`` plans for robots that drive forward and turn.
+        pushers: ``[R]``, robot that made each robot choose before its turn in the last step, or
+            ``NOBODY``; ``None`` if the planner does not say.
 
     Example:
         >>> from agents.mapf.graph import Graph
         >>> from agents.mapf.pibt import PIBT
-        >>> from agents.mapf.planner import GraphPlanner
-        >>> from warehouse_core import DEFAULT_LAYOUT
-        >>> isinstance(PIBT(Graph(DEFAULT_LAYOUT)), GraphPlanner)
-        True
-    """
-
-    graph: Graph
-
-
-@runtime_checkable
-class HeadedPlanner(Planner, Protocol):
-    """A planner that knows the headings of robots which drive forward and turn on the spot.
-
-    Example:
-        >>> from agents.mapf.graph import Graph
-        >>> from agents.mapf.planner import HeadedPlanner
         >>> from agents.mapf.windows import WindowedPlanner
         >>> from warehouse_core import DEFAULT_LAYOUT
-        >>> isinstance(WindowedPlanner(Graph(DEFAULT_LAYOUT)), HeadedPlanner)
-        True
+        >>> graph = Graph(DEFAULT_LAYOUT)
+        >>> WindowedPlanner(graph).knows_headings, PIBT(graph).knows_headings
+        (True, False)
     """
+
+    graph: Graph | None = None
+    knows_headings: bool = False
+    pushers: Integers | None = None
+
+    @abstractmethod
+    def reset(self) -> None:
+        """Forget the last episode."""
+
+    @abstractmethod
+    def next_cells(self, situation: Situation) -> Integers:
+        """Return the cell of each robot after the next joint step, ``[R]``; see ``Planner``."""
 
     def next_places(self, situation: Situation, headings: Integers) -> Integers:
         """Return the place of each robot after the next joint step, ``[R]``.
@@ -132,53 +132,80 @@ class HeadedPlanner(Planner, Protocol):
         Args:
             situation: situation of the robots, as for ``next_cells``.
             headings: ``[R]``, 0 to 3 for N, E, S and W.
+
+        Raises:
+            PlanError: the planner does not know headings.
         """
-
-
-@runtime_checkable
-class ForesightedPlanner(Protocol):
-    """A planner that plans more than one step, which replays show.
-
-    Example:
-        >>> from agents.mapf.graph import Graph
-        >>> from agents.mapf.planner import ForesightedPlanner
-        >>> from agents.mapf.windows import WindowedPlanner
-        >>> from warehouse_core import DEFAULT_LAYOUT
-        >>> isinstance(WindowedPlanner(Graph(DEFAULT_LAYOUT)), ForesightedPlanner)
-        True
-    """
+        raise PlanError(f"planner {type(self).__name__} does not know headings")
 
     def plan_of(self, robot: int) -> list[int]:
-        """Return the cells of a robot after each of the next steps, first the one just chosen."""
+        """Return the cells of a robot after each of the next steps, first the one just chosen.
+
+        It is empty if the planner plans one step only.
+        """
+        return []
 
 
-@runtime_checkable
-class PushingPlanner(Protocol):
-    """A planner whose robots push others out of their way, which replays show.
+class UserPlanner(BasePlanner):
+    """A planner of a user, with the default of each method and attribute that it does not have."""
 
-    Attributes:
-        pushers: ``[R]``, robot that made each robot choose before its turn in the last step, or
-            ``NOBODY``.
+    def __init__(self, planner: Planner) -> None:
+        self._planner: Any = planner
+        self._look()
+
+    def reset(self) -> None:
+        """Forget the last episode."""
+        self._planner.reset()
+        self._look()
+
+    def next_cells(self, situation: Situation) -> Integers:
+        """Return the cell of each robot after the next joint step, ``[R]``."""
+        chosen: Integers = self._planner.next_cells(situation)
+        self._look()
+        return chosen
+
+    def next_places(self, situation: Situation, headings: Integers) -> Integers:
+        """Return the place of each robot after the next joint step; see ``BasePlanner``."""
+        chosen: Integers = self._planner.next_places(situation, headings)
+        self._look()
+        return chosen
+
+    def plan_of(self, robot: int) -> list[int]:
+        """Return the cells of a robot after each of the next steps, or none."""
+        plan_of = getattr(self._planner, "plan_of", super().plan_of)
+        found: list[int] = plan_of(robot)
+        return found
+
+    def _look(self) -> None:
+        """Take over the attributes that the planner has now."""
+        self.graph = getattr(self._planner, "graph", None)
+        self.pushers = getattr(self._planner, "pushers", None)
+        self.knows_headings = hasattr(self._planner, "next_places")
+
+
+def with_defaults(planner: Planner) -> BasePlanner:
+    """Return a planner with all methods and attributes of a ``BasePlanner``.
 
     Example:
         >>> from agents.mapf.graph import Graph
         >>> from agents.mapf.pibt import PIBT
-        >>> from agents.mapf.planner import PushingPlanner
+        >>> from agents.mapf.planner import with_defaults
         >>> from warehouse_core import DEFAULT_LAYOUT
-        >>> isinstance(PIBT(Graph(DEFAULT_LAYOUT)), PushingPlanner)
+        >>> planner = PIBT(Graph(DEFAULT_LAYOUT))
+        >>> with_defaults(planner) is planner
         True
     """
+    return planner if isinstance(planner, BasePlanner) else UserPlanner(planner)
 
-    pushers: Integers
 
-
-class PlacePlanner(ABC):
-    """Base of planners that choose places, with headings and without, where places are cells.
+class PlacePlanner(BasePlanner):
+    """Base of planners that choose places, with headings and without.
 
     A subclass chooses places in ``_choose``, after it has begun an episode in ``_begin``.
     """
 
     graph: Graph
+    knows_headings = True
 
     def reset(self) -> None:
         """Forget the last episode, and begin again with the random numbers of the seed."""
@@ -186,18 +213,19 @@ class PlacePlanner(ABC):
 
     def next_cells(self, situation: Situation) -> Integers:
         """Return the cell of each robot after the next joint step, ``[R]``."""
-        return self._next(situation, situation.cells, has_headings=False)
+        return self._next(situation, None) % self.graph.size
 
     def next_places(self, situation: Situation, headings: Integers) -> Integers:
-        """Return the place of each robot after the next joint step; see ``HeadedPlanner``."""
-        places = headings * self.graph.size + situation.cells
-        return self._next(situation, places, has_headings=True)
+        """Return the place of each robot after the next joint step; see ``BasePlanner``."""
+        if not self.knows_headings:
+            return super().next_places(situation, headings)
+        return self._next(situation, headings * self.graph.size + situation.cells)
 
-    def _next(self, situation: Situation, places: Integers, *, has_headings: bool) -> Integers:
-        """Return the next place of each robot, given its present one."""
-        if not len(places):
+    def _next(self, situation: Situation, places: Integers | None) -> Integers:
+        """Return the next place of each robot, given its present one if it has a heading."""
+        if not len(situation.cells):
             return situation.cells
-        episode = len(places), has_headings
+        episode = len(situation.cells), places is not None
         if episode != self._begun_for:
             self._begin(*episode)
             self._begun_for = episode
@@ -208,8 +236,8 @@ class PlacePlanner(ABC):
         """Begin an episode of so many robots."""
 
     @abstractmethod
-    def _choose(self, situation: Situation, places: Integers) -> Integers:
-        """Return the next place of each robot, given its present one."""
+    def _choose(self, situation: Situation, places: Integers | None) -> Integers:
+        """Return the next place of each robot, given its present one if it has a heading."""
 
 
 def solve_by_steps(planner: Planner, problem: Problem, seconds: float) -> Plan:
@@ -217,7 +245,7 @@ def solve_by_steps(planner: Planner, problem: Problem, seconds: float) -> Plan:
 
     Raises:
         PlanError: it did not in so many seconds by the clock; there may be a plan. Or the robots
-            have headings, and the planner is no ``HeadedPlanner``.
+            have headings, and the planner does not know headings.
 
     Example:
         >>> from agents.mapf.graph import Graph
@@ -232,18 +260,19 @@ def solve_by_steps(planner: Planner, problem: Problem, seconds: float) -> Plan:
     deadline, size = time.perf_counter() + seconds, problem.graph.size
     places, goals = problem.places, np.array(problem.goals)
     nobody, way = np.zeros(len(places), np.bool_), [places]
-    if not isinstance(planner, HeadedPlanner):
+    full = with_defaults(planner)
+    if not full.knows_headings:
         problem.refuse_headings(f"planner {type(planner).__name__}")
-    planner.reset()
+    full.reset()
     while (places % size != goals).any():
         if time.perf_counter() > deadline:
             raise PlanError(f"no plan after {seconds:g} s and {counted(len(way) - 1, 'step')}")
         headings, cells = np.divmod(places, size)
         situation = Situation(cells, goals, nobody, NO_CELLS)
-        if problem.headings is not None and isinstance(planner, HeadedPlanner):
-            places = planner.next_places(situation, headings)
+        if problem.headings is not None:
+            places = full.next_places(situation, headings)
         else:
-            places = planner.next_cells(situation)
+            places = full.next_cells(situation)
         way.append(places)
     return problem.plan_of(np.array(way))
 

@@ -46,7 +46,7 @@ from agents.mapf.kernels.space_time_astar import (
     reserve_only,
 )
 from agents.mapf.memory import Memory
-from agents.mapf.planner import Situation
+from agents.mapf.planner import PlacePlanner, Situation
 from warehouse_core.arguments import (
     flag,
     instance_of,
@@ -74,7 +74,7 @@ MAX_STATES = 2**31
 """States of a search in a window, which are numbers of 32 bits; each takes up to 24 bytes."""
 
 
-class WindowedPlanner:
+class WindowedPlanner(PlacePlanner):
     """Plans the next steps of all robots, refines the plan, and takes the first step.
 
     Args:
@@ -131,22 +131,8 @@ class WindowedPlanner:
 
     def reset(self) -> None:
         """Forget the last episode."""
-        self._has_headings = False
+        super().reset()
         self._memory = Memory(self.graph, np.empty(0))
-
-    def next_cells(self, situation: Situation) -> Integers:
-        """Return the cell of each robot after the next joint step; see ``Planner``."""
-        if not len(situation.cells):
-            return situation.cells
-        self._plan(situation, None)
-        return (self._places[:, 1] % self.graph.size).astype(situation.cells.dtype)
-
-    def next_places(self, situation: Situation, headings: Integers) -> Integers:
-        """Return the place of each robot after the next joint step; see ``HeadedPlanner``."""
-        if not len(situation.cells):
-            return situation.cells
-        self._plan(situation, headings * self.graph.size + situation.cells)
-        return self._places[:, 1].astype(situation.cells.dtype)
 
     def plan_of(self, robot: int) -> list[int]:
         """Return the cells of a robot from the end of the step just chosen on; see ``Planner``."""
@@ -155,25 +141,17 @@ class WindowedPlanner:
         found: list[int] = (self._places[robot, 1:] % self.graph.size).tolist()
         return found
 
-    @property
-    def planned_cells(self) -> Integers:
-        """Cells of the plan from before the step just chosen on, ``[R, window + 1]``."""
-        return self._places % self.graph.size
-
-    def _plan(self, situation: Situation, places: Integers | None) -> None:
-        """Plan for robots, which have headings if their present places are given."""
-        deadline, has_headings = perf_counter() + self.seconds, places is not None
-        is_new = len(situation.cells) != len(self._memory.goals)
-        if is_new or has_headings != self._has_headings:
-            self._begin(len(situation.cells), has_headings)
+    def _choose(self, situation: Situation, places: Integers | None) -> Integers:
+        """Return the next place of each robot, given its present one if it has a heading."""
+        deadline = perf_counter() + self.seconds
         self._here = self._memory.places(situation.cells) if places is None else places
         self._read(situation)
         self._continue(situation)
         self._refine(deadline)
+        return self._places[:, 1].astype(situation.cells.dtype)
 
     def _begin(self, robots: int, has_headings: bool) -> None:
         """Make the buffers for so many robots."""
-        self._has_headings = has_headings
         self._fields = HeadedFields(self.graph) if has_headings else Fields(self.graph)
         floor, times = self._fields.floor, self.window + 1
         self._robots = those = robots_of(self.graph.size, robots, self.seed)

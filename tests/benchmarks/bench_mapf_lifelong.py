@@ -11,7 +11,7 @@ from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
-from agents.mapf.planner import GraphPlanner
+from agents.mapf.planner import BasePlanner
 from agents.mapf.traffic import learned_costs
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import random_layout
@@ -24,7 +24,7 @@ TARGETS = {32: 1.1, 64: 2.25, 96: 3.1, 128: 4.2, 160: 4.9, 192: 6.0}
 
 
 def throughput(
-    planner: GraphPlanner, robots: int, seeds: range = SEEDS, **cells: np.ndarray
+    planner: BasePlanner, robots: int, seeds: range = SEEDS, **cells: np.ndarray
 ) -> tuple[float, str]:
     """Return the mean goals a step, and that in words with the time of a step."""
     runs = [run_lifelong(planner.graph, planner, robots, STEPS, seed, **cells) for seed in seeds]

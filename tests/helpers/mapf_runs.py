@@ -7,7 +7,7 @@ import numpy as np
 
 from agents.errors import PlanError
 from agents.mapf.graph import Graph
-from agents.mapf.planner import HeadedPlanner, Planner, Situation, check_turns
+from agents.mapf.planner import BasePlanner, Planner, Situation, check_turns
 from agents.mapf.problem import Problem, Solver
 from helpers.mapf_validator import check_traffic, plan_conflict, step_conflict
 from warehouse_core import Layout
@@ -98,7 +98,7 @@ def check_turning_step(
 
 
 def check_headed_planner(
-    make_planner: Callable[[Graph], HeadedPlanner], layout: Layout, robots: int
+    make_planner: Callable[[Graph], BasePlanner], layout: Layout, robots: int
 ) -> int:
     """Return how many goals robots with headings reached in 30 steps.
 

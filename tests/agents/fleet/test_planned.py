@@ -13,9 +13,9 @@ from helpers.mapf_problems import situation
 
 from agents.errors import AgentError, EpisodeError, PlanError
 from agents.fleet import PlannedFleet
-from agents.fleet.dispatcher import parking_of
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import part
+from agents.fleet.scheduler import parking_of
 from agents.lab.runs.run import run
 from agents.mapf.graph import Graph
 from agents.mapf.planner import Planner, Situation, check_step
@@ -117,7 +117,7 @@ def test_the_order_of_a_robot_goes_to_a_nearer_one_until_it_is_picked() -> None:
 def test_of_very_many_pairs_orders_are_assigned_anew_every_few_steps(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
-    monkeypatch.setattr("agents.fleet.dispatcher.MAX_PAIRS", 0)
+    monkeypatch.setattr("agents.fleet.scheduler.MAX_PAIRS", 0)
     places = (0, 0), (0, 1), (0, 7)
     orders = [Order(3 * (col == 7), 90, (row, col), (0, 9)) for row, col in places]
     env = fleet_of(LINE, 2, orders=orders, starts=[(0, 6), (0, 8)], max_steps=14)
@@ -148,7 +148,7 @@ def test_an_item_is_delivered_before_charging_if_the_battery_lasts(battery: int,
     assert env.loaded == [True]
     env._engine.battery[0] = battery
     env._engine.robots.cells[0] = 1
-    agent._dispatcher.chargers._low = lambda holder, until, needs: np.ones(1, np.bool_)  # type: ignore
+    agent._scheduler.chargers._low = lambda holder, until, needs: np.ones(1, np.bool_)  # type: ignore
     agent.act(env)
     assert planner.seen[-1].goals.tolist() == [goal]
 

@@ -16,7 +16,7 @@ from agents.mapf.kernels.places import ACTIONS, NONE
 from agents.mapf.kernels.robots import robots_of
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.matching import cheapest_matching
-from agents.mapf.planner import NO_CELLS, HeadedPlanner, Situation
+from agents.mapf.planner import NO_CELLS, BasePlanner, Situation
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import Layout, random_layout
 
@@ -34,7 +34,7 @@ MAKERS = [
 @pytest.mark.parametrize("make", MAKERS)
 @pytest.mark.parametrize("empty", [90, 30, 4])
 def test_steps_follow_the_rules_with_headings_and_without(
-    make: Callable[[Graph], HeadedPlanner], empty: int
+    make: Callable[[Graph], BasePlanner], empty: int
 ) -> None:
     robots = len(FULL.open_cells) - empty
     assert check_headed_planner(make, FULL, robots) > 5
@@ -149,7 +149,7 @@ def test_robots_wait_until_others_that_go_elsewhere_have_come_out_of_dead_ends()
 
 @pytest.mark.parametrize("make", [Circulation, *MAKERS[2:]])
 def test_robots_that_meet_in_a_dead_end_come_past_each_other(
-    make: Callable[[Graph], HeadedPlanner],
+    make: Callable[[Graph], BasePlanner],
 ) -> None:
     graph = Graph(Layout(["......", "......", "##.###", "##.###", "##.###"]))
     planner, cells, goals = make(graph), np.array([14, 20]), np.array([26, 5])

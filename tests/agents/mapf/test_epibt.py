@@ -14,12 +14,12 @@ from agents.mapf.epibt import outward_cells, turning_operations
 from agents.mapf.graph import Graph
 from agents.mapf.kernels.places import STAY
 from agents.mapf.pibt import PIBT
-from agents.mapf.planner import NO_CELLS, HeadedPlanner, Situation, check_turns
+from agents.mapf.planner import NO_CELLS, BasePlanner, Situation, check_turns
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import FleetEnv, Layout, random_layout, record_episode, shelf_layout
 from warehouse_core.world.moves import FORWARD, LEFT, RIGHT
 
-Make = Callable[[Graph], HeadedPlanner]
+Make = Callable[[Graph], BasePlanner]
 
 WINDOWS = [partial(WindowedPlanner, window=8, groups=groups) for groups in (0, 12)]
 

@@ -12,7 +12,7 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.fleet.dispatcher import Dispatcher
+from agents.fleet.scheduler import Scheduler
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels.places import FAR
 from agents.mapf.memory import Memory
@@ -88,18 +88,18 @@ class AloneFleet:
 
     def reset(self) -> None:
         """Forget the last episode."""
-        self._dispatcher: Dispatcher | None = None
+        self._scheduler: Scheduler | None = None
 
     def act(self, env: FleetEnv) -> NDArray[np.intp]:
         """Return the next action of each robot, as an index."""
-        if self._dispatcher is None:
+        if self._scheduler is None:
             from agents.mapf.execution import corner_steps  # imports pymunk
 
             motion: Any = env.motion
             graph = Graph(env.layout, turn_cost=corner_steps(motion.spec))
-            self._dispatcher = Dispatcher(env, self._assignment, graph)
+            self._scheduler = Scheduler(env, self._assignment, graph)
             self._fields, self._memory = Fields(graph), Memory(graph, np.zeros(len(env.cells)))
-        robots, goals, stays, actions = self._dispatcher.duties(env)
+        robots, goals, stays, actions = self._scheduler.duties(env)
         fields, here = self._fields, self._memory.places(robots.cells)
         rows, near = fields.rows(goals)[:, None], fields.near[here]
         is_open = near < fields.graph.places

@@ -6,7 +6,7 @@ import time
 from collections.abc import Callable
 from functools import partial
 from itertools import count
-from typing import NamedTuple, cast
+from typing import NamedTuple
 
 import numpy as np
 
@@ -22,12 +22,12 @@ from agents.mapf.lacam import lacam, lacam_star
 from agents.mapf.pibt import pibt
 from agents.mapf.planner import (
     SIDES,
-    HeadedPlanner,
     Planner,
     Situation,
     check_step,
     check_turns,
     solve_by_steps,
+    with_defaults,
 )
 from agents.mapf.problem import Plan, Problem, Solver
 from agents.mapf.solvable import check_solvable
@@ -84,7 +84,7 @@ def make_stepper(
     made = make_planner(name, seed, layout, robots)
     if not isinstance(made, Planner):
         raise AgentError(f"planner {name!r} has no next_cells; it directs a fleet, not a problem")
-    if has_headings and not isinstance(made, HeadedPlanner):
+    if has_headings and not with_defaults(made).knows_headings:
         raise AgentError(f"planner {name!r} does not know headings; it needs a method next_places")
     return CheckedPlanner(made, name, Graph(layout), seconds)
 
@@ -218,7 +218,8 @@ class CheckedPlanner:
     """
 
     def __init__(self, planner: Planner, name: str, graph: Graph, seconds: float) -> None:
-        self._planner, self._name, self._graph, self._seconds = planner, name, graph, seconds
+        self._planner, self._name = with_defaults(planner), name
+        self._graph, self._seconds = graph, seconds
         self.lost: list[int] = []
 
     def reset(self) -> None:
@@ -245,7 +246,7 @@ class CheckedPlanner:
             PlanError: as for ``next_cells``.
         """
         return self._checked(
-            partial(cast(HeadedPlanner, self._planner).next_places, situation, headings),
+            partial(self._planner.next_places, situation, headings),
             partial(check_turns, self._graph, situation, headings),
             headings * self._graph.size + situation.cells,
         )

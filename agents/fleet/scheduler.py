@@ -61,7 +61,7 @@ class Duties(NamedTuple):
     actions: NDArray[np.intp]
 
 
-class Dispatcher:
+class Scheduler:
     """Gives the robots of a fleet, after its reset, orders, turns at chargers, and goals.
 
     Args:
