@@ -183,18 +183,3 @@ def test_no_scheduler_is_one_line_and_exit_code_1(tmp_path: Path, address: str) 
     assert result.code == 1
     assert result.err.count("\n") == 1
     assert result.err.startswith(f"warehouse: no Dask scheduler answers at {address}")
-
-
-def test_a_benchmark_on_a_cluster_gives_the_results_of_this_machine(
-    cluster: Cluster, tmp_path: Path
-) -> None:
-    address, _ = cluster
-    command = ["pogema", "random", "-r", "8", "-n", "3", "--planner", "pibt"]
-    results = []
-    for number, where in enumerate((["--cluster", address], ["--jobs", "1"])):
-        path = tmp_path / f"{number}.csv"
-        subprocess.run([sys.executable, *MAIN, *command, *where, "-o", path], check=True)
-        lines = path.read_text().splitlines()
-        results.append(sorted(line.rpartition(",")[0] for line in lines))  # without the time
-    assert len(results[0]) == 7
-    assert results[0] == results[1]

@@ -103,13 +103,9 @@ MAY_IMPORT = {
     ),
     "agents/lab/commands/grade": "errors lab lab/console lab/grading lab/reports lab/trials",
     "agents/lab/playground": "errors lab lab/grading lab/runs registry",
-    "agents/lab/commands/pogema": (
-        "errors lab/commands/planners lab/console lab/experiments lab/reports "
-        "lab/runs lab/trials mapf mapf/kernels registry"
-    ),
     "agents/lab/commands": (
         "errors fleet lab lab/commands/fleet lab/commands/gap "
-        "lab/commands/grade lab/commands/planners lab/commands/pogema lab/console lab/datasets "
+        "lab/commands/grade lab/commands/planners lab/console lab/datasets "
         "lab/experiments lab/playground lab/reports lab/runs lab/training lab/trials learning mapf "
         "registry search warehouse_agent_greedy"
     ),

@@ -34,7 +34,6 @@ PAGES = {
     "driving": "fleet --seed 3 --max-steps 25 -r 6 --planner pibt --backend driving",
     "gap": "gap -r 4 --count 4 -n 1 -j 1",
     "mapf": "mapf -r 8 --layout depot --planner lacam",
-    "pogema": "pogema random mazes -r 8,16 -n 1 -j 1 --planner pibt",
     "compare backends": "compare backends --seed 12 --max-steps 40",
     "explore": "explore --seed 3 --max-steps 60",
     "search": "search",

@@ -225,7 +225,6 @@ SUFFIXES = {
     "race": PICTURES,
     "gap": ".html, .csv",
     "mapf": f"{PICTURES}, .json, .csv",
-    "pogema": ".csv, .html",
     "grade": ".json, .html, .csv",
     "demo": PICTURES,
     "search": PICTURES,

@@ -21,7 +21,6 @@ from agents.lab.commands.planners.compare_planners import compare_planners
 from agents.lab.commands.planners.mapf import mapf
 from agents.lab.commands.play import play
 from agents.lab.commands.playground import playground
-from agents.lab.commands.pogema.pogema import pogema
 from agents.lab.commands.race import race
 from agents.lab.commands.run import report_episode, run
 from agents.lab.commands.search import search
@@ -42,7 +41,7 @@ RENAMED_COMMANDS = {
     "gap": "warehouse compare backends --robots N",
     "dataset": "warehouse export NAME",
     "league": "warehouse plan --moves turn",
-    "pogema": "python tests/benchmarks/bench_pogema.py",
+    "pogema": "pytest tests/benchmarks/bench_pogema.py",
     "compare-agents": "warehouse compare agents",
 }
 """The command to use instead of each one that no longer exists."""
@@ -108,7 +107,6 @@ GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
     "Several robots": {
         "fleet": fleet,
         "mapf": mapf,
-        "pogema": pogema,
         "gap": gap,
     },
     "Study": {

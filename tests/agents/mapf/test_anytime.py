@@ -5,7 +5,6 @@ from helpers.mapf_problems import problem_of, random_problem, random_problems
 from helpers.mapf_runs import check_solver
 
 from agents.errors import PlanError
-from agents.lab.commands.pogema.benchmark import Kind, instances
 from agents.mapf import anytime as module
 from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import solve_cbs
@@ -43,8 +42,7 @@ def test_guidance_by_traffic_makes_the_first_plan_of_a_crowded_floor_cheaper() -
 
 def test_where_guidance_leads_to_no_plan_other_seeds_do(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(module, "PATIENCE", 3)
-    *_, maze = instances(["mazes"], [Kind.ONE_SHOT], [64], 14, None)
-    problem = Problem(Graph(maze.layout), maze.starts, maze.goals)
+    problem = random_problem(random_layout(12, 12, 0.3, 2), 40, 2)
     firsts = [lacam(problem, HOUR, seed) for seed in range(5)]
     best = min(each.sum_of_costs for each in firsts)
     assert solve_anytime(problem, HOUR, trials=0).sum_of_costs == best < firsts[0].sum_of_costs
