@@ -24,7 +24,7 @@ import torch
 from agents.learning.clone_agent import CloneAgent
 from agents.learning.learner import RECENT_EPISODES, MakeAgent, WatchTraining
 from agents.learning.map_memory import MOVES, WALLS, MapMemory, SingleFloats, turns, view_size
-from agents.learning.policy_network import Layer, MoveNetwork
+from agents.learning.policy_network import MoveNetwork, layer_of
 from agents.learning.teachers import Teacher
 from warehouse_core.batch import BatchEnv
 from warehouse_core.world.actions import action_index
@@ -147,7 +147,7 @@ class CloneLearner:
 
     def network(self) -> MoveNetwork:
         """Return a copy of the network."""
-        layers = [copied(part) for part in self._layers if isinstance(part, torch.nn.Linear)]
+        layers = [layer_of(part) for part in self._layers if isinstance(part, torch.nn.Linear)]
         return MoveNetwork(self._batch.view_radius, RADIUS, layers)
 
     def save_network(self, path: Path) -> None:
@@ -200,8 +200,3 @@ class CloneLearner:
             self._optimiser.zero_grad()
             (-gain.mean()).backward()
             self._optimiser.step()
-
-
-def copied(part: torch.nn.Linear) -> Layer:
-    """Return a copy of the weights and biases of a layer, for NumPy."""
-    return part.weight.detach().numpy().copy(), part.bias.detach().numpy().copy()

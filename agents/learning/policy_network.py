@@ -6,9 +6,9 @@ A network has three layers with fixed weights. Training needs PyTorch, see ``ppo
 
 from __future__ import annotations
 
-from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from types import MappingProxyType
 from typing import Any, ClassVar, Self
 
 import numpy as np
@@ -48,8 +48,8 @@ Tiles = tuple[str, ...]
 """Tiles that a network tells apart in a window: ``MARKED_TILES``, or ``FLEET_TILES`` in a fleet."""
 
 
-class Network(ABC):
-    """Three layers with fixed weights that choose among actions.
+class Network:
+    """Three layers with fixed weights, which a robot with a certain view uses.
 
     Args:
         view_radius: number of cells that the robot sees in each direction.
@@ -64,8 +64,11 @@ class Network(ABC):
     form: ClassVar[str]
     """Value of ``format`` in the header of a file."""
 
-    keys: ClassVar[tuple[str, str]]
-    """Names of the two other values in the header, which are attributes of the network."""
+    keys: ClassVar[Mapping[str, Any]]
+    """Names of the other values in the header, with the values where an older file lacks them.
+
+    They are arguments and attributes of the network.
+    """
 
     def __init__(
         self, view_radius: int, layers: Sequence[Layer], inputs: int, outputs: int
@@ -91,9 +94,10 @@ class Network(ABC):
 
     def save(self, path: str | Path) -> None:
         """Write the network to one ``.npz`` file, completely or not at all."""
-        first, second = (getattr(self, key) for key in self.keys)
-        values = first, "".join(second) if isinstance(second, tuple) else second
-        header = {"format": self.form, **dict(zip(self.keys, values, strict=True))}
+        header: dict[str, Any] = {"format": self.form}
+        for key in self.keys:
+            value = getattr(self, key)
+            header[key] = "".join(value) if isinstance(value, tuple) else value
         arrays: dict[str, NDArray[Any]] = {"header": pack_header(header)}
         for number, (weights, biases) in enumerate(self.layers):
             arrays |= {f"weights_{number}": weights, f"biases_{number}": biases}
@@ -110,19 +114,15 @@ class Network(ABC):
         arrays = read_arrays(path, SCHEMA)
         layers = [(arrays[f"weights_{n}"], arrays[f"biases_{n}"]) for n in range(LAYERS)]
         try:
-            return cls._of_header(unpack_header(arrays["header"], cls.form, cls.keys), layers)
+            header = unpack_header(arrays["header"], cls.form, tuple(cls.keys))
+            given = {key: header.get(key, default) for key, default in cls.keys.items()}
+            return cls(layers=layers, **given)
         except (TypeError, ValueError) as error:
             raise RecordError(f"{path}: {error}") from error
 
-    @classmethod
-    @abstractmethod
-    def _of_header(cls, header: Any, layers: list[Layer]) -> Self:
-        """Return the network with the values of a header."""
-
-    @staticmethod
-    @abstractmethod
-    def _activate(values: SingleFloats) -> SingleFloats:
-        """Return the function of the outputs of all layers but the last."""
+    def _activate(self, values: SingleFloats) -> SingleFloats:
+        """Return the outputs of a layer but the last: those of its sums that are positive, or 0."""
+        return np.maximum(values, 0)
 
     def _outputs(self, inputs: SingleFloats) -> SingleFloats:
         """Return the outputs ``[..., M]`` for inputs ``[..., L]``."""
@@ -144,32 +144,28 @@ class PolicyNetwork(Network):
         tiles: tiles that the network tells apart.
 
     Raises:
-        ValueError: the layers do not fit together or hold numbers that are not finite.
+        TypeError: the view radius is no integer.
+        ValueError: a value is not allowed, or the layers do not fit together or hold numbers that
+            are not finite.
     """
 
     form = "warehouse-lab policy 1"
-    keys = ("view_radius", "tiles")
+    keys = MappingProxyType({"view_radius": None, "tiles": MARKED_TILES})
 
     def __init__(
         self, view_radius: int, layers: Sequence[Layer], tiles: Tiles = MARKED_TILES
     ) -> None:
-        super().__init__(view_radius, layers, input_size(view_radius, tiles), len(ACTIONS))
-        self.tiles = tiles
+        radius = whole_number("view_radius", view_radius, 0)
+        if not isinstance(tiles, str | tuple) or not set(tiles) <= CELL_CODES.keys():
+            raise ValueError(f"tiles are {brief(tiles)}; allowed: {''.join(CELL_CODES)}")
+        super().__init__(radius, layers, input_size(radius, tuple(tiles)), len(ACTIONS))
+        self.tiles = tuple(tiles)
 
     def logits(self, inputs: SingleFloats) -> SingleFloats:
         """Return ``[..., 7]`` for ``[..., L]`` inputs; higher values mean likelier actions."""
         return self._outputs(inputs)
 
-    @classmethod
-    def _of_header(cls, header: Any, layers: list[Layer]) -> Self:
-        radius = whole_number("view_radius", header.get("view_radius"), 0)
-        tiles = header.get("tiles", "".join(MARKED_TILES))
-        if not isinstance(tiles, str) or not set(tiles) <= CELL_CODES.keys():
-            raise ValueError(f"tiles are {brief(tiles)}; allowed: {''.join(CELL_CODES)}")
-        return cls(radius, layers, tuple(tiles))
-
-    @staticmethod
-    def _activate(values: SingleFloats) -> SingleFloats:
+    def _activate(self, values: SingleFloats) -> SingleFloats:
         return np.tanh(values)
 
 
@@ -185,30 +181,27 @@ class MoveNetwork(Network):
         layers: ``LAYERS`` layers with rectifiers between them, the last with one output.
 
     Raises:
-        ValueError: the layers do not fit together or hold numbers that are not finite.
+        TypeError: a radius is no integer.
+        ValueError: a value is not allowed, or the layers do not fit together or hold numbers that
+            are not finite.
     """
 
     form = "warehouse-lab moves 1"
-    keys = ("view_radius", "radius")
+    keys = MappingProxyType({"view_radius": None, "radius": None})
 
     def __init__(self, view_radius: int, radius: int, layers: Sequence[Layer]) -> None:
+        whole_number("view_radius", view_radius, 0, MAX_VIEW_RADIUS)
+        self.radius = whole_number("radius", radius, 0, MAX_VIEW_RADIUS)
         super().__init__(view_radius, layers, view_size(radius), 1)
-        self.radius = radius
 
     def scores(self, views: SingleFloats) -> SingleFloats:
         """Return how good N, E, S and W are in ``[B, L]`` views of a ``MapMemory``, ``[B, 4]``."""
         return self._outputs(views[:, turns(self.radius)[0]])[..., 0]
 
-    @classmethod
-    def _of_header(cls, header: Any, layers: list[Layer]) -> Self:
-        view_radius, radius = (
-            whole_number(key, header.get(key), 0, MAX_VIEW_RADIUS) for key in cls.keys
-        )
-        return cls(view_radius, radius, layers)
 
-    @staticmethod
-    def _activate(values: SingleFloats) -> SingleFloats:
-        return np.maximum(values, 0)
+def layer_of(part: Any) -> Layer:
+    """Return a copy of the weights and biases of a ``torch.nn.Linear``."""
+    return part.weight.detach().numpy().copy(), part.bias.detach().numpy().copy()
 
 
 def network_input(arrays: ObservationArrays, tiles: Tiles = MARKED_TILES) -> SingleFloats:

@@ -16,16 +16,20 @@ from typing import Any
 
 import numpy as np
 import torch
+from gymnasium import spaces
+from numpy.typing import NDArray
 from sb3_contrib import MaskablePPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
+from stable_baselines3.common.vec_env import VecEnv
 
 from agents.learning.learner import RECENT_EPISODES, MakeAgent, WatchTraining
-from agents.learning.policy_network import Layer, PolicyNetwork
+from agents.learning.map_memory import SingleFloats
+from agents.learning.policy_network import PolicyNetwork, layer_of, network_input
 from agents.learning.ppo_agent import PPOAgent
-from agents.learning.vec_env import BatchVecEnv
-from agents.learning.vector_steps import Batch, tiles_of
+from agents.learning.vector_steps import Batch, VectorStep, input_limits, tiles_of, vector_step
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.world.actions import ACTIONS
 
 ENVS = 128
 """Rows of the batch: warehouses, or robots of fleets."""
@@ -50,6 +54,58 @@ SETTINGS: dict[str, Any] = {
 
 FOR_RANDOM_LAYOUTS: dict[str, Any] = {"gamma": 0.98, "policy_kwargs": {"net_arch": [128, 128]}}
 """Settings for another layout in each episode: ways are longer, and there is more to learn."""
+
+
+class BatchVecEnv(VecEnv):
+    """All rows of a batch with ``autoreset_mode="SameStep"`` as one ``VecEnv`` with masks.
+
+    The rows of a ``FleetBatch`` are its robots, which so share one policy. Observations and infos
+    are described in ``vector_steps.py``.
+    """
+
+    def __init__(self, batch: Batch) -> None:
+        self._batch, self._tiles = batch, tiles_of(batch)
+        limits = spaces.Box(*input_limits(batch), dtype=np.float32)
+        super().__init__(batch.num_envs, limits, spaces.Discrete(len(ACTIONS)))
+
+    def reset(self) -> SingleFloats:
+        """Start an episode in every row, with the seeds given to ``seed`` if there are any."""
+        floors = len(self._batch.layouts.kind)
+        arrays, _ = self._batch.reset(self._seeds[:floors])
+        self._reset_seeds()
+        return network_input(arrays, self._tiles)
+
+    def step_async(self, actions: NDArray[np.int64]) -> None:
+        """Store the actions for ``step_wait``."""
+        self._actions = actions
+
+    def step_wait(self) -> VectorStep:
+        """Carry out the stored actions."""
+        return vector_step(self._batch, self._actions)
+
+    def env_method(
+        self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any
+    ) -> list[Any]:
+        """Call a method of the batch, such as ``action_masks``, and return a list of its rows."""
+        results = getattr(self._batch, method_name)(*method_args, **method_kwargs)
+        return [results[row] for row in self._get_indices(indices)]
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """Return an attribute of the batch for each row; ``render_mode`` is always ``None``."""
+        value = None if attr_name == "render_mode" else getattr(self._batch, attr_name)
+        return [value for _ in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Raise ``NotImplementedError``: the rows share their attributes."""
+        raise NotImplementedError(f"{attr_name} cannot be set; make another batch")
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
+        """Return ``False`` for each row."""
+        return [False for _ in self._get_indices(indices)]
+
+    def close(self) -> None:
+        """Close the motion backend."""
+        self._batch.close()
 
 
 class PPOLearner:
@@ -120,7 +176,7 @@ class PPOLearner:
         hidden = [
             part for part in policy.mlp_extractor.policy_net if isinstance(part, torch.nn.Linear)
         ]
-        layers = [_copy(part) for part in (*hidden, policy.action_net)]
+        layers = [layer_of(part) for part in (*hidden, policy.action_net)]
         return PolicyNetwork(self._view_radius, layers, self._tiles)
 
     def save_network(self, path: Path) -> None:
@@ -150,7 +206,3 @@ class _Watcher(BaseCallback):
 
     def _on_step(self) -> bool:
         return True
-
-
-def _copy(part: Any) -> Layer:
-    return part.weight.detach().numpy().copy(), part.bias.detach().numpy().copy()

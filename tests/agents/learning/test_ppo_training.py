@@ -77,7 +77,7 @@ def test_a_model_that_cannot_be_written_leaves_no_file(
 def test_a_model_can_be_trained_further(tmp_path: Path) -> None:
     from sb3_contrib import MaskablePPO
 
-    from agents.learning.vec_env import BatchVecEnv
+    from agents.learning.ppo_training import BatchVecEnv
 
     learner().save_model(tmp_path / "m.zip")
     env = BatchVecEnv(BatchEnv(128, ROOM, autoreset_mode="SameStep"))
@@ -199,7 +199,7 @@ def test_the_rows_have_the_format_of_stable_baselines(
     from sb3_contrib.common.maskable.utils import get_action_masks, is_masking_supported
     from stable_baselines3.common.vec_env import VecCheckNan
 
-    from agents.learning.vec_env import BatchVecEnv
+    from agents.learning.ppo_training import BatchVecEnv
 
     batch = make_batch()
     env = BatchVecEnv(batch)

@@ -303,7 +303,7 @@ def test_a_checkpoint_is_of_the_same_training_and_whole(
 
 def without(monkeypatch: pytest.MonkeyPatch, library: str) -> None:
     """Make the import of a library fail, whether it is installed or not."""
-    for name in ("ppo_training", "clone_training", "vec_env"):
+    for name in ("ppo_training", "clone_training"):
         name = f"agents.learning.{name}"
         monkeypatch.delitem(sys.modules, name, raising=False)
     monkeypatch.setitem(sys.modules, library, None)
