@@ -1,9 +1,10 @@
 // Draws robots and people, items, and hits.
 
+import LOOK from "../../render/tiles.json" with { type: "json" };
 import { LARGE_TEXT } from "./canvas.js";
 import { LATE, waitingByPickup } from "./orders.js";
 
-const RADIUS = 0.34;
+const { radius: RADIUS, rim: RIM, letter: LETTER, name: NAME } = LOOK.robot;
 const MIN_RADIUS = 2;
 const MIN_SHAPE = 4;
 const MIN_DETAIL = 7;
@@ -12,11 +13,9 @@ const MIN_DETAIL = 7;
 const MAX_NUMBER = 0.75;
 
 /** Up to so many robots show their batteries; more do only where they are low. */
-const FEW = 12;
-const LOW_SHARE = 0.25;
+const { few: FEW, low: LOW_SHARE, top: BAR_TOP, height: BAR_HEIGHT } = LOOK.battery;
 
-/** The side and the middle of an item in a cell, whose letter is in the opposite corner. */
-const [SIDE, PLACE] = [0.4, 0.75];
+const { side: SIDE, place: PLACE, line: LINE, tape: TAPE } = LOOK.item;
 const MIN_SIDE = 4;
 
 /** Draw robots and people. `chosen` and `hovered` are numbers of robots, or `null`. */
@@ -63,7 +62,6 @@ export function colorOf(track, body, pose, moment) {
 
 /** Draw the discs of robots and the diamonds of people, those of a colour as one shape. */
 function drawDiscs(brush, shown, radius) {
-  const { context } = brush;
   for (const color of new Set(shown.map((item) => item.color))) {
     const items = shown.filter((item) => item.color === color);
     if (radius < MIN_SHAPE) {
@@ -71,54 +69,42 @@ function drawDiscs(brush, shown, radius) {
       for (const { x, y } of items) brush.rect(color, x - radius, y - radius, 2 * radius, 2 * radius);
       continue;
     }
-    context.beginPath();
+    brush.begin(color);
     for (const { x, y, isPerson } of items) {
-      if (isPerson) {
-        context.moveTo(x, y - radius);
-        for (const [dx, dy] of [[1, 0], [0, 1], [-1, 0]]) context.lineTo(x + dx * radius, y + dy * radius);
-        context.closePath();
-      } else {
-        context.moveTo(x + radius, y);
-        context.arc(x, y, radius, 0, 2 * Math.PI);
-      }
+      if (isPerson) brush.trace("H", x, y, radius / RADIUS);
+      else brush.circle(x, y, radius);
     }
-    brush.paint(color, "rim", Math.max(1, radius / 8));
+    brush.paint(color, "rim", Math.max(1, (RIM / RADIUS) * radius));
   }
 }
 
 /** Draw the nose of each robot that has a heading: a wedge at its rim. */
-function drawNoses({ context, theme }, shown, radius) {
-  context.fillStyle = theme.rim;
-  context.beginPath();
+function drawNoses(brush, shown, radius) {
+  brush.begin("rim");
   for (const { x, y, heading } of shown) {
-    if (heading === null) continue;
-    const at = (angle, reach) => [
-      x + reach * radius * Math.cos(heading + angle),
-      y + reach * radius * Math.sin(heading + angle),
-    ];
-    context.moveTo(...at(0, 1.42));
-    context.lineTo(...at(0.5, 0.95));
-    context.lineTo(...at(-0.5, 0.95));
+    if (heading !== null) brush.trace("nose", x, y, radius / RADIUS, heading);
   }
-  context.fill();
+  brush.context.fill();
 }
 
 /** Draw the item of a robot, of the colour of its order's age; a number of a fleet stays readable. */
 function drawCarried(brush, track, x, y, load, radius, isBeside) {
-  if (!track.isFleet) return drawBox(brush, x, y, Math.max(2, 1.2 * radius), "item");
-  const away = isBeside ? 0.8 * radius : 0;
-  drawBox(brush, x + away, y - away, Math.max(2, 0.85 * radius), brush.theme.orders[load - 1]);
+  const pixels = radius / RADIUS;
+  if (!track.isFleet) return drawBox(brush, x, y, Math.max(2, SIDE * pixels), "item");
+  const away = isBeside ? LOOK.carried.away * pixels : 0;
+  drawBox(brush, x + away, y - away, Math.max(2, LOOK.carried.side * pixels), brush.theme.orders[load - 1]);
 }
 
 /** Draw a bar below each robot whose battery is low, or of a few robots below each. */
 function drawBatteries(brush, shown, track, moment, radius) {
   if (!track.fleet || radius < MIN_SHAPE) return;
-  const [length, height] = [2 * radius, Math.max(2, 0.3 * radius)];
+  const pixels = radius / RADIUS;
+  const [length, height] = [2 * radius, Math.max(2, BAR_HEIGHT * pixels)];
   for (const { body, x, y, isPerson } of shown) {
     if (isPerson) continue;
     const level = track.batteryLevel(body, moment.frame);
     if (level >= (track.robots > FEW ? LOW_SHARE : 1)) continue;
-    const [left, top] = [x - radius, y + 0.8 * radius];
+    const [left, top] = [x - radius, y + BAR_TOP * pixels];
     brush.rect("dark", left - 1, top - 1, length + 2, height + 2);
     brush.rect("light", left, top, length, height);
     brush.rect(level < LOW_SHARE ? "warning" : "battery", left, top, level * length, height);
@@ -133,7 +119,7 @@ function longestName(track) {
 /** Return the size of the letters and numbers on bodies, or 0 if cells have no room for them. */
 function nameSize(brush, track) {
   const name = longestName(track);
-  const size = Math.max(Math.min(1.1, 2 / name.length) * RADIUS * brush.scale, brush.minText);
+  const size = Math.max(Math.min(LETTER, NAME / name.length) * brush.scale, brush.minText);
   brush.centerText(size);
   return brush.widthOf(name) <= MAX_NUMBER * brush.scale ? size : 0;
 }
@@ -205,27 +191,24 @@ function drawBox(brush, x, y, side, color) {
     brush.rect("dark", left, top, whole, whole);
     return;
   }
-  const line = Math.max(1, Math.round(whole / 10));
+  const line = Math.max(1, Math.round((LINE / SIDE) * whole));
   brush.rect("light", left - line, top - line, whole + 2 * line, whole + 2 * line);
   brush.rect("dark", left, top, whole, whole);
   brush.rect(color, left + line, top + line, whole - 2 * line, whole - 2 * line);
-  brush.rect("dark", left + Math.round((whole - line) / 2), top, line, Math.round(0.4 * whole));
+  brush.rect("dark", left + Math.round((whole - line) / 2), top, line, Math.round((TAPE / SIDE) * whole));
 }
 
 export function drawHits(brush, track, moment) {
   const { view, scale, theme } = brush;
   const hits = track.hitsIn(moment.frame);
-  const radius = Math.max(5, 0.26 * scale * (track.robots > 1 ? 0.7 : 1));
-  for (const hit of hits) {
-    brush.outline(Array.from({ length: 10 }, (_, point) => {
-      const reach = point % 2 ? 0.45 * radius : radius;
-      const angle = (point / 10) * 2 * Math.PI - Math.PI / 2;
-      return [view.x(hit.x) + reach * Math.cos(angle), view.y(hit.y) + reach * Math.sin(angle)];
-    }));
-    brush.paint("hit", "dark", Math.max(1, radius / 10));
+  const pixels = Math.max(20, scale * (track.robots > 1 ? 0.7 : 1));
+  for (const { x, y } of hits) {
+    brush.begin("hit");
+    brush.trace("hit", view.x(x), view.y(y), pixels);
+    brush.paint("hit", "dark", Math.max(1, pixels / 40));
   }
   const last = hits.at(-1);
   if (!last?.label) return;
   const size = Math.max(12 * theme.density, 0.3 * scale);
-  brush.label("hit", "dark", last.label, view.x(last.x), view.y(last.y) - radius - 0.3 * size, size);
+  brush.label("hit", "dark", last.label, view.x(last.x), view.y(last.y) - pixels / 4 - 0.3 * size, size);
 }

@@ -1,6 +1,7 @@
 // Canvases: the colours of the page, where the floor is in a canvas, and a brush that draws there.
 
 import PALETTE from "../../render/palette.json" with { type: "json" };
+import LOOK from "../../render/tiles.json" with { type: "json" };
 
 /** The size of the smallest text, in pixels of the style sheet. */
 export const MIN_TEXT = 11;
@@ -141,6 +142,13 @@ export class Brush {
     this.context.fillRect(x, y, width, height);
   }
 
+  /** Begin a path in a colour. */
+  begin(color) {
+    const style = this.color(color);
+    Object.assign(this.context, { fillStyle: style, strokeStyle: style });
+    this.context.beginPath();
+  }
+
   /** Draw a line through places in cells. */
   line(color, width, places) {
     const { context, view } = this;
@@ -150,15 +158,20 @@ export class Brush {
     context.stroke();
   }
 
-  /** Begin a path that joins corners. */
-  outline(corners) {
-    this.context.beginPath();
-    for (const [x, y] of corners) this.context.lineTo(x, y);
+  /** Add a shape of tiles.json to the path, so many pixels a cell, turned by an angle. */
+  trace(name, x, y, pixels, angle = 0) {
+    const [right, down] = [pixels * Math.cos(angle), pixels * Math.sin(angle)];
+    LOOK.shapes[name].forEach(([along, across], i) => {
+      const corner = [x + along * right - across * down, y + along * down + across * right];
+      if (i) this.context.lineTo(...corner);
+      else this.context.moveTo(...corner);
+    });
     this.context.closePath();
   }
 
+  /** Add a circle to the path. */
   circle(x, y, radius) {
-    this.context.beginPath();
+    this.context.moveTo(x + radius, y);
     this.context.arc(x, y, radius, 0, 2 * Math.PI);
   }
 

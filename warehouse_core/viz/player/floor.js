@@ -1,26 +1,17 @@
 // Draws what stands still on a floor, and what tints its cells.
 
+import LOOK from "../../render/tiles.json" with { type: "json" };
 import { kept } from "./canvas.js";
 import { element } from "./elements.js";
 import { heldUpUntil, marksUntil, visitsUntil } from "./track.js";
 
 const WALL = "#";
 const UNSEEN = "?";
-const STATIONS = { P: "pickup", D: "dropoff", C: "charger" };
-
-/** What stands for the letters of stations that are too small for them, as in the legend. */
-const SHAPES = {
-  P: [[0.5, 0.15], [0.85, 0.85], [0.15, 0.85]],
-  D: [[0.15, 0.15], [0.85, 0.15], [0.5, 0.85]],
-  C: [[0.5, 0.1], [0.9, 0.5], [0.5, 0.9], [0.1, 0.5]],
-};
+const STATIONS = "PDC";
 
 const MAX_LINED_COLUMNS = 40;
 const MIN_STATION = 6;
 const MIN_TEXTURE = 9;
-
-/** The size of a letter that a robot leaves free, as a share of a cell, and where it is. */
-const [LETTER, CORNER] = [0.22, 0.11];
 
 /** Opacity of counts on a floor, whose letters and lines are to be seen. */
 const HEAT_ON_FLOOR = 0.6;
@@ -39,7 +30,7 @@ export function drawFloor(brush, track, tiles) {
     else if (brush.scale >= MIN_TEXTURE) drawBoards(brush, row, column);
   }
   if (track.outer) drawMargin(brush, track);
-  for (const place of placesOf(track, tiles, Object.keys(STATIONS))) drawStation(brush, ...place);
+  for (const place of placesOf(track, tiles, STATIONS)) drawStation(brush, ...place);
 }
 
 /** Return the row, the column and the tile of each cell that has one of some tiles. */
@@ -78,9 +69,10 @@ function drawRuns(brush, track, tiles, tile, color) {
 
 /** Draw two boards across a wall that is not part of the border. */
 function drawBoards(brush, row, column) {
-  const thick = Math.max(1, Math.round(brush.scale / 12));
-  const [x, , width] = brush.view.box(column, row, 1, 1, 0.12);
-  for (const share of [0.3, 0.62]) {
+  const { inset, boards, thickness } = LOOK.shelf;
+  const thick = Math.max(1, Math.round(brush.scale * thickness));
+  const [x, , width] = brush.view.box(column, row, 1, 1, inset);
+  for (const share of boards) {
     brush.rect("board", x, Math.round(brush.view.y(row + share)), width, thick);
   }
 }
@@ -105,22 +97,22 @@ function drawMargin(brush, { outer, width, height }) {
 }
 
 function drawStation(brush, row, column, tile) {
-  const inset = Math.max(0, Math.min(0.06, (1 - MIN_STATION / brush.scale) / 2));
+  const inset = Math.max(0, Math.min(LOOK.station.inset, (1 - MIN_STATION / brush.scale) / 2));
   let [x, y, width, height] = brush.view.box(column, row, 1, 1, inset);
   if (width < MIN_STATION) {
     [x, y] = [x - (MIN_STATION - width) / 2, y - (MIN_STATION - height) / 2];
     [width, height] = [MIN_STATION, MIN_STATION];
   }
-  brush.rect(STATIONS[tile], x, y, width, height);
+  brush.rect(LOOK.words[tile], x, y, width, height);
   if (letterSize(brush)) return;
-  brush.outline(SHAPES[tile].map(([right, down]) => [x + right * width, y + down * height]));
-  brush.context.fillStyle = brush.color("dark");
+  brush.begin("dark");
+  brush.trace(tile, x + width / 2, y + height / 2, width);
   brush.context.fill();
 }
 
-/** Return the size of the letters of stations, or 0 if there is no room for them. */
+/** Return the size of the letters of stations, or 0 if there is no room for them; a robot leaves small ones free. */
 function letterSize({ scale, minText }) {
-  const size = Math.max(LETTER * scale, minText);
+  const size = Math.max(LOOK.station.letter * scale, minText);
   return 1.3 * size > scale ? 0 : size;
 }
 
@@ -129,14 +121,15 @@ export function drawLetters(brush, track, moment) {
   const size = letterSize(brush);
   if (!size) return;
   const { view } = brush;
-  const isCovered = size > LETTER * view.scale ? coveredCells(track, moment) : new Set();
+  const { letter, corner } = LOOK.station;
+  const isCovered = size > letter * view.scale ? coveredCells(track, moment) : new Set();
   brush.centerText(size);
   brush.context.textAlign = "left";
   const index = track.tileAt[moment.frame];
-  const stations = kept(track, "stations", index, () => placesOf(track, track.tiles[index], Object.keys(STATIONS)));
+  const stations = kept(track, "stations", index, () => placesOf(track, track.tiles[index], STATIONS));
   for (const [row, column, tile] of stations) {
     if (!view.shows(column, row, 1) || isCovered.has(row * track.width + column)) continue;
-    const [x, y] = [view.x(column + CORNER), view.y(row + CORNER) + 0.45 * size];
+    const [x, y] = [view.x(column + corner), view.y(row + corner) + 0.45 * size];
     brush.writeOutlined("light", "dark", tile, x, y);
   }
 }
@@ -152,27 +145,25 @@ function coveredCells(track, moment) {
 
 /** Draw waves on a slippery cell. */
 function drawWaves(brush, row, column) {
-  const { context, view } = brush;
+  const { context, view, scale } = brush;
+  const { waves, left, length, bend, width } = LOOK.ice;
   brush.fill("ice", column, row);
-  context.strokeStyle = brush.color("wave");
-  context.lineWidth = Math.max(1, view.scale / 22);
-  for (const share of [0.25, 0.5, 0.75]) {
-    const [x, y, size] = [view.x(column + 0.12), view.y(row + share), 0.19 * view.scale];
-    context.beginPath();
+  brush.begin("wave");
+  context.lineWidth = Math.max(1, width * scale);
+  for (const share of waves) {
+    const [x, y, half] = [view.x(column + left), view.y(row + share), (length / 2) * scale];
     context.moveTo(x, y);
-    for (let wave = 0; wave < 4; wave++) {
-      const [start, bend] = [x + wave * size, (wave % 2 ? 0.3 : -0.3) * size];
-      context.quadraticCurveTo(start + size / 2, y + 2 * bend, start + size, y);
-    }
-    context.stroke();
+    context.quadraticCurveTo(x + half, y - bend * scale, x + 2 * half, y);
+    context.quadraticCurveTo(x + 3 * half, y + bend * scale, x + 4 * half, y);
   }
+  context.stroke();
 }
 
 /** Draw stripes on cells that are not seen yet, along their diagonals. */
-function drawStripes({ context, view, theme }, track, tiles) {
-  context.strokeStyle = theme.stripe;
-  context.lineWidth = Math.max(1, view.scale / 14);
-  context.beginPath();
+function drawStripes(brush, track, tiles) {
+  const { context, view } = brush;
+  brush.begin("stripe");
+  context.lineWidth = Math.max(1, LOOK.unseen.width * view.scale);
   for (const [row, column] of placesOf(track, tiles, UNSEEN)) {
     const [x, y, width, height] = view.box(column, row);
     context.moveTo(x, y + height);
@@ -182,7 +173,8 @@ function drawStripes({ context, view, theme }, track, tiles) {
 }
 
 /** Darken what a robot does not see, around the window of its view. */
-export function drawSight({ context, view, theme }, track, body, moment) {
+export function drawSight(brush, track, body, moment) {
+  const { context, view } = brush;
   const pose = track.pose(body, moment);
   if (track.viewRadius === null || !pose) return;
   const { outer, width, height, viewRadius } = track;
@@ -191,8 +183,7 @@ export function drawSight({ context, view, theme }, track, body, moment) {
   const [left, top] = [Math.max(column, outer), Math.max(row, outer)];
   const right = Math.min(column + side, width - outer);
   const bottom = Math.min(row + side, height - outer);
-  context.fillStyle = theme.shadow;
-  context.beginPath();
+  brush.begin("shadow");
   context.rect(...view.box(outer, outer, width - 2 * outer, height - 2 * outer));
   context.rect(...view.box(left, top, right - left, bottom - top));
   context.fill("evenodd");
@@ -213,7 +204,7 @@ export function drawVisits(brush, track, body, moment) {
 export function drawMarks(brush, track, moment) {
   for (const [cell, index] of marksUntil(track, moment.time)) {
     const [row, column] = track.rowAndColumn(cell);
-    brush.fill(track.marks.colors[index], column, row, 1, 1, 0.03);
+    brush.fill(track.marks.colors[index], column, row, 1, 1, LOOK.mark.inset);
   }
 }
 
@@ -221,10 +212,12 @@ export function drawMarks(brush, track, moment) {
 export function drawEnds(brush, track) {
   track.marks.ends.forEach(([row, column], i) => {
     const { view } = brush;
-    const [x, y, radius] = [view.x(column + 0.5), view.y(row + 0.5), Math.max(8, 0.46 * view.scale)];
+    const [x, y] = [view.x(column + 0.5), view.y(row + 0.5)];
+    const radius = Math.max(8, LOOK.end.radius * view.scale);
+    brush.begin("light");
     brush.circle(x, y, radius);
     brush.paint("light", "dark", Math.max(1, radius / 8));
-    brush.centerText(1.3 * radius);
+    brush.centerText((LOOK.end.letter / LOOK.end.radius) * radius);
     brush.write("dark", "SG"[i], x, y + 0.08 * radius);
   });
 }

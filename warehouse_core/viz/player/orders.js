@@ -1,7 +1,9 @@
 // The orders of a fleet at any step. Nothing is drawn here.
 
+import LOOK from "../../render/tiles.json" with { type: "json" };
+
 /** The ages of an order in words: the thirds of its time, and what comes after it. */
-export const AGES = ["new", "older", "nearly due", "late"];
+export const AGES = LOOK.ages;
 export const LATE = AGES.length - 1;
 
 /** Return the age of an order: the third of its time that it is in, or `LATE`. */

@@ -166,9 +166,10 @@ export class Track {
   /** Return the planned ways of a fleet in a frame, and those that robots wish for. */
   plansIn(frame) {
     const { plans, ways } = this.fleet;
-    return entriesIn(plans.frame, frame).map((i) => (
-      { robot: plans.robot[i], isWish: plans.isWish[i] > 0, cells: ways.subarray(plans.end[i - 1] ?? 0, plans.end[i]) }
-    ));
+    return entriesIn(plans.frame, frame).map((i) => {
+      const cells = ways.subarray(plans.end[i - 1] ?? 0, plans.end[i]);
+      return { robot: plans.robot[i], isWish: plans.isWish[i] > 0, cells };
+    });
   }
 
   /** Return who pushes whom in a frame, the pusher first. */

@@ -1,15 +1,16 @@
 // Draws the ways of robots: trails, planned ways, and who pushes whom.
 
+import LOOK from "../../render/tiles.json" with { type: "json" };
 import { colorOf } from "./bodies.js";
 
-const TRAIL_STEPS = 40;
+const { trail: { steps: TRAIL_STEPS }, lines: LINES } = LOOK;
 const TRAIL_SHADES = 8;
 const WAY_STEPS = 20;
 
 /** Draw the way of a robot in its last steps, the older the paler, dashed where it was loaded. */
 export function drawTrail(brush, track, body, moment) {
   const { context, scale, theme } = brush;
-  const width = Math.max(1.5 * theme.density, scale / 11);
+  const width = Math.max(1.5 * theme.density, scale * LINES.trail);
   context.lineCap = "butt";
   for (const { places, shade, isLoaded, length } of trailOf(track, body, moment)) {
     context.globalAlpha = 0.2 + (0.7 * shade) / TRAIL_SHADES;
@@ -62,16 +63,14 @@ export function drawWayAhead(brush, track, body, moment) {
   drawDots(brush, poses.filter(Boolean).map(({ x, y }) => [x, y]), "accent");
 }
 
-function drawDots({ context, view, theme }, places, color) {
-  context.fillStyle = theme[color];
-  const radius = Math.max(1.2, view.scale / 14);
-  context.beginPath();
+function drawDots(brush, places, color) {
+  const { context, view } = brush;
+  const radius = Math.max(1.2, (LINES.route / 2) * view.scale);
+  brush.begin(color);
   places.forEach(([x, y], i) => {
     const [nextX, nextY] = places[i + 1] ?? places[i];
     for (const between of [0, 0.5]) {
-      const [px, py] = [view.x(x + between * (nextX - x)), view.y(y + between * (nextY - y))];
-      context.moveTo(px + radius, py);
-      context.arc(px, py, radius, 0, 2 * Math.PI);
+      brush.circle(view.x(x + between * (nextX - x)), view.y(y + between * (nextY - y)), radius);
     }
   });
   context.fill();
@@ -85,7 +84,7 @@ export function drawPlans(brush, track, moment) {
     const color = colorOf(track, robot, track.pose(robot, moment), moment);
     context.setLineDash(isWish ? [0.1, scale / 3] : []);
     const places = Array.from(cells, (cell) => track.rowAndColumn(cell));
-    const width = Math.max(2, scale / (isWish ? 8 : 5));
+    const width = Math.max(2, scale * LINES[isWish ? "wish" : "plan"]);
     brush.line(color, width, places.map(([row, column]) => [column + 0.5, row + 0.5]));
   }
   context.setLineDash([]);
@@ -93,14 +92,13 @@ export function drawPlans(brush, track, moment) {
 
 /** Draw an arrow from each robot that pushes to the one that it pushes. */
 export function drawPushes(brush, track, moment) {
-  const radius = Math.max(0.3 * brush.scale, 4);
+  const pixels = Math.max(brush.scale, 14);
   for (const [pusher, robot] of track.pushesIn(moment.frame)) {
     const [from, to] = [track.pose(pusher, moment), track.pose(robot, moment)];
     const angle = Math.atan2(to.y - from.y, to.x - from.x);
     const [x, y] = [brush.view.x((from.x + to.x) / 2), brush.view.y((from.y + to.y) / 2)];
-    brush.outline([0, 2.4, -2.4].map((turn) => [
-      x + radius * Math.cos(angle + turn), y + radius * Math.sin(angle + turn),
-    ]));
+    brush.begin("dark");
+    brush.trace("push", x, y, pixels, angle);
     brush.paint("dark", "light", 1);
   }
 }

@@ -10,12 +10,13 @@ import html
 import re
 import textwrap
 from collections.abc import Iterator, Sequence
+from string import Template
 
 from warehouse_core.arguments import instance_of, real_number
 from warehouse_core.errors import FormatError
-from warehouse_core.render.palette import PALETTE
+from warehouse_core.render.palette import LOOK, PALETTE
+from warehouse_core.viz.svg.beat import Beat, spans_of
 from warehouse_core.viz.svg.bodies import bodies_of
-from warehouse_core.viz.svg.change import Beat, growing, shown, spans_of
 from warehouse_core.viz.svg.floor import UNIT, ends_of, floor_of
 from warehouse_core.viz.tracks.timeline import Timeline
 from warehouse_core.viz.tracks.track import (
@@ -55,16 +56,19 @@ BAR = 130
 LOW_BATTERY = 0.2
 """Share of a full battery below which its bar warns."""
 
-SHAPES = """
+SHAPES = Template("""
 text{font-family:system-ui,-apple-system,"Segoe UI",Roboto,"Noto Sans",sans-serif;font-weight:700}
 text{text-anchor:middle}.words{text-anchor:start}.count{text-anchor:end}.small{font-weight:400}
-text.of-dark{paint-order:stroke;stroke-width:9;stroke-linejoin:round}.of-rim{stroke-width:4}.shadow{fill-rule:evenodd}.wall,.shelf{shape-rendering:crispEdges}.visited{opacity:.12}
-.trail,.plan{fill:none;stroke-width:9;stroke-linecap:round;stroke-linejoin:round;opacity:.55}
-.plan{opacity:1}.dots{stroke-dasharray:1 22}
+text.of-dark{paint-order:stroke;stroke-width:${letter}em;stroke-linejoin:round}.of-rim{stroke-width:4}.shadow{fill-rule:evenodd}.wall,.shelf{shape-rendering:crispEdges}.visited{opacity:.12}
+.trail,.plan{fill:none;stroke-width:$trail;stroke-linecap:round;stroke-linejoin:round;opacity:.55}
+.plan{opacity:1;stroke-width:$plan}.dots{stroke-width:$wish;stroke-dasharray:1 33}
 [class^=of-]{fill:none}
 .rests{display:none}
 @media (prefers-reduced-motion:reduce){.moves{display:none}.rests{display:inline}}
-"""
+""").substitute(
+    {name: f"{UNIT * width:g}" for name, width in LOOK["lines"].items()}
+    | {"letter": 2 * LOOK["lines"]["letter"]}
+)
 
 
 def animated_svg(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0) -> str:
@@ -184,23 +188,23 @@ def _words(
     room = width - LETTER * SMALL * (max(map(len, counter)) + 2)
     title = textwrap.shorten(track.title, max(int(room / LETTER / SMALL), 8), placeholder="…")
     yield f'<text x="0" y="22" class="words small quiet">{html.escape(printable(title))}</text>'
-    for words, spans in spans_of(counter).items():
-        at = f'x="{width:g}" y="22" class="count small quiet"'
-        yield shown(f"<text {at}>{words}</text>", spans, beat)
+    at = f'x="{width:g}" y="22" class="count small quiet"'
+    yield from beat.each(counter, lambda words: f"<text {at}>{words}</text>")
     letters = int(width / BOLD_LETTER / CAPTION)
-    for caption, spans in spans_of(frame.caption for frame in frames).items():
+
+    def draw_caption(caption: str) -> str:
         lines = textwrap.wrap(printable(caption), letters, max_lines=2, placeholder=" …")
         rows = "".join(
             f'<tspan x="0" dy="{19 * bool(number)}">{html.escape(line)}</tspan>'
             for number, line in enumerate(lines)
         )
-        if rows:
-            at = f'y="46" font-size="{CAPTION}" class="words ink"'
-            yield shown(f"<text {at}>{rows}</text>", spans, beat)
+        return rows and f'<text y="46" font-size="{CAPTION}" class="words ink">{rows}</text>'
+
+    yield from beat.each((frame.caption for frame in frames), draw_caption)
     ended = spans_of(number == len(track) - 1 for number in numbers).get(True, [])
     if track.ending and ended:
-        at = f'x="{width:g}" y="{foot:g}" class="count ink"'
-        yield shown(f"<text {at}>{html.escape(track.ending.upper())}</text>", ended, beat)
+        place = f'x="{width:g}" y="{foot:g}" class="count ink"'
+        yield beat.shown(f"<text {place}>{html.escape(track.ending.upper())}</text>", ended)
 
 
 def _battery(track: Track, numbers: Sequence[int], beat: Beat, top: float) -> Iterator[str]:
@@ -209,15 +213,13 @@ def _battery(track: Track, numbers: Sequence[int], beat: Beat, top: float) -> It
     levels = [0.0 if level != level else level for level in levels]  # NaN is unknown
     full = track.full_battery
     lengths = [round(BAR * min(level / full, 1)) for level in levels]
-    width, animation = growing("width", lengths, beat)
+    width, animation = beat.growing("width", lengths)
     bar = f'<rect x="0" y="{top:g}" height="12" {width} class="{{look}}">{animation}</rect>'
     yield f'<rect x="0" y="{top:g}" width="{BAR}" height="12" class="shade of-ink"/>'
     for is_low, spans in spans_of(level < LOW_BATTERY * full for level in levels).items():
-        yield shown(bar.format(look="warning" if is_low else "battery"), spans, beat)
-    for level, spans in spans_of(levels).items():
-        words = f"battery {level:.10g} of {full:.10g}"
-        at = f'x="{BAR + 10}" y="{top + 11:g}"'
-        yield shown(f'<text {at} class="words small ink">{words}</text>', spans, beat)
+        yield beat.shown(bar.format(look="warning" if is_low else "battery"), spans)
+    text = f'<text x="{BAR + 10}" y="{top + 11:g}" class="words small ink">battery '
+    yield from beat.each(levels, lambda level: f"{text}{level:.10g} of {full:.10g}</text>")
 
 
 def _style_of(body: str) -> str:

@@ -9,8 +9,8 @@ from collections.abc import Iterator, Sequence
 from itertools import groupby, product
 
 from warehouse_core.render.atlas import UNSEEN
-from warehouse_core.render.palette import hex_color
-from warehouse_core.viz.svg.change import Beat, Span, extend, shown, spans_of
+from warehouse_core.render.palette import LOOK, hex_color
+from warehouse_core.viz.svg.beat import Beat, Span, extend
 from warehouse_core.viz.tracks.track import Frame, TileRows, Track
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, WALL, Cell, runs_of
 
@@ -20,16 +20,25 @@ UNIT = 100
 MAX_LINED_COLUMNS = 40
 """Columns of the widest floor that has lines between its cells."""
 
-STATIONS = {PICKUP: "pickup", DROPOFF: "dropoff", CHARGER: "charger"}
+STATIONS = (PICKUP, DROPOFF, CHARGER)
 
 MIN_LETTER = 16
 """Least pixels of a cell that shows letters and the boards of shelves."""
+
+MIN_TEXT = 11
+"""Least pixels of a letter."""
 
 
 def box(left: float, top: float, wide: float, high: float, look: str) -> str:
     """Return a rectangle, in hundredths of a cell, in a colour of the palette."""
     place = f'x="{left:g}" y="{top:g}" width="{wide:g}" height="{high:g}"'
     return f'<rect {place} class="{look}"/>'
+
+
+def shape(name: str, look: str, others: str = "") -> str:
+    """Return a shape of the table of tiles around the origin, in colours of the palette."""
+    corners = " ".join(f"{UNIT * x:g},{UNIT * y:g}" for x, y in LOOK["shapes"][name])
+    return f'<polygon points="{corners}" class="{look}"{f" {others}" if others else ""}/>'
 
 
 def floor_of(track: Track, frames: Sequence[Frame], beat: Beat, pixels: float) -> Iterator[str]:
@@ -42,21 +51,27 @@ def floor_of(track: Track, frames: Sequence[Frame], beat: Beat, pixels: float) -
         yield f'<path d="{"".join(lines)}" class="of-line" stroke-width="2"/>'
     for row, col in track.slippery:
         if rows[row][col] != WALL:
-            yield box(UNIT * col + 2, UNIT * row + 2, UNIT - 4, UNIT - 4, "ice")
-            waves = "".join(
-                f"M{UNIT * col + 12} {UNIT * row + y}q19-14 38 0t38 0" for y in (25, 50, 75)
-            )
-            yield f'<path d="{waves}" class="of-wave" stroke-width="5"/>'
+            yield box(UNIT * col, UNIT * row, UNIT, UNIT, "ice") + _waves(row, col)
     all_tiles = [frame.tiles for frame in frames]
-    for tiles, spans in spans_of(_known(all_tiles)).items():
-        yield shown("".join(_tiles(tiles, pixels)), spans, beat)
+    yield from beat.each(_known(all_tiles), lambda tiles: "".join(_tiles(tiles, pixels)))
     for hidden, cells in _unseen(all_tiles).items():
-        yield shown(_covered(cells, 0, 'class="unseen"'), hidden, beat)
+        yield beat.shown(_covered(cells, 0, 'class="unseen"'), hidden)
     yield from _marks(track, frames, beat)
     if track.outer:
         edge, right, bottom = UNIT * track.outer, UNIT * width, UNIT * height
         yield box(0, 0, right, edge, "paper") + box(0, bottom - edge, right, edge, "paper")
         yield box(0, 0, edge, bottom, "paper") + box(right - edge, 0, edge, bottom, "paper")
+
+
+def _waves(row: int, col: int) -> str:
+    look = LOOK["ice"]
+    long, bend, width = (UNIT * look[name] for name in ("length", "bend", "width"))
+    waves = "".join(
+        f"M{UNIT * (col + look['left']):g} {UNIT * (row + share):g}"
+        f"q{long / 2:g} {-bend:g} {long:g} 0t{long:g} 0"
+        for share in look["waves"]
+    )
+    return f'<path d="{waves}" class="of-wave" stroke-width="{width:g}"/>'
 
 
 def _tiles(rows: TileRows, pixels: float) -> Iterator[str]:
@@ -65,23 +80,34 @@ def _tiles(rows: TileRows, pixels: float) -> Iterator[str]:
     for row, line in enumerate(rows):
         for left, right in runs_of(WALL, line):
             yield box(UNIT * left, UNIT * row, UNIT * (right - left), UNIT, "wall")
+    shelf, station = LOOK["shelf"], LOOK["station"]
+    middles = [share + shelf["thickness"] / 2 for share in shelf["boards"]]
+    inset, long = UNIT * shelf["inset"], UNIT * (1 - 2 * shelf["inset"])
     boards: list[str] = []
     for row, line in enumerate(rows[1:-1], start=1):
         for left, right in runs_of(WALL, line):
             left, right = max(left, 1), min(right, width - 1)
             if left < right:
                 yield box(UNIT * left, UNIT * row, UNIT * (right - left), UNIT, "shelf")
-                places = product(range(left, right), (34, 66))
-                boards += [f"M{UNIT * col + 12} {UNIT * row + y}h76" for col, y in places]
+                boards += [
+                    f"M{UNIT * col + inset:g} {UNIT * (row + share):g}h{long:g}"
+                    for col, share in product(range(left, right), middles)
+                ]
     if boards and pixels >= MIN_LETTER:
-        yield f'<path d="{"".join(boards)}" class="of-board" stroke-width="8"/>'
+        thick = f'stroke-width="{UNIT * shelf["thickness"]:g}"'
+        yield f'<path d="{"".join(boards)}" class="of-board" {thick}/>'
+    inset, side = UNIT * station["inset"], UNIT * (1 - 2 * station["inset"])
+    size = UNIT * max(station["letter"], MIN_TEXT / pixels)
     for row, line in enumerate(rows):
         for col, tile in enumerate(line):
             if tile in STATIONS:
-                yield box(UNIT * col + 6, UNIT * row + 6, UNIT - 12, UNIT - 12, STATIONS[tile])
+                name = LOOK["words"][tile]
+                yield box(UNIT * col + inset, UNIT * row + inset, side, side, name)
                 if pixels >= MIN_LETTER:
-                    place = f'x="{UNIT * col + 22}" y="{UNIT * row + 35}"'
-                    yield f'<text {place} font-size="30" class="dark">{tile}</text>'
+                    x = UNIT * (col + station["corner"]) + 0.36 * size
+                    y = UNIT * (row + station["corner"]) + 0.8 * size
+                    text = f'<text x="{x:.0f}" y="{y:.0f}" font-size="{size:.0f}"'
+                    yield f'{text} class="light of-dark">{tile}</text>'
 
 
 def _known(tiles: Sequence[TileRows]) -> list[TileRows]:
@@ -133,22 +159,21 @@ def _marks(track: Track, frames: Sequence[Frame], beat: Beat) -> Iterator[str]:
     following = 0
 
     def end(cell: Cell, frame: int) -> None:
-        value, first = now.pop(cell)
+        value, first = now.pop(cell, (0, frame))
         if first < frame:
             boxes.setdefault((value, (first, frame)), []).append(cell)
 
     for number, frame in enumerate(frames):
         while following < len(marks.times) and marks.times[following] <= frame.clock:
             cell = marks.cells[following]
-            if cell in now:
-                end(cell, number)
+            end(cell, number)
             now[cell] = marks.values[following], number
             following += 1
     for cell in [*now]:
         end(cell, beat.frames)
     for (value, span), cells in boxes.items():
         look = f'fill="{hex_color(marks.colors[value])}"'
-        yield shown(_covered(cells, 3, look), [span], beat)
+        yield beat.shown(_covered(cells, round(UNIT * LOOK["mark"]["inset"]), look), [span])
 
 
 def ends_of(track: Track) -> Iterator[str]:
@@ -156,5 +181,7 @@ def ends_of(track: Track) -> Iterator[str]:
     if track.marks is not None:
         for letter, (row, col) in zip("SG", track.marks.ends, strict=True):
             x, y = UNIT * col + UNIT // 2, UNIT * row + UNIT // 2
-            yield f'<circle cx="{x}" cy="{y}" r="44" class="light of-rim"/>'
-            yield f'<text x="{x}" y="{y + 20}" font-size="58" class="dark">{letter}</text>'
+            radius, size = (UNIT * LOOK["end"][name] for name in ("radius", "letter"))
+            yield f'<circle cx="{x}" cy="{y}" r="{radius:g}" class="light of-rim"/>'
+            text = f'<text x="{x}" y="{y + 0.35 * size:.0f}" font-size="{size:g}"'
+            yield f'{text} class="dark">{letter}</text>'

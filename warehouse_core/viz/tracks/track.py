@@ -15,10 +15,10 @@ from typing import NamedTuple
 from warehouse_core.orders.order import Order
 from warehouse_core.records.plans import NO_PLANS, StepPlans
 from warehouse_core.render.atlas import UNSEEN
-from warehouse_core.render.palette import Color
+from warehouse_core.render.palette import LOOK, Color
 from warehouse_core.world.tiles import WALL, Cell
 
-OUTER = 0.7
+OUTER: float = LOOK["border"]["outer"]
 """Share of the cells of a border of walls that is not shown."""
 
 INTERVAL_MS = 150

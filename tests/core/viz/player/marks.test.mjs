@@ -23,18 +23,18 @@ function words(...tracks) {
 }
 
 test("a legend names what is in the tracks and nothing else", () => {
-  assert.deepEqual(words(trackOf([along([0, 1])])), ["robot, empty"]);
+  assert.deepEqual(words(trackOf([along([0, 1])])), ["robot (empty)"]);
   const tiles = ["#P.?", "#.DC"];
   const loaded = trackOf([along([0, 1], 1)], { tiles, hits: hitsOf([[1, 1, 1, 0]]), slippery: [[1, 1]], viewRadius: 1 });
   assert.deepEqual(words(loaded), [
-    "robot with an item", "P pickup", "D dropoff", "C charger", "wall", "not seen yet",
+    "robot (loaded)", "P pickup", "D dropoff", "C charger", "wall", "not seen yet",
     "slippery floor", "what the robot does not see", "hit",
   ]);
 });
 
 test("a legend of two tracks names what either has, once", () => {
   const [empty, loaded] = [trackOf([along([0])]), trackOf([along([0], 2)], { robots: 0 })];
-  assert.deepEqual(words(empty, loaded), ["robot, empty", "robot with an item", "person"]);
+  assert.deepEqual(words(empty, loaded), ["robot (empty)", "robot (loaded)", "person"]);
 });
 
 test("a legend of a search names its marks and its ends, not the stations", () => {

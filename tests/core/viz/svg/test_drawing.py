@@ -157,7 +157,7 @@ def test_robots_of_a_fleet_have_their_places_numbers_and_orders_in_each_frame() 
         ]
         carried = sum(age is not None for age in frame.fleet.items)
         assert sum(width == "28" for _, width in boxes) == carried
-        assert sum(width == "54" for _, width in boxes) == len(frame.fleet.waiting)
+        assert sum(width == "36" for _, width in boxes) == len(frame.fleet.waiting)
     assert any(frame.fleet and frame.fleet.waiting for frame in track.frames)
 
 

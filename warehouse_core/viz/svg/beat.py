@@ -1,0 +1,137 @@
+"""The clock of an animated drawing: elements that move, turn, grow or appear, by SMIL.
+
+SMIL needs no script. What never changes has no animation. A *span* is the first frame of a time and
+the frame after it.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Hashable, Iterable, Iterator, Sequence
+from itertools import groupby
+from typing import NamedTuple, TypeVar
+
+Numbers = Sequence[tuple[int, ...]]
+Span = tuple[int, int]
+Key = TypeVar("Key", bound=Hashable)
+
+
+class Beat(NamedTuple):
+    """Frames of an animation, frames for which the last one rests, and seconds of each frame."""
+
+    frames: int
+    rest: int
+    seconds: float
+
+    def moving(self, inner: str, places: Numbers) -> str:
+        """Return a group that is at a place in each frame, and glides from one to the next."""
+        return self._transformed("translate", inner, places)
+
+    def turning(self, inner: str, degrees: Sequence[int]) -> str:
+        """Return a group that has an angle in each frame."""
+        return self._transformed("rotate", inner, [(angle,) for angle in degrees])
+
+    def jumping(self, inner: str, places: Numbers) -> str:
+        """Return a group that is at a place in each frame, without gliding."""
+        return self._transformed("translate", inner, places, glides=False)
+
+    def growing(self, name: str, values: Sequence[int]) -> tuple[str, str]:
+        """Return an attribute with its first value, and what animates it."""
+        numbers = [(value,) for value in values]
+        return f'{name}="{values[0]}"', self._animation("animate", name, numbers)
+
+    def shown(self, inner: str, spans: Sequence[Span]) -> str:
+        """Return what is shown in some spans, which are in order, and hidden at other times."""
+        if [*spans] == [(0, self.frames)]:
+            return inner
+        changes = [change for span in spans for change in zip(span, (1, 0), strict=True)]
+        changes = [(frame, value) for frame, value in changes if frame < self.frames]
+        if not changes:
+            return ""
+        if changes[0][0] > 0:
+            changes.insert(0, (0, 0))
+        values = ";".join(str(value) for _, value in changes)
+        times = self._times(frame for frame, _ in changes)
+        return (
+            f'<g opacity="{changes[0][1]}"><animate attributeName="opacity" calcMode="discrete" '
+            f'values="{values}" keyTimes="{times}" {self._timing}/>{inner}</g>'
+        )
+
+    def shown_from(self, inner: str, first: int) -> str:
+        """Return what is shown from a frame on."""
+        return self.shown(inner, [(first, self.frames)])
+
+    def each(self, keys: Iterable[Key], draw: Callable[[Key], str]) -> Iterator[str]:
+        """Yield what is drawn for each key, shown in the frames that have this key."""
+        for key, spans in spans_of(keys).items():
+            if drawn := draw(key):
+                yield self.shown(drawn, spans)
+
+    @property
+    def _timing(self) -> str:
+        """The attributes of every animation: how long a round takes, and that it is repeated."""
+        seconds = (self.frames + self.rest) * self.seconds
+        return f'dur="{seconds:.5g}s" repeatCount="indefinite"'
+
+    def _times(self, frames: Iterable[int]) -> str:
+        """Return when frames begin, as shares of a round."""
+        whole = self.frames + self.rest
+        digits = len(str(whole)) + 2
+        return ";".join(
+            f"{frame / whole:.{digits}f}".strip("0").rstrip(".") or "0" for frame in frames
+        )
+
+    def _transformed(self, kind: str, inner: str, numbers: Numbers, *, glides: bool = True) -> str:
+        start = " ".join(map(str, numbers[0]))
+        extra = f'type="{kind}" '
+        animation = self._animation("animateTransform", "transform", numbers, extra, glides=glides)
+        return f'<g transform="{kind}({start})">{animation}{inner}</g>'
+
+    def _animation(
+        self, element: str, name: str, numbers: Numbers, extra: str = "", *, glides: bool = True
+    ) -> str:
+        """Return what animates an attribute: only frames are named that cannot be left out."""
+        if all(each == numbers[0] for each in numbers):
+            return ""
+        kept = [*(_corners(numbers) if glides else _changes(numbers))]
+        values = [",".join(map(str, numbers[frame])) for frame in kept]
+        if glides:  # the times of such animations end with the round
+            kept, values = [*kept, self.frames + self.rest], [*values, values[-1]]
+        mode = "" if glides else 'calcMode="discrete" '
+        return (
+            f'<{element} attributeName="{name}" {extra}{mode}values="{";".join(values)}" '
+            f'keyTimes="{self._times(kept)}" {self._timing}/>'
+        )
+
+
+def spans_of(keys: Iterable[Key]) -> dict[Key, list[Span]]:
+    """Return the spans of each key among the keys of all frames."""
+    found: dict[Key, list[Span]] = {}
+    first = 0
+    for key, same in groupby(keys):
+        end = first + sum(1 for _ in same)
+        found.setdefault(key, []).append((first, end))
+        first = end
+    return found
+
+
+def extend(spans: list[Span], first: int, end: int) -> None:
+    """Add a span to earlier ones, of which the last may go on."""
+    if spans and spans[-1][1] == first:
+        first, _ = spans.pop()
+    spans.append((first, end))
+
+
+def _changes(numbers: Numbers) -> Iterator[int]:
+    """Yield the first frame, and each frame with other numbers than the frame before."""
+    return (frame for frame, each in enumerate(numbers) if frame == 0 or each != numbers[frame - 1])
+
+
+def _corners(numbers: Numbers) -> Iterator[int]:
+    """Yield the first frame, the last, and those that are not on the way between two others."""
+    last = len(numbers) - 1
+    yield 0
+    for frame in range(1, last):
+        around = zip(numbers[frame - 1], numbers[frame], numbers[frame + 1], strict=True)
+        if any(after - now != now - before for before, now, after in around):
+            yield frame
+    yield last
