@@ -25,9 +25,8 @@ from zipfile import ZIP_DEFLATED, ZipFile
 import numpy as np
 
 from agents.lab.datasets.table import columns_of, lines_of
-from agents.lab.experiments.case import is_fleet, make_case
+from agents.lab.experiments.case import is_fleet, make_case, run_task
 from agents.lab.experiments.choices import parse_flags, read_plan_file
-from agents.lab.experiments.episodes import run_task
 from agents.lab.experiments.plan import spread
 from agents.lab.experiments.store import Store
 from agents.lab.grading.archives import members_of, unpack

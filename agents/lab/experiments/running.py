@@ -17,8 +17,7 @@ from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from itertools import islice
 from typing import NamedTuple
 
-from agents.lab.experiments.case import Case
-from agents.lab.experiments.episodes import Done, about, run_task
+from agents.lab.experiments.case import Case, Done, about, run_task
 from agents.lab.experiments.plan import SweepPlan
 from agents.lab.experiments.store import Store
 from agents.lab.trials.rows import AnyRow

@@ -5,8 +5,7 @@ from __future__ import annotations
 from dataclasses import dataclass
 
 from agents.errors import AgentError, EpisodeError, reason_of
-from agents.lab.experiments.case import Case, cells_of
-from agents.lab.experiments.episodes import cause_of, check_fingerprint, run_one
+from agents.lab.experiments.case import Case, cause_of, cells_of, check_fingerprint, run_one
 from agents.lab.experiments.store import Store
 from agents.lab.reports.figures import MAX_CELLS
 from agents.registry import agent_file, is_own_code

@@ -66,51 +66,34 @@ class Picture:
 
 def pictures(experiment: Experiment) -> Iterator[Picture]:
     """Yield the figures that are not empty."""
-    design, kind = experiment.design, experiment.kind
-    physical = make_design(
-        {n: case for n, case in experiment.cases.items() if case["backend"] != "grid"}
-    )
-    backends = sorted({shown(labels["backend"]) for labels in physical.labels.values()})
+    kind, chart = experiment.kind, Chart(experiment, experiment.design)
+    physical = {n: case for n, case in experiment.cases.items() if case["backend"] != "grid"}
+    bodies = Chart(experiment, make_design(physical))
+    backends = sorted({shown(case["backend"]) for case in physical.values()})
     on = f", backend {listed(backends)}" if backends else ""
     for measure in kind.measures:
         if measure.is_physical:
-            yield from _chart(experiment, physical, measure, measure.title + on)
+            yield from _measure_picture(bodies, measure, measure.title + on)
         else:
-            yield from _chart(experiment, design, measure, measure.title)
+            yield from _measure_picture(chart, measure, measure.title)
     name, title = kind.modes
-    left_out = _left_out(experiment, design, _points(experiment, design))
-    charts = (themed_svg(modes_chart(experiment, title, sheet)) for sheet in SHEETS)
-    yield Picture(name, f"{title}, as shares{left_out}.", *charts)
+    svgs = (themed_svg(modes_figure(chart, title, sheet)) for sheet in SHEETS)
+    yield Picture(name, f"{title}, as shares{_left_out(chart)}.", *svgs)
     if kind is LONE:
         yield from _maps(experiment)
 
 
-def _chart(
-    experiment: Experiment, design: Design, measure: ReportedMeasure, title: str
-) -> Iterator[Picture]:
-    """Yield the chart of a measure if it has something to show."""
-    charts = [
-        themed_svg(chart)
-        for sheet in SHEETS
-        if (chart := measure_chart(experiment, design, title, measure, sheet))
-    ]
-    if charts:
-        points = _points(experiment, design)
-        caption = (
-            f"{title}: {measure.what}, {_intervals(points, measure)}"
-            f"{_left_out(experiment, design, points)}."
-        )
-        yield Picture(measure.name, caption, *charts)
+def _measure_picture(chart: Chart, measure: ReportedMeasure, title: str) -> Iterator[Picture]:
+    """Yield the picture of a measure if it has something to show."""
+    figures = [measure_figure(chart, title, measure, sheet) for sheet in SHEETS]
+    if svgs := [themed_svg(figure) for figure in figures if figure]:
+        words = f"{title}: {measure.what}, {_intervals(chart, measure)}{_left_out(chart)}."
+        yield Picture(measure.name, words, *svgs)
 
 
-def _points(experiment: Experiment, design: Design) -> list[Results]:
-    lines = lines_of(experiment, design, roles_of(design)).values()
-    return [results for line in lines for results in line.values()]
-
-
-def _intervals(points: Sequence[Results], measure: ReportedMeasure) -> str:
+def _intervals(chart: Chart, measure: ReportedMeasure) -> str:
     """Return which intervals a chart shows, and why some points have none."""
-    drawn = [(each, interval) for each in points if (interval := measured(measure, each))]
+    drawn = [(each, interval) for each in chart.points if (interval := measured(measure, each))]
     known = any(interval.is_known for _, interval in drawn)
     method = "Wilson's" if measure is SUCCESS else "bootstrap"
     words = f"with {method} {CONFIDENCE:.0%} intervals" if known else "without intervals"
@@ -130,17 +113,17 @@ def _intervals(points: Sequence[Results], measure: ReportedMeasure) -> str:
     return f"{words}{', but none where ' if known else ': '}{' or '.join(why)}"
 
 
-def _left_out(experiment: Experiment, design: Design, points: Sequence[Results]) -> str:
-    """Return the end of a caption: what a chart does not show of a design."""
-    roles = roles_of(design)
-    words = ""
+def _left_out(chart: Chart) -> str:
+    """Return the end of a caption: what a chart does not show of its design."""
+    roles, words = chart.roles, ""
     if roles.axis and len(roles.axis.values) < roles.values:
         words += f"; {len(roles.axis.values)} of {roles.values:,} values of {roles.axis.name}"
     if roles.pooled:
         names = listed([factor.name for factor in roles.pooled])
-        is_pooled = any(len(results.case_ids) > 1 for results in points)
+        is_pooled = any(len(results.case_ids) > 1 for results in chart.points)
         words += f"; {'pooled over' if is_pooled else 'of different'} {names}"
-    return words + _numbers(experiment, [number for each in points for number in each.case_ids])
+    case_ids = [number for each in chart.points for number in each.case_ids]
+    return words + _numbers(chart.experiment, case_ids)
 
 
 def _numbers(experiment: Experiment, case_ids: Sequence[int]) -> str:
@@ -214,28 +197,34 @@ Where = tuple[Value | None, Value | None]
 """The values of the panel and of the colour."""
 
 
-def lines_of(
-    experiment: Experiment, design: Design, roles: Roles
-) -> dict[Where, dict[Value | None, Results]]:
-    """Return the results of each point; the one at ``None`` is the same along the whole axis."""
-    found: dict[Where, dict[Value | None, list[int]]] = {}
-    for case_id, labels in design.labels.items():
-        panel, color, along = (
-            labels[role.name] if role else None for role in (roles.panel, roles.color, roles.axis)
-        )
-        found.setdefault((panel, color), {}).setdefault(along, []).append(case_id)
-    panels, colors, values = (
-        role.values if role else () for role in (roles.panel, roles.color, roles.axis)
-    )
-    return {
-        where: {
-            value: experiment.results(*found[where][value])
-            for value in (*values, None)
-            if value in found[where]
+class Chart:
+    """The results of a design as points of a chart.
+
+    Attributes:
+        roles: Which factor is drawn where.
+        lines: Results by the value along the axis, for each panel and colour; those at ``None``
+            are the same along the whole axis.
+        points: Results of all lines.
+    """
+
+    def __init__(self, experiment: Experiment, design: Design) -> None:
+        self.experiment, self.roles = experiment, roles_of(design)
+        roles = self.roles.panel, self.roles.color, self.roles.axis
+        found: dict[Where, dict[Value | None, list[int]]] = {}
+        for case_id, labels in design.labels.items():
+            panel, color, along = (labels[role.name] if role else None for role in roles)
+            found.setdefault((panel, color), {}).setdefault(along, []).append(case_id)
+        panels, colors, values = (role.values if role else () for role in roles)
+        self.lines = {
+            where: {
+                value: experiment.results(*found[where][value])
+                for value in (*values, None)
+                if value in found[where]
+            }
+            for where in product((None, *panels), (None, *colors))
+            if where in found
         }
-        for where in product((None, *panels), (None, *colors))
-        if where in found
-    }
+        self.points = [results for line in self.lines.values() for results in line.values()]
 
 
 PANEL_HEIGHT, HEAD, FOOT, DPI = 3.4, 1.0, 0.42, 100
@@ -381,20 +370,16 @@ DODGE = 0.012
 
 
 @mpl.rc_context({"text.parse_math": False})
-def measure_chart(
-    experiment: Experiment,
-    design: Design,
-    title: str,
-    measure: ReportedMeasure,
-    sheet: Sheet = WIDE,
+def measure_figure(
+    chart: Chart, title: str, measure: ReportedMeasure, sheet: Sheet = WIDE
 ) -> SceneFigure | None:
     """Draw a measure with its intervals, unless nothing differs or there is nothing to measure."""
-    roles = roles_of(design)
+    roles = chart.roles
     if roles.axis is None:
         return None
     lines = {
         where: {value: measured(measure, results) for value, results in line.items()}
-        for where, line in lines_of(experiment, design, roles).items()
+        for where, line in chart.lines.items()
     }
     if not any(point for line in lines.values() for point in line.values()):
         return None
@@ -504,12 +489,11 @@ BAR_LETTERS = 5
 
 
 @mpl.rc_context({"text.parse_math": False})
-def modes_chart(experiment: Experiment, title: str, sheet: Sheet = WIDE) -> SceneFigure:
+def modes_figure(chart: Chart, title: str, sheet: Sheet = WIDE) -> SceneFigure:
     """Draw the shares of the outcomes as stacked bars."""
-    roles = roles_of(experiment.design)
-    lines = lines_of(experiment, experiment.design, roles)
+    roles, lines = chart.roles, chart.lines
     everywhere = f"any {roles.axis.name}" if roles.axis else "all episodes"
-    occurring = {mode for line in lines.values() for each in line.values() for mode in each.modes}
+    occurring = {mode for results in chart.points for mode in results.modes}
     panels = make_panels(sheet, title, len(lines), list(occurring))
     most = panels.letters // BAR_LETTERS
     for (panel, color), line, each in zip(lines, lines.values(), panels.axes, strict=True):

@@ -13,8 +13,7 @@ from typing import Any, NamedTuple
 import numpy as np
 
 from agents.lab.experiments.case import Case, row_type
-from agents.lab.experiments.store import Store
-from agents.lab.experiments.tables import TABLE_OF
+from agents.lab.experiments.store import TABLE_OF, Store
 from agents.lab.reports.design import Design, make_design
 from agents.lab.trials.interval import Interval, mean_interval, share_interval
 from agents.lab.trials.rows import MODES_OF, AnyRow, FleetRow, Row

@@ -1,17 +1,117 @@
-"""Plans: every combination once, within limits, with seeds that can be stored."""
+"""Plans: from files, flags and presets, checked, with every combination once."""
 
+from contextlib import nullcontext
+from pathlib import Path
 from typing import Any
 
 import pytest
+from helpers.command_line import Refused, Warehouse
+from helpers.sweeps import Here, nothing
 
 from agents.errors import ParameterError
-from agents.lab.experiments.plan import (
-    MAX_EPISODES,
-    MAX_SEED,
-    SweepPlan,
-    make_plan,
-    spread,
+from agents.lab.experiments import choices as plan_file
+from agents.lab.experiments import sweep
+from agents.lab.experiments.case import key_of, make_case
+from agents.lab.experiments.choices import MAX_BYTES, PlanFile, parse_flags, read_plan_file
+from agents.lab.experiments.plan import MAX_EPISODES, MAX_SEED, SweepPlan, make_plan, spread
+from agents.lab.experiments.running import run_missing
+from agents.lab.experiments.store import Store
+from agents.lab.experiments.sweep import PRESETS
+from agents.lab.parameters import PARAMETERS
+
+BIG = "1" + 400 * "0"
+
+
+def to(text: str) -> str:
+    return f"[settings]\n{text}"
+
+
+INVALID: dict[str, tuple[str | bytes | None, str]] = {
+    "an unknown key": ("episode = 3", "episode"),
+    "an unknown setting": (to("batery = 3"), "batery"),
+    "a negative mass": ("[robot]\nmass = -1\n[settings]\nbackend = 'physics'", "mass"),
+    "a number instead of a table": ("settings = 3", "settings"),
+    "an unknown key in a range": (to("battery = {from = 1, to = 2, step = 1, by = 1}"), "battery"),
+    "an empty list": (to("battery = []"), "battery"),
+    "a list in a list": (to("battery = [[3]]"), "battery"),
+    "nan": (to("density = nan"), "density"),
+    "a number with many digits": (to("battery = " + 1000 * "9"), "battery"),
+    "a long line": (to("battery = " + 5000 * "9"), "line 2 is longer than MAX_LINE = 2000 bytes"),
+    "a deep key": (to(10 * "a." + "b = 3"), "line 2 has a key of more than MAX_DEPTH = 10 parts"),
+    "a deep table": (f"[{10 * 'a.'}b]", "line 1 has a key of more than MAX_DEPTH = 10 parts"),
+    "a key that is not too deep": (to(9 * "a." + "b = 3"), "no setting is called 'a'"),
+    "a size that is too big": (to("layout = 'random'\nsize = '9999x9999'"), "9999"),
+    "an unknown agent": (to("agent = 'nobody'"), "nobody"),
+    "a null character in a file name": (to('layout = "a\\u0000b"'), "no layout is called"),
+    "a tiny step": (to("density = {from = 0, to = 0.3, step = 1e-320}"), "density"),
+    "a descending range": (to("battery = {from = 9, to = 1, step = 1}"), "battery"),
+    "a long range": (to("battery = {from = 1, to = 1000000000, step = 1}"), "battery"),
+    "billions of combinations": (
+        to("battery = {from = 1, to = 999, step = 1}\n")
+        + "".join(
+            f"{name} = {{from = 1, to = 1000, step = 1}}\n"
+            for name in ("max_steps", "memory", "view_radius")
+        ),
+        "max_steps",
+    ),
+    "a range from a text": (to("battery = {from = 'a', to = 3, step = 1}"), "battery.from is 'a'"),
+    "a setting twice": ("[settings]\n'robot.mass' = 3\n[robot]\nmass = 4", "robot.mass"),
+    "no episodes": ("episodes = 0", "episodes"),
+    "a negative seed": ("seed = -1", "seed"),
+    "deep nesting": (to("battery = " + 1900 * "[\n" + 1900 * "]\n"), "open brackets"),
+    "not TOML": ("battery: 3", "line 1"),
+    "not UTF-8": (b"\xff\xfe", "plan.toml: 'utf-8' codec can't decode"),
+    "too long": (b"#" * (MAX_BYTES + 1), "plan.toml: it is longer"),
+    "a directory": (None, "plan.toml"),
+}
+
+
+@pytest.mark.parametrize(("text", "named"), INVALID.values(), ids=INVALID)
+def test_an_invalid_plan_is_a_one_line_error_and_no_file_is_written(
+    refused: Refused, text: str | bytes | None, named: str
+) -> None:
+    plan = Path("plan.toml")
+    if text is None:
+        plan.mkdir()
+    else:
+        plan.write_bytes(text.encode() if isinstance(text, str) else text)
+    few = () if isinstance(text, str) and "episodes" in text else ("-n", 1)
+    line = refused("sweep", plan, *few)
+    assert named in line
+    assert list(Path().iterdir()) == [plan]
+
+
+def test_the_example_in_the_documentation_of_plan_files_is_valid() -> None:
+    text = (plan_file.__doc__ or "").split("::\n")[1].replace("\n    ", "\n")
+    path = Path("plan.toml")
+    path.write_text(text)
+    given = read_plan_file(path)
+    assert (given.episodes, given.seed) == (200, 0)
+    assert given.choices["robot.mass"] == [50, 70]
+    # On the grid the robot has no effect: 2 * 10 cases, and with physics 2 * 10 * 2 * 2.
+    assert len(make_plan(given.choices, 200, 0).cases) == 20 + 80
+
+
+@pytest.mark.parametrize(
+    ("content", "episodes"), [(b"", None), (b"\xef\xbb\xbfepisodes = 3\r\n", 3)]
 )
+def test_an_empty_file_is_a_plan_of_defaults_and_a_byte_order_mark_is_ignored(
+    content: bytes, episodes: int | None
+) -> None:
+    path = Path("plan.toml")
+    path.write_bytes(content)
+    assert read_plan_file(path) == PlanFile({}, episodes, None)
+    assert [key_of(case) for case in make_plan({}, 1, 0).cases] == [key_of(make_case({}))]
+
+
+def test_flags_may_be_lists_ranges_words_and_names_with_colons() -> None:
+    flags = ["escape=on,FALSE", "battery=20:60:20", "agent=ppo:a.npz, greedy", "density=0.1"]
+    assert parse_flags(flags) == {
+        "escape": [True, False],
+        "battery": {"from": 20, "to": 60, "step": 20},
+        "agent": ["ppo:a.npz", "greedy"],
+        "density": [0.1],
+    }
 
 
 def values_of(name: str, plan: SweepPlan) -> list[Any]:
@@ -54,3 +154,33 @@ def test_the_numbers_of_a_range_are_short_decimals() -> None:
     values = spread("density", {"from": 0, "to": 0.4, "step": 0.05})
     assert values == [0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4]
     assert str(spread("density", -0.0)) == "[0.0]"
+
+
+@pytest.mark.parametrize("name", PRESETS)
+def test_a_preset_varies_a_parameter_with_a_question_and_can_be_run(
+    tmp_path: Path, name: str
+) -> None:
+    choices = read_plan_file(PRESETS[name]).choices
+    plan = make_plan({**choices, "max_steps": 20}, 1, 0)
+    values = {name: {case[name] for case in plan.cases if name in case} for name in choices}
+    varied = [name for name in values if len(values[name]) > 1]
+    assert varied
+    assert all(PARAMETERS[each].question.endswith("?") for each in varied)
+    with Store(tmp_path / "r.sqlite") as store:
+        run_missing(plan, store, Here(), 1, nothing)
+        assert [store.count(case, plan.seeds) for case in plan.cases] == [1] * len(plan.cases)
+
+
+def test_the_preset_sets_the_number_of_episodes_unless_another_is_given(
+    warehouse: Warehouse, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(sweep, "process_pool", lambda count: nullcontext((Here(), count)))
+    text = PRESETS["escape"].read_text().replace("episodes = 2000", "episodes = 3")
+    plan = tmp_path / "plan.toml"
+    plan.write_text(text)
+    monkeypatch.setitem(PRESETS, "escape", plan)
+    words = ["--preset", "escape", "--set", "memory=5", "--jobs", 1]
+    printed = warehouse("sweep", *words, "-o", tmp_path / "r.sqlite").out
+    assert printed.startswith("2 combinations, 3 episodes each, 0 done\n")
+    printed = warehouse("sweep", *words, "-n", 1, "-o", tmp_path / "r.sqlite").out
+    assert printed.startswith("2 combinations, 1 episode each, 2 done\n")

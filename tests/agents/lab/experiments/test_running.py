@@ -10,7 +10,7 @@ import pytest
 from helpers.sweeps import AGENT, Here, nothing, table
 
 from agents.errors import StoreError, WorkerError
-from agents.lab.experiments.episodes import run_task
+from agents.lab.experiments.case import run_task
 from agents.lab.experiments.plan import SweepPlan, make_plan
 from agents.lab.experiments.running import (
     MAX_FAILURES,
@@ -186,7 +186,7 @@ def test_an_error_that_cannot_be_pickled_is_reported_too() -> None:
 def test_an_episode_that_takes_long_is_reported_once_with_its_place(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
-    monkeypatch.setattr("agents.lab.experiments.episodes.SLOW_SECONDS", 0.2)
+    monkeypatch.setattr("agents.lab.experiments.case.SLOW_SECONDS", 0.2)
     monkeypatch.setattr("agents.lab.console.watch.LOOK_SECONDS", 0.01)
     plan = plan_of(act="__import__('time').sleep(0.5)")
     run(Here(), plan)
@@ -309,20 +309,12 @@ def test_a_worker_of_another_program_is_an_error_and_its_rows_are_not_stored(
 ) -> None:
     before = run(Here(), make_plan({}, 3, 0))
     # Only what runs the episodes is another program, not what stores them.
-    monkeypatch.setattr(
-        "agents.lab.experiments.episodes.program_for", lambda backend: f"new {backend}"
-    )
+    monkeypatch.setattr("agents.lab.experiments.case.program_for", lambda backend: f"new {backend}")
     with pytest.raises(StoreError, match="new ones would be run by new grid; "):
         run(Here(), make_plan({}, 5, 0))
     assert table(PATH) == before
     with Store(PATH, read_only=True) as store:
         assert store.programs(1) == [program_for("grid")]
-
-
-def test_rows_finished_at_the_same_time_as_a_failure_are_kept() -> None:
-    with pytest.raises(ArithmeticError):
-        run(Here(fails_at=5), make_plan({}, 20, 5), workers=10)
-    assert [found[1] for found in table(PATH)] == list(range(6, 25))
 
 
 def test_rows_are_reported_once_after_they_are_stored() -> None:

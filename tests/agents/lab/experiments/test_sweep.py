@@ -1,16 +1,19 @@
 """The command ``warehouse sweep``: finished episodes are kept however it ends, and it resumes."""
 
+import io
 import os
+import re
 import signal
+import sys
 import time
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from contextlib import AbstractContextManager, nullcontext, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
 from helpers.command_line import Refused, Warehouse
-from helpers.results_files import outcomes
+from helpers.results_files import fleet_row, outcomes
 from helpers.sweeps import (
     AGENT,
     Here,
@@ -21,14 +24,16 @@ from helpers.sweeps import (
     uninterrupted,
     words,
 )
+from helpers.terminal import Terminal
 
 from agents.lab.experiments import sweep as sweep_command
 from agents.lab.experiments.case import make_case
 from agents.lab.experiments.plan import SweepPlan
 from agents.lab.experiments.store import Store
+from agents.lab.experiments.sweep import sweep_bar
 from agents.lab.parameters import PARAMETERS
 from agents.lab.runs.programs import program_for
-from agents.lab.trials.rows import FleetRow
+from agents.lab.trials.rows import AnyRow, FleetRow, Row
 from warehouse_core.batch.fleet_settings import MAX_BODIES
 from warehouse_core.world.generators import MAX_DENSITY
 
@@ -224,3 +229,71 @@ def test_a_sweep_of_fleets_is_resumed_and_reported(
     assert (tmp_path / "figures" / "per_hour.svg").exists()
     page = path.with_suffix(".html").read_text()
     assert page.index("items an hour") > page.index("All cases")
+
+
+# The progress bar.
+
+
+def rows_of(*modes: str) -> list[Row]:
+    return [Row(seed, mode, 1, 1, 0, 0, 0, 0, 0, 0) for seed, mode in enumerate(modes)]
+
+
+def shown(monkeypatch: pytest.MonkeyPatch, screen: io.StringIO, *news: Sequence[AnyRow]) -> str:
+    """Return what a bar for 8 episodes writes."""
+    monkeypatch.setattr(sys, "stderr", screen)
+    monkeypatch.setenv("COLUMNS", "100")
+    monkeypatch.setenv("TERM", "xterm")
+    with sweep_bar(8, lambda: None) as report:
+        for each in news:
+            time.sleep(0.02)  # without it the rate would be too large for the line
+            report(each, [])
+    return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", screen.getvalue())
+
+
+def last_line(text: str) -> str:
+    return re.split(r"[\r\n]+", text.strip())[-1]
+
+
+def test_a_terminal_shows_the_count_the_rate_the_time_left_and_the_share_delivered(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    some = rows_of("delivered", "stalled", "delivered")
+    line = last_line(shown(monkeypatch, Terminal(), some, [], rows_of("wandering")))
+    assert re.search(r"[━╸╺ ]+ 4/8 [\d,]+/s \d:\d\d:\d\d 50% delivered", line), line
+
+
+@pytest.mark.parametrize(
+    ("news", "ending"),
+    [
+        (
+            [rows_of("delivered"), rows_of("stalled"), rows_of("stalled", "stalled")],
+            " 4/8 .* 25% delivered",
+        ),
+        ([[fleet_row(0), fleet_row(1, delivered=1)]], " 2/8 .* 30% delivered"),
+    ],
+    ids=["episodes of lone robots", "orders of fleets"],
+)
+def test_the_share_is_of_all_so_far(
+    monkeypatch: pytest.MonkeyPatch, news: list[list[AnyRow]], ending: str
+) -> None:
+    assert re.search(f"{ending} *$", last_line(shown(monkeypatch, Terminal(), *news)))
+
+
+def test_the_share_is_left_out_until_it_is_known_and_all_without_a_terminal(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    assert shown(monkeypatch, io.StringIO(), rows_of("delivered")) == ""
+    text = shown(monkeypatch, Terminal(), [])
+    assert "0/8" in text
+    assert "delivered" not in text
+    assert "None" not in text
+
+
+def test_a_failure_that_comes_again_is_told_once(
+    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    with sweep_bar(8, lambda: None) as report:
+        for failures in (["a is broken", "a is broken"], ["a is broken", "b is broken"]):
+            report([], failures)
+    lines = sorted(capsys.readouterr().err.splitlines())
+    assert lines == ["warehouse: a is broken", "warehouse: b is broken"]

@@ -10,9 +10,8 @@ from helpers.command_line import write_mine
 from helpers.results_files import row
 
 from agents.errors import StoreError
-from agents.lab.experiments.case import FINGERPRINT, Case, make_case
-from agents.lab.experiments.episodes import run_one as run_whole
-from agents.lab.experiments.episodes import run_task
+from agents.lab.experiments.case import FINGERPRINT, Case, make_case, run_task
+from agents.lab.experiments.case import run_one as run_whole
 from agents.lab.experiments.store import Store
 from agents.lab.reports import examples
 from agents.lab.reports.examples import Example, FoundEpisode, find_examples, replay

@@ -12,13 +12,18 @@ import numpy as np
 import pytest
 from helpers.results_files import OFF, ON, Cases, experiment_of, hall, outcomes, row
 from matplotlib.axes import Axes
+from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.colors import to_hex, to_rgb
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 from matplotlib.text import Text
+from matplotlib.transforms import Bbox
 from matplotlib.typing import ColorType
+from numpy.typing import NDArray
 
+from agents.lab.experiments.case import make_case
 from agents.lab.experiments.plan import make_plan
+from agents.lab.experiments.store import Store
 from agents.lab.reports import figures as figures_module
 from agents.lab.reports.design import make_design
 from agents.lab.reports.figures import (
@@ -28,19 +33,23 @@ from agents.lab.reports.figures import (
     PHONE,
     SHEETS,
     WIDE,
+    Chart,
     Picture,
     Sheet,
     draw_legend,
     fitting,
     ink_on,
     make_panels,
-    measure_chart,
-    modes_chart,
+    measure_figure,
+    modes_figure,
     pictures,
     roles_of,
+    stuck_cells,
+    stuck_heat_map,
     themed_svg,
 )
 from agents.lab.reports.results import STEPS, SUCCESS, Experiment
+from warehouse_core import DEFAULT_LAYOUT, random_layout
 from warehouse_core.records.failure_modes import FLEET_MODES, MODES
 from warehouse_core.render.palette import COLORS, INK, PAPER
 from warehouse_core.render.palette import SERIES as LINES
@@ -71,10 +80,14 @@ def experiment() -> Iterator[Experiment]:
         yield opened
 
 
+def chart_of(experiment: Experiment) -> Chart:
+    return Chart(experiment, experiment.design)
+
+
 def draw(experiment: Experiment, *, modes: bool = False) -> SceneFigure:
     if modes:
-        return modes_chart(experiment, "Modes")
-    figure = measure_chart(experiment, experiment.design, "Success", SUCCESS)
+        return modes_figure(chart_of(experiment), "Modes")
+    figure = measure_figure(chart_of(experiment), "Success", SUCCESS)
     assert figure is not None
     return figure
 
@@ -134,11 +147,11 @@ def test_a_case_that_does_not_depend_on_the_axis_is_a_horizontal_line() -> None:
 def test_without_deliveries_or_differences_there_is_no_chart_of_a_measure() -> None:
     cases = [({"battery": battery}, outcomes("ww")) for battery in (1, 2)]
     with experiment_of(cases) as experiment:
-        assert measure_chart(experiment, experiment.design, "", STEPS) is None
+        assert measure_figure(chart_of(experiment), "", STEPS) is None
 
     with experiment_of([({}, outcomes("dw"))]) as experiment:
-        assert measure_chart(experiment, experiment.design, "", SUCCESS) is None
-        [axes] = modes_chart(experiment, "").axes
+        assert measure_figure(chart_of(experiment), "", SUCCESS) is None
+        [axes] = modes_figure(chart_of(experiment), "").axes
         assert [label.get_text() for label in axes.get_xticklabels()] == ["all episodes"]
 
 
@@ -253,13 +266,15 @@ def test_only_ordered_values_are_joined_by_a_line() -> None:
 def test_a_share_is_written_into_the_middle_of_its_part_where_there_is_room() -> None:
     words = "d" * 11 + "o" + "w" * 2
     with experiment_of([({}, outcomes(words))]) as experiment:
-        [axes] = modes_chart(experiment, "").axes
+        [axes] = modes_figure(chart_of(experiment), "").axes
     written = {text.get_text(): text.get_position() for text in axes.texts}
     assert written == {"79%": (0, pytest.approx(11 / 28)), "14%": (0, pytest.approx(13 / 14))}
     assert all((text.get_ha(), text.get_va()) == ("center",) * 2 for text in axes.texts)
     batteries = [({"battery": battery}, outcomes("d")) for battery in range(1, 13)]
     with experiment_of(batteries) as experiment:
-        [wide], [phone] = (modes_chart(experiment, "", sheet).axes for sheet in (WIDE, PHONE))
+        [wide], [phone] = (
+            modes_figure(chart_of(experiment), "", sheet).axes for sheet in (WIDE, PHONE)
+        )
     assert (len(wide.texts), len(phone.texts)) == (12, 0)
 
 
@@ -415,7 +430,7 @@ def test_points_of_one_combination_each_have_intervals() -> None:
 def test_the_caption_states_which_intervals_are_drawn(counts: tuple[int, int], words: str) -> None:
     lines = [[row(n, steps=30 + n) for n in range(count)] for count in counts]
     with experiment_of(list(zip((ON, OFF), lines, strict=True))) as experiment:
-        chart = measure_chart(experiment, experiment.design, "", STEPS)
+        chart = measure_figure(chart_of(experiment), "", STEPS)
         [steps] = [each.caption for each in pictures(experiment) if each.name == "steps"]
     assert chart is not None
     whiskers = [
@@ -531,3 +546,82 @@ def test_the_style_replaces_the_colours_that_are_used_and_nothing_else_changes()
         f'[style*="fill: {ink}"]{{fill:{DARK[ink]}!important}}'
         f'[style*="fill: {paper}"]{{fill:{DARK[paper]}!important}}'
     )
+
+
+# Heat maps.
+
+ROWS = ("######", "#....#", "#..#.#", "#....#", "######")
+LARGE = random_layout(20, 40, 0.2, 3).rows
+TALL = ("#" * 4, *["#.P#", "#D.#"] * 20, "#" * 4)
+
+
+def counts(*places: tuple[int, int, int], rows: tuple[str, ...] = ROWS) -> NDArray[np.int64]:
+    grid = np.zeros((len(rows), len(rows[0])), dtype=np.int64)
+    for at_row, col, count in places:
+        grid[at_row, col] = count
+    return grid
+
+
+def titled(figure: Figure) -> list[Axes]:
+    return [axes for axes in figure.axes if axes.get_title(loc="left")]
+
+
+@pytest.fixture
+def store(tmp_path: Path) -> Iterator[Store]:
+    with Store(tmp_path / "r.sqlite") as opened:
+        yield opened
+
+
+def test_episodes_are_counted_where_they_were_stuck(store: Store) -> None:
+    first, second, other = (store.case_id(make_case({"memory": m})) for m in (1, 2, 3))
+    cells = {"wandering": [(1, 2), (1, 2), (3, 3)], "unreachable": [(1, 1)], "delivered": [(2, 2)]}
+    rows = [
+        row(0, mode, row=cell[0], col=cell[1]) for mode, found in cells.items() for cell in found
+    ]
+    store.add(first, [each._replace(seed=seed) for seed, each in enumerate(rows)])
+    store.add(second, [row(0, "wandering", row=1, col=2)])
+    store.add(other, [row(0, "wandering"), row(1, "stalled")])
+    stuck = stuck_cells(store, DEFAULT_LAYOUT.rows, [first, second])
+    assert list(stuck) == ["unreachable", "wandering"]
+    assert stuck["wandering"].shape == (7, 12)
+    assert stuck["wandering"][1, 2] == 3
+    assert stuck["wandering"][3, 3] == 1
+    assert stuck["wandering"].sum() == 4
+    assert stuck["unreachable"].sum() == stuck["unreachable"][1, 1] == 1
+
+
+def test_heat_maps_are_in_the_order_of_the_modes(store: Store) -> None:
+    case_id = store.case_id(make_case({}))
+    store.add(case_id, [row(99)])
+    assert stuck_cells(store, DEFAULT_LAYOUT.rows, [case_id]) == {}, "without failures"
+    store.add(case_id, [row(n, mode) for n, mode in enumerate(reversed(MODES))])
+    assert tuple(stuck_cells(store, DEFAULT_LAYOUT.rows, [case_id])) == MODES[1:]
+
+
+def test_a_panel_of_a_heat_map_has_its_mode_its_count_and_its_share() -> None:
+    stuck = {"wandering": counts((1, 2, 900), (3, 3, 100)), "stalled": counts((1, 1, 1))}
+    figure = stuck_heat_map(ROWS, stuck, 4000)
+    titles = [axes.get_title(loc="left") for axes in titled(figure)]
+    assert titles == ["wandering: 1,000 (25.0%)", "stalled: 1 (0.0%)"]
+
+
+@pytest.mark.parametrize(
+    ("rows", "count"), [(ROWS, 1), (LARGE, 4), (TALL, 5), (ROWS, len(MODES) - 1)]
+)
+@pytest.mark.parametrize("sheet", SHEETS)
+def test_heat_maps_neither_overlap_nor_leave_the_figure(
+    rows: tuple[str, ...], count: int, sheet: Sheet
+) -> None:
+    stuck = {mode: counts((1, 1, 1_000_000), rows=rows) for mode in MODES[1 : count + 1]}
+    figure = stuck_heat_map(rows, stuck, 1_000_000, sheet)
+    assert figure.get_figwidth() <= sheet.width + 1e-9
+    FigureCanvasAgg(figure).draw()
+    boxes = [axes.get_tightbbox().frozen() for axes in figure.axes]
+    assert len(boxes) == 2 * count, "each panel has its bar"
+    whole = [Bbox.union(boxes[n : n + 2]) for n in range(0, 2 * count, 2)]
+    for number, box in enumerate(whole):
+        assert box.x0 >= 0
+        assert box.y0 >= 0
+        assert box.x1 <= figure.bbox.width
+        assert box.y1 <= figure.bbox.height
+        assert not any(box.overlaps(other) for other in whole[:number])

@@ -1,4 +1,4 @@
-"""Worker processes end with their parent, and one that ends is an error of its call alone."""
+"""Workers end with their parent, one that ends is an error of its call, and interrupts wait."""
 
 import multiprocessing
 import os
@@ -15,7 +15,13 @@ import pytest
 from helpers.command_line import ROOT
 
 from agents.errors import WorkerError
-from agents.lab.trials.workers import ending_of, process_pool, teller
+from agents.lab.trials.workers import (
+    blocked_interrupts,
+    deferred_interrupts,
+    ending_of,
+    process_pool,
+    teller,
+)
 
 ORPHAN_MAKER = """
 import os, time
@@ -147,3 +153,70 @@ def test_a_result_that_dask_takes_for_an_error_is_the_end_of_a_worker() -> None:
     assert ending_of(raised.value) == "the Dask worker that ran it has ended"
     assert ending_of(ValueError("of an agent")) is None
     assert ending_of(None) is None
+
+
+SLEEPER = [sys.executable, "-c", "import time; print('up', flush=True); time.sleep(60)"]
+
+
+def interrupt() -> None:
+    """Send SIGINT to this thread; ``os.kill`` could reach any thread of the process."""
+    signal.raise_signal(signal.SIGINT)
+
+
+@pytest.mark.usefixtures("interrupts_raise")
+@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM])
+def test_an_interrupt_is_deferred_until_the_check(number: int) -> None:
+    done = []
+    with deferred_interrupts() as check:
+        check()
+        signal.raise_signal(number)
+        signal.raise_signal(number)
+        done.append("step done")
+        with pytest.raises(KeyboardInterrupt):
+            check()
+    assert done == ["step done"]
+
+
+@pytest.mark.usefixtures("interrupts_raise")
+def test_without_an_interrupt_nothing_is_raised_and_the_handler_is_restored() -> None:
+    before = signal.getsignal(signal.SIGINT)
+    with deferred_interrupts() as check:
+        check()
+    assert signal.getsignal(signal.SIGINT) is before
+    with pytest.raises(KeyboardInterrupt):
+        interrupt()
+
+
+@pytest.mark.usefixtures("interrupts_raise")
+def test_after_a_deferred_interrupt_further_signals_are_ignored() -> None:
+    with deferred_interrupts():
+        interrupt()
+    signal.raise_signal(signal.SIGTERM)
+
+
+@pytest.mark.usefixtures("interrupts_raise")
+def test_a_child_started_with_blocked_interrupts_is_not_interrupted() -> None:
+    with blocked_interrupts():
+        child = subprocess.Popen(SLEEPER, stdout=subprocess.PIPE)
+    try:
+        assert child.stdout is not None
+        child.stdout.readline()
+        child.send_signal(signal.SIGINT)
+        time.sleep(0.2)
+        assert child.poll() is None
+    finally:
+        child.kill()
+        child.communicate()
+
+
+@pytest.mark.usefixtures("interrupts_raise")
+def test_an_interrupt_while_children_start_is_raised_afterwards() -> None:
+    done = []
+    with deferred_interrupts() as check:
+        with blocked_interrupts():
+            interrupt()
+            check()
+            done.append("all have started")
+        with pytest.raises(KeyboardInterrupt):
+            check()
+    assert done == ["all have started"]
