@@ -121,7 +121,7 @@ class Network:
             raise RecordError(f"{path}: {error}") from error
 
     def _activate(self, values: SingleFloats) -> SingleFloats:
-        """Return the outputs of a layer but the last: those of its sums that are positive, or 0."""
+        """Return the outputs for the sums of any layer but the last: negative ones become 0."""
         return np.maximum(values, 0)
 
     def _outputs(self, inputs: SingleFloats) -> SingleFloats:

@@ -5,7 +5,6 @@ with seeds from 100 on. Training takes the steps of ``warehouse train clone --la
 each agent acts alone, by NumPy, without a penalty.
 """
 
-import inspect
 import os
 import time
 from collections.abc import Callable, Iterator
@@ -16,8 +15,7 @@ import pytest
 from helpers.floors import rooms, scattered, shelves
 
 from agents import CloneAgent, ExploringAgent, GreedyAgent, ModelBasedAgent, PPOAgent
-from agents.lab.commands.clone import make_clone_learner, train_clone
-from agents.lab.commands.train import make_learner
+from agents.lab.commands.train import KINDS, make_clone_learner, make_learner
 from agents.lab.trials.random_layouts import RandomLayouts, VariedLayouts
 from agents.lab.trials.task import Task
 from agents.learning.learner import MakeAgent
@@ -73,10 +71,9 @@ def delivered(make_agent: MakeAgent, floors: Floors) -> float:
 @cache
 def clone_of_astar(seed: int) -> tuple[MakeAgent, float]:
     """Return a clone, and the minutes of processor time of its training."""
-    steps = inspect.signature(train_clone).parameters["steps"].default
     task = Task(VariedLayouts(pool_seed=seed), 800, 800)
     begin = time.process_time()
-    learner = make_clone_learner("astar", task, steps, seed)
+    learner = make_clone_learner("astar", task, KINDS["clone"].steps, seed)
     learner.learn(lambda *_: None)
     return learner.agents(), (time.process_time() - begin) / 60
 

@@ -1,5 +1,6 @@
 """Trainings with short exams, here and in a process of its own."""
 
+import pickle
 from collections.abc import Callable
 from typing import Any
 
@@ -51,3 +52,30 @@ def check_seeds(make_learner: Callable[..., Any]) -> None:
     assert equal(first, again)
     assert not equal(first, other)
     assert not equal(first, untrained)
+
+
+def check_resumed(make_learner: Callable[[], Any], stop_at: int) -> tuple[Any, Any]:
+    """Assert that a training that is stopped and resumed ends like a whole one; return both.
+
+    Each learner is made when it is needed, because it seeds the random streams of its libraries.
+    """
+    stored: list[bytes] = []
+    begun = make_learner()
+
+    def store_and_stop(steps: int, _: float, __: Any) -> None:
+        if steps == stop_at:
+            stored.append(pickle.dumps(begun.state()))
+            raise KeyboardInterrupt
+
+    with pytest.raises(KeyboardInterrupt):
+        begun.learn(store_and_stop)
+    calls: tuple[list[Any], list[Any]] = ([], [])
+    whole = make_learner()
+    whole.learn(lambda *call: calls[0].append(call[:2]))
+    resumed = make_learner()
+    resumed.restore(pickle.loads(stored[0]))
+    resumed.learn(lambda *call: calls[1].append(call[:2]))
+    assert len(calls[1]) > 1
+    assert repr(calls[1]) == repr(calls[0][-len(calls[1]) :])  # two NaNs are not equal
+    assert equal(whole.network(), resumed.network())
+    return whole, resumed

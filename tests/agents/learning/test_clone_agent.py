@@ -12,12 +12,10 @@ from agents.errors import AgentError
 from agents.lab.trials.task import Task
 from agents.learning.clone_agent import CloneAgent
 from agents.learning.map_memory import MapMemory, view_size
-from agents.learning.policy_network import MoveNetwork
 from agents.registry import make_agent
 from warehouse_core import (
     BatchEnv,
     Layout,
-    RecordError,
     WarehouseEnv,
     random_layout,
     record_episode,
@@ -27,32 +25,10 @@ from warehouse_core.world.actions import ACTIONS
 FLOOR = random_layout(8, 9, 0.2, seed=1)
 
 
-def test_a_network_is_read_as_it_was_written(tmp_path: Path) -> None:
-    network, path = random_moves(1), tmp_path / "n.npz"
-    network.save(path)
-    read = MoveNetwork.load(path)
-    views = np.random.default_rng(2).random((5, view_size(3))).astype(np.float32)
-    assert (read.view_radius, read.radius) == (2, 3)
-    assert np.array_equal(read.scores(views), network.scores(views))
-
-
 def test_the_same_layers_judge_each_move() -> None:
     """What is the same in all directions makes all moves equally good."""
     views = np.ones((1, view_size(3)), np.float32)
     assert np.ptp(random_moves(3).scores(views)) < 1e-5
-
-
-def test_layers_that_do_not_fit_are_refused(tmp_path: Path) -> None:
-    network = random_moves(1)
-    with pytest.raises(ValueError, match="layer 0 has the shapes"):
-        MoveNetwork(2, 4, network.layers)
-    weights, biases = network.layers[2]
-    with pytest.raises(ValueError, match="layer 2 has numbers that are not finite"):
-        MoveNetwork(2, 3, [*network.layers[:2], (weights * np.nan, biases)])
-    network.radius = 4
-    network.save(tmp_path / "n.npz")
-    with pytest.raises(RecordError, match=r"n\.npz: layer 0 has the shapes"):
-        MoveNetwork.load(tmp_path / "n.npz")
 
 
 def test_an_agent_does_what_a_batch_of_its_network_does() -> None:

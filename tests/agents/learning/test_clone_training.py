@@ -1,14 +1,13 @@
 """Training by imitation. Run with ``-m learning``; it needs the extra ``rl``."""
 
-import pickle
 from pathlib import Path
 from typing import Any
 
 import pytest
 from helpers.command_line import Refused, Warehouse
-from helpers.training import check_seeds, equal, ignore, shorten_exams
+from helpers.training import check_resumed, check_seeds, ignore, shorten_exams
 
-from agents.lab.commands.clone import make_clone_learner
+from agents.lab.commands.train import make_clone_learner
 from agents.lab.trials.random_layouts import VariedLayouts
 from agents.lab.trials.task import Task
 from agents.learning.clone_agent import CloneAgent
@@ -32,23 +31,7 @@ def test_the_same_seed_trains_the_same_network() -> None:
 @pytest.mark.parametrize("teacher", ["astar", "exploring"])
 def test_a_training_that_is_resumed_is_the_same_to_the_last_bit(teacher: str) -> None:
     task = Task(VariedLayouts(9, 9, count=30), 100, 100)
-    begun = learner(6, teacher=teacher, task=task)
-    stored: list[bytes] = []
-
-    def store_and_stop(steps: int, _: float, __: Any) -> None:
-        if steps == 3 * ROUND:
-            stored.append(pickle.dumps(begun.state()))
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        begun.learn(store_and_stop)
-    whole, resumed = (learner(6, teacher=teacher, task=task) for _ in range(2))
-    calls: tuple[list[Any], list[Any]] = ([], [])
-    whole.learn(lambda *call: calls[0].append(call[:2]))
-    resumed.restore(pickle.loads(stored[0]))
-    resumed.learn(lambda *call: calls[1].append(call[:2]))
-    assert calls[1] == calls[0][3:]
-    assert equal(whole.network(), resumed.network())
+    check_resumed(lambda: learner(6, teacher=teacher, task=task), 3 * ROUND)
 
 
 def test_a_clone_delivers_on_mazes_that_it_has_never_seen() -> None:

@@ -5,12 +5,14 @@ from typing import Any
 
 import numpy as np
 import pytest
-from helpers.networks import layers_of, random_network
+from helpers.networks import layers_of, random_moves, random_network
+from helpers.training import equal
 
 from agents.learning.policy_network import (
     SCHEMA,
+    MoveNetwork,
+    Network,
     PolicyNetwork,
-    Tiles,
     input_size,
     network_input,
 )
@@ -104,14 +106,29 @@ def test_biases_that_do_not_fit_are_an_error() -> None:
 # Its file.
 
 
-@pytest.mark.parametrize("tiles", [MARKED_TILES, FLEET_TILES])
-def test_a_network_is_read_back_from_its_file(tmp_path: Path, tiles: Tiles) -> None:
-    layers = layers_of(input_size(1, tiles), 8, 6, 7, stream=np.random.default_rng(1))
-    PolicyNetwork(1, layers, tiles).save(tmp_path / "model.npz")
-    again = PolicyNetwork.load(tmp_path / "model.npz")
-    assert (again.view_radius, again.tiles) == (1, tiles)
-    for one, other in zip(layers, again.layers, strict=True):
-        assert all(np.array_equal(*pair) for pair in zip(one, other, strict=True))
+@pytest.mark.parametrize(
+    "network",
+    [
+        random_network(1),
+        PolicyNetwork(1, layers_of(72, 8, 6, 7, stream=np.random.default_rng(1)), FLEET_TILES),
+        random_moves(1),
+    ],
+)
+def test_a_network_is_read_back_from_its_file(tmp_path: Path, network: Network) -> None:
+    network.save(tmp_path / "n.npz")
+    again = type(network).load(tmp_path / "n.npz")
+    assert all(getattr(again, key) == getattr(network, key) for key in network.keys)
+    assert equal(again, network)
+
+
+def test_a_network_of_a_file_without_tiles_has_the_usual_ones(saved: Path) -> None:
+    save_changed(saved, header=as_header({key: HEADER[key] for key in ("format", "view_radius")}))
+    assert PolicyNetwork.load(saved).tiles == MARKED_TILES
+
+
+def test_a_file_of_the_other_kind_is_an_error(saved: Path) -> None:
+    with pytest.raises(RecordError, match="its format is not"):
+        MoveNetwork.load(saved)
 
 
 def test_the_file_holds_plain_arrays(saved: Path) -> None:

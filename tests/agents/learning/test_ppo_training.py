@@ -12,7 +12,15 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.command_line import Warehouse, in_the_background
-from helpers.training import PROGRAM, check_seeds, equal, ignore, shorten_exams, weights
+from helpers.training import (
+    PROGRAM,
+    check_resumed,
+    check_seeds,
+    equal,
+    ignore,
+    shorten_exams,
+    weights,
+)
 
 from agents.lab.commands import train
 from agents.lab.commands.train import make_learner
@@ -97,17 +105,6 @@ def test_the_last_rounds_change_the_network_less_than_the_first() -> None:
     assert 0 < changes[-1] < changes[0] / 2
 
 
-def test_steps_are_rounded_up_to_whole_rounds() -> None:
-    from agents.learning.ppo_training import ENVS
-    from agents.learning.ppo_training import ROUND as STEPS
-
-    assert ENVS * STEPS == ROUND
-    for steps, expected in ((1, ROUND), (ROUND, ROUND), (ROUND + 1, 2 * ROUND)):
-        learning = make_learner(Task(ROOM), steps, 1)
-        learning.learn(ignore)
-        assert learning.model.num_timesteps == expected
-
-
 @pytest.mark.parametrize(
     "task",
     [
@@ -118,23 +115,8 @@ def test_steps_are_rounded_up_to_whole_rounds() -> None:
     ids=["a room", "random layouts", "a fleet"],
 )
 def test_a_training_that_is_resumed_is_the_same_to_the_last_bit(task: Task | FleetTask) -> None:
-    begun = make_learner(task, 6 * ROUND, 1)
-    stored: list[bytes] = []
-
-    def store_and_stop(steps: int, _: float, __: Any) -> None:
-        if steps == begun._round * 3:
-            stored.append(pickle.dumps(begun.state()))
-            raise KeyboardInterrupt
-
-    with pytest.raises(KeyboardInterrupt):
-        begun.learn(store_and_stop)
-    whole, whole_calls, calls = make_learner(task, 6 * ROUND, 1), [], []
-    whole.learn(lambda steps, delivers, _: whole_calls.append((steps, delivers)))
-    resumed = make_learner(task, 6 * ROUND, 1)
-    resumed.restore(pickle.loads(stored[0]))
-    resumed.learn(lambda steps, delivers, _: calls.append((steps, delivers)))
-    assert repr(calls) == repr(whole_calls[3:])  # two NaNs are not equal
-    assert equal(whole.network(), resumed.network())
+    rows = make_learner(task, 1, 1)._round
+    whole, resumed = check_resumed(lambda: make_learner(task, 6 * ROUND, 1), 3 * rows)
     of_whole, of_resumed = (
         pickle.dumps([each.numpy() for each in learning.model.policy.state_dict().values()])
         for learning in (whole, resumed)
@@ -142,9 +124,9 @@ def test_a_training_that_is_resumed_is_the_same_to_the_last_bit(task: Task | Fle
     assert of_whole == of_resumed, "the critic too"
 
 
-def test_watch_is_called_at_every_round_and_at_the_end() -> None:
+def test_watch_is_called_at_every_round_and_at_the_end_of_the_last() -> None:
     calls: list[tuple[int, float, PPOAgent]] = []
-    make_agent = learner(rounds=2).learn(
+    make_agent = make_learner(Task(ROOM, 30, 30), ROUND + 1, 1).learn(
         lambda steps, delivers, make: calls.append((steps, delivers, make(0)))
     )
     assert [steps for steps, _, _ in calls] == [0, ROUND, 2 * ROUND]
