@@ -33,7 +33,7 @@ PAGES = {
     "fleet of 50": "fleet --seed 3 --max-steps 40 -r 50 --planner pibt",
     "driving": "fleet --seed 3 --max-steps 25 -r 6 --planner pibt --backend driving",
     "gap": "gap -r 4 --count 4 -n 1 -j 1",
-    "mapf": "mapf -r 8 --layout depot --planner lacam",
+    "plan": "plan -r 8 --layout depot --planner lacam",
     "compare backends": "compare backends --seed 12 --max-steps 40",
     "explore": "explore --seed 3 --max-steps 60",
     "search": "search",

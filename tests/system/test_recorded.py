@@ -47,13 +47,12 @@ import warehouse_core
 import warehouse_physics
 from agents.errors import PlanError
 from agents.lab.commands import cli
-from agents.lab.commands.planners.picture import curves_figure
 from agents.lab.console.main import main
 from agents.lab.datasets.recording import entries
 from agents.lab.reports import figures as report_figures
 from agents.lab.training.curve import learning_curve
 from agents.lab.training.exams import ExamPoint
-from agents.lab.trials.figure import scores_figure, sizes_figure
+from agents.lab.trials.figure import curves_figure, scores_figure, sizes_figure
 from agents.lab.trials.interval import Interval
 from agents.lab.trials.rows import row_of
 from agents.mapf.cbs import ConflictTree

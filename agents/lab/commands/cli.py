@@ -18,7 +18,7 @@ from agents.lab.commands.gap.gap import gap
 from agents.lab.commands.grade.grade import grade
 from agents.lab.commands.layout import layout
 from agents.lab.commands.planners.compare_planners import compare_planners
-from agents.lab.commands.planners.mapf import mapf
+from agents.lab.commands.planners.plan import plan
 from agents.lab.commands.play import play
 from agents.lab.commands.playground import playground
 from agents.lab.commands.race import race
@@ -106,7 +106,7 @@ GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
     },
     "Several robots": {
         "fleet": fleet,
-        "mapf": mapf,
+        "plan": plan,
         "gap": gap,
     },
     "Study": {

@@ -9,8 +9,9 @@ from typing import Any
 from matplotlib.axes import Axes
 from matplotlib.ticker import EngFormatter, LogLocator, MaxNLocator, NullFormatter, PercentFormatter
 
+from agents.lab.trials.interval import Interval
 from agents.lab.trials.scores import MEASURES, Measure, Scores
-from warehouse_core.render.palette import BATTERY, INK, PALE_WARNING, WARNING
+from warehouse_core.render.palette import BATTERY, INK, PALE_WARNING, SERIES, WARNING
 from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure, make_figure
 from warehouse_core.wording import counted, listed, printable
@@ -39,6 +40,9 @@ PANELS = (MEASURES[0], MEASURES[2], MEASURES[1])
 TITLE, ABOVE, BELOW, FOOT = 0.3, 0.42, 0.5, 0.55
 """Heights in inches of a title, of the space above and below the panels of a task, and of the
 caption."""
+
+CURVES_SIZE, CURVES_DPI, MARKERS = (8.0, 4.6), 150, "osD^vPX*"
+"""Inches and dots per inch of a figure of curves, and the markers of its lines."""
 
 RIGHT, GAP = 0.965, 0.055
 """Right end of the panels, and gap between two of them, as shares of the width."""
@@ -201,3 +205,44 @@ def _scale_log(axes: Axes, values: Sequence[float]) -> None:
     axes.xaxis.set_major_locator(LogLocator(subs=(1, 2, 5) if high < 30 * low else (1,)))
     axes.xaxis.set_major_formatter(EngFormatter(sep=""))
     axes.xaxis.set_minor_formatter(NullFormatter())
+
+
+def curves_figure(
+    curves: Mapping[str, Mapping[int, Interval]], title: str, measure: str, bound: str = ""
+) -> SceneFigure:
+    """Draw a measure for each number of robots with its 95% intervals; the bound is dashed."""
+    figure = make_figure(CURVES_SIZE, CURVES_DPI)
+    axes = figure.subplots()
+    figure.subplots_adjust(left=0.075, right=0.975, top=0.9, bottom=0.125)
+    figure.suptitle(title, x=0.02, y=0.975, ha="left", fontsize=11, color=INK, parse_math=False)
+    for number, (name, curve) in enumerate(curves.items()):
+        sizes, means = list(curve), [each.estimate for each in curve.values()]
+        if name == bound:
+            axes.plot(sizes, means, "--", color="0.45", linewidth=1.4, label=bound)
+            continue
+        color, marker = SERIES[number % len(SERIES)], MARKERS[number % len(MARKERS)]
+        axes.plot(
+            sizes, means, f"-{marker}", color=color, linewidth=1.8, markersize=5.5,
+            label=printable(name),
+        )  # fmt: skip
+        known = [(size, each) for size, each in curve.items() if each.is_known]
+        if known:
+            low, high = zip(*(each[1:] for _, each in known), strict=True)
+            axes.vlines([size for size, _ in known], low, high, color=color, linewidth=1.4)
+            axes.fill_between([size for size, _ in known], low, high, color=color, alpha=0.18)
+    axes.set_xlabel("robots", fontsize=9.5, color=INK)
+    axes.set_ylabel(measure, fontsize=9.5, color=INK)
+    axes.set_ylim(bottom=0)
+    axes.xaxis.set_major_locator(MaxNLocator(integer=True))
+    if len(sizes) < 12:
+        axes.set_xticks(sizes)
+    style_chart(axes)
+    legend = axes.legend(
+        loc="upper left" if bound in curves else "lower left",
+        fontsize=9,
+        framealpha=1,
+        edgecolor="none",
+    )
+    for text in legend.get_texts():
+        text.set_parse_math(False)
+    return figure

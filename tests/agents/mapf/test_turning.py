@@ -186,7 +186,7 @@ def test_the_validator_of_turns_finds_faults() -> None:
 @pytest.mark.parametrize(
     ("plan", "words"),
     [
-        (Plan.of([[0, 1]]), "it returned a Plan without headings"),
+        (Plan.of([[0, 1]]), "it returned headings of the shape None; needed: (2, 1)"),
         (Plan(np.array([[0], [1]]), None, np.array([1])), "it returned headings of the shape (1,)"),
         (Plan(np.array([[0], [1]]), None, np.array([[0], [0]])), "robot 0 does not head east at"),
         (

@@ -1,40 +1,58 @@
-"""The command ``warehouse compare planners``: throughput over fleet sizes and seeds."""
+"""The command ``warehouse compare planners``: many problems, and a table of what planners reach."""
 
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import product
+from pathlib import Path
 from typing import Annotated, NamedTuple
 
 import numpy as np
+import typer
 
 from agents.errors import PlanError
 from agents.fleet.planned import PLAN_SECONDS
-from agents.lab.commands.planners.floors import KIVA, FloorOption, find_floor
-from agents.lab.commands.planners.mapf import LIFELONG, PLANNER
+from agents.lab.commands.planners.floors import (
+    KIVA,
+    FloorOption,
+    find_floor,
+    find_scenarios,
+    scenario_problem,
+)
+from agents.lab.commands.planners.plan import PLANNER
 from agents.lab.commands.planners.runs import (
     BOUND,
     STEPPERS,
+    Attempt,
     CheckedPlanner,
     Unhindered,
+    attempt,
     make_stepper,
 )
 from agents.lab.console import options
-from agents.lab.console.options import option
+from agents.lab.console.csv_file import write_csv
+from agents.lab.console.options import MANY, PICTURES, option, writable
 from agents.lab.console.output import save_picture
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import print_error, say
 from agents.lab.console.values import parse_sizes
 from agents.lab.parameters import Whole
-from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
+from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval, share_interval
 from agents.lab.trials.wording import above_interval
 from agents.lab.trials.workers import run_trials
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import run_lifelong
 from warehouse_core.wording import counted
+from warehouse_core.world.scenarios import load_scenarios
 
-SIZES = "32,64,96,128,160,192"
+SIZES = (32, 64, 96, 128, 160, 192)
+
+FIRST_SIZE = 10
+"""Fewest robots on scenarios by default; each number after it is twice the one before."""
+
+VALUES = ".csv"
 
 
 class PlannerOutcome(NamedTuple):
@@ -49,10 +67,104 @@ PlannerCase = tuple[str, int]
 """A planner, or ``BOUND``, and a number of robots."""
 
 
+class PlannerTrials(NamedTuple):
+    """The trials of planners over numbers of robots, and how they are shown.
+
+    Attributes:
+        outcomes: outcomes of each case, one for each of ``labels``.
+        labels: seeds or files of the trials.
+        label: title of their column.
+        rates: value of each case in the figure.
+        cells: text of each case in the table.
+    """
+
+    outcomes: Mapping[PlannerCase, Sequence[PlannerOutcome | Attempt]]
+    labels: Sequence[object]
+    label: str
+    rates: Mapping[PlannerCase, Interval]
+    cells: Mapping[PlannerCase, str]
+    measure: str
+    title: str
+    caption: str
+
+
+def compare_planners(
+    files: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="FILE",
+            help="MovingAI scenarios .scen, or folders of them, in which each robot has one goal.",
+            show_default=False,
+        ),
+    ] = None,
+    planner: Annotated[
+        list[str] | None, option("--planner NAME", PLANNER, show_default=False)
+    ] = None,
+    robots: Annotated[
+        str | None,
+        option(
+            "--robots -r N,N",
+            f"{options.ROBOTS} Several, separated by commas. Default: "
+            f"{','.join(map(str, SIZES))}; on scenarios {FIRST_SIZE}, 20, 40 and so on.",
+            show_default=False,
+        ),
+    ] = None,
+    episodes: options.Episodes = 5,
+    layout: FloorOption = None,
+    steps: Annotated[
+        int, option("--lifelong N", "Steps in which a robot at its goal gets another.", Whole(1))
+    ] = 256,
+    plan_seconds: options.PlanSeconds = PLAN_SECONDS,
+    jobs: options.Jobs = None,
+    *,
+    save: Annotated[
+        list[Path],
+        option(
+            "--save -o FILE",
+            f"{options.SAVE} The figure as .svg or .png, each trial as .csv; may be repeated.",
+            callback=writable(VALUES, *PICTURES),
+            **MANY,
+        ),
+    ],
+) -> None:
+    """Compare planners over fleet sizes and seeds.
+
+    In a lifelong run a robot that reaches its goal gets another. Prints the
+    goals that are reached in a step, next to a bound. For scenarios it prints
+    how many are solved within --plan-seconds.
+
+    By default this takes about 15 s. Give -n 20 for 95% intervals, in four
+    times as long; windowed planners take long for many robots.
+
+    Example: warehouse compare planners --planner pibt --planner windowed -r 32,64
+    """
+    sizes = parse_sizes(robots) if robots is not None else []
+    if files:
+        names = list(dict.fromkeys(planner or ["lacam"]))
+        trials = solve_scenarios(names, sizes, find_scenarios(files), layout, plan_seconds, jobs)
+    else:
+        names = list(dict.fromkeys(planner or STEPPERS))
+        call = partial(run_trial, layout=layout, steps=steps, seconds=plan_seconds)
+        trials = run_all(names, sizes or list(SIZES), call, episodes, jobs)
+    # Files first, because the reader of standard output may leave, as ``head`` does.
+    for path in save:
+        write_trials(path, trials)
+    print_table(table_of(trials))
+    for (name, size), outcomes in trials.outcomes.items():
+        lost = sum(each.lost for each in outcomes if isinstance(each, PlannerOutcome))
+        if lost:
+            print_error(
+                f"warning: {name}, {counted(size, 'robot')}: {counted(lost, 'step')} took "
+                f"more than {plan_seconds:g} s; all robots waited"
+            )
+    for path in save:
+        say(f"saved {path}")
+
+
 def run_trial(
     case: PlannerCase, seed: int, *, layout: str | None, steps: int, seconds: float
 ) -> PlannerOutcome:
-    """Return the outcome of a run in which a step is cut off after some seconds."""
+    """Return the outcome of a lifelong run in which a step is cut off after some seconds."""
     (name, robots), floor = case, find_floor(layout)
     graph = Graph(floor.layout)
     planner: Unhindered | CheckedPlanner = Unhindered(graph)
@@ -63,79 +175,111 @@ def run_trial(
     return PlannerOutcome(run.throughput, 1000 * float(run.seconds.mean()), lost)
 
 
-def compare_planners(
-    planner: Annotated[
-        list[str] | None, option("--planner NAME", PLANNER, show_default=False)
-    ] = None,
-    robots: Annotated[
-        str,
-        option("--robots -r N,N", f"{options.ROBOTS} Several, separated by commas."),
-    ] = SIZES,
-    episodes: options.Episodes = 5,
-    seed: options.Seed = 0,
-    layout: FloorOption = None,
-    steps: Annotated[int, option("--lifelong N", LIFELONG, Whole(1))] = 256,
-    plan_seconds: options.PlanSeconds = PLAN_SECONDS,
-    jobs: options.Jobs = None,
-    save: options.SaveFigure = None,
-) -> None:
-    """Compare planners over fleet sizes and seeds.
-
-    In a lifelong run a robot that reaches its goal gets another. Prints the
-    goals that are reached in a step, beside a bound.
-
-    By default this takes about 15 s. Give -n 20 for 95% intervals, in four
-    times as long; windowed planners take long for many robots.
-
-    Example: warehouse compare planners --planner pibt --planner windowed -r 32,64
-    """
-    sizes = parse_sizes(robots)
-    names = list(dict.fromkeys(planner or STEPPERS))
+def run_all(
+    names: Sequence[str],
+    sizes: Sequence[int],
+    call: partial[PlannerOutcome],
+    episodes: int,
+    jobs: int | None,
+) -> PlannerTrials:
+    """Return the lifelong runs of planners and of the bound."""
+    layout, steps, seconds = (call.keywords[name] for name in ("layout", "steps", "seconds"))
     floor = find_floor(layout)
     for name in names:
         # A wrong name is an error at once; planners that learn take least time for one robot.
-        make_stepper(name, seed, floor.layout, 1, plan_seconds)
+        make_stepper(name, 0, floor.layout, 1, seconds)
     if max(sizes) > len(floor.starts):
         raise PlanError(
             f"--robots has {max(sizes)}; allowed: 1 to {len(floor.starts)}, the cells to start from"
         )
-    call = partial(run_trial, layout=layout, steps=steps, seconds=plan_seconds)
-    cases = list(product((*names, BOUND), sizes))
-    outcomes = run_trials(call, cases, range(seed, seed + episodes), jobs)
-    rates, times, lost = (
-        dict[PlannerCase, Interval](),
-        dict[PlannerCase, float](),
-        dict[PlannerCase, int](),
-    )
-    for case, each in outcomes.items():
-        throughputs, milliseconds, cut_off = np.array(each).T
-        rates[case] = mean_interval(throughputs) or Interval(math.nan)
-        times[case], lost[case] = float(milliseconds.mean()), int(cut_off.sum())
+    outcomes = run_trials(call, list(product((*names, BOUND), sizes)), range(episodes), jobs)
+
+    rates, cells = dict[PlannerCase, Interval](), dict[PlannerCase, str]()
+    for case, found in outcomes.items():
+        rate, milliseconds, _ = np.array(found).T
+        rates[case] = mean_interval(rate) or Interval(math.nan)
+        cells[case] = f"{above_interval(rates[case])}\n{milliseconds.mean():.1f} ms a step"
+        if case[0] == BOUND:
+            cells[case] = f"{rates[case].estimate:.2f}"
     title = (
         f"Goals reached in a step: layout {layout or KIVA}, {counted(steps, 'step')}, "
-        f"{counted(episodes, 'seed')} from {seed}"
+        f"{counted(episodes, 'seed')} from 0"
     )
-    # The picture first, because the reader of standard output may leave, as ``head`` does.
-    if save is not None:
-        from agents.lab.commands.planners.picture import curves_figure
+    few = f"Fewer than {MIN_VALUES} episodes have no intervals." if episodes < MIN_VALUES else ""
+    return PlannerTrials(
+        outcomes, range(episodes), "seed", rates, cells, "goals reached in a step", title, few
+    )
 
-        curves = {name: {size: rates[name, size] for size in sizes} for name in (*names, BOUND)}
-        save_picture(curves_figure(curves, title, "goals reached in a step", BOUND), save)
-    rows = []
-    for size in sizes:
-        cells = [
-            f"{above_interval(rates[name, size])}\n{times[name, size]:.1f} ms a step"
-            for name in names
+
+def solve_scenarios(
+    names: Sequence[str],
+    sizes: Sequence[int],
+    files: Sequence[Path],
+    layout: str | None,
+    seconds: float,
+    jobs: int | None,
+) -> PlannerTrials:
+    """Return the attempts of planners at the first robots of files.
+
+    Raises:
+        PlanError: a file has fewer scenarios than robots, or as for ``scenario_problem``.
+    """
+    least = min(len(load_scenarios(path)) for path in files)
+    if not sizes:
+        sizes = [FIRST_SIZE * 2**power for power in range(least.bit_length())]
+        sizes = [size for size in sizes if size <= least] or [least]
+    for path in files:
+        scenario_problem(path, layout, max(sizes))  # what is wrong is told before anything runs
+    call = partial(attempt_at, files=files, layout=layout, seconds=seconds)
+    outcomes = run_trials(call, list(product(names, sizes)), range(len(files)), jobs, "plans")
+
+    rates, cells = dict[PlannerCase, Interval](), dict[PlannerCase, str]()
+    for case, found in outcomes.items():
+        ratios = [each.costs / each.bound for each in found if each.costs and each.bound]
+        solved = sum(each.costs is not None for each in found)
+        rates[case] = Interval(solved / len(found))
+        if len(found) >= MIN_VALUES:
+            rates[case] = share_interval(solved, len(found))
+        costs = f"\n{np.mean(ratios):.3f}" if ratios else ""
+        seconds_each = np.mean([each.seconds for each in found])
+        cells[case] = f"{solved} of {len(found)}{costs}\n{seconds_each:.3f} s"
+    title = f"{counted(len(files), 'scenario file')}, {seconds:g} s a plan"
+    caption = (
+        "Files of whose first robots a plan was found; its costs over the sum of the fewest steps, "
+        "mean; processor time of all files, mean."
+    )
+    return PlannerTrials(outcomes, files, "file", rates, cells, "scenarios solved", title, caption)
+
+
+def attempt_at(
+    case: PlannerCase, number: int, *, files: Sequence[Path], layout: str | None, seconds: float
+) -> Attempt:
+    """Return the attempt of a planner at the first robots of a file."""
+    planner, robots = case
+    return attempt(planner, 0, scenario_problem(files[number], layout, robots), seconds)
+
+
+def table_of(trials: PlannerTrials) -> TextTable:
+    """Return a table with a row for each number of robots, and a column for each planner."""
+    names, sizes = (list(dict.fromkeys(column)) for column in zip(*trials.cells, strict=True))
+    rows = [(str(size), *(trials.cells[name, size] for name in names)) for size in sizes]
+    return TextTable(("robots", *names), rows, trials.title, trials.caption)
+
+
+def write_trials(path: Path, trials: PlannerTrials) -> None:
+    """Write each trial as a line, or what planners reach as curves."""
+    if path.suffix.lower() == VALUES:
+        lines = [
+            [name, size, str(label), *each]
+            for (name, size), column in trials.outcomes.items()
+            for label, each in zip(trials.labels, column, strict=True)
         ]
-        rows.append((str(size), *cells, f"{rates[BOUND, size].estimate:.2f}"))
-    few = episodes < MIN_VALUES
-    caption = f"Fewer than {MIN_VALUES} episodes have no intervals." if few else ""
-    print_table(TextTable(("robots", *names, BOUND), rows, title, caption))
-    for (name, size), count in lost.items():
-        if count:
-            print_error(
-                f"warning: {name}, {counted(size, 'robot')}: {counted(count, 'step')} took "
-                f"more than {plan_seconds:g} s; all robots waited"
-            )
-    if save is not None:
-        say(f"saved {save}")
+        fields = next(iter(trials.outcomes.values()))[0]._fields
+        write_csv(path, ["planner", "robots", trials.label, *fields], lines)
+        return
+    from agents.lab.trials.figure import curves_figure  # imports matplotlib
+
+    curves = dict[str, dict[int, Interval]]()
+    for (name, size), rate in trials.rates.items():
+        curves.setdefault(name, {})[size] = rate
+    save_picture(curves_figure(curves, trials.title, trials.measure, BOUND), path)

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import replace
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -15,12 +14,12 @@ from agents.mapf.problem import Problem
 from warehouse_core import Layout
 from warehouse_core.world.generators import kiva_warehouse
 from warehouse_core.world.map_files import load_layout
-from warehouse_core.world.moves import EAST, TURN
+from warehouse_core.world.moves import COMPASS, EAST, TURN
 from warehouse_core.world.named_layouts import find_layout
 from warehouse_core.world.scenarios import check_scenarios, load_scenarios
 from warehouse_core.world.tables import Integers
 
-KIVA = "kiva"
+KIVA, SCENARIO = "kiva", ".scen"
 
 FloorOption = Annotated[
     str | None,
@@ -33,13 +32,11 @@ FloorOption = Annotated[
 
 
 class PlannerFloor(NamedTuple):
-    """Where robots drive.
+    """A floor with the cells that starts and goals are drawn from.
 
     Attributes:
         layout: its walls. Chargers are floor, as planners of one command would avoid them, and so
             are stations where goals may be anywhere; pickups tell planners that learn of the goals.
-        starts: the cells that starts are drawn from.
-        goals: the cells that goals are drawn from.
     """
 
     layout: Layout
@@ -59,25 +56,22 @@ def find_floor(name: str | None) -> PlannerFloor:
     return PlannerFloor(layout, cells, cells)
 
 
-def with_moves(problem: Problem, moves: str) -> Problem:
-    """Return a problem of robots that move so; with headings all head east at first."""
-    return replace(problem, headings=[EAST] * problem.robots) if moves == TURN else problem
-
-
-def random_problem(floor: PlannerFloor, robots: int, seed: int) -> Problem:
+def random_problem(floor: PlannerFloor, robots: int, seed: int, moves: str = COMPASS) -> Problem:
     """Return a problem with starts and goals drawn at random."""
     most = min(len(floor.starts), len(floor.goals))
     if robots > most:
         raise PlanError(f"--robots is {robots}; allowed: 1..{most} on this layout")
     stream = np.random.default_rng(seed)
     starts, goals = (stream.permutation(cells)[:robots].tolist() for cells in floor[1:])
-    return Problem(Graph(floor.layout), starts, goals)
+    return Problem(Graph(floor.layout), starts, goals, first_headings(robots, moves))
 
 
-def scenario_problem(path: Path, layout_file: str | None, robots: int | None) -> Problem:
+def scenario_problem(
+    path: Path, layout_file: str | None, robots: int | None, moves: str = COMPASS
+) -> Problem:
     """Return the problem of the first scenarios of a ``.scen``, one for each robot.
 
-    Without a map it is the file that the scenarios name, beside them; by default a robot has each.
+    Without a map it is the file next to it that the scenarios name. By default a robot has each.
     """
     scenarios = load_scenarios(path)
     count = len(scenarios) if robots is None else robots
@@ -91,8 +85,30 @@ def scenario_problem(path: Path, layout_file: str | None, robots: int | None) ->
     else:
         layout = find_layout(layout_file)
     check_scenarios(layout, chosen)
-    cells = [
+    starts, goals = (
         layout.numbers(ends).tolist()
         for ends in zip(*((each.start, each.goal) for each in chosen), strict=True)
-    ]
-    return Problem(Graph(layout), *cells)
+    )
+    return Problem(Graph(layout), starts, goals, first_headings(count, moves))
+
+
+def first_headings(robots: int, moves: str) -> list[int] | None:
+    """Return the headings of robots at first, all east, if they have any."""
+    return [EAST] * robots if moves == TURN else None
+
+
+def find_scenarios(paths: list[Path]) -> list[Path]:
+    """Return the files of scenarios among paths and in folders.
+
+    Raises:
+        PlanError: a folder has none, or a file is something else.
+    """
+    found = list[Path]()
+    for path in paths:
+        inside = sorted(path.glob(f"*{SCENARIO}")) if path.is_dir() else [path]
+        if not inside:
+            raise PlanError(f"{path}: the folder has no {SCENARIO}")
+        if inside[0].suffix.lower() != SCENARIO:
+            raise PlanError(f"{path}: unknown format of a problem; allowed: {SCENARIO}")
+        found += inside
+    return found

@@ -57,16 +57,6 @@ BOUND = "nobody in the way"
 """The name of ``Unhindered``."""
 
 
-def is_solver(name: str) -> bool:
-    """Return whether a name is of a solver of whole problems."""
-    return registry.make_solver(name, SOLVERS) is not None
-
-
-def is_stepper(name: str) -> bool:
-    """Return whether a name may be of a planner of step after step."""
-    return name.partition(":")[0] in PLANNERS or not is_solver(name)
-
-
 def make_stepper(
     name: str, seed: int, layout: Layout, robots: int, seconds: float, *, has_headings: bool = False
 ) -> CheckedPlanner:
@@ -76,7 +66,7 @@ def make_stepper(
         AgentError: as for ``make_planner``, or it is no ``Planner``, or does not know the headings
             that the robots have.
     """
-    if not is_stepper(name):
+    if name.partition(":")[0] not in PLANNERS and registry.make_solver(name, SOLVERS):
         raise AgentError(
             f"planner {name!r} plans all ways at once, for one goal a robot; lifelong runs have "
             f"{', '.join(PLANNERS)}, or your own as file.py:Class or module:Class"
@@ -137,22 +127,15 @@ def check_plan(problem: Problem, plan: object) -> None:
     robots = problem.robots
     if not (isinstance(plan, Plan) and plan.cells.ndim == 2 and plan.cells.shape[1] == robots):
         raise PlanError(f"it returned {brief(plan)}; needed: a Plan of {counted(robots, 'robot')}")
-    if (problem.headings is None) != (plan.headings is None):
-        raise PlanError(
-            f"it returned a Plan {'with' if problem.headings is None else 'without'} headings"
-        )
-    if plan.headings is not None and plan.headings.shape != plan.cells.shape:
-        raise PlanError(
-            f"it returned headings of the shape {plan.headings.shape}; needed: {plan.cells.shape}"
-        )
+    shape = None if plan.headings is None else plan.headings.shape
+    needed = None if problem.headings is None else plan.cells.shape
+    if shape != needed:
+        raise PlanError(f"it returned headings of the shape {shape}; needed: {needed}")
     nobody, none = np.zeros(robots, np.bool_), np.empty(0, np.intp)
     goals = np.array(problem.goals)
-    for what, ends, cells in (
-        ("start", problem.starts, plan.cells[0]),
-        ("goal", goals, plan.cells[-1]),
-    ):
-        for robot in np.flatnonzero(cells != np.array(ends))[:1].tolist():
-            place, wanted = (problem.graph.layout.cell(each[robot]) for each in (cells, ends))
+    for what, ends, row in (("start", problem.starts, 0), ("goal", problem.goals, -1)):
+        for robot in np.flatnonzero(plan.cells[row] != np.array(ends))[:1].tolist():
+            place, wanted = map(problem.graph.layout.cell, (plan.cells[row, robot], ends[robot]))
             raise PlanError(f"robot {robot} is in {place} and not at its {what} {wanted}")
     if plan.headings is not None:
         headings = np.array(problem.headings, np.intp)
@@ -287,15 +270,3 @@ class Unhindered:
         best = np.where(reached == CLOSED, FAR, steps).argmin(axis=1)
         found: Integers = np.take_along_axis(reached, best[:, None], 1)[:, 0]
         return found
-
-
-class Errand(NamedTuple):
-    """A visit to a place of a task.
-
-    Steps are counted from 1, and ``place`` is how many of the task's places have been visited then.
-    """
-
-    step: int
-    robot: int
-    task: int
-    place: int

@@ -1,0 +1,199 @@
+"""The command ``warehouse plan``: planners on one problem of several robots."""
+
+from __future__ import annotations
+
+import time
+from collections.abc import Iterator
+from functools import partial
+from pathlib import Path
+from typing import Annotated
+
+import numpy as np
+import typer
+
+from agents.errors import PlanError
+from agents.fleet.planned import PLAN_SECONDS
+from agents.lab.commands.planners.floors import (
+    KIVA,
+    SCENARIO,
+    FloorOption,
+    find_floor,
+    random_problem,
+    scenario_problem,
+)
+from agents.lab.commands.planners.replay import track_of_plan
+from agents.lab.commands.planners.runs import HEADED_SOLVERS, SOLVERS, make_solver, solve_checked
+from agents.lab.console import options
+from agents.lab.console.csv_file import write_csv
+from agents.lab.console.options import MANY, option, writable
+from agents.lab.console.output import Film
+from agents.lab.console.table import TextTable, print_table
+from agents.lab.console.terminal import print_error, say
+from agents.lab.parameters import Whole, one_of
+from agents.mapf.problem import Plan, Problem
+from agents.registry import PLANNERS
+from warehouse_core.batch.fleet_settings import MAX_BODIES
+from warehouse_core.motion.backends import load_backend
+from warehouse_core.wording import counted, listed, seconds_of
+from warehouse_core.world.moves import COMPASS, HEADINGS, MOVES, TURN
+
+ROBOTS = 32
+PATHS = ".csv"
+
+PLANNER = f"{options.PLANNER} Arguments may follow, as in pibt:turn_cost=1; may be repeated."
+ONCE = listed([name for name in SOLVERS if name not in PLANNERS])
+KNOW_HEADINGS = ", ".join(HEADED_SOLVERS)
+
+
+def plan(
+    file: Annotated[
+        Path | None,
+        typer.Argument(
+            metavar="FILE",
+            help="A MovingAI scenario .scen. Without it starts and goals are drawn on --layout.",
+            show_default=False,
+        ),
+    ] = None,
+    planner: Annotated[
+        list[str] | None,
+        option(
+            "--planner NAME",
+            f"{PLANNER} Also {ONCE}, or file.py:function; ecbs:w=1.2 costs at most 1.2 times the "
+            "optimum.",
+            show_default=False,
+        ),
+    ] = None,
+    layout: FloorOption = None,
+    robots: Annotated[
+        int | None,
+        option(
+            "--robots -r N",
+            f"{options.ROBOTS} Default: all of the file, or {ROBOTS}.",
+            Whole(1, MAX_BODIES),
+        ),
+    ] = None,
+    moves: Annotated[
+        str,
+        option(
+            "--moves NAME",
+            f"{options.MOVES} turn needs a planner that knows headings: {KNOW_HEADINGS}, "
+            "circulation or windowed. All robots head east at first.",
+            one_of(*MOVES),
+        ),
+    ] = COMPASS,
+    seed: options.Seed = 0,
+    plan_seconds: options.PlanSeconds = PLAN_SECONDS,
+    drive: Annotated[
+        bool,
+        option(
+            "--drive", "Also let rigid bodies execute the plans, in joint steps and driven through."
+        ),
+    ] = False,
+    *,
+    save: Annotated[
+        list[Path],
+        option(
+            "--save -o FILE",
+            f"{options.SAVE} The paths of one planner as .csv, or as a replay: .html, .gif, .mp4, "
+            ".svg, .png; may be repeated.",
+            callback=writable(PATHS, replays=True),
+            **MANY,
+        ),
+    ],
+) -> None:
+    """Plan paths for several robots.
+
+    Prints makespan, sum of costs and time of the plans, next to a bound. For
+    robots that get goal after goal, and for many scenarios, see: warehouse
+    compare planners.
+
+    Example: warehouse plan --robots 64 --planner lacam --planner pibt --seed 1
+    """
+    if drive:
+        load_backend("driving")  # what it needs is missed here, and not after the plans
+    if save and len(planner or ()) != 1:
+        raise typer.BadParameter("--save takes the paths of one planner; name one by --planner")
+    if file is None:
+        title = f"layout {layout or KIVA}, seed {seed}"
+        problem = random_problem(find_floor(layout), robots or ROBOTS, seed, moves)
+    else:
+        check_file(file)
+        title, problem = str(file), scenario_problem(file, layout, robots, moves)
+    names = planner or list(SOLVERS if moves != TURN else HEADED_SOLVERS)
+    solvers = [make_solver(name, seed, problem, plan_seconds) for name in names]
+    total, longest = problem.lower_bound, max(problem.fewest_steps.tolist(), default=0)
+    rows, executed, notes = list[tuple[str, ...]](), list[tuple[str, ...]](), list[str]()
+    rows.append(("lower bound", str(longest), str(total), "1.000", "", ""))
+    for name, solve in zip(names, solvers, strict=True):
+        begin = time.perf_counter()
+        try:
+            found, seconds, _ = solve_checked(name, solve, problem, plan_seconds)
+        except PlanError as error:
+            notes.append(f"{name}: {error}")
+            rows.append((name, *["none"] * 3, "", f"{time.perf_counter() - begin:.3f}"))
+            continue
+        rows.append((name, *measures_of(found, total), f"{seconds:.3f}"))
+        executed += execute(name, problem, found) if drive else ()
+        for path in save:
+            save_plan(path, problem, found, name)
+    header = "planner", "makespan", "sum of costs", "times the bound", "proved bound", "seconds"
+    caption = (
+        "lower bound: the longest of the shortest paths, and their sum; "
+        "proved bound: no plan has a lower sum of costs"
+    )
+    print_table(TextTable(header, rows, f"{counted(problem.robots, 'robot')}, {title}", caption))
+    if executed:
+        columns = "planner", "on bodies", "seconds", "joules", "hits"
+        caption = "until all robots are at rest; a hit of two robots counts for both"
+        print_table(TextTable(columns, executed, caption=caption))
+    for note in notes:
+        print_error(note)
+    if len(notes) == len(names):
+        raise typer.Exit(1)
+
+
+def check_file(file: Path) -> None:
+    """Raise if the file of the problem is missing or has another format."""
+    if not file.exists():
+        raise typer.BadParameter(f"{file}: there is no such file or folder")
+    if file.is_dir():
+        raise typer.BadParameter(
+            f"{file}: a folder has several problems; use: warehouse compare planners {file}"
+        )
+    if file.suffix.lower() != SCENARIO:
+        raise typer.BadParameter(f"{file}: unknown format of a problem; allowed: {SCENARIO}")
+
+
+def measures_of(found: Plan, bound: int) -> tuple[str, ...]:
+    """Return makespan, sum of costs, its ratio to a bound, and the bound that is proved."""
+    cost = found.sum_of_costs
+    ratio = cost / bound if bound else 1.0
+    proved = "" if found.bound is None else str(found.bound)
+    return str(found.makespan), str(cost), f"{ratio:.3f}", proved
+
+
+def execute(name: str, problem: Problem, found: Plan) -> Iterator[tuple[str, ...]]:
+    """Let bodies execute a plan in both ways, and yield a row of the table for each."""
+    from agents.mapf.execution import EXECUTIONS  # here, because it loads pymunk
+
+    for way, run in EXECUTIONS.items():
+        took = run(problem.graph.layout, found.cells)
+        yield name, way, seconds_of(took.seconds), f"{took.joules:,.0f}", str(took.hits)
+
+
+def save_plan(path: Path, problem: Problem, found: Plan, name: str) -> None:
+    """Write the paths of a plan as a table, or as a replay."""
+    if path.suffix.lower() != PATHS:
+        title = f"{name}, {counted(problem.robots, 'robot')}"
+        track = track_of_plan(problem.graph, found.cells, title, found.headings)
+        Film(partial(list, [track])).save(path)
+        return
+    headings = np.zeros_like(found.cells) if found.headings is None else found.headings
+    letters = [""] if found.headings is None else HEADINGS
+    lines = (
+        [step, robot, *problem.graph.layout.cell(cell), letters[heading]]
+        for step, (cells, heads) in enumerate(zip(found.cells.tolist(), headings, strict=True))
+        for robot, (cell, heading) in enumerate(zip(cells, heads.tolist(), strict=True))
+    )
+    write_csv(path, ["step", "robot", "row", "col", "heading"], lines)
+    say(f"saved {path}")
