@@ -1,23 +1,37 @@
-"""A sweep against a bare loop, two workers against one, and the memory of a long sweep."""
+"""Sweeps, the rows of those that are killed, reports on them, and the intervals in reports.
 
+``WAREHOUSE_PYTHONS`` names the interpreters that run sweeps, separated as in ``PATH``; the package
+must be installed for each with the extras ``physics`` and ``cluster``. Default: the running one.
+"""
+
+import hashlib
+import os
+import resource
 import subprocess
 import sys
-from collections.abc import Iterator
+from collections import Counter
+from collections.abc import Callable, Iterator
 from contextlib import ExitStack
 from itertools import count
 from pathlib import Path
 from time import perf_counter
 
+import numpy as np
 import pytest
-from helpers.sweeps import nothing
+from helpers.dask_cluster import dask_cluster
+from helpers.sweeps import FLAGS, Sweep, kill_sweeps, nothing, table, uninterrupted
 
+from agents import GreedyAgent
 from agents.lab.experiments.case import layout_for, make_agent_for, make_case, make_env
 from agents.lab.experiments.plan import SweepPlan
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
+from agents.lab.trials.interval import CONFIDENCE, mean_interval, ratio_interval
+from agents.lab.trials.rows import Row
 from agents.lab.trials.workers import process_pool
-from warehouse_core import record_episode
-from warehouse_core.records.failure_modes import diagnose
+from warehouse_core import WarehouseEnv, record_episode
+from warehouse_core.records.episode import DELIVERED
+from warehouse_core.records.failure_modes import MODES, diagnose
 
 CASE = make_case({})
 EPISODES = 20_000
@@ -112,3 +126,190 @@ def test_memory_does_not_grow_over_a_hundred_thousand_episodes(tmp_path, capsys)
     assert len(peaks) == 5
     # A list of what has been stored would need 100 bytes an episode at the least.
     assert peaks[-1] - peaks[0] < 80_000 * 100 // 1024
+
+
+# Rows of sweeps that are killed, and of several workers, programs and interpreters.
+
+PYTHONS = os.environ.get("WAREHOUSE_PYTHONS", sys.executable).split(os.pathsep)
+KILLED = {"lone robots": (100, 6_000, FLAGS), "fleets": (100, 1_500, [
+    "robots=2,4", "planner=pibt", "order_rate=0.2", "max_steps=100", "battery=60",
+])}  # fmt: skip
+"""Kills, episodes of each case, and cases of sweeps that are killed."""
+
+EARLY_SHARE = 0.5
+"""Share of the episodes that are there before a sweep is killed, so that it is killed late too."""
+ALL_FLAGS, ROW_EPISODES = [*FLAGS, "backend=grid,physics"], 100
+SECONDS = 600
+"""Of a sweep, at most."""
+
+WAYS = ("1 worker", "2 workers", "two sweeps at once", "Dask with a kill")
+
+
+def version_of(python: str) -> str:
+    words = [python, "-c", "import platform; print(platform.python_version())"]
+    return subprocess.run(words, capture_output=True, text=True, check=True).stdout.strip()
+
+
+def compared(path: Path, expected: list) -> tuple[int, int, int]:
+    """Return how many rows are lost, doubled and different."""
+    found, wanted = table(path), dict(keyed(expected))
+    counts = Counter(key for key, _ in keyed(found))
+    differing = sum(wanted[key] != row for key, row in keyed(found))
+    return len(wanted.keys() - counts.keys()), counts.total() - len(counts), differing
+
+
+def keyed(rows: list) -> list:
+    return [(row[:2], row) for row in rows]
+
+
+@pytest.mark.parametrize("python", PYTHONS, ids=version_of)
+@pytest.mark.parametrize("kind", KILLED)
+def test_kill_9(tmp_path, measured, kind: str, python: str) -> None:
+    kills, episodes, flags = KILLED[kind]
+    path = tmp_path / "r.sqlite"
+    assert Sweep(path, int(EARLY_SHARE * episodes), flags, python=python).end(SECONDS)[0] == 0
+    begun = len(table(path))
+    killed = kill_sweeps(path, episodes, kills, flags, python)
+    left = len(table(path))
+    assert Sweep(path, episodes, flags, python=python).end(SECONDS)[0] == 0
+    expected = uninterrupted(tmp_path / "expected.sqlite", episodes, flags)
+    lost, doubled, different = compared(path, expected)
+    measured(
+        f"a sweep of {kind} that is killed with -9, {kills} times, Python {version_of(python)}",
+        f"{killed} of them while it ran, from {begun:,} to {left:,} of {len(expected):,} rows: "
+        f"{lost} lost, {doubled} doubled, {different} different",
+    )
+    assert (lost, doubled, different) == (0, 0, 0)
+
+
+def run(way: str, path: Path, python: str) -> None:
+    if way == "Dask with a kill":
+        with dask_cluster(path.parent, "--no-nanny", python=python) as (address, processes):
+            sweep = Sweep(path, ROW_EPISODES, ALL_FLAGS, "--cluster", address, python=python)
+            sweep.wait_for_rows()
+            processes[-1].kill()
+            assert sweep.end(SECONDS)[0] == 0
+        return
+    count = 2 if way == "two sweeps at once" else 1
+    workers = 2 if way == "2 workers" else 1
+    sweeps = [
+        Sweep(path, ROW_EPISODES, ALL_FLAGS, workers=workers, python=python) for _ in range(count)
+    ]
+    assert [sweep.end(SECONDS)[0] for sweep in sweeps] == [0] * count
+
+
+@pytest.mark.parametrize("python", PYTHONS, ids=version_of)
+def test_rows_of_workers_programs_and_interpreters(tmp_path, measured, python: str) -> None:
+    """All have to be those of one process of the running interpreter."""
+    expected = uninterrupted(tmp_path / "expected.sqlite", ROW_EPISODES, ALL_FLAGS)
+    for number, way in enumerate(WAYS):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        run(way, folder / "r.sqlite", python)
+        found = compared(folder / "r.sqlite", expected)
+        digest = hashlib.sha256(repr(table(folder / "r.sqlite")).encode()).hexdigest()[:12]
+        lost, doubled, different = found
+        measured(
+            f"rows of a sweep, Python {version_of(python)}, {way}",
+            f"{len(expected):,}: {lost} lost, {doubled} doubled, {different} different, digest "
+            f"{digest}",
+        )
+        assert found == (0, 0, 0)
+
+
+# Reports.
+
+REPORTED, BATTERIES = 1_000_000, range(20, 220, 20)
+
+
+def a_million(path: Path) -> None:
+    """Write episodes of physics, so that time and energy are to be reported too."""
+    stream = np.random.default_rng(0)
+    settings = [
+        {"battery": battery, "escape": escape, "backend": "physics"}
+        for battery in BATTERIES
+        for escape in (True, False)
+    ]
+    count = REPORTED // len(settings)
+    with Store(path) as store:
+        for each in settings:
+            modes = stream.choice(MODES[:5], count).tolist()
+            steps = stream.integers(8, 200, count).tolist()
+            seconds = stream.normal(60, 20, count).tolist()
+            cells = stream.integers(1, 6, count).tolist()
+            rows = zip(range(count), modes, steps, seconds, cells, strict=True)
+            store.add(
+                store.case_id(make_case(each)),
+                [Row(n, m, k, 9, 1.0, 3, s, 40 * s, cell, cell) for n, m, k, s, cell in rows],
+            )
+
+
+def test_a_million_episodes_take_less_than_a_minute_and_a_gibibyte(tmp_path, capsys) -> None:
+    """The examples of the modes are left out: these episodes have never been run."""
+    path = tmp_path / "r.sqlite"
+    a_million(path)
+    begin = perf_counter()
+    subprocess.run(
+        [sys.executable, "-m", "agents", "report", str(path),
+         "--no-replays"],
+        check=True,
+        stdout=subprocess.DEVNULL,
+    )  # fmt: skip
+    seconds = perf_counter() - begin
+    gibibytes = resource.getrusage(resource.RUSAGE_CHILDREN).ru_maxrss / 2**20
+    with capsys.disabled():
+        print(f"\nreport on {REPORTED:,} episodes: {seconds:.1f} s, {gibibytes:.2f} GiB")
+    assert seconds < 60
+    assert gibibytes < 1
+
+
+# Intervals.
+
+SAMPLED, TRIALS, SIZES = 5000, 1000, (20, 50, 100, 300)
+LOWEST = 0.9
+
+
+def sampled() -> np.ndarray:
+    """Return the steps of episodes ``[n, 2]``, and whether they delivered."""
+    env = WarehouseEnv()
+    found = [record_episode(env, GreedyAgent(seed), seed=seed) for seed in range(SAMPLED)]
+    return np.array([(each.steps, each.outcome == DELIVERED) for each in found], float)
+
+
+def coverage(sample: Callable[[], tuple[float, float]], truth: float) -> float:
+    """Return the share of intervals, as their ends, that contain ``truth``."""
+    ends = np.array([sample() for _ in range(TRIALS)])
+    return float(np.mean((ends[:, 0] <= truth) & (truth <= ends[:, 1])))
+
+
+def test_intervals_contain_the_true_value_about_as_often_as_they_say(measured) -> None:
+    stream = np.random.default_rng(0)
+    found = sampled()
+    steps, delivered = found.T
+    populations = {
+        "steps of an episode": steps,
+        "steps of a delivery": steps[delivered == 1],
+        "lognormal": stream.lognormal(0, 1, 200_000),
+    }
+
+    def means(values: np.ndarray, size: int) -> tuple[float, float]:
+        interval = mean_interval(stream.choice(values, size))
+        return interval.low, interval.high
+
+    def ratios(size: int) -> tuple[float, float]:
+        interval = ratio_interval(*stream.choice(found, size).T)
+        return interval.low, interval.high
+
+    shares = {}
+    for size in SIZES:
+        for name, values in populations.items():
+            shares[name, size] = coverage(lambda v=values, n=size: means(v, n), values.mean())
+    for size in SIZES[1:]:  # of 20 episodes fewer than 20 are delivered
+        shares["steps per delivery", size] = coverage(
+            lambda n=size: ratios(n), steps.sum() / delivered.sum()
+        )
+    for (name, size), share in shares.items():
+        measured(
+            f"{CONFIDENCE:.0%} intervals that contain the mean: {name}, n = {size}", f"{share:.1%}"
+        )
+    assert min(shares.values()) >= LOWEST

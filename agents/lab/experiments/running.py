@@ -134,13 +134,13 @@ def run_missing(
     An error of the store, the executor or ``report`` ends the run; the rows written before stay.
 
     Example:
+        >>> from concurrent.futures import ThreadPoolExecutor
         >>> from agents.lab.experiments.plan import make_plan
         >>> from agents.lab.experiments.running import run_missing
         >>> from agents.lab.experiments.store import Store
-        >>> from agents.lab.trials.workers import Here
         >>> plan = make_plan({"memory": [5, 10]}, episodes=3, seed=7)
-        >>> with Store("results.sqlite") as store:
-        ...     failures = run_missing(plan, store, Here(), 1, lambda rows, messages: None)
+        >>> with Store("results.sqlite") as store, ThreadPoolExecutor(1) as executor:
+        ...     failures = run_missing(plan, store, executor, 1, lambda rows, messages: None)
         ...     store.count(plan.cases[0], plan.seeds)
         3
     """

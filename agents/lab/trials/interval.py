@@ -93,7 +93,7 @@ def mean_interval(values: np.ndarray) -> Interval | None:
     """Return the interval of a mean by the studentised bootstrap; equal values give an equal one.
 
     Of skewed values, as counts of steps are, it contains the mean more often than the percentile
-    bootstrap does; ``tests/benchmarks/bench_intervals.py`` measures how often.
+    bootstrap does; ``tests/benchmarks/bench_sweep.py`` measures how often.
 
     Fewer than ``MIN_VALUES`` of the ``[n]`` values have a mean and no interval, nor have values of
     which nearly all are equal. Without any it is ``None``.

@@ -123,19 +123,6 @@ class Processes(ThreadPoolExecutor):
             self._idle.put(process)
 
 
-class Here(Executor):
-    """Run each call at once, in this process."""
-
-    def submit(self, call: Callable[..., T], /, *args: Any, **named: Any) -> Future[T]:
-        """Run a call; its future is done."""
-        future = Future[T]()
-        try:
-            future.set_result(call(*args, **named))
-        except Exception as error:
-            future.set_exception(error)
-        return future
-
-
 class _Process:
     """A process that runs calls, and is started again for the next call when it has ended."""
 

@@ -126,7 +126,7 @@ def test_flags_and_options_override_the_plan_file(
 
 
 def test_a_killed_sweep_loses_and_repeats_no_rows(path: Path, tmp_path: Path) -> None:
-    """``bench_rows.py`` kills one 100 times, and one of fleets."""
+    """``bench_sweep.py`` kills one 100 times, and one of fleets."""
     episodes = 400
     assert kill_sweeps(path, episodes, 1) == 1
     before = table(path)

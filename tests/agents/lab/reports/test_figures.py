@@ -253,16 +253,6 @@ def test_everything_drawn_is_inside_the_figure(experiment: Experiment) -> None:
         assert drawn.y1 <= height
 
 
-def test_only_ordered_values_are_joined_by_a_line() -> None:
-    for settings in ({"battery": [1, 2]}, {"escape": [True, False]}):
-        [(name, values)] = settings.items()
-        cases = [({name: value}, outcomes("dw")) for value in values]
-        with experiment_of(cases) as experiment:
-            [axes] = draw(experiment).axes
-        line = axes.containers[0].lines[0]
-        assert line.get_linestyle() == ("-" if name == "battery" else "None")
-
-
 def test_a_share_is_written_into_the_middle_of_its_part_where_there_is_room() -> None:
     words = "d" * 11 + "o" + "w" * 2
     with experiment_of([({}, outcomes(words))]) as experiment:

@@ -1,20 +1,16 @@
 """Counts, shares and means of the episodes of selected cases, and two compared seed by seed."""
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import pytest
-from helpers.results_files import OFF, ON, change, experiment_of, fill, fleet_row, outcomes, row
+from helpers.results_files import OFF, ON, experiment_of, fleet_row, outcomes, row
 
-from agents.errors import StoreError
 from agents.lab.experiments.store import Store
 from agents.lab.reports.results import (
     FLEETS,
     JOULES,
-    LONE,
     PER_HOUR,
     Comparison,
-    Experiment,
     Results,
     compare,
 )
@@ -74,24 +70,11 @@ def test_a_fleet_without_any_measure_delivers_nothing() -> None:
         assert estimates(experiment.results(1))[:2] == [0, None]
 
 
-@pytest.mark.parametrize("backends", [["grid"], ["grid", "physics"]])
-def test_time_and_energy_of_the_grid_are_not_measured(backends: list[str]) -> None:
-    with experiment_of([({"backend": name}, [row(0)]) for name in backends]) as experiment:
-        assert not experiment.results(*experiment.cases).is_measured
-
-
 def test_the_seeds_are_from_the_first_to_the_last_of_all_cases() -> None:
     cases = [(ON, outcomes("dd", seed=7)), (OFF, outcomes("ddd", seed=5))]
     with experiment_of(cases) as experiment:
         assert experiment.results(1, 2).seeds == (5, 8)
         assert experiment.results(1).seeds == (7, 8)
-
-
-def test_invalid_rows_are_errors(tmp_path: Path) -> None:
-    path = fill(tmp_path / "r.sqlite", [(ON, outcomes("dw"))])
-    change(path, "UPDATE episodes SET steps = 'many' WHERE seed = 1")
-    with Store(path, read_only=True) as store, pytest.raises(StoreError, match="seed 1 is damaged"):
-        Experiment(store, LONE)
 
 
 def test_rows_that_a_sweep_adds_later_are_not_counted() -> None:

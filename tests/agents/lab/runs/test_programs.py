@@ -47,7 +47,7 @@ def test_a_program_is_named_by_its_version_its_sources_and_its_libraries_unimpor
 def test_the_sources_of_a_program_are_those_that_decide_rows() -> None:
     names = {path.relative_to(ROOT).as_posix() for path in own_sources()}
     assert names >= {
-        "agents/lab/experiments/episodes.py", "agents/lab/place.py", "agents/registry.py",
+        "agents/lab/experiments/case.py", "agents/lab/place.py", "agents/registry.py",
         "agents/search/algorithms.py", "warehouse_core/task/rules.py",
         "warehouse_core/records/failure_modes.py", "warehouse_physics/robot.py",
     }  # fmt: skip
