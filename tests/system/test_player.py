@@ -71,7 +71,7 @@ def test_space_plays_and_pauses_at_the_speed_that_is_shown(
     for speed, seconds in (("1", 2), ("4", 1), ("0.25", 2)):
         page.press("Home")
         page.part("speed").select_option(speed)
-        page.page.locator("body").click(position={"x": 2, "y": 2})
+        page.page.get_by_role("button", name="One step back").click()
         page.press("Space")
         assert page.page.get_by_role("button", name="Pause", exact=True).count() == 1
         page.page.clock.run_for(1000 * seconds)
@@ -82,61 +82,37 @@ def test_space_plays_and_pauses_at_the_speed_that_is_shown(
         assert page.pictures() == at, "it is paused"
 
 
-def test_playing_ends_at_the_end_and_then_starts_again(
-    opened: Open, files: Files, track: Track
-) -> None:
-    page = opened(files("grid", lambda: [track]), is_held=True)
-    page.part("speed").select_option("16")
-    play = page.part("play")
-    play.click()
-    page.page.clock.run_for(1000 * track.steps / 16 + 100)
-    assert steps(page) == track.steps
-    assert play.get_attribute("aria-label") == "Play"
-    assert page.part("ending").inner_text().lower() == track.ending
-    play.click()
-    page.page.clock.run_for(100)
-    play.click()
-    assert 0 < page.read("player.time") < 4
-
-
-def test_a_page_plays_once_by_itself_and_rests_on_the_end(
-    opened: Open, files: Files, track: Track
-) -> None:
-    page = opened(files("playing", lambda: [track], opens_at=None), is_held=True)
-    page.read("player.speed = 16")
-    wait_until(page.page, "player.isPlaying")
-    page.page.clock.run_for(2000 * track.steps / 16)
-    assert page.read("[player.step, player.isPlaying]") == [track.steps, False]
-    assert "#" not in page.page.url, "loaded again, it plays again"
-    page.press("Space")
-    assert page.read("[player.step, player.isPlaying]") == [0, True]
-    page.page.clock.run_for(500)
-    page.press("Space")
-    assert 0 < page.read("player.time") < track.steps
-    assert "#step=" in page.page.url
-
-
-def test_a_page_that_was_hidden_goes_on_where_it_was(
+def test_a_page_plays_once_by_itself_and_rests_on_the_end_and_then_starts_again(
     opened: Open, files: Files, track: Track
 ) -> None:
     page = opened(files("playing", lambda: [track], opens_at=None), is_held=True)
     wait_until(page.page, "player.isPlaying")
     page.page.clock.run_for(100)
     page.page.clock.fast_forward(60_000)
-    assert page.read("player.time / player.speed") < 1.2
+    assert page.read("player.time / player.speed") < 1.2, "a hidden page goes on where it was"
+    page.read("player.speed = 16")
+    page.page.clock.run_for(2000 * track.steps / 16)
+    assert page.read("[player.step, player.isPlaying]") == [track.steps, False]
+    assert page.part("ending").inner_text().lower() == track.ending
+    assert "#" not in page.page.url, "loaded again, it plays again"
+    page.part("play").click()
+    assert page.read("[player.step, player.isPlaying]") == [0, True]
+    page.page.clock.run_for(500)
+    page.part("play").click()
+    assert page.part("play").get_attribute("aria-label") == "Play"
+    assert 0 < page.read("player.time") < track.steps
+    assert "#step=" in page.page.url
 
 
-@pytest.mark.parametrize(
-    "stop", ["q", "Tab", "Space", "ArrowRight", "body", "canvas.floor", ".play"]
-)
+@pytest.mark.parametrize("stop", ["q", "Space", "canvas.floor"])
 def test_any_key_or_click_stops_a_page_that_plays_by_itself(
     opened: Open, files: Files, track: Track, stop: str
 ) -> None:
     page = opened(files("playing", lambda: [track], opens_at=None), is_held=True)
     wait_until(page.page, "player.isPlaying")
     page.page.clock.run_for(600)
-    if stop[0] in ".bc":
-        page.page.locator(stop).first.click(position={"x": 3, "y": 3})
+    if "." in stop:
+        page.page.locator(stop).click(position={"x": 3, "y": 3})
     else:
         page.press(stop)
     at = page.read("player.time")
@@ -148,7 +124,7 @@ def test_any_key_or_click_stops_a_page_that_plays_by_itself(
 @pytest.mark.parametrize(
     ("fragment", "opens_at", "motion", "time"),
     [
-        ("", None, "reduce", 0), ("", 7.5, "no-preference", 7.5), ("", 1e9, "reduce", "player.end"),
+        ("", None, "reduce", 0), ("", 1e9, "no-preference", "player.end"),
         ("#step=3", None, "no-preference", 3), ("#step=0", 7.5, "no-preference", 0),
     ],
 )  # fmt: skip
@@ -179,36 +155,17 @@ def test_players_in_frames_play_by_themselves_while_they_are_in_sight(
     assert all(player.evaluate("player.isOpening && player.time > 0") for player in players)
 
 
-@pytest.mark.parametrize("backend", ["grid", "physics"])
 def test_the_energy_of_a_fleet_is_that_of_its_chart_while_it_plays(
-    opened: Open, files: Files, backend: str
+    opened: Open, files: Files
 ) -> None:
-    episode = fleet_episode(backend=backend, max_steps=20)
-    page = opened(files(f"fleet {backend}", lambda: [track_of_record(episode)]))
+    episode = fleet_episode(backend="physics", max_steps=20)
+    page = opened(files("fleet of bodies", lambda: [track_of_record(episode)]))
     used = episode.joules.sum(axis=1).cumsum()
     for step in (3, 12):
         page.read(f"player.seek(player.longest.timeOf({step}) + 0.5)")
         facts, chart = page.part("facts").inner_text(), page.read("player.charts.at(-1).text")
         assert facts == f"{page.read('player.time'):.1f} s, {used[step - 1]:,.0f} J"
         assert chart == f"Energy used (kJ): energy {used[step - 1] / 1000:.2f}".rstrip("0")
-
-
-def test_the_energy_of_a_robot_is_that_of_its_chart_while_it_plays(page: Shown) -> None:
-    page.seek(6.5)
-    joules = float(page.read("player.charts.at(-1).text").rpartition(" ")[2])
-    assert page.part("facts").inner_text() == f"6.5 s, {joules:.0f} J"
-
-
-def test_speeds_change_by_keys_within_their_range(page: Shown) -> None:
-    speed = page.part("speed")
-    options = speed.locator("option").evaluate_all("all => all.map(option => option.value)")
-    assert options == ["0.25", "0.5", "1", "2", "4", "8", "16"]
-    page.press(*[">"] * 9)
-    assert speed.input_value() == "16"
-    page.press("<")
-    assert speed.input_value() == "8"
-    page.press(*["<"] * 9)
-    assert speed.input_value() == "0.25"
 
 
 def test_the_slider_is_dragged(page: Shown, track: Track) -> None:
@@ -281,87 +238,63 @@ def test_n_goes_to_the_events_of_the_chosen_robot(crowd: Shown, fleet: Track) ->
     assert "robot 2" in crowd.part("event").inner_text()
 
 
-def test_f_is_full_screen_and_back(page: Shown) -> None:
+def test_f_is_full_screen_and_back_and_keys_with_ctrl_are_the_browsers(page: Shown) -> None:
     page.press("f")
     wait_until(page.page, "document.fullscreenElement !== null")
     page.press("f")
     wait_until(page.page, "document.fullscreenElement === null")
+    page.press("Control+ArrowRight", "Alt+f")
+    assert page.read("[player.step, document.fullscreenElement]") == [0, None]
 
 
 def test_help_is_a_dialog_whose_keys_are_its_own(page: Shown) -> None:
     dialog = page.part("helping")
-    page.press("?")
+    page.press("?", "ArrowRight", "n")
     assert dialog.is_visible()
-    page.press("ArrowRight", "n")
     assert steps(page) == 0
-    page.press("Escape")
+    page.press("Escape", "ArrowRight")
     assert not dialog.is_visible()
+    assert steps(page) == 1
     page.page.get_by_role("button", name="Help").click()
     page.page.get_by_role("button", name="Close").click()
     assert not dialog.is_visible()
-    page.press("ArrowRight")
-    assert steps(page) == 1
 
 
-def test_keys_with_ctrl_are_the_browsers(page: Shown) -> None:
-    page.press("Control+ArrowRight", "Alt+f")
-    assert steps(page) == 0
-    assert page.read("document.fullscreenElement") is None
+def test_a_floor_is_zoomed_moved_and_fitted_by_keys_buttons_and_pointer(page: Shown) -> None:
+    def view(name: str) -> Any:
+        return page.read(f"player.views[0].{name}")
 
-
-def test_zoom_pan_and_fit(page: Shown) -> None:
-    whole = page.pictures()
-    floor = page.page.locator("canvas.floor")
+    whole, mouse = page.pictures(), page.page.mouse
     page.press("+", "+")
-    assert page.read("player.views[0].zoom") == pytest.approx(2.25)
-    zoomed = page.pictures()
-    assert zoomed != whole
-    box = floor.bounding_box()
+    assert view("zoom") == pytest.approx(2.25)
+    assert page.pictures() != whole
+    box = page.page.locator("canvas.floor").bounding_box()
     center = box["x"] + box["width"] / 2, box["y"] + box["height"] / 2
-    before = page.read("player.views[0].middle")
-    page.page.mouse.move(*center)
-    page.page.mouse.down()
-    page.page.mouse.move(center[0] + 40, center[1] + 30)
-    page.page.mouse.up()
-    scale = page.read("player.views[0].scale")
-    after = page.read("player.views[0].middle")
-    assert after == pytest.approx([before[0] - 40 / scale, before[1] - 30 / scale], abs=0.02)
-    page.press("-")
-    assert page.read("player.views[0].zoom") == pytest.approx(1.5)
+    before, scale = view("middle"), view("scale")
+    mouse.move(*center)
+    mouse.down()
+    mouse.move(center[0] + 40, center[1] + 30)
+    mouse.up()
+    expected = [before[0] - 40 / scale, before[1] - 30 / scale]
+    assert view("middle") == pytest.approx(expected, abs=0.02)
+    before = view("middle")
+    page.press("Shift+ArrowRight", "Shift+ArrowDown")
+    assert [now > then for now, then in zip(view("middle"), before, strict=True)] == [True, True]
+    page.press("Shift+ArrowLeft", "Shift+ArrowUp")
+    assert view("middle") == pytest.approx(before)
+    assert steps(page) == 0, "arrows alone go to another step"
     page.press("0")
     assert page.pictures() == whole
     for name in ("Zoom in", "Zoom in", "Zoom out"):
         page.page.get_by_role("button", name=name).click()
-    assert page.read("player.views[0].zoom") == pytest.approx(1.5)
+    assert view("zoom") == pytest.approx(1.5)
     page.page.get_by_role("button", name="Fit the floor").click()
     assert page.pictures() == whole
-
-
-def test_a_zoomed_floor_is_moved_by_keys(page: Shown) -> None:
-    page.press("+", "+")
-    before = page.read("player.views[0].middle")
-    page.press("Shift+ArrowRight", "Shift+ArrowDown")
-    after = page.read("player.views[0].middle")
-    assert after[0] > before[0] + 0.5
-    assert after[1] > before[1] + 0.3
-    assert steps(page) == 0, "arrows alone go to another step"
-    page.press("Shift+ArrowLeft", "Shift+ArrowUp")
-    assert page.read("player.views[0].middle") == pytest.approx(before)
-
-
-def test_space_plays_after_a_click_on_another_button(page: Shown) -> None:
-    page.page.get_by_role("button", name="One step on").click()
-    page.press(" ")
-    assert page.read("player.isPlaying")
-
-
-def test_ctrl_and_the_wheel_zoom_where_the_pointer_is(page: Shown) -> None:
-    box = page.page.locator("canvas.floor").bounding_box()
-    page.page.mouse.move(box["x"] + 0.7 * box["width"], box["y"] + 0.4 * box["height"])
-    page.page.mouse.wheel(0, -100)
-    assert page.read("player.views[0].zoom") == 1
+    mouse.move(*center)
+    mouse.wheel(0, -100)
+    assert view("zoom") == 1
     page.page.keyboard.down("Control")
-    page.page.mouse.wheel(0, -100)
+    mouse.wheel(0, -100)
     wait_until(page.page, "player.views[0].zoom > 1.1")
     page.page.keyboard.up("Control")
 
@@ -404,27 +337,15 @@ def test_a_robot_is_chosen_by_a_click_and_by_its_number(crowd: Shown, fleet: Tra
 
 
 def test_typing_a_number_does_not_play_or_step(crowd: Shown) -> None:
-    number = crowd.part("number")
-    number.click()
+    crowd.part("number").click()
     crowd.press("2", "Home", "n", "f", "Space")
     assert crowd.read("[player.chosen, player.step, player.isPlaying]") == [2, 0, False]
 
 
-def test_the_heat_of_held_up_robots_is_a_layer(crowd: Shown, fleet: Track) -> None:
-    crowd.seek(fleet.steps)
-    without = crowd.pictures()
-    heat = crowd.page.get_by_role("checkbox")
-    heat.check()
-    assert crowd.pictures() != without
-    heat.uncheck()
-    assert crowd.pictures() == without
-
-
-@pytest.mark.parametrize("fragment", ["#step=12&robot=3", "#robot=3&step=12"])
 def test_an_address_opens_at_its_step_and_robot_and_follows_them(
-    opened: Open, files: Files, fleet: Track, fragment: str
+    opened: Open, files: Files, fleet: Track
 ) -> None:
-    page = opened(files("fleet", lambda: [fleet]), fragment)
+    page = opened(files("fleet", lambda: [fleet]), "#robot=3&step=12")
     assert page.read("[player.step, player.chosen]") == [12, 3]
     assert page.page.url.endswith("#step=12&robot=3")
     page.press("ArrowRight")
@@ -433,10 +354,7 @@ def test_an_address_opens_at_its_step_and_robot_and_follows_them(
     wait_until(page.page, "player.step === 2 && player.chosen === 0")
 
 
-@pytest.mark.parametrize(
-    "fragment",
-    ["#step=-3", "#step=x&robot=99", "#step=1e9", "#robot=-1", "#%E0%A4%A", "#step=999999999999"],
-)
+@pytest.mark.parametrize("fragment", ["#step=-3&robot=-1", "#step=x&robot=99", "#%E0%A4%A"])
 def test_an_address_that_makes_no_sense_opens_a_page_that_works(
     opened: Open, files: Files, fleet: Track, fragment: str
 ) -> None:
@@ -510,8 +428,7 @@ def test_a_screen_reader_is_told_what_is_shown(page: Shown, track: Track) -> Non
     status = page.part("status").inner_text()
     assert "step 1 of" in status
     assert track.frames[1].caption in status
-    canvas = page.page.locator("canvas.floor")
-    assert canvas.get_attribute("aria-label") == status
+    assert page.page.locator("canvas.floor").get_attribute("aria-label") == status
     assert page.part("slider").get_attribute("aria-valuetext").startswith("step 1 of")
 
 

@@ -9,6 +9,7 @@ from helpers.player import page_in, said_by
 from agents.run_episode import run_episode
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.viz.player import player_frame, player_page, save_page
+from warehouse_core.viz.player.tracks import Columns
 from warehouse_core.viz.tracks import Track, track_of_record
 
 
@@ -55,3 +56,9 @@ def test_a_page_of_a_body_charts_its_speed_at_every_frame() -> None:
     assert speed["x"] == pytest.approx([frame.clock for frame in track.frames], abs=1e-3)
     assert speed["y"] == pytest.approx([frame.speed for frame in track.frames], abs=1e-3)
     assert max(speed["y"]) > 0.5
+
+
+@pytest.mark.parametrize("values", [[2**31 - 0.4], [0, 2**31 - 1, -1], [math.nan], [math.inf] * 2])
+def test_numbers_or_differences_that_32_bits_cannot_hold_are_refused(values: list[float]) -> None:
+    with pytest.raises(ValueError, match="32 bits"):
+        Columns().whole(values, is_delta=True)

@@ -1,12 +1,12 @@
-// Prints what the page knows of each frame of the packed tracks on standard input, as JSON.
+// Prints what the page makes of the packed block on standard input, as JSON; NaN is a word there.
+// With the word "frames", what it knows of each frame of the tracks in the block.
 
 import { readFileSync } from "node:fs";
 
 import { waitingByPickup } from "../../../../warehouse_core/viz/player/orders.js";
 import { decode, Track, unpack } from "../../../../warehouse_core/viz/player/track.js";
 
-const data = decode(await unpack(readFileSync(0, "latin1")));
-const frames = data.tracks.map((packed) => {
+function framesOf(packed) {
   const track = new Track(packed);
   return Array.from(track.time, (time, frame) => {
     const moment = track.at(time);
@@ -23,5 +23,12 @@ const frames = data.tracks.map((packed) => {
       battery: bodies.slice(0, track.robots).map((_, body) => track.fleet?.battery[body * track.frames + frame]),
     };
   });
-});
-process.stdout.write(JSON.stringify(frames));
+}
+
+const plain = (_, value) => {
+  if (ArrayBuffer.isView(value)) return [...value];
+  return Number.isNaN(value) ? "NaN" : value;
+};
+const data = decode(await unpack(readFileSync(0, "latin1")));
+const told = process.argv[2] === "frames" ? data.tracks.map(framesOf) : data;
+process.stdout.write(JSON.stringify(told, plain));
