@@ -11,7 +11,6 @@ from time import perf_counter
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.mapf.epibt import outward_cells
 from agents.mapf.graph import CLOSED, Fields, Graph, robots_in
 from agents.mapf.headed import HeadedFields
 from agents.mapf.kernels.auction import Auction, auction_of, foresee
@@ -165,7 +164,7 @@ def auction_on(fields: Fields, robots: int, unit: int) -> Auction:
     if graph.costs is not None:  # the cheapest move is to gain something too
         cheapest = graph.costs[beside != CLOSED].min(initial=1.0) * step
         step = max(1, int(cheapest))
-    return auction_of(np.where(beside == CLOSED, NONE, beside), robots, step, has_headings, unit)
+    return auction_of(beside, robots, step, has_headings, unit)
 
 
 def kept_aims(size: int, cells: Integers, aims: Integers) -> Integers:
@@ -177,6 +176,25 @@ def kept_aims(size: int, cells: Integers, aims: Integers) -> Integers:
         if not is_blocked.any():
             return aims
         aims[is_blocked] = NONE
+
+
+def outward_cells(graph: Graph) -> Integers:
+    """Return for each cell in a dead end the next on the way out of it, else ``NONE``, ``[size]``.
+
+    A dead end is what is left of a tree of cells, beyond the first cell that has another way.
+    """
+    beside = graph.neighbours[:, :WAIT]
+    degree, outward = (beside != CLOSED).sum(axis=1), np.full(graph.size, NONE)
+    ends = np.flatnonzero(degree == 1).tolist()
+    while ends:
+        cell = ends.pop()
+        for out in beside[cell].tolist():
+            if degree[cell] == 1 and out != CLOSED and outward[out] == NONE:
+                outward[cell], degree[cell] = out, 0
+                degree[out] -= 1
+                if degree[out] == 1:
+                    ends.append(out)
+    return outward
 
 
 def dead_ends(graph: Graph) -> Integers:

@@ -17,11 +17,9 @@ from time import perf_counter
 import numpy as np
 
 from agents.errors import PlanError
-from agents.mapf.epibt import epibt_on
-from agents.mapf.graph import Fields
 from agents.mapf.kernels import lacam as kernels
 from agents.mapf.kernels.buffers import buffer_of
-from agents.mapf.kernels.epibt import Epibt, epibt_of
+from agents.mapf.kernels.epibt import epibt_of
 from agents.mapf.kernels.pibt import pibt_of
 from agents.mapf.kernels.places import NONE
 from agents.mapf.kernels.prepare import prepare_solvers
@@ -29,6 +27,7 @@ from agents.mapf.kernels.robots import robots_of
 from agents.mapf.problem import Plan, Problem
 from agents.mapf.turning import with_turns
 from warehouse_core.wording import counted
+from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
 
 __all__ = ["lacam", "lacam_star"]
@@ -109,7 +108,9 @@ class LaCAM:
         self._robots = robots = robots_of(graph.size, problem.robots, seed)
         robots.goals[:], robots.rows[:] = buffer_of(goals), buffer_of(rows)
         self._pibt = pibt_of(graph.size, problem.robots, is_final=True)
-        self._epibt = self._epibt_on(fields)
+        ahead = graph.neighbours[:, :WAIT]
+        is_used = problem.headings is not None
+        self._epibt = epibt_of(ahead, problem.robots) if is_used else epibt_of(ahead[:0], 0)
         left = self.steps.matrix.ravel()[step_rows + problem.places]
         self.lower_bound = int(left.sum())
         ranks = np.argsort(-left, kind="stable")
@@ -196,9 +197,3 @@ class LaCAM:
             node = after
         self._search.counts[kernels.BEST] = node
         kernels.push(self._search, 0)
-
-    def _epibt_on(self, fields: Fields) -> Epibt:
-        """Return the buffers of EPIBT, of no robots if they have no headings."""
-        if self.problem.headings is None:
-            return epibt_of(np.empty((0, 4), np.intp), np.empty((0, 1), np.intp), 0)
-        return epibt_on(fields, self.problem.robots)

@@ -19,19 +19,12 @@ from time import perf_counter
 
 import numpy as np
 
-from agents.mapf.circulation import (
-    MAX_PATIENCE,
-    MOST_PATIENCES,
-    auction_on,
-    dead_ends,
-    waits_for_exits,
-)
-from agents.mapf.epibt import epibt_on
+from agents.mapf.circulation import auction_on, dead_ends, waits_for_exits
 from agents.mapf.graph import Fields, Graph, robots_in
 from agents.mapf.headed import HeadedFields
 from agents.mapf.kernels.auction import Auction
 from agents.mapf.kernels.buffers import buffer_of, prepare
-from agents.mapf.kernels.epibt import Epibt
+from agents.mapf.kernels.epibt import Epibt, epibt_of
 from agents.mapf.kernels.lns import PORTION, improve, improve_until, new_groups, renew
 from agents.mapf.kernels.pibt import Pibt, pibt_of
 from agents.mapf.kernels.places import FAR, NONE
@@ -54,6 +47,7 @@ from warehouse_core.arguments import (
     seed_number,
     whole_number,
 )
+from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
 
 __all__ = ["WindowedPlanner"]
@@ -65,7 +59,7 @@ GROUPS = 20
 """Default groups of robots that are planned anew in a step."""
 
 FRESH = 5
-"""Default steps after which a plan made anew may take the place of the one that goes on."""
+"""Steps after which a plan made anew may take the place of the one that goes on."""
 
 MAX_WINDOW = 10_000
 """Limit on the steps of a window, each of which takes memory for all cells."""
@@ -83,10 +77,6 @@ class WindowedPlanner(PlacePlanner):
         groups: groups of robots that are planned anew in each step, and kept if no worse.
         seconds: time in each step after which no more groups are planned anew.
         seed: seed of the order in groups.
-        fresh: steps after which a plan made anew may take the place of the one that goes on.
-        patience: steps without a goal, at most ``MAX_PATIENCE``, after which the cost of a robot
-            counts twice as much, thrice after as many again, and so on. In crowds fewer robots are
-            stuck then. By default the costs of all robots count alike.
         circulates: true if plans are continued and made anew by circulations, by which more goals
             are reached on floors that are nearly full. Robots give way then while others have to
             come out of the dead ends where their goals are.
@@ -110,15 +100,9 @@ class WindowedPlanner(PlacePlanner):
         seconds: float = inf,
         seed: int = 0,
         turn_cost: float = 0.0,
-        fresh: int = FRESH,
-        patience: int | None = None,
         circulates: bool = False,
     ) -> None:
         self.groups, self.seed = whole_number("groups", groups, 0), seed_number(seed)
-        if patience is not None:
-            patience = whole_number("patience", patience, 1, MAX_PATIENCE)
-        self.patience = patience
-        self.fresh = whole_number("fresh", fresh, 1)
         self.circulates = flag("circulates", circulates)
         self.seconds = real_number("seconds", seconds, finite=False)
         self.graph = graph = instance_of("graph", graph, Graph).with_turns(turn_cost)
@@ -160,11 +144,11 @@ class WindowedPlanner(PlacePlanner):
         self._round: Auction | Epibt | Pibt
         if self.circulates:
             self._outward = dead_ends(self.graph)
-            self._auction = auction_on(self._fields, robots, self.patience or 1)
             those.random[0] = 1
-            self._roll_by, self._round = roll_circulation, self._auction
+            self._roll_by, self._round = roll_circulation, auction_on(self._fields, robots, 1)
         elif has_headings:
-            self._roll_by, self._round = roll_epibt, epibt_on(self._fields, robots)
+            ahead = self.graph.neighbours[:, :WAIT]
+            self._roll_by, self._round = roll_epibt, epibt_of(ahead, robots)
         else:
             self._roll_by, self._round = roll_pibt, pibt_of(self.graph.size, robots)
         self._routes = new_routes(floor, robots, times, True)._replace(
@@ -172,7 +156,7 @@ class WindowedPlanner(PlacePlanner):
         )
         self._frontier = new_frontier(floor, self._routes)
         self._groups = new_groups(robots, times, self.seed)
-        self._since = self.fresh
+        self._since = FRESH
         ranks = np.random.default_rng(self.seed).permutation(robots) / robots
         self._memory = Memory(self.graph, ranks)
         self._places = np.asarray(self._routes.places).reshape(robots, times)
@@ -191,17 +175,12 @@ class WindowedPlanner(PlacePlanner):
         self._table = self._fields.table
         self._has_new_goal = goals != self._memory.goals
         self._order = buffer_of(self._memory.order(cells, goals, situation.urgent))
-        robots, routes = self._robots, self._routes
+        robots = self._robots
         robots.goals[:], robots.rows[:] = buffer_of(goals), buffer_of(rows * graph.places)
         robots.stays[:] = buffer_of(situation.stays.astype(np.intp))
         robots.is_closed[:] = buffer_of(self.graph.closed_with(situation.closed))
-        if self.patience is not None:
-            routes.weights[:] = buffer_of(self.patience + self._memory.ages)
-        if self.circulates:
-            weights = np.minimum(routes.weights, MOST_PATIENCES * self._auction.unit)
-            self._auction.weights[:] = buffer_of(weights)
         passing = [cell for cell in situation.closed.tolist() if cell not in self.graph.closed]
-        self._routes = routes._replace(closed=buffer_of(np.array(passing, np.intp)))
+        self._routes = self._routes._replace(closed=buffer_of(np.array(passing, np.intp)))
 
     def _continue(self, situation: Situation) -> None:
         """Continue the last plan, or make a new one if that is better."""
@@ -211,7 +190,7 @@ class WindowedPlanner(PlacePlanner):
         if holds:
             self._roll(last - 1)
             continued = places.copy()
-            if self._since < self.fresh:
+            if self._since < FRESH:
                 self._since += 1
                 prices(floor, routes, table)
                 return

@@ -97,7 +97,7 @@ def turning() -> Iterator[tuple[str, np.ndarray]]:
             yield f"windowed circulates {robots} {seed}", run.cells
         for name, costs in (("plain", None), ("lanes", lane_costs(graph.layout, 1.3))):
             for groups in (0, 12):
-                windowed = WindowedPlanner(graph.with_costs(costs), 8, groups, seed=seed, fresh=3)
+                windowed = WindowedPlanner(graph.with_costs(costs), 8, groups, seed=seed)
                 run = run_lifelong(graph, windowed, 30, 12, seed, has_headings=True)
                 yield f"windowed {name} {groups} {seed}", run.cells
         for robots, rounds in ((2, 4_000), (12, 400)):

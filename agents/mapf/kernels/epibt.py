@@ -12,6 +12,7 @@ Source: Yukhnevich and Andreychuk (2025), Enhancing PIBT via multi-action operat
 
 from __future__ import annotations
 
+from itertools import product
 from typing import NamedTuple
 
 import numpy as np
@@ -20,6 +21,7 @@ from agents.mapf.kernels.buffers import Buffer, Table, buffer, buffer_of, kernel
 from agents.mapf.kernels.pibt import CHANCE_KEY
 from agents.mapf.kernels.places import FORWARD, NONE, STAY, TURNS
 from agents.mapf.kernels.robots import NOBODY, SPREAD, UNDECIDED, Robots, draw, mix
+from warehouse_core.world.moves import LEFT, RIGHT
 from warehouse_core.world.tables import Integers
 
 BLOCKED, IN_VAIN = -2, -3
@@ -36,6 +38,9 @@ USED = 1 << 62
 
 END_WEIGHT, CHANCE_KEYS = 4, CHANCE_KEY + 1
 """Weight of the distance at the end of the window against those before; keys by chance."""
+
+OPERATION_STEPS = 3
+"""Steps for which robots choose their actions in a round."""
 
 
 class Epibt(NamedTuple):
@@ -90,14 +95,9 @@ class Epibt(NamedTuple):
     expected: Buffer
 
 
-def epibt_of(ahead: Integers, operations: Integers, robots: int) -> Epibt:
-    """Return the buffers of EPIBT.
-
-    Args:
-        ahead: ``[size, 4]``, see ``Epibt``.
-        operations: ``[N, W]``, likewise.
-        robots: number of robots.
-    """
+def epibt_of(ahead: Integers, robots: int) -> Epibt:
+    """Return the buffers of EPIBT; see ``Epibt`` for ``ahead``, ``[size, 4]``."""
+    operations = turning_operations(OPERATION_STEPS)
     (size, _), (count, window) = ahead.shape, operations.shape
     parents, actions, within = beginnings(operations)
     number = len(parents)
@@ -111,6 +111,25 @@ def epibt_of(ahead: Integers, operations: Integers, robots: int) -> Epibt:
         marks=buffer(robots), trail=buffer(robots + 1), holder=buffer(window * size, NOBODY),
         expected=buffer(window * size, NOBODY),
     )  # fmt: skip
+
+
+def turning_operations(window: int) -> Integers:
+    """Return sequences of moves, turns and waits through a window, the one of waits first.
+
+    The actions are ``FORWARD``, ``RIGHT``, ``LEFT`` and ``STAY``. Of several sequences that lead
+    through the same cells to the same heading, the one with the fewest turns is left, and of these
+    the one that turns first.
+    """
+    found: dict[tuple[object, ...], tuple[int, ...]] = {}
+    every = product((FORWARD, RIGHT, LEFT, STAY), repeat=window)
+    for actions in sorted(every, key=lambda each: (each.count(RIGHT) + each.count(LEFT), each)):
+        place, heading, way = 0j, 1 + 0j, list[object]()
+        for action in actions:
+            heading *= {RIGHT: 1j, LEFT: -1j}.get(action, 1)
+            place += heading * (action == FORWARD)
+            way.append(place)
+        found.setdefault((*way, heading), actions)
+    return np.array(sorted(found.values(), key=lambda each: each != (STAY,) * window))
 
 
 def beginnings(operations: Integers) -> tuple[list[int], list[int], list[int]]:
@@ -257,12 +276,6 @@ def follow(robots: Robots, epibt: Epibt, robot: int, operation: int) -> None:
 
 
 @kernel
-def distance(robots: Robots, fields: Table, row: int, cell: int, heading: int) -> int:
-    """Return the distance of a robot from the goal of a row."""
-    return fields[row + heading * robots.size + cell]
-
-
-@kernel
 def weigh(robots: Robots, epibt: Epibt, fields: Table, robot: int, depth: int) -> None:
     """Write the keys of all operations of a robot, which begin with the same actions in part."""
     count, number = len(epibt.operations) // epibt.window, len(epibt.parents)
@@ -276,7 +289,7 @@ def weigh(robots: Robots, epibt: Epibt, fields: Table, robot: int, depth: int) -
             cell = entered(epibt, cell, heading, action)
             heading = turned(heading, action)
         if cell != NONE:
-            left = distance(robots, fields, row, cell, heading)
+            left = fields[row + heading * robots.size + cell]
         operation = at - number + count
         if operation < 0:
             cells[at], headings[at], passed[at] = cell, heading, passed[parent] + left

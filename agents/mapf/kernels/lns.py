@@ -181,9 +181,8 @@ def plan_anew(
     members, saved, times, costs = groups.members, groups.saved, routes.times, routes.costs
     number, left, least, done = members[MOST], 0, 0, 0
     for at in range(number):
-        weight = routes.weights[members[at]]
-        left += costs[members[at]] * weight
-        least += (costs[members[at]] - delay(routes, fields, members[at])) * weight
+        left += costs[members[at]]
+        least += costs[members[at]] - delay(routes, fields, members[at])
     if left == least:
         return 0  # nobody is late
     for at in range(number):
@@ -193,14 +192,12 @@ def plan_anew(
             saved[at * times + time] = routes.places[robot * times + time]
     while done < number:
         robot = members[done]
-        weight = routes.weights[robot]
-        least -= (costs[robot] - delay(routes, fields, robot)) * weight
+        least -= costs[robot] - delay(routes, fields, robot)
         turn = draw(groups.random) & 3
-        most = (left - least) // weight
-        cost = find_route(floor, routes, frontier, fields, robot, most, turn)
+        cost = find_route(floor, routes, frontier, fields, robot, left - least, turn)
         if cost == NONE:
             break
-        left, groups.costs[done] = left - cost * weight, cost
+        left, groups.costs[done] = left - cost, cost
         reserve(floor, routes, robot, robot + 1)
         done += 1
     if done == number:

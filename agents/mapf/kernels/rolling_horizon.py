@@ -154,5 +154,5 @@ def prices(floor: Places, routes: Routes, fields: Table) -> int:
     total = 0
     for robot in range(len(routes.costs)):
         routes.costs[robot] = route_cost(floor, routes, fields, robot)
-        total += routes.costs[robot] * routes.weights[robot]
+        total += routes.costs[robot]
     return total

@@ -42,7 +42,6 @@ class Routes(NamedTuple):
         places: ``[R * T]``, the place of each robot at each time.
         reserved: ``[T * size]``, the robot in each cell at each time plus one, or 0.
         costs: ``[R]``, the cost of each route.
-        weights: ``[R]``, 1 or more; groups are planned so that the weighted sum of costs falls.
         goals: ``[R]``, goal cells.
         rows: ``[R]``, index of the distance field of each goal in the table of fields.
         stays: ``[R]``, 1 for robots that have to stay in the first step.
@@ -55,7 +54,6 @@ class Routes(NamedTuple):
     places: Table
     reserved: Table
     costs: Buffer
-    weights: Buffer
     goals: Buffer
     rows: Buffer
     stays: Buffer
@@ -86,7 +84,7 @@ def new_routes(floor: Places, robots: int, times: int, is_open: bool) -> Routes:
     """Return the buffers of routes, with nothing reserved."""
     return Routes(
         times=times, is_open=int(is_open), places=new_table(robots * times),
-        reserved=new_table(times * floor.size), costs=buffer(robots), weights=buffer(robots, 1),
+        reserved=new_table(times * floor.size), costs=buffer(robots),
         goals=buffer(robots), rows=buffer(robots), stays=buffer(robots), closed=buffer(0),
         is_closed=buffer(floor.size),
     )  # fmt: skip

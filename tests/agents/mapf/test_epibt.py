@@ -9,9 +9,9 @@ from helpers.mapf_runs import check_headed_planner
 
 from agents.errors import AgentError, PlanError
 from agents.fleet import PlannedFleet
-from agents.mapf.circulation import Circulation
-from agents.mapf.epibt import outward_cells, turning_operations
+from agents.mapf.circulation import Circulation, outward_cells
 from agents.mapf.graph import Graph
+from agents.mapf.kernels.epibt import turning_operations
 from agents.mapf.kernels.places import STAY
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import NO_CELLS, BasePlanner, Situation, check_turns

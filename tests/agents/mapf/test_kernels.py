@@ -14,10 +14,8 @@ from agents.errors import PlanError
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.headed import HeadedFields
 from agents.mapf.kernels import space_time_astar as kernels
-from agents.mapf.kernels.buffers import buffer, buffer_of, table_of
-from agents.mapf.kernels.lns import improve, new_groups
+from agents.mapf.kernels.buffers import buffer, table_of
 from agents.mapf.kernels.places import FAR, NONE, measure, measure_turning
-from agents.mapf.kernels.rolling_horizon import prices
 from agents.mapf.lacam import lacam, lacam_star
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lns import Refinement
@@ -104,27 +102,6 @@ def test_ways_cost_what_brute_force_finds(is_open: bool) -> None:
         assert plan_conflict(layout.rows, first, ends, plan) is None
         assert kernels.find_route(*arguments, int(least) - 1, 0) == NONE
     assert found > 30
-
-
-@pytest.mark.parametrize("heavy", [0, 1])
-def test_of_two_robots_that_cross_the_lighter_waits(heavy: int) -> None:
-    """Their ways to cells 14 and 22 lead through cell 12; at first the heavy robot waits."""
-    graph = Graph(Layout(["##.##", "##.##", ".....", "##.##", "##.##"]))
-    fields, goals, light = Fields(graph), np.array([14, 22]), 1 - heavy
-    begins = [[10, 11, 12, 13], [2, 7, 12, 17]]
-    for seed in range(6):
-        ways = kernels.new_routes(fields.floor, 2, 4, is_open=True)
-        places = np.asarray(ways.places).reshape(2, 4)
-        places[light], places[heavy] = begins[light], [begins[heavy][0], *begins[heavy][:3]]
-        ways.goals[:] = buffer_of(goals)
-        ways.rows[:] = buffer_of(fields.rows(goals) * graph.places)
-        ways.weights[heavy] = 3
-        prices(fields.floor, ways, fields.table)
-        for robot in (0, 1):
-            kernels.reserve(fields.floor, ways, robot, robot + 1)
-        frontier, groups = kernels.new_frontier(fields.floor, ways), new_groups(2, 4, seed)
-        improve(fields.floor, ways, frontier, groups, fields.table, 20)
-        assert (ways.costs[heavy], ways.costs[light]) == (4, 5)
 
 
 @pytest.mark.parametrize("wrong_way", [None, 1.3, 5.0])

@@ -5,7 +5,6 @@ from helpers.mapf_problems import random_problem, random_problems, situation
 from helpers.mapf_runs import check_planner
 from helpers.mapf_validator import step_conflict
 
-from agents.mapf import windows
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT
@@ -105,23 +104,6 @@ def test_groups_that_are_planned_anew_have_less_delay() -> None:
             total += sum(problem.graph.distances(goal)[cell] for cell, goal in pairs)
         left[groups] = total
     assert left[60] < left[0]
-
-
-def test_a_robot_counts_more_the_longer_it_is_without_a_goal(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    """Robot 0 has been in its first goal, the robot in cell 7 is kept from its goal."""
-    weights = list[list[int]]()
-    monkeypatch.setattr(
-        windows, "improve_until", lambda floor, ways, *_: weights.append(list(ways.weights))
-    )
-    for patience in (3, None):
-        planner, cells = WindowedPlanner(Graph(Layout(["." * 10])), patience=patience), [1, 7]
-        for goals in ([2, 9], [2, 9], [5, 9], [5, 9]):
-            given = situation(cells, goals, stays=[1])
-            cells = planner.next_cells(given).tolist()
-    assert weights[:4] == [[4, 4], [3, 5], [3, 6], [4, 7]]
-    assert weights[4:] == [[1, 1]] * 4
 
 
 def test_the_same_seed_gives_the_same_steps() -> None:
