@@ -79,7 +79,7 @@ def test_an_option_has_one_meaning_in_all_commands_and_a_meaning_one_name() -> N
     assert [each for each in (*meanings.items(), *names.items()) if len(each[1]) > 1] == []
 
 
-@pytest.mark.parametrize("group", ["", "compare", *LEAVES])
+@pytest.mark.parametrize("group", ["", *LEAVES])
 def test_the_help_fits_60_columns_and_cuts_no_summary_off(
     warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch, group: str
 ) -> None:
@@ -167,7 +167,7 @@ def test_run_saves_several_files(warehouse: Warehouse, tmp_path: Path) -> None:
         ("run --seed 12 --battery 5", "replay-GreedyAgent-grid-12.gif", 6),
         ("run --agent exploring --seed 5 --max-steps 2", "replay-ExploringAgent-grid-5.gif", 3),
         ("compare backends --seed 3 --max-steps 1", "compare-GreedyAgent-grid-physics-3.gif", 0),
-        ("search --layout corridor --weights 1", "search.gif", 0),
+        ("compare search --layout corridor --weights 1", "search.gif", 0),
         ("demo bump", "demo-bump.gif", 0),
         ("demo cbs", "demo-cbs.png", 1),
         ("fleet --robots 2 --max-steps 5 --seed 5", "replay-greedy-grid-5.html", 0),

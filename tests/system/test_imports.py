@@ -311,7 +311,7 @@ def test_of_the_heavy_libraries_commands_that_only_tell_load_their_parser() -> N
     program = """
 import sys
 from agents.__main__ import main
-for words in ("--help", "layout list", "sweep --help", "gap --help"):
+for words in ("--help", "layout", "sweep --help", "compare --help"):
     sys.argv[1:] = words.split()
     try:
         main()

@@ -503,7 +503,7 @@ KINDS = (
 )  # fmt: skip
 
 COMMANDS = (
-    "search --save x.svg",
+    "compare search --save x.svg",
     "run --agent exploring --seed 3 --max-steps 6 --save x.svg",
     "demo cbs --save x.svg",
     "demo bump --save x.svg",

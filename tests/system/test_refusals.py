@@ -46,10 +46,14 @@ ARGUMENTS = {
     "export": ("warehouse/greedy-v0",),
     "grade": ("agent.py",),
     "replay": ("e.npz",),
+    "compare": ("agents",),
     "report": ("r.sqlite",),
     "train": ("q",),
 }
 """Arguments of commands that need some; options are refused before these files are read."""
+
+OF_KINDS = {("compare", "--planner"): ("planners",), ("compare", "--goal"): ("search",)}
+"""Arguments with which a command takes an option that others do not go with."""
 
 BACKENDS = {"sleigh": "no backend is called 'sleigh'; installed: driving, grid, physics"}
 CELLS = {
@@ -70,9 +74,7 @@ UNKNOWN = {
         "missing.txt": "missing.txt: No such file or directory",
         "bad.txt": "bad.txt: row 1, column 2: 'x' is not a tile; allowed: # (wall)",
     },
-    "--left": BACKENDS,
     "--planner": {"nobody": "no planner is called 'nobody'; allowed: pibt, "},
-    "--right": BACKENDS,
     "--start": CELLS,
 }
 """Values of options that name nothing, and what is said of them."""
@@ -109,7 +111,7 @@ WRONG = {
     "fleet --agent bfs --planner a.py:A": "--planner does not go with --agent",
     "fleet --assignment urgent": "--assignment needs a planner",
     "fleet --planner pibt --plan-seconds 0": f"--plan-seconds is 0; {TIME}",
-    "gap --order-rate 0": "--order-rate is 0; allowed: a number above 0",
+    "compare backends --robots 2 --order-rate 0": "--order-rate is 0; allowed: a number above 0",
     "plan none.scen": "none.scen: there is no such file or folder",
     "plan .": ".: a folder has several problems; use: warehouse compare planners .",
     "plan bare.txt": "bare.txt: unknown format of a problem; allowed: .scen",
@@ -117,10 +119,10 @@ WRONG = {
     "plan -o a.csv --planner pibt --planner cbs": "--save takes the paths of one planner",
     "compare planners --robots 4,x": f"--robots has 'x'; {SIZES}",
     "compare planners --robots 0": f"--robots has '0'; {SIZES}",
-    "search --weights 1,-2": f"--weights has '-2'; {WEIGHT}",
-    "search --weights much": f"--weights has 'much'; {WEIGHT}",
-    "search --weights 1,2,3,4,5,6,7": "--weights has 7 weights; at most 6",
-    "search --heuristic luck": "no heuristic is called 'luck'; allowed: manhattan, true, zero",
+    "compare search --weights 1,-2": f"--weights has '-2'; {WEIGHT}",
+    "compare search --weights much": f"--weights has 'much'; {WEIGHT}",
+    "compare search --weights 1,2,3,4,5,6,7": "--weights has 7 weights; at most 6",
+    "compare search --heuristic luck": "no heuristic is called 'luck'; allowed: manhattan",
     "compare agents --size 7x12": f"--size {UNUSED}",
     "compare agents --density 0.2": f"--density {UNUSED}",
     "train ppo --layouts 3": f"--layouts {UNUSED}",
@@ -148,9 +150,9 @@ IMPOSSIBLE = {
     "fleet --planner pibt --assignment x": "no assignment is called 'x'; allowed: fifo, nearest",
     "fleet --order-rate 1e9": "MAX_ORDERS",
     "fleet --planner windowed --show-pushes": "does not say which robots push",
-    "gap --robots 400": "400",
-    "gap --assignment none": "no assignment is called 'none'",
-    "gap --layout bare.txt": "the layout has no pickup",
+    "compare backends --robots 400": "400",
+    "compare backends --robots 2 --assignment none": "no assignment is called 'none'",
+    "compare backends --robots 2 --layout bare.txt": "the layout has no pickup",
     "plan --planner timed": "planner 'timed' no longer exists; use windowed",
     "plan --planner prioritised": "planner 'prioritised' no longer exists; use anytime, or ecbs",
     "fleet --planner clone:a.npz": "planner 'clone' no longer exists; use windowed",
@@ -221,15 +223,11 @@ SUFFIXES = {
     "play": f"{PICTURES}, .npz",
     "fleet": f"{PICTURES}, .npz, .csv",
     "race": PICTURES,
-    "gap": ".html, .csv",
     "plan": f"{PICTURES}, .csv",
     "grade": ".json, .html, .csv",
     "demo": PICTURES,
-    "search": PICTURES,
     "replay": f"{PICTURES}, .npz",
-    "compare backends": PICTURES,
-    "compare agents": ".svg, .png",
-    "compare planners": ".csv, .svg, .png",
+    "compare": f"{PICTURES}, .csv",
 }
 """Suffixes of the files that commands save."""
 
@@ -296,7 +294,8 @@ def folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
 def test_a_wrong_value_is_refused_before_any_work(
     refused: Refused, name: str, option: str, value: str, code: int, message: str
 ) -> None:
-    line = refused(*name.split(), *ARGUMENTS.get(name, ()), option, value, code=code)
+    arguments = OF_KINDS.get((name, option), ARGUMENTS.get(name, ()))
+    line = refused(*name.split(), *arguments, option, value, code=code)
     assert message in line
     assert len(line) < 1000
     if message == "; allowed: ":
@@ -391,5 +390,5 @@ def test_a_command_that_is_not_known_is_wrong_usage(refused: Refused) -> None:
     assert refused("frobnicate", code=2).startswith(
         "no command is called 'frobnicate'; allowed: run, play, "
     )
-    line = "no command is called 'frobnicate'; allowed: backends, agents, planners"
+    line = "WHAT is 'frobnicate'; allowed: agents, backends, planners, search"
     assert refused("compare", "frobnicate", code=2) == line

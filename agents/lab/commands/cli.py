@@ -8,23 +8,19 @@ from typing import Annotated
 
 import typer
 
-from agents.lab.commands.compare_agents import compare_agents
-from agents.lab.commands.compare_backends import compare_backends
+from agents.lab.commands.compare import CompareCommand, compare
 from agents.lab.commands.demos import demo
 from agents.lab.commands.export import export
 from agents.lab.commands.fleet.fleet import fleet
 from agents.lab.commands.fleet.report import report_fleet
-from agents.lab.commands.gap.gap import gap
 from agents.lab.commands.grade.grade import grade
 from agents.lab.commands.layout import layout
-from agents.lab.commands.planners.compare_planners import compare_planners
 from agents.lab.commands.planners.plan import plan
 from agents.lab.commands.play import play
 from agents.lab.commands.playground import playground
 from agents.lab.commands.race import race
 from agents.lab.commands.run import report_episode, run
-from agents.lab.commands.search import search
-from agents.lab.commands.train import train
+from agents.lab.commands.train import TrainCommand, train
 from agents.lab.console import main as console
 from agents.lab.console import options
 from agents.lab.console.group import CommandGroup
@@ -80,21 +76,7 @@ def replay(
     replay_or_save(episode, save, show, speed)
 
 
-class CompareGroup(CommandGroup):
-    """The group ``warehouse compare``."""
-
-    usual = "backends"
-
-
-comparing = typer.Typer(
-    cls=CompareGroup,
-    help="Compare backends, agents or planners. Without one of these words: backends.",
-)
-comparing.command("backends")(compare_backends)
-comparing.command("agents")(compare_agents)
-comparing.command("planners")(compare_planners)
-
-GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
+GROUPS: dict[str, dict[str, Callable[..., None]]] = {
     "Start": {
         "run": run,
         "play": play,
@@ -102,15 +84,13 @@ GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
         "race": race,
         "demo": demo,
         "replay": replay,
-        "search": search,
     },
     "Several robots": {
         "fleet": fleet,
         "plan": plan,
-        "gap": gap,
     },
     "Study": {
-        "compare": comparing,
+        "compare": compare,
         "train": train,
         "sweep": sweep,
         "report": report,
@@ -120,14 +100,14 @@ GROUPS: dict[str, dict[str, Callable[..., None] | typer.Typer]] = {
 }
 """The commands by the title under which the help lists them."""
 
+CLASSES = {"compare": CompareCommand, "train": TrainCommand}
+"""The commands whose help depends on their first argument."""
+
 for title, commands in GROUPS.items():
     for name, command in commands.items():
-        if isinstance(command, typer.Typer):
-            app.add_typer(command, name=name, rich_help_panel=title)
-        else:
-            app.command(name, rich_help_panel=title, epilog=NAMES if command is sweep else None)(
-                command
-            )
+        epilog = NAMES if command is sweep else None
+        kind = CLASSES.get(name)
+        app.command(name, cls=kind, rich_help_panel=title, epilog=epilog)(command)
 
 
 def _print_version(wanted: bool) -> None:

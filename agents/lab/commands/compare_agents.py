@@ -1,4 +1,4 @@
-"""The command ``warehouse compare agents``: agents over the same seeds, a table and a figure."""
+"""Agents over the same seeds: a table and a figure, for ``warehouse compare agents``."""
 
 from __future__ import annotations
 
@@ -6,14 +6,11 @@ from collections.abc import Iterator, Mapping, Sequence
 from pathlib import Path
 from shutil import get_terminal_size
 from textwrap import fill
-from typing import Annotated
 
 import typer
 
 from agents.errors import EpisodeInterrupted
 from agents.lab.commands import random_layouts
-from agents.lab.console import options
-from agents.lab.console.options import option
 from agents.lab.console.output import save_picture
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
@@ -37,44 +34,31 @@ AGENTS = {
     "ucs": "uniform-cost",
     "astar": "A*",
 }
-"""The agents that are always compared, and their names in the table."""
+"""The agents that are compared if none is named, and their names in the table."""
 
 
 def compare_agents(
-    agent: Annotated[
-        list[str] | None,
-        option(
-            "--agent NAME",
-            f"{options.AGENT} May be repeated; always compared: {', '.join(AGENTS)}.",
-            show_default=False,
-        ),
-    ] = None,
-    episodes: options.Episodes = 100,
-    seed: options.Seed = 0,
-    backend: options.BackendOption = "grid",
-    layout: random_layouts.LayoutOrRandom = None,
-    stations: options.StationsOption = None,
-    start: options.Start = None,
-    battery: options.BatteryOption = 200,
-    max_steps: options.MaxSteps = 200,
-    size: random_layouts.Sizes = None,
-    density: random_layouts.Density = None,
-    save: options.SaveFigure = None,
+    agent: Sequence[str] = (),
+    episodes: int = 100,
+    seed: int = 0,
+    backend: str = "grid",
+    layout: Path | None = None,
+    stations: Stations | None = None,
+    start: str | None = None,
+    battery: int = 200,
+    max_steps: int = 200,
+    size: list[str] | None = None,
+    density: str | None = None,
+    save: Path | None = None,
 ) -> None:
-    """Compare agents over the same seeds.
+    """Compare agents over the same seeds, by default ``AGENTS``.
 
-    Prints a table of deliveries, steps, nodes expanded, time and energy. With
-    --backend physics, bodies take the time and the energy.
-
-    With --layout random each seed has another layout, in which no agent of
-    "warehouse train ppo --layout random" has been trained. Several sizes are
-    compared in one figure.
-
-    Example: warehouse compare agents --agent my_agent.py:Mine -n 50
+    Prints a table of deliveries, steps, nodes expanded, time and energy, and saves its figure.
+    Several sizes of random layouts are compared in one figure.
     """
     tasks = make_tasks(layout, size, density, stations, start)
     tasks = [task._replace(battery=battery, max_steps=max_steps, backend=backend) for task in tasks]
-    names = AGENTS | {name: AGENTS.get(name, name) for name in agent or []}
+    names = {name: AGENTS.get(name, name) for name in agent or AGENTS}
     seeds = range(seed, seed + episodes)
     for name in names:  # a wrong name is an error before the episodes
         make_agent(name, seeds[-1], tasks[0].layout_for(seeds[-1]))

@@ -1,19 +1,23 @@
-"""The command ``warehouse compare backends``: an episode on each, replayed side by side."""
+"""An episode on two backends, side by side, for ``warehouse compare backends``."""
 
 from __future__ import annotations
 
-from collections.abc import Callable
-from typing import Annotated
+from collections.abc import Callable, Sequence
+from pathlib import Path
+
+import typer
 
 from agents.lab.commands.run import run_episode
-from agents.lab.console import options
 from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.values import load_place
+from agents.lab.place import Stations
 from agents.lab.runs.run import draw_seed
 from warehouse_core import Episode
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.wording import seconds_of
+
+BACKENDS = "grid", "physics"
 
 ROWS: dict[str, Callable[[Episode], str]] = {
     "outcome": lambda episode: episode.outcome,
@@ -53,32 +57,31 @@ def comparison_table(left: Episode, right: Episode) -> TextTable:
 
 
 def compare_backends(
-    agent: options.AgentOption = "greedy",
-    left: Annotated[str, options.option("--left NAME", "Backend on the left.")] = "grid",
-    right: Annotated[str, options.option("--right NAME", "Backend on the right.")] = "physics",
-    layout: options.LayoutOption = None,
-    stations: options.StationsOption = None,
-    start: options.Start = None,
-    seed: options.SeedOption = None,
-    battery: options.BatteryOption = 200,
-    max_steps: options.MaxSteps = 200,
-    *,
-    save: options.SaveReplay,
-    show: options.Show = None,
+    agent: str = "greedy",
+    backend: Sequence[str] = (),
+    layout: Path | None = None,
+    stations: Stations | None = None,
+    start: str | None = None,
+    seed: int | None = None,
+    battery: int = 200,
+    max_steps: int = 200,
+    save: Sequence[Path] = (),
+    show: bool | None = None,
 ) -> None:
-    """Run an episode on two backends.
+    """Run an episode on two backends, by default ``BACKENDS``, and replay both side by side.
 
-    The replay shows both, side by side.
-
-    Example: warehouse compare backends --seed 12 --save both.gif
+    One backend is compared with the first of these.
     """
+    backends = [*BACKENDS[: 2 - len(backend)], *backend]
+    if len(backends) != 2:
+        raise typer.BadParameter(f"--backend is given {len(backend)} times; two are compared")
     seed = draw_seed() if seed is None else seed
     place = load_place(layout, stations, start)
     one, other = (
         run_episode(
             agent, backend, seed=seed, battery=battery, max_steps=max_steps, **place._asdict()
         )
-        for backend in (left, right)
+        for backend in backends
     )
     print_table(comparison_table(one, other))
     film = Film(lambda: [track_of_record(one), track_of_record(other)])

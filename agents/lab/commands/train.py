@@ -9,7 +9,7 @@ from contextlib import contextmanager, suppress
 from dataclasses import dataclass
 from functools import partial
 from pathlib import Path
-from typing import TYPE_CHECKING, Annotated, Any, NamedTuple
+from typing import TYPE_CHECKING, Annotated, Any, ClassVar, NamedTuple
 
 import numpy as np
 import typer
@@ -18,7 +18,8 @@ from numpy.typing import NDArray
 from agents.errors import AgentError
 from agents.lab.commands import random_layouts
 from agents.lab.console import options
-from agents.lab.console.options import option, refuse_given
+from agents.lab.console.group import CommandOfKinds
+from agents.lab.console.options import option, refuse
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_layout
@@ -88,6 +89,19 @@ KINDS = {
     "ppo": Kind("PPO", 2_000_000, 200, ("teacher",)),
     "clone": Kind("clone", 1_000_000, 800, ("robots", "order_rate", "density")),
 }  # fmt: skip
+
+
+COMMON = {"steps", "seed", "layout", "battery", "max_steps", "resume"}
+"""Options of all kinds, without the file."""
+
+OWN = {"teacher", "robots", "order_rate", "size", "density", "layouts"}
+
+
+class TrainCommand(CommandOfKinds):
+    """The command, whose help knows which options a kind takes."""
+
+    argument = "kind"
+    names: ClassVar = {name: COMMON | OWN - {*each.others} for name, each in KINDS.items()}
 
 
 def usual_of(field: str) -> str:
@@ -167,7 +181,7 @@ def train(
     if kind not in KINDS:
         raise typer.BadParameter(f"KIND is {brief(kind)}; allowed: {', '.join(KINDS)}")
     usual = KINDS[kind]
-    refuse_given(context, usual.others, f"train {kind}")
+    refuse(context, usual.others, f"train {kind}")
     steps, limit = steps or usual.steps, max_steps or usual.limit
     battery = battery or usual.limit
     target = save or Path(f"{kind}.npz")

@@ -2,13 +2,46 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from typing import Any, ClassVar
 
 import typer
-from typer.core import TyperGroup
+from typer.core import TyperCommand, TyperGroup
 
 HELP = "-h", "--help"
+
+SHOWN = "kinds"
+"""Key of the kinds in the memory of a command line."""
+
+
+class CommandOfKinds(TyperCommand):
+    """A command whose argument is a kind, and whose help after it lists the options of the kind.
+
+    Attributes:
+        argument: name of the argument.
+        names: names of the options of each kind, without the file.
+    """
+
+    argument = ""
+    names: ClassVar[Mapping[str, Collection[str]]] = {}
+
+    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
+        """Keep the kind for the help, which is shown before arguments are known."""
+        ctx.meta[SHOWN] = [word for word in args if word in self.names]
+        return super().parse_args(ctx, args)
+
+    def format_options(self, ctx: Any, formatter: Any) -> None:
+        """Write the options of the kind, or all of them without one."""
+        kinds = ctx.meta[SHOWN]
+        shown = {*self.names[kinds[0]], self.argument, "save"} if kinds else None
+        hidden: list[Any] = [
+            each for each in self.params if shown is not None and each.name not in shown
+        ]
+        for each in hidden:
+            each.hidden = True
+        super().format_options(ctx, formatter)
+        for each in hidden:
+            each.hidden = False
 
 
 class CommandGroup(TyperGroup):
@@ -17,11 +50,9 @@ class CommandGroup(TyperGroup):
     Typer lists them so only by means of Rich, which takes long to import.
 
     Attributes:
-        usual: Command that is run if none is named, or "" where the help is shown instead.
         renamed: Command to use instead of each one that no longer exists.
     """
 
-    usual = ""
     renamed: ClassVar[Mapping[str, str]] = {}
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
@@ -37,12 +68,6 @@ class CommandGroup(TyperGroup):
         for title, rows in sections.items():
             with formatter.section(title):
                 formatter.write_dl(rows)
-
-    def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Put the usual command before options that are not the group's own."""
-        if self.usual and (not args or (args[0].startswith("-") and args[0] not in HELP)):
-            args = [self.usual, *args]
-        return super().parse_args(ctx, args)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the command that the words begin with, and the other words."""

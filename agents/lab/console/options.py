@@ -75,11 +75,16 @@ def parameter_option(name: str, metavar: str = "N", more: str = "") -> Any:
     return option(words, f"{parameter.help} {more}".strip(), parameter.check)
 
 
-def refuse_given(context: typer.Context, names: Iterable[str], command: str) -> None:
-    """Raise ``typer.BadParameter`` if any of these options is on the command line."""
+def given(context: typer.Context) -> set[str]:
+    """Return the names of the parameters that are on the command line."""
+    sources = {name: context.get_parameter_source(name) for name in context.params}
+    return {name for name, source in sources.items() if source and source.name == "COMMANDLINE"}
+
+
+def refuse(context: typer.Context, names: Iterable[str], command: str) -> None:
+    """Raise ``typer.BadParameter`` if a command line has one of some options."""
     for parameter in context.command.params:
-        source = context.get_parameter_source(parameter.name or "")
-        if parameter.name in names and source is not None and source.name == "COMMANDLINE":
+        if parameter.name in given(context).intersection(names):
             raise typer.BadParameter(f"{parameter.opts[0]} does not go with '{command}'")
 
 
@@ -178,15 +183,11 @@ ROBOTS = PARAMETERS["robots"].help
 RobotsOption = Annotated[int, parameter_option("robots", "-r N")]
 PLANNER = f"Planner by name: {', '.join(PLANNERS)}, clone:FILE, or your own as file.py:Class."
 AssignmentOption = Annotated[str | None, option("--assignment NAME", PARAMETERS["assignment"].help)]
-PlanSeconds = Annotated[
-    float,
-    option(
-        "--plan-seconds S",
-        "Seconds for a plan, or for a step of one; if it takes longer, it is cut off, and all "
-        "robots wait.",
-        Number(0.001, MAX_VALUE),
-    ),
-]
+PLAN_SECONDS = (
+    "Seconds for a plan, or for a step of one; if it takes longer, it is cut off, and all robots "
+    "wait."
+)
+PlanSeconds = Annotated[float, option("--plan-seconds S", PLAN_SECONDS, Number(0.001, MAX_VALUE))]
 OrderRate = Annotated[float, parameter_option("order_rate", "X")]
 Due = Annotated[str, parameter_option("due", "FEWEST:MOST")]
 FleetBattery = Annotated[

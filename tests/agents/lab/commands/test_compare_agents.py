@@ -34,15 +34,15 @@ def test_the_command_prints_a_row_for_each_agent_and_saves_a_figure(
     assert "none" not in "".join(line for line in lines if "A*" in line)
 
 
-def test_agents_are_added_once_with_their_arguments(
+def test_given_agents_are_compared_once_each_with_their_arguments(
     warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("COLUMNS", "30")
     write_mine("act", "pass", "'N'")
-    more = "--agent mine.py:Mine --agent greedy:memory=3 --agent astar"
+    more = "--agent mine.py:Mine --agent greedy:memory=3 --agent astar --agent astar"
     lines = warehouse(*SMALL, *more.split()).out.splitlines()
-    names = [*AGENTS.values(), "mine.py:Mine", "greedy:memory=3"]
-    assert [line for line in lines if line in names] == 2 * names
+    names = ["mine.py:Mine", "greedy:memory=3", "A*"]
+    assert [line for line in lines if line in [*AGENTS.values(), *names]] == 2 * names
 
 
 def test_the_options_set_the_start_and_the_stations(

@@ -27,7 +27,7 @@ def test_compare_prints_the_table_and_saves_both_replays(
     warehouse: Warehouse, tmp_path: Path
 ) -> None:
     target = tmp_path / "both.png"
-    result = warehouse("compare", "--seed", 12, "--max-steps", 2, "--save", target)
+    result = warehouse("compare", "backends", "--seed", 12, "--max-steps", 2, "--save", target)
     assert result.code == 0
     with Image.open(target) as image:
         assert image.width > 1.5 * image.height
@@ -36,7 +36,16 @@ def test_compare_prints_the_table_and_saves_both_replays(
 
 def test_compare_keeps_the_stations_of_a_file(warehouse: Warehouse, tmp_path: Path) -> None:
     (tmp_path / "room.txt").write_text("P..D\n")
-    words = ("compare", "--layout", tmp_path / "room.txt", "--start", "0,1", "--seed", 1)
+    words = (
+        "compare",
+        "backends",
+        "--layout",
+        tmp_path / "room.txt",
+        "--start",
+        "0,1",
+        "--seed",
+        1,
+    )
     out = warehouse(*words, "--no-show").out
     assert out.count("delivered") == 2
     assert re.search(r"steps +\u2502 +6 \u2502 +6 ", out)

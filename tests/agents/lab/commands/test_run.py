@@ -71,14 +71,14 @@ class Mute(Still):
 
 
 @pytest.mark.parametrize(
-    "line", ["run", "run --agent exploring", "fleet --robots 2", "compare --left grid"]
+    "line", ["run", "run --agent exploring", "fleet --robots 2", "compare backends"]
 )
 def test_a_backend_of_a_user_is_given_by_its_file(
     warehouse: Warehouse, refused: Refused, tmp_path: Path, line: str
 ) -> None:
     os.chdir(tmp_path)
     Path("my_motion.py").write_text(MOTION)
-    option = "--right" if line.startswith("compare") else "--backend"
+    option = "--backend"
     words = (*line.split(), "--seed", 1, "--max-steps", 4, option)
     code, out, err = warehouse(*words, "my_motion.py:Mine:speed=2", "--save", "a.html")
     assert (code, err) == (0, "")

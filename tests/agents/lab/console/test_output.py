@@ -134,12 +134,12 @@ def test_a_page_is_written_at_the_given_speed(folder: Path) -> None:
 PAGES = {
     "run --seed 12 --backend physics": ["GreedyAgent on the physics backend, seed 12"],
     "replay old.npz": ["Tester on the grid backend, seed 4"],
-    "compare --seed 12": [
+    "compare backends --seed 12": [
         f"GreedyAgent on the {backend} backend, seed 12" for backend in ("grid", "physics")
     ],
     "fleet --robots 2 --max-steps 5 --seed 1": ["greedy, 2 robots on the grid backend, seed 1"],
     "demo ring": ["A ring of four robots"],
-    "search --weights 0,1": ["uniform-cost, W = 0", "A*, W = 1"],
+    "compare search --weights 0,1": ["uniform-cost, W = 0", "A*, W = 1"],
 }
 """Commands, and the titles of the tracks in their pages."""
 

@@ -24,8 +24,8 @@ from agents.lab.commands.gap.worlds import (
 )
 
 SMALL = (
-    "gap", "--robots", 2, "--count", 3, "--order-rate", 0.1, "--seed", 5, "--jobs", 1, "--stop", 5,
-    "--layout", "shelves",
+    "compare", "backends", "--robots", 2, "--count", 3, "--order-rate", 0.1, "--seed", 5,
+    "--jobs", 1, "--stop", 5, "--layout", "shelves",
 )  # fmt: skip
 PLAIN = Score(100.0, 1.0, 2000.0, 0, 144.0, 4, 0, (1.0, 0.0, 0.0, 0.0, 0.0), 0)
 NO_SHOCKS = Shocks(0.0, 0.0)

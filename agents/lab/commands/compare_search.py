@@ -1,22 +1,20 @@
-"""Search for a path with several weights of the heuristic, and compare the searches."""
+"""Searches with several weights of the heuristic, for ``warehouse compare search``."""
 
 from __future__ import annotations
 
 import math
 import random
 from collections.abc import Callable, Sequence
-from typing import TYPE_CHECKING, Annotated
+from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 import typer
 
-from agents.lab.console import options
-from agents.lab.console.options import option
 from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_layout, parse_cell
-from agents.lab.parameters import MAX_SEED, Whole
 from agents.search.algorithms import (
     MAX_WEIGHT,
     Heuristic,
@@ -118,36 +116,17 @@ def search_table(weights: Sequence[float], solutions: Sequence[FoundWay], title:
     return TextTable(header, rows, title)
 
 
-def search(
-    layout: options.LayoutOption = None,
-    start: Annotated[
-        str | None, option("--start ROW,COL", f"{options.START} Default: far from the goal.")
-    ] = None,
-    goal: Annotated[
-        str | None, option("--goal ROW,COL", "Goal cell. Default: the first pickup.")
-    ] = None,
-    seed: Annotated[
-        int | None,
-        option(
-            "--seed N",
-            f"{options.SEED} With one, a start and a goal that are not given are random.",
-            Whole(0, MAX_SEED),
-        ),
-    ] = None,
-    weights: Annotated[
-        str, option("--weights W,W", "Weights of the heuristic, 0 to inf, up to six.")
-    ] = "0,1,5,inf",
-    heuristic: Annotated[
-        str, option("--heuristic NAME", f"Heuristic: {', '.join(HEURISTICS)}.")
-    ] = "manhattan",
-    *,
-    save: options.SaveReplay,
-    show: options.Show = None,
+def compare_search(
+    layout: Path | None = None,
+    start: str | None = None,
+    goal: str | None = None,
+    seed: int | None = None,
+    weights: str = "0,1,5,inf",
+    heuristic: str = "manhattan",
+    save: Sequence[Path] = (),
+    show: bool | None = None,
 ) -> None:
-    """Compare search algorithms on one floor.
-
-    Example: warehouse search --layout trap --weights 0,1,5,inf
-    """
+    """Compare searches on one floor, with several weights of a heuristic; see ``choose_ends``."""
     values = parse_weights(weights)
     given = parse_cell(start, "--start"), parse_cell(goal, "--goal")
     if heuristic not in HEURISTICS:

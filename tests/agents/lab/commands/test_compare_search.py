@@ -1,4 +1,4 @@
-"""The command ``warehouse search``."""
+"""The command ``warehouse compare search``."""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -7,7 +7,7 @@ import pytest
 from helpers.command_line import Warehouse
 from PIL import Image
 
-from agents.lab.commands.search import algorithm, choose_ends
+from agents.lab.commands.compare_search import algorithm, choose_ends
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError
 
 Search = Callable[..., str]
@@ -25,7 +25,7 @@ def search(warehouse: Warehouse) -> Search:
     """Return what runs the command without a window, and returns what it prints."""
 
     def run(*words: object) -> str:
-        code, out, err = warehouse("search", "--no-show", *words)
+        code, out, err = warehouse("compare", "search", "--no-show", *words)
         assert (code, err) == (0, "")
         return out
 

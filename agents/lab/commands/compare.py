@@ -1,0 +1,313 @@
+"""The command ``warehouse compare``: agents, backends, planners or searches."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable
+from pathlib import Path
+from typing import Annotated, Any, ClassVar, NamedTuple
+
+import typer
+
+from agents.lab.commands import random_layouts
+from agents.lab.commands.compare_agents import AGENTS, compare_agents
+from agents.lab.commands.compare_backends import compare_backends
+from agents.lab.commands.compare_search import HEURISTICS, compare_search
+from agents.lab.commands.gap.gap import gap
+from agents.lab.commands.planners.compare_planners import compare_planners
+from agents.lab.console import options
+from agents.lab.console.group import CommandOfKinds
+from agents.lab.console.options import MANY, PICTURES, option, writable
+from agents.lab.parameters import MAX_SEED, MAX_VALUE, Number, Whole
+from warehouse_core.files.atomic import check_suffix
+from warehouse_core.orders.order import MAX_ORDERS
+from warehouse_core.wording import brief
+from warehouse_core.world.named_layouts import DEPOT
+
+FLEETS = "backends --robots"
+
+
+class Comparison(NamedTuple):
+    """What a comparison runs, the options that it takes, and the files that it saves.
+
+    Attributes:
+        run: function that is given the options of the command line by name.
+        options: names of the options.
+        suffixes: suffixes of the files; empty for those of replays.
+    """
+
+    run: Callable[..., None]
+    options: str
+    suffixes: tuple[str, ...] = ()
+
+
+def _agents(save: list[Path], backend: tuple[str, ...] = (), **given: Any) -> None:
+    if backend:
+        given["backend"] = _one("--backend", backend)
+    compare_agents(save=save[0] if save else None, **given)
+
+
+def _backends(agent: tuple[str, ...] = (), **given: Any) -> None:
+    if agent:
+        given["agent"] = _one("--agent", agent)
+    compare_backends(**given)
+
+
+def _fleets(robots: str, planner: tuple[str, ...] = (), **given: Any) -> None:
+    if not robots.isdecimal():
+        raise typer.BadParameter(f"--robots is {robots!r}; it must be one whole number")
+    if planner:
+        given["planner"] = _one("--planner", planner)
+    gap(robots=int(robots), **given)
+
+
+def _planners(lifelong: int = 256, **given: Any) -> None:
+    compare_planners(steps=lifelong, **given)
+
+
+COMPARISONS = {
+    "agents": Comparison(
+        _agents,
+        "agent backend layout stations start episodes seed battery max_steps size density",
+        PICTURES,
+    ),
+    "backends": Comparison(
+        _backends, "agent backend layout stations start seed battery max_steps show"
+    ),
+    FLEETS: Comparison(
+        _fleets,
+        "robots planner assignment plan_seconds order_rate count due layout noise stop episodes "
+        "seed jobs",
+        (".html", ".csv"),
+    ),
+    "planners": Comparison(
+        _planners,
+        "files planner robots layout lifelong plan_seconds episodes jobs",
+        (".csv", *PICTURES),
+    ),
+    "search": Comparison(compare_search, "layout start goal seed weights heuristic show"),
+}
+"""Comparisons by the word for them."""
+
+
+class CompareCommand(CommandOfKinds):
+    """The command, whose help knows which options a comparison takes."""
+
+    argument = "what"
+    names: ClassVar = {
+        **{kind: each.options.split() for kind, each in COMPARISONS.items()},
+        "backends": f"{COMPARISONS['backends'].options} {COMPARISONS[FLEETS].options}".split(),
+    }
+
+
+def only(help_text: str, name: str) -> str:
+    """Return the description of an option with the comparisons that take it."""
+    takers = [kind for kind, each in COMPARISONS.items() if name in each.options.split()]
+    return f"{help_text} For {', '.join(takers)}."
+
+
+def compare(
+    context: typer.Context,
+    what: Annotated[
+        str,
+        typer.Argument(metavar="WHAT", help="agents, backends, planners or search."),
+    ],
+    files: Annotated[
+        list[Path] | None,
+        typer.Argument(
+            metavar="FILE",
+            help="MovingAI scenarios .scen, or folders of them, for planners.",
+            show_default=False,
+        ),
+    ] = None,
+    *,
+    agent: Annotated[
+        list[str],
+        option(
+            "--agent NAME",
+            f"{options.AGENT} May be repeated for agents. Default: {', '.join(AGENTS)}; "
+            "greedy for backends.",
+            **MANY,
+        ),
+    ],
+    backend: Annotated[
+        list[str],
+        option(
+            "--backend NAME",
+            f"{options.BACKEND.format('')} May be repeated for backends. Default: grid; "
+            "grid and physics for backends.",
+            **MANY,
+        ),
+    ],
+    planner: Annotated[
+        list[str],
+        option(
+            "--planner NAME",
+            f"{options.PLANNER} May be repeated for planners. Default: several; pibt-lanes for "
+            f"{FLEETS}.",
+            **MANY,
+        ),
+    ],
+    save: Annotated[
+        list[Path],
+        option(
+            "--save -o FILE",
+            f"{options.SAVE} For agents and planners a figure, .svg or .png, or trials of "
+            "planners, .csv; for backends and search a replay, .gif, .mp4, .html, .svg or .png; "
+            f"for {FLEETS} a page, .html, or values, .csv. May be repeated.",
+            callback=writable(".csv", replays=True),
+            **MANY,
+        ),
+    ],
+    robots: Annotated[
+        str | None,
+        option(
+            "--robots -r N,N",
+            f"{options.ROBOTS} With it, backends carry out the plan of a fleet; for planners "
+            "several, separated by commas.",
+        ),
+    ] = None,
+    layout: Annotated[
+        Path | None,
+        option(
+            "--layout FILE",
+            f"{options.LAYOUT} Or random for agents, another for each episode. Default: default, "
+            f"{DEPOT} for {FLEETS}, kiva of 33 x 46 cells for planners.",
+        ),
+    ] = None,
+    stations: options.StationsOption = None,
+    start: options.Start = None,
+    goal: Annotated[str | None, option("--goal ROW,COL", only("Goal cell.", "goal"))] = None,
+    episodes: Annotated[
+        int | None,
+        option(
+            "--episodes -n N",
+            f"{options.EPISODES} Default: 100 for agents, 5 for planners, 4 for {FLEETS}.",
+            Whole(1, options.MAX_EPISODES),
+        ),
+    ] = None,
+    seed: Annotated[
+        int | None,
+        option(
+            "--seed N",
+            f"{options.SEED} Default: 0; a random one for backends. With one, search has a random "
+            "start and goal.",
+            Whole(0, MAX_SEED),
+        ),
+    ] = None,
+    battery: Annotated[
+        int | None, options.parameter_option("battery", more="Default: 200.")
+    ] = None,
+    max_steps: Annotated[
+        int | None, options.parameter_option("max_steps", more="Default: 200.")
+    ] = None,
+    size: random_layouts.Sizes = None,
+    density: random_layouts.Density = None,
+    weights: Annotated[
+        str | None,
+        option(
+            "--weights W,W",
+            only("Weights of the heuristic, 0 to inf, up to six. Default: 0,1,5,inf.", "weights"),
+        ),
+    ] = None,
+    heuristic: Annotated[
+        str | None,
+        option("--heuristic NAME", only(f"Heuristic: {', '.join(HEURISTICS)}.", "heuristic")),
+    ] = None,
+    lifelong: Annotated[
+        int | None,
+        option(
+            "--lifelong N",
+            only("Steps in which a robot at its goal gets another.", "lifelong"),
+            Whole(1),
+        ),
+    ] = None,
+    plan_seconds: Annotated[
+        float | None,
+        option("--plan-seconds S", options.PLAN_SECONDS, Number(0.001, MAX_VALUE)),
+    ] = None,
+    assignment: options.AssignmentOption = None,
+    order_rate: Annotated[
+        float | None, options.parameter_option("order_rate", "X", f"Default: 0.4. For {FLEETS}.")
+    ] = None,
+    count: Annotated[
+        int | None,
+        option("--count N", only("Orders of an episode.", "count"), Whole(1, MAX_ORDERS)),
+    ] = None,
+    due: Annotated[
+        str | None, options.parameter_option("due", "FEWEST:MOST", f"For {FLEETS}.")
+    ] = None,
+    noise: Annotated[
+        float | None,
+        option(
+            "--noise SHARE",
+            only(
+                "Standard deviation of the disturbed robots' speeds, as a share, up to 0.5. "
+                "Default: 0.05.",
+                "noise",
+            ),
+            Number(0, 0.5),
+        ),
+    ] = None,
+    stop: Annotated[
+        float | None,
+        option(
+            "--stop SECONDS",
+            only(
+                "Seconds that one disturbed robot stands still. With 0 none does, with inf it "
+                "dies. Default: 60.",
+                "stop",
+            ),
+            Number(0, math.inf),
+        ),
+    ] = None,
+    jobs: options.Jobs = None,
+    show: options.Show = None,
+) -> None:
+    """Compare agents, backends or planners.
+
+    agents: a table of deliveries, steps, nodes expanded, time and energy over
+    the same seeds, in a layout or with --layout random in unseen ones, where
+    several sizes share a figure.
+
+    backends: an episode on two backends, side by side. With --robots a fleet
+    on the grid, on bodies that stop in every cell or drive through, on
+    disturbed bodies, and on bodies without traffic, as a bound.
+
+    planners: goals that robots reach in a step, over numbers of robots.
+
+    search: searches on one floor, with several weights of the heuristic.
+
+    Example: warehouse compare agents --agent greedy --agent my_agent.py -n 50
+    """
+    kind = FLEETS if what == "backends" and robots is not None else what
+    if kind not in COMPARISONS:
+        raise typer.BadParameter(
+            f"WHAT is {brief(what)}; allowed: agents, backends, planners, search"
+        )
+    comparison = COMPARISONS[kind]
+    given = options.given(context) - {"what"}
+    names = comparison.options.split()
+    if files and "files" not in names:
+        raise typer.BadParameter(f"{str(files[0])!r} is one argument too many for 'compare {kind}'")
+    options.refuse(context, given - {*names, "save"}, f"compare {kind}")
+    for path in save:
+        if comparison.suffixes or path.suffix.lower() == ".csv":
+            check_suffix(path, comparison.suffixes or replay_suffixes())
+    if kind == "agents" and len(save) > 1:
+        raise typer.BadParameter("'compare agents' saves one figure; --save is given twice")
+    comparison.run(save=save, **{name: context.params[name] for name in names if name in given})
+
+
+def replay_suffixes() -> tuple[str, ...]:
+    """Return the suffixes of replays."""
+    from warehouse_core.viz.export import FORMATS  # here, because other comparisons do not need it
+
+    return (*FORMATS,)
+
+
+def _one(name: str, values: tuple[str, ...] | list[str]) -> str:
+    """Return the only value of an option that other comparisons may repeat."""
+    if len(values) > 1:
+        raise typer.BadParameter(f"{name} is given {len(values)} times; here it may be given once")
+    return values[0]
