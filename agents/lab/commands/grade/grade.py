@@ -203,13 +203,14 @@ def write_for_class(rubric: Rubric, target: Path) -> None:
         write_autograder(target, rubric)
         say(f"saved {target}")
         return
-    if target.exists():
-        raise GradeError(f"{target}: it exists, and is not written over; choose another name")
     source, shown = rubric.starter if suffix == CODE else rubric.file, shlex.quote(str(target))
     if not source.exists():
         raise GradeError(f"{rubric.file}: it has no starting file {source.name} beside it")
+    text = read_file(source, MAX_SOURCE)
+    if target.exists() and read_file(target, MAX_SOURCE) != text:
+        raise GradeError(f"{target}: it exists, and is not written over; choose another name")
     with atomic_path(target) as part:
-        part.write_bytes(read_file(source, MAX_SOURCE))
+        part.write_bytes(text)
     name = shlex.quote(rubric.shown_name)
     asked = "" if rubric.file == MINI_LAB else f" --rubric {name}"
     words = f"{shown}{asked}" if suffix == CODE else f"my_agent.py --rubric {shown}"
