@@ -1,6 +1,7 @@
 // Starts the page: connects editor, layout, buttons and Python, and keeps what was written.
 
 import { Editor } from "./editor.js";
+import * as drawing from "./floor.js";
 import { Painter, resized } from "./painter.js";
 import { Python } from "./python.js";
 import { packed, unpacked } from "./share.js";
@@ -33,7 +34,7 @@ class Playground {
     this.kept = kept;
     this.isBegun = false;
     this.editor = new Editor(part("code"), part("numbers"), (code) => this.keep({ code }));
-    this.painter = new Painter(part("floor"), part("tiles"), (rows) => this.keep({ rows }));
+    this.painter = new Painter(part("floor"), part("tiles"), drawing, (rows) => this.keep({ rows }));
     this.python = new Python(
       () => new Worker("worker.js", { type: "module" }), settings.wheel, LIMIT, (state) => this.say(state),
     );

@@ -43,6 +43,7 @@ def write_playground(
     copy_runtime(source, folder / RUNTIME, advance)
     for name in SCRIPTS:
         _write(folder / name, _text(name))
+    _write(folder / "floor.js", player.floor_module())
     _write(folder / "page.css", style_rules() + _text("page.css"))
     # The text of a script must not end its element.
     settings = json.dumps(_settings(write_wheel(folder))).replace("<", "\\u003c")

@@ -1,8 +1,5 @@
 // A layout that is painted with the mouse or by keys.
 
-/** Tiles by their letters. */
-export const TILES = { "#": "wall", ".": "empty", P: "pickup", D: "dropoff", C: "charger" };
-
 const MOVES = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] };
 
 /** Return rows of another size: cut, or with walls added outside. */
@@ -11,15 +8,22 @@ export function resized(rows, height, width) {
 }
 
 export class Painter {
-  /** @param {(rows: string[]) => void} changed is called with the rows once they are painted. */
-  constructor(floor, choices, changed) {
-    Object.assign(this, { floor, choices, changed, rows: [] });
-    for (const [tile, name] of Object.entries(TILES)) {
+  /**
+   * @param {object} drawing what draws the floors of the player.
+   * @param {(rows: string[]) => void} changed is called with the rows once they are painted.
+   */
+  constructor(floor, choices, drawing, changed) {
+    const { wall, P, D, C } = drawing.LOOK.words;
+    Object.assign(this, { floor, choices, drawing, changed, rows: [], names: { "#": wall, ".": "empty", P, D, C } });
+    for (const [tile, name] of Object.entries(this.names)) {
       const label = document.createElement("label");
       const choice = Object.assign(document.createElement("input"), { type: "radio", name: "tile", value: tile, checked: tile === "#" });
       label.append(choice, ` ${name}`);
       choices.append(label);
     }
+    this.canvas = document.createElement("canvas");
+    new ResizeObserver(() => this.draw()).observe(floor);
+    matchMedia("(prefers-color-scheme: dark)").addEventListener("change", () => this.draw());
     floor.addEventListener("pointerdown", (event) => this.paintAt(event));
     floor.addEventListener("pointermove", (event) => event.buttons && this.paintAt(event));
     floor.addEventListener("keydown", (event) => this.press(event));
@@ -32,12 +36,14 @@ export class Painter {
   show(rows) {
     this.rows = rows;
     this.floor.style.setProperty("--columns", rows[0].length);
-    this.floor.replaceChildren(...rows.map((tiles, row) => {
+    const lines = rows.map((tiles, row) => {
       const line = document.createElement("div");
       line.setAttribute("role", "row");
       line.append(...[...tiles].map((tile, column) => this.cell(tile, row, column)));
       return line;
-    }));
+    });
+    this.floor.replaceChildren(this.canvas, ...lines);
+    this.draw();
   }
 
   cell(tile, row, column) {
@@ -46,15 +52,31 @@ export class Painter {
     cell.setAttribute("role", "gridcell");
     cell.tabIndex = row || column ? -1 : 0;
     Object.assign(cell.dataset, { row, column });
-    this.draw(cell, tile);
+    this.name(cell, tile);
     return cell;
   }
 
-  draw(cell, tile) {
+  name(cell, tile) {
     const { row, column } = cell.dataset;
     cell.dataset.tile = tile;
-    cell.textContent = tile === "." ? "" : tile;
-    cell.setAttribute("aria-label", `row ${row}, column ${column}: ${TILES[tile]}`);
+    cell.ariaLabel = `row ${row}, column ${column}: ${this.names[tile]}`;
+  }
+
+  /** Draw the floor as the player does, behind its cells. */
+  draw() {
+    const { canvas, rows, drawing } = this;
+    const { Brush, View, drawFloor, drawLetters, readTheme } = drawing;
+    const [theme, height, width, tiles] = [readTheme(), rows.length, rows[0]?.length, rows.join("")];
+    const size = [canvas.clientWidth, canvas.clientHeight].map((pixels) => Math.round(pixels * theme.density));
+    if (size.includes(0)) return;
+    [canvas.width, canvas.height] = size;
+    const view = new View(width, height, 0);
+    view.place(...size, theme.density);
+    const brush = new Brush(canvas.getContext("2d"), view, theme);
+    const rowAndColumn = (cell) => [Math.floor(cell / width), cell % width];
+    const track = { width, height, rowAndColumn, outer: 0, slippery: [], bodies: 0, tiles: [tiles], tileAt: [0] };
+    drawFloor(brush, track, tiles);
+    drawLetters(brush, track, { frame: 0 });
   }
 
   paintAt(event) {
@@ -67,7 +89,8 @@ export class Painter {
     const [row, column] = [Number(cell.dataset.row), Number(cell.dataset.column)];
     const old = this.rows[row];
     this.rows = this.rows.with(row, old.slice(0, column) + tile + old.slice(column + 1));
-    this.draw(cell, tile);
+    this.name(cell, tile);
+    this.draw();
     this.changed(this.rows);
   }
 
@@ -75,7 +98,7 @@ export class Painter {
     const cell = event.target.closest("[data-tile]");
     if (!cell) return;
     const tile = event.key.toUpperCase();
-    if (tile in TILES) this.paint(cell, tile);
+    if (tile in this.names) this.paint(cell, tile);
     if (!(event.key in MOVES)) return;
     event.preventDefault();
     const [down, right] = MOVES[event.key];

@@ -154,7 +154,17 @@ def player_frame(
 @cache
 def script() -> str:
     """Return the colours, the look of tiles, and the files of the script as one."""
-    texts = [(FOLDER / name).read_text(encoding="utf-8") for name in SCRIPTS]
+    return _joined(SCRIPTS)
+
+
+def floor_module() -> str:
+    """Return what draws floors, as a module of JavaScript for other pages."""
+    files = SCRIPTS[: SCRIPTS.index("floor.js") + 1]
+    return f"{_joined(files)}export {{ Brush, LOOK, View, drawFloor, drawLetters, readTheme }};\n"
+
+
+def _joined(files: Sequence[str]) -> str:
+    texts = [(FOLDER / name).read_text(encoding="utf-8") for name in files]
     data = f"const PALETTE = {json.dumps(PALETTE)}, LOOK = {json.dumps(LOOK)};\n"
     return data + "".join(EXPORT.sub("", IMPORT.sub("", text)) for text in texts)
 
