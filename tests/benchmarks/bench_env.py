@@ -1,4 +1,4 @@
-"""One environment and batches: steps a second, imports, malformed actions and memory.
+"""One environment and batches: steps a second, imports, and memory.
 
 ``STEPS_SHARE=0.1`` takes a tenth of the steps of long runs.
 """
@@ -13,7 +13,6 @@ from typing import Any
 import gymnasium
 import numpy as np
 import pytest
-from helpers.malformed import MAKERS, step_malformed
 from helpers.timing import resident
 
 from warehouse_core import DEFAULT_LAYOUT, BatchEnv, Layout, WarehouseEnv
@@ -226,22 +225,6 @@ SHARE = float(os.environ.get("STEPS_SHARE", "1"))
 TENTHS = 10
 MAX_GROWTH = 8 * 2**20
 """Bytes between the second tenth, when all caches are filled, and the last."""
-
-
-@pytest.mark.parametrize(
-    ("name", "steps"),
-    [("WarehouseEnv", 4_000_000), ("BatchEnv", 2_000_000), ("Warehouse-v0", 4_000_000)],
-)
-def test_malformed_actions_raise_only_documented_errors(
-    name: str, steps: int, measured: Callable[[str, object], None]
-) -> None:
-    assert name in MAKERS
-    tally = step_malformed(name, round(steps * SHARE), seed=1)
-    measured(
-        f"malformed actions, {name}",
-        f"{tally.steps:,}: {tally.refused:,} refused with documented errors, {tally.taken:,} taken "
-        f"as invalid; state compared {tally.compared:,} times, 0 changes",
-    )
 
 
 def in_batch(steps: int) -> None:

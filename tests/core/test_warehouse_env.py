@@ -4,7 +4,6 @@ import random
 from typing import Any
 from unittest.mock import Mock
 
-import numpy as np
 import pytest
 from helpers.traces import TRACES, as_json, assert_as_recorded, env_of, over_traces
 
@@ -122,14 +121,6 @@ def test_a_reset_to_a_wall_raises_and_changes_nothing() -> None:
     assert everything(env) == before
 
 
-def test_numpy_integers_are_integers() -> None:
-    limits = {"max_steps": np.int64(9), "battery": np.int8(8), "view_radius": np.uint8(1)}
-    env = WarehouseEnv(start_pos=(np.int64(1), np.int32(2)), **limits)
-    assert env.reset(seed=np.int64(5))["robot_pos"] == (1, 2)
-    assert env.step(np.int64(2))[1] == pytest.approx(-0.1)
-    assert type(env.max_steps) is type(env.max_battery) is type(env.start_pos[0]) is int
-
-
 def test_the_rewards_of_a_delivery_follow_the_table() -> None:
     env = WarehouseEnv([".P.", "#.D"], start_pos=(0, 0))
     words = ["W", "PICK", "e", 5, "PICK", "E", "DROP", "S", "drop"]
@@ -158,11 +149,6 @@ def test_the_legend_explains_chargers_where_there_are_any() -> None:
     assert "\nD = dropoff\nC = charger\nR = robot (empty)\n" in env.render_with_legend()
     env.reset_to(Layout(["#..D"]))
     assert "charger" not in env.render_with_legend()
-
-
-def test_the_motion_that_is_given_makes_the_moves() -> None:
-    motion = GridMotion()
-    assert WarehouseEnv(backend=motion).motion is motion
 
 
 def test_last_motion_is_the_outcome_of_the_backend() -> None:
@@ -198,14 +184,6 @@ def test_other_results_can_be_changed_without_effect() -> None:
     assert env.grid == list(DEFAULT_LAYOUT.rows)
     assert env.step("fly")[4] == {"invalid_action": True}
     assert env.render() == WarehouseEnv().render()
-
-
-def test_environments_do_not_share_a_state() -> None:
-    one, other = WarehouseEnv(), WarehouseEnv()
-    one.reset(randomize=True, seed=1)
-    one.step("E")
-    assert other.grid == list(DEFAULT_LAYOUT.rows)
-    assert other.state.steps == 0
 
 
 # The state can be assigned.
@@ -262,22 +240,6 @@ def test_an_invalid_value_raises(arguments: dict[str, Any], message: str) -> Non
         WarehouseEnv(**arguments)
 
 
-@pytest.mark.parametrize(
-    ("name", "values", "message"),
-    [
-        ("max_steps", [1.0], "max_steps is .*; it must be an integer"),
-        ("battery", [1.0], "battery is .*; it must be an integer"),
-        ("view_radius", [1.0], "view_radius is .*; it must be an integer"),
-        ("start_pos", [5, (1, 1, 1), "11"], "start_pos is .*; it must be two integers"),
-        ("grid", ["...", [5]], "string"),
-    ],
-)
-def test_a_value_of_another_type_raises(name: str, values: list[Any], message: str) -> None:
-    for value in values:
-        with pytest.raises(TypeError, match=message):
-            WarehouseEnv(**{name: value})
-
-
 @pytest.mark.parametrize("action", [None, 1.5, b"N"])
 def test_an_action_of_another_type_raises_and_changes_nothing(action: Any) -> None:
     env = WarehouseEnv()
@@ -308,12 +270,6 @@ def test_an_error_of_the_motion_leaves_the_state_unchanged(monkeypatch: pytest.M
     with pytest.raises(ArithmeticError):
         env.step("E")
     assert everything(env) == before
-
-
-@pytest.mark.parametrize("name", ["grid", "start_pos", "view_radius", "height"])
-def test_properties_cannot_be_assigned(name: str) -> None:
-    with pytest.raises(AttributeError):
-        setattr(WarehouseEnv(), name, 3)
 
 
 # What a reset draws.

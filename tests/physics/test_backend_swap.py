@@ -60,15 +60,6 @@ def test_a_nominal_fleet_of_bodies_equals_that_of_the_grid(robots: int, joint_ac
     assert min(stops["free"], stops["wall"], stops["robot"]) > 0
 
 
-def test_the_types_of_the_five_values_are_the_same() -> None:
-    grid, physics = WarehouseEnv(), WarehouseEnv(backend=RigidBodyMotion)
-    for action in ("E", "N", "PICK", "fly"):
-        one, other = grid.step(action), physics.step(action)
-        assert list(map(type, one)) == list(map(type, other))
-        types = {name: type(value) for name, value in one[0].items()}
-        assert {name: type(value) for name, value in other[0].items()} == types
-
-
 def test_an_episode_without_idle_power_can_be_saved_and_loaded(tmp_path) -> None:
     env = WarehouseEnv(max_steps=5, backend=RigidBodyMotion(RobotSpec(idle_power=0)))
     episode = record_episode(env, Waiting())

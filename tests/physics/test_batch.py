@@ -10,8 +10,8 @@ from helpers.rigid_bodies import Singles, batch_in, rows_differ, some_layouts
 
 from warehouse_core import Layout, LayoutError
 from warehouse_core.motion.base import BatchOutcome
-from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
-from warehouse_physics.arena import WALL, Hit
+from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
+from warehouse_physics.arena import Hit
 from warehouse_physics.batch import rigid_body_batch
 from warehouse_physics.batch import robots as batch_robots
 from warehouse_physics.batch.rigid_body_batch import RigidBodyBatch
@@ -148,53 +148,6 @@ def test_a_robot_is_placed_at_rest() -> None:
 
 
 # Outcomes follow the bodies, not the grid.
-
-
-def test_without_the_shapes_of_the_walls_robots_drive_through() -> None:
-    batch = batch_in([Layout(["..#.."])] * 2)
-    advance(batch, EAST, EAST)
-    assert advance(batch, EAST, EAST).blocked.all()
-    space = batch._parts[0].arena.space
-    walls = [shape for shape in space.shapes if shape.collision_type == WALL]
-    # The first row has the first shapes: four around its grid and one within.
-    space.remove(walls[4])
-    outcome = advance(batch, EAST, EAST)
-    assert outcome.cells.tolist() == [2, 1]
-    assert outcome.blocked.tolist() == [False, True]
-
-
-def test_robots_are_moved_by_finite_force_only(monkeypatch) -> None:
-    batch = batch_in([HALL, LEDGE])
-    arena = batch._parts[0].arena
-    step, seen = arena.space.step, []
-
-    def step_and_look(dt: float) -> None:
-        step(dt)
-        seen.append(np.concatenate([arena.look()[0], arena.look()[1]], axis=1))
-
-    monkeypatch.setattr(arena.space, "step", step_and_look)
-    monkeypatch.setattr(stepping, "IS_KNOWN", False)  # so that this step is called
-    for action in (EAST, SOUTH, WEST):
-        advance(batch, action, action)
-    states = np.array(seen)
-    ways = np.hypot(*np.diff(states[:, :, :2], axis=0).T)
-    gains = np.diff(np.hypot(states[:, :, 2], states[:, :, 3]), axis=0)
-    assert ways.max() <= 1.0 / 60 * (1 + 1e-6)
-    assert gains.max() <= 1.0 / 60 * (1 + 1e-6)
-    assert gains.max() >= 0.9 / 60
-
-
-def test_a_touch_beside_the_path_does_not_block() -> None:
-    batch = batch_in([CORRIDOR], RobotSpec(radius=0.499))
-    body = batch._parts[0].arena.bodies[0]
-    hits = []
-    noted = batch._parts[0]._meet
-    batch._parts[0]._meet = lambda found, now: (hits.extend(found), noted(found, now))
-    for cell in range(1, 11):
-        body.position += (0.0, 0.003)
-        outcome = advance(batch, EAST)
-        assert (outcome.cells[0], outcome.blocked[0]) == (cell, False)
-    assert hits
 
 
 @pytest.mark.parametrize(

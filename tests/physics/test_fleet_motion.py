@@ -5,12 +5,11 @@ from itertools import combinations
 
 import numpy as np
 import pytest
-from helpers.crowds import CASES, targets_of
 from helpers.rigid_bodies import EAST, NORTH, SOUTH, STAY, STEPS, WEST, together
 
-from warehouse_core import DEFAULT_LAYOUT, Layout, Outcome, random_layout
+from warehouse_core import Layout, Outcome
 from warehouse_core.motion.backends import make_fleet_motion
-from warehouse_core.motion.base import NOTHING, WALL, WALL_CONTACT, robot_contact
+from warehouse_core.motion.base import WALL_CONTACT, robot_contact
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
 
 HALL = Layout(["......"] * 6)
@@ -26,17 +25,6 @@ def places_at(times: np.ndarray, outcome: Outcome) -> np.ndarray:
     """Return x and y at some times, ``[2, K]``; a path ends when its robot is at rest."""
     clock, x, y, _ = outcome.path.T
     return np.array([np.interp(times, clock, x), np.interp(times, clock, y)])
-
-
-@pytest.mark.parametrize(("cells", "moves", "stops"), CASES.values(), ids=CASES)
-def test_bodies_end_as_the_table_says(cells, moves, stops) -> None:
-    targets = targets_of(cells, moves)
-    for spec, loaded in ((RobotSpec(), False), (RobotSpec.fast(), True)):
-        outcomes = together(HALL, cells, moves, spec, [loaded] * len(cells))
-        for robot, outcome in enumerate(outcomes):
-            is_stopped = stops[robot] is not None
-            assert outcome.cell == (cells[robot] if is_stopped else targets[robot])
-            assert outcome.blocked == is_stopped
 
 
 @over_specs
@@ -98,31 +86,6 @@ def test_a_robot_that_is_pushed_out_of_its_cell_is_reported_where_it_is() -> Non
     outcomes = motion.advance([EAST, STAY], [False, False])
     assert [outcome.cell for outcome in outcomes] == [(2, 3), (4, 4)]
     assert not outcomes[0].blocked
-
-
-@pytest.mark.parametrize(
-    ("backend", "steps"),
-    [("physics", 125), (f"physics:time_step={1 / 30}", 20), ("physics:turn_seconds=0.4", 20)],
-)
-@pytest.mark.parametrize("robots", [2, 10])
-def test_a_batch_of_fleets_equals_the_grid(robots: int, backend: str, steps: int) -> None:
-    """What stops a robot too, but for those stopped by several: bodies touch one of them first."""
-    layouts = [DEFAULT_LAYOUT, *(random_layout(6, 8, 0.15, seed=seed) for seed in range(3))]
-    batches = [make_fleet_motion(name, layouts, robots) for name in (backend, "grid")]
-    stream, same, blocked = np.random.default_rng(robots), 0, 0
-    cells = np.concatenate([stream.permutation(it.open_cells)[:robots] for it in layouts])
-    for batch in batches:
-        batch.place(np.arange(len(cells)), cells, seeds=range(len(layouts)))
-    for _ in range(steps):
-        move = stream.integers(0, 6, len(cells)), stream.random(len(cells)) < 0.5
-        bodies, grid = (batch.advance(*move) for batch in batches)
-        assert bodies.cells.tolist() == grid.cells.tolist()
-        assert bodies.blocked.tolist() == grid.blocked.tolist()
-        assert ((bodies.stopped_by == NOTHING) == ~grid.blocked).all()
-        assert ((bodies.stopped_by == WALL) == (grid.stopped_by == WALL)).all()
-        same += (bodies.stopped_by == grid.stopped_by)[grid.blocked].sum()
-        blocked += grid.blocked.sum()
-    assert same > 0.9 * blocked
 
 
 def test_a_batch_of_disturbed_fleets_repeats_with_its_seeds() -> None:

@@ -94,15 +94,3 @@ def test_a_reset_forgets_turns_and_directions_are_checked() -> None:
     assert motion.advance([(0, 0)], [False])[0].path[-1, 3] == 0
     motion.face([(1, 0)])
     assert motion.advance([(0, 1)], [False])[0].path[-1, 3] == 0  # it drives, and turns no further
-
-
-def test_robots_that_drive_through_turn_at_their_corners() -> None:
-    env = FleetEnv(
-        Layout(["....", "...."]), 1, backend="driving:turn_seconds=1.5", moves="turn",
-        starts=[(0, 0)], max_steps=60,
-    )  # fmt: skip
-    env.reset(seed=1)
-    for action in [FORWARD, RIGHT, FORWARD, *[WAIT] * 12]:
-        env.step([action])
-    assert (env.cells, env.headings) == ([(1, 1)], [2])
-    assert env.last_motion[0].path[-1, 3] == pytest.approx(math.pi / 2, abs=0.02)

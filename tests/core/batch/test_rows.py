@@ -10,13 +10,11 @@ from helpers.batches import (
     DISABLED,
     DROP,
     EAST,
-    EMPTY,
     MIXED,
     NEXT_STEP,
     PICK,
     ROOM,
     SAME_STEP,
-    SHOP,
     TWO_CELLS,
     WAIT,
     Single,
@@ -24,7 +22,7 @@ from helpers.batches import (
     some_batch,
 )
 
-from warehouse_core import DEFAULT_LAYOUT, Layout, random_layout
+from warehouse_core import DEFAULT_LAYOUT, Layout
 from warehouse_core.arguments import MAX_STEPS
 from warehouse_core.batch import BatchEnv
 from warehouse_core.motion.grid import GridMotion
@@ -84,14 +82,6 @@ def test_every_row_with_chargers_equals_a_single_warehouse(
         assert walk.seen["truncated"] > 3
 
 
-@pytest.mark.parametrize("randomize", [False, "start"])
-def test_rows_of_bodies_with_chargers_equal_single_warehouses(randomize: bool | str) -> None:
-    limits = {"max_steps": 23, "battery": 9, "view_radius": 1, "backend": "physics"}
-    walk = walk_of(NEXT_STEP, randomize, 3, CHARGED, **limits)
-    walk.go(40)
-    assert walk.seen["charged"] > 10
-
-
 def test_a_nearly_full_battery_of_the_largest_size_charges() -> None:
     batch = BatchEnv(1, Layout(["PCD"]), (0, 1), battery=MAX_STEPS, randomize=False)
     batch.reset()
@@ -135,10 +125,6 @@ def test_the_cost_depends_on_the_cell_size_of_the_backend_which_is_closed_at_the
     assert joules(GridMotion(2.0)) > joules("grid") == joules(GridMotion)
 
 
-def test_the_size_is_the_largest_height_and_width() -> None:
-    assert some_batch(layouts=[CORRIDOR, EMPTY, SHOP]).size == (3, 6)
-
-
 def test_start_pos_is_one_cell_for_all_rows_or_one_for_each() -> None:
     one = BatchEnv(3, ROOM, (2, 3), randomize=False).reset()[0]["robot_pos"]
     assert one.tolist() == [[2, 3]] * 3
@@ -169,10 +155,3 @@ def test_a_list_seeds_each_row_and_none_continues_its_stream() -> None:
     assert starts(batch(), np.int64(5)) == starts(batch(), np.array([5, 6, 7]))
     assert starts(batch(), 5, None, None) == starts(batch(), 5, None, [None] * 3)
     assert len({str(starts(batch(), *[5, None, None][:count])) for count in (1, 2, 3)}) == 3
-
-
-def test_rows_without_a_seed_differ_from_each_other_and_between_batches() -> None:
-    big = random_layout(40, 40, 0.2, seed=0)
-    places = [BatchEnv(20, big).reset()[0]["robot_pos"].tolist() for _ in range(2)]
-    assert places[0] != places[1]
-    assert len({tuple(place) for place in places[0]}) > 10

@@ -10,8 +10,6 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from hypothesis import HealthCheck, given, settings
-from hypothesis import strategies as st
 
 from warehouse_core import Episode, RecordError
 from warehouse_core.files import npz as npz_module
@@ -277,29 +275,6 @@ def test_a_pickle_raises_and_is_not_loaded(refused: Refused) -> None:
 
 
 # Damage.
-
-
-@settings(max_examples=50, suppress_health_check=[HealthCheck.function_scoped_fixture])
-@given(st.data())
-def test_a_damaged_record_raises_or_loads_equal(
-    saved: Path, episode: Episode, data: st.DataObject
-) -> None:
-    content = bytearray(saved.read_bytes())
-    flips = st.tuples(st.integers(0, len(content) - 1), st.integers(1, 255))
-    for place, change in data.draw(st.lists(flips, min_size=1, max_size=4)):
-        content[place] ^= change
-    assert_raises_or_loads_equal(saved.with_name("damaged.npz"), content, episode)
-
-
-def test_a_record_with_one_byte_of_its_headers_changed_raises_or_loads_equal(
-    saved: Path, episode: Episode
-) -> None:
-    content = saved.read_bytes()
-    directory, end = content.index(b"PK\x01\x02"), content.index(b"PK\x05\x06")
-    for place in [*range(60), *range(directory, directory + 60), *range(end, len(content))]:
-        changed = bytearray(content)
-        changed[place] ^= 0x41
-        assert_raises_or_loads_equal(saved.with_name("damaged.npz"), changed, episode)
 
 
 def test_a_truncated_record_raises(saved: Path) -> None:

@@ -1,15 +1,11 @@
 """Many fleets at once: each equals a ``FleetEnv``; the same seed gives the same episode."""
 
-import os
-import subprocess
-import sys
-from pathlib import Path
 from typing import Any
 
 import numpy as np
 import pytest
 from helpers.batches import MOTION
-from helpers.fleet_truth import charged_layout, plain
+from helpers.fleet_truth import charged_layout
 
 from warehouse_core import FleetEnv, Layout, OrderQueue, OrderStream
 from warehouse_core.batch import AUTORESET_MODES
@@ -142,31 +138,6 @@ def test_bad_input_is_an_error() -> None:
         FleetBatch(3, YARD, 2, speed=1)
     with pytest.raises(ValueError, match=r"^fleet is 3; it must be at most 2"):
         FleetBatch(3, YARD, 2).measures(3)
-
-
-def episode(kind: str, seed: int) -> Any:
-    """Return all that a random episode shows, without arrays."""
-    fleet, stream = FleetEnv(LAYOUTS[0], ROBOTS, **settings_of(kind)), np.random.default_rng(1)
-    seen: list[Any] = [fleet.reset(seed=seed)]
-    while not all(fleet.ended):
-        seen.append(fleet.step(helpful_actions(seen[-1][-1]["action_mask"], stream)))
-    return plain(seen), fleet.orders, repr(fleet.measures), fleet.people
-
-
-@over_kinds
-def test_the_same_seed_gives_the_same_episode(kind: str) -> None:
-    first = episode(kind, 3)
-    assert episode(kind, 3) == first
-    assert episode(kind, 4) != first
-
-
-def test_the_same_seed_gives_the_same_episodes_in_another_process() -> None:
-    kinds = "people", "none", "bodies"
-    code = f"import test_fleets; print([test_fleets.episode(kind, 3) for kind in {kinds}])"
-    path = os.pathsep.join([str(Path(__file__).parent), *sys.path])
-    environment = os.environ | {"PYTHONPATH": path}
-    said = subprocess.check_output([sys.executable, "-c", code], text=True, env=environment)
-    assert said.strip() == str([episode(kind, 3) for kind in kinds])
 
 
 def test_starts_are_drawn_from_empty_cells_first() -> None:

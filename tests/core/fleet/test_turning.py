@@ -269,21 +269,3 @@ def test_directions_are_checked_before_anything_changes() -> None:
         motion.face([(0, 1), (1, 1)])
     outcomes = motion.advance([(0, 0), (0, 0)], [False, False])
     assert [outcome.path[1, 3] for outcome in outcomes] == [0.0, 0.0]
-
-
-@pytest.mark.parametrize("people", [0, 2])
-def test_an_array_motion_that_cannot_turn_waits_instead(people: int) -> None:
-    class Unturned:
-        def __init__(self, motion: Any) -> None:
-            self.place, self.advance, self.outcomes, self.close = (
-                motion.place, motion.advance, motion.outcomes, motion.close
-            )  # fmt: skip
-
-    class Arrays(GridMotion):
-        def fleet_batch(self, layouts: Any, robots: int) -> Any:
-            return Unturned(super().fleet_batch(layouts, robots))
-
-    fleet = begun(["....", "...."], 2, backend=Arrays, starts=[(0, 0), (0, 2)], people=people)
-    fleet.step([RIGHT, LEFT])
-    assert fleet.headings == [2, 0]
-    assert [outcome.path[1, 3] for outcome in fleet.last_motion[:2]] == [0.0, 0.0]

@@ -3,7 +3,6 @@
 from typing import Any
 
 import gymnasium
-import numpy as np
 import pytest
 
 from warehouse_core import Layout
@@ -47,21 +46,6 @@ def test_masked_learning_chooses_only_actions_with_an_effect(form: str, policy: 
         if terminated or truncated:
             observation, info = env.reset()
     assert useless == 0
-
-
-def test_learning_with_the_same_seed_gives_the_same_policy() -> None:
-    from sb3_contrib import MaskablePPO
-    from sb3_contrib.common.maskable.utils import get_action_masks
-    from stable_baselines3.common.env_util import make_vec_env
-
-    def weights() -> np.ndarray:
-        envs = make_vec_env(lambda: make(layout=ROOM), n_envs=2, seed=3)
-        model = MaskablePPO("MultiInputPolicy", envs, n_steps=32, n_epochs=1, seed=0, device="cpu")
-        model.learn(128)
-        assert get_action_masks(envs).shape == (2, 7)
-        return np.concatenate([each.detach().numpy().ravel() for each in model.policy.parameters()])
-
-    assert np.array_equal(weights(), weights())
 
 
 def test_hindsight_replays_episodes_with_the_goals_that_they_achieved() -> None:

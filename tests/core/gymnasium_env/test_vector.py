@@ -11,8 +11,6 @@ import gymnasium
 import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
-from gymnasium.wrappers.vector import DictInfoToList
-from gymnasium.wrappers.vector import RecordEpisodeStatistics as RecordBatchStatistics
 from helpers.gymnasium_envs import (
     CORRIDOR,
     HAS_MODES,
@@ -38,19 +36,6 @@ over_forms = pytest.mark.parametrize("form", FORMS)
 over_modes = pytest.mark.parametrize("mode", MODES)
 allow_fork = pytest.mark.filterwarnings("ignore:This process .* is multi-threaded")
 """Python 3.12 warns of each fork in a process with threads; NumPy starts some."""
-
-
-@over_modes
-def test_gymnasium_records_statistics_of_a_batch(mode: str) -> None:
-    env = RecordBatchStatistics(make_vec(3, mode, max_steps=4))
-    env.reset(seed=0)
-    rewards = []
-    for _ in range(4):
-        _, reward, _, truncated, info = env.step(np.full(3, NORTH))
-        rewards.append(reward)
-    assert truncated.all()
-    assert info["episode"]["r"] == pytest.approx(np.sum(rewards, axis=0))
-    assert info["episode"]["l"].tolist() == [4, 4, 4]
 
 
 def assert_infos_equal(
@@ -186,21 +171,6 @@ def test_rows_without_a_seed_have_the_seeds_that_they_tell() -> None:
     assert fixed.np_random_seed == (7, 8)
 
 
-@allow_fork
-def test_all_vectorization_modes_give_the_same() -> None:
-    found = []
-    for way in ("sync", "async", "vector_entry_point", None):
-        made = gymnasium.make_vec(NAME, 3, vectorization_mode=way, layout=ROOM, max_steps=6)
-        with closing(made) as env:
-            record = [env.reset(seed=2)[0]]
-            for actions in np.random.default_rng(1).integers(7, size=(10, 3)):
-                record.append(env.step(actions)[:4])
-            is_ours = type(env.unwrapped) is WarehouseVectorEnv
-        assert is_ours == (way in ("vector_entry_point", None))
-        found.append(tuple(record))
-    assert all(same(other, found[0]) for other in found[1:])
-
-
 @over_forms
 def test_layouts_of_different_sizes_share_one_space(form: str) -> None:
     layouts = [CORRIDOR, ROOM, random_layout(7, 4, 0.2, seed=0), ROOM]
@@ -255,14 +225,6 @@ def test_a_batch_can_be_copied_and_pickled() -> None:
             assert same((other.step([EAST, WEST, SOUTH]), other.reset()), expected)
 
 
-def test_action_masks_equal_those_of_info() -> None:
-    batch = WarehouseVectorEnv(6)
-    _, info = batch.reset(seed=0)
-    assert same(info["action_mask"], batch.action_masks())
-    *_, info = batch.step(np.arange(6))
-    assert same(info["action_mask"], batch.action_masks())
-
-
 def test_invalid_calls_raise_the_errors_of_gymnasium() -> None:
     batch = WarehouseVectorEnv(2, max_steps=1, autoreset_mode="Disabled")
     with pytest.raises(ResetNeeded, match=r"step\(\) needs a reset\(\) before it"):
@@ -301,13 +263,3 @@ def test_both_environments_have_the_same_arguments_in_the_same_order() -> None:
         for kind in (WarehouseGymnasiumEnv, WarehouseVectorEnv)
     )
     assert [name for name in batch if name not in ONLY_BATCH] == single
-
-
-def test_the_infos_of_rows_can_be_listed() -> None:
-    envs = DictInfoToList(WarehouseVectorEnv(3, max_steps=2, autoreset_mode="NextStep"))
-    envs.reset(seed=1)
-    for has_motion in (True, True, False):
-        *_, infos = envs.step([0, 1, 4])
-        assert len(infos) == 3
-        for info in infos:
-            assert ("seconds" in info.get("motion", {})) == has_motion

@@ -1,6 +1,6 @@
 from collections.abc import Mapping
 from importlib.metadata import EntryPoint
-from types import MappingProxyType
+from types import MappingProxyType, SimpleNamespace
 from typing import Any
 
 import pytest
@@ -15,6 +15,7 @@ from warehouse_core.motion.backends import (
     make_fleet_motion,
     make_motion,
 )
+from warehouse_core.motion.base import BaseBatchMotion, Conditions, Ways, with_defaults
 from warehouse_core.motion.grid import GridBatch, GridFleetBatch, GridMotion
 from warehouse_core.motion.separate import SeparateMotions
 
@@ -145,6 +146,19 @@ def test_fleets_of_one_robot_and_more_are_moved_by_arrays_if_the_backend_can(rob
     assert motion.advance.__self__ is lone
     with pytest.raises(BackendError, match=r"is a single motion.*2 layouts need the name or the"):
         make_fleet_motion(LoneBatch(), layouts, robots)
+
+
+def test_a_motion_with_four_members_has_defaults_for_the_rest() -> None:
+    lone, grid = WithoutBatch(), GridMotion(cell_size=0.5)
+    motion = with_defaults(lone)
+    assert (motion.advance, motion.cell_size) == (lone.advance, 1.0)
+    assert (motion.conditions, motion.cell_steps, motion.cell_joules) == (Conditions(), 1.0, None)
+    assert not motion.drives_through
+    assert motion.ways() == Ways((), (), ())
+    assert motion.face([]) is motion.fail(0) is motion.scan(0, 4) is motion.odometry(0) is None
+    batch = with_defaults(SimpleNamespace(place=lone.reset, close=lone.close), BaseBatchMotion)
+    assert (batch.place, batch.changes_layouts, batch.outcomes(0)) == (lone.reset, False, ())
+    assert with_defaults(grid) is grid
 
 
 def test_a_batch_of_lone_robots_needs_a_backend_that_has_one() -> None:

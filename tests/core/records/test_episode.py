@@ -4,8 +4,7 @@ import copy
 import dataclasses
 import math
 import re
-from collections.abc import Callable, Iterator
-from itertools import chain
+from collections.abc import Callable
 from pathlib import Path
 from typing import Any
 
@@ -30,7 +29,6 @@ from warehouse_core import (
     replay_episode,
 )
 from warehouse_core.fleet import Battery, People
-from warehouse_core.motion.base import Outcome
 from warehouse_core.motion.grid import GridMotion
 from warehouse_core.records import FleetRecorder
 from warehouse_core.world.actions import INVALID
@@ -59,26 +57,6 @@ def on_line(*actions: Any, **limits: int) -> Episode:
 
 
 HUGE = 10**5000
-ABSURD = (
-    HUGE, 2**63, -(2**31) - 1, 2**53 + 1, 1.5, 1e300, math.nan, math.inf, True, None, "",
-    "\udcff", "x" * 10_000, b"N", [], [1], {}, (), (0, 0), (0.5, 0), (0, 0, 0), object(),
-    np.int64(1), np.float32(0.1), np.bool_(True), np.zeros((2, 4)), np.longdouble("0.1"),
-)  # fmt: skip
-
-
-def with_absurd(name: str, value: Any) -> Iterator[Episode]:
-    """Yield a record with a field replaced, or its first entry or a part of that, if it has any."""
-    original = on_line("PICK", "E", "W", "W", max_steps=4)
-    first = getattr(original, name)
-    if isinstance(first, list) and first:
-        yield dataclasses.replace(original, **{name: [value, *first[1:]]})
-        first = first[0]
-    for part in getattr(first, "_fields", getattr(first, "__slots__", ())):
-        change = dataclasses.replace if dataclasses.is_dataclass(first) else Outcome._replace
-        changed = change(first, **{part: value})
-        whole = [changed, *original.motions[1:]] if name == "motions" else changed
-        yield dataclasses.replace(original, **{name: whole})
-    yield dataclasses.replace(original, **{name: value})
 
 
 class Talkers(Couriers):
@@ -265,30 +243,12 @@ def test_records_that_differ_in_one_value_are_not_equal(episode: Episode) -> Non
     assert twin != episode
 
 
-FROM_SETTINGS = {"layout", "backend", "cell_size", "slippery", "motor_strength"}
-
-
-@pytest.mark.parametrize("name", sorted(set(Episode.__slots__) - FROM_SETTINGS))
-def test_a_record_of_any_values_loads_as_it_was_saved_or_raises(tmp_path: Path, name: str) -> None:
-    path = tmp_path / "any.npz"
-    refused = 0
-    for episode in chain.from_iterable(with_absurd(name, value) for value in ABSURD):
-        try:
-            episode.save(path)
-        except RecordError:
-            assert list(tmp_path.iterdir()) == []
-            refused += 1
-        else:
-            assert Episode.load(path) == episode
-            path.unlink()
-    assert refused
-
-
 @pytest.mark.parametrize(
     ("name", "value", "message"),
     [
         pytest.param("actions", HUGE, "actions cannot be written as JSON: Exceeds", id="huge"),
         ("cells", (2**31, 0), "cells cannot be stored as int32 with 2 dimensions"),
+        ("cells", [0, 0], "cells would be loaded with other values or types"),
         ("loaded", 2, "loaded cannot be stored as bool with 1 dimensions"),
         ("battery", 2**63, "battery cannot be stored as int64"),
         ("rewards", 10**400, "rewards cannot be stored as float64"),
@@ -302,8 +262,11 @@ def test_a_record_of_any_values_loads_as_it_was_saved_or_raises(tmp_path: Path, 
 def test_a_value_that_would_change_is_named(
     tmp_path: Path, name: str, value: Any, message: str
 ) -> None:
+    original = on_line("PICK", "E", "W", "W", max_steps=4)
+    values = getattr(original, name)
+    changed = [value, *values[1:]] if isinstance(values, list) else value
     with pytest.raises(RecordError, match=re.escape(message)):
-        next(with_absurd(name, value)).save(tmp_path / "any.npz")
+        dataclasses.replace(original, **{name: changed}).save(tmp_path / "any.npz")
 
 
 def test_a_seed_of_numpy_is_saved(tmp_path: Path) -> None:

@@ -1,15 +1,19 @@
 """Who passes first after a delay: all orders stay free of circles, and robots arrive sooner."""
 
+import random
+
 import numpy as np
 import pytest
-from helpers.passing_order import Plan, at_starts, built, on_small_plan, random_plan, switch
+from helpers.driving import resolved
 
 from agents.mapf.execution import drive_through
-from warehouse_core import Layout
+from warehouse_core import Cell, Layout
 from warehouse_physics import Disturbances, DrivingMotion, RobotSpec, Stop
 from warehouse_physics.driving import switching
 from warehouse_physics.driving.dependencies import Dependencies, Visit
-from warehouse_physics.driving.switching import Timetable, find_switches
+from warehouse_physics.driving.switching import RouteProgress, Timetable, find_switches
+
+Plan = list[list[Cell]]
 
 FAST = RobotSpec.fast()
 
@@ -28,6 +32,32 @@ LANE: Plan = [[(0, 0), (0, 4)], [(0, 1), (0, 4)], [(0, 2), (0, 4)], [(1, 2), (0,
     [(2, 2), (0, col)] for col in (3, 2, 1, 0)
 ]
 """Robots that go through one lane in opposite directions, of which the first leaves it half way."""
+
+
+def built(plan: Plan) -> Dependencies:
+    ways = Dependencies(plan[0])
+    for cells in plan[1:]:
+        ways.extend(cells)
+    return ways
+
+
+def at_starts(robots: int, late: int = 0, seconds: float = 60.0) -> RouteProgress:
+    """Return robots at rest at their starts, of which one is late."""
+    starts = np.where(np.arange(robots) == late, seconds, 0.0)
+    return RouteProgress(*([0] * robots for _ in range(3)), starts, 1.0)
+
+
+def random_plan(seed: int, robots: int, steps: int, side: int) -> Plan:
+    stream, layout = random.Random(seed), Layout(["." * side] * side)
+    cells = [divmod(int(cell), side) for cell in layout.open_cells]
+    actions = [[stream.randrange(5) for _ in range(robots)] for _ in range(steps)]
+    return resolved(layout, stream.sample(cells, robots), actions)
+
+
+def switch(ways: Dependencies, progress: RouteProgress) -> set[int]:
+    return {
+        robot for order in find_switches(ways, progress).values() for robot in ways.reorder(order)
+    }
 
 
 def is_driven_through(ways: Dependencies, robots: int) -> bool:
@@ -113,16 +143,6 @@ def test_random_plans_stay_free_of_circles_and_nobody_is_let_through_in_vain(see
     table = Timetable(ways, progress)
     after = table.total(table.times())
     assert after < before - 0.5 if changed else after == before
-
-
-def test_the_search_wins_back_nearly_all_that_the_best_order_does() -> None:
-    gained = possible = 0.0
-    for seed in range(8):
-        before, after, best = on_small_plan(seed)
-        assert best <= after + 1e-6
-        gained, possible = gained + before - after, possible + before - best
-    assert possible > 20
-    assert gained >= 0.9 * possible
 
 
 @pytest.mark.parametrize("at", [0.0, 0.5])
