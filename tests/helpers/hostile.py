@@ -42,6 +42,7 @@ from warehouse_core import (
 )
 from warehouse_core.batch.array_env import ArrayEnv
 from warehouse_core.fleet import Battery, People
+from warehouse_core.motion import BaseBatchMotion, BaseMotion
 from warehouse_core.pettingzoo_env import parallel_env
 from warehouse_core.viz.tracks import track_of_record
 from warehouse_core.wording import brief
@@ -323,15 +324,22 @@ def _targets_of(name: str, each: Any) -> Iterator[Target]:
     methods = inspect.getmembers(each, inspect.isfunction) if hasattr(each, "reset") else ()
     for word, method in methods:
         is_ours = method.__module__.startswith(PACKAGES)
-        if is_ours and not word.startswith("_") and not {word, f"{name}.{word}"} & SEAMS:
+        is_default = method.__qualname__.partition(".")[0] == BaseMotion.__name__
+        if (
+            is_ours
+            and not is_default
+            and not word.startswith("_")
+            and not {word, f"{name}.{word}"} & SEAMS
+        ):
             it = each(**made.valid | EXTRA.get(name, {}))
             use(it)
             yield Target(f"{name}.{word}", getattr(it, word), partial(_again, it))
 
 
 def _checks(each: type) -> bool:
-    """Return whether a class checks arguments: errors, protocols and plain records do not."""
-    if issubclass(each, (BaseException, tuple, dict)) or getattr(each, "_is_protocol", False):
+    """Return whether a class checks arguments: errors, interfaces and plain records do not."""
+    is_interface = getattr(each, "_is_protocol", False) or each in (BaseMotion, BaseBatchMotion)
+    if issubclass(each, (BaseException, tuple, dict)) or is_interface:
         return False
     if is_dataclass(each) and not hasattr(each, "__post_init__"):
         return not each.__dataclass_params__.init
