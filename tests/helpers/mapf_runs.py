@@ -9,6 +9,7 @@ from agents.errors import PlanError
 from agents.mapf.graph import Graph
 from agents.mapf.planner import BasePlanner, Planner, Situation, check_turns
 from agents.mapf.problem import Problem, Solver
+from helpers.mapf_turns import State, meets, steps_of
 from helpers.mapf_validator import check_traffic, plan_conflict, step_conflict
 from warehouse_core import Layout
 from warehouse_core.motion.base import Motion
@@ -76,27 +77,6 @@ def check_planner(
     return reached
 
 
-AHEAD = ((-1, 0), (0, 1), (1, 0), (0, -1))
-
-
-def check_turning_step(
-    layout: Layout, before: list, after: list, fixed: set[int], closed: set
-) -> None:  # type: ignore[type-arg]
-    """Check a joint step of cells and headings by the rules, with no code of the planners."""
-    cells = [cell for cell, _ in after]
-    assert len(set(cells)) == len(cells)
-    for robot, ((cell, heading), (to, turned)) in enumerate(zip(before, after, strict=True)):
-        if to == cell:
-            assert (turned - heading) % 4 in ((0,) if robot in fixed else (0, 1, 3))
-            continue
-        down, right = AHEAD[heading]
-        assert (to, turned) == ((cell[0] + down, cell[1] + right), heading)
-        assert robot not in fixed
-        assert layout.is_open(to)
-        assert to not in closed
-        assert all(one != to or other != cell for (one, _), (other, _) in zip(before, after))  # noqa: B905
-
-
 def check_headed_planner(
     make_planner: Callable[[Graph], BasePlanner], layout: Layout, robots: int
 ) -> int:
@@ -115,11 +95,18 @@ def check_headed_planner(
         stays, closed = stream.random(robots) < 0.05, stream.permutation(layout.open_cells)[:3]
         situation = Situation(cells, goals, stays, closed)
         places = check_turns(graph, situation, headings, planner.next_places(situation, headings))
-        before = list(zip(layout.cells(cells), headings.tolist(), strict=True))
+        before = state_of(layout, cells, headings)
         headings, cells = np.divmod(places, graph.size)
-        after = list(zip(layout.cells(cells), headings.tolist(), strict=True))
-        fixed = {*np.flatnonzero(stays).tolist()}
-        check_turning_step(layout, before, after, fixed, {*layout.cells(closed)})
+        after = state_of(layout, cells, headings)
+        assert not meets(before, after)
+        for one, other, is_fixed in zip(before, after, stays, strict=True):
+            assert other == one if is_fixed else other in steps_of(layout.rows, one)
+            assert other[:2] == one[:2] or other[:2] not in layout.cells(closed)
         reached += int((cells == goals).sum())
         goals = np.where(cells == goals, stream.permutation(layout.open_cells)[:robots], goals)
     return reached
+
+
+def state_of(layout: Layout, cells: np.ndarray, headings: np.ndarray) -> State:
+    pairs = zip(layout.cells(cells), headings.tolist(), strict=True)
+    return tuple((*cell, heading) for cell, heading in pairs)

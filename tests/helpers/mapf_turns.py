@@ -1,6 +1,7 @@
-"""Plans of robots with headings: an independent check, and smallest costs by brute force.
+"""Steps of robots with headings: an independent check, and smallest costs by brute force.
 
-A robot is a triple of row, column and heading here; no code of the planners is used.
+A robot is a triple of row, column and heading here, which is ``None`` for robots that move in four
+directions; no code of the planners is used.
 """
 
 from collections.abc import Iterator, Sequence
@@ -11,7 +12,8 @@ from agents.mapf.problem import Plan, Problem
 
 AHEAD = ((-1, 0), (0, 1), (1, 0), (0, -1))
 
-State = tuple[tuple[int, int, int], ...]
+Robot = tuple[int, int, int | None]
+State = tuple[Robot, ...]
 
 
 def turning_conflict(problem: Problem, plan: Plan) -> str | None:
@@ -35,18 +37,21 @@ def turning_conflict(problem: Problem, plan: Plan) -> str | None:
 
 def first_state(problem: Problem) -> State:
     width = problem.graph.layout.width
-    pairs = zip(problem.starts, problem.headings, strict=True)
+    headings = problem.headings or [None] * problem.robots
+    pairs = zip(problem.starts, headings, strict=True)
     return tuple((*divmod(cell, width), heading) for cell, heading in pairs)
 
 
-def steps_of(rows: Sequence[str], state: tuple[int, int, int]) -> list[tuple[int, int, int]]:
+def steps_of(rows: Sequence[str], state: Robot) -> list[Robot]:
     """Return where a robot can be after a step: as it is, turned, or in the cell ahead."""
     row, col, heading = state
-    found = [state, (row, col, (heading + 1) % 4), (row, col, (heading - 1) % 4)]
-    down, right = AHEAD[heading]
-    row, col = row + down, col + right
-    if 0 <= row < len(rows) and 0 <= col < len(rows[0]) and rows[row][col] != "#":
-        found.append((row, col, heading))
+    found = [state]
+    if heading is not None:
+        found += [(row, col, (heading + 1) % 4), (row, col, (heading - 1) % 4)]
+    for down, right in AHEAD if heading is None else AHEAD[heading : heading + 1]:
+        to = row + down, col + right
+        if 0 <= to[0] < len(rows) and 0 <= to[1] < len(rows[0]) and rows[to[0]][to[1]] != "#":
+            found.append((*to, heading))
     return found
 
 

@@ -10,7 +10,6 @@ from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import solve_cbs
 from agents.mapf.graph import Graph
 from agents.mapf.lacam import lacam, lacam_star
-from agents.mapf.lns import Refinement
 from agents.mapf.problem import Problem
 from warehouse_core import Layout, random_layout
 
@@ -66,22 +65,6 @@ def test_a_problem_without_a_plan_is_said_to_have_none() -> None:
     problem = problem_of(["...."], [0, 3], [3, 0])
     with pytest.raises(PlanError, match="there is no plan: LaCAM tried all"):
         solve_anytime(problem, HOUR)
-
-
-def test_refinement_is_never_worse_and_stays_valid() -> None:
-    problems = [random_problem(random_layout(10, 10, 0.2, seed), 20, seed) for seed in range(4)]
-
-    def solve(problem, seconds):
-        plan = lacam(problem, seconds)
-        refinement, cost = Refinement(problem, plan), plan.sum_of_costs
-        for _ in range(5):
-            refinement.run(HOUR * 1e6, 4)
-            plan = refinement.plan()
-            assert plan.sum_of_costs <= cost
-            cost = plan.sum_of_costs
-        return plan
-
-    assert check_solver(solve, problems, seconds=5.0) == 4
 
 
 def test_no_plan_leads_through_cells_that_are_closed() -> None:

@@ -20,7 +20,6 @@ from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import (
     NO_CELLS,
-    BasePlanner,
     Planner,
     Situation,
     check_step,
@@ -82,18 +81,11 @@ def test_rows_follow_the_cells_that_are_closed(kind: type[Fields]) -> None:
 HEADED = [Circulation, WindowedPlanner, partial(WindowedPlanner, circulates=True)]
 
 
-@pytest.mark.parametrize("make", [PIBT, *HEADED])
-def test_closed_cells_are_entered_once_they_are_open(make: Callable[[Graph], Planner]) -> None:
-    assert cells_after_openings(make, has_headings=False) == [2]
-
-
-@pytest.mark.parametrize("make", HEADED)
-def test_robots_with_headings_know_of_closed_cells(make: Callable[[Graph], BasePlanner]) -> None:
-    assert cells_after_openings(make, has_headings=True) == [2]
-
-
-def cells_after_openings(make: Callable[[Graph], Any], *, has_headings: bool) -> list[int]:
-    """Return the last cell of a robot that is led round closed cells, and then into one of them."""
+@pytest.mark.parametrize(("make", "has_headings"), [(PIBT, False), *product(HEADED, (False, True))])
+def test_closed_cells_are_entered_once_they_are_open(
+    make: Callable[[Graph], Any], has_headings: bool
+) -> None:
+    """A robot goes round closed cells, and then into one of them."""
     graph = Graph(Layout([".....", ".###.", "....."]))
     planner, cells, headings = make(graph), np.array([0]), np.array([1])
     for step in range(40):
@@ -106,7 +98,7 @@ def cells_after_openings(make: Callable[[Graph], Any], *, has_headings: bool) ->
             cells = planner.next_cells(given)
         assert cells[0] not in graph.closed
         assert step != 19 or cells[0] == 4
-    return cells.tolist()
+    assert cells.tolist() == [2]
 
 
 @pytest.mark.parametrize("make", HEADED)
@@ -252,14 +244,11 @@ def test_a_lone_robot_turns_once(make, seed: int) -> None:
 
 
 @pytest.mark.parametrize("make", PLANNERS)
-@pytest.mark.parametrize(("before", "expected"), [(1, 15), (13, 15), (8, 20), (20, 8)])
-def test_a_robot_goes_on_in_the_direction_of_its_last_move(make, before, expected) -> None:
-    """From the middle, 14, to a corner of its diagonal; the robot came from ``before``."""
-    cells = {1: [13, 14], 13: [13, 14], 8: [8, 14], 20: [20, 14]}[before]
-    goal = {1: 21, 13: 21, 8: 21, 20: 9}[before]
-    way = lead(make(Graph(HALL), 1.0), cells, goal, 3)
-    assert way[1] == 14
-    assert way[2] == expected
+@pytest.mark.parametrize(("before", "goal", "expected"), [(13, 21, 15), (8, 21, 20), (20, 9, 8)])
+def test_a_robot_goes_on_in_the_direction_of_its_last_move(make, before, goal, expected) -> None:
+    """From the middle, 14, to a corner of its diagonal."""
+    way = lead(make(Graph(HALL), 1.0), [before, 14], goal, 3)
+    assert way[1:3] == [14, expected]
 
 
 @pytest.mark.parametrize("make", PLANNERS)

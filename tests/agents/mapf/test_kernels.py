@@ -1,13 +1,13 @@
 """What kernels promise, against brute force on tiny floors."""
 
 import random
-from heapq import heappop, heappush
 from itertools import product
 from math import inf
 
 import numpy as np
 import pytest
 from helpers.mapf_problems import problem_of, random_problem, situation
+from helpers.mapf_turns import least_step_cost
 from helpers.mapf_validator import plan_conflict, step_conflict
 
 from agents.errors import PlanError
@@ -125,24 +125,6 @@ def test_measured_distances_are_those_of_dijkstra(kind: type[Fields], wrong_way:
         assert np.array_equal(found, np.minimum(np.rint(distances), FAR))
 
 
-def least_step_cost(rows: list[str], starts: list[int], goals: list[int]) -> int | None:
-    """Return the least sum of step costs, by Dijkstra's algorithm over all configurations."""
-    width, heap, settled = len(rows[0]), [(0, tuple(starts))], set()
-    while heap:
-        cost, before = heappop(heap)
-        if before == tuple(goals):
-            return cost
-        if before in settled:
-            continue
-        settled.add(before)
-        beside = [[cell, cell - 1, cell + 1, cell - width, cell + width] for cell in before]
-        for after in product(*beside):
-            if after not in settled and step_conflict(rows, before, after) is None:
-                ends = zip(before, after, goals, strict=True)
-                heappush(heap, (cost + sum(not a == b == goal for a, b, goal in ends), after))
-    return None
-
-
 def test_the_proved_cost_is_that_of_brute_force() -> None:
     stream, solved = random.Random(5), 0
     for number in range(16):
@@ -154,13 +136,14 @@ def test_the_proved_cost_is_that_of_brute_force() -> None:
         ]
         robots = 2 + number % 2
         starts, goals = stream.sample(cells, robots), stream.sample(cells, robots)
-        least = least_step_cost(rows, starts, goals)
+        problem = problem_of(rows, starts, goals)
+        least = least_step_cost(problem)
         if least is None:
             with pytest.raises(PlanError, match="there is no plan"):
-                lacam_star(problem_of(rows, starts, goals), HOUR)
+                lacam_star(problem, HOUR)
             continue
         solved += 1
-        assert lacam_star(problem_of(rows, starts, goals), HOUR).bound == least
+        assert lacam_star(problem, HOUR).bound == least
     assert 4 < solved < 16
 
 

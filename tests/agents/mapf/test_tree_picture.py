@@ -1,7 +1,5 @@
 """The picture of a conflict tree."""
 
-from itertools import pairwise
-
 import pytest
 from matplotlib.patches import Rectangle
 
@@ -31,37 +29,14 @@ def test_the_tree_has_a_card_for_each_node_and_marks_the_solution() -> None:
         for patch in axes.patches
         if isinstance(patch, Rectangle) and not patch.get_fill() and patch.get_width() == CARD[0]
     ]
-    said = [text.get_text() for text in axes.texts]
-    costs = [f"cost {node.cost}" for node in tree.nodes]
     assert len(cards) == len(tree.nodes) > 5
-    assert [words for words in said if words.startswith("cost")] == costs
     marked = [
         number
         for number, card in enumerate(cards)
         if card.get_edgecolor()[:3] == pytest.approx(SOLUTION)
     ]
     assert marked == [tree.nodes.index(tree.solution)]
-    assert said.count("★ optimal plan") == 1
-    assert said[said.index("★ optimal plan") - 1] == f"cost {tree.solution.cost}"
     assert len(axes.lines) == len(tree.nodes) - 1
-    for node in tree.nodes[1:]:
-        assert words_of(tree, node.constraints) in said
-    opened = [words_of(tree, node.split) for node in tree.nodes if node.split]
-    assert [words for words in said if words in opened] == opened
-
-
-def test_lines_lead_from_parents_to_children_and_no_cards_overlap() -> None:
-    tree = grown([7, 11, 1], [11, 4, 5])
-    places = places_of(tree.nodes)
-    for node, (column, level) in places.items():
-        children = [places[each] for each in tree.nodes if each.parent is node]
-        assert {below for _, below in children} <= {level + 1}
-        if children:
-            assert column == sum(each for each, _ in children) / len(children)
-    by_level: dict[int, list[float]] = {}
-    for column, level in places.values():
-        by_level.setdefault(level, []).append(column)
-    assert all(b - a >= 1 for row in by_level.values() for a, b in pairwise(sorted(row)))
 
 
 def test_cards_have_their_words_inside_and_lines_join_parents_and_children() -> None:

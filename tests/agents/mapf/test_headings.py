@@ -1,4 +1,4 @@
-"""Rounds of EPIBT, and planners that know headings."""
+"""Planners of robots with headings, and the checks of their steps."""
 
 from collections.abc import Callable
 from functools import partial
