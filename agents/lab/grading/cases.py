@@ -228,10 +228,8 @@ class GradedCase:
         if self.layout == RANDOM:
             file = f"{self.name}-{seed}.txt"
             height, width = self.size
-            before = (
-                f"warehouse layout generate --height {height} --width {width} "
-                f"--density {self.density:g} --seed {seed} --save {shlex.quote(file)} && "
-            )
+            made = f"random:height={height},width={width},density={self.density:g},seed={seed}"
+            before = f"warehouse layout {made} --save {shlex.quote(file)} && "
             words += ["--layout", file]
         elif self.layout != DEFAULT:
             path, here = Path(self.layout), Path.cwd()
