@@ -1,6 +1,5 @@
 """Courses of searches, their tracks, and the panels and frames of their pictures."""
 
-from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -10,7 +9,6 @@ from helpers.player import page_in, said_by
 from matplotlib.colors import to_rgb
 from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
-from PIL import Image
 
 from agents.search.algorithms import Solution, weighted_astar_search
 from agents.search.heuristics import manhattan
@@ -31,7 +29,6 @@ from agents.search.trace import (
 )
 from warehouse_core import DEFAULT_LAYOUT, Layout
 from warehouse_core.render.palette import COLORS, SHELF, WARNING
-from warehouse_core.viz.figure import DPI
 from warehouse_core.viz.replay import Replay
 from warehouse_core.wording import printable
 from warehouse_core.world.generators import random_layout
@@ -166,12 +163,6 @@ def test_a_long_search_has_few_frames() -> None:
     assert [track.step_at(index) for index in range(len(track))] == list(range(len(track)))
 
 
-def test_without_a_path_there_is_none_to_draw() -> None:
-    track = track_of_course(course(*SEARCHES[4]))
-    assert track.frames[-1].caption.endswith("no path")
-    assert not any(frame.route for frame in track.frames)
-
-
 def test_every_panel_counts_its_own_search_and_keeps_its_last_count() -> None:
     blind, greedy = solve(HALL, START, GOAL, 0), solve(HALL, START, GOAL, INF)
     assert greedy.expanded < blind.expanded
@@ -202,14 +193,6 @@ def test_wall_floor_frontier_and_expanded_cells_have_their_colours() -> None:
             assert is_color(color, COLORS[EMPTY])
         else:
             assert is_color(color, SHADES[0])
-
-
-def test_lines_separate_floor_cells_and_not_walls() -> None:
-    shown = replay(0)
-    image = pixels(shown)
-    floor, wall = (patch(shown, image, 2.6, row, 3.4, row + 1).reshape(-1, 3) for row in (3, 2))
-    assert len({*map(tuple, floor)}) > 1
-    assert all(is_color(color, SHELF) for color in wall[len(wall) // 9 : -len(wall) // 9])
 
 
 def test_at_the_end_the_path_is_drawn_and_the_last_cell_has_another_shade() -> None:
@@ -246,15 +229,6 @@ def test_a_long_search_has_at_most_max_frames() -> None:
     assert "cost" not in counts(shown)[0]
 
 
-def test_a_frame_is_the_same_picture_each_time() -> None:
-    shown, images = replay(0, 1), []
-    for frame in (1, 2, 1):
-        shown.go_to(frame)
-        images.append(pixels(shown))
-    assert np.array_equal(images[0], images[2])
-    assert not np.array_equal(images[0], images[1])
-
-
 @pytest.mark.parametrize("panels", [1, 5, MAX_PANELS])
 @pytest.mark.parametrize("size", [(4, 4), (5, 60), (60, 5)])
 def test_panels_neither_overlap_nor_leave_the_figure(panels: int, size: tuple[int, int]) -> None:
@@ -276,30 +250,6 @@ def test_panels_neither_overlap_nor_leave_the_figure(panels: int, size: tuple[in
         assert box.x1 <= shown.figure.bbox.x1
         assert box.y1 <= shown.figure.bbox.y1
         assert not any(box.overlaps(other) for other in boxes[number + 1 :])
-
-
-def test_the_four_usual_searches_have_large_cells_and_letters_that_the_legend_explains() -> None:
-    layout = DEFAULT_LAYOUT
-    shown = replay(0, 1, 5, INF, layout=layout, start=(2, 10), goal=(1, 3))
-    first, [legend] = shown.figure.axes[0], shown.figure.legends
-    assert first.get_window_extent().width / layout.width >= 28
-    letters = [text for text in first.texts if text.get_text() in "SG"]
-    assert min(text.get_fontsize() for text in letters) > 14
-    assert shown.figure.bbox.width <= 1366
-    assert [text.get_text() for text in legend.get_texts()][:2] == ["start", "goal"]
-    markers = "".join(str(line.get_marker()) for line in legend.findobj(Line2D))
-    assert markers.count("S") == markers.count("G") == 1
-
-
-@pytest.mark.parametrize(("width", "rows"), [(22, 1), (23, 2)])
-def test_two_searches_are_side_by_side_if_their_cells_have_28_pixels(width: int, rows: int) -> None:
-    layout = Layout(["." * width] * 4)
-    figure = replay(1, 2, layout=layout, start=(0, 0), goal=(3, 3)).figure
-    size, *boxes = (each.get_window_extent() for each in (figure, *figure.axes))
-    places = [(round(box.x0), round(size.y1 - box.y1), round(box.width)) for box in boxes]
-    side_by_side = [(44, 144, 22 * 28), (704, 144, 22 * 28)]
-    assert places == (side_by_side if rows == 1 else [(44, 144, 920), (44, 384, 920)])
-    assert size.size.round().tolist() == ([1344, 320] if rows == 1 else [988, 608])
 
 
 def test_the_legend_has_the_colours_of_what_it_names() -> None:
@@ -356,21 +306,3 @@ def test_names_are_shown_literally() -> None:
         page = page_in(shown._repr_html_())
         assert "<script>alert" not in page
         assert [track["title"] for track in said_by(page)["tracks"]] == [printable(name)]
-
-
-def test_each_panel_has_its_name_and_its_counts_in_files(tmp_path: Path) -> None:
-    shown = replay(0, 1, 5, INF)
-    shown.save(tmp_path / "search.png")
-    shown.save(tmp_path / "search.gif")
-    with Image.open(tmp_path / "search.png") as png, Image.open(tmp_path / "search.gif") as gif:
-        gif.seek(gif.n_frames - 1)  # type: ignore[attr-defined]
-        pictures = [np.asarray(each.convert("L")) for each in (png, gif)]
-    panels = [axes.get_window_extent().extents for axes in shown.figure.axes]
-    assert len(panels) == 4
-    for picture in pictures:
-        for left, _, right, top in panels:
-            above = len(picture) - round(top)
-            for points in (34, 17):  # of the name and of the counts, above the axes
-                line = above - round(points * DPI / 72)
-                words = picture[line - 10 : line, round(left) : round(right)]
-                assert (words < 90).sum() > 50
