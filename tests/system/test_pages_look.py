@@ -39,7 +39,6 @@ PAGES = {
     "race": "race",
     "demo bump": "demo bump",
     "demo slip": "demo slip",
-    "demo head-on": "demo head-on",
     "demo pibt": "demo pibt",
 }
 """Commands that save a page, by what it shows."""

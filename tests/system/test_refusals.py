@@ -135,8 +135,8 @@ WRONG = {
     "train q --from greedy": "--from does not go with 'train q'",
     "train clone --robots 2": "--robots does not go with 'train clone'",
     "train dog": "KIND is 'dog'; allowed: q, ppo, clone",
-    "demo --save a.gif": "--save needs a demo; allowed: delivery",
-    "demo ballet": "no demo is called 'ballet'; allowed: delivery",
+    "demo --save a.gif": "--save needs a demo; allowed: bump",
+    "demo ballet": "no demo is called 'ballet'; allowed: bump",
     "grade . --save a.csv --save b.csv": "--save takes one .csv file for a folder",
     "grade mine.py --pages pages": "--pages needs a folder of submissions; 'mine.py' is none",
 }

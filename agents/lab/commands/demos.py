@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from itertools import cycle
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
@@ -11,7 +11,6 @@ import typer
 
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PlannedFleet
-from agents.lab.commands.run import run_episode
 from agents.lab.console import options
 from agents.lab.console.output import Film, show_or_save, show_or_save_picture
 from agents.lab.console.terminal import say
@@ -35,7 +34,6 @@ from warehouse_core import (
 )
 from warehouse_core.files.atomic import check_suffix
 from warehouse_core.motion.backends import load_backend
-from warehouse_core.records import FleetRecorder
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.viz.tracks.record_track import FRAME_SECONDS, track_of_record
 from warehouse_core.viz.tracks.track import FleetFrame, Frame, Pose, Track, middle
@@ -79,27 +77,17 @@ ROBOTS, RATE, STEPS, BATTERY = 60, 6.0, 300, 10_000
 
 
 class Demo(NamedTuple):
-    """A sentence computed from the results, and the tracks to show side by side."""
+    """A demonstration: a sentence, and tracks to show side by side or what draws a picture.
+
+    Attributes:
+        said: sentence computed from the results.
+        tracks: tracks of a replay.
+        draw: function that draws a picture.
+    """
 
     said: str
-    tracks: list[Track]
-
-
-class DemoPicture(NamedTuple):
-    """A sentence computed from the results, and what draws the picture to show."""
-
-    said: str
-    draw: Callable[[MakeFigure], SceneFigure]
-
-
-def delivery() -> Demo:
-    """A whole delivery by the greedy agent."""
-    episode = run_episode("greedy", "physics", seed=12)
-    said = (
-        f"{episode.outcome} in {episode.steps} steps, "
-        f"{episode.seconds:.0f} s and {episode.joules:.0f} J"
-    )
-    return Demo(said, [_titled(track_of_record(episode), "A delivery")])
+    tracks: Sequence[Track] = ()
+    draw: Callable[[MakeFigure], SceneFigure] | None = None
 
 
 def bump() -> Demo:
@@ -119,19 +107,6 @@ def bump() -> Demo:
     track = track_of_record(episode, frame_seconds=SLOW_MOTION)
     track.metrics, track.ending = {}, ""
     return Demo(said, [_titled(track, title)])
-
-
-def load() -> Demo:
-    """The same route empty and loaded: the same force moves more mass."""
-    empty, loaded = (
-        drive(WarehouseEnv(CORRIDOR, backend="physics"), ["E"] * 5, name, loaded=name == "loaded")
-        for name in ("empty", "loaded")
-    )
-    said = (
-        f"empty {seconds_of(empty.seconds)} s and {empty.joules:.0f} J, "
-        f"loaded {seconds_of(loaded.seconds)} s and {loaded.joules:.0f} J"
-    )
-    return Demo(said, [_titled(track_of_record(e), e.agent.title()) for e in (empty, loaded)])
 
 
 def slip() -> Demo:
@@ -171,24 +146,6 @@ def wheels() -> Demo:
     return Demo(said, [*map(_titled, tracks, titles)])
 
 
-def head_on() -> Demo:
-    """Two robots, each of which wants the other's cell."""
-    episode = drive_together({(2, 2): "E", (2, 3): "W"})
-    hit = episode.motions[0][0].contacts[0]
-    said = f"they meet after {hit.seconds:.2f} s with {hit.impulse:.1f} N·s, and both go back"
-    ending = "both blocked" if (episode.stopped_by >= 0).all() else ""
-    return Demo(said, [_together(episode, f"Two robots head-on: {hit.impulse:.0f} N·s", ending)])
-
-
-def ring() -> Demo:
-    """Four robots, each of which moves into the cell that the next one leaves."""
-    episode = drive_together({(1, 2): "E", (1, 3): "S", (2, 3): "W", (2, 2): "N"})
-    moved = int((episode.cells[0] != episode.cells[-1]).sum())
-    seconds = seconds_of(float(episode.seconds.max()))
-    said = f"{moved} of {episode.robots} robots move on in {seconds} s, without an empty cell"
-    return Demo(said, [_together(episode, "A ring of four robots", f"{moved} moved on")])
-
-
 def passing() -> Demo:
     """A robot stops before a crossing: those behind it in the plan wait, or go first."""
     from warehouse_physics import Disturbances, DrivingMotion, Stop
@@ -216,7 +173,7 @@ def pibt() -> Demo:
     return Demo(said, [_titled(track, f"PIBT: {said}; arrows show who pushes whom")])
 
 
-def cbs() -> DemoPicture:
+def cbs() -> Demo:
     """The conflict tree of three robots at one gap."""
     tree = ConflictTree(Problem(Graph(Layout(GAP)), [7, 11, 1], [11, 4, 5]))
     tree.solve(CBS_SECONDS)
@@ -232,10 +189,10 @@ def cbs() -> DemoPicture:
 
         return tree_picture(tree, make)
 
-    return DemoPicture(said, draw)
+    return Demo(said, draw=draw)
 
 
-def lanes() -> DemoPicture:
+def lanes() -> Demo:
     """Where robots are held up, without lanes and with."""
     layout, episodes = crowded_floor(), {}
     for name, costs in (("Without lanes", None), ("With lanes", lane_costs(layout))):
@@ -253,26 +210,24 @@ def lanes() -> DemoPicture:
         title = f"{ROBOTS} robots led by PIBT, the same orders"
         return congestion_picture(episodes, title, make)
 
-    return DemoPicture(said, draw)
+    return Demo(said, draw=draw)
 
 
 DEMOS: dict[str, Callable[[], Demo]] = {
-    "delivery": delivery,
     "bump": bump,
-    "load": load,
     "slip": slip,
     "wheels": wheels,
-    "head-on": head_on,
-    "ring": ring,
     "passing": passing,
     "pibt": pibt,
+    "cbs": cbs,
+    "lanes": lanes,
 }
 
-STILLS: dict[str, Callable[[], DemoPicture]] = {"cbs": cbs, "lanes": lanes}
+STILLS = ("cbs", "lanes")
 """Demonstrations that are one picture."""
 
-PHYSICS = DEMOS.keys() - {"pibt"}
-"""Demonstrations that need the backend."""
+BODIES = ("bump", "slip", "wheels", "passing")
+"""Demonstrations that need the physics backend."""
 
 
 def drive(
@@ -281,26 +236,14 @@ def drive(
     name: str,
     *,
     seed: int | None = None,
-    loaded: bool = False,
 ) -> Episode:
     """Carry out actions from the start until they or the episode end."""
     env.reset(seed=seed)
-    env.state.has_item = loaded
     recorder = EpisodeRecorder(env, seed=seed, agent=name)
     for action in actions:
         if not recorder.ended:
             recorder.step(action)
     env.close()
-    return recorder.episode
-
-
-def drive_together(moves: Mapping[Cell, str]) -> Episode:
-    """Carry out one action of each robot, given by its start, in the hall."""
-    from warehouse_physics import RigidBodyMotion
-
-    backend = RigidBodyMotion(path_every=1)
-    recorder = FleetRecorder(FleetEnv(HALL, len(moves), starts=[*moves], backend=backend), seed=0)
-    recorder.step([*moves.values()])
     return recorder.episode
 
 
@@ -361,7 +304,7 @@ def lead(
 
 def demo(
     name: Annotated[
-        str | None, typer.Argument(metavar="NAME", help=f"One of {', '.join([*DEMOS, *STILLS])}.")
+        str | None, typer.Argument(metavar="NAME", help=f"One of {', '.join(DEMOS)}.")
     ] = None,
     *,
     save: options.SaveReplay,
@@ -374,32 +317,24 @@ def demo(
 
     Example: warehouse demo bump --save bump.gif
     """
-    known = DEMOS | STILLS
     if name is None and not save:
-        for each, make in known.items():
+        for each, make in DEMOS.items():
             say(f"{each:<10}{(make.__doc__ or '').strip()}")
         return
-    if name is None or name not in known:
+    if name is None or name not in DEMOS:
         given = "--save needs a demo" if name is None else f"no demo is called {name!r}"
-        raise typer.BadParameter(f"{given}; allowed: {', '.join(known)}")
+        raise typer.BadParameter(f"{given}; allowed: {', '.join(DEMOS)}")
     if name in STILLS:
         for path in save:
             check_suffix(path, options.PICTURES)
-        picture = STILLS[name]()
-        say(picture.said)
-        show_or_save_picture(picture.draw, save, show, f"demo-{name}.png")
-        return
-    if name in PHYSICS:
+    if name in BODIES:
         load_backend("physics")
     shown = DEMOS[name]()
     say(shown.said)
-    show_or_save(Film(lambda: shown.tracks), save, show, f"demo-{name}.gif")
-
-
-def _together(episode: Episode, title: str, ending: str) -> Track:
-    track = track_of_record(episode, frame_seconds=SLOW_MOTION)
-    track.metrics, track.orders, track.ending = {}, None, ending
-    return _titled(track, title)
+    if shown.draw is not None:
+        show_or_save_picture(shown.draw, save, show, f"demo-{name}.png")
+    else:
+        show_or_save(Film(lambda: shown.tracks), save, show, f"demo-{name}.gif")
 
 
 def _titled(track: Track, title: str) -> Track:
