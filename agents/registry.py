@@ -47,7 +47,7 @@ from agents.mapf.windows import WindowedPlanner
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, Motion, RecordError
-from warehouse_core.files.kinds import not_a_file
+from warehouse_core.files.reading import not_a_file
 from warehouse_core.motion.backends import Backend, backend_names
 from warehouse_core.records.recorder import FleetAgent
 

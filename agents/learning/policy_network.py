@@ -18,7 +18,7 @@ from agents.errors import AgentError
 from agents.learning.map_memory import SingleFloats, turns, view_size
 from warehouse_core import RecordError
 from warehouse_core.arguments import MAX_VIEW_RADIUS, whole_number
-from warehouse_core.files.header import pack_header, unpack_header
+from warehouse_core.files.json_text import pack_header, unpack_header
 from warehouse_core.files.npz import Schema, read_arrays, write_arrays
 from warehouse_core.task.encoding import MARKED_TILES, OTHER_NUMBERS, ObservationArrays, vector
 from warehouse_core.task.state import Observation

@@ -21,7 +21,7 @@ from warehouse_core.batch.fleet_settings import STEPS, FleetSettings
 from warehouse_core.batch.floor import ALL, FleetFloor
 from warehouse_core.batch.order_books import OrderBooks
 from warehouse_core.batch.people import MingledMotion, Walkers
-from warehouse_core.batch.robots import HeadedRobots, Robots
+from warehouse_core.batch.robots import HeadedRobots, RobotArrays
 from warehouse_core.batch.tally import FleetMeasures, Tally
 from warehouse_core.errors import LayoutError
 from warehouse_core.motion.backends import Backend, make_fleet_motion, make_motion
@@ -105,7 +105,7 @@ class FleetEngine:
         if settings.people.count:
             motion = MingledMotion(motion, settings.robots, self.walkers)
         self.motion = motion
-        make_robots = HeadedRobots if settings.has_headings else Robots
+        make_robots = HeadedRobots if settings.has_headings else RobotArrays
         self.robots = make_robots(self._floor, motion, rows)
         self._wait = settings.actions.wait
         self.tally = Tally(floors, settings.robots, settings.people.count, settings.actions)

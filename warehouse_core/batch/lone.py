@@ -26,7 +26,7 @@ from warehouse_core.batch.array_env import (
     one_layout_each,
 )
 from warehouse_core.batch.floor import ALL, BatchFloor
-from warehouse_core.batch.robots import Robots
+from warehouse_core.batch.robots import RobotArrays
 from warehouse_core.batch.verdicts import spend_and_charge
 from warehouse_core.errors import BackendError
 from warehouse_core.motion.backends import Backend, make_batch_motion
@@ -174,7 +174,7 @@ class LoneEngine:
     ) -> None:
         count = len(layouts.kind)
         self.layouts, self.draws, self._floor, self._motion = layouts, draws, floor, motion
-        self._robots = Robots(floor, motion, count)
+        self._robots = RobotArrays(floor, motion, count)
         self._max_steps, self._max_battery = max_steps, battery
         self._steps = np.zeros(count, np.int32)
         self.ended = np.zeros(count, np.bool_)

@@ -19,7 +19,7 @@ from warehouse_core.world.tables import Flags, Integers, Rows
 Counts = NDArray[np.int32]
 
 
-class Robots:
+class RobotArrays:
     """``N`` robots, moved together and judged by the rules of ``task/rules.py``.
 
     Attributes:
@@ -98,7 +98,7 @@ _TURNS = np.where(_IS_TURN, HEADING_AFTER, WAIT)
 """Direction that the motion turns a robot to, by heading and action; see ``face``."""
 
 
-class HeadedRobots(Robots):
+class HeadedRobots(RobotArrays):
     """``N`` robots with headings; their actions are ``TURN_ACTIONS``.
 
     A motion whose robots cannot turn waits in place of a turn.
@@ -114,14 +114,14 @@ class HeadedRobots(Robots):
     def place(
         self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
     ) -> None:
-        """Put some of the robots in their cells, heading east; see ``Robots.place``."""
+        """Put some of the robots in their cells, heading east; see ``RobotArrays.place``."""
         super().place(rows, cells, seeds)
         self.headings[rows] = EAST
 
     def step(
         self, actions: Integers
     ) -> tuple[BatchOutcome, NDArray[np.float64], Flags, Flags | None]:
-        """Carry out one of ``TURN_ACTIONS`` for each robot; see ``Robots.step``."""
+        """Carry out one of ``TURN_ACTIONS`` for each robot; see ``RobotArrays.step``."""
         entries = self.headings * len(TURN_ACTIONS) + actions
         self.motion.face(_TURNS.take(entries))
         self.headings = HEADING_AFTER.take(entries)
@@ -136,7 +136,7 @@ class HeadedRobots(Robots):
         return masks
 
     def observe(self, rows: Rows, battery: Counts, steps: Counts) -> FleetArrays:
-        """Return what some of the robots observe, with their headings; see ``Robots.observe``."""
+        """Return what some of the robots observe, headings too; see ``RobotArrays.observe``."""
         observed = cast(FleetArrays, super().observe(rows, battery, steps))
         observed["heading"] = self.headings[rows].astype(np.int64)
         return observed

@@ -19,7 +19,7 @@ from numpy.typing import NDArray
 from warehouse_core.batch.fleet_settings import FleetSettings
 from warehouse_core.batch.tally import FleetMeasures
 from warehouse_core.errors import RecordError
-from warehouse_core.files.header import pack_header, unpack_header
+from warehouse_core.files.json_text import pack_header, unpack_header
 from warehouse_core.files.npz import Arrays, Schema
 from warehouse_core.motion.base import WALL, Contact, Outcome
 from warehouse_core.orders.order import Order

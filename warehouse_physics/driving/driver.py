@@ -22,7 +22,7 @@ from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.driven_arena import DrivenArena
 from warehouse_physics.driving.dependencies import Dependencies
 from warehouse_physics.driving.headings import Headings
-from warehouse_physics.driving.leaders import NOWHERE, Leaders, Places
+from warehouse_physics.driving.leaders import NOWHERE, Leaders, RoutePlaces
 from warehouse_physics.driving.limits import Limits
 from warehouse_physics.driving.motors import Motors
 from warehouse_physics.driving.switching import RouteProgress, find_switches
@@ -242,9 +242,9 @@ class Driver:
             slower = np.maximum(np.abs(self._speeds) - downs * dt, 0.0) if is_exact else 0.0
             speeds = np.where(stands, np.sign(self._speeds) * slower, speeds)
         if is_exact:
-            places = Places(ahead, aside, closing, None)
+            places = RoutePlaces(ahead, aside, closing, None)
         else:
-            places = Places(ahead, aside, self._closing, self._speeds)
+            places = RoutePlaces(ahead, aside, self._closing, self._speeds)
         self._leaders.slow_down(speeds, places, downs)
         if not is_exact:
             speeds = np.minimum(speeds / self._motors.excess(self._speeds), fastest)

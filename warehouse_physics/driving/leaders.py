@@ -71,7 +71,7 @@ def straight_distance(spec: RobotSpec) -> float:
     return spec.cell_size * (needed + CORNER * (2 * (1 - math.sqrt(1 - beyond)) - beyond))
 
 
-class Places(NamedTuple):
+class RoutePlaces(NamedTuple):
     """Where ``R`` robots are on their ways, ``[R]`` each.
 
     Attributes:
@@ -165,7 +165,7 @@ class Leaders:
         is_free = (self.nodes > ends[:, None]) | (beyond >= self.apart)
         return np.asarray(is_free.all(axis=1))
 
-    def slow_down(self, speeds: Floats, places: Places, downs: Floats) -> None:
+    def slow_down(self, speeds: Floats, places: RoutePlaces, downs: Floats) -> None:
         """Lower the speeds of robots, ``[R]`` in place, so that none comes too close to a leader.
 
         Args:

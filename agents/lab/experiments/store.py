@@ -29,7 +29,7 @@ from agents.lab.experiments.case import (
     row_type,
 )
 from agents.lab.trials.rows import MODES_OF, AnyRow, FleetRow, Row
-from warehouse_core.files.kinds import not_a_file
+from warehouse_core.files.reading import not_a_file
 
 __all__ = ["Store"]
 

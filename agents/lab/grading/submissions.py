@@ -17,7 +17,7 @@ from typing import NamedTuple
 from agents.errors import AgentError
 from agents.lab.grading.archives import MAX_BYTES, MAX_FILES, members_of, read_member, unpack
 from agents.lab.runs.programs import ROOT, digest_of, fingerprint
-from warehouse_core.files.kinds import not_a_file
+from warehouse_core.files.reading import not_a_file
 from warehouse_core.wording import listed, printable
 
 __all__ = ["Submission", "find_submission", "in_folder"]

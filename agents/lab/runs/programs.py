@@ -21,7 +21,7 @@ from importlib.metadata import PackageNotFoundError, entry_points, version
 from pathlib import Path
 
 from agents.errors import AgentError
-from warehouse_core.files.kinds import not_a_file
+from warehouse_core.files.reading import not_a_file
 from warehouse_core.motion.backends import GROUP
 
 OWN = ("agents", "warehouse_core", "warehouse_physics")
