@@ -23,7 +23,6 @@ __all__ = [
     "check_step",
     "check_turns",
     "solve_by_steps",
-    "with_defaults",
 ]
 
 SIDES = ("north", "east", "south", "west")
@@ -184,17 +183,7 @@ class UserPlanner(BasePlanner):
 
 
 def with_defaults(planner: Planner) -> BasePlanner:
-    """Return a planner with all methods and attributes of a ``BasePlanner``.
-
-    Example:
-        >>> from agents.mapf.graph import Graph
-        >>> from agents.mapf.pibt import PIBT
-        >>> from agents.mapf.planner import with_defaults
-        >>> from warehouse_core import DEFAULT_LAYOUT
-        >>> planner = PIBT(Graph(DEFAULT_LAYOUT))
-        >>> with_defaults(planner) is planner
-        True
-    """
+    """Return a planner with all methods and attributes of a ``BasePlanner``."""
     return planner if isinstance(planner, BasePlanner) else UserPlanner(planner)
 
 

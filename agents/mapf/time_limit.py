@@ -44,7 +44,7 @@ class Watcher:
 
     def _start(self) -> None:
         try:
-            # CPython for WASI has no ``pythonapi``.
+            # Some builds of CPython have no ``pythonapi``.
             interrupt = ctypes.pythonapi.PyThreadState_SetAsyncExc
             self._thread = threading.Thread(target=self._watch, args=(interrupt,), daemon=True)
             self._thread.start()
