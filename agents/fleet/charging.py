@@ -12,9 +12,8 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
-from agents.mapf.assignment import NONE, OUT_OF_REACH
+from agents.mapf.assignment import NONE, OUT_OF_REACH, cheapest_matching
 from agents.mapf.graph import CLOSED, MOVES, Costs, Graph
-from agents.mapf.matching import cheapest_matching
 from warehouse_core import FleetEnv, Layout
 from warehouse_core.batch.fleet_settings import STEPS
 from warehouse_core.motion.base import BaseMotion, with_defaults

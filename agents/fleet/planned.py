@@ -8,25 +8,34 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.errors import AgentError, file_of, reason_of
-from agents.fleet.parting import part
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.scheduler import Scheduler, shares_cell
-from agents.fleet.turning import turning_actions
 from agents.mapf.assignment import ASSIGNMENTS
-from agents.mapf.graph import Graph
+from agents.mapf.graph import CLOSED, Graph
 from agents.mapf.planner import Planner, Situation, check_step, check_turns, with_defaults
 from agents.mapf.time_limit import time_limit
 from warehouse_core import FleetEnv
 from warehouse_core.arguments import flag, instance_of, one_of, real_number, with_methods
 from warehouse_core.records import FleetAgent
 from warehouse_core.records.plans import NO_PLANS
-from warehouse_core.world.actions import WAIT
+from warehouse_core.world.actions import DROP, PICK, WAIT
+from warehouse_core.world.moves import FORWARD, LEFT, RIGHT, TURN_ACTIONS
 from warehouse_core.world.tables import Integers
 
 DEFAULT_ASSIGNMENT = "urgent"
 
 PLAN_SECONDS = 10.0
 """Seconds that a planner may take for a step."""
+
+
+_WAITS = TURN_ACTIONS.index("WAIT")
+
+_TURNS = np.array([_WAITS, RIGHT, RIGHT, LEFT])
+"""Action that turns a robot, by the quarters to the right that it has to turn."""
+
+_HANDLES = np.full(DROP + 1, _WAITS)
+_HANDLES[[PICK, DROP]] = TURN_ACTIONS.index("PICK"), TURN_ACTIONS.index("DROP")
+"""Index in ``TURN_ACTIONS`` of picks and drops, by their index in ``ACTIONS``."""
 
 
 @runtime_checkable
@@ -80,7 +89,7 @@ class PlannedFleet:
 
     Example:
         >>> from agents.fleet import PlannedFleet
-        >>> from agents.mapf.graph import Graph
+        >>> from agents.mapf.graph import CLOSED, Graph
         >>> from agents.mapf.pibt import PIBT
         >>> from warehouse_core import FleetEnv, record_episode, shelf_layout
         >>> layout = shelf_layout(aisle=2)
@@ -171,3 +180,44 @@ class PlannedFleet:
         if self._log:
             self._log.plans.append(NO_PLANS)
         return stays
+
+
+def turning_actions(
+    graph: Graph, situation: Situation, headings: Integers, places: Integers, actions: Integers
+) -> NDArray[np.intp]:
+    """Return what robots do, ``[R]`` indices into ``TURN_ACTIONS``.
+
+    Args:
+        graph: floor.
+        situation: situation before the step.
+        headings: ``[R]`` headings before it.
+        places: ``[R]`` places after it, see ``BasePlanner``.
+        actions: ``[R]``, ``PICK`` or ``DROP``; or ``WAIT`` for robots that move, turn or wait.
+    """
+    cells = situation.cells
+    wanted, to = np.divmod(places, graph.size)
+    if shares_cell(cells).any():
+        parted = part(graph, situation, to)
+        away = (graph.neighbours[cells, :WAIT] == parted[:, None]).argmax(axis=1)
+        wanted = np.where(parted != to, away, wanted)
+        to = np.where((parted != to) & (away != headings), cells, parted)
+    moves = np.where(to != cells, FORWARD, _TURNS[(wanted - headings) % len(_TURNS)])
+    return np.where(actions == WAIT, moves, _HANDLES[actions])
+
+
+def part(graph: Graph, situation: Situation, chosen: Integers) -> Integers:
+    """Return the next cells where of robots that share a cell the first leaves it, if it can.
+
+    Bodies may come to rest over one cell after a disturbance. To the planner both stay.
+    """
+    cells = situation.cells
+    first = np.unique(cells, return_index=True)[1]
+    others = np.setdiff1d(np.arange(len(cells)), first)
+    taken = {CLOSED, *cells.tolist(), *chosen.tolist(), *situation.closed.tolist()}
+    parted = chosen.copy()
+    for cell in np.unique(cells[others]).tolist():
+        free = [side for side in graph.neighbours[cell].tolist() if side not in taken]
+        if free:
+            parted[np.argmax(cells == cell)] = free[0]
+            taken.add(free[0])
+    return parted

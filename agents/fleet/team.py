@@ -1,14 +1,173 @@
-"""Robots of a fleet each of which is directed by an agent of the chapter."""
+"""Robots of a fleet each of which is directed by an agent of the chapter.
+
+The agents know no orders and no chargers: a pilot gives each of them the goals of its robot.
+"""
 
 from __future__ import annotations
 
 import random
 from collections.abc import Sequence
 
-from agents.fleet.pilot import Pilot, Site
-from warehouse_core import Agent, FleetEnv
+import numpy as np
+
+from agents.fleet.charging import DETOUR, ENOUGH, use_and_charge
+from warehouse_core import Agent, Cell, FleetEnv
 from warehouse_core.arguments import seed_number, sequence_of, with_methods
-from warehouse_core.world.actions import WAIT
+from warehouse_core.fleet.observation import FleetObservation
+from warehouse_core.records.recorder import explanation_of
+from warehouse_core.world.actions import WAIT, action_index
+from warehouse_core.world.distances import distances
+from warehouse_core.world.tiles import (
+    MOVE_DELTAS,
+    OTHER_EMPTY,
+    OTHER_LOADED,
+    PERSON,
+    WALL,
+    manhattan_distance,
+    moved,
+)
+
+CLOSED = (WALL, OTHER_EMPTY, OTHER_LOADED, PERSON)
+"""Tiles of an observation that no robot can drive into."""
+
+NEARLY_FULL = 0.9
+"""Share of a full battery with which a robot leaves its charger, unless charging is slow before."""
+
+SPARE_MOVES = 10
+"""Moves beyond ``DETOUR`` times the shortest way for which the battery of a robot still lasts when
+it goes to charge: its agent may know no shortest way, and others are in the way."""
+
+PATIENCE = 3
+"""Moves that fail one after another before a robot takes another one."""
+
+Goal = tuple[Cell | None, Cell | None]
+"""Cells to pick and to drop in."""
+
+
+class Site:
+    """What the robots of a fleet, after its reset, know of their warehouse.
+
+    Attributes:
+        stations: cells where nobody should stand without a reason.
+        enough: units with which no robot goes to charge, see ``ENOUGH``.
+        full: units with which a robot leaves its charger: ``NEARLY_FULL``, or less where the knee
+            of its battery is lower.
+        free: chargers that no robot goes to.
+    """
+
+    def __init__(self, env: FleetEnv) -> None:
+        layout, battery = env.layout, env.settings.battery
+        self.stations = {*layout.pickups, *layout.dropoffs, *layout.chargers}
+        self.enough = ENOUGH * battery.capacity
+        knee = battery.capacity - battery.tail
+        self.full = max(min(NEARLY_FULL * battery.capacity, knee), self.enough)
+        self.free = list(layout.chargers)
+        self._ways = distances(layout, layout.chargers)
+        self._cost, charge = use_and_charge(env)
+        # Robots that start together run low together: those before one go to charge and do it.
+        before = max(env.settings.robots / max(len(self.free), 1) - 1, 0)
+        trip = DETOUR * float(self._ways[self._ways < np.inf].mean()) if self.free else 0.0
+        charging = self.full / charge
+        self._spare = SPARE_MOVES + before * (SPARE_MOVES + trip + charging)
+
+    def reserve(self, cell: Cell) -> float:
+        """Return the units with which a robot at a cell should go to charge."""
+        needed = (DETOUR * float(self._ways[cell]) + self._spare) * self._cost
+        return min(needed, self.enough)
+
+    def take_charger(self, cell: Cell) -> Cell | None:
+        """Return the charger that is nearest to a cell of those that are free, no longer free."""
+        if not self.free:
+            return None
+        charger = min(self.free, key=lambda each: manhattan_distance(cell, each))
+        self.free.remove(charger)
+        return charger
+
+
+class Pilot:
+    """One robot, whose agent observes an episode of the chapter for each goal of the robot.
+
+    The goal is given by its order: where to pick and where to drop. A robot whose battery is low
+    has a charger for both as soon as one is free, and waits there until its battery is nearly full.
+    A robot without an order waits, but not on a station or a charger. After ``PATIENCE`` moves that
+    failed it takes a random one. After each action ``reason`` has its reason.
+    """
+
+    def __init__(self, agent: Agent, site: Site, stream: random.Random) -> None:
+        self._agent, self._site, self._random = agent, site, stream
+        self._goal: Goal | None = None
+        self._charger: Cell | None = None
+        self._before: Cell | None = None
+        self._is_low = False
+        self._failed = 0
+        self.reason = ""
+
+    def act(self, observation: FleetObservation) -> int:
+        """Return the next action as an index, and set ``reason``."""
+        here = observation["robot_pos"]
+        self._failed = self._failed + 1 if here == self._before else 0
+        action = self._choose(observation, here)
+        self._before = here if action < WAIT else None
+        return action
+
+    def _choose(self, observation: FleetObservation, here: Cell) -> int:
+        goal = observation["pickup_pos"], observation["dropoff_pos"]
+        is_idle = goal == (None, None)
+        self._plan_charging(observation["battery"], here, is_idle)
+        if observation["battery"] <= 0:
+            return self._wait("battery empty")
+        if here == self._charger:
+            return self._wait("charges")
+        if is_idle and self._charger is None:
+            if here in self._site.stations:
+                return self._step_aside(observation, here, "leaves a station")
+            return self._wait("no order")
+        if self._failed >= PATIENCE:
+            return self._step_aside(observation, here, "gives way")
+        return self._ask(observation, (self._charger,) * 2 if self._charger else goal)
+
+    def _plan_charging(self, battery: int, here: Cell, is_idle: bool) -> None:
+        """Take a charger if the battery is low, and free it when it is not any more."""
+        site = self._site
+        enough = site.full if self._is_low else site.enough if is_idle else site.reserve(here)
+        self._is_low = 0 < battery < enough
+        if self._is_low and self._charger is None:
+            self._charger = site.take_charger(here)
+        elif not self._is_low and self._charger is not None:
+            site.free.append(self._charger)
+            self._charger = None
+
+    def _ask(self, observation: FleetObservation, goal: Goal) -> int:
+        """Return what the agent does on its way to a goal."""
+        has_item, before = observation["has_item"], self._goal
+        is_same = goal == before or (has_item and before is not None and goal[1] == before[1])
+        if not is_same:
+            self._agent.reset()
+        self._goal = goal
+        pickup, dropoff = goal
+        seen: FleetObservation = {**observation, "pickup_pos": pickup, "dropoff_pos": dropoff}
+        action = action_index(self._agent.act(seen))
+        self.reason = str(explanation_of(self._agent))
+        return action
+
+    def _step_aside(self, observation: FleetObservation, here: Cell, reason: str) -> int:
+        """Return a random move to a cell that seems free, if possible not a station."""
+        self._failed, window = 0, observation["local_grid"]
+        centre = len(window) // 2
+        free = [
+            move
+            for move, (down, right) in MOVE_DELTAS.items()
+            if centre == 0 or window[centre + down][centre + right] not in CLOSED
+        ]
+        aside = [move for move in free if moved(here, MOVE_DELTAS[move]) not in self._site.stations]
+        if not free:
+            return self._wait("shut in")
+        self.reason = reason
+        return action_index(self._random.choice(aside or free))
+
+    def _wait(self, reason: str) -> int:
+        self.reason = reason
+        return WAIT
 
 
 class Team:

@@ -8,8 +8,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from agents.fleet.pilot import ENOUGH, NEARLY_FULL, PATIENCE, Pilot, Site
-from agents.fleet.team import Team
+from agents.fleet.team import ENOUGH, NEARLY_FULL, PATIENCE, Pilot, Site, Team
 from agents.registry import make_team
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import FleetEnv, Layout, Observation, OrderStream

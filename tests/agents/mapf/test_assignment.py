@@ -1,9 +1,20 @@
 """Task assignment."""
 
+import sys
+
 import numpy as np
 import pytest
 
-from agents.mapf.assignment import ASSIGNMENTS, KEEP, LATE, NONE, REASSIGNING, URGENT, Tasks
+from agents.mapf.assignment import (
+    ASSIGNMENTS,
+    KEEP,
+    LATE,
+    NONE,
+    REASSIGNING,
+    URGENT,
+    Tasks,
+    cheapest_matching,
+)
 
 FAR = np.inf
 
@@ -87,3 +98,19 @@ def test_the_trip_counts_for_what_can_be_in_time() -> None:
     )
     assert ASSIGNMENTS["urgent"](order).tolist() == [1]
     assert ASSIGNMENTS["hungarian"](order).tolist() == [0]
+
+
+def test_without_scipy_the_same_rows_and_columns_match_ties_included(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    stream = np.random.default_rng(0)
+    drawn = [stream.integers(-3, span, stream.integers(0, 10, 2)) for span in (0, 1, 3, 99) * 100]
+    expected = [cheapest_matching(costs.astype(np.float64)) for costs in drawn]
+    monkeypatch.setitem(sys.modules, "scipy.optimize", None)
+    for costs, pairs in zip(drawn, expected, strict=True):
+        assert np.array_equal(cheapest_matching(costs.astype(np.float64)), pairs)
+
+
+def test_the_cheapest_pair_gives_way_to_the_cheapest_sum() -> None:
+    rows, columns = cheapest_matching(np.array([[1.0, 2.0, 9.0], [1.0, 9.0, 9.0]]))
+    assert (rows.tolist(), columns.tolist()) == ([0, 1], [1, 0])

@@ -8,6 +8,7 @@ import pytest
 from helpers.mapf_problems import random_problem, situation
 from helpers.mapf_runs import check_headed_planner, check_planner
 
+from agents.mapf.assignment import cheapest_matching
 from agents.mapf.circulation import Circulation, auction_on, dead_ends, kept_aims, waits_for_exits
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels.auction import claim, hold_auction, offer, stand
@@ -15,7 +16,6 @@ from agents.mapf.kernels.buffers import buffer_of
 from agents.mapf.kernels.places import ACTIONS, NONE
 from agents.mapf.kernels.robots import robots_of
 from agents.mapf.lifelong import run_lifelong
-from agents.mapf.matching import cheapest_matching
 from agents.mapf.planner import NO_CELLS, BasePlanner, Situation
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import Layout, random_layout
