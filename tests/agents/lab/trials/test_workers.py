@@ -59,7 +59,7 @@ def is_running(number: int) -> bool:
 
 
 def test_workers_are_other_processes_that_ignore_interrupts_and_end_with_the_block() -> None:
-    with process_pool(2) as (executor, count):
+    with pytest.raises(ArithmeticError), process_pool(2) as (executor, count):  # noqa: PT012
         assert count == 2
         found = pids(executor)
         assert len(found) == 2
@@ -67,39 +67,33 @@ def test_workers_are_other_processes_that_ignore_interrupts_and_end_with_the_blo
         for number in found:
             os.kill(number, signal.SIGINT)
         assert pids(executor) == found
-    assert not any(map(is_running, found))
-
-
-def test_an_error_in_the_block_kills_the_workers() -> None:
-    with pytest.raises(ArithmeticError), process_pool(2) as (executor, _):  # noqa: PT012
-        found = pids(executor)
         waiting = [executor.submit(time.sleep, 60) for _ in range(5)]
         raise ArithmeticError
     assert not any(map(is_running, found))
     assert all(future.done() for future in waiting)
 
 
-@pytest.mark.parametrize(
-    ("end", "reason"),
-    [
-        (partial(os._exit, 3), "its process ended with exit code 3"),
-        (os.abort, "its process was ended by signal 6 (Aborted)"),
-    ],
-    ids=["an exit", "a fault"],
-)
-def test_a_worker_that_ends_is_an_error_of_its_call_alone(
-    end: Callable[[], None], reason: str
-) -> None:
+ENDINGS: dict[str, Callable[[], None]] = {
+    "its process ended with exit code 3": partial(os._exit, 3),
+    "its process was ended by signal 6 (Aborted)": os.abort,
+}
+
+
+def test_a_worker_that_ends_is_an_error_of_its_call_alone() -> None:
     with process_pool(2) as (executor, _):
-        before = pids(executor)
-        other, ending = executor.submit(pid), executor.submit(end)
-        with pytest.raises(WorkerError) as caught:
-            ending.result()
-        assert str(caught.value) == reason
-        assert other.result() in before
-        after = pids(executor)
-        assert len(after) == 2
-        assert len(after & before) == 1
+        for reason, end in ENDINGS.items():
+            before = pids(executor)
+            other, ending = executor.submit(pid), executor.submit(end)
+            with pytest.raises(WorkerError) as caught:
+                ending.result()
+            assert str(caught.value) == reason
+            assert other.result() in before
+            after = pids(executor)
+            assert (len(after), len(after & before)) == (2, 1)
+
+
+def tell(text: str) -> None:
+    teller()(text)
 
 
 def leave_a_thread() -> int:
@@ -107,30 +101,17 @@ def leave_a_thread() -> int:
     return os.getpid()
 
 
-def test_workers_end_with_the_block_whatever_threads_they_have() -> None:
-    with process_pool(1) as (executor, _):
-        found = executor.submit(leave_a_thread).result()
-    assert not is_running(found)
-
-
-def tell(text: str) -> None:
-    teller()(text)
-
-
-def test_what_a_call_tells_is_printed_by_the_process_that_waits(
+def test_a_worker_goes_on_after_an_exception_prints_what_it_is_told_and_ends_in_spite_of_threads(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    with process_pool(1) as (executor, _):
-        executor.submit(tell, "it takes\nlong").result()
-    assert capsys.readouterr().err == "warehouse: it takes long\n"
-
-
-def test_an_exception_of_a_call_is_raised_and_the_worker_goes_on() -> None:
     with process_pool(1) as (executor, _):
         before = executor.submit(os.getpid).result()
         with pytest.raises(ZeroDivisionError):
             executor.submit(divmod, 1, 0).result()
-        assert executor.submit(os.getpid).result() == before
+        executor.submit(tell, "it takes\nlong").result()
+        assert executor.submit(leave_a_thread).result() == before
+    assert capsys.readouterr().err == "warehouse: it takes long\n"
+    assert not is_running(before)
 
 
 def test_workers_end_when_their_parent_is_killed() -> None:
