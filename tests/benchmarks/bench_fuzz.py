@@ -1,20 +1,26 @@
-"""A million changed inputs of all formats that are read; each format in a process of its own."""
+"""A million changed inputs of all formats that are read, and hostile names in all pages.
+
+Each format is read in a process of its own.
+"""
 
 import json
 import os
 import subprocess
 import sys
+from collections import Counter
 from collections.abc import Callable
 from pathlib import Path
 
 import pytest
+from helpers.documents import executable_nodes, write_documents
 from helpers.fuzz import MAX_BYTES, MAX_SECONDS, Report
+from helpers.pages import HOSTILE
 
 INPUTS = {
-    "layout": 114_000, "map": 120_000, "LoRR map": 80_000, "LoRR problem": 30_000, "scen": 120_000,
-    "tasks": 100_000, "agents": 80_000, "orders": 90_000, "plan": 60_000, "flags": 50_000,
-    "names": 40_000, "given layout": 40_000, "grades": 25_000, "rubric": 10_000,
-    "episode": 12_000, "fleet": 10_000, "q-table": 8_000, "ppo": 8_000, "results": 3_000,
+    "layout": 160_000, "map": 160_000, "scen": 160_000, "orders": 120_000, "plan": 80_000,
+    "flags": 70_000, "names": 60_000, "given layout": 60_000, "grades": 35_000, "late": 24_000,
+    "rubric": 15_000, "archive": 10_000, "episode": 14_000, "fleet": 12_000, "q-table": 8_000,
+    "ppo": 8_000, "results": 4_000,
 }  # fmt: skip
 """Together 10^6; ``FUZZ_SHARE=0.1`` runs a tenth of each, and ``FUZZ_SEED`` other ones."""
 
@@ -40,3 +46,30 @@ def test_only_documented_errors(name: str, measured: Callable[[str, object], Non
     )
     assert report.worst_seconds <= MAX_SECONDS
     assert report.worst_bytes <= MAX_BYTES
+
+
+@pytest.mark.filterwarnings("ignore:Glyph")  # matplotlib says when a font lacks a character
+def test_no_name_is_run_and_every_svg_is_well_formed(
+    tmp_path: Path, measured: Callable[[str, object], None]
+) -> None:
+    """Names have markup, scripts and control characters."""
+    plain = tmp_path / "plain"
+    plain.mkdir()
+    write_documents(plain, "A plain name")
+    expected = {path.name: executable_nodes(path) for path in plain.glob("*.[hs][tv]*")}
+    names = [*HOSTILE, " ".join(HOSTILE)]
+    kinds: Counter[str] = Counter()
+    more = 0
+    for number, name in enumerate(names):
+        folder = tmp_path / str(number)
+        folder.mkdir()
+        write_documents(folder, name)
+        for file, nodes in expected.items():
+            found = executable_nodes(folder / file)
+            more += sum((Counter(found) - Counter(nodes)).values())
+            kinds[Path(file).suffix] += 1
+    measured(
+        f"{len(names)} names with markup, scripts and control characters",
+        f"{kinds['.html']} pages, {kinds['.svg']} SVGs, all well-formed; {more} executable nodes",
+    )
+    assert more == 0
