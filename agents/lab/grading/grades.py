@@ -18,7 +18,7 @@ from statistics import mean, median
 from typing import NamedTuple
 
 from agents.errors import GradeError
-from agents.lab.grading.grading import GradeReport
+from agents.lab.grading.grading import Grade, GradeReport
 from agents.lab.grading.rubric import MAX_DAYS, TAKEN, Rubric
 from agents.lab.trials.wording import percent
 from warehouse_core.files.atomic import atomic_path
@@ -67,12 +67,11 @@ def row_of(name: str, report: GradeReport) -> GradeRow:
 
 def failed_row(name: str, reason: str, rubric: Rubric, code: str = "", late: int = 0) -> GradeRow:
     """Return the row of a submission that was not graded: no points."""
-    return {
-        NAME: plain(name), POINTS: "0", MOST: f"{rubric.points:g}",
-        **{each.name: "0" for each in rubric.criteria},
-        LATE: str(late), FAILURE: plain(reason), OUTCOMES: "", SIMILAR: "", CODE: code,
-        RUBRIC: rubric.digest,
-    }  # fmt: skip
+    failed = GradeReport(
+        "", "", rubric.digest, code, tuple(Grade(each, 0.0, "") for each in rubric.criteria),
+        failure=reason, reason="", note="", episodes=0,
+    )  # fmt: skip
+    return row_of(name, failed) | {LATE: str(late)}
 
 
 def plain(text: str) -> str:

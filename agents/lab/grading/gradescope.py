@@ -87,13 +87,10 @@ def results_of(report: GradeReport) -> dict[str, Any]:
     leaders = [each for each in report.grades if each.criterion.leaderboard]
     points = f"{report.agent}: {report.points:g} of {report.max_points:g} points"
     results = {
+        **failed_results("\n".join([report.title, points, *report.remarks])),
         "score": report.points,
-        "output": "\n".join([report.title, points, *report.remarks]),
-        "output_format": "text",
         "test_output_format": "text",
         "test_name_format": "text",
-        "visibility": "visible",
-        "stdout_visibility": "hidden",
         "extra_data": {
             name: getattr(report, name) for name in ("agent", "rubric", "code", "episodes")
         },

@@ -43,15 +43,12 @@ def cells_of(data: bytes) -> Iterator[tuple[int, str]]:
         is_command = first.startswith("%%")
         is_python = first.split(" ")[0] in PYTHON and (".py" in first or "file" not in first)
         if kind == "code" and (is_python or not is_command):
-            yield (
-                number,
-                "\n".join(
-                    line
-                    if not line.lstrip().startswith(COMMANDS) and not line.endswith("?")
-                    else ""
-                    for line in source.split("\n")
-                ),
-            )
+            yield number, "\n".join(map(_python_in, source.split("\n")))
+
+
+def _python_in(line: str) -> str:
+    """Return a line of a cell, or "" for a command of the notebook."""
+    return "" if line.lstrip().startswith(COMMANDS) or line.endswith("?") else line
 
 
 def trees_of(data: bytes, file: str) -> dict[str, ast.Module]:

@@ -9,47 +9,11 @@ import pytest
 from helpers.submissions import GOOD, SUBMISSIONS, notebook_of, write_rubric
 
 from agents.lab.grading.copies import find_copies
-from agents.lab.grading.rubric import load_rubric
+from agents.lab.grading.rubric import SOLUTIONS, load_rubric
 from agents.lab.grading.submissions import Submission, in_folder
 
-OTHER = '''
-import heapq
-STEPS = [("N", -1, 0), ("S", 1, 0), ("E", 0, 1), ("W", 0, -1)]
-class Planner:
-    """An agent that searches too, written by somebody else."""
-    def reset(self):
-        self.blocked = set()
-    def plan(self, start, goal):
-        heap, cost, back = [(0, start)], {start: 0}, {}
-        while heap:
-            _, cell = heapq.heappop(heap)
-            if cell == goal:
-                while back.get(cell, (start,))[0] != start:
-                    cell, _ = back[cell]
-                return back[cell][1]
-            for move, down, right in STEPS:
-                following = cell[0] + down, cell[1] + right
-                if following in self.blocked or max(following) > 40 or min(following) < 0:
-                    continue
-                if cost[cell] + 1 < cost.get(following, 10**6):
-                    cost[following], back[following] = cost[cell] + 1, (cell, move)
-                    distance = abs(following[0] - goal[0]) + abs(following[1] - goal[1])
-                    heapq.heappush(heap, (cost[following] + distance, following))
-        return "WAIT"
-    def act(self, seen):
-        row, col = seen["robot_pos"]
-        half = len(seen["local_grid"]) // 2
-        self.blocked |= {
-            (row + down - half, col + right - half)
-            for down, line in enumerate(seen["local_grid"])
-            for right, tile in enumerate(line) if tile == "#"
-        }
-        if seen["has_item"]:
-            there = seen["dropoff_pos"]
-            return "DROP" if (row, col) == there else self.plan((row, col), there)
-        there = seen["pickup_pos"]
-        return "PICK" if (row, col) == there else self.plan((row, col), there)
-'''
+OTHER = (SOLUTIONS / "exercise-13.py").read_text(encoding="utf-8")
+"""An agent that searches too, written by somebody else."""
 
 
 def renamed(source: str) -> str:
