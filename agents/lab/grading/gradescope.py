@@ -178,7 +178,8 @@ def run(root: Path) -> dict[str, Any]:
         WarehouseError: it cannot be graded; the message says why.
         OSError: the rubric cannot be read.
     """
-    rubric, folder = load_rubric(root / "source" / "rubric.toml"), root / "submission"
+    rubric = load_rubric(root / "source" / "rubric.toml")
+    folder = (root / "submission").resolve()  # Gradescope's own, which may be a link
     submission = submission_at(folder, None)
     if Path(submission.shown).is_absolute():
         submission = submission._replace(shown=str(Path(submission.shown).relative_to(folder)))
