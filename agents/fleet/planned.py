@@ -2,8 +2,6 @@
 
 from __future__ import annotations
 
-from typing import Protocol, runtime_checkable
-
 import numpy as np
 from numpy.typing import NDArray
 
@@ -38,20 +36,9 @@ _HANDLES[[PICK, DROP]] = TURN_ACTIONS.index("PICK"), TURN_ACTIONS.index("DROP")
 """Index in ``TURN_ACTIONS`` of picks and drops, by their index in ``ACTIONS``."""
 
 
-@runtime_checkable
-class Dispatching(Protocol):
-    """An agent that says who assigns the orders.
-
-    Attributes:
-        dispatch: true if the fleet does, see ``FleetEnv``; false if the agent does.
-    """
-
-    dispatch: bool
-
-
 def wants_dispatch(agent: FleetAgent) -> bool:
     """Return whether a fleet assigns its orders itself, as it does unless its agent says no."""
-    return agent.dispatch if isinstance(agent, Dispatching) else True
+    return getattr(agent, "dispatch", True)
 
 
 def check_headings(planner: Planner, env: FleetEnv) -> None:

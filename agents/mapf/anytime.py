@@ -21,7 +21,7 @@ from time import perf_counter
 
 from agents.errors import PlanError
 from agents.mapf.cbs import solve_cbs
-from agents.mapf.kernels.prepare import prepare_solvers
+from agents.mapf.kernels.lacam import prepare_solvers
 from agents.mapf.lacam import LaCAM, lacam
 from agents.mapf.lns import Refinement
 from agents.mapf.problem import Plan, Problem

@@ -20,9 +20,9 @@ from agents.errors import PlanError
 from agents.mapf.kernels import lacam as kernels
 from agents.mapf.kernels.buffers import buffer_of
 from agents.mapf.kernels.epibt import epibt_of
+from agents.mapf.kernels.lacam import prepare_solvers
 from agents.mapf.kernels.pibt import pibt_of
 from agents.mapf.kernels.places import NONE
-from agents.mapf.kernels.prepare import prepare_solvers
 from agents.mapf.kernels.robots import robots_of
 from agents.mapf.problem import Plan, Problem
 from agents.mapf.turning import with_turns

@@ -8,8 +8,8 @@ import numpy as np
 
 from agents.mapf.graph import Fields
 from agents.mapf.kernels.buffers import buffer_of
+from agents.mapf.kernels.lacam import prepare_solvers
 from agents.mapf.kernels.lns import improve_until, new_groups
-from agents.mapf.kernels.prepare import prepare_solvers
 from agents.mapf.kernels.space_time_astar import new_frontier, new_routes, reserve_only
 from agents.mapf.problem import Plan, Problem
 

@@ -17,12 +17,13 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from agents.mapf.kernels.buffers import Buffer, Table, buffer, enlarged, kernel
+from agents.mapf.kernels.buffers import Buffer, Table, buffer, enlarged, kernel, prepare
 from agents.mapf.kernels.epibt import Epibt
 from agents.mapf.kernels.epibt import choose as choose_by_epibt
+from agents.mapf.kernels.lns import improve
 from agents.mapf.kernels.pibt import CHOSEN, Pibt
 from agents.mapf.kernels.pibt import choose as choose_by_pibt
-from agents.mapf.kernels.places import ACTIONS, NONE, Places
+from agents.mapf.kernels.places import ACTIONS, NONE, Places, measure
 from agents.mapf.kernels.robots import NOBODY, UNDECIDED, Robots, draw
 
 SPENT, FULL, DONE, FOUND = 0, 1, 2, 3
@@ -370,3 +371,11 @@ def explore(
             if best == NONE or cost[again] + left[again] < cost[counts[BEST]]:
                 push(search, again)
     return DONE
+
+
+def prepare_solvers() -> None:
+    """Compile the kernels of LaCAM, LaCAM* and refinement; what is compiled is kept.
+
+    That takes some seconds once on a machine, which must not count against a limit of time.
+    """
+    prepare(measure, add, explore, fill_table, improve)

@@ -16,8 +16,8 @@ from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import solve_cbs
 from agents.mapf.eecbs import solve_eecbs
 from agents.mapf.graph import CLOSED, Fields, Graph
+from agents.mapf.kernels.lacam import prepare_solvers
 from agents.mapf.kernels.places import FAR
-from agents.mapf.kernels.prepare import prepare_solvers
 from agents.mapf.lacam import lacam, lacam_star
 from agents.mapf.pibt import pibt
 from agents.mapf.planner import (
