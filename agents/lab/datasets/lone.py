@@ -22,12 +22,11 @@ from agents.lab.datasets.source import (
 from agents.lab.place import Place
 from agents.registry import is_own_code, make_agent
 from warehouse_core import DEFAULT_LAYOUT, Agent, BatchEnv
-from warehouse_core.batch.array_env import DISABLED
 from warehouse_core.fleet.observation import observation_of
 from warehouse_core.gymnasium_env import ID
 from warehouse_core.task.encoding import FleetArrays, ObservationArrays, vector
 from warehouse_core.world.actions import ACTIONS, WAIT
-from warehouse_core.world.tables import Flags, Integers
+from warehouse_core.world.tables import Flags
 
 ROWS = 256
 """Most episodes side by side."""
@@ -89,91 +88,51 @@ class LoneSource:
         # belong to one episode at a time.
         self._rows = 1 if is_own_code(agent) else int(np.clip(most, 1, ROWS))
 
-    def make_agent(self, seed: int) -> Agent:
-        """Return the agent of an episode, ready to act."""
-        agent = make_agent(self.agent, seed, self.layout)
-        agent.reset()
-        return agent
-
     def episodes(self, seeds: Sequence[int]) -> Iterator[EpisodeArrays]:
         """Yield one whole episode for each seed, in order; see ``Source``."""
-        rows = min(self._rows, len(seeds))
-        with closing(BatchEnv(rows, autoreset_mode=DISABLED, **self._arguments)) as env:
-            batch, ended = _Rows(env, self, iter(seeds)), dict[int, EpisodeArrays]()
-            for seed in seeds:
-                while seed not in ended:
-                    ended.update((episode.seed, episode) for episode in batch.step())
-                yield ended.pop(seed)
+        for first in range(0, len(seeds), self._rows):
+            yield from self._together(seeds[first : first + self._rows])
 
+    def _together(self, seeds: Sequence[int]) -> Iterator[EpisodeArrays]:
+        """Yield the episodes of some seeds, which run side by side until the longest has ended."""
+        agents = [make_agent(self.agent, seed, self.layout) for seed in seeds]
+        for agent in agents:
+            agent.reset()
+        lengths, over = np.zeros(len(seeds), np.intp), np.zeros(len(seeds), np.bool_)
+        steps: list[dict[str, NDArray[Any]]] = []
+        with closing(BatchEnv(len(seeds), **self._arguments)) as env:
+            observed, info = env.reset([*seeds])
+            moments = [_moment(observed, info)]
+            while not over.all():
+                actions = self._actions(agents, observed, ~over, seeds, len(moments))
+                observed, rewards, terminated, truncated, info = env.step(actions)
+                moments.append(_moment(observed, info))
+                steps.append(
+                    dict(zip(OF_STEPS, (actions, rewards, terminated, truncated), strict=True))
+                )
+                lengths[~over] += 1
+                over |= terminated | truncated
+        arrays = {name: np.stack([each[name] for each in steps], axis=1) for name in OF_STEPS}
+        of_moments = {name: np.stack([m[name] for m in moments], axis=1) for name in moments[0]}
+        for row, (seed, length) in enumerate(zip(seeds, lengths.tolist(), strict=True)):
+            found = {name: values[row, : length + 1].copy() for name, values in of_moments.items()}
+            found |= {name: values[row, :length].copy() for name, values in arrays.items()}
+            yield EpisodeArrays(seed, found)
 
-class _Rows:
-    """The rows of a batch, each with an episode of its own, and the next seed when that ends."""
-
-    def __init__(self, env: BatchEnv, source: LoneSource, seeds: Iterator[int]) -> None:
-        self._env, self._source, self._waiting = env, source, seeds
-        count = env.num_envs
-        self._agents: list[Agent | None] = [None] * count
-        self._seeds, self._over = [0] * count, np.ones(count, np.bool_)
-        self._rows, self._steps = np.arange(count), np.zeros(count, np.intp)
-        self._buffers: dict[str, NDArray[Any]] = {}
-        """Records of the episodes so far, ``[B, max_steps + 1, ...]`` for each name."""
-
-    def step(self) -> list[EpisodeArrays]:
-        """Carry out one action in each row, and return the episodes that have ended by it."""
-        if self._over.any():
-            self._begin(self._over)
-        actions = self._actions()
-        arrays, rewards, terminated, truncated, info = self._env.step(actions)
-        for name, values in (
-            ("actions", actions), ("rewards", rewards),
-            ("terminations", terminated), ("truncations", truncated),
-        ):  # fmt: skip
-            self._put(name, values, self._rows)
-        self._steps += 1
-        self._see(self._rows, arrays, info)
-        self._over = terminated | truncated
-        rows = np.flatnonzero(self._over).tolist()
-        return [self._episode(row) for row in rows if self._agents[row] is not None]
-
-    def _begin(self, over: Flags) -> None:
-        """Start the episodes of the next seeds; rows without one go on and are not recorded."""
-        rows = np.flatnonzero(over)
-        for row in rows.tolist():
-            seed = next(self._waiting, None)
-            self._agents[row] = None if seed is None else self._source.make_agent(seed)
-            self._seeds[row] = self._seeds[row] if seed is None else seed
-        arrays, info = self._env.reset(self._seeds, None if over.all() else over)
-        self._steps[rows] = 0
-        self._see(rows, arrays, info)
-
-    def _actions(self) -> NDArray[np.intp]:
-        """Return the action of the agent of each row; rows that are not recorded wait."""
-        actions = np.full(len(self._agents), WAIT)
-        row = 0
-        with acting(self._source.agent, lambda: (self._seeds[row], int(self._steps[row]) + 1)):
-            for row, agent in enumerate(self._agents):
-                if agent is not None:
-                    actions[row] = recorded_action(agent.act(observation_of(self._arrays, row)))
+    def _actions(
+        self, agents: list[Agent], observed: ObservationArrays, acts: Flags, seeds: Sequence[int],
+        step: int,
+    ) -> NDArray[np.intp]:  # fmt: skip
+        """Return the actions of a step; rows that have ended wait and are not recorded."""
+        actions, row = np.full(len(agents), WAIT), 0
+        with acting(self.agent, lambda: (seeds[row], step)):
+            for row in np.flatnonzero(acts).tolist():
+                seen = observation_of(cast(FleetArrays, observed), row)
+                actions[row] = recorded_action(agents[row].act(seen))
         return actions
 
-    def _see(self, rows: Integers, arrays: ObservationArrays, info: dict[str, Any]) -> None:
-        """Keep what some rows observe now, and the infos if they are recorded."""
-        self._arrays = cast(FleetArrays, arrays)
-        seen = {"observations": vector(arrays), **infos_of(info, len(self._agents))}
-        for name, values in seen.items():
-            self._put(name, values[rows], rows)
 
-    def _put(self, name: str, values: NDArray[Any], rows: Integers) -> None:
-        if name not in self._buffers:
-            shape = len(self._agents), self._env.max_steps + 1, *values.shape[1:]
-            self._buffers[name] = np.zeros(shape, values.dtype)
-        self._buffers[name][rows, self._steps[rows]] = values
-
-    def _episode(self, row: int) -> EpisodeArrays:
-        """Return a copy of what has been kept of a row."""
-        steps = int(self._steps[row])
-        lengths = {name: steps if name in OF_STEPS else steps + 1 for name in self._buffers}
-        return EpisodeArrays(
-            self._seeds[row],
-            {name: self._buffers[name][row, :length].copy() for name, length in lengths.items()},
-        )
+def _moment(observed: ObservationArrays, info: dict[str, Any]) -> dict[str, NDArray[Any]]:
+    """Return what is recorded of a moment, a row for each episode."""
+    seen = vector(observed)
+    return {"observations": seen, **infos_of(info, len(seen))}

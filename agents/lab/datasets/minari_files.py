@@ -1,15 +1,18 @@
-"""Datasets in the files of Minari, whole or not there.
+"""Datasets in the files of Minari with a Croissant card, whole or not there.
 
 Minari's own writer makes each array of an episode anew with room to grow, which takes several times
 as long as the episode; arrays that stay as they are fit into the headers of HDF5.
 
-Source of the layout: https://minari.farama.org/content/dataset_standards/
+Sources: https://minari.farama.org/content/dataset_standards/ and
+https://docs.mlcommons.org/croissant/docs/croissant-spec-1.1.html
 """
 
 from __future__ import annotations
 
+import hashlib
+import json
 import re
-from collections.abc import Iterable
+from collections.abc import Iterable, Mapping
 from functools import cache
 from pathlib import Path
 from typing import Any
@@ -18,7 +21,6 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.errors import StoreError
-from agents.lab.datasets.card import write_card
 from agents.lab.datasets.source import EpisodeArrays, Source
 from warehouse_core.extras import install_command
 from warehouse_core.files.atomic import atomic_path
@@ -40,6 +42,34 @@ NAME = re.compile(r"(?:[\w-]{2,}/)*[\w-]+-v\d{1,9}", re.ASCII)
 """A name of a dataset: namespaces, if any, its own name and its version."""
 
 DATA, FILE = "data", "main_data.hdf5"
+
+CARD = "croissant.json"
+"""Name of the card, in the folder of the dataset."""
+
+CROISSANT = "http://mlcommons.org/croissant/1.1"
+
+OF_CROISSANT = (
+    "citeAs", "column", "equivalentProperty", "extract", "field", "fileProperty", "fileObject",
+    "fileSet", "format", "includes", "isLiveDataset", "jsonPath", "key", "md5", "parentField",
+    "path", "recordSet", "references", "regex", "repeated", "replace", "samplingRate", "separator",
+    "source", "subField", "transform",
+)  # fmt: skip
+"""Words of the format that are its own and stand for no data."""
+
+CONTEXT: dict[str, Any] = {
+    "@language": "en",
+    "@vocab": "https://schema.org/",
+    "cr": "http://mlcommons.org/croissant/",
+    "rai": "http://mlcommons.org/croissant/RAI/",
+    "dct": "http://purl.org/dc/terms/",
+    "sc": "https://schema.org/",
+    "conformsTo": "dct:conformsTo",
+    "data": {"@id": "cr:data", "@type": "@json"},
+    "dataType": {"@id": "cr:dataType", "@type": "@vocab"},
+    "examples": {"@id": "cr:examples", "@type": "@json"},
+    **{word: f"cr:{word}" for word in OF_CROISSANT},
+}
+"""Meanings of the words of a card, the same for each card of the format."""
 
 MAX_COMPACT = 60_000
 """Most bytes of an array within its header; the format allows 64 KiB less what else is there."""
@@ -76,8 +106,44 @@ def save_dataset(name: str, source: Source, episodes: Iterable[EpisodeArrays]) -
         }
         storage.update_metadata(about | totals)
         storage.update_metadata({"dataset_size": storage.get_size()})
-        write_card(folder, f"{DATA}/{FILE}", name, source, totals)
+        write_card(folder, name, source, totals)
     return path
+
+
+def write_card(folder: Path, name: str, source: Source, totals: Mapping[str, int]) -> None:
+    """Write the card of a dataset into its folder, given the numbers of episodes and of steps."""
+    file = f"{DATA}/{FILE}"
+    title, _, version = name.rpartition("-v")
+    counts = ", ".join(f"{count:,} {what}" for what, count in totals.items())
+    card = {
+        "@context": CONTEXT,
+        "@type": "sc:Dataset",
+        "conformsTo": CROISSANT,
+        "name": title,
+        "version": f"{version}.0.0",
+        "description": f"{source.task} {counts}.".replace("total_", ""),
+        "variableMeasured": [
+            {"@type": "PropertyValue", "name": name, "description": meaning}
+            for name, meaning in source.fields.items()
+        ],
+        "distribution": [
+            {
+                "@type": "cr:FileObject",
+                "@id": file,
+                "name": file,
+                "contentUrl": file,
+                "contentSize": f"{(folder / file).stat().st_size} B",
+                "encodingFormat": "application/x-hdf5",
+                "sha256": _digest(folder / file),
+            }
+        ],
+    }
+    (folder / CARD).write_text(json.dumps(card, indent=2) + "\n", encoding="utf-8")
+
+
+def _digest(path: Path) -> str:
+    with path.open("rb") as file:
+        return hashlib.file_digest(file, "sha256").hexdigest()
 
 
 def check_name(name: str) -> str:

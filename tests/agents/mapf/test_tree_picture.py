@@ -7,7 +7,7 @@ from agents.mapf.cbs import Conflict, ConflictTree
 from agents.mapf.graph import Graph
 from agents.mapf.problem import Problem
 from agents.mapf.rules import Constraint
-from agents.mapf.tree_picture import CARD, SOLUTION, places_of, tree_picture, words_of
+from agents.mapf.tree_picture import CARD, SOLUTION, tree_picture, words_of
 from warehouse_core import Layout
 
 GAP = Layout(["..#..", ".....", "..#.."])
@@ -37,39 +37,6 @@ def test_the_tree_has_a_card_for_each_node_and_marks_the_solution() -> None:
     ]
     assert marked == [tree.nodes.index(tree.solution)]
     assert len(axes.lines) == len(tree.nodes) - 1
-
-
-def test_cards_have_their_words_inside_and_lines_join_parents_and_children() -> None:
-    tree = grown([7, 11, 1], [11, 4, 5])
-    places = places_of(tree.nodes)
-    axes = tree_picture(tree).axes[1]
-    frames = [patch for patch in axes.patches if isinstance(patch, Rectangle)]
-    cards = [frame.get_bbox() for frame in frames if not frame.get_fill()]
-    by_node = dict(zip(tree.nodes, cards, strict=True))
-    for node, card in by_node.items():
-        assert (card.width, card.height) == pytest.approx(CARD)
-        column, level = places[node]
-        others = [(by_node[each], places[each]) for each in tree.nodes]
-        assert all((card.x0 < each.x0) == (column < x) for each, (x, _) in others)
-        assert all((card.y1 < each.y0) == (level < y) for each, (_, y) in others)
-        words = [text for text in axes.texts if card.contains(*text.get_position())]
-        lines = [text.get_text() for text in sorted(words, key=lambda text: text.get_position()[1])]
-        last = "★ optimal plan" if node is tree.solution else "not opened"
-        first = [words_of(tree, node.constraints)] if node.constraints else []
-        last = words_of(tree, node.split) if node.split else last
-        assert lines == [*first, f"cost {node.cost}", last]
-        middle = (card.x0 + card.x1) / 2
-        assert [text.get_position()[0] for text in words] == pytest.approx([middle] * len(words))
-    joined = [line.get_xydata().ravel() for line in axes.lines]
-    for node, card in by_node.items():
-        if node.parent is not None:
-            above = by_node[node.parent]
-            start, end = (above.x0 + above.x1) / 2, (card.x0 + card.x1) / 2
-            wanted = pytest.approx([start, above.y1, end, card.y0])
-            assert sum(line == wanted for line in joined) == 1
-    wide, high = axes.get_xlim()[1], axes.get_ylim()[0]
-    assert max(card.x1 for card in cards) == pytest.approx(wide)
-    assert max(card.y1 for card in cards) == pytest.approx(high)
 
 
 def test_the_floor_has_walls_starts_and_goals_with_the_numbers_of_their_robots() -> None:

@@ -54,20 +54,6 @@ def test_noting_beliefs_does_not_change_the_episode() -> None:
     assert len(history) == watched.steps
 
 
-def test_each_cell_of_the_belief_is_in_exactly_one_insight() -> None:
-    agent = ExploringAgent()
-    env = WarehouseEnv(DETOUR, (3, 3), view_radius=1)
-    history = noted(agent, env.layout)
-    record_episode(env, agent, seed=3)
-    known: dict[Any, str] = {}
-    for insight in history:
-        assert not known.keys() & insight.seen.keys()
-        known |= insight.seen
-    assert known == agent.belief.known
-    assert len(history[0].seen) == 9
-    assert len(history[1].seen) <= 3
-
-
 def test_the_route_leads_from_the_robot_to_its_goal() -> None:
     episode, history = explored()
     for cell, loaded, insight in zip(episode.cells, episode.loaded, history, strict=False):
@@ -110,11 +96,6 @@ def test_seen_tiles_are_correct_and_stay_known() -> None:
         assert all(tile in ("?", real) for tile, real in zip(now, truth, strict=True))
         assert all(new != "?" for old, new in zip(before, now, strict=True) if old != "?")
         before = now
-
-
-def test_the_tiles_are_the_same_object_until_a_new_cell_is_seen() -> None:
-    _, history = explored(view_radius=9)
-    assert len({id(rows) for rows in believed_tiles(DETOUR, history)}) == 1
 
 
 # Tracks and pictures.
@@ -171,20 +152,6 @@ def test_unknown_cells_are_grey_in_the_belief_only_and_become_fewer() -> None:
     assert before[1] < 0.01
     assert before[0] > 0.15
     assert after[0] < before[0] / 2
-
-
-@pytest.mark.parametrize("backend", ["grid", "physics"])
-def test_the_belief_leads_and_the_charts_are_below_the_world(backend: str) -> None:
-    shown = replay(backend=backend, max_steps=2)
-    shown.go_to(1)
-    axes = shown.figure.axes
-    belief, world = (each.get_window_extent() for each in axes if each.get_aspect() == 1)
-    charts = [each.get_window_extent() for each in axes if each.get_title(loc="left")]
-    assert belief.x1 < world.x0
-    assert belief.width > 1.5 * world.width
-    assert belief.y1 == pytest.approx(world.y1)
-    assert len(charts) == 2
-    assert all(box.y1 < world.y0 and box.x0 >= world.x0 for box in charts)
 
 
 def test_the_plan_its_sentence_and_the_legend_are_drawn() -> None:

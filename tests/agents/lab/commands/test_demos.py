@@ -9,8 +9,6 @@ from PIL import Image
 from agents.lab.commands.demos import CROSSING_PLAN, DEMOS, STOP
 from agents.lab.console import output
 from warehouse_core.viz.figure import make_figure
-from warehouse_core.viz.replay import replay_of_tracks
-from warehouse_core.viz.sheet import LEGEND_WIDTH
 
 
 def places_of(track, robot=0):
@@ -80,16 +78,6 @@ def test_lanes_deliver_much_more_on_the_crowded_floor():
     assert gain.startswith("+")
     texts = [text.get_text() for text in picture.draw(make_figure).texts]
     assert {"Without lanes", "With lanes", f"{without} deliveries an hour"} <= {*texts}
-
-
-def test_a_single_step_is_in_seconds_from_0_beside_a_large_map():
-    figure = replay_of_tracks(*DEMOS["bump"]().tracks, window=False).figure
-    floor, speed, energy = figure.axes
-    assert speed.get_xlabel() == "seconds"
-    assert speed.get_ylim()[0] == energy.get_ylim()[0] == 0
-    beside_legend = 1 - LEGEND_WIDTH / figure.get_figwidth()
-    assert floor.get_window_extent().width > 0.55 * beside_legend * figure.bbox.width
-    assert figure.get_figwidth() <= 13.66
 
 
 def test_a_demo_is_one_command_and_one_picture(tmp_path, warehouse):

@@ -217,23 +217,6 @@ def test_the_seed_repeats_a_training(warehouse: Warehouse, curves: list[list[Exa
     assert curves[0] == curves[1] != curves[2]
 
 
-def test_battery_and_steps_limit_the_training(
-    warehouse: Warehouse, curves: list[list[ExamPoint]]
-) -> None:
-    # With three steps nothing can be delivered, so no value is above that of the pick.
-    for option in ("--battery", "--max-steps"):
-        warehouse("train", "q", "--layout", "room.txt", option, 3, "--steps", 1000)
-        assert max(max(values) for values in load_table("q.npz")[0].values()) < 4.9
-
-
-def test_the_share_of_deliveries_is_that_of_the_latest_episodes() -> None:
-    shares: list[float] = []
-    learner = QLearner(Task(ROOM, 30, 30).make_env(), 2000, 1)
-    learner.learn(lambda _, share, __: shares.append(share))
-    assert shares[0] in (0, 1)
-    assert all(0 < share < 1 for share in shares[len(shares) // 2 :])
-
-
 # Interrupts, and what comes after them.
 
 LONG = (*WORDS, "--steps", 20_000)
@@ -319,11 +302,3 @@ def test_a_missing_library_is_one_line_with_the_command_that_installs_it(
     )
     assert refused("train", "clone").startswith("imitation needs torch, which is not installed")
     assert not [*Path().glob("ppo*"), *Path().glob("clone*")]
-
-
-def test_an_error_in_our_own_imports_keeps_its_traceback(
-    refused: Refused, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    without(monkeypatch, "agents.learning.ppo_training")
-    with pytest.raises(ModuleNotFoundError, match=r"agents\.learning\.ppo_training"):
-        refused("train", "ppo")

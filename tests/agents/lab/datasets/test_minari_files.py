@@ -14,10 +14,9 @@ import pytest
 from minari.data_collector import EpisodeBuffer
 
 from agents.errors import StoreError
-from agents.lab.datasets.card import CARD
 from agents.lab.datasets.fleet import FleetSource
 from agents.lab.datasets.lone import LoneSource
-from agents.lab.datasets.minari_files import MAX_COMPACT, check_name, save_dataset
+from agents.lab.datasets.minari_files import CARD, MAX_COMPACT, check_name, save_dataset
 from agents.lab.datasets.source import EpisodeArrays, Source
 from agents.registry import make_team
 from warehouse_core import FleetEnv

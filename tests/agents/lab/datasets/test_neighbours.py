@@ -7,10 +7,9 @@ import gymnasium
 import minari
 import pytest
 
-from agents.lab.datasets.card import CARD
 from agents.lab.datasets.infos import EvenInfos
 from agents.lab.datasets.lone import LoneSource
-from agents.lab.datasets.minari_files import save_dataset
+from agents.lab.datasets.minari_files import CARD, save_dataset
 from agents.registry import make_agent
 from warehouse_core.world.actions import action_index
 

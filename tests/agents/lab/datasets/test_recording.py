@@ -13,7 +13,6 @@ from helpers.command_line import Refused, Warehouse
 from helpers.fleets import SHELVES, Couriers
 from mcap.reader import make_reader
 
-from agents.lab.datasets import recording
 from agents.lab.datasets.recording import save_recording
 from warehouse_core import (
     Episode,
@@ -278,15 +277,3 @@ def test_without_mcap_the_error_gives_the_command_that_installs_it(
     monkeypatch.setitem(sys.modules, "mcap.writer", None)
     line = refused("export", record, record.with_suffix(".mcap"))
     assert line == "saving as .mcap needs mcap: pip install 'mcap>=1.2.2'"
-
-
-def test_an_export_that_fails_keeps_the_existing_file(
-    record: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    target = record.with_suffix(".mcap")
-    target.write_text("existing")
-    monkeypatch.setattr(recording, "contacts_of", lambda *_: 1 / 0)
-    with pytest.raises(ZeroDivisionError):
-        save_recording(target, Episode.load(record))
-    assert target.read_text() == "existing"
-    assert sorted(path.name for path in record.parent.iterdir()) == ["e.mcap", "e.npz"]

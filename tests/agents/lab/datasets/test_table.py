@@ -127,26 +127,6 @@ def test_names_are_kept_and_run_nowhere(
     assert set(column.to_pylist()) == {in_parquet}
 
 
-def test_results_without_episodes_are_an_empty_table(warehouse: Warehouse, tmp_path: Path) -> None:
-    results = tmp_path / "r.sqlite"
-    Store(results).close()
-    for name in ("t.csv", "t.parquet"):
-        assert warehouse("export", results, tmp_path / name).code == 0
-    assert (tmp_path / "t.csv").read_text().splitlines() == [",".join([*Row._fields, "program"])]
-    assert parquet.read_table(tmp_path / "t.parquet").num_rows == 0
-
-
-@pytest.mark.parametrize("suffix", [".csv", ".parquet"])
-def test_files_that_cannot_be_written_are_named(
-    refused: Refused, results: Path, suffix: str
-) -> None:
-    folder = results.with_name(f"folder{suffix}")
-    folder.mkdir()
-    assert folder.name in refused("export", results, folder)
-    assert "nowhere does not exist" in refused("export", results, f"nowhere/t{suffix}")
-    assert names(results.parent) == {results.name, folder.name}
-
-
 @pytest.mark.parametrize("suffix", [".csv", ".parquet"])
 def test_an_export_that_fails_keeps_the_existing_file(
     refused: Refused, results: Path, tmp_path: Path, monkeypatch: pytest.MonkeyPatch, suffix: str
