@@ -34,7 +34,7 @@ export function drawFloor(brush, track, tiles) {
 }
 
 /** Return the row, the column and the tile of each cell that has one of some tiles. */
-export function placesOf(track, tiles, wanted) {
+function placesOf(track, tiles, wanted) {
   const places = [];
   for (let cell = 0; cell < tiles.length; cell++) {
     if (wanted.includes(tiles[cell])) places.push([...track.rowAndColumn(cell), tiles[cell]]);
@@ -42,7 +42,7 @@ export function placesOf(track, tiles, wanted) {
   return places;
 }
 
-export function isBorder(track, row, column) {
+function isBorder(track, row, column) {
   return row === 0 || column === 0 || row === track.height - 1 || column === track.width - 1;
 }
 

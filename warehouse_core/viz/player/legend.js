@@ -1,53 +1,31 @@
-// The legend: what the tracks of a page have in them, and nothing else.
+// The legend: the signs of what a page shows, as signs.py has found them.
 
 import LOOK from "../../render/tiles.json" with { type: "json" };
 import { kept } from "./canvas.js";
 import { element } from "./elements.js";
-import { isBorder, placesOf } from "./floor.js";
-import { AGES } from "./orders.js";
 
-/** Return the signs of tracks: words, classes of the style sheet, a colour, and a shape of tiles.json. */
-export function signsOf(tracks, theme) {
-  const { words } = LOOK;
-  const has = (test) => tracks.some(test);
-  const hasTile = (tile) => has((track) => track.tiles.some((tiles) => tiles.includes(tile)));
-  const hasWall = (onBorder) =>
-    has((track) => track.tiles.some((tiles) =>
-      placesOf(track, tiles, "#").some(([row, column]) => isBorder(track, row, column) === onBorder)));
-  const hasLoad = (test) => has((track) => track.load.some(test));
-  const isFleet = has((track) => track.isFleet && track.robots > 1);
-  const marks = tracks.find((track) => track.marks)?.marks;
-  const isSeen = (track) => track.robots === 1 && track.viewRadius !== null && !track.isFleet;
-  const signs = [
-    [has((track) => track.robots > 0) && hasLoad((load) => load === 0), words.R, "disc", "robot"],
-    [hasLoad((load) => load > 0), words.r, "disc box", "loaded"],
-    [has((track) => track.bodies > track.robots), words.H, "", "person", "H"],
-    ...[..."PDC"].map((tile) => [
-      hasTile(tile) && !marks, `${tile} ${words[tile]}`, "square on", words[tile], tile,
-    ]),
-    ...AGES.map((age, i) => [
-      isFleet && has((track) => track.fleet?.orders), `order, ${age}`, "square", theme.orders[i],
-    ]),
-    [hasWall(false), words.shelf, "square", "shelf"],
-    [hasWall(true), words.wall, "square", "wall"],
-    [hasTile("?"), words.unseen, "square", "unseen"],
-    [has((track) => track.slippery.length), words.ice, "square", "ice"],
-    [has(isSeen), words.shadow, "square", "shadow"],
-    [has((track) => track.hits.frame.length), words.hit, "", "hit", "hit"],
-    [has((track) => track.route && !track.marks), words.plan, "dots", "ink"],
-    [has((track) => track.fleet?.plans.frame.length), words.plans, "line", "robot"],
-    [has((track) => track.fleet?.pushes.frame.length), words.pushes, "", "ink", "push"],
-    ...(marks?.names ?? []).map((name, i) => [true, name, "square", marks.colors[i]]),
-    [Boolean(marks), words.ends, "disc", "light"],
-  ];
-  return signs.filter(([isThere]) => isThere).map(([, text, look, color, shape]) =>
-    ({ words: text, look, color: theme[color] ?? color, shape }));
+/** Classes of signs in the style sheet, their colours, and their shapes in tiles.json; others are squares. */
+const LOOKS = {
+  R: ["disc", "robot"], r: ["disc box", "loaded"], H: ["", "person", "H"], stranded: ["disc", "stranded"],
+  P: ["square on", "pickup", "P"], D: ["square on", "dropoff", "D"], C: ["square on", "charger", "C"],
+  trail: ["line", "robot"], "trail-loaded": ["line dashed", "loaded"], low: ["line", "warning"],
+  plan: ["dots", "ink"], plans: ["line", "robot"], wishes: ["dots", "robot"], pushes: ["", "ink", "push"],
+  hit: ["", "hit", "hit"], ends: ["disc", "light"],
+};
+
+/** Return the classes, the colour and the shape of a sign. */
+export function lookOf(name, theme) {
+  const [, age] = name.split("order-");
+  if (age) return { look: "square", color: theme.orders[age] };
+  const [look, color, shape] = LOOKS[name] ?? ["square", name];
+  return { look, color: theme[color] ?? color, shape };
 }
 
-/** Fill a list with the signs of tracks, if the theme is another one than before. */
-export function drawLegend(list, tracks, theme) {
+/** Fill a list with signs, given as names and words, if the theme is another one than before. */
+export function drawLegend(list, signs, theme) {
   kept(list, "signs", theme.key, () => list.replaceChildren(
-    ...signsOf(tracks, theme).map(({ words, look, color, shape }) => {
+    ...signs.map(([name, words]) => {
+      const { look, color, shape } = lookOf(name, theme);
       const sign = element("span", { className: `sign ${look}`, ariaHidden: "true" });
       sign.style.setProperty("--sign", color);
       if (shape) sign.style.setProperty("--shape", clipOf(LOOK.shapes[shape], look ? 1 : 1.4));

@@ -48,6 +48,7 @@ export class Player {
     this.root = root;
     this.rate = data.rate;
     this.unit = data.unit;
+    this.legend = data.legend;
     this.speed = SPEEDS.reduce((best, speed) =>
       Math.abs(Math.log(speed / data.speed)) < Math.abs(Math.log(best / data.speed)) ? speed : best,
     );
@@ -108,7 +109,7 @@ export class Player {
     for (const panel of this.panels) panel.draw(time, this.theme);
     for (const chart of this.charts) chart.draw(time);
     for (const fleet of this.fleets) fleet.draw(time);
-    drawLegend(this.find("legend"), this.tracks, this.theme);
+    drawLegend(this.find("legend"), this.legend, this.theme);
     for (const listener of this.listeners) listener();
   }
 

@@ -20,6 +20,7 @@ from numpy.typing import ArrayLike, NDArray
 from warehouse_core.orders.order import Order
 from warehouse_core.render.palette import hex_color
 from warehouse_core.viz.player.charts import MAX_TRACKS, series_of
+from warehouse_core.viz.tracks.signs import signs_of
 from warehouse_core.viz.tracks.track import Frame, Marks, Track
 from warehouse_core.world.tiles import Cell
 
@@ -132,6 +133,7 @@ def packed(tracks: Sequence[Track], title: str, speed: float, opens_at: float | 
         "opensAt": opens_at,
         "unit": "expansion" if is_search else "step",
         "tracks": [_track(track, moments, columns) for track, moments in pairs],
+        "legend": [*dict.fromkeys(sign for track in tracks for sign in signs_of(track))],
         "charts": _charts(pairs, columns) if len(tracks) <= MAX_TRACKS else [],
     }
     return columns.packed(page)

@@ -105,6 +105,11 @@ def places(shown: Drawing, frame: int, look: str) -> list[tuple[float, ...]]:
     ]
 
 
+def classes(shown: Drawing, frame: int) -> list[str]:
+    """Return the classes of all that is seen in a frame."""
+    return [str(attributes.get("class")) for _, attributes in shown.shown(frame)]
+
+
 def near(found: Sequence[tuple[float, ...]], expected: Sequence[tuple[float, float]]) -> bool:
     found = sorted(tuple(round(2 * part) for part in each) + each for each in found)
     expected = sorted((*(round(2 * part) for part in each), *each) for each in expected)
@@ -176,8 +181,7 @@ def test_an_empty_battery_and_a_low_one_are_told() -> None:
     fleet = track.frames[-1].fleet
     assert fleet is not None
     assert len(places(shown, last, "stranded")) == sum(level <= 0 for level in fleet.battery) > 0
-    classes = [attributes.get("class") for _, attributes in shown.shown(last)]
-    assert classes.count("warning") == sum(level < 0.25 for level in fleet.battery)
+    assert classes(shown, last).count("warning") == sum(level < 0.25 for level in fleet.battery)
 
 
 def test_a_wide_floor_has_neither_lines_nor_names_and_few_batteries_but_its_ice() -> None:
@@ -189,10 +193,10 @@ def test_a_wide_floor_has_neither_lines_nor_names_and_few_batteries_but_its_ice(
     assert len(places(shown, 1, "robot")) == 13
     assert not {"1", "12"} & {*shown.texts(1)}
     assert Drawing(track_of_record(many)).texts(0).count("P") == 0
-    classes = [attributes.get("class") for _, attributes in shown.shown(1)]
-    assert [classes.count(look) for look in ("of-line", "battery", "ice")] == [0, 0, 1]
+    looks = ("of-line", "battery", "ice")
+    assert [classes(shown, 1).count(look) for look in looks] == [0, 0, 1]
     few = Drawing(track_of_record(fleet_episode(layout=layout, orders=None, max_steps=2)))
-    assert sum(a.get("class") == "battery" for _, a in few.shown(1)) == 4
+    assert classes(few, 1).count("battery") == 4
 
 
 def test_a_robot_that_is_not_there_yet_is_not_seen() -> None:
@@ -209,23 +213,16 @@ def test_hits_plans_and_pushes_are_seen_only_in_their_frames() -> None:
     plans = StepPlans({0: [(1, 1), (1, 2)]}, {0: [(1, 2), (1, 3)]}, {0: 1})
     track.frames[2].fleet = fleet._replace(plans=plans)
     shown = Drawing(track)
-    counts = [
-        [
-            sum(attributes.get("class") == look for _, attributes in shown.shown(number))
-            for look in ("plan of-ink", "plan dots of-ink", "rim of-light")
-        ]
-        for number in range(len(track))
-    ]
+    looks = ("plan of-ink", "plan dots of-ink", "rim of-light")
+    seen = [classes(shown, number) for number in range(len(track))]
+    counts = [[found.count(look) for look in looks] for found in seen]
     assert counts == [[0, 0, 0], [0, 0, 0], [1, 1, 1], [0, 0, 0], [0, 0, 0]]
     pushed, pusher = (pose.at for pose in track.frames[2].robots[:2] if pose is not None)
     [arrow] = [a["at"] for _, a in shown.shown(2) if a.get("class") == "rim of-light"]
     middle = [50 * sum(pair) for pair in zip(pushed, pusher, strict=True)]
     assert arrow[-1][:2] == pytest.approx(middle, abs=0.5)
     bumps = Drawing(track_of_record(short_episode()))
-    stars = [
-        sum(attributes.get("class") == "hit of-rim" for _, attributes in bumps.shown(number))
-        for number in range(7)
-    ]
+    stars = [classes(bumps, number).count("hit of-rim") for number in range(7)]
     assert stars == [len(frame.hits) for frame in track_of_record(short_episode()).frames]
     assert sum(stars) == 1
 
@@ -234,7 +231,7 @@ def test_what_is_not_seen_yet_is_covered_until_it_is_and_a_plan_is_dotted() -> N
     rows = ("####", "#P.#", "#..#", "####")
     hidden = ("####", "#?.#", "#?.#", "####")
     half = ("####", "#P.#", "#?.#", "####")
-    pose = Pose((2.5, 1.5), None, False)
+    pose = Pose((2.5, 1.5), None, True)
     frames = [Frame(tiles, (pose,), float(n)) for n, tiles in enumerate((hidden, half, rows, half))]
     frames[1].route = ((2.5, 1.5), (1.5, 1.5))
     shown = Drawing(Track(frames, {}))
@@ -243,7 +240,8 @@ def test_what_is_not_seen_yet_is_covered_until_it_is_and_a_plan_is_dotted() -> N
         for n in range(4)
     ]
     assert covered == [sum(line.count(UNSEEN) for line in frame.tiles) for frame in frames]
-    dots = [sum(a.get("class") == "plan dots of-ink" for _, a in shown.shown(n)) for n in range(4)]
+    assert classes(shown, 2).count("item of-rim") == 1, "the robot came with it, and none waits"
+    dots = [classes(shown, n).count("plan dots of-ink") for n in range(4)]
     assert dots == [0, 1, 0, 0]
 
 

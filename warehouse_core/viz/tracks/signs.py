@@ -1,0 +1,136 @@
+"""The signs of a legend: what is in the pictures of a track, and nothing else."""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from itertools import pairwise
+
+from warehouse_core.render.atlas import UNSEEN
+from warehouse_core.render.palette import LOOK, hex_color
+from warehouse_core.viz.tracks.history import History
+from warehouse_core.viz.tracks.track import Track
+from warehouse_core.world.tiles import (
+    CHARGER,
+    DROPOFF,
+    PERSON,
+    PICKUP,
+    ROBOT_EMPTY,
+    ROBOT_LOADED,
+    WALL,
+)
+
+WORDS: dict[str, str] = LOOK["words"]
+
+ORDER = "order-"
+"""Start of the names of orders, before their ages."""
+
+Sign = tuple[str, str]
+"""Name of a sign, by which a painter knows its look, and its words."""
+
+
+def signs_of(track: Track) -> list[Sign]:
+    """Return the signs of all that any frame of a track shows.
+
+    Names are those of words in ``tiles.json``, ages of orders, and colours of a search.
+    """
+    return [*_robots(track), *_tiles(track), *_events(track)]
+
+
+def _robots(track: Track) -> Iterator[Sign]:
+    """Yield the signs of robots and people, and of what robots have and leave behind."""
+    poses = [pose for frame in track.frames for pose in frame.robots if pose is not None]
+    for letter, is_loaded in ((ROBOT_EMPTY, False), (ROBOT_LOADED, True)):
+        if any(pose.loaded == is_loaded for pose in poses):
+            yield (letter, WORDS[letter]) if track.is_fleet else _with_letter(letter)
+    if not track.is_fleet:
+        yield from _traces(track, has_item=any(pose.loaded for pose in poses))
+        return
+    fleets = [frame.fleet for frame in track.frames if frame.fleet]
+    ages = {each.age for fleet in fleets for each in fleet.waiting}
+    ages |= {age for fleet in fleets for age in fleet.items if age is not None}
+    lowest = min(min(fleet.battery) for fleet in fleets)
+    if len(track.frames[0].robots) > len(fleets[0].battery):
+        yield PERSON, WORDS[PERSON]
+    for age in sorted(ages):
+        yield f"{ORDER}{age}", f"order, {LOOK['ages'][age]}"
+    plans = [fleet.plans for fleet in fleets]
+    yield from _named(
+        low=lowest < LOOK["battery"]["low"],
+        stranded=lowest <= 0,
+        plans=any(each.ways for each in plans),
+        wishes=any(each.wishes for each in plans),
+        pushes=any(each.pushers for each in plans),
+    )
+
+
+def _traces(track: Track, *, has_item: bool) -> Iterator[Sign]:
+    """Yield the signs of items, trails and the view of robots that are no fleet."""
+    frames = track.frames
+    histories = [History(robot) for robot in range(len(frames[0].robots))]
+    for history in histories:
+        history.read(frames)
+    moves = {
+        before.loaded
+        for first, second in pairwise(frames)
+        for before, after in zip(first.robots, second.robots, strict=True)
+        if before and after and before.at != after.at
+    }
+    yield from _named(
+        item=has_item or (any(PICKUP in line for line in frames[0].tiles) and track.marks is None),
+        shadow=track.view_radius is not None and len(histories) == 1,
+        visited=any(max(h.visits(track.steps).values(), default=0) > 1 for h in histories),
+        trail=False in moves,
+        trail_loaded=True in moves,
+    )
+
+
+def _tiles(track: Track) -> Iterator[Sign]:
+    """Yield the signs of tiles and slippery floor; those of stations are not in a search."""
+    all_rows = {frame.tiles for frame in track.frames}
+    tiles = {tile for rows in all_rows for line in rows for tile in line}
+    for tile in (PICKUP, DROPOFF, CHARGER):
+        if tile in tiles and track.marks is None:
+            yield _with_letter(tile)
+    on_border = {
+        row in (0, len(rows) - 1) or col in (0, len(rows[0]) - 1)
+        for rows in all_rows
+        for row, line in enumerate(rows)
+        for col, tile in enumerate(line)
+        if tile == WALL
+    }
+    slippery = {
+        rows[row][col]
+        for rows in all_rows
+        for row, col in track.slippery
+        if 0 <= row < len(rows) and 0 <= col < len(rows[0])
+    }
+    yield from _named(
+        shelf=False in on_border,
+        wall=True in on_border,
+        unseen=UNSEEN in tiles,
+        ice=bool(slippery - {WALL, UNSEEN}),
+    )
+
+
+def _events(track: Track) -> Iterator[Sign]:
+    """Yield the signs of hits, of a planned way, and of a search."""
+    yield from _named(
+        hit=any(frame.hits for frame in track.frames),
+        plan=track.marks is None and any(frame.route for frame in track.frames),
+    )
+    if track.marks is not None:
+        for color, name in zip(track.marks.colors, track.marks.names, strict=True):
+            yield hex_color(color), name
+        yield "ends", WORDS["ends"]
+
+
+def _with_letter(letter: str) -> Sign:
+    return letter, f"{letter} {WORDS[letter]}"
+
+
+def _named(**are_shown: bool) -> Iterator[Sign]:
+    """Yield the signs that are shown."""
+    for name, is_shown in are_shown.items():
+        if is_shown:
+            key = name.replace("_", "-")
+            yield key, WORDS[key]
