@@ -105,17 +105,13 @@ export class Player {
   /** Draw everything at the present time. The same time gives the same picture. */
   draw() {
     this.theme = readTheme();
-    const time = this.isReduced && this.isPlaying ? this.momentary() : this.time;
+    // Where motion is reduced, nothing is between two places.
+    const time = this.isReduced && this.isPlaying ? this.longest.timeOf(this.step) : this.time;
     for (const panel of this.panels) panel.draw(time, this.theme);
     for (const chart of this.charts) chart.draw(time);
     for (const fleet of this.fleets) fleet.draw(time);
     drawLegend(this.find("legend"), this.legend, this.theme);
     for (const listener of this.listeners) listener();
-  }
-
-  /** Return the time of the last complete step, where nothing is between two places. */
-  momentary() {
-    return this.longest.timeOf(this.step);
   }
 
   /** The number of steps that are complete. */

@@ -31,7 +31,7 @@ Sign = tuple[str, str]
 def signs_of(track: Track) -> list[Sign]:
     """Return the signs of all that any frame of a track shows.
 
-    Names are those of words in ``tiles.json``, ages of orders, and colours of a search.
+    A name is a key of the words in ``tiles.json``, the age of an order, or a colour of a search.
     """
     return [*_robots(track), *_tiles(track), *_events(track)]
 
@@ -85,7 +85,7 @@ def _traces(track: Track, *, has_item: bool) -> Iterator[Sign]:
 
 
 def _tiles(track: Track) -> Iterator[Sign]:
-    """Yield the signs of tiles and slippery floor; those of stations are not in a search."""
+    """Yield the signs of tiles and slippery floor. A search has no signs of stations."""
     all_rows = {frame.tiles for frame in track.frames}
     tiles = {tile for rows in all_rows for line in rows for tile in line}
     for tile in (PICKUP, DROPOFF, CHARGER):
