@@ -33,7 +33,7 @@ class Comparison(NamedTuple):
     Attributes:
         run: function that is given the options of the command line by name.
         options: names of the options.
-        suffixes: suffixes of the files; empty for those of replays.
+        suffixes: allowed suffixes of files, of replays if there are none.
     """
 
     run: Callable[..., None]

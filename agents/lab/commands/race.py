@@ -47,6 +47,9 @@ TITLES = AGENTS | {LEARNER: "Q-learning"}
 PRACTICE, MAX_PRACTICE = 500, 500_000
 """Steps for each open cell of the floor in which the learner practises, and most steps at all."""
 
+BATTERY = 200
+"""Steps that a full battery lasts."""
+
 CIRCLES = 3
 """Visits of a cell with the same load from which on a robot goes in circles."""
 
@@ -63,10 +66,7 @@ def race(
     ] = None,
     backend: options.BackendOption = "grid",
     layout: Annotated[Path, option("--layout FILE", options.LAYOUT)] = Path(BAY),
-    stations: options.StationsOption = None,
-    start: options.Start = None,
     seed: options.Seed = 35,
-    battery: options.BatteryOption = 200,
     max_steps: options.MaxSteps = 60,
     *,
     save: options.SaveReplay,
@@ -81,8 +81,8 @@ def race(
 
     Example: warehouse race --agent greedy --agent astar --save race.html
     """
-    place = load_place(layout, stations, start)
-    task = Task(place.layout, battery, max_steps, backend, place.start_pos, place.randomize)
+    place = load_place(layout, None, None)
+    task = Task(place.layout, BATTERY, max_steps, backend, place.start_pos, place.randomize)
     records = {TITLES.get(name, name): run_racer(name, task, seed) for name in agent or RACERS}
     title = f"Race on layout {layout.stem}, backend {backend}, seed {seed}"
     rows = [(name, *(value(each) for value in ROWS.values())) for name, each in records.items()]

@@ -6,13 +6,11 @@ import numpy as np
 import pytest
 from helpers.pictures import HOSTILE_NAMES, is_color, patch, pixels, texts
 from helpers.player import page_in, said_by
-from matplotlib.colors import to_rgb
-from matplotlib.lines import Line2D
 from matplotlib.transforms import Bbox
 
 from agents.search.algorithms import Solution, weighted_astar_search
 from agents.search.heuristics import manhattan
-from agents.search.picture import MAX_FRAMES, PATH, search_replay
+from agents.search.picture import MAX_FRAMES, search_replay
 from agents.search.problems import RouteProblem
 from agents.search.trace import (
     FIRST_SHADE,
@@ -28,7 +26,7 @@ from agents.search.trace import (
     track_of_course,
 )
 from warehouse_core import DEFAULT_LAYOUT, Layout
-from warehouse_core.render.palette import COLORS, SHELF, WARNING
+from warehouse_core.render.palette import COLORS, SHELF
 from warehouse_core.viz.replay import Replay
 from warehouse_core.wording import printable
 from warehouse_core.world.generators import random_layout
@@ -154,15 +152,6 @@ def test_frames_count_what_is_expanded_and_end_with_the_path() -> None:
     assert not any(frame.route for frame in track.frames[:-1])
 
 
-def test_a_long_search_has_few_frames() -> None:
-    shown = course(*SEARCHES[-1])
-    track = track_of_course(shown)
-    assert len(shown) > 500
-    assert len(track) == 300
-    assert track.frames[-1].clock == len(shown)
-    assert [track.step_at(index) for index in range(len(track))] == list(range(len(track)))
-
-
 def test_every_panel_counts_its_own_search_and_keeps_its_last_count() -> None:
     blind, greedy = solve(HALL, START, GOAL, 0), solve(HALL, START, GOAL, INF)
     assert greedy.expanded < blind.expanded
@@ -193,18 +182,6 @@ def test_wall_floor_frontier_and_expanded_cells_have_their_colours() -> None:
             assert is_color(color, COLORS[EMPTY])
         else:
             assert is_color(color, SHADES[0])
-
-
-def test_at_the_end_the_path_is_drawn_and_the_last_cell_has_another_shade() -> None:
-    shown, last = replay(0), len(course(0))
-    shown.go_to(last - 1)
-    row, col = course(0).solution.states[3]
-    middle = col + 0.49, row + 0.49, col + 0.51, row + 0.51
-    assert not is_color(patch(shown, pixels(shown), *middle)[0, 0], PATH)
-    shown.go_to(last)
-    assert is_color(patch(shown, pixels(shown), *middle)[0, 0], PATH)
-    assert is_color(corner_of(shown, START), SHADES[0])
-    assert is_color(corner_of(shown, course(0).solution.events[-1].expanded), SHADES[-1])  # type: ignore[arg-type]
 
 
 def test_searches_without_a_path_and_without_a_step_say_so() -> None:
@@ -250,45 +227,6 @@ def test_panels_neither_overlap_nor_leave_the_figure(panels: int, size: tuple[in
         assert box.x1 <= shown.figure.bbox.x1
         assert box.y1 <= shown.figure.bbox.y1
         assert not any(box.overlaps(other) for other in boxes[number + 1 :])
-
-
-def test_the_legend_has_the_colours_of_what_it_names() -> None:
-    [legend] = replay(0).figure.legends
-    handles = legend.legend_handles
-    words = [text.get_text() for text in legend.get_texts()]
-    colors = {
-        word: to_rgb(handle.get_color())
-        for word, handle in zip(words, handles, strict=True)
-        if isinstance(handle, Line2D) and word not in ("start", "goal")
-    }
-    assert colors == {
-        "wall": SHELF,
-        "expanded first": SHADES[0],
-        "expanded last": SHADES[-1],
-        "frontier": FRONTIER,
-        "expanded now": WARNING,
-        "path": PATH,
-    }
-
-
-def test_the_path_and_the_ends_are_in_the_middle_of_their_cells() -> None:
-    shown, search = replay(0), course(0)
-    axes = shown.figure.axes[0]
-    [path] = [line for line in axes.lines if len(line.get_xydata()) > 1]
-    states = [(col + 0.5, row + 0.5) for row, col in search.solution.states]
-    assert [tuple(point) for point in path.get_xydata()] == states
-    discs = [line.get_xydata()[0].tolist() for line in axes.lines if line.get_marker() == "o"]
-    letters = {text.get_text(): list(text.get_position()) for text in axes.texts}
-    assert letters == {"S": [1.5, 1.5], "G": [6.5, 3.5]}
-    assert discs == [*letters.values()]
-    [now] = [line for line in axes.lines if line.get_marker() == "D"]
-    for count in range(len(search) + 1):
-        shown.go_to(count)
-        at = search.expanded_by(count)
-        assert now.get_xydata().tolist() == ([] if at is None else [[at[1] + 0.5, at[0] + 0.5]])
-        assert path.get_visible() == (count == len(search))
-        [words] = [text for text in shown.figure.texts if text.get_text().startswith("expanded ")]
-        assert (words.get_fontweight() == "bold") == (count == len(search))
 
 
 def test_no_search_and_too_many_are_errors() -> None:

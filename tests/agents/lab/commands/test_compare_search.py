@@ -62,21 +62,6 @@ def test_the_default_start_is_far_from_the_goal(search: Search) -> None:
     assert "Search from (1, 10) to (5, 1)" in search("--goal", "5,1")
 
 
-def test_the_zero_heuristic_makes_astar_uniform_cost_search(
-    search: Search,
-) -> None:
-    ends = ("--start", "5,1", "--goal", "1,10", "--weights", "-0,1")
-    blind, astar = rows(search(*ends, "--heuristic", "zero"))
-    assert blind[:2] == ["uniform-cost", "0"]
-    assert blind[2:] == astar[2:]
-
-
-def test_the_true_distance_expands_only_the_path(search: Search) -> None:
-    ends = ("--start", "5,1", "--goal", "1,10", "--weights", "1,inf")
-    for row in rows(search(*ends, "--heuristic", "true")):
-        assert row[2:4] == ["15", "15"]
-
-
 def test_a_seed_gives_random_ends_and_repeats_them(search: Search) -> None:
     printed = [search("--seed", seed) for seed in (1, 1, 2)]
     assert printed[0] == printed[1] != printed[2]
@@ -101,11 +86,6 @@ def test_the_start_is_not_a_goal_with_walls_around_it() -> None:
     assert choose_ends(layout, None, (0, 0), None) == ((0, 4), (0, 0))
     assert choose_ends(layout, None, (0, 4), None) == ((0, 0), (0, 4))
     assert choose_ends(Layout(["P"]), None, None, None) == ((0, 0), (0, 0))
-
-
-def test_a_cell_at_the_origin_counts_as_given() -> None:
-    layout = Layout([".P", ".."])
-    assert choose_ends(layout, (1, 1), (0, 0), None) == ((1, 1), (0, 0))
 
 
 def test_a_layout_without_a_pickup_asks_for_a_goal() -> None:

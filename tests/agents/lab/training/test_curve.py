@@ -3,15 +3,9 @@ from pathlib import Path
 import numpy as np
 import pytest
 from helpers.results_files import BAD, row, scores_of
-from numpy.typing import NDArray
-from PIL import Image
 
 from agents.lab.training import curve as learning_curve
 from agents.lab.training.curve import (
-    DPI,
-    GREEDY,
-    LEARNER,
-    SIZE,
     save_learning_curve,
 )
 from agents.lab.training.exams import ExamPoint
@@ -47,28 +41,6 @@ def words(figure: SceneFigure) -> str:
         texts += [axes.get_title(loc="left")]
     suptitle = figure.get_suptitle()
     return "\n".join([*texts, suptitle])
-
-
-def colors(path: Path) -> NDArray[np.int64]:
-    with Image.open(path) as image:
-        assert image.format == "PNG"
-        assert image.size == (SIZE[0] * DPI, SIZE[1] * DPI)
-        return np.asarray(image.convert("RGB")).astype(np.int64)
-
-
-def has_color(pixels: NDArray[np.int64], color: tuple[float, float, float]) -> bool:
-    return bool((np.abs(pixels - np.array(color) * 255).max(axis=-1) < 2).any())
-
-
-def test_both_lines_are_in_the_picture(tmp_path: Path) -> None:
-    path = tmp_path / "curve.png"
-    save_learning_curve(path, "PPO", "A title", POINTS, scores(0.87, 1000))
-    pixels = colors(path)
-    half = pixels.shape[1] // 2
-    for side in (pixels[:, :half], pixels[:, half:]):
-        assert has_color(side, LEARNER)
-        assert has_color(side, GREEDY)
-    assert [each.name for each in tmp_path.iterdir()] == ["curve.png"]
 
 
 def test_the_picture_has_its_captions_its_lines_and_the_band_of_their_intervals(
@@ -124,16 +96,3 @@ def test_the_names_of_the_lines_never_overlap(tmp_path: Path, drawn: list[SceneF
         for axes in drawn[-1].axes:
             one, other = (text.get_window_extent() for text in axes.texts)
             assert not one.overlaps(other), success
-
-
-def test_a_picture_that_cannot_be_written_leaves_no_file(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def full(_: object, file: Path, **__: object) -> None:
-        file.write_bytes(b"half a picture")
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(Image.Image, "save", full)
-    with pytest.raises(OSError, match="No space"):
-        save_learning_curve(tmp_path / "c.png", "PPO", "", POINTS, scores(0.5))
-    assert not list(tmp_path.iterdir())
