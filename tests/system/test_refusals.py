@@ -29,7 +29,6 @@ LIMITS = {
     "--layouts": {(1, 100_000)},
     "--lifelong": {(1, MANY)},
     "--max-steps": {(1, MANY)},
-    "--noise": {(0, 0.5)},
     "--order-rate": {(0, MANY)},
     "--people": {(0, 100_000)},
     "--plan-seconds": {(0.001, MANY)},
@@ -37,7 +36,6 @@ LIMITS = {
     "--seed": {(0, 2**62), (0, 2**32 - 1)},
     "--speed": {(0.01, 100)},
     "--steps": {(1, MANY)},
-    "--stop": {(0, math.inf)},
     "--view-radius": {(0, 1000)},
 }
 """Least and greatest values of options; commands may differ in them."""
@@ -151,7 +149,6 @@ IMPOSSIBLE = {
     "fleet --order-rate 1e9": "MAX_ORDERS",
     "fleet --planner windowed --show-pushes": "does not say which robots push",
     "compare backends --robots 400": "400",
-    "compare backends --robots 2 --assignment none": "no assignment is called 'none'",
     "compare backends --robots 2 --layout bare.txt": "the layout has no pickup",
     "plan --planner timed": "planner 'timed' no longer exists; use windowed",
     "plan --planner prioritised": "planner 'prioritised' no longer exists; use anytime, or ecbs",

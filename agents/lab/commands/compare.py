@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable
 from pathlib import Path
 from typing import Annotated, Any, ClassVar, NamedTuple
@@ -10,10 +9,10 @@ from typing import Annotated, Any, ClassVar, NamedTuple
 import typer
 
 from agents.lab.commands import random_layouts
+from agents.lab.commands.backends.fleets import DISTURBED, compare_fleets
 from agents.lab.commands.compare_agents import AGENTS, compare_agents
 from agents.lab.commands.compare_backends import compare_backends
 from agents.lab.commands.compare_search import HEURISTICS, compare_search
-from agents.lab.commands.gap.gap import gap
 from agents.lab.commands.planners.compare_planners import compare_planners
 from agents.lab.console import options
 from agents.lab.console.group import CommandOfKinds
@@ -58,11 +57,7 @@ def _fleets(robots: str, planner: tuple[str, ...] = (), **given: Any) -> None:
         raise typer.BadParameter(f"--robots is {robots!r}; it must be one whole number")
     if planner:
         given["planner"] = _one("--planner", planner)
-    gap(robots=int(robots), **given)
-
-
-def _planners(lifelong: int = 256, **given: Any) -> None:
-    compare_planners(steps=lifelong, **given)
+    compare_fleets(robots=int(robots), **given)
 
 
 COMPARISONS = {
@@ -76,12 +71,11 @@ COMPARISONS = {
     ),
     FLEETS: Comparison(
         _fleets,
-        "robots planner assignment plan_seconds order_rate count due layout noise stop episodes "
-        "seed jobs",
+        "robots planner order_rate count layout disturbed episodes seed jobs",
         (".html", ".csv"),
     ),
     "planners": Comparison(
-        _planners,
+        compare_planners,
         "files planner robots layout lifelong plan_seconds episodes jobs",
         (".csv", *PICTURES),
     ),
@@ -226,7 +220,6 @@ def compare(
         float | None,
         option("--plan-seconds S", options.PLAN_SECONDS, Number(0.001, MAX_VALUE)),
     ] = None,
-    assignment: options.AssignmentOption = None,
     order_rate: Annotated[
         float | None, options.parameter_option("order_rate", "X", f"Default: 0.4. For {FLEETS}.")
     ] = None,
@@ -234,31 +227,15 @@ def compare(
         int | None,
         option("--count N", only("Orders of an episode.", "count"), Whole(1, MAX_ORDERS)),
     ] = None,
-    due: Annotated[
-        str | None, options.parameter_option("due", "FEWEST:MOST", f"For {FLEETS}.")
-    ] = None,
-    noise: Annotated[
-        float | None,
+    disturbed: Annotated[
+        str | None,
         option(
-            "--noise SHARE",
+            "--disturbed NOISE:SECONDS",
             only(
-                "Standard deviation of the disturbed robots' speeds, as a share, up to 0.5. "
-                "Default: 0.05.",
-                "noise",
+                "Standard deviation of disturbed speeds as a share, up to 0.5, and seconds that "
+                f"one robot stands still; with inf it dies. Default: {DISTURBED}.",
+                "disturbed",
             ),
-            Number(0, 0.5),
-        ),
-    ] = None,
-    stop: Annotated[
-        float | None,
-        option(
-            "--stop SECONDS",
-            only(
-                "Seconds that one disturbed robot stands still. With 0 none does, with inf it "
-                "dies. Default: 60.",
-                "stop",
-            ),
-            Number(0, math.inf),
         ),
     ] = None,
     jobs: options.Jobs = None,

@@ -1,4 +1,4 @@
-"""The command ``warehouse compare planners``: many problems, and a table of what planners reach."""
+"""Planners on many problems, in one table, for ``warehouse compare planners``."""
 
 from __future__ import annotations
 
@@ -7,21 +7,18 @@ from collections.abc import Mapping, Sequence
 from functools import partial
 from itertools import product
 from pathlib import Path
-from typing import Annotated, NamedTuple
+from typing import NamedTuple
 
 import numpy as np
-import typer
 
 from agents.errors import PlanError
 from agents.fleet.planned import PLAN_SECONDS
 from agents.lab.commands.planners.floors import (
     KIVA,
-    FloorOption,
     find_floor,
     find_scenarios,
     scenario_problem,
 )
-from agents.lab.commands.planners.plan import PLANNER
 from agents.lab.commands.planners.runs import (
     BOUND,
     STEPPERS,
@@ -31,14 +28,11 @@ from agents.lab.commands.planners.runs import (
     attempt,
     make_stepper,
 )
-from agents.lab.console import options
 from agents.lab.console.csv_file import write_csv
-from agents.lab.console.options import MANY, PICTURES, option, writable
 from agents.lab.console.output import save_picture
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import print_error, say
 from agents.lab.console.values import parse_sizes
-from agents.lab.parameters import Whole
 from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval, share_interval
 from agents.lab.trials.wording import above_interval
 from agents.lab.trials.workers import run_trials
@@ -89,62 +83,30 @@ class PlannerTrials(NamedTuple):
 
 
 def compare_planners(
-    files: Annotated[
-        list[Path] | None,
-        typer.Argument(
-            metavar="FILE",
-            help="MovingAI scenarios .scen, or folders of them, in which each robot has one goal.",
-            show_default=False,
-        ),
-    ] = None,
-    planner: Annotated[
-        list[str] | None, option("--planner NAME", PLANNER, show_default=False)
-    ] = None,
-    robots: Annotated[
-        str | None,
-        option(
-            "--robots -r N,N",
-            f"{options.ROBOTS} Several, separated by commas. Default: "
-            f"{','.join(map(str, SIZES))}; on scenarios {FIRST_SIZE}, 20, 40 and so on.",
-            show_default=False,
-        ),
-    ] = None,
-    episodes: options.Episodes = 5,
-    layout: FloorOption = None,
-    steps: Annotated[
-        int, option("--lifelong N", "Steps in which a robot at its goal gets another.", Whole(1))
-    ] = 256,
-    plan_seconds: options.PlanSeconds = PLAN_SECONDS,
-    jobs: options.Jobs = None,
-    *,
-    save: Annotated[
-        list[Path],
-        option(
-            "--save -o FILE",
-            f"{options.SAVE} The figure as .svg or .png, each trial as .csv; may be repeated.",
-            callback=writable(VALUES, *PICTURES),
-            **MANY,
-        ),
-    ],
+    files: Sequence[Path] = (),
+    planner: Sequence[str] = (),
+    robots: str | None = None,
+    episodes: int = 5,
+    layout: Path | None = None,
+    lifelong: int = 256,
+    plan_seconds: float = PLAN_SECONDS,
+    jobs: int | None = None,
+    save: Sequence[Path] = (),
 ) -> None:
-    """Compare planners over fleet sizes and seeds.
+    """Compare planners over fleet sizes and seeds, or on scenarios if there are ``files``.
 
-    In a lifelong run a robot that reaches its goal gets another. Prints the
-    goals that are reached in a step, next to a bound. For scenarios it prints
-    how many are solved within --plan-seconds.
-
-    By default this takes about 15 s. Give -n 20 for 95% intervals, in four
-    times as long; windowed planners take long for many robots.
-
-    Example: warehouse compare planners --planner pibt --planner windowed -r 32,64
+    In a lifelong run of so many steps a robot that reaches its goal gets another. Prints the goals
+    that are reached in a step, next to a bound. For scenarios it prints how many are solved within
+    ``plan_seconds``.
     """
+    name = None if layout is None else str(layout)
     sizes = parse_sizes(robots) if robots is not None else []
     if files:
         names = list(dict.fromkeys(planner or ["lacam"]))
-        trials = solve_scenarios(names, sizes, find_scenarios(files), layout, plan_seconds, jobs)
+        trials = solve_scenarios(names, sizes, find_scenarios(files), name, plan_seconds, jobs)
     else:
         names = list(dict.fromkeys(planner or STEPPERS))
-        call = partial(run_trial, layout=layout, steps=steps, seconds=plan_seconds)
+        call = partial(run_trial, layout=name, steps=lifelong, seconds=plan_seconds)
         trials = run_all(names, sizes or list(SIZES), call, episodes, jobs)
     # Files first, because the reader of standard output may leave, as ``head`` does.
     for path in save:

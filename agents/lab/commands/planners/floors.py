@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from pathlib import Path
 from typing import Annotated, NamedTuple
 
@@ -97,7 +98,7 @@ def first_headings(robots: int, moves: str) -> list[int] | None:
     return [EAST] * robots if moves == TURN else None
 
 
-def find_scenarios(paths: list[Path]) -> list[Path]:
+def find_scenarios(paths: Sequence[Path]) -> list[Path]:
     """Return the files of scenarios among paths and in folders.
 
     Raises:

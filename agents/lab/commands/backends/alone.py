@@ -1,7 +1,7 @@
-"""Robots that do not meet: what the same orders bring without traffic, as a bound.
+"""Robots that do not meet: deliveries of the same orders without traffic, as a bound.
 
 Each robot drives on a floor of its own; the fleet sees all robots on one floor. Orders and turns at
-chargers are assigned as with traffic, and every robot takes the quickest way.
+chargers are assigned as with traffic, and every robot takes the quickest path.
 """
 
 from __future__ import annotations

@@ -1,0 +1,129 @@
+"""The measures of a fleet in all worlds: tables, a page, and a file of values."""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Callable, Mapping, Sequence
+from pathlib import Path
+
+import numpy as np
+
+from agents.lab.commands.backends.trial import KINDS, PLAN, Score
+from agents.lab.console.csv_file import write_csv
+from agents.lab.console.table import TextTable
+from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
+from agents.lab.trials.wording import above_interval
+from warehouse_core import FleetEpisode
+from warehouse_core.wording import counted, listed
+
+SeedScores = Mapping[str, Sequence[Score]]
+"""The measures of each world, of the same seeds in the same order."""
+
+Value = Callable[[Score, Score], float]
+"""Function that returns a value of a run, given the run on the grid with the same seed."""
+
+MEASURES: dict[str, Value] = {
+    "deliveries an hour": lambda score, _: score.per_hour,
+    "% of the plan's": lambda score, plan: (
+        100 * score.per_hour / plan.per_hour if plan.per_hour else math.nan
+    ),
+    "% on time": lambda score, _: 100 * score.on_time,
+    "kJ a delivery": lambda score, _: score.joules / 1000,
+    "last delivery (s)": lambda score, _: score.makespan,
+    "hits": lambda score, _: score.hits,
+}
+
+FRAME_SECONDS, SPEED, HEIGHT = 0.5, 2.0, 860
+"""Simulated seconds from one frame of the replay to the next, factor on its playing speed, and its
+height in pixels."""
+
+
+def tables_of(scores: SeedScores, title: str) -> list[TextTable]:
+    """Return a table of the measures, and one of the time that a delivery takes; a row a world."""
+    few = len(scores[PLAN]) < MIN_VALUES
+    caption = f"Fewer than {MIN_VALUES} episodes have no intervals." if few else ""
+    rows = [
+        (world, *(cell_of(runs, scores[PLAN], value) for value in MEASURES.values()))
+        for world, runs in scores.items()
+    ]
+    spent = [
+        (world, *(f"{mean:.1f}" for mean in np.mean([run.spent for run in runs], axis=0)))
+        for world, runs in scores.items()
+    ]
+    note = "Seconds that all robots together spend for a delivery, means over the seeds."
+    return [
+        TextTable(("world", *MEASURES), rows, title, caption),
+        TextTable(("world", *KINDS), spent, "Seconds for a delivery", note),
+    ]
+
+
+def cell_of(runs: Sequence[Score], plans: Sequence[Score], value: Value) -> str:
+    """Return the mean of a value over the seeds, and its interval if it has a width."""
+    values = np.array([value(score, plan) for score, plan in zip(runs, plans, strict=True)])
+    mean = mean_interval(values[~np.isnan(values)]) or Interval(math.nan)
+    if math.isnan(mean.estimate):  # a share of nothing
+        return "none"
+    if mean.estimate.is_integer() and (mean.low == mean.high or not mean.is_known):
+        return f"{mean.estimate:,.0f}"
+    return above_interval(mean)
+
+
+def losses(scores: SeedScores, orders: int) -> list[str]:
+    """Return a warning for each world that lost robots, steps, or some of each run's orders."""
+    found = []
+    for world, runs in scores.items():
+        counts = {
+            "order": ("not delivered", sum(orders - run.delivered for run in runs)),
+            "robot": ("lost", sum(run.lost for run in runs)),
+            "step": ("without a plan", sum(run.late_plans for run in runs)),
+        }
+        words = [
+            f"{counted(number, noun)} {fate}" for noun, (fate, number) in counts.items() if number
+        ]
+        if words:
+            found.append(f"{world}, in {counted(len(runs), 'episode')}: {listed(words)}")
+    return found
+
+
+def write_values(path: Path, scores: SeedScores, seeds: Sequence[int]) -> None:
+    """Write a line for each run."""
+    names, spent = Score._fields[:-1], [f"seconds a delivery {kind}" for kind in KINDS]
+    lines = (
+        [world, seed, *run[:-1], *run.spent]
+        for world, runs in scores.items()
+        for seed, run in zip(seeds, runs, strict=True)
+    )
+    write_csv(path, ["world", "seed", *names, *spent], lines)
+
+
+def write_page(
+    path: Path, tables: Sequence[TextTable], records: Mapping[str, FleetEpisode]
+) -> None:
+    """Write a page with the tables and a replay of the records by world, on one clock."""
+    from markupsafe import Markup
+
+    from agents.lab.reports.page import Table, write_template  # imports matplotlib
+    from warehouse_core.viz.player import player_frame
+    from warehouse_core.viz.tracks import track_of_record
+
+    tracks = []
+    for world, record in records.items():
+        track = track_of_record(record, FRAME_SECONDS)
+        track.title, track.lateness = world, ()  # lateness is in steps, which last differently long
+        for frame in track.frames:
+            frame.energy = 0.0  # the chart of all worlds has it
+        tracks.append(track)
+    title = "A fleet on the grid and on bodies"
+    shown = [
+        Table(
+            table.header,
+            tuple(tuple(cell.replace("\n", " ") for cell in row) for row in table.rows),
+            table.caption,
+        )
+        for table in tables
+    ]
+    replay = player_frame(tracks, title=title, speed=SPEED, height=HEIGHT)
+    write_template(
+        path, "backends.html", title, has_players=True,
+        summary=tables[0].title, tables=shown, replay=Markup(replay),
+    )  # fmt: skip

@@ -1,1 +1,0 @@
-"""The command ``warehouse gap``: what bodies do of what a plan on the grid promises."""
