@@ -64,9 +64,9 @@ def test_a_plan_with_a_conflict_is_refused() -> None:
 
 def test_robots_wait_for_one_that_has_stopped_for_a_while() -> None:
     plan = np.array([[0, 2], [1, 3], [2, 4], [3, 5]])
-    late = Disturbances(stops=(Stop(1, 0.5, 30.0),))
+    late = Disturbances(stops=(Stop(1, 0.5, 10.0),))
     found = drive_through(CORRIDOR, plan, None, late)
-    assert found.seconds > 30
+    assert found.seconds > 10
     assert found.hits == 0
 
 

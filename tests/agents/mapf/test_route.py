@@ -73,7 +73,7 @@ def random_rules(stream: random.Random, start: int, goal: int) -> list[tuple[Con
 
 def test_routes_and_quiet_ways_are_those_of_all_ways() -> None:
     stream, solved, quiet = random.Random(4), 0, 0
-    for _ in range(250):
+    for _ in range(150):
         start, goal = stream.choice(CELLS), stream.choice(CELLS)
         rules, given = Rules(), random_rules(stream, start, goal)
         for rule, its_goal in given:
@@ -107,5 +107,5 @@ def test_routes_and_quiet_ways_are_those_of_all_ways() -> None:
         best = min((conflicts(way, others), len(way)) for way in choice)
         assert (conflicts(found.cells, others), len(found.cells)) == best, (start, goal, given)
         quiet += best[0] > 0
-    assert solved > 150
-    assert quiet > 50
+    assert solved > 90
+    assert quiet > 30
