@@ -201,7 +201,7 @@ class Chart:
     """The results of a design as points of a chart.
 
     Attributes:
-        roles: Which factor is drawn where.
+        roles: Factors along the axis, of the colours and of the panels.
         lines: Results by the value along the axis, for each panel and colour; those at ``None``
             are the same along the whole axis.
         points: Results of all lines.
