@@ -226,18 +226,3 @@ def test_without_its_load_a_robot_is_as_light_as_before() -> None:
 
 
 # Invalid calls.
-
-
-@pytest.mark.parametrize(
-    ("arguments", "message"),
-    [
-        ({"spec": "x"}, "spec is 'x'; it must be a RobotSpec"),
-        ({"spec": ""}, "spec is ''; it must be a RobotSpec"),
-        ({"disturbances": 3}, "disturbances is 3; it must be a Disturbances"),
-        ({"path_every": True}, "path_every is True; it must be an integer"),
-        ({"path_every": math.nan}, "path_every is nan; it must be an integer"),
-    ],
-)
-def test_invalid_arguments_raise_at_construction(arguments, message: str) -> None:
-    with pytest.raises(TypeError, match=f"^{message}$"):
-        RigidBodyMotion(**arguments)

@@ -1,8 +1,6 @@
 """Every number of a robot is checked before the physics engine sees it."""
 
-import math
 from dataclasses import fields, replace
-from typing import Any
 
 import pytest
 
@@ -11,22 +9,9 @@ from warehouse_core import BackendError, WarehouseEnv, record_episode, replay_ep
 from warehouse_core.motion.backends import make_motion
 from warehouse_core.motion.grid import GRAVITY
 from warehouse_physics import RobotSpec
-from warehouse_physics.spec import MAX_VALUE
 
 NAMES = [each.name for each in fields(RobotSpec) if each.name != "drive"]
 MAY_BE_ZERO = {"payload_mass", "floor_drag", "idle_power", "turn_seconds", "recuperation"}
-
-
-@pytest.mark.parametrize("name", NAMES)
-def test_the_error_of_a_number_out_of_range_names_its_field(name: str) -> None:
-    values: list[Any] = ["1", math.nan, -0.5, 2 * MAX_VALUE]
-    if name in MAY_BE_ZERO:
-        assert getattr(RobotSpec(**{name: 0}), name) == 0, "an integer is accepted"
-    else:
-        values.append(0.0)
-    for value in values:
-        with pytest.raises(ValueError, match=rf"^{name} is .*; it must be "):
-            RobotSpec(**{name: value})
 
 
 def test_a_differential_drive_has_a_track_and_no_turn_seconds() -> None:

@@ -1,5 +1,3 @@
-from typing import Any
-
 import numpy as np
 import pytest
 from helpers.fleet_truth import EAST, WAIT
@@ -121,21 +119,3 @@ def test_people_and_their_ways_are_limited(monkeypatch: pytest.MonkeyPatch) -> N
     monkeypatch.setattr(people, "MAX_GOAL_CELLS", 5 * 160)
     assert len(people._goals(stations)) == 5
     assert len(people._goals(CORRIDOR)) == 5
-
-
-@pytest.mark.parametrize(
-    ("settings", "error", "message"),
-    [
-        ({"count": -1}, ValueError, "^people is -1; it must be at least 0$"),
-        ({"count": True}, TypeError, "^people is True; it must be an integer$"),
-        (
-            {"count": 1, "pause": 1.5},
-            ValueError,
-            "^pause is 1.5; it must be at least 0 and at most",
-        ),
-        ({"count": 1, "habit": "run"}, ValueError, "^habit is 'run'; allowed: stations, aisles$"),
-    ],
-)
-def test_people_name_what_is_wrong(settings: Any, error: Any, message: str) -> None:
-    with pytest.raises(error, match=message):
-        People(**settings)

@@ -1,7 +1,6 @@
 """Robots that drive through keep their distances whatever disturbs them, and none waits forever."""
 
 import math
-from typing import Any
 
 import numpy as np
 import pytest
@@ -10,20 +9,6 @@ from warehouse_core import Cell, Layout
 from warehouse_core.motion.base import Contact
 from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, Stop
 from warehouse_physics.disturbances import FloorConditions
-
-
-@pytest.mark.parametrize(
-    ("values", "message"),
-    [
-        ((-1, 0.0, 1.0), "robot is -1"),
-        ((0, -1.0, 1.0), "at is -1.0"),
-        ((0, 0.0, 0.0), "seconds is 0.0"),
-        ((0, 0.0, math.nan), "seconds is nan"),
-    ],
-)
-def test_the_error_of_a_stop_names_the_wrong_value(values: Any, message: str) -> None:
-    with pytest.raises(ValueError, match=message):
-        Stop(*values)
 
 
 def test_stops_are_a_sequence_of_stops_for_robots_that_drive_through() -> None:

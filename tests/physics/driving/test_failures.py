@@ -101,7 +101,7 @@ def test_a_robot_that_fails_on_its_way_back_leaves_others_cells_to_them() -> Non
     layout, stays = Layout(["......", "#####."]), (Stop(0, 0.0, 60.0),)
     plan = [[(0, 5), (0, 4), (0, 1)], [(0, 5), (0, 4), (0, 2)],
             [(1, 5), (0, 4), (0, 3)], [(1, 5), (0, 5), (0, 4)]]  # fmt: skip
-    for spec, at in itertools.product((RobotSpec(), FAST), np.arange(2.0, 5.0, 0.25)):
+    for spec, at in itertools.product((RobotSpec(), FAST), np.arange(2.0, 5.0, 0.5)):
         motion = DrivingMotion(spec, Disturbances(stops=stays))
         motion.reset(layout, [(0, 5), (0, 4), (0, 0)], 0)
         for cells in plan:
