@@ -22,12 +22,15 @@ const MIN_SIDE = 4;
 export function drawRobots(brush, track, moment, chosen, hovered) {
   const size = nameSize(brush, track);
   const radius = Math.max(RADIUS * brush.scale, MIN_RADIUS, size && radiusAround(brush, track, size));
+  const pixels = radius / RADIUS;
   const shown = bodiesIn(brush.view, track, moment);
   const hasDetail = radius >= MIN_DETAIL;
   if (hasDetail) drawNoses(brush, shown, radius);
   drawDiscs(brush, shown, radius);
   for (const { x, y, load } of shown) {
-    if (load > 0) drawCarried(brush, track, x, y, load, radius, size || hasDetail);
+    // The box of a lone robot holds its letter.
+    if (load > 0 && !track.isFleet) drawBox(brush, x, y, Math.max(2, SIDE * pixels, 0.8 * size), "item");
+    else if (load > 0) drawCarried(brush, x, y, load, pixels, size || hasDetail);
   }
   drawBatteries(brush, shown, track, moment, radius);
   if (size) drawNames(brush, shown, track, size);
@@ -87,10 +90,8 @@ function drawNoses(brush, shown, radius) {
   brush.context.fill();
 }
 
-/** Draw the item of a robot, of the colour of its order's age; a number of a fleet stays readable. */
-function drawCarried(brush, track, x, y, load, radius, isBeside) {
-  const pixels = radius / RADIUS;
-  if (!track.isFleet) return drawBox(brush, x, y, Math.max(2, SIDE * pixels), "item");
+/** Draw the item of a robot of a fleet, of the colour of its order's age, beside its number. */
+function drawCarried(brush, x, y, load, pixels, isBeside) {
   const away = isBeside ? LOOK.carried.away * pixels : 0;
   drawBox(brush, x + away, y - away, Math.max(2, LOOK.carried.side * pixels), brush.theme.orders[load - 1]);
 }
