@@ -6,7 +6,6 @@ The commands and their options are read from the program, so a new command is te
 import enum
 import math
 import re
-import sys
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
@@ -25,7 +24,6 @@ LIMITS = {
     "--count": {(1, 10**6)},
     "--episodes": {(1, 100_000), (1, 100_000_000)},
     "--jobs": {(1, 1024)},
-    "--late-penalty": {(0, sys.float_info.max)},
     "--layouts": {(1, 100_000)},
     "--lifelong": {(1, MANY)},
     "--max-steps": {(1, MANY)},
@@ -81,9 +79,8 @@ MALFORMED = {
     "--goal": {"1,2,3": "--goal is '1,2,3'; it must be ROW,COL as in 1,2"},
     "--start": {"1": "--start is '1'; it must be ROW,COL as in 1,2"},
 }
-DUE = 'allowed: "FEWEST:MOST" steps, such as "50:150"'
-PLANS = "--show-plans and --show-pushes need a planner; add --planner NAME"
-ROBOTS = "it must be numbers of robots, 0..7, as in 0,3"
+PLANS = "--show-plans needs a planner; add --planner NAME"
+ROBOTS = "it must be numbers of robots, 0..7, as in 0,3, or pushes"
 BATTERY = "it must be 1..2147483647 steps or joules, as in 400steps"
 TIME = "allowed: a number 0.001..1e+09"
 SIZES = "it must be whole numbers, at least 1, as in 32,64"
@@ -93,22 +90,18 @@ UNUSED = "describes random layouts; add --layout random"
 WAREHOUSE = "is not a warehouse; allowed: five whole numbers C-R-L-W-A, such as 10-20-10-2-1"
 
 WRONG = {
-    "fleet --due 9": f"--due is 9; {DUE}",
-    "fleet --due 9:8": f"--due is '9:8'; {DUE}",
     "fleet --orders 0.2": "0.2: unknown format of orders; allowed: .csv",
-    "fleet --orders orders.csv --due 5:9": "--due does not go with --orders",
     "fleet --orders orders.csv --order-rate 1": "--order-rate does not go with --orders",
     "fleet --battery 0": f"--battery is '0'; {BATTERY}",
     "fleet --battery 5kg": f"--battery is '5kg'; {BATTERY}",
     "fleet --battery 9999999999": f"--battery is '9999999999'; {BATTERY}",
     "fleet --show-plans 1": PLANS,
-    "fleet --show-pushes": PLANS,
     "fleet --planner pibt --show-plans 8": f"--show-plans is '8'; {ROBOTS}",
     "fleet --planner pibt --show-plans 0,": f"--show-plans is '0,'; {ROBOTS}",
     "fleet --people 100000": "robots and people is 100008; it must be at most",
     "fleet --agent bfs --planner a.py:A": "--planner does not go with --agent",
     "fleet --assignment urgent": "--assignment needs a planner",
-    "fleet --planner pibt --plan-seconds 0": f"--plan-seconds is 0; {TIME}",
+    "plan --plan-seconds 0": f"--plan-seconds is 0; {TIME}",
     "compare backends --robots 2 --order-rate 0": "--order-rate is 0; allowed: a number above 0",
     "plan none.scen": "none.scen: there is no such file or folder",
     "plan .": ".: a folder has several problems; use: warehouse compare planners .",
@@ -147,7 +140,7 @@ IMPOSSIBLE = {
     "fleet --orders orders.csv": "orders.csv: line 2, column 6: dropoff_col is 'x'",
     "fleet --planner pibt --assignment x": "no assignment is called 'x'; allowed: fifo, nearest",
     "fleet --order-rate 1e9": "MAX_ORDERS",
-    "fleet --planner windowed --show-pushes": "does not say which robots push",
+    "fleet --planner windowed --show-plans pushes": "does not say which robots push",
     "compare backends --robots 400": "400",
     "compare backends --robots 2 --layout bare.txt": "the layout has no pickup",
     "plan --planner timed": "planner 'timed' no longer exists; use windowed",

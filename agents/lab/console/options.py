@@ -189,7 +189,6 @@ PLAN_SECONDS = (
 )
 PlanSeconds = Annotated[float, option("--plan-seconds S", PLAN_SECONDS, Number(0.001, MAX_VALUE))]
 OrderRate = Annotated[float, parameter_option("order_rate", "X")]
-Due = Annotated[str, parameter_option("due", "FEWEST:MOST")]
 FleetBattery = Annotated[
     str, option("--battery N", f"{PARAMETERS['battery'].help} Or joules, as in 30000joules.")
 ]
@@ -213,10 +212,6 @@ SaveReplay = Annotated[
         callback=writable(replays=True),
         **MANY,
     ),
-]
-SaveFigure = Annotated[
-    Path | None,
-    option("--save -o FILE", f"{SAVE} The figure as .svg or .png.", callback=writable(*PICTURES)),
 ]
 Show = Annotated[
     bool | None,

@@ -15,16 +15,21 @@ import typer
 
 from agents.errors import EpisodeError, EpisodeInterrupted
 from agents.fleet.plan_log import PlanLog
-from agents.fleet.planned import PLAN_SECONDS, PlannedFleet, check_headings, wants_dispatch
-from agents.lab.commands.fleet.report import ShiftResult, report_shifts, result_of
-from agents.lab.commands.fleet.values import SUFFIX, write_shifts
+from agents.fleet.planned import PlannedFleet, check_headings, wants_dispatch
+from agents.lab.commands.fleet.report import (
+    SUFFIX,
+    ShiftResult,
+    report_shifts,
+    result_of,
+    write_shifts,
+)
 from agents.lab.console import options
 from agents.lab.console.options import MANY, option, parameter_option, writable
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say, warnings_printed
 from agents.lab.console.values import parse_battery, parse_due
 from agents.lab.console.watch import slow_steps_told
-from agents.lab.parameters import Number, usual
+from agents.lab.parameters import usual
 from agents.lab.runs.run import draw_seed, run
 from agents.registry import PLANNERS, make_backend, make_fleet_agent, make_team
 from warehouse_core import Episode, FleetEnv, OrderStream, WarehouseError
@@ -36,32 +41,37 @@ from warehouse_core.wording import counted
 from warehouse_core.world.moves import COMPASS, TURN
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
-RATE, DUE = usual("order_rate"), usual("due")
+RATE, DUE = usual("order_rate"), parse_due(usual("due"))
+
+PUSHES = "pushes"
 
 MANY_ROBOTS = 100
 """Robots from which on compiled planners are worth their installation."""
 
 
-def find_orders(file: Path | None, rate: float | None, due: str | None) -> Orders:
-    """Return the orders in a file, or orders that arrive at a rate with some due times."""
+def find_orders(file: Path | None, rate: float | None) -> Orders:
+    """Return the orders in a file, or orders that arrive at a rate."""
     if file is None:
-        return OrderStream(RATE if rate is None else rate, parse_due(due or DUE))
-    for option_name, value in (("--order-rate", rate), ("--due", due)):
-        if value is not None:
-            raise typer.BadParameter(f"{option_name} does not go with --orders, which has them")
+        return OrderStream(RATE if rate is None else rate, DUE)
+    if rate is not None:
+        raise typer.BadParameter("--order-rate does not go with --orders, which has them")
     if file.suffix.lower() != ".csv":
         raise typer.BadParameter(f"{file}: unknown format of orders; allowed: .csv")
     return load_orders(file)
 
 
-def parse_robots(text: str | None, robots: int) -> list[int]:
-    """Return the numbers of robots in a text such as ``0,3``; of ``None`` none."""
-    numbers = [] if text is None else text.split(",")
+def parse_plans(text: str | None, robots: int) -> PlanLog | None:
+    """Return the log for a text such as ``0,3`` or ``pushes``; ``None`` without a text."""
+    if text is None:
+        return None
+    words = text.split(",")
+    numbers = [word for word in words if word != PUSHES]
     if not all(re.fullmatch(r"[0-9]{1,9}", each) and int(each) < robots for each in numbers):
         raise typer.BadParameter(
-            f"--show-plans is {text!r}; it must be numbers of robots, 0..{robots - 1}, as in 0,3"
+            f"--show-plans is {text!r}; it must be numbers of robots, 0..{robots - 1}, as in 0,3, "
+            f"or {PUSHES}"
         )
-    return [int(each) for each in numbers]
+    return PlanLog([int(each) for each in numbers], PUSHES in words)
 
 
 def fleet(
@@ -72,7 +82,6 @@ def fleet(
     orders: Annotated[
         Path | None, option("--orders FILE", "Read the orders from a .csv file.")
     ] = None,
-    due: Annotated[str | None, parameter_option("due", "FEWEST:MOST", f"Default: {DUE}.")] = None,
     agent: options.AgentOption = "greedy",
     planner: Annotated[
         str | None,
@@ -82,21 +91,14 @@ def fleet(
         ),
     ] = None,
     assignment: options.AssignmentOption = None,
-    plan_seconds: options.PlanSeconds = PLAN_SECONDS,
-    goes_on: Annotated[
-        bool,
-        option("--go-on", "Let all robots wait for a step when a planner fails. Default: stop."),
-    ] = False,
     show_plans: Annotated[
         str | None,
         option(
             "--show-plans ROBOTS",
-            "Draw the plans of these robots of a planner ahead of them, as in 0,3.",
+            "Draw the plans of these robots of a planner ahead of them, as in 0,3; "
+            f"{PUSHES} draws which robot pushes which, of a planner by PIBT.",
         ),
     ] = None,
-    show_pushes: Annotated[
-        bool, option("--show-pushes", "Draw which robot pushes which, of a planner by PIBT.")
-    ] = False,
     optimum: Annotated[
         bool,
         option(
@@ -115,16 +117,7 @@ def fleet(
             "also with -lanes.",
         ),
     ] = COMPASS,
-    late_penalty: Annotated[
-        float,
-        option(
-            "--late-penalty X",
-            "Reward taken away for each step by which a delivery is late.",
-            Number(0),
-        ),
-    ] = 0.0,
     backend: options.FleetBackend = "grid",
-    view_radius: options.ViewRadius = 2,
     episodes: options.Episodes = 1,
     seed: options.SeedOption = None,
     *,
@@ -139,7 +132,6 @@ def fleet(
         ),
     ],
     show: options.Show = None,
-    speed: options.Speed = 1.0,
 ) -> None:
     """Run a shift of robots and replay it.
 
@@ -160,24 +152,19 @@ def fleet(
         raise typer.BadParameter(
             "--moves turn needs a planner that knows headings; add --planner windowed"
         )
-    watched = parse_robots(show_plans, robots)
-    if planner is None and (watched or show_pushes):
-        raise typer.BadParameter(
-            "--show-plans and --show-pushes need a planner; add --planner NAME"
-        )
-    log = PlanLog(watched, show_pushes) if watched or show_pushes else None
+    if planner is None and show_plans is not None:
+        raise typer.BadParameter("--show-plans needs a planner; add --planner NAME")
+    log = parse_plans(show_plans, robots)
     floor, director = find_layout(layout), planner or agent
     make_env = partial(
         FleetEnv,
         floor,
         robots,
         backend=make_backend(backend),
-        orders=find_orders(orders, order_rate, due),
+        orders=find_orders(orders, order_rate),
         max_steps=max_steps,
         battery=parse_battery(battery),
-        view_radius=view_radius,
         people=people,
-        late_penalty=late_penalty,
         moves=moves,
     )
 
@@ -189,14 +176,7 @@ def fleet(
             make_team(agent, robots, seed, floor)
             if planner is None
             else make_fleet_agent(
-                planner,
-                assignment,
-                seed,
-                floor,
-                robots,
-                seconds=plan_seconds,
-                goes_on=goes_on,
-                log=log if seed == first else None,
+                planner, assignment, seed, floor, robots, log=log if seed == first else None
             )
         )
         with closing(make_env(dispatch=wants_dispatch(directing))) as env:
@@ -224,7 +204,7 @@ def fleet(
             say(f"saved {path} and {write_shifts(path, results)}")
         replays, plans = [path for path in save if path not in tables], log.plans if log else ()
         show = bool(show) if tables else show
-        replay_or_save(records[0], replays, show, speed=speed, plans=plans)
+        replay_or_save(records[0], replays, show, plans=plans)
 
     try:
         with warnings_printed():

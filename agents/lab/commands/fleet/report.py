@@ -1,9 +1,10 @@
-"""What ``warehouse fleet`` prints of shifts: measures, a verdict and the failure mode."""
+"""The report of shifts: measures, a verdict, the failure mode, and tables of values."""
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from pathlib import Path
 from shutil import get_terminal_size
 from textwrap import fill
 from typing import NamedTuple
@@ -12,15 +13,19 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.fleet.optimum import Optimum, most_deliveries
+from agents.lab.console.csv_file import write_csv
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES, mean_interval
 from agents.lab.trials.wording import mean, percent
 from warehouse_core import Episode
 from warehouse_core.fleet import FleetMeasures
+from warehouse_core.orders.files import COLUMNS
 from warehouse_core.orders.order import Order
 from warehouse_core.records.failure_modes import FleetDiagnosis, diagnose_fleet
 from warehouse_core.wording import counted
+
+SUFFIX = ".csv"
 
 FEW_WAITING = 2
 """Orders of each robot that may be left at the end of a shift; if more are, it was too slow."""
@@ -176,3 +181,31 @@ def _words(values: NDArray[np.float64]) -> str:
         return f"{int(values[0]):,}"
     found = mean_interval(values)
     return mean(found, "") if found else "none"
+
+
+def write_shifts(path: Path, results: Sequence[ShiftResult]) -> Path:
+    """Write the orders of shifts, one a line, and return the file of their measures beside it."""
+    fates = ("taken_by", "taken", "delivered", "steps_late")
+    lines = ([result.seed, *line] for result in results for line in _orders(result))
+    write_csv(path, ["seed", "order", *COLUMNS, *fates], lines)
+    beside = path.with_stem(f"{path.stem}-measures")
+    titles = [f"{line.title} ({line.unit})" for line in LINES]
+    measures = (
+        [
+            each.seed,
+            *(value_of(each.measures, line) for line in LINES),
+            each.diagnosis.mode,
+            each.diagnosis.sentence,
+        ]
+        for each in results
+    )
+    write_csv(beside, ["seed", *titles, "diagnosis", "sentence"], measures)
+    return beside
+
+
+def _orders(result: ShiftResult) -> Iterator[list[object]]:
+    for number, order in enumerate(result.orders):
+        late = None if order.delivered is None else max(order.delivered - order.due, 0)
+        cells = *order.pickup, *order.dropoff
+        fate = order.taken_by, order.taken, order.delivered, late
+        yield [number, order.released, order.due, *cells, order.robot, *fate]
