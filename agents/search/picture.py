@@ -13,7 +13,14 @@ import numpy as np
 from matplotlib.lines import Line2D
 from matplotlib.patheffects import withStroke
 
-from agents.search.trace import FRONTIER, MAX_PANELS, SHADES, WAITS, SearchCourse, track_of_course
+from agents.search.trace import (
+    FRONTIER,
+    MARK_COLORS,
+    MAX_PANELS,
+    SHADES,
+    SearchCourse,
+    track_of_course,
+)
 from warehouse_core.render.palette import COLORS, INK, PAPER, SHELF, WARNING, Color
 from warehouse_core.viz.axes import box_in, draw_grid
 from warehouse_core.viz.figure import DPI, SceneFigure, make_figure, make_window
@@ -40,8 +47,12 @@ LINED_CELL = 12
 
 PATH: Color = WARNING
 
-_FLOOR, _WALL, _FRONTIER, _FIRST_SHADE = range(4)
-_COLORS = np.round(255 * np.array([COLORS[EMPTY], SHELF, FRONTIER, *SHADES])).astype(np.uint8)
+FLOOR, SHELVES, MARKED = range(3)
+"""Indices into ``CELL_COLORS``; marks follow from ``MARKED`` on."""
+
+CELL_COLORS = np.round(255 * np.array([COLORS[EMPTY], SHELF, *MARK_COLORS.values()])).astype(
+    np.uint8
+)
 
 
 class SearchPanel:
@@ -53,7 +64,7 @@ class SearchPanel:
         self._course, layout = course, course.layout
         height, width = layout.height, layout.width
         is_wall = np.array([list(row) for row in layout.rows]) == WALL
-        self._ground = np.where(is_wall, _WALL, _FLOOR)
+        self._ground = np.where(is_wall, SHELVES, FLOOR)
         size = figure.get_size_inches() * DPI
         axes = figure.add_axes(box_in(tuple(size), left, top, cell * width, cell * height))
         every = next((n for n in (1, 5, 10, 50, 100, 500) if n * cell >= TICKS), 1000)
@@ -61,7 +72,7 @@ class SearchPanel:
         draw_grid(axes, (height, width), every, line_width=lines, zorder=2, label_size=9)
         axes.xaxis.tick_top()
         place: dict[str, Any] = {"extent": (0, width, height, 0), "aspect": "auto"}
-        self._image = axes.imshow(_COLORS[self._ground], zorder=1, **place)
+        self._image = axes.imshow(CELL_COLORS[self._ground], zorder=1, **place)
         points = cell * 72 / DPI
         states, line = course.solution.states, max(1.4, points / 5)
         self._path = axes.plot(
@@ -70,8 +81,7 @@ class SearchPanel:
             path_effects=[withStroke(linewidth=line + 1.6, foreground=PAPER)],
         )[0]  # fmt: skip
         mark: dict[str, Any] = {"markeredgecolor": INK, "linestyle": "none"}
-        now_size, end_size = max(5.0, points / 3), max(13.0, 0.85 * points)
-        self._now = axes.plot([], [], "D", color=WARNING, markersize=now_size, zorder=5, **mark)[0]
+        end_size = max(13.0, 0.85 * points)
         for name, (row, col) in zip("SG", course.ends, strict=True):
             at = col + 0.5, row + 0.5
             axes.plot(*at, "o", color=PAPER, markersize=end_size, zorder=6, clip_on=False, **mark)
@@ -92,14 +102,9 @@ class SearchPanel:
         """Show the search after ``count`` expansions, or at its end if it has fewer."""
         course = self._course
         marks = course.marks_after(count)
-        codes = np.where(marks == WAITS, _FRONTIER, self._ground)
-        is_expanded = marks > 0
-        codes[is_expanded] = _FIRST_SHADE + course.shades(marks[is_expanded])
-        self._image.set_data(_COLORS[codes])
+        self._image.set_data(CELL_COLORS[np.where(marks < 0, self._ground, MARKED + marks)])
         is_over = course.is_over(count)
         self._path.set_visible(is_over and course.solution.found)
-        now = course.expanded_by(count)
-        self._now.set_data(*([], []) if now is None else ([now[1] + 0.5], [now[0] + 0.5]))
         self._counts.set_text("   ".join(course.words_after(count)))
         self._counts.set_fontweight("bold" if is_over else "normal")
 
@@ -184,7 +189,7 @@ def draw_search_legend(figure: SceneFigure) -> None:
         "expanded first": Line2D([], [], color=SHADES[0], **square),
         "expanded last": Line2D([], [], color=SHADES[-1], **square),
         "frontier": Line2D([], [], color=FRONTIER, **square),
-        "expanded now": Line2D([], [], color=WARNING, **(square | {"marker": "D"})),
+        "expanded now": Line2D([], [], color=WARNING, **square),
         "path": Line2D([], [], color=PATH, linewidth=3.5),
     }
     figure.legend(

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import re
+from bisect import bisect_right
 from collections.abc import Iterator
 from typing import Any
 
@@ -27,12 +28,6 @@ FRONTIER: Color = HIT
 MAX_PANELS = 6
 """Most searches side by side."""
 
-WAITS, UNTOUCHED = -1, 0
-"""Marks of a cell on the frontier and of a cell not reached yet."""
-
-MarkGrid = NDArray[np.int32]
-"""``[H, W]``: ``WAITS``, ``UNTOUCHED``, or the number of the cell's expansion, from 1."""
-
 MARK_COLORS = {
     "frontier": FRONTIER,
     "expanded now": WARNING,
@@ -43,15 +38,25 @@ MARK_COLORS = {
 }
 """Colours of the marks, by the names of the marks."""
 
-WAITING, NOW, FIRST_SHADE = range(3)
+WAITING, NOW, FIRST_SHADE, LAST_SHADE = 0, 1, 2, len(MARK_COLORS) - 1
 """Values of marks: indices into ``MARK_COLORS``."""
 
 MAX_TRACK_FRAMES = 300
 """Most frames of a track; marks are exact between them."""
 
 
+UNTOUCHED = -1
+"""Mark of a cell that is not reached yet."""
+
+MarkGrid = NDArray[np.int8]
+"""``[H, W]``: ``UNTOUCHED``, or the value of the mark of each cell."""
+
+
 class SearchCourse:
     """The marks of a search from one end to the other, after any number of its expansions.
+
+    Attributes:
+        marks: all marks in the order of their times, which are numbers of expansions.
 
     Raises:
         ValueError: the solution has no events.
@@ -66,13 +71,9 @@ class SearchCourse:
                 "a search is recorded by with_events=True"
             )
         self.name, self.layout, self.ends, self.solution = name, layout, ends, solution
-        cells, marks, self._counts = [ends[0]], [WAITS], [1]
-        for number, (expanded, reached) in enumerate(solution.events, start=1):
-            cells += [expanded, *reached]  # type: ignore[list-item] # a state is a cell here
-            marks += [number, *[WAITS] * len(reached)]
-            self._counts.append(len(cells))
-        self._cells = layout.numbers(cells)
-        self._marks = np.array(marks, dtype=np.int32)
+        times, cells, values = zip(*self._found(), strict=True)
+        self.marks = Marks(times, cells, values, [*MARK_COLORS.values()], [*MARK_COLORS], ends)
+        self._numbers, self._values = layout.numbers(cells), np.array(values, np.int8)
 
     def __len__(self) -> int:
         return self.solution.expanded
@@ -83,38 +84,38 @@ class SearchCourse:
 
     def marks_after(self, count: int) -> MarkGrid:
         """Return the marks after ``count`` expansions, or after all if there are fewer."""
-        end = self._counts[min(count, len(self))]
-        marks = np.full((self.layout.height, self.layout.width), UNTOUCHED, dtype=np.int32)
+        end = bisect_right(self.marks.times, count)
+        grid = np.full((self.layout.height, self.layout.width), UNTOUCHED, np.int8)
         # A cell that is reached or expanded again has several marks, and NumPy keeps the last.
-        marks.flat[self._cells[:end]] = self._marks[:end]
-        if self.is_over(count) and self.solution.found:
-            # The goal was the last cell taken from the frontier.
-            marks[self.ends[1]] = max(len(self), 1)
-        return marks
-
-    def shades(self, numbers: MarkGrid) -> MarkGrid:
-        """Return for numbers of expansions the index of its shade in ``SHADES``."""
-        return (numbers - 1) * len(SHADES) // max(len(self), 1)
+        grid.flat[self._numbers[:end]] = self._values[:end]
+        return grid
 
     def words_after(self, count: int) -> list[str]:
         """Return in words what ``marks_after`` shows, and the cost at the end."""
-        waiting = int((self.marks_after(count) == WAITS).sum())
+        waiting = int((self.marks_after(count) == WAITING).sum())
         words = [f"expanded {min(count, len(self))}", f"frontier {waiting}"]
         if self.is_over(count):
             words.append(f"cost {self.solution.cost:g}" if self.solution.found else "no path")
         return words
 
-    def expanded_by(self, count: int) -> Cell | None:
-        """Return the cell of expansion ``count``; ``None`` before the first and at the end."""
-        if count == 0 or self.is_over(count):
-            return None
-        return self.layout.cell(self._cells[self._counts[count - 1]])
+    def _found(self) -> Iterator[tuple[int, Cell, int]]:
+        """Yield the time, the cell and the value of each mark."""
+        events: Any = self.solution.events  # a state is a cell here
+        last = max(len(self), 1)
+        before, goal = self.ends
+        yield 0, before, WAITING
+        for number, (expanded, reached) in enumerate(events, start=1):
+            if number > 1:
+                yield number, before, FIRST_SHADE + (number - 2) * len(SHADES) // last
+            yield number, expanded, LAST_SHADE if number == len(self) else NOW
+            yield from ((number, cell, WAITING) for cell in reached)
+            before = expanded
+        if self.solution.found:  # the goal was the last cell taken from the frontier
+            yield len(self), goal, LAST_SHADE
 
 
 def track_of_course(course: SearchCourse) -> Track:
     """Return the track of a search; its clock is the number of expansions."""
-    times, cells, values = zip(*_marks(course), strict=True)
-    marks = Marks(times, cells, values, [*MARK_COLORS.values()], [*MARK_COLORS], course.ends)
     rows = tuple(re.sub(f"[^{WALL}]", EMPTY, row) for row in course.layout.rows)
     counts = np.linspace(0, len(course), min(len(course) + 1, MAX_TRACK_FRAMES)).round().tolist()
     frames = [
@@ -122,21 +123,4 @@ def track_of_course(course: SearchCourse) -> Track:
         for step, count in enumerate(counts)
     ]
     frames[-1].route = tuple(map(middle, course.solution.states))
-    return Track(frames, {}, title=printable(course.name), marks=marks)
-
-
-def _marks(course: SearchCourse) -> Iterator[tuple[int, Cell, int]]:
-    """Yield the marks of cells as ``SearchCourse.marks_after`` has them."""
-    numbers = np.arange(1, max(len(course), 1) + 1, dtype=np.int32)
-    events: Any = course.solution.events  # a state is a cell here
-    shades = [FIRST_SHADE + shade for shade in course.shades(numbers).tolist()]
-    before, goal = course.ends
-    yield 0, before, WAITING
-    for number, (expanded, reached) in enumerate(events, start=1):
-        if number > 1:
-            yield number, before, shades[number - 2]
-        yield number, expanded, shades[-1] if number == len(course) else NOW
-        yield from ((number, cell, WAITING) for cell in reached)
-        before = expanded
-    if course.solution.found:
-        yield len(course), goal, shades[-1]
+    return Track(frames, {}, title=printable(course.name), marks=course.marks)
