@@ -80,10 +80,10 @@ GROUPS: dict[str, dict[str, Callable[..., None]]] = {
     "Start": {
         "run": run,
         "play": play,
-        "playground": playground,
         "race": race,
-        "demo": demo,
         "replay": replay,
+        "demo": demo,
+        "playground": playground,
     },
     "Several robots": {
         "fleet": fleet,
