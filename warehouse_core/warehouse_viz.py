@@ -94,7 +94,7 @@ def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: fl
     Args:
         frames: an ``Episode``, or frames as ``WarehouseEnv.render_grid`` returns them.
         output_dir: created if it does not exist; files of these names in it are replaced.
-        dpi: dots an inch of pixels in the files; none are drawn, so it changes nothing.
+        dpi: dots an inch of the pixels of tiles; robots and words are shapes.
 
     Raises:
         ValueError: bad frames or ``dpi``.
@@ -127,7 +127,7 @@ def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: fl
                 save_svg(scene.root, part, dpi)
             report(frame, None)
     legend = make_figure(FLEET_LEGEND_INCHES if track.is_fleet else LEGEND_INCHES)
-    draw_legend(legend, [track], columns=6 if track.is_fleet else 5)
+    draw_legend(legend, [track], 6 if track.is_fleet else 5, with_characters=True)
     with atomic_path(folder / "legend.svg") as part:
         save_svg(legend, part, dpi)
 

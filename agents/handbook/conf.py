@@ -83,13 +83,19 @@ def add_commands(_app: Any, page: str, source: list[str]) -> None:
         for title, commands in cli.GROUPS.items():
             source[0] += f"\n## {title}\n"
             for name in commands:
-                each = typer.Context(program.commands[name], info_name=name, parent=context)
-                source[0] += f"\n### {name}\n{help_of(each)}"
+                source[0] += f"\n### {name}\n{help_below(program.commands[name], name, context)}"
 
 
 def help_of(context: typer.Context) -> str:
     """Return the help of a command as a block of text."""
     return f"\n```text\n{context.get_help()}\n```\n"
+
+
+def help_below(command: Any, name: str, above: typer.Context) -> str:
+    """Return the help of a command and of the commands in it."""
+    context = typer.Context(command, info_name=name, parent=above)
+    inner = getattr(command, "commands", {}).items()
+    return help_of(context) + "".join(help_below(each, word, context) for word, each in inner)
 
 
 def add_terms(app: Any, tree: nodes.document) -> None:

@@ -17,7 +17,8 @@ from agents.mapf.kernels.auction import Auction, auction_of, foresee
 from agents.mapf.kernels.buffers import buffer_of, prepare
 from agents.mapf.kernels.places import FAR, NONE
 from agents.mapf.kernels.robots import NOBODY, robots_of
-from agents.mapf.planner import Memory, PlacePlanner, Situation
+from agents.mapf.memory import Memory
+from agents.mapf.planner import PlacePlanner, Situation
 from warehouse_core.arguments import instance_of, real_number, seed_number, whole_number
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers

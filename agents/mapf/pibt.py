@@ -21,7 +21,8 @@ from agents.mapf.kernels.pibt import (
 )
 from agents.mapf.kernels.places import FAR, STAY
 from agents.mapf.kernels.robots import NOBODY, SPREAD, UNDECIDED, draw, mix, robots_of
-from agents.mapf.planner import Memory, PlacePlanner, Situation, solve_by_steps
+from agents.mapf.memory import Memory
+from agents.mapf.planner import PlacePlanner, Situation, solve_by_steps
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.arguments import instance_of, seed_number
 from warehouse_core.world.tables import Integers

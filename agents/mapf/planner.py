@@ -10,8 +10,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.errors import PlanError
-from agents.mapf.graph import CLOSED, EAST, Graph, robots_in
-from agents.mapf.kernels.places import NONE
+from agents.mapf.graph import CLOSED, Graph, robots_in
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.wording import brief, counted
 from warehouse_core.world.moves import HEADINGS
@@ -186,41 +185,6 @@ class UserPlanner(BasePlanner):
 def with_defaults(planner: Planner) -> BasePlanner:
     """Return a planner with all methods and attributes of a ``BasePlanner``."""
     return planner if isinstance(planner, BasePlanner) else UserPlanner(planner)
-
-
-class Memory:
-    """The headings and ages of ``R`` robots; an age is the steps since a robot was at its goal.
-
-    Args:
-        graph: floor.
-        ranks: ``[R]`` different numbers from 0 to 1, which order robots of equal age.
-
-    Attributes:
-        goals: ``[R]``, the goals of the last step.
-        ages: ``[R]``, the ages of the robots in it.
-    """
-
-    def __init__(self, graph: Graph, ranks: NDArray[np.float64]) -> None:
-        self._graph, self._ranks, robots = graph, ranks, len(ranks)
-        self.goals, self.ages = np.full(robots, NONE), np.zeros(robots, np.intp)
-        self._cells, self._headings = np.full(robots, NONE), np.full(robots, EAST)
-
-    def places(self, cells: Integers) -> Integers:
-        """Return the places of the robots; they face where they last moved, at first east."""
-        if not self._graph.turn_cost:
-            return cells
-        before = np.where(self._cells == NONE, cells, self._cells)
-        self._headings = self._graph.headings(before, cells, self._headings)
-        self._cells = cells.copy()
-        return self._headings * self._graph.size + cells
-
-    def order(self, cells: Integers, goals: Integers, urgent: Integers) -> Integers:
-        """Return the robots by falling priority, which is their age; urgent robots are first."""
-        is_there = (cells == goals) | (cells == self.goals)
-        self.ages, self.goals = np.where(is_there, 0, self.ages + 1), goals.copy()
-        priorities = self.ages + self._ranks
-        priorities[urgent] += self.ages.max(initial=0) + 1
-        return np.argsort(-priorities, kind="stable")
 
 
 class PlacePlanner(BasePlanner):

@@ -38,7 +38,8 @@ from agents.mapf.kernels.space_time_astar import (
     reserve,
     reserve_only,
 )
-from agents.mapf.planner import Memory, PlacePlanner, Situation
+from agents.mapf.memory import Memory
+from agents.mapf.planner import PlacePlanner, Situation
 from warehouse_core.arguments import (
     flag,
     instance_of,

@@ -49,15 +49,6 @@ def names(folder: Path) -> list[str]:
 # The command itself.
 
 
-def test_there_are_at_most_16_commands_and_140_options() -> None:
-    options = [
-        each for leaf in LEAVES.values() for each in leaf.params if each.param_type_name == "option"
-    ]
-    print(f"{len(LEAVES)} commands, {len(options)} options")
-    assert len(LEAVES) <= 16
-    assert len(options) <= 140
-
-
 def test_the_version_is_that_of_the_package(warehouse: Warehouse) -> None:
     expected = f"warehouse-lab {version('warehouse-lab')}\n"
     assert warehouse("--version") == (0, expected, "")
@@ -96,19 +87,6 @@ def test_the_help_fits_60_columns_and_cuts_no_summary_off(
     out = warehouse(*group.split(), "--help").out
     assert max(map(len, out.splitlines())) <= 60
     assert "..." not in out.partition("Options:")[2]
-
-
-@pytest.mark.parametrize(
-    ("words", "shown", "others"),
-    [("compare search", "--weights", "--planner"), ("train q", "--resume", "--from")],
-)
-def test_help_after_a_kind_has_its_options_alone(
-    warehouse: Warehouse, words: str, shown: str, others: str
-) -> None:
-    out = warehouse(*words.split(), "-h").out
-    assert shown in out
-    assert others not in out
-    assert others in warehouse(words.split()[0], "-h").out
 
 
 def test_the_help_lists_commands_in_groups(warehouse: Warehouse) -> None:

@@ -1,6 +1,6 @@
 """The tiles of pictures, each drawn once for each size, with NumPy only.
 
-They look like the cells of a replay. A tile is first drawn with ``n = T * SAMPLES`` points a side,
+Their geometry is in ``tiles.json``. A tile is first drawn with ``n = T * SAMPLES`` points a side,
 each of one colour, which are then averaged; ``T`` is the side of the tile in pixels. A shape is a
 mask of points, ``[n, n]`` or broadcast to it, computed from their places ``x`` ``[1, n]`` and ``y``
 ``[n, 1]`` in pixels.
@@ -8,7 +8,7 @@ mask of points, ``[n, n]`` or broadcast to it, computed from their places ``x`` 
 
 from __future__ import annotations
 
-from functools import cache
+from functools import cache, partial
 from itertools import product
 
 import numpy as np
@@ -18,8 +18,11 @@ from warehouse_core.render.palette import (
     BOARD,
     COLORS,
     FAINT,
+    ICE,
+    ICE_WAVE,
     INK,
     ITEM,
+    LOOK,
     PAPER,
     SHELF,
     UNKNOWN,
@@ -47,7 +50,7 @@ Pixels = NDArray[np.uint8]
 Places = NDArray[np.float64]
 Shape = NDArray[np.bool_]
 
-NO_ROBOT, UNSEEN, WAITING_ITEM = "", "?", "item"
+NO_ROBOT, UNSEEN, WAITING_ITEM, SLIPPERY = "", "?", "item", "ice"
 
 STATIONS = (PICKUP, DROPOFF, CHARGER)
 
@@ -61,6 +64,7 @@ CELLS = (
     *product(STATIONS, (PERSON,)),
     (PICKUP, WAITING_ITEM),
     *product((WALL,), (SHELVES, *BORDERS)),
+    *product((EMPTY, *STATIONS), (SLIPPERY,)),
 )
 """Everything that can be painted: a tile and what is on it, such as a robot. The index is its code.
 
@@ -81,26 +85,22 @@ ROBOT_CODES = np.array(
 """The code with a robot, by whether it is loaded and the code without; 255 for walls."""
 ROBOT_CODES.setflags(write=False)
 
-INSET, CORNER = 0.06, 0.07
-"""Distances of a station's square and of its letter from the edge, in cells."""
+BAND = 1 - LOOK["border"]["outer"]
+"""Thickness of a border, in cells."""
 
-ROBOT_RADIUS, OUTLINE = 0.31, 1 / 22
+ROBOT_RADIUS, OUTLINE = LOOK["robot"]["radius"], LOOK["robot"]["rim"]
 """Radius of the robot and width of the line around it, in cells."""
 
-BOX, STATION_BOX = 0.174, 0.73
-"""Half a side of an item, and the middle of one at a station from the left and top, in cells."""
+PERSON_RADIUS = LOOK["shapes"]["H"][1][0]
+"""Distance of the corners of a person from its middle, in cells."""
 
-BAND, BOARDS, BOARD_INSET = 0.3, ((0.3, 0.38), (0.62, 0.7)), 0.12
-"""Thickness of a border; top and bottom of the boards of a shelf, and their distance from its
-sides; in cells."""
+CAPITAL = 0.73
+"""Height of a capital letter, as a share of the size of its font."""
 
-CORNER_LETTER, ROBOT_LETTER = 0.22, 0.306
-"""Heights of capital letters, in cells."""
-
-MIN_RADIUS, MIN_CORNER_LETTER, MIN_ROBOT_LETTER = 3.0, 5, 6
+MIN_RADIUS, MIN_PERSON, MIN_CORNER_LETTER, MIN_ROBOT_LETTER = 3.0, 3.75, 6, 6
 """Smallest sizes in pixels; smaller shapes could not be recognised."""
 
-MIN_OUTLINED, MIN_LETTERED, MIN_BOTH_LETTERED = 10, 16, 20
+MIN_OUTLINED, MIN_LETTERED, MIN_BOTH_LETTERED = 10, 16, 24
 """Minimum sides of tiles, in pixels, with an outline, with a letter, and with two letters."""
 
 WIDTHS = {
@@ -110,6 +110,8 @@ WIDTHS = {
 """Widths of the letters, as shares of the height of a capital."""
 
 LOWERCASE = (ROBOT_LOADED, OTHER_LOADED)
+
+BODIES = (ROBOT_EMPTY, ROBOT_LOADED, PERSON)
 
 SAMPLES = 8
 """Points along each side of a pixel, to measure how much of it a shape covers."""
@@ -126,11 +128,14 @@ def atlas(tile_pixels: int) -> Pixels:
 def noses(tile_pixels: int) -> NDArray[np.bool_]:
     """Return the pixels of the nose of a robot by its heading, N, E, S and W, ``[4, T, T]``.
 
-    It is a triangle between the disc and the edge of the tile; tiles from 4 pixels on have one.
+    It is a triangle beyond the rim of the disc; tiles from 4 pixels on have one.
     """
+    (tip, _), (base, half), _ = LOOK["shapes"]["nose"]
     along = (np.arange(tile_pixels) + 0.5) / tile_pixels - 0.5
     forward, aside = -along[:, None], np.abs(along)
-    north = (forward > ROBOT_RADIUS) & (aside <= 0.5 - forward)
+    # All pixels that the triangle touches, of which small tiles have few.
+    reach, near = tip - forward + 0.5 / tile_pixels, aside - 0.5 / tile_pixels
+    north = (forward > ROBOT_RADIUS) & (near * (tip - base) <= half * reach)
     return np.stack([np.rot90(north, -quarters) for quarters in range(4)])
 
 
@@ -140,19 +145,29 @@ def _draw_cell(tile: str, robot: str, side: int) -> Pixels:
     along = (np.arange(side * SAMPLES) + 0.5) / SAMPLES
     x, y = along[None, :], along[:, None]
     if tile == UNSEEN:
-        _fill(points, (x + y) % (side / 2) < side / 8, blend(UNKNOWN, COLORS[EMPTY], 0.3))
+        apart, width = (LOOK["unseen"][key] * side for key in ("apart", "width"))
+        stripe = (x + y) % apart < 2**0.5 * width
+        _fill(points, stripe, blend(UNKNOWN, COLORS[EMPTY], 0.3))
     elif tile == WALL:
         _draw_wall(points, x / side, y / side, robot, with_boards=side >= MIN_OUTLINED)
     else:
         # Lines are one pixel wide; they are paler on small tiles instead of narrower.
         _fill(points, (x < 1) | (y < 1), blend(COLORS[EMPTY], FAINT, min(1.0, side / 24)))
+    if robot == SLIPPERY:
+        _draw_ice(points, x / side, y / side, with_waves=side >= MIN_OUTLINED)
+    inset = round(LOOK["station"]["inset"] * side)
     if tile in STATIONS:
-        lettered = side >= (MIN_BOTH_LETTERED if robot else MIN_LETTERED)
-        _draw_station(points, x, y, side, tile, lettered)
+        square = _within(inset, x, side - inset) & _within(inset, y, side - inset)
+        _fill(points, square, COLORS[tile])
     if robot == WAITING_ITEM:
-        _draw_item(points, x - STATION_BOX * side, y - STATION_BOX * side, side)
-    elif robot and tile != WALL:
+        middle = LOOK["item"]["place"] * side
+        _draw_item(points, x - middle, y - middle, side)
+    elif robot and robot != SLIPPERY and tile != WALL:
         _draw_robot(points, x - side / 2, y - side / 2, side, robot)
+    if tile in STATIONS and side >= (MIN_BOTH_LETTERED if robot in BODIES else MIN_LETTERED):
+        corner = max(round(LOOK["station"]["corner"] * side), inset + 1)
+        height = max(MIN_CORNER_LETTER, round(CAPITAL * LOOK["station"]["letter"] * side))
+        _write(points, tile, x - corner, y - corner, round(WIDTHS[tile] * height), height)
     mixed = points.reshape(side, SAMPLES, side, SAMPLES, 3).mean(axis=(1, 3))
     pixels: Pixels = np.rint(mixed).astype(np.uint8)
     return pixels
@@ -161,51 +176,66 @@ def _draw_cell(tile: str, robot: str, side: int) -> Pixels:
 def _draw_wall(points: Pixels, x: Places, y: Places, sign: str, *, with_boards: bool) -> None:
     """Draw a shelf, or clear what is outside of the border; places are in cells."""
     if sign == SHELVES:
+        inset, tops, thick = LOOK["shelf"].values()
         points[:] = color_bytes(SHELF)
-        for top, bottom in BOARDS if with_boards else ():
-            _fill(points, _within(BOARD_INSET, x, 1 - BOARD_INSET) & _within(top, y, bottom), BOARD)
+        for top in tops if with_boards else ():
+            _fill(points, _within(inset, x, 1 - inset) & _within(top, y, top + thick), BOARD)
         return
     outside = {"N": y < 1 - BAND, "S": y > BAND, "W": x < 1 - BAND, "E": x > BAND}
     for side in sign:
         _fill(points, outside[side], PAPER)
 
 
-def _draw_station(
-    points: Pixels, x: Places, y: Places, side: int, tile: str, lettered: bool
-) -> None:
-    inset = round(INSET * side)
-    _fill(points, _within(inset, x, side - inset) & _within(inset, y, side - inset), COLORS[tile])
-    if lettered:
-        corner = max(round(CORNER * side), inset + 1)
-        height = max(MIN_CORNER_LETTER, round(CORNER_LETTER * side))
-        width = round(WIDTHS[tile] * height)
-        _fill(points, _letter(tile, x - corner, y - corner, width, height), INK)
+def _draw_ice(points: Pixels, x: Places, y: Places, *, with_waves: bool) -> None:
+    """Draw slippery floor; places are in cells."""
+    middles, left, length, bend, width = LOOK["ice"].values()
+    points[:] = color_bytes(ICE)
+    crest = -bend / 2 * np.sin(2 * np.pi * (x - left) / length)
+    for middle in middles if with_waves else ():
+        wave = np.abs(y - middle - crest) < width / 2
+        _fill(points, wave & _within(left, x, 1 - left), ICE_WAVE)
 
 
 def _draw_robot(points: Pixels, x: Places, y: Places, side: int, robot: str) -> None:
     """Draw a robot, a disc, or a person, a square on a corner, whose middle is at 0, 0."""
-    radius = max(ROBOT_RADIUS * side, min(MIN_RADIUS, side / 2))
-    outline = OUTLINE * side if side >= MIN_OUTLINED else 0.0
-    distance = 0.8 * (np.abs(x) + np.abs(y)) if robot == PERSON else np.hypot(x, y)
+    is_person = robot == PERSON
+    least = min(MIN_PERSON if is_person else MIN_RADIUS, side / 2)
+    radius = max((PERSON_RADIUS if is_person else ROBOT_RADIUS) * side, least)
+    outline = _outline(side)
+    distance = np.abs(x) + np.abs(y) if is_person else np.hypot(x, y)
     _fill(points, distance < radius + outline / 2, INK)
     _fill(points, distance < radius - outline / 2, COLORS[robot])
     if robot == ROBOT_LOADED:
         _draw_item(points, x, y, side)
     if side >= MIN_LETTERED:
-        capital = max(MIN_ROBOT_LETTER, round(ROBOT_LETTER * side))
+        capital = max(MIN_ROBOT_LETTER, round(CAPITAL * LOOK["robot"]["letter"] * side))
         width = _centred(WIDTHS[robot] * capital, side)
         height = _centred(0.76 * capital if robot in LOWERCASE else capital, side)
-        letter = _letter(robot, x + width / 2, y + height / 2, width, height)
-        _fill(points, letter, INK if robot in LOWERCASE else PAPER)
+        _write(points, robot, x + width / 2, y + height / 2, width, height)
+
+
+def _outline(side: int) -> float:
+    """Return the width in pixels of the line around robots and items."""
+    return max(OUTLINE * side, 0.5) if side >= MIN_OUTLINED else 0.0
 
 
 def _draw_item(points: Pixels, x: Places, y: Places, side: int) -> None:
     """Draw a box whose middle is at 0, 0; where it would be too small, a dark square."""
-    half, outline = BOX * side, OUTLINE * side if side >= MIN_OUTLINED else 0.0
+    half, outline = LOOK["item"]["side"] * side / 2, _outline(side)
     distance = np.maximum(np.abs(x), np.abs(y))
     _fill(points, distance < half + outline / 2, INK)
     if side >= MIN_LETTERED:
         _fill(points, distance < half - outline / 2, ITEM)
+
+
+def _write(points: Pixels, letter: str, x: Places, y: Places, width: int, height: int) -> None:
+    """Draw a letter whose top left corner is at 0, 0: light with a dark rim, or dark."""
+    shape = partial(_letter, letter, width=width, height=height)
+    if letter not in LOWERCASE:
+        rim = max(1, round(LOOK["lines"]["letter"] / CAPITAL / 2 * height))
+        for right, down in product((-rim, 0, rim), repeat=2):
+            _fill(points, shape(x + right, y + down), INK)
+    _fill(points, shape(x, y), INK if letter in LOWERCASE else PAPER)
 
 
 def _centred(length: float, side: int) -> int:

@@ -7,7 +7,7 @@ height and width of a layout in cells, ``...`` is any leading shape, such as a b
 
 from __future__ import annotations
 
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike, NDArray
@@ -17,6 +17,8 @@ from warehouse_core.render.atlas import (
     CODES,
     NO_ROBOT,
     SHELVES,
+    SLIPPERY,
+    UNSEEN,
     WAITING_ITEM,
     Pixels,
     atlas,
@@ -25,7 +27,6 @@ from warehouse_core.render.atlas import (
 )
 from warehouse_core.render.palette import BATTERY, FAINT, INK, Color
 from warehouse_core.world.layout import Layout
-from warehouse_core.world.tables import tile_codes
 from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED, WALL, Cell
 
 MAX_TILE_PIXELS = 256
@@ -142,18 +143,32 @@ def layout_codes(layout: Layout) -> NDArray[np.uint8]:
 
     A border is as thin as in a replay.
     """
-    codes = tile_codes(layout).reshape(layout.height, layout.width).copy()
+    return codes_of(layout.rows)
+
+
+def codes_of(rows: Sequence[str], slippery: Iterable[Cell] = ()) -> NDArray[np.uint8]:
+    """Return ``layout_codes`` of some rows of tiles, which may be ``UNSEEN``, with slippery floor.
+
+    A border of walls may have cells that are not seen.
+    """
+    codes = np.array([[CODES[tile, NO_ROBOT] for tile in line] for line in rows], np.uint8)
     is_wall = codes == CODES[WALL, NO_ROBOT]
     codes[is_wall] = CODES[WALL, SHELVES]
+    for row, col in slippery:
+        sign = rows[row][col], SLIPPERY
+        codes[row, col] = CODES.get(sign, codes[row, col])
     inside = np.zeros_like(is_wall)
     inside[1:-1, 1:-1] = True
-    if not is_wall[~inside].all() or not inside.any():
+    is_edge = is_wall | (codes == CODES[UNSEEN, NO_ROBOT])
+    if not is_edge[~inside].all() or not inside.any():
         codes[is_wall & ~inside] = CODES[WALL, NO_ROBOT]
         return codes
-    for side, line in (("N", codes[0]), ("S", codes[-1]), ("W", codes[:, 0]), ("E", codes[:, -1])):
-        line[:] = CODES[WALL, side]
+    for side, line in (("N", 0), ("S", -1), ("W", (..., 0)), ("E", (..., -1))):
+        codes[line] = np.where(is_wall[line], CODES[WALL, side], codes[line])
     for corner in ("NW", "NE", "SW", "SE"):
-        codes[-("S" in corner), -("E" in corner)] = CODES[WALL, corner]
+        place = -("S" in corner), -("E" in corner)
+        if is_wall[place]:
+            codes[place] = CODES[WALL, corner]
     return codes
 
 

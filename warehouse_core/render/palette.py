@@ -41,8 +41,8 @@ LOOK: dict[str, Any] = json.loads(
 """Words and geometry of tiles, robots and what is on them, by name, for every picture and page.
 
 Lengths are in cells. The corners of ``shapes`` are around the middle of a cell or of a body, which
-heads east. ``letter`` and ``name`` are sizes of fonts, of one digit; ``lines`` are widths,
-that of the line around a letter as a share of its size. Fleets of more than ``few`` robots show
+heads east. ``letter`` and ``name`` are sizes of fonts, ``name`` divided by the number of digits;
+``lines`` are widths, of ``letter`` as a share of its size. Fleets of more than ``few`` robots show
 only batteries below a share ``low`` of a full one.
 """
 

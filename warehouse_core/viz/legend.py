@@ -11,7 +11,7 @@ from matplotlib.legend import Legend
 from matplotlib.lines import Line2D
 from matplotlib.patches import Rectangle
 
-from warehouse_core.records.plans import StepPlans
+from warehouse_core.render.atlas import UNSEEN
 from warehouse_core.render.palette import (
     BOARD,
     COLORS,
@@ -20,6 +20,7 @@ from warehouse_core.render.palette import (
     ICE_WAVE,
     INK,
     ITEM,
+    LOOK,
     ORDER_COLORS,
     PAPER,
     SHADOW,
@@ -34,30 +35,47 @@ from warehouse_core.render.palette import (
     Color,
 )
 from warehouse_core.viz.axes.look import SMALLEST
-from warehouse_core.viz.axes.plans import WISH_STYLE
-from warehouse_core.viz.axes.tiles import cells_of, is_on_border
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.tracks.history import History
 from warehouse_core.viz.tracks.track import Track
-from warehouse_core.viz.view import LOW_BATTERY, ROUTE_STYLE, WEAK_MOTOR, is_open
+from warehouse_core.viz.view import WEAK_MOTOR, cells_of
 from warehouse_core.warehouse_env import LEGEND
-from warehouse_core.world.tiles import PERSON, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, TILES, WALL
+from warehouse_core.world.tiles import (
+    CHARGER,
+    DROPOFF,
+    EMPTY,
+    PERSON,
+    PICKUP,
+    ROBOT_EMPTY,
+    ROBOT_LOADED,
+    WALL,
+)
 
-ORDER_WORDS = (", new", ", older", ", nearly due", ", late (!)")
+WORDS = LOOK["words"]
+
+DOTTED: dict[str, Any] = {"linestyle": (0, (0.1, 1.6)), "dash_capstyle": "round"}
 
 Signs = dict[str, Artist]
 
-EDGE: dict[str, Any] = {"linestyle": "none", "markeredgecolor": INK, "markeredgewidth": 0.6}
 
-
-def draw_legend(figure: SceneFigure, tracks: Sequence[Track], columns: int = 0) -> Legend:
+def draw_legend(
+    figure: SceneFigure,
+    tracks: Sequence[Track],
+    columns: int = 0,
+    *,
+    with_characters: bool = False,
+) -> Legend:
     """Draw the legend of what tracks show, in columns along the bottom or one on the right side.
 
-    Return the legend.
+    With characters, it explains them as ``render_with_legend`` does. Return the legend.
     """
     signs: Signs = {}
     for track in tracks:
         signs |= signs_of(track)
+    if with_characters:
+        signs = {f"{WALL} {WORDS['wall']}" if words == WORDS["wall"] else words: sign
+                 for words, sign in signs.items()}  # fmt: skip
+        signs[f"{EMPTY} {LEGEND[EMPTY]}"] = _marker("s", COLORS[EMPTY])
     place: dict[str, Any] = {"loc": "center right", "ncols": 1, "labelspacing": 0.7}
     if columns:
         place = {"loc": "lower center", "ncols": columns}
@@ -69,42 +87,53 @@ def draw_legend(figure: SceneFigure, tracks: Sequence[Track], columns: int = 0) 
 
 def signs_of(track: Track) -> Signs:
     """Return the signs in any frame of a track, by what they mean."""
-    poses = [pose for frame in track.frames for pose in frame.robots if pose is not None]
-    signs = _tile_signs(track)
-    for kind, loaded in ((ROBOT_EMPTY, False), (ROBOT_LOADED, True)):
+    signs: Signs = {}
+    frames = track.frames
+    poses = [pose for frame in frames for pose in frame.robots if pose is not None]
+    for tile, loaded in ((ROBOT_EMPTY, False), (ROBOT_LOADED, True)):
         if any(pose.loaded == loaded for pose in poses):
-            words = LEGEND[kind] if track.is_fleet else f"{kind}  {LEGEND[kind]}"
-            signs[words] = _marker("o", COLORS[kind])
-    if track.is_fleet:
-        signs |= _fleet_signs(track)
-    else:
-        signs |= _lone_signs(track)
-    if any(frame.hits for frame in track.frames):
-        signs["blocked" if track.is_fleet else "hit"] = _marker("*", HIT, 11)
+            signs[_words(tile, has_letter=not track.is_fleet)] = _marker("o", COLORS[tile])
+    signs |= _fleet_signs(track) if track.is_fleet else _lone_signs(track)
+    signs |= _tile_signs(track)
+    if any(frame.hits for frame in frames):
+        signs[WORDS["hit"]] = _marker("*", HIT, 11)
+    if any(frame.route for frame in frames):
+        signs[WORDS["plan"]] = Line2D([], [], color=INK, lw=2.6, **DOTTED)
     if track.motor_strength < 1:
-        dashed: dict[str, Any] = {"linestyle": WEAK_MOTOR, "lw": 1.4}
+        dashed: dict[str, Any] = {"linestyle": (0, WEAK_MOTOR), "lw": 1.4}
         signs[f"motors at {track.motor_strength:.0%}"] = _patch(PAPER, edgecolor=INK, **dashed)
     return signs
+
+
+def _words(tile: str, *, has_letter: bool = True) -> str:
+    """Return the words of a tile, after the letter that a picture shows."""
+    return f"{tile} {WORDS[tile]}" if has_letter else str(WORDS[tile])
 
 
 def _tile_signs(track: Track) -> Signs:
     signs: Signs = {}
     all_rows = {frame.tiles for frame in track.frames}
-    for tile in TILES:
-        on_border = {
-            is_on_border(cell, (len(rows), len(rows[0])))
-            for rows in all_rows
-            for cell in cells_of(tile, rows)
-        }
-        if tile == WALL and False in on_border:
-            signs[f"{tile}  shelf"] = _patch(SHELF, edgecolor=BOARD, hatch="--", lw=0)
-        if on_border and (tile != WALL or True in on_border):
-            signs[f"{tile}  {TILES[tile]}"] = _marker("s", COLORS[tile])
-    if any(is_open(rows, cell) for rows in all_rows for cell in track.slippery):
-        signs["slippery floor"] = _patch(ICE, edgecolor=ICE_WAVE, hatch="\\\\\\", lw=0)
-    if any(frame.route for frame in track.frames):
-        signs["not seen yet"] = _patch(UNKNOWN, edgecolor=UNKNOWN_STRIPE, hatch="///", lw=0)
-        signs["plan"] = Line2D([], [], color=INK, linestyle=ROUTE_STYLE, lw=2.2)
+    tiles = {tile for rows in all_rows for line in rows for tile in line}
+    for tile in (PICKUP, DROPOFF, CHARGER):
+        if tile in tiles:
+            signs[_words(tile)] = _marker("s", COLORS[tile])
+    on_border = {
+        any(at in (0, end - 1) for at, end in ((row, len(rows)), (col, len(rows[0]))))
+        for rows in all_rows
+        for row, col in cells_of(WALL, rows)
+    }
+    if False in on_border:
+        signs[WORDS["shelf"]] = _patch(SHELF, edgecolor=BOARD, hatch="--", lw=0)
+    if True in on_border:
+        signs[WORDS["wall"]] = _marker("s", COLORS[WALL])
+    if UNSEEN in tiles:
+        signs[WORDS["unseen"]] = _patch(UNKNOWN, edgecolor=UNKNOWN_STRIPE, hatch="///", lw=0)
+    if any(
+        0 <= row < len(rows) and 0 <= col < len(rows[0]) and rows[row][col] not in (WALL, UNSEEN)
+        for rows in all_rows
+        for row, col in track.slippery
+    ):
+        signs[WORDS["ice"]] = _patch(ICE, edgecolor=ICE_WAVE, hatch="\\\\\\", lw=0)
     return signs
 
 
@@ -117,11 +146,11 @@ def _lone_signs(track: Track) -> Signs:
         history.read(frames)
     is_loaded = any(pose and pose.loaded for frame in frames for pose in frame.robots)
     if is_loaded or any(PICKUP in line for line in frames[0].tiles):
-        signs["item"] = _marker("s", ITEM, 8)
+        signs[WORDS["item"]] = _marker("s", ITEM, 8)
     if track.view_radius is not None and len(histories) == 1:
-        signs["what the robot does not see"] = _patch(INK, alpha=SHADOW, lw=0)
+        signs[WORDS["shadow"]] = _patch(INK, alpha=SHADOW, lw=0)
     if any(max(history.visits(track.steps).values(), default=0) > 1 for history in histories):
-        signs["visited often"] = _patch(VISITED[-1], lw=0)
+        signs[WORDS["visited"]] = _patch(VISITED[-1], lw=0)
     moves = {
         before.loaded
         for first, second in pairwise(frames)
@@ -129,9 +158,8 @@ def _lone_signs(track: Track) -> Signs:
         if before and after and before.at != after.at
     }
     for loaded in sorted(moves):
-        signs[f"trail {'loaded' if loaded else 'empty'}"] = Line2D(
-            [], [], color=TRAIL_COLORS[loaded], linestyle=TRAIL_STYLES[loaded], lw=2.2
-        )
+        style: dict[str, Any] = {"color": TRAIL_COLORS[loaded], "linestyle": TRAIL_STYLES[loaded]}
+        signs[WORDS["trail-loaded" if loaded else "trail"]] = Line2D([], [], lw=2.2, **style)
     return signs
 
 
@@ -143,29 +171,21 @@ def _fleet_signs(track: Track) -> Signs:
     lowest = min((min(fleet.battery) for fleet in fleets), default=1.0)
     signs: Signs = {}
     if len(track.frames[0].robots) > len(fleets[0].battery):
-        signs["person"] = _marker("D", COLORS[PERSON], 8)
-    for age, words in enumerate(ORDER_WORDS):
-        if age in ages:
-            signs[f"order{words}"] = _marker("s", ORDER_COLORS[age], 8)
-    if lowest < LOW_BATTERY:
-        signs["battery low"] = Line2D([], [], color=WARNING, lw=4.0, solid_capstyle="butt")
+        signs[WORDS[PERSON]] = _marker("D", COLORS[PERSON], 8)
+    for age in sorted(ages):
+        signs[f"order, {LOOK['ages'][age]}"] = _marker("s", ORDER_COLORS[age], 8)
+    if lowest < LOOK["battery"]["low"]:
+        signs[WORDS["low"]] = Line2D([], [], color=WARNING, lw=4.0, solid_capstyle="butt")
     if lowest <= 0:
-        signs["battery empty"] = _marker("o", STRANDED, 8)
-    return signs | _plan_signs([fleet.plans for fleet in fleets])
-
-
-def _plan_signs(plans: Sequence[StepPlans]) -> Signs:
-    """Return the signs of plans ahead of robots."""
-    line: dict[str, Any] = {"color": COLORS[ROBOT_EMPTY], "lw": 3.0, "dash_capstyle": "round"}
-    signs: Signs = {}
+        signs[WORDS["stranded"]] = _marker("o", STRANDED, 8)
+    plans = [fleet.plans for fleet in fleets]
+    line: dict[str, Any] = {"color": COLORS[ROBOT_EMPTY], "lw": 3.0}
     if any(each.ways for each in plans):
-        signs["plan"] = Line2D([], [], **line)
+        signs[WORDS["plans"]] = Line2D([], [], **line)
     if any(each.wishes for each in plans):
-        signs["shortest way on"] = Line2D([], [], linestyle=WISH_STYLE, **line)
+        signs[WORDS["wishes"]] = Line2D([], [], **line, **DOTTED)
     if any(each.pushers for each in plans):
-        signs["pushes"] = Line2D(
-            [], [], linestyle="none", marker=">", markersize=9, color=INK, markeredgecolor=PAPER
-        )
+        signs[WORDS["pushes"]] = _marker(">", INK, 9)
     return signs
 
 
@@ -174,4 +194,5 @@ def _patch(color: Color, **style: Any) -> Rectangle:
 
 
 def _marker(marker: str, color: Color, size: float = 10) -> Line2D:
-    return Line2D([], [], marker=marker, markersize=size, markerfacecolor=color, **EDGE)
+    edge: dict[str, Any] = {"linestyle": "none", "markeredgecolor": INK, "markeredgewidth": 0.6}
+    return Line2D([], [], marker=marker, markersize=size, markerfacecolor=color, **edge)

@@ -5,11 +5,13 @@ All lengths are in inches, from the top left corner of the figure; sizes of word
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
 from warehouse_core.viz.charts import BatteryBar, Chart, DistanceChart, MotionChart, kinds_of_charts
+from warehouse_core.viz.figure import DPI
 from warehouse_core.viz.tracks.track import Track
 from warehouse_core.viz.words import (
     Words,
@@ -21,7 +23,8 @@ from warehouse_core.viz.words import (
     title_of,
 )
 
-MAX_CELL = 1.05
+MAX_CELL, SHARP = 1.05, 8
+"""Largest side of a cell; pixels of the smallest cells that have a whole number of them."""
 
 BAR = 0.2
 """Height of a battery."""
@@ -263,6 +266,10 @@ def _chart(kind: type[Chart], left: float, top: float, row: int, width: float) -
 
 
 def _cell(track: Track, width: float, height: float) -> float:
-    """Return the side of a cell with which a map fits into a width and a height."""
+    """Return the side of a cell with which a map fits into a width and a height.
+
+    It is a whole number of pixels where cells are not tiny, which keeps tiles sharp.
+    """
     columns, rows = track.shown_size
-    return min(width / columns, height / rows, MAX_CELL)
+    cell = min(width / columns, height / rows, MAX_CELL)
+    return math.floor(cell * DPI) / DPI if cell * DPI > SHARP else cell

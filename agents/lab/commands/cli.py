@@ -80,10 +80,10 @@ GROUPS: dict[str, dict[str, Callable[..., None]]] = {
     "Start": {
         "run": run,
         "play": play,
-        "race": race,
-        "replay": replay,
-        "demo": demo,
         "playground": playground,
+        "race": race,
+        "demo": demo,
+        "replay": replay,
     },
     "Several robots": {
         "fleet": fleet,

@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.lines import Line2D
 from matplotlib.text import Text
 from numpy.typing import NDArray
 
@@ -15,6 +14,7 @@ from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, Layout, WarehouseEnv, 
 from warehouse_core.render.palette import INK, SHADOW, UNKNOWN, blend
 from warehouse_core.viz.replay import Replay, replay_of_tracks
 from warehouse_core.viz.tracks.record_track import track_of_record
+from warehouse_core.viz.view import DOTS, Shapes
 
 DETOUR = Layout(["#########", "#.......#", "#.#####.#", "#P....#D#", "#.....#.#", "#########"])
 
@@ -162,14 +162,15 @@ def test_the_plan_its_sentence_and_the_legend_are_drawn() -> None:
     belief = shown.figure.axes[0].get_window_extent()
     assert belief.y1 < box.y0
     assert belief.x0 <= box.x0 < box.x1 <= belief.x1
-    [dots] = [
-        line
-        for line in shown.figure.findobj(Line2D)
-        if line.axes is not None and line.is_dashed() and line.get_color() == INK
-    ]
-    assert dots.get_xydata()[-1].tolist() == [1.5, 3.5]
+    bodies = next(each for each in shown.figure.findobj(Shapes) if each.shapes)
+
+    def dots() -> list[list[list[float]]]:
+        return [s.path.vertices.tolist() for s in bodies.shapes if s.dashes == DOTS]
+
+    [points] = dots()
+    assert points[-1] == [1.5, 3.5]
     shown.show_still()
-    assert len(dots.get_xydata()) == 0
+    assert not dots()
     said = [text.get_text() for text in shown.figure.findobj(Text)]
     assert said.count("not seen yet") == said.count("plan") == 1
 

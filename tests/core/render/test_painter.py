@@ -5,11 +5,9 @@ import pytest
 from helpers.pictures import is_color
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from matplotlib.backends.backend_agg import FigureCanvasAgg
 from numpy.typing import NDArray
 
 from warehouse_core import DEFAULT_LAYOUT, Layout
-from warehouse_core.render import atlas as tile_atlas
 from warehouse_core.render.atlas import (
     BORDERS,
     CELLS,
@@ -17,54 +15,31 @@ from warehouse_core.render.atlas import (
     NO_ROBOT,
     ROBOT_CODES,
     SHELVES,
+    SLIPPERY,
     UNSEEN,
     WAITING_ITEM,
     atlas,
 )
-from warehouse_core.render.painter import TilePainter, bar, layout_codes, tile_pixels_for
+from warehouse_core.render.painter import TilePainter, bar, codes_of, layout_codes, tile_pixels_for
 from warehouse_core.render.palette import (
     BATTERY,
     BOARD,
     COLORS,
     FAINT,
+    ICE,
+    ICE_WAVE,
     INK,
+    LOOK,
     PAPER,
     SHELF,
     UNKNOWN,
     WARNING,
 )
-from warehouse_core.viz import view
-from warehouse_core.viz.figure import SceneFigure
-from warehouse_core.viz.tracks.track import Frame, Pose, Track
-from warehouse_core.viz.view import View
 from warehouse_core.world.tiles import CELL_CODES
 
 YARD = Layout(["#####", "#P.D#", "#.PC#", "#####"])
 SIDES = (2, 3, 9, 10, 15, 16, 20, 40)
 WITH_LETTERS = tuple(side for side in SIDES if side >= 16)
-
-
-def drawn_by_the_replay(
-    layout: Layout, side: int, robot: tuple[int, int], *, loaded: bool
-) -> NDArray[np.uint8]:
-    """Return the grid of a replay with a layout and its robot, without the figure around it."""
-    figure = SceneFigure((layout.width * side / 100, layout.height * side / 100), 100)
-    FigureCanvasAgg(figure)
-    axes = figure.add_axes((0, 0, 1, 1))
-    pose = Pose((robot[1] + 0.5, robot[0] + 0.5), None, loaded)
-    frame = Frame(layout.rows, (pose,), 0.0)
-    View(figure, axes, side * 0.72, Track([frame], {})).show([frame], 0)
-    axes.set(xlim=(0, layout.width), ylim=(layout.height, 0))  # also what is not shown of a border
-    return np.asarray(figure.pixels())
-
-
-def correlation(one: NDArray[np.uint8], other: NDArray[np.uint8]) -> float:
-    return float(np.corrcoef(one.ravel(), other.ravel())[0, 1])
-
-
-def blurred(image: NDArray[np.uint8], block: int) -> NDArray[np.float64]:
-    height, width = image.shape[0] // block, image.shape[1] // block
-    return image.reshape(height, block, width, block, 3).mean(axis=(1, 3))
 
 
 def pixel(tile: str, robot: str, x: float, y: float, side: int = 40) -> NDArray[np.uint8]:
@@ -89,6 +64,7 @@ def test_the_codes_of_a_window_can_be_painted_as_they_are() -> None:
 def test_each_cell_has_one_code() -> None:
     robots = {*itertools.product(".PDC", "RrH"), *itertools.product(".", "Oo")}
     robots |= {("P", WAITING_ITEM), ("#", SHELVES), *itertools.product("#", BORDERS)}
+    robots |= {*itertools.product(".PDC", [SLIPPERY])}
     assert set(CELLS) == robots | {(tile, NO_ROBOT) for tile in ".#PDC?"}
     assert len(set(CELLS)) == len(CELLS)
     assert [CODES[cell] for cell in CELLS] == list(range(len(CELLS)))
@@ -159,12 +135,12 @@ def test_a_robot_is_a_disc_on_its_tile(tile: str, robot: str) -> None:
 
 
 @pytest.mark.parametrize("robot", ["R", "r"])
-def test_a_robot_is_as_large_as_in_the_replay(robot: str) -> None:
-    assert tile_atlas.ROBOT_RADIUS == view.ROBOT_RADIUS
+def test_a_robot_has_the_radius_and_the_rim_of_the_look(robot: str) -> None:
+    radius, rim = LOOK["robot"]["radius"], LOOK["robot"]["rim"]
     image = atlas(100)[CODES[".", robot]]
-    row = image[50]
-    assert np.flatnonzero(where(row, INK))[0] == pytest.approx(50 - 33, abs=1)
-    assert np.flatnonzero(where(row, COLORS[robot]))[0] == pytest.approx(50 - 28.5, abs=1)
+    for color, share in ((INK, radius + rim / 2), (COLORS[robot], radius - rim / 2)):
+        first = np.flatnonzero(where(image[50], color))[0]
+        assert first == pytest.approx(50 - 100 * share, abs=1)
 
 
 @pytest.mark.parametrize("side", SIDES)
@@ -174,7 +150,7 @@ def test_small_robots_have_no_outline(side: int) -> None:
 
 
 def test_a_person_is_a_square_on_a_corner() -> None:
-    for x, y in ((0.5, 0.2), (0.8, 0.5), (0.5, 0.8), (0.2, 0.5)):
+    for x, y in ((0.5, 0.22), (0.78, 0.5), (0.5, 0.78), (0.22, 0.5)):
         assert is_color(pixel(".", "H", x, y), COLORS["H"])
     assert is_color(pixel(".", "H", 0.76, 0.76), COLORS["."])
 
@@ -189,11 +165,15 @@ def test_edges_are_smooth() -> None:
 @pytest.mark.parametrize("side", WITH_LETTERS)
 def test_stations_have_a_letter_in_the_top_left_corner(side: int) -> None:
     for tile in "PDC":
-        rows, columns = np.nonzero(where(atlas(side)[CODES[tile, NO_ROBOT]], INK))
-        assert 0.06 * side <= rows.min() <= 0.15 * side
-        assert 0.06 * side <= columns.min() <= 0.15 * side
-        assert rows.max() - rows.min() + 1 == max(5, round(0.22 * side))
-        assert columns.max() < 0.45 * side
+        image = atlas(side)[CODES[tile, NO_ROBOT]]
+        inner = image[round(0.06 * side) :, round(0.06 * side) :]
+        rows, columns = np.nonzero(where(inner, PAPER))
+        assert 1 <= rows.min() <= 0.13 * side
+        assert 1 <= columns.min() <= 0.13 * side
+        assert rows.max() - rows.min() + 1 == max(6, round(0.73 * 0.22 * side))
+        assert columns.max() < 0.5 * side
+        outline = np.nonzero(where(inner, INK))
+        assert outline[0].max() > rows.max(), "a letter has a dark outline"
 
 
 @pytest.mark.parametrize("side", WITH_LETTERS)
@@ -222,15 +202,15 @@ def test_small_tiles_have_no_letters(side: int) -> None:
 
 
 def test_a_tile_shows_two_letters_only_if_there_is_room() -> None:
-    for side, fits in ((16, False), (18, False), (20, True), (40, True)):
+    for side, fits in ((16, False), (22, False), (24, True), (40, True)):
         corner = atlas(side)[CODES["P", "R"]][: side // 4, : side // 4]
-        assert where(corner, INK).any() == fits
+        assert where(corner, PAPER).any() == fits
 
 
 @pytest.mark.parametrize("side", SIDES)
 def test_any_two_cells_have_different_colours(side: int) -> None:
     tiles = atlas(side).astype(int)
-    known = [code for code, (_, sign) in enumerate(CELLS) if sign not in BORDERS]
+    known = [code for code, (_, sign) in enumerate(CELLS) if sign not in (*BORDERS, SLIPPERY)]
     for one, other in itertools.combinations(known, 2):
         differences = np.abs(tiles[one] - tiles[other]).mean(axis=(0, 1))
         assert differences.max() > 15, (CELLS[one], CELLS[other])
@@ -278,54 +258,17 @@ def test_walls_of_a_layout_without_a_whole_border_are_whole(rows: list[str]) -> 
     assert where(picture, COLORS["#"]).sum() == 100 * sum(line.count("#") for line in rows)
 
 
-# Likeness to the replay.
-
-
-@pytest.mark.parametrize("loaded", [False, True])
-def test_a_picture_looks_like_the_replay(loaded: bool) -> None:
-    robot = (2, 1)
-    painted = TilePainter(40).picture(YARD, robot, loaded)
-    drawn = drawn_by_the_replay(YARD, 40, robot, loaded=loaded)
-    assert painted.shape == drawn.shape
-    # Walls along the border are a narrower band in the replay.
-    inside = np.zeros_like(painted)
-    inside[42:-42, 42:-42] = 1
-    painted, drawn = painted * inside, drawn * inside
-    assert correlation(painted, drawn) > 0.97
-    assert np.abs(blurred(painted, 10) - blurred(drawn, 10)).max() < 45
-    assert np.abs(blurred(painted, 40) - blurred(drawn, 40)).max() < 12
-
-
-def grey_cell_of_the_replay(cell: str, side: int) -> NDArray[np.float64]:
-    is_robot = cell in "Rr"
-    layout = Layout(["..", "..", ".."] if is_robot else [f"{cell}.", "..", ".."])
-    robot = (0, 0) if is_robot else (2, 1)
-    drawn = drawn_by_the_replay(layout, side, robot, loaded=cell == "r")
-    return drawn[:side, :side].mean(axis=-1)
-
-
-def likeness(letter: NDArray[np.float64], cell: NDArray[np.float64], at: int) -> float:
-    """Correlate a letter with a part of a cell, about ``at`` pixels from its top and its left."""
-    height, width = letter.shape
-    return max(
-        correlation(letter, cell[row : row + height, column : column + width])
-        for row in range(at - 8, at + 9)
-        for column in range(at - 8, at + 9)
-    )
-
-
-@pytest.mark.parametrize("letter", ["P", "D", "C", "R", "r"])
-def test_a_letter_has_the_shape_that_it_has_in_the_replay(letter: str) -> None:
-    tile, robot = (".", letter) if letter in "Rr" else (letter, NO_ROBOT)
-    at, size = (34, 32) if letter in "Rr" else (9, 21)
-    painted = atlas(100)[CODES[tile, robot], at : at + size, at : at + size].mean(axis=-1)
-    others = {
-        other: likeness(painted, grey_cell_of_the_replay(other, 100), at)
-        for other in ("Rr" if letter in "Rr" else "PDC")
-    }
-    mirrored = likeness(painted[:, ::-1], grey_cell_of_the_replay(letter, 100), at)
-    assert others[letter] > max(0.75, mirrored)
-    assert others[letter] == max(others.values())
+def test_slippery_floor_has_waves_below_stations_and_a_border_may_be_unseen() -> None:
+    rows = ["####", "#P.?", "#..#", "####"]
+    codes = codes_of(rows, [(1, 1), (1, 2), (1, 3), (0, 0)])
+    assert CELLS[codes[1, 1]] == ("P", SLIPPERY)
+    assert CELLS[codes[1, 2]] == (".", SLIPPERY)
+    assert CELLS[codes[1, 3]] == ("?", NO_ROBOT)
+    assert CELLS[codes[0, 0]] == ("#", "NW")
+    image = atlas(40)[CODES[".", SLIPPERY]]
+    assert where(image, ICE).any()
+    assert where(image, ICE_WAVE).any()
+    assert not where(atlas(9)[CODES[".", SLIPPERY]], ICE_WAVE).any()
 
 
 # Pictures.

@@ -26,11 +26,8 @@ from helpers.pictures import (
 )
 from helpers.player import said_by
 from helpers.terminal import Terminal
-from matplotlib.colors import to_hex
 from PIL import Image, ImageSequence
 
-from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import WarehouseEnv, record_episode
 from warehouse_core.errors import FormatError
 from warehouse_core.render.palette import COLORS
 from warehouse_core.viz.export import FORMATS, progress_bar
@@ -38,9 +35,7 @@ from warehouse_core.viz.export import formats as export
 from warehouse_core.viz.export.gif_writer import GifWriter
 from warehouse_core.viz.export.mp4_frames import mp4_frames
 from warehouse_core.viz.figure import SceneFigure
-from warehouse_core.warehouse_viz import replay_animation
 from warehouse_core.wording import printable
-from warehouse_core.world.tiles import DROPOFF, ROBOT_EMPTY
 
 FRAMES = 7
 SVG = "{http://www.w3.org/2000/svg}"
@@ -410,18 +405,6 @@ def test_a_long_export_on_a_terminal_shows_a_bar(monkeypatch: pytest.MonkeyPatch
     with progress_bar(export.MIN_BAR_FRAMES, "Drawing") as report:
         report(0, None)
     assert notebook.getvalue() == "", "a notebook keeps each line of a bar"
-
-
-def test_in_an_svg_the_robot_stands_on_its_tile(tmp_path: Path) -> None:
-    """Later elements of an SVG are drawn over earlier ones."""
-    env = WarehouseEnv(["#####", "#P.D#", "#####"])
-    episode = record_episode(env, GreedyAgent(seed=1, escape_steps=0), randomize=False)
-    replay = replay_animation(episode, window=False)
-    assert replay is not None
-    replay.save(tmp_path / "end.svg", still=True)
-    drawing = (tmp_path / "end.svg").read_text(encoding="utf-8").split('id="axes_2"')[0]
-    tile, robot = (to_hex(COLORS[letter]) for letter in (DROPOFF, ROBOT_EMPTY))
-    assert drawing.rindex(f"fill: {robot}") > drawing.rindex(f"fill: {tile}")
 
 
 def test_a_gif_that_goes_back_to_known_colors_shows_them_again() -> None:

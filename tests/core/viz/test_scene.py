@@ -34,6 +34,7 @@ from warehouse_core.render.palette import (
     ICE_WAVE,
     INK,
     ITEM,
+    LOOK,
     PALE_WARNING,
     PAPER,
     SHADOW,
@@ -47,11 +48,10 @@ from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.legend import signs_of
 from warehouse_core.viz.replay import Replay
 from warehouse_core.viz.scene import Scene
-from warehouse_core.viz.tracks.grid_track import track_of_frames
 from warehouse_core.viz.tracks.record_track import track_of_record
-from warehouse_core.viz.tracks.track import METRICS, DrawnHit, Pose, Track
-from warehouse_core.viz.view import TRAIL_STEPS, View
+from warehouse_core.viz.tracks.track import METRICS, Pose, Track
 
+TRAIL_STEPS = LOOK["trail"]["steps"]
 BARE = ["#####", "#P.D#", "#..R#", "#####"]
 REWARDS = "cumulative reward (bars: each step)"
 
@@ -200,11 +200,7 @@ def test_the_action_and_its_reason_are_the_largest_words() -> None:
     assert said.get_fontsize() > 1.3 * max(sizes)
 
 
-def test_wide_grids_have_no_lines_and_visible_stations() -> None:
-    for width, has_lines in ((40, True), (41, False)):
-        replay = replay_of([["P" + "." * (width - 2) + "R"]])
-        lines = [c for c in replay.figure.axes[0].collections if isinstance(c, LineCollection)]
-        assert (max(len(each.get_segments()) for each in lines) > width) == has_lines
+def test_wide_grids_have_visible_stations() -> None:
     replay = replay_of([["." * 150, ".D" + "." * 147 + "R", "." * 150]])
     around = patch(replay, pixels(replay), 0.0, 0.0, 4.0, 2.99)
     assert count_color(around, COLORS["D"]) > 20
@@ -216,7 +212,7 @@ def test_the_letter_of_a_tile_stays_readable_under_the_robot(
 ) -> None:
     # The first frame shows what is under the robot in the second one.
     replay = replay_of(frames_at((2, 2), (1, column), robot=robot))
-    corner = (column + 0.05, 1.05, column + 0.4, 1.4)
+    corner = (column + 0.05, 1.05, column + 0.24, 1.24)
     without = patch(replay, pixels(replay), *corner)
     replay.go_to(1)
     under = patch(replay, pixels(replay), *corner)
@@ -228,9 +224,7 @@ def test_the_letter_of_a_tile_stays_readable_under_the_robot(
 
 def test_a_heading_is_a_nose_in_front_of_the_robot() -> None:
     replay = replay_of(short_episode())
-    sides = {(1, "north"): (2.5, 1.1), (2, "west"): (1.1, 1.5), (4, "east"): (2.9, 1.5)}
-    image = pixels(replay)
-    assert not is_color(image[point_of(replay, 2.5, 1.1)], INK)
+    sides = {(2, "west"): (1.1, 1.5), (4, "east"): (2.9, 1.5)}
     for (frame, name), place in sides.items():
         replay.go_to(frame)
         row, column = point_of(replay, *place)
@@ -273,19 +267,6 @@ def test_a_hit_is_shown_in_its_frame_only() -> None:
     assert flashed == [False, True, False]
 
 
-def test_the_label_of_a_hit_is_beside_it() -> None:
-    figure = make_figure((2.0, 2.0))
-    axes = figure.add_axes((0, 0, 1, 1))
-    view = View(figure, axes, 50.0, track_of_frames([["...", ".PR"]]))
-    for x in (0.1, 1.5, 3.0):
-        view.show_hits([DrawnHit((x, 1.5), "2 N·s")])
-        [label] = (text for text in axes.texts if text.get_text() == "2 N·s")
-        assert math.dist(label.get_position(), (x, 1.5)) < 0.5
-        figure.pixels()
-        box = label.get_window_extent()
-        assert axes.bbox.x0 <= box.x0 < box.x1 <= axes.bbox.x1
-
-
 def test_tiles_and_the_robot_may_come_and_go() -> None:
     replay = replay_of([["...", ".P."], ["R..", ".D."]])
     for frame, robot, tile in ((0, ".", "P"), (1, "R", "D"), (0, ".", "P")):
@@ -325,17 +306,13 @@ def test_the_legend_has_what_is_in_the_picture_and_nothing_else() -> None:
         (legend,) = replay_of(frames).figure.legends
         return [text.get_text() for text in legend.get_texts()]
 
-    assert legend_of([BARE]) == [
-        "#  wall", ".  empty", "P  pickup", "D  dropoff", "R  robot (empty)", "item"
-    ]  # fmt: skip
+    assert legend_of([BARE]) == ["R robot (empty)", "item", "P pickup", "D dropoff", "wall"]
     assert legend_of([["r.D"], [".rD"]]) == [
-        ".  empty", "D  dropoff", "r  robot (loaded)", "item", "trail loaded"
+        "r robot (loaded)", "item", "trail, loaded", "D dropoff"
     ]  # fmt: skip
-    assert legend_of([["R..", ".#.", "..."]])[0] == "#  shelf"
-    assert legend_of([["R.D"], ["RCD"]])[2] == "C  charger"
     bump = short_episode().motions[0]._replace(contacts=(Contact(0.1, 2.0, (2.5, 1.0), "wall"),))
     words = legend_of(short_episode(motions=[bump, *short_episode().motions[1:]]))
-    assert {"hit", "what the robot does not see", "trail empty", "R  robot (empty)"} <= {*words}
+    assert {"hit", "what the robot does not see", "trail, empty", "R robot (empty)"} <= {*words}
 
 
 def test_rows_and_columns_are_numbered_from_0() -> None:
@@ -470,7 +447,7 @@ def test_the_legend_explains_what_a_track_has_grown_by_and_no_more() -> None:
         [shown] = scene.root.legends
         return {text.get_text() for text in shown.get_texts()}
 
-    loaded = {"r  robot (loaded)", "trail empty"}
+    loaded = {"r robot (loaded)", "trail, empty"}
     assert not legend() & loaded
     for action in ("W", "PICK"):
         recorder.step(action)

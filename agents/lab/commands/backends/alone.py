@@ -15,7 +15,7 @@ from numpy.typing import NDArray
 from agents.fleet.scheduler import Scheduler
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels.places import FAR
-from agents.mapf.planner import Memory
+from agents.mapf.memory import Memory
 from warehouse_core import Cell, FleetEnv, Layout, Outcome
 from warehouse_core.motion.base import BaseMotion, Ways
 from warehouse_core.world.actions import WAIT
