@@ -1,10 +1,10 @@
 """Lifelong planning in windows: a plan of the next steps that is always free of conflicts.
 
-In each step the plan of the last is continued by a round of PIBT, and then refined group by group;
-see ``kernels/lns.py``. Every fifth step, fresh rounds of PIBT take its place if they are better.
-For robots with headings the rounds are of EPIBT, and on floors that are nearly full circulations
-can take their place; see ``circulation.py``.
-Next goals are not known: a robot that has arrived gives way.
+In each step a round of PIBT continues the plan of the step before. The plan is then improved group
+by group; see ``kernels/lns.py``. In every fifth step a plan made anew takes its place if that is
+cheaper. Robots with headings have rounds of EPIBT, and on floors that are nearly full circulations
+can take the place of both; see ``kernels/rolling_horizon.py``. Next goals are not known: a robot
+that has arrived gives way.
 
 Sources: Li et al. (2021), Lifelong multi-agent path finding in large-scale warehouses, AAAI: the
 rolling horizon. Li et al. (2021), Anytime multi-agent path finding via large neighborhood search,
@@ -66,6 +66,9 @@ MAX_WINDOW = 10_000
 
 MAX_STATES = 2**31
 """States of a search in a window, which are numbers of 32 bits; each takes up to 24 bytes."""
+
+SHARED = ("goals", "rows", "stays", "is_closed")
+"""Buffers of the robots that their routes use too."""
 
 
 class WindowedPlanner(PlacePlanner):
@@ -138,22 +141,10 @@ class WindowedPlanner(PlacePlanner):
         """Make the buffers for so many robots."""
         self._fields = HeadedFields(self.graph) if has_headings else Fields(self.graph)
         floor, times = self._fields.floor, self.window + 1
-        self._robots = those = robots_of(self.graph.size, robots, self.seed)
-        # All kinds of rounds have the same arguments, but for what the algorithm knows of robots.
-        self._roll_by: Callable[..., None]
-        self._round: Auction | Epibt | Pibt
-        if self.circulates:
-            self._outward = dead_ends(self.graph)
-            those.random[0] = 1
-            self._roll_by, self._round = roll_circulation, auction_on(self._fields, robots, 1)
-        elif has_headings:
-            ahead = self.graph.neighbours[:, :WAIT]
-            self._roll_by, self._round = roll_epibt, epibt_of(ahead, robots)
-        else:
-            self._roll_by, self._round = roll_pibt, pibt_of(self.graph.size, robots)
-        self._routes = new_routes(floor, robots, times, True)._replace(
-            goals=those.goals, rows=those.rows, stays=those.stays, is_closed=those.is_closed
-        )
+        self._robots = robots_of(self.graph.size, robots, self.seed)
+        self._roll_by, self._round = self._make_round(robots, has_headings)
+        shared = {name: getattr(self._robots, name) for name in SHARED}
+        self._routes = new_routes(floor, robots, times, True)._replace(**shared)
         self._frontier = new_frontier(floor, self._routes)
         self._groups = new_groups(robots, times, self.seed)
         self._since = FRESH
@@ -161,6 +152,21 @@ class WindowedPlanner(PlacePlanner):
         self._memory = Memory(self.graph, ranks)
         self._places = np.asarray(self._routes.places).reshape(robots, times)
         self._places[:] = NONE
+
+    def _make_round(
+        self, robots: int, has_headings: bool
+    ) -> tuple[Callable[..., None], Auction | Epibt | Pibt]:
+        """Return the kernel of the rounds, and what its algorithm knows of robots.
+
+        All these kernels have the same arguments.
+        """
+        if self.circulates:
+            self._outward = dead_ends(self.graph)
+            self._robots.random[0] = 1  # whatever the seed is
+            return roll_circulation, auction_on(self._fields, robots, 1)
+        if has_headings:
+            return roll_epibt, epibt_of(self.graph.neighbours[:, :WAIT], robots)
+        return roll_pibt, pibt_of(self.graph.size, robots)
 
     def _read(self, situation: Situation) -> None:
         """Take over a situation: robots, goals and priorities."""
