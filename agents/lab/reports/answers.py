@@ -22,8 +22,8 @@ from agents.lab.reports.results import (
     ON_TIME,
     SECONDS,
     STEPS,
-    Comparison,
     Experiment,
+    PairedCases,
     PairedCosts,
     ReportedMeasure,
     Results,
@@ -340,7 +340,7 @@ def _ranking(ranked: Line) -> str:
     return f"success is {listed(shares)}{left}"
 
 
-def _seed_by_seed(one: FactorValue, other: FactorValue, found: Comparison) -> Iterator[str]:
+def _seed_by_seed(one: FactorValue, other: FactorValue, found: PairedCases) -> Iterator[str]:
     """Describe how two cases differ on the seeds that both have."""
     if not found.seeds:
         yield _no_common_seed(one, other)
@@ -361,7 +361,7 @@ def _seed_by_seed(one: FactorValue, other: FactorValue, found: Comparison) -> It
             yield _costs(one, other, found.both, UNITS[column], costs)
 
 
-def _conversion(one: FactorValue, other: FactorValue, found: Comparison) -> Iterator[str]:
+def _conversion(one: FactorValue, other: FactorValue, found: PairedCases) -> Iterator[str]:
     """Describe what the commonest failures of the worse value become with the better one."""
     if found.only_first == found.only_second:
         return

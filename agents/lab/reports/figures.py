@@ -66,9 +66,9 @@ class Picture:
 
 def pictures(experiment: Experiment) -> Iterator[Picture]:
     """Yield the figures that are not empty."""
-    kind, chart = experiment.kind, Chart(experiment, experiment.design)
+    kind, chart = experiment.kind, DesignPoints(experiment, experiment.design)
     physical = {n: case for n, case in experiment.cases.items() if case["backend"] != "grid"}
-    bodies = Chart(experiment, make_design(physical))
+    bodies = DesignPoints(experiment, make_design(physical))
     backends = sorted({shown(case["backend"]) for case in physical.values()})
     on = f", backend {listed(backends)}" if backends else ""
     for measure in kind.measures:
@@ -83,7 +83,9 @@ def pictures(experiment: Experiment) -> Iterator[Picture]:
         yield from _maps(experiment)
 
 
-def _measure_picture(chart: Chart, measure: ReportedMeasure, title: str) -> Iterator[Picture]:
+def _measure_picture(
+    chart: DesignPoints, measure: ReportedMeasure, title: str
+) -> Iterator[Picture]:
     """Yield the picture of a measure if it has something to show."""
     figures = [measure_figure(chart, title, measure, sheet) for sheet in SHEETS]
     if svgs := [themed_svg(figure) for figure in figures if figure]:
@@ -91,7 +93,7 @@ def _measure_picture(chart: Chart, measure: ReportedMeasure, title: str) -> Iter
         yield Picture(measure.name, words, *svgs)
 
 
-def _intervals(chart: Chart, measure: ReportedMeasure) -> str:
+def _intervals(chart: DesignPoints, measure: ReportedMeasure) -> str:
     """Return which intervals a chart shows, and why some points have none."""
     drawn = [(each, interval) for each in chart.points if (interval := measured(measure, each))]
     known = any(interval.is_known for _, interval in drawn)
@@ -113,7 +115,7 @@ def _intervals(chart: Chart, measure: ReportedMeasure) -> str:
     return f"{words}{', but none where ' if known else ': '}{' or '.join(why)}"
 
 
-def _left_out(chart: Chart) -> str:
+def _left_out(chart: DesignPoints) -> str:
     """Return the end of a caption: what a chart does not show of its design."""
     roles, words = chart.roles, ""
     if roles.axis and len(roles.axis.values) < roles.values:
@@ -197,7 +199,7 @@ Where = tuple[Value | None, Value | None]
 """The values of the panel and of the colour."""
 
 
-class Chart:
+class DesignPoints:
     """The results of a design as points of a chart.
 
     Attributes:
@@ -253,14 +255,14 @@ TITLE_SIZE, TEXT_SIZE = 14.0, 10.5
 SMALL: Text = {"fontsize": TEXT_SIZE, "color": INK}
 
 
-class Sheet(NamedTuple):
+class PaperSize(NamedTuple):
     """Width of a figure in inches, and most panels side by side."""
 
     width: float
     panels: int
 
 
-WIDE, PHONE = SHEETS = Sheet(9.0, 3), Sheet(3.4, 1)
+WIDE, PHONE = SHEETS = PaperSize(9.0, 3), PaperSize(3.4, 1)
 """Sheets for desktops and paper, and for phones 360 CSS pixels wide."""
 
 
@@ -274,7 +276,7 @@ class Panels(NamedTuple):
     """Columns of the legend, and its distance from the top in inches."""
 
 
-def make_panels(sheet: Sheet, title: str, count: int, keys: Sequence[str]) -> Panels:
+def make_panels(sheet: PaperSize, title: str, count: int, keys: Sequence[str]) -> Panels:
     """Return a figure with ``count`` panels, a title and room for a legend with these keys."""
     columns = min(count, sheet.panels)
     rows = math.ceil(count / columns)
@@ -358,7 +360,7 @@ def draw_legend(panels: Panels, keys: Sequence[tuple[str, Any]]) -> None:
     )  # fmt: skip
 
 
-def _legend_columns(sheet: Sheet, labels: Sequence[str]) -> int:
+def _legend_columns(sheet: PaperSize, labels: Sequence[str]) -> int:
     longest = max(map(len, labels), default=0) + KEY_LETTERS
     return min(max(int(sheet.width * LETTERS) // longest, 1), MAX_LEGEND_COLUMNS)
 
@@ -371,7 +373,7 @@ DODGE = 0.012
 
 @mpl.rc_context({"text.parse_math": False})
 def measure_figure(
-    chart: Chart, title: str, measure: ReportedMeasure, sheet: Sheet = WIDE
+    chart: DesignPoints, title: str, measure: ReportedMeasure, sheet: PaperSize = WIDE
 ) -> SceneFigure | None:
     """Draw a measure with its intervals, unless nothing differs or there is nothing to measure."""
     roles = chart.roles
@@ -489,7 +491,7 @@ BAR_LETTERS = 5
 
 
 @mpl.rc_context({"text.parse_math": False})
-def modes_figure(chart: Chart, title: str, sheet: Sheet = WIDE) -> SceneFigure:
+def modes_figure(chart: DesignPoints, title: str, sheet: PaperSize = WIDE) -> SceneFigure:
     """Draw the shares of the outcomes as stacked bars."""
     roles, lines = chart.roles, chart.lines
     everywhere = f"any {roles.axis.name}" if roles.axis else "all episodes"
@@ -565,7 +567,7 @@ def stuck_heat_map(
     rows: Sequence[str],
     stuck: Mapping[str, CellCounts],
     episodes: int,
-    sheet: Sheet = WIDE,
+    sheet: PaperSize = WIDE,
     *,
     with_stations: bool = False,
 ) -> Figure:

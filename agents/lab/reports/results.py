@@ -230,7 +230,7 @@ class PairedCosts(NamedTuple):
     difference: Interval
 
 
-class Comparison(NamedTuple):
+class PairedCases(NamedTuple):
     """Two cases over the seeds that both have, and which of these they deliver.
 
     Attributes:
@@ -253,7 +253,7 @@ class Comparison(NamedTuple):
         return sum(self.changes.values())
 
 
-def compare(store: Store, first: int, second: int, pairs_to_choose: int = 1) -> Comparison:
+def compare(store: Store, first: int, second: int, pairs_to_choose: int = 1) -> PairedCases:
     """Compare two cases, chosen by their results from so many pairs.
 
     Source: McNemar (1947), Note on the sampling error of the difference between correlated
@@ -286,7 +286,7 @@ def compare(store: Store, first: int, second: int, pairs_to_choose: int = 1) -> 
     fewer = min(only_first, only_second)
     chance = 2 * float(betainc(split - fewer, fewer + 1, 0.5)) if split else 1.0
     chance = min(pairs_to_choose * chance, 1.0)
-    return Comparison(changes, only_first, only_second, chance, both, costs)
+    return PairedCases(changes, only_first, only_second, chance, both, costs)
 
 
 def rate_difference(store: Store, first: int, second: int) -> Interval | None:

@@ -33,9 +33,9 @@ from agents.lab.reports.figures import (
     PHONE,
     SHEETS,
     WIDE,
-    Chart,
+    DesignPoints,
+    PaperSize,
     Picture,
-    Sheet,
     draw_legend,
     fitting,
     ink_on,
@@ -80,8 +80,8 @@ def experiment() -> Iterator[Experiment]:
         yield opened
 
 
-def chart_of(experiment: Experiment) -> Chart:
-    return Chart(experiment, experiment.design)
+def chart_of(experiment: Experiment) -> DesignPoints:
+    return DesignPoints(experiment, experiment.design)
 
 
 def draw(experiment: Experiment, *, modes: bool = False) -> SceneFigure:
@@ -291,7 +291,7 @@ def test_names_along_an_axis_have_room_beside_each_other(names: range, letters: 
     ("sheet", "count", "columns", "lines"), [(WIDE, 1, 1, 1), (WIDE, 4, 3, 2), (PHONE, 2, 1, 2)]
 )
 def test_panels_are_in_lines_below_a_title_and_a_legend(
-    sheet: Sheet, count: int, columns: int, lines: int
+    sheet: PaperSize, count: int, columns: int, lines: int
 ) -> None:
     keys = [f"a key {number}" for number in range(8)]
     panels = make_panels(sheet, "A title", count, keys)
@@ -455,7 +455,7 @@ def test_the_same_results_make_the_same_bytes() -> None:
 
 @pytest.mark.parametrize(("place", "sheet"), [*enumerate(SHEETS)])
 def test_each_text_of_a_figure_is_at_least_12_pixels_high_on_a_page(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: int, sheet: Sheet
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, place: int, sheet: PaperSize
 ) -> None:
     figures: list[Figure] = []
     monkeypatch.setattr(
@@ -600,7 +600,7 @@ def test_a_panel_of_a_heat_map_has_its_mode_its_count_and_its_share() -> None:
 )
 @pytest.mark.parametrize("sheet", SHEETS)
 def test_heat_maps_neither_overlap_nor_leave_the_figure(
-    rows: tuple[str, ...], count: int, sheet: Sheet
+    rows: tuple[str, ...], count: int, sheet: PaperSize
 ) -> None:
     stuck = {mode: counts((1, 1, 1_000_000), rows=rows) for mode in MODES[1 : count + 1]}
     figure = stuck_heat_map(rows, stuck, 1_000_000, sheet)

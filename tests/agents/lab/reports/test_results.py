@@ -10,7 +10,7 @@ from agents.lab.reports.results import (
     FLEETS,
     JOULES,
     PER_HOUR,
-    Comparison,
+    PairedCases,
     Results,
     compare,
 )
@@ -85,7 +85,7 @@ def test_rows_that_a_sweep_adds_later_are_not_counted() -> None:
         assert (results.episodes, estimates(results)[1]) == (2, 20)
 
 
-def compared(first: Sequence[Row], second: Sequence[Row], pairs: int = 1) -> Comparison:
+def compared(first: Sequence[Row], second: Sequence[Row], pairs: int = 1) -> PairedCases:
     with experiment_of([(ON, first), (OFF, second)]) as experiment:
         return compare(experiment.store, 1, 2, pairs)
 
