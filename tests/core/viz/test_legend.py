@@ -1,109 +1,26 @@
-"""The signs of the legend, by what the frames of a track have."""
+"""The legend of a picture; ``tracks/test_signs.py`` has what it explains."""
 
-from typing import Any
+from matplotlib.colors import to_hex
+from matplotlib.lines import Line2D
+from matplotlib.patches import Rectangle
 
-import pytest
-
-from warehouse_core.records.plans import StepPlans
-from warehouse_core.render.palette import LOOK
-from warehouse_core.viz.legend import signs_of
-from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Frame, Pose, Track, Waiting
-
-FLOOR = ("...", "...", "...")
-ROBOT = "R robot (empty)"
-LOADED = "r robot (loaded)"
+from warehouse_core.render.palette import COLORS, LOOK
+from warehouse_core.viz.legend import LINES, MARKERS, PATCHES, signs_of
+from warehouse_core.viz.tracks.track import Frame, Marks, Pose, Track
 
 
-def at(x: int, y: int = 0, *, loaded: bool = False) -> Pose:
-    return Pose((x + 0.5, y + 0.5), None, loaded)
+def test_all_words_have_one_look() -> None:
+    looks = [*LINES, *MARKERS, *PATCHES, *COLORS]
+    assert [name for name in LOOK["words"] if looks.count(name) != 1] == ["R", "r", "H"]
 
 
-def signs(
-    *frames: tuple[Pose | None, ...], rows: tuple[str, ...] = FLOOR, **others: Any
-) -> set[str]:
-    """Return the signs of a track of robots on ``rows``."""
-    drawn = [Frame(rows, robots, float(step)) for step, robots in enumerate(frames)]
-    return {*signs_of(Track(drawn, {}, **others))}
-
-
-def of_fleet(*fleets: FleetFrame, people: int = 0) -> set[str]:
-    """Return the signs of frames of a fleet beside those of its robots."""
-    frames = [
-        Frame(FLOOR, (at(0),) * (len(fleet.battery) + people), float(step), fleet=fleet)
-        for step, fleet in enumerate(fleets)
-    ]
-    return {*signs_of(Track(frames, {}))} - {"robot (empty)"}
-
-
-def fleet(*battery: float, **others: Any) -> FleetFrame:
-    return FleetFrame((), (None,) * len(battery), battery or (1.0,))._replace(**others)
-
-
-def test_robots_have_signs_by_what_they_carry_and_trails_by_what_they_carried() -> None:
-    assert signs((at(0),), (at(0),)) == {ROBOT}
-    assert signs((at(0),), (at(1),)) == {ROBOT, "trail, empty"}
-    assert signs((at(0),), (at(1, loaded=True),)) == {ROBOT, LOADED, "item", "trail, empty"}
-    assert signs((at(0, loaded=True),), (at(1, loaded=True),)) == {LOADED, "item", "trail, loaded"}
-    assert signs((at(0), None), (at(0), at(1))) == {ROBOT}, "one has only come"
-
-
-@pytest.mark.parametrize("robots", [1, 2])
-def test_cells_that_one_of_the_robots_comes_back_to_have_a_sign(robots: int) -> None:
-    others = (at(2, 2),) * (robots - 1)
-    there, back = (at(1), *others), (at(0), *others)
-    assert "visited often" not in signs(back, there)
-    assert "visited often" in signs(back, there, back)
-
-
-def test_what_is_around_the_view_has_a_sign_if_one_robot_alone_sees() -> None:
-    shaded = "what the robot does not see"
-    assert shaded in signs((at(0),), view_radius=1)
-    assert shaded not in signs((at(0),))
-    assert shaded not in signs((at(0), at(1)), view_radius=1)
-
-
-def test_tiles_have_signs_by_where_they_are() -> None:
-    assert signs((), rows=("...", ".#.", "...")) == {"shelf"}
-    assert signs((), rows=("#..", ".#.", "..?")) == {"wall", "shelf", "not seen yet"}
-    assert signs((), rows=("PDC",)) == {"P pickup", "D dropoff", "C charger", "item"}
-    taken = [Frame(("P",), (), 0.0), Frame((".",), (), 1.0)]
-    assert "item" in signs_of(Track(taken, {}))
-    assert "item" not in signs_of(Track(taken[::-1], {}))
-    assert signs((), rows=(".#",), slippery=((0, 1), (7, 7))) == {"wall"}
-    assert signs((), rows=(".#",), slippery=((0, 1), (0, 0))) == {"wall", "slippery floor"}
-
-
-def test_weak_motors_hits_and_plans_have_signs() -> None:
-    assert signs((at(0),), motor_strength=0.5) == {ROBOT, "motors at 50%"}
-    hit = DrawnHit((0.0, 0.5), "wall")
-    frames = [Frame(FLOOR, (at(0),), 0.0), Frame(FLOOR, (at(0),), 1.0, hits=(hit,))]
-    assert {*signs_of(Track(frames, {}))} == {ROBOT, "hit"}
-    frames[0].route = ((0.5, 0.5), (1.5, 0.5))
-    assert "plan" in signs_of(Track(frames, {}))
-
-
-def test_orders_of_a_fleet_have_signs_by_their_age() -> None:
-    for age, words in enumerate(LOOK["ages"]):
-        waits = fleet(waiting=(Waiting((0.5, 0.5), 2, age),))
-        carried = fleet(1.0, 1.0, items=(None, age))
-        for each in (waits, carried):
-            assert of_fleet(fleet(), each) == {f"order, {words}"}
-
-
-def test_people_and_batteries_of_a_fleet_have_signs() -> None:
-    assert of_fleet(fleet(1.0, 0.25)) == set()
-    assert of_fleet(fleet(1.0, 0.25), fleet(1.0, 0.24)) == {"battery low"}
-    assert of_fleet(fleet(0.0, 1.0), fleet(1.0, 1.0)) == {"battery low", "battery empty"}
-    assert of_fleet(fleet(1.0, 1.0), people=1) == {"person"}
-
-
-@pytest.mark.parametrize(
-    ("plans", "sign"),
-    [
-        (StepPlans(ways={0: [(0, 1), (0, 2)]}), "plan of a robot"),
-        (StepPlans(wishes={0: [(0, 1)]}), "shortest path to the goal"),
-        (StepPlans(pushers={0: 1}), "pushes"),
-    ],
-)
-def test_plans_of_a_fleet_have_a_sign_each(plans: StepPlans, sign: str) -> None:
-    assert of_fleet(fleet(1.0, 1.0), fleet(1.0, 1.0, plans=plans)) == {sign}
+def test_a_search_has_its_colours_and_weak_motors_have_a_dashed_outline() -> None:
+    marks = Marks([0], [(0, 0)], [0], [(1.0, 0.0, 0.0)], ["expanded"], ((0, 0), (0, 1)))
+    search = signs_of(Track([Frame(("..",), (), 0.0)], {}, marks=marks))
+    assert [*search] == ["expanded", "S start, G goal"]
+    assert isinstance(search["expanded"], Rectangle)
+    assert to_hex(search["expanded"].get_facecolor()) == "#ff0000"
+    pose = Pose((0.5, 0.5), None, False)
+    weak = signs_of(Track([Frame(("..",), (pose,), 0.0)], {}, motor_strength=0.5))
+    assert [*weak] == ["R robot (empty)", "motors at 50%"]
+    assert isinstance(weak["R robot (empty)"], Line2D)
