@@ -109,7 +109,7 @@ def draw_legend(
 
 
 def signs_of(track: Track) -> Signs:
-    """Return how the signs of a track look, by their words, and that of weak motors."""
+    """Return the artists of the signs of a track by their words, and one for weak motors."""
     found = {words: _artist_of(name) for name, words in signs.signs_of(track)}
     if track.motor_strength < 1:
         words = f"motors at {track.motor_strength:.0%}"
