@@ -47,7 +47,7 @@ PICTURES = {
     "run": "run --seed 12",
     "fleet": "fleet --seed 3 --max-steps 20",
     "compare backends": "compare backends --seed 12 --max-steps 20",
-    "explore": "explore --seed 3 --max-steps 30",
+    "explore": "run --agent exploring --seed 3 --max-steps 30",
     "search": "compare search",
     "race": "race",
     "demo cbs": "demo cbs",

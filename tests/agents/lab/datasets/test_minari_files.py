@@ -2,16 +2,13 @@
 
 import hashlib
 import json
-import warnings
 from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-import h5py
 import minari
 import numpy as np
 import pytest
-from minari.data_collector import EpisodeBuffer
 
 from agents.errors import StoreError
 from agents.lab.datasets.fleet import FleetSource
@@ -81,45 +78,6 @@ def test_what_minari_loads_is_bit_for_bit_what_was_recorded(make) -> None:
         assert read.keys() == nested(arrays).keys()
         [about] = loaded.storage.get_episode_metadata([number])
         assert about == {"id": number, "seed": seed, "total_steps": len(arrays["rewards"])}
-
-
-@both
-def test_the_file_is_the_one_that_minari_writes_but_for_the_room_to_grow(make) -> None:
-    source = make()
-    episodes = [*source.episodes(SEEDS)]
-    ours = save_dataset("ours-v0", source, episodes)
-    with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # of an author who is not named
-        minari.create_dataset_from_buffers(
-            "theirs-v0",
-            [EpisodeBuffer(seed=seed, **nested(arrays)) for seed, arrays in episodes],
-            source.spec,
-            observation_space=source.observation_space,
-            action_space=source.action_space,
-        )
-    theirs = ours.parent / "theirs-v0"
-    with (
-        h5py.File(ours / "data/main_data.hdf5") as a,
-        h5py.File(theirs / "data/main_data.hdf5") as b,
-    ):
-        assert dict(contents(a)) == dict(contents(b))
-    about = [json.loads((path / "data/metadata.json").read_text()) for path in (ours, theirs)]
-    same = {"total_episodes", "total_steps", "data_format", "observation_space", "action_space"}
-    assert {key: about[0].get(key) for key in same} == {key: about[1].get(key) for key in same}
-    assert about[0].get("env_spec") == about[1].get("env_spec")
-    assert sum(path.stat().st_size for path in ours.rglob("*")) < sum(
-        path.stat().st_size for path in theirs.rglob("*")
-    )
-
-
-def contents(group: h5py.Group, path: str = "") -> Iterator[tuple[str, Any]]:
-    """Yield what is in a group, by its path: types, shapes, values and attributes."""
-    yield f"{path}@", {name: int(value) for name, value in group.attrs.items()}
-    for name, each in group.items():
-        if isinstance(each, h5py.Group):
-            yield from contents(each, f"{path}/{name}")
-        else:
-            yield f"{path}/{name}", (each.dtype, each.shape, each[()].tobytes())
 
 
 def test_the_environment_comes_back_and_repeats_an_episode() -> None:
