@@ -1,10 +1,13 @@
+import re
 from itertools import combinations
+from pathlib import Path
 
 import numpy as np
 import pytest
 from helpers.colors import EYES, contrast, seen_by, seen_contrast, seen_distance
 from PIL import Image
 
+import warehouse_core
 from warehouse_core.render import palette
 from warehouse_core.render.palette import COLORS, TRAIL_COLORS, TRAIL_STYLES, blend, indexed_palette
 
@@ -145,3 +148,22 @@ def test_colours_of_the_replay_are_exact_in_256_colours() -> None:
 
 def test_trails_differ_by_more_than_their_colour() -> None:
     assert TRAIL_STYLES[False] != TRAIL_STYLES[True]
+
+
+PAINTERS = [
+    *(f"render/{name}.py" for name in ("atlas", "painter")),
+    *(f"viz/{name}.py" for name in ("view", "svg/bodies", "svg/floor")),
+    *(f"viz/player/{name}.js" for name in ("bodies", "floor", "ways")),
+]
+
+
+@pytest.mark.parametrize("painter", PAINTERS)
+def test_no_painter_writes_a_number_that_is_in_the_table_of_tiles(painter: str) -> None:
+    """Numbers that also stand for something else, such as a half, are left out."""
+    code = (Path(warehouse_core.__file__).parent / painter).read_text(encoding="utf-8")
+    look = palette.LOOK
+    numbers = {look["robot"]["radius"], look["robot"]["letter"], look["shapes"]["nose"][0][0]}
+    numbers |= {round(100 * number) for number in numbers}
+    written = {float(number) for number in re.findall(r"(?<![\w.])\d*\.?\d+(?![\w.])", code)}
+    assert "LOOK" in code or painter in ("render/painter.py", "viz/player/ways.js")
+    assert not written & numbers

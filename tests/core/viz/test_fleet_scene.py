@@ -11,14 +11,11 @@ from PIL import Image
 
 from warehouse_core import FleetEpisode, Layout, save_frames_to_svg, shelf_layout
 from warehouse_core.render.palette import (
-    BATTERY,
     COLORS,
     INK,
     LOOK,
     ORDER_COLORS,
     PAPER,
-    STRANDED,
-    WARNING,
 )
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.legend import draw_legend
@@ -70,45 +67,12 @@ def test_a_robot_has_its_number_and_a_loaded_one_its_item() -> None:
     assert not np.array_equal(one, two)
 
 
-def test_an_item_that_is_late_is_dark_with_a_light_edge() -> None:
-    replay, image = drawn(at(2, 2, loaded=True), items=(3,))
-    item = patch(replay, image, 2.6, 2.0, 2.95, 2.4)
-    assert count_color(item, ORDER_COLORS[3]) > 20
-    assert (item.min(axis=-1) > 246).sum() > 10
-
-
 @pytest.mark.parametrize("age", range(4))
 def test_orders_are_a_number_in_a_box_of_the_colour_of_their_age(age: int) -> None:
     replay, image = drawn(at(0, 0), waiting=(Waiting((1.5, 1.5), 3, age),))
     box = patch(replay, image, 1.6, 1.7, 2.2, 2.3)
     assert count_color(box, ORDER_COLORS[age]) > 30
     assert count_color(box, PAPER if age == 3 else INK) > 10
-
-
-def test_a_person_is_a_diamond() -> None:
-    replay, image = drawn(at(0, 0), people=(at(2, 3),))
-    for dx, dy in ((0.5, 0.25), (0.25, 0.5), (0.75, 0.5)):
-        assert is_color(image[point_of(replay, 3 + dx, 2 + dy)], COLORS["H"])
-    for dx, dy in ((0.25, 0.25), (0.75, 0.75)):
-        assert is_color(image[point_of(replay, 3 + dx, 2 + dy)], COLORS["."])
-
-
-@pytest.mark.parametrize("others", [0, FEW])
-def test_many_robots_show_only_low_batteries(others: int) -> None:
-    robots = [at(0, 0), at(2, 2), *[at(3, 5)] * others]
-    replay, image = drawn(*robots, battery=(0.9, 0.1, *[0.9] * others))
-    full, low = (patch(replay, image, x + 0.1, x + 0.8, x + 0.9, x + 0.95) for x in (0, 2))
-    assert count_color(low, WARNING) > 0
-    if others:
-        assert count_color(full, BATTERY) == 0
-    else:
-        assert count_color(full, BATTERY) > 2 * count_color(low, WARNING)
-        assert count_color(full, PAPER) < count_color(low, PAPER)
-
-
-def test_a_robot_without_battery_is_grey() -> None:
-    replay, image = drawn(at(0, 0), battery=(0.0,))
-    assert is_color(image[point_of(replay, 0.25, 0.5)], STRANDED)
 
 
 @pytest.mark.parametrize(

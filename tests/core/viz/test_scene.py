@@ -27,9 +27,7 @@ from warehouse_core.motion.base import Contact
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.palette import (
     BATTERY,
-    BOARD,
     COLORS,
-    HIT,
     ICE,
     ICE_WAVE,
     INK,
@@ -38,9 +36,7 @@ from warehouse_core.render.palette import (
     PALE_WARNING,
     PAPER,
     SHADOW,
-    SHELF,
     TRAIL_COLORS,
-    VISITED,
     WARNING,
     blend,
 )  # fmt: skip
@@ -89,26 +85,6 @@ def test_a_tile_has_its_colour_in_the_middle_and_at_the_edge_and_its_letter() ->
         assert (count_color(corner, INK) > 10) == (tile != "."), tile
 
 
-def test_walls_along_the_border_are_a_band_without_a_seam_around_the_floor() -> None:
-    replay = replay_of([["#####", "#...#", "#.R.#", "#####"]])
-    image = pixels(replay)
-    for corners in ((0.85, 0.82, 4.15, 0.97), (0.85, 3.05, 4.15, 3.15), (0.82, 0.85, 0.95, 3.15)):
-        wall = patch(replay, image, *corners)
-        assert wall.size
-        assert count_color(wall, COLORS["#"]) * 3 == wall.size
-    for x, y in ((0.4, 0.4), (2.5, 0.4), (4.6, 2.5), (2.5, 3.6)):
-        assert is_color(image[point_of(replay, x, y)], PAPER)
-
-
-def test_walls_inside_are_shelves_with_boards() -> None:
-    replay = replay_of([["R....", ".##..", ".....", "....."]])
-    image = pixels(replay)
-    for x in (1.5, 2.5):
-        for y, color in ((1.15, SHELF), (1.34, BOARD), (1.5, SHELF), (1.66, BOARD), (1.9, SHELF)):
-            assert is_color(image[point_of(replay, x, y)], color), (x, y)
-    assert is_color(image[point_of(replay, 2.0, 1.34)], SHELF), "boards end within their cells"
-
-
 @pytest.mark.parametrize(("robot", "ink"), [("R", PAPER), ("r", INK)])
 def test_the_robot_is_a_disc_with_its_letter_and_its_item(
     robot: str, ink: tuple[float, float, float]
@@ -120,20 +96,6 @@ def test_the_robot_is_a_disc_with_its_letter_and_its_item(
     assert count_color(patch(replay, image, 2.38, 2.36, 2.62, 2.64), ink) > 20
     items = count_color(patch(replay, image, 2.2, 2.2, 2.8, 2.8), ITEM)
     assert items > 100 if robot == "r" else items == 0
-
-
-def test_the_item_waits_at_its_pickup_until_it_is_taken_and_stays_at_the_dropoff() -> None:
-    replay = replay_of(short_episode())
-    places = {"P": (1.55, 1.55, 1.92, 1.92), "D": (3.55, 1.55, 3.92, 1.92)}
-    seen = []
-    for frame in (0, 2, 3, 5, 6, 0):
-        replay.go_to(frame)
-        image = pixels(replay)
-        boxes = [
-            t for t, at in places.items() if count_color(patch(replay, image, *at), ITEM) > 130
-        ]
-        seen.append("".join(boxes))
-    assert seen == ["P", "P", "", "", "D", "P"]
 
 
 def test_everything_around_the_view_is_shaded() -> None:
@@ -156,35 +118,6 @@ def test_everything_around_the_view_is_shaded() -> None:
         assert (waves > 5) == (7 in seen)
     signs = signs_of(track_of_record(episode))
     assert {"slippery floor", "what the robot does not see"} <= {*signs}
-
-
-def test_weak_motors_are_a_dashed_outline_with_a_sign_in_the_legend() -> None:
-    track = track_of_record(short_episode())
-    nominal = np.asarray(Scene([track], make_figure, legend=False).root.pixels())
-    assert not [words for words in signs_of(track) if "motors" in words]
-    track.motor_strength = 0.5
-    assert "motors at 50%" in signs_of(track)
-    weak = np.asarray(Scene([track], make_figure, legend=False).root.pixels())
-    assert not np.array_equal(weak, nominal)
-
-
-def test_floor_is_tinted_by_the_number_of_visits_and_old_trails_fade_away() -> None:
-    cells = [(1, turn % 2) for turn in range(1, 2 * TRAIL_STEPS)]
-    rows = ["." * 5 for _ in range(4)]
-    frames = [
-        [*rows[:row], "." * col + "R" + "." * (4 - col), *rows[row + 1 :]]
-        for row, col in [(3, 0), (2, 0), (1, 0), *cells]
-    ]
-    replay = replay_of(frames)
-    shades = []
-    for frame in (0, 3, 5, len(frames) - 1):
-        replay.go_to(frame)
-        image = pixels(replay)
-        shades.append(tuple(image[point_of(replay, 1.08, 1.08)]))
-        trail = patch(replay, image, 0.3, 2.2, 0.7, 2.8)
-        assert (np.ptp(trail, axis=-1) > 10).any() == (0 < frame < 100), frame
-    expected = COLORS["."], COLORS["."], VISITED[0], VISITED[-1]
-    assert shades == [tuple(round(255 * part) for part in color) for color in expected]
 
 
 def test_the_action_and_its_reason_are_the_largest_words() -> None:
@@ -220,51 +153,6 @@ def test_the_letter_of_a_tile_stays_readable_under_the_robot(
     assert letter.sum() > 20
     assert np.array_equal(under[letter], without[letter])
     assert is_color(pixels(replay)[point_of(replay, column + 0.5, 1.92)], COLORS[tile])
-
-
-def test_a_heading_is_a_nose_in_front_of_the_robot() -> None:
-    replay = replay_of(short_episode())
-    sides = {(2, "west"): (1.1, 1.5), (4, "east"): (2.9, 1.5)}
-    for (frame, name), place in sides.items():
-        replay.go_to(frame)
-        row, column = point_of(replay, *place)
-        near = pixels(replay)[row - 1 : row + 2, column - 1 : column + 2]
-        assert count_color(near, INK), name
-
-
-def test_the_trail_shows_where_the_robot_was_and_whether_it_was_loaded() -> None:
-    # Empty along the top row to P, then loaded along the row below.
-    cells = [(1, 3), (1, 2), (1, 1)]
-    loaded = frames_at((1, 1), (2, 1), (2, 2), (2, 3), robot="r")
-    replay = replay_of([*frames_at(*cells), *loaded])
-    replay.go_to(6)
-    image = pixels(replay)
-
-    def has(color: tuple[float, float, float], *place: float) -> bool:
-        return count_color(patch(replay, image, *place), color) > 0
-
-    upper, lower = (2.0, 1.4, 2.9, 1.6), (1.7, 2.4, 2.6, 2.6)
-    assert has(TRAIL_COLORS[False], *upper)
-    assert has(TRAIL_COLORS[True], *lower)
-    assert not has(TRAIL_COLORS[True], *upper)
-    assert not has(TRAIL_COLORS[False], *lower)
-    assert has(COLORS["."], 2.0, 2.49, 2.6, 2.51), "a loaded trail has gaps"
-    replay.go_to(0)
-    image = pixels(replay)
-    assert not has(TRAIL_COLORS[False], *upper)
-
-
-def test_a_hit_is_shown_in_its_frame_only() -> None:
-    episode = short_episode()
-    contact = Contact(0.1, 2.0, (2.5, 1.0), "wall")
-    bump = episode.motions[0]._replace(contacts=(contact,))
-    replay = replay_of(short_episode(motions=[bump, *episode.motions[1:]]))
-    place = (2.35, 0.85, 2.65, 1.15)
-    flashed = []
-    for frame in range(3):
-        replay.go_to(frame)
-        flashed.append(count_color(patch(replay, pixels(replay), *place), HIT) > 0)
-    assert flashed == [False, True, False]
 
 
 def test_tiles_and_the_robot_may_come_and_go() -> None:
