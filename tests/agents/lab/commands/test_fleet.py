@@ -204,26 +204,23 @@ def test_a_planner_and_an_assignment_by_name_lead_all_robots(
     [
         (100, "pibt:turn_cost=1", False, True),
         (99, "pibt", False, False),
+        (100, "mine.py:Mine", False, False),
         (100, "pibt", True, False),
     ],
 )
-def test_that_numba_would_help_many_robots_is_told_once(
+def test_that_numba_would_help_many_robots_is_told(
     robots: int,
     planner: str,
     is_there: bool,
     is_told: bool,
-    warehouse: Warehouse,
     monkeypatch: pytest.MonkeyPatch,
+    capsys: pytest.CaptureFixture[str],
 ) -> None:
     monkeypatch.setattr(module, "find_spec", lambda name: name if is_there else None)
-    Path("floor.txt").write_text("\n".join(["#" * 14, *["#" + "." * 12 + "#"] * 12, "#P" + "." * 10
-        + "D#", "#" * 14]))  # fmt: skip
-    done = warehouse("fleet", "--layout", "floor.txt", "--robots", robots, "--planner", planner,
-        "--max-steps", 1, "-n", 2, "--no-show",
-    )  # fmt: skip
-    assert done.code == 0
-    assert done.err.count("pip install 'numba") == is_told
-    assert done.err.count("100 robots several times as fast") == is_told
+    module.tell_of_numba(planner, robots)
+    said = capsys.readouterr().err
+    assert ("pip install 'numba" in said) == is_told
+    assert ("100 robots several times as fast" in said) == is_told
 
 
 def test_the_replay_draws_the_plans_of_chosen_robots(warehouse: Warehouse) -> None:
