@@ -162,10 +162,11 @@ def test_the_plan_its_sentence_and_the_legend_are_drawn() -> None:
     belief = shown.figure.axes[0].get_window_extent()
     assert belief.y1 < box.y0
     assert belief.x0 <= box.x0 < box.x1 <= belief.x1
-    bodies = next(each for each in shown.figure.findobj(Shapes) if each.shapes)
 
-    def dots() -> list[list[list[float]]]:
-        return [s.path.vertices.tolist() for s in bodies.shapes if s.dashes == DOTS]
+    def dots() -> list[Any]:
+        drawn: list[Any] = shown.figure.findobj(Shapes)
+        shapes = [shape for each in drawn for shape in each.shapes]
+        return [shape.path.vertices.tolist() for shape in shapes if shape.dashes == DOTS]
 
     [points] = dots()
     assert points[-1] == [1.5, 3.5]

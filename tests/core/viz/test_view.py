@@ -25,7 +25,7 @@ from warehouse_core.render.palette import (
 )
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Frame, Pose, Track, Waiting
-from warehouse_core.viz.view import DOTS, FADE_STEPS, MAX_FADE, Shape, View, boxes_around
+from warehouse_core.viz.view import DOTS, FADE_STEPS, MAX_FADE, View, boxes_around
 
 FLOOR = ("......",) * 5
 EAST, SOUTH, WEST, NORTH = (math.pi / 2 * quarter for quarter in range(4))
@@ -70,19 +70,19 @@ def fleet_view(
     return view_of(Frame(FLOOR, (*robots, *people), 0.0, fleet=fleet), cell_points=cell_points)
 
 
-def shapes(view: Any, **wanted: Any) -> list[Shape]:
+def shapes(view: Any, **wanted: Any) -> list[Any]:
     """Return the shapes of a view that have some values, from the lowest to the highest."""
     drawn = [*view._traces.shapes, *view._bodies.shapes]
     return [s for s in drawn if all(getattr(s, name) == value for name, value in wanted.items())]
 
 
-def boxes(found: Sequence[Shape]) -> list[Box]:
+def boxes(found: Sequence[Any]) -> list[Box]:
     """Return left, top, right and bottom of each closed polygon of some shapes."""
     corners = [each for shape in found for each in shape.path.to_polygons(closed_only=False)]
     return [(*each.min(axis=0), *each.max(axis=0)) for each in corners]
 
 
-def middles(found: Sequence[Shape]) -> list[tuple[float, float]]:
+def middles(found: Sequence[Any]) -> list[tuple[float, float]]:
     return [((left + right) / 2, (top + low) / 2) for left, top, right, low in boxes(found)]
 
 
