@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Sequence
 from dataclasses import replace
 from itertools import accumulate, product
@@ -10,14 +9,11 @@ from typing import NamedTuple
 
 from agents.search.agents import ExploringAgent
 from warehouse_core import Episode, Layout
-from warehouse_core.render.atlas import ROBOT_RADIUS, UNSEEN
+from warehouse_core.render.atlas import UNSEEN
 from warehouse_core.task.state import Observation
 from warehouse_core.viz.tracks.record_track import step_captions, track_of_record
-from warehouse_core.viz.tracks.track import Point, TileRows, Track
+from warehouse_core.viz.tracks.track import TileRows, Track, middle
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, Cell
-
-GAP = ROBOT_RADIUS + 0.05
-"""Distance in cells from the middle of the robot to the first dot of its plan."""
 
 
 class Insight(NamedTuple):
@@ -96,22 +92,11 @@ def belief_tracks(episode: Episode, history: Sequence[Insight]) -> tuple[Track, 
         choice = min(belief.step_at(index), len(history) - 1)
         frame.tiles = tiles[choice]
         [pose] = frame.robots
-        if pose is not None:
-            frame.route = _way_ahead(pose.at, history[choice].route)
+        ahead = history[choice].route[1:]
+        if pose is not None and ahead:  # the robot covers the beginning
+            frame.route = (pose.at, *map(middle, ahead))
         if frame is not last:  # which keeps the diagnosis
             frame.caption = f"now {words[choice]}, {counts[choice]} cells seen"
     belief.tells_next = True
     belief.title = f"Belief of {belief.title}"
     return belief, world
-
-
-def _way_ahead(at: Point, route: Sequence[Cell]) -> tuple[Point, ...]:
-    """Return the middles of the cells ahead, after a point at the edge of the robot."""
-    ahead = [(col + 0.5, row + 0.5) for row, col in route[1:]]
-    if ahead and math.dist(at, ahead[0]) < GAP:
-        del ahead[0]
-    if not ahead:
-        return ()
-    share = GAP / math.dist(at, ahead[0])
-    edge = (at[0] + share * (ahead[0][0] - at[0]), at[1] + share * (ahead[0][1] - at[1]))
-    return edge, *ahead
