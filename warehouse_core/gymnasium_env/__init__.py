@@ -15,9 +15,6 @@ Example:
     (86,)
 """
 
-import warehouse_core.gymnasium_env.browser  # noqa: F401 - lets Gymnasium be imported there
-
-# isort: split
 from warehouse_core.gymnasium_env.env import WarehouseGymnasiumEnv
 from warehouse_core.gymnasium_env.goals import WarehouseGoalEnv
 from warehouse_core.gymnasium_env.spaces import FORMS, Extent, Form, make_form

@@ -7,9 +7,6 @@ from __future__ import annotations
 
 from typing import Any
 
-import warehouse_core.gymnasium_env.browser  # noqa: F401 - lets Gymnasium be imported there
-
-# isort: split
 from warehouse_core.errors import BackendError
 from warehouse_core.extras import install_command
 
