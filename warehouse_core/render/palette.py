@@ -12,7 +12,7 @@ from __future__ import annotations
 import json
 from functools import cache
 from pathlib import Path
-from typing import Any, Literal
+from typing import Any
 
 from warehouse_core.world.tiles import (
     CHARGER,
@@ -129,11 +129,6 @@ ICE, ICE_WAVE = color_named("ice"), color_named("wave")
 
 SERIES: tuple[str, ...] = tuple(PALETTE["series"]["light"])
 """Colours of lines in charts, ``#rrggbb``."""
-
-LineStyle = Literal["-"] | tuple[float, tuple[float, ...]]
-
-TRAIL_STYLES: dict[bool, LineStyle] = {False: "-", True: (0, (2.5, 1.5))}
-"""Line style of the trail by whether the robot was loaded."""
 
 
 def blend(color: Color, other: Color, share: float) -> Color:

@@ -21,7 +21,6 @@ from warehouse_core.render.palette import (
     PALE_WARNING,
     PAPER,
     WARNING,
-    LineStyle,
 )
 from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.axes.look import SMALLEST
@@ -150,7 +149,7 @@ class DistanceChart(Chart):
     """Manhattan distances to pickup and dropoff; each line ends with its letter."""
 
     NAMES: ClassVar[dict[str, str]] = {PICKUP: "dist_pickup", DROPOFF: "dist_dropoff"}
-    STYLES: ClassVar[dict[str, LineStyle]] = {PICKUP: "-", DROPOFF: (0, (4, 1.5))}
+    STYLES: ClassVar[dict[str, Any]] = {PICKUP: "-", DROPOFF: (0, (4, 1.5))}
     metrics = tuple(NAMES.values())
 
     def _title(self, track: Track) -> str:

@@ -49,7 +49,6 @@ class SceneFigure(Figure):
         self._shown = self._background
         self._background_size: tuple[float, float, float] | None = None
         self._boxes: dict[Part, PixelBox] = {}
-        self._settled: dict[Part, tuple[int, ColorValues]] = {}
         self.changed: PixelBox = (0, 0, 0, 0)
         self.replay: object = None
 
@@ -87,7 +86,7 @@ class SceneFigure(Figure):
             with self.canvas.callbacks.blocked(signal="draw_event"):
                 self._draw_still(renderer, with_movers=False)
             self._background, self._shown = canvas.copy(), canvas.copy()
-            self._boxes, self._settled = {}, {}
+            self._boxes = {}
             self._background_size = size
             height, width, _ = canvas.shape
             boxes.append((0, height, 0, width))
@@ -107,25 +106,14 @@ class SceneFigure(Figure):
     def _draw_part(
         self, renderer: Any, canvas: ColorValues, part: Part, movers: list[Artist]
     ) -> PixelBox:
-        """Draw movers around where they were and are; what they draw elsewhere is not kept.
-
-        The first of them that have not changed are drawn once and kept as one picture.
-        """
+        """Draw movers around where they were and are; what they draw elsewhere is not kept."""
         now = self._box_of(movers[0], renderer)
         box = around([now, self._boxes.get(part, now)])
         area = slice(*box[:2]), slice(*box[2:])
-        still = next((n for n, mover in enumerate(movers) if mover.stale), len(movers))
-        first, picture = self._settled.get(part, (0, self._background[area]))
-        if first > still:
-            first, picture = 0, self._background[area]
-        canvas[area] = picture
-        for number, mover in enumerate(movers[first:], first):
-            if number == still > first:
-                self._settled[part] = still, canvas[area].copy()
+        canvas[area] = self._background[area]
+        for mover in movers:
             mover.draw(renderer)
             mover.stale = False
-        if first == 0 == still:
-            self._settled.pop(part, None)
         self._boxes[part] = now
         self._shown[area] = canvas[area]
         return box

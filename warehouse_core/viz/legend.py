@@ -25,7 +25,6 @@ from warehouse_core.render.palette import (
     SHELF,
     STRANDED,
     TRAIL_COLORS,
-    TRAIL_STYLES,
     UNKNOWN,
     UNKNOWN_STRIPE,
     VISITED,
@@ -37,7 +36,7 @@ from warehouse_core.viz.axes.look import SMALLEST
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.tracks import signs
 from warehouse_core.viz.tracks.track import Track
-from warehouse_core.viz.view import WEAK_MOTOR
+from warehouse_core.viz.view import DASHES, WEAK_MOTOR
 from warehouse_core.warehouse_env import LEGEND
 from warehouse_core.world.tiles import EMPTY, PERSON, ROBOT_EMPTY, ROBOT_LOADED, WALL
 
@@ -70,8 +69,8 @@ PATCHES: dict[str, dict[str, Any]] = {
 ROBOT_LINE: dict[str, Any] = {"color": COLORS[ROBOT_EMPTY], "lw": 3.0}
 
 LINES: dict[str, dict[str, Any]] = {
-    "trail": {"color": TRAIL_COLORS[False], "linestyle": TRAIL_STYLES[False], "lw": 2.2},
-    "trail-loaded": {"color": TRAIL_COLORS[True], "linestyle": TRAIL_STYLES[True], "lw": 2.2},
+    "trail": {"color": TRAIL_COLORS[False], "lw": 2.2},
+    "trail-loaded": {"color": TRAIL_COLORS[True], "linestyle": (0, DASHES), "lw": 2.2},
     "plan": {"color": INK, "lw": 2.6, **DOTTED},
     "plans": ROBOT_LINE,
     "wishes": ROBOT_LINE | DOTTED,

@@ -259,8 +259,9 @@ def test_walls_of_a_layout_without_a_whole_border_are_whole(rows: list[str]) -> 
 
 
 def test_slippery_floor_has_waves_below_stations_and_a_border_may_be_unseen() -> None:
-    rows = ["####", "#P.?", "#..#", "####"]
+    rows = ["###?", "#P.?", "#..#", "####"]
     codes = codes_of(rows, [(1, 1), (1, 2), (1, 3), (0, 0)])
+    assert CELLS[codes[0, 3]] == ("?", NO_ROBOT)
     assert CELLS[codes[1, 1]] == ("P", SLIPPERY)
     assert CELLS[codes[1, 2]] == (".", SLIPPERY)
     assert CELLS[codes[1, 3]] == ("?", NO_ROBOT)

@@ -9,7 +9,7 @@ from PIL import Image
 
 import warehouse_core
 from warehouse_core.render import palette
-from warehouse_core.render.palette import COLORS, TRAIL_COLORS, TRAIL_STYLES, blend, indexed_palette
+from warehouse_core.render.palette import COLORS, TRAIL_COLORS, blend, indexed_palette
 
 CHAPTER = {
     "#": (0.1, 0.1, 0.1),
@@ -144,10 +144,6 @@ def test_colours_of_the_replay_are_exact_in_256_colours() -> None:
             palette=template, dither=Image.Dither.NONE
         )
         assert indexed.convert("RGB").getpixel((3, 3)) == exact
-
-
-def test_trails_differ_by_more_than_their_colour() -> None:
-    assert TRAIL_STYLES[False] != TRAIL_STYLES[True]
 
 
 PAINTERS = [
