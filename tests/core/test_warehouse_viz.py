@@ -16,6 +16,7 @@ from helpers.pictures import pixels, press, replay_of, short_episode, texts
 from matplotlib.animation import FuncAnimation
 
 from warehouse_core import WarehouseEnv
+from warehouse_core.records.plans import StepPlans
 from warehouse_core.viz import figure as figures
 from warehouse_core.warehouse_viz import replay_animation, save_frames_to_svg
 
@@ -78,6 +79,12 @@ def test_an_episode_takes_no_metrics_beside_its_own() -> None:
     for episode in (short_episode(), fleet_episode(max_steps=1)):
         with pytest.raises(TypeError, match="has its own metrics"):
             replay_animation(episode, {}, window=False)
+
+
+def test_plans_are_for_the_record_of_a_fleet() -> None:
+    for frames in (short_episode(), [["R"]]):
+        with pytest.raises(TypeError, match="plans are for the record of a fleet"):
+            replay_animation(frames, plans=[StepPlans({}, {}, {})], window=False)
 
 
 @pytest.mark.parametrize("frames", [[], np.empty((0, 2, 2))])
