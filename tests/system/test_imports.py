@@ -8,6 +8,7 @@ from collections.abc import Iterator
 from functools import cache
 from graphlib import TopologicalSorter
 from pathlib import Path
+from typing import Any
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("warehouse_core", "warehouse_physics", "agents")
@@ -255,6 +256,39 @@ def test_imports_between_folders_are_those_of_the_table() -> None:
         assert PACKAGES.index(other_package) <= PACKAGES.index(package), (importer, imported)
     table = {place: set(names.split()) for place, names in MAY_IMPORT.items()}
     assert {place: names for place, names in used.items() if "/" in place} == table
+
+
+def definitions(kind: type[ast.AST]) -> Iterator[tuple[str, Any]]:
+    """Yield the module and the node of each class or function, exercises aside."""
+    for module, path in MODULES.items():
+        if "exercises" not in path.parts:
+            for node in ast.walk(ast.parse(path.read_text(encoding="utf-8"))):
+                if isinstance(node, kind):
+                    yield module, node
+
+
+def test_each_class_has_a_name_of_its_own() -> None:
+    """A search problem and a problem of several robots are both called so in their fields."""
+    places: dict[str, set[str]] = {}
+    for module, node in definitions(ast.ClassDef):
+        places.setdefault(node.name, set()).add(module)
+    several = {name: modules for name, modules in places.items() if len(modules) > 1}
+    assert several == {"Problem": {"agents.search.algorithms", "agents.mapf.problem"}}
+
+
+def test_functions_have_at_most_twelve_parameters() -> None:
+    """What is passed together is a record; environments and commands have named settings."""
+    found = {
+        (module, node.name)
+        for module, node in definitions(ast.FunctionDef)
+        if len([*node.args.posonlyargs, *node.args.args, *node.args.kwonlyargs])
+        > 12 + (node.name == "__init__")
+        and not module.startswith("agents.lab.commands.")
+    }
+    assert found == {
+        ("warehouse_core.fleet.env", "__init__"),
+        ("warehouse_core.gymnasium_env.vector", "__init__"),
+    }
 
 
 def test_each_row_of_the_table_names_only_earlier_ones() -> None:
