@@ -32,7 +32,7 @@ class CommandOfKinds(TyperCommand):
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
         """Write the options of the kind, or all of them without one."""
-        kinds = ctx.meta[SHOWN]
+        kinds = ctx.meta.get(SHOWN)  # none where help is made without a command line
         shown = {*self.names[kinds[0]], self.argument, "save"} if kinds else None
         hidden: list[Any] = [
             each for each in self.params if shown is not None and each.name not in shown

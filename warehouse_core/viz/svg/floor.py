@@ -25,8 +25,8 @@ STATIONS = (PICKUP, DROPOFF, CHARGER)
 MIN_LETTER = 16
 """Least pixels of a cell that shows letters and the boards of shelves."""
 
-MIN_TEXT = 11
-"""Least pixels of a letter."""
+MIN_TEXT = 12
+"""Least pixels of a letter, as pictures are often shown a little smaller than they are."""
 
 
 def box(left: float, top: float, wide: float, high: float, look: str) -> str:
