@@ -169,7 +169,7 @@ def arranged(height: int, width: int, panels: int) -> tuple[float, int]:
         wide = (WIDTH - MARGIN) / columns - MARGIN - TICKS
         high = (HEIGHT - HEAD - FOOT) / math.ceil(panels / columns) - WORDS - MARGIN
         if columns > 1 and wide < MIN_PANEL:
-            return 0.0  # the words above a panel would overlap those of the next
+            return 0.0  # the words above a panel would overlap the words above the next one
         cell = min(wide / width, high / height, MAX_CELL)
         return math.floor(cell) if cell >= 1 else cell  # whole pixels have sharp edges
 

@@ -170,7 +170,7 @@ def save_moodle(path: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> Non
 
 
 def save_canvas(path: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> None:
-    """Write a gradebook with one assignment; the file is complete or as it was."""
+    """Write a gradebook with one assignment; after an error the old file is unchanged."""
     lines = [["Student", "ID", "SIS User ID", "SIS Login ID", "Section", rubric.title],
              ["    Points Possible", "", "", "", "", f"{rubric.points:g}"]]  # fmt: skip
     for _, row in sorted(rows.items()):

@@ -202,7 +202,7 @@ def verdict_on_ranking(
 ) -> str:
     """Return which of two values or more is the first, or which ones cannot be told apart.
 
-    It is clear if the first two differ, and ``None`` if only their intervals tell.
+    ``is_clear`` says whether the first two differ; if it is ``None``, their intervals decide.
     """
     unit = ranked[0].results.kind.unit
     if not all(point.main.is_known for point in ranked):

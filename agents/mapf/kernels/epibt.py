@@ -56,7 +56,7 @@ class Epibt(NamedTuple):
         within: ``[W * N]``, for each step of the window the beginning of each operation up to it.
         cells: ``[M]``, cell that each beginning leads a robot to, or ``NONE``.
         headings: ``[M]``, heading in which it gets there.
-        passed: ``[M]``, sum of its distances from the goal on the way there.
+        passed: ``[M]``, sum of its distances from the goal after each action up to there.
         ways: ``[R * W]``, places after each step of the window.
         kept: ``[R * W]``, places after each step if they go on as expected.
         states: ``FREE``, ``CHOOSING`` or ``CHOSEN``.
@@ -266,7 +266,7 @@ def turned(heading: int, action: int) -> int:
 
 @kernel
 def follow(robots: Robots, epibt: Epibt, robot: int, operation: int) -> None:
-    """Write the places of an operation into the way of a robot; no wall may be there."""
+    """Write the places of an operation into the route of a robot; they must not be walls."""
     cell, heading = robots.places[robot] % robots.size, robots.places[robot] // robots.size
     for time in range(epibt.window):
         action = epibt.operations[operation * epibt.window + time]

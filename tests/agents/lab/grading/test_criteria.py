@@ -86,7 +86,7 @@ def failed(run: Run, step: int, failure: AgentFailureError = CRASH) -> Run:
         (on("flawless", 1, 0), [GOOD._replace(useless=2), failed(LOST, 3)],
          0, "0% of 2 episodes: 1 delivered and 1 fails; 1 failure, at most 2 useless actions in "
          "an episode", (2, "fails at step 3: ValueError: 3")),
-        # An episode without a way counts too.
+        # An episode in which no path exists counts too.
         (on("reward", 8, 4), [GOOD._replace(reward=12.0), CALM._replace(case=OPEN, reward=-1.0)],
          3.75, "5.50 in 2 episodes: 1 delivered and 1 unreachable",
          (2, "unreachable: There is no way.")),
