@@ -1,8 +1,8 @@
-"""The chapter's greedy agent: lower the Manhattan distance, and escape loops by random moves.
+"""The chapter's greedy agent, which reduces the Manhattan distance and escapes from loops.
 
-It is a simple goal-based agent with internal state: its goal is a cell, and its state is where it
-was in the last steps. It uses nothing but the observation. For the chapter's questions about loop
-escape use ``escape_steps=0``.
+It is a simple goal-based agent with internal state: its goal is a cell, and its state is its
+positions in the last steps. It uses nothing but the observation. For the chapter's question about
+escaping from loops, switch the escape off with ``escape_steps=0``.
 
 Source: the chapter's exercise, section 1.6.4 of the course book.
 """
@@ -18,22 +18,22 @@ from warehouse_core.world.tiles import MOVE_DELTAS, WALL, Cell
 
 
 class GreedyAgent:
-    """Drives to the pickup, picks, drives to the dropoff, drops.
+    """A greedy agent, which takes the item from the pickup to the dropoff.
 
-    It takes a move that lowers the Manhattan distance to its goal. If every open move would raise
-    the distance, the agent is stuck and takes a random open move. On a cell among the last
-    ``memory`` positions on its path to this goal, it takes random open moves for ``escape_steps``
-    steps.
+    It takes a move that reduces the Manhattan distance to its goal. If no open move does, it is
+    stuck and takes a random open move. If it revisits one of its last ``memory`` positions on the
+    path to this goal, it assumes that it is in a loop and takes random open moves for
+    ``escape_steps`` steps.
 
     Args:
         seed: seed of the agent's own random stream, restarted at each ``reset``; ``None`` uses
             Python's global ``random``, as in the chapter.
-        memory: positions remembered, at least 0.
-        escape_steps: random moves of one escape; 0 disables the escape.
+        memory: number of positions that it remembers, at least 0.
+        escape_steps: number of random moves in an escape; 0 disables escaping.
 
     Raises:
-        ValueError: an argument is negative, or more than ``MAX_STEPS``.
-        TypeError: one of them is not an integer.
+        ValueError: an argument is negative or larger than ``MAX_STEPS``.
+        TypeError: an argument is not an integer.
 
     Example:
         >>> from agents import GreedyAgent
@@ -58,9 +58,9 @@ class GreedyAgent:
         self.reason = ""
 
     def act(self, observation: Observation) -> str:
-        """Return the action for ``observation`` and set ``reason`` to why it was chosen.
+        """Return the action for ``observation``, and set ``reason`` to the reason for it.
 
-        Reasons are ``"greedy"``, ``"stuck"`` and ``"escape"``, and ``"no goal"`` if the layout has
+        The reason is ``"greedy"``, ``"stuck"`` or ``"escape"``, or ``"no goal"`` if the layout has
         no pickup or dropoff to go to.
         """
         here, has_item = observation["robot_pos"], observation["has_item"]
@@ -94,7 +94,7 @@ class GreedyAgent:
 
 
 def goal_of(observation: Observation) -> Cell | None:
-    """Return the pickup with empty hands, the dropoff when loaded; ``None`` if there is none."""
+    """Return the pickup, or the dropoff if the robot holds the item; ``None`` if there is none."""
     return observation["dropoff_pos"] if observation["has_item"] else observation["pickup_pos"]
 
 
@@ -110,7 +110,7 @@ def distance_after(move: str, here: Cell, goal: Cell) -> int:
 
 
 def open_moves(local_grid: list[str]) -> list[str]:
-    """Return the moves that no wall in view stops; all four where nothing is in view."""
+    """Return the moves that no wall in view blocks; all four if the view radius is 0."""
     centre = len(local_grid) // 2
     if centre == 0:
         return list(MOVE_DELTAS)

@@ -1,4 +1,4 @@
-"""The chapter's environment: it joins the rules (``task/``) and a motion backend (``motion/``)."""
+"""The chapter's environment: the rules (``task/``) applied with a motion backend (``motion/``)."""
 
 from __future__ import annotations
 
@@ -33,7 +33,7 @@ LEGEND = TILES | {ROBOT_EMPTY: "robot (empty)", ROBOT_LOADED: "robot (loaded)"}
 
 
 def legend(has_chargers: bool) -> dict[str, str]:
-    """Return the meaning of each character of a picture; chargers only where there are any."""
+    """Return the meaning of each character in a picture; include chargers only if there are any."""
     return {sign: meaning for sign, meaning in LEGEND.items() if has_chargers or sign != CHARGER}
 
 
@@ -41,43 +41,46 @@ class WarehouseEnv(CopiedWhole):
     """The warehouse of the chapter's exercise.
 
     Description:
-        A robot in a grid of walls picks up an item at a pickup and delivers it to a dropoff. It
-        sees the cells around it, and its battery loses one unit in every step. On a charger, a tile
-        that the chapter does not have, waiting charges the battery.
+        A robot in a grid with walls picks up an item at a pickup and delivers it to a dropoff. It
+        sees the cells around it, and its battery loses one unit in every step. Waiting on a charger
+        charges the battery; the chapter itself has no chargers.
 
     Actions:
         ==========  ==========  ==========================================
         Index       Word        Action
         ==========  ==========  ==========================================
         0, 1, 2, 3  N, E, S, W  move one cell north, east, south or west
-        4           WAIT        stay; charge the battery, on a charger
-        5           PICK        take the item, on a pickup without an item
-        6           DROP        deliver the item, on a dropoff with it
+        4           WAIT        stay; on a charger, charge the battery
+        5           PICK        on a pickup, take the item if it has none
+        6           DROP        on a dropoff, deliver the item it carries
         ==========  ==========  ==========================================
 
     Observations:
-        A dictionary, see ``Observation``.
+        A dictionary; see ``Observation``.
 
     Rewards:
-        See the table of ``warehouse_core/task/rules.py``.
+        See the table in ``warehouse_core/task/rules.py``.
 
     Ends:
-        Terminated: the item is delivered. Truncated: ``max_steps`` are taken, or the battery is
-        empty. Both may be true. Later steps are allowed, as in the chapter.
+        Terminated when the item is delivered. Truncated when ``max_steps`` steps have been taken or
+        the battery is empty. Both may be true. You can call ``step`` after the end of an episode,
+        as in the chapter.
 
     Args:
-        grid: equally long strings of ``#.PDC``, or a ``Layout``; ``None`` is the chapter's 7 x 12.
-        start_pos: cell of the robot after ``reset()`` without ``randomize``; ``None`` is the
-            layout's ``usual_start()``.
-        max_steps: steps until the episode is truncated, 1 to ``MAX_BUDGET``.
-        battery: battery units of a full charge, 1 to ``MAX_BUDGET``.
-        view_radius: cells seen in each direction, 0 to ``MAX_VIEW_RADIUS``.
+        grid: strings of equal length with the characters ``#.PDC``, or a ``Layout``; ``None`` is
+            the chapter's grid of 7 x 12 cells.
+        start_pos: (row, column) of the robot after ``reset()`` without ``randomize``; ``None`` is
+            the layout's ``usual_start()``.
+        max_steps: number of steps after which the episode is truncated, 1 to ``MAX_BUDGET``.
+        battery: units in a full battery, 1 to ``MAX_BUDGET``.
+        view_radius: number of cells that the robot sees in each direction, 0 to
+            ``MAX_VIEW_RADIUS``.
         backend: name, class or instance of the motion that carries out the moves.
 
     Raises:
-        ValueError: an invalid layout or a start that is not open (``LayoutError``), a number that
-            is too small, or an unknown backend (``BackendError``).
-        TypeError: an argument of another type.
+        ValueError: the layout is invalid or the start is not open (``LayoutError``), a number is
+            out of range, or the backend is unknown (``BackendError``).
+        TypeError: an argument has a wrong type.
 
     Source: the chapter's exercise, section 1.6 of the course book.
 
@@ -124,14 +127,14 @@ class WarehouseEnv(CopiedWhole):
         self.backend = backend if isinstance(backend, str) else type(self._motion).__name__
         self.reset()
 
-    _repr_png_ = display  # which notebooks call
+    _repr_png_ = display  # called by notebooks
 
     def __repr__(self) -> str:
         return f"<WarehouseEnv {self.layout.summary()}, backend {self.backend!r}>"
 
     @property
     def grid(self) -> list[str]:
-        """The current layout as a new list of strings, without the robot."""
+        """A copy of the current layout as a list of strings, without the robot."""
         return list(self.layout.rows)
 
     @property
@@ -146,7 +149,7 @@ class WarehouseEnv(CopiedWhole):
 
     @property
     def start_pos(self) -> Cell:
-        """Start of the robot without ``randomize``."""
+        """Cell at which the robot starts without ``randomize``."""
         return self._start_pos
 
     @property
@@ -156,12 +159,12 @@ class WarehouseEnv(CopiedWhole):
 
     @property
     def motion(self) -> Motion:
-        """The motion that carries out the moves."""
+        """The motion backend that carries out the moves."""
         return self._motion
 
     @property
     def settings(self) -> Settings:
-        """The arguments of this environment without its layout."""
+        """The arguments of this environment, except for the layout."""
         return Settings(
             backend=self.backend,
             cell_size=float(self._motion.cell_size),
@@ -173,23 +176,27 @@ class WarehouseEnv(CopiedWhole):
         )
 
     def reset(self, randomize: bool | str = False, seed: int | None = None) -> Observation:
-        """Start an episode: no item, full battery, no steps taken.
+        """Start an episode with no item, a full battery and no steps taken.
 
         Args:
-            randomize: ``True`` to draw pickup, dropoff and start uniformly from the empty cells, in
-                this order; ``"stations"`` or ``"start"`` to draw only those. A new pickup and
-                dropoff replace the old ones for later resets too.
-            seed: seed of ``random.Random``, from which the cells are drawn; ``None`` draws from
-                the global ``random``. Pickup and dropoff are drawn from the cells that are empty
-                before. With a seed that is before any draw, in the layout that was given to the
-                environment, so a seed names the same episode in each of its uses. Without one it
-                is before this draw, as in the chapter, so the episode also depends on the stations
-                drawn last.
+            randomize: ``True`` draws pickup, dropoff and start, in this order, uniformly from the
+                empty cells; ``"stations"`` or ``"start"`` draws only those. The new pickup and
+                dropoff replace the old ones, also for later resets.
+            seed: seed of ``random.Random``, which draws the cells; ``None`` uses Python's global
+                ``random``. With a seed, pickup and dropoff are drawn from the empty cells of the
+                layout given to the environment, so that a seed always determines the same episode.
+                Without a seed, they are drawn from the empty cells of the current layout, as in the
+                chapter, so the episode also depends on the previous stations.
+
+        Returns:
+            The first observation.
 
         Raises:
-            LayoutError: fewer than two open cells without a charger, and stations are to be drawn.
+            LayoutError: stations are to be drawn, and fewer than two open cells have no charger.
             ValueError: ``randomize`` is another word, or ``seed`` is negative.
-            TypeError: ``seed`` is not an integer. Nothing has changed after any of these.
+            TypeError: ``seed`` is not an integer.
+
+        After an error, the environment is unchanged.
         """
         drawn = what_is_drawn(randomize)
         seed = seed_number(seed)
@@ -209,16 +216,20 @@ class WarehouseEnv(CopiedWhole):
     def reset_to(
         self, layout: Layout, start_pos: Cell | None = None, seed: int | None = None
     ) -> Observation:
-        """Start an episode in a given layout, which is kept for later resets.
+        """Start an episode in a given layout, and keep the layout for later resets.
 
         Args:
-            layout: layout of any size.
-            start_pos: start of this episode; ``None`` is the layout's ``usual_start()``.
-            seed: seed of the random numbers of the motion backend.
+            layout: layout, which may have any size.
+            start_pos: (row, column) of the start of this episode; ``None`` is the layout's
+                ``usual_start()``.
+            seed: seed of the motion backend's random numbers.
+
+        Returns:
+            The first observation.
 
         Raises:
-            LayoutError: the start is not open; nothing has changed.
-            TypeError: an argument of another type.
+            LayoutError: the start is not open; the environment is unchanged.
+            TypeError: an argument has a wrong type.
         """
         instance_of("layout", layout, Layout)
         start = self._start_in(layout, start_pos)
@@ -229,15 +240,15 @@ class WarehouseEnv(CopiedWhole):
     def step(
         self, action: str | SupportsIndex
     ) -> tuple[Observation, float, bool, bool, dict[str, Any]]:
-        """Carry out one action, given as a word (any case) or an index.
+        """Carry out one action, given as a word (in upper or lower case) or as an index.
 
         Returns:
-            Observation, reward, terminated, truncated and info. ``info`` is empty, or contains
-            ``invalid_action`` after an unknown word or an index out of range. The outcome of the
-            motion is in ``last_motion``.
+            Observation, reward, terminated, truncated and info. ``info`` is empty, except after an
+            unknown word or an index out of range: then ``info["invalid_action"]`` is true. The
+            outcome of the motion is in ``last_motion``.
 
         Raises:
-            TypeError: ``action`` is neither a string nor an integer; nothing has changed.
+            TypeError: ``action`` is neither a string nor an integer; the environment is unchanged.
             LayoutError: ``state.robot_pos`` has been set to a cell that is not open.
         """
         index = action_index(action)
@@ -246,7 +257,7 @@ class WarehouseEnv(CopiedWhole):
         return self.observe(), reward, terminated, truncated, info
 
     def advance(self, index: int) -> tuple[float, bool, bool]:
-        """Carry out one action as ``step`` does, without an observation.
+        """Carry out one action as ``step`` does, but compute no observation.
 
         Args:
             index: index of the action, or ``INVALID``; it is not checked.
@@ -255,7 +266,7 @@ class WarehouseEnv(CopiedWhole):
             Reward, terminated and truncated.
         """
         state = self.state
-        # Compared by identity: a cell that was assigned is another object, even if it is equal.
+        # Identity, not equality, detects that a user has assigned a cell to the state.
         if state.robot_pos is not self._placed:
             self._place(state.robot_pos)
         has_item = state.has_item
@@ -284,7 +295,7 @@ class WarehouseEnv(CopiedWhole):
         }
 
     def render_grid(self) -> list[list[str]]:
-        """Return the grid as ``H`` lists of ``W`` characters, the robot ``R`` or ``r`` on top."""
+        """Return the grid and the robot (``R`` or ``r``) as ``H`` lists of ``W`` characters."""
         frame = [list(row) for row in self.layout.rows]
         row, col = self.state.robot_pos
         frame[row][col] = ROBOT_LOADED if self.state.has_item else ROBOT_EMPTY
@@ -306,7 +317,7 @@ class WarehouseEnv(CopiedWhole):
 
     @staticmethod
     def _start_in(layout: Layout, start_pos: Cell | None) -> Cell:
-        """Return a start given as a cell or as ``None``, checked."""
+        """Return the start as a cell; raise an error if the cell is not open."""
         if start_pos is None:
             return layout.usual_start()
         start = as_cell("start_pos", start_pos)
@@ -333,7 +344,7 @@ class WarehouseEnv(CopiedWhole):
         self.last_motion = None
 
     def _draw_start(self, stream: Any, layout: Layout, taken: list[int]) -> Cell:
-        """Return a random empty cell, the usual start if there is none."""
+        """Return a random empty cell, or ``start_pos`` if no cell is empty."""
         count = len(layout.open_cells)
         if count <= len(taken):
             return self._start_pos
@@ -341,11 +352,13 @@ class WarehouseEnv(CopiedWhole):
 
 
 def _draw_stations(stream: Any, layout: Layout, taken: list[int]) -> tuple[Layout, list[int]]:
-    """Return a layout with random pickup and dropoff, from the cells that are empty before.
+    """Return a layout with a random pickup and dropoff, and the ranks of these two.
 
-    ``taken`` are the ranks of the present stations and chargers; the ranks of the new stations are
-    returned too. With fewer than two empty cells there are none, as in the chapter's recorded
-    episodes.
+    Args:
+        stream: random stream.
+        layout: layout whose empty cells are drawn from.
+        taken: ranks of the present stations and chargers, which are not empty. With fewer than two
+            empty cells, the layout gets no stations, as in the chapter's recorded episodes.
     """
     check_room(layout)
     count = len(layout.open_cells)
@@ -358,9 +371,10 @@ def _draw_stations(stream: Any, layout: Layout, taken: list[int]) -> tuple[Layou
 
 
 def _draw(stream: Any, count: int, without: list[int]) -> int:
-    """Draw one of ``range(count)`` that is not in ``without``.
+    """Return a random number of ``range(count)`` that is not in ``without``.
 
-    Equals ``choice`` from a list of what remains, without building the list.
+    The result is the same as with ``choice`` from a list of the remaining numbers, but the list is
+    not built.
     """
     index: int = stream.choice(range(count - len(without)))
     for taken in sorted(without):

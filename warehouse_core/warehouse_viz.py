@@ -1,7 +1,7 @@
 """Pictures of an episode: an animated replay, or its frames as SVG files.
 
-Matplotlib is imported when something is drawn, not when this module is; without it both functions
-print a message and return. ``viz/scene.py`` draws, ``viz/replay.py`` plays and writes files.
+Matplotlib is imported only when something is drawn. If it is not installed, both functions print a
+message and return. ``viz/scene.py`` draws pictures; ``viz/replay.py`` plays them and writes files.
 """
 
 from __future__ import annotations
@@ -39,34 +39,36 @@ def replay_animation(
     frame_seconds: float = FRAME_SECONDS,
     plans: Sequence[StepPlans] = (),
 ) -> Replay | None:
-    """Return the animated replay of an episode; frames are also shown, as the chapter does.
+    """Return the animated replay of an episode; show it too if it is given as frames.
 
-    Frames are shown in a window until it is closed, as ``matplotlib.pyplot.show()`` does; where
-    there is no display, a message says how to save the replay. The replay of a record is only
-    returned: ``replay_animation(episode).show()`` opens its window. A notebook opens none: it
-    shows the replay as the last value of a cell. In the window space pauses and resumes, left and
-    right step one frame and pause. ``.save("replay.gif")`` writes ``.gif``, ``.mp4``, ``.html``,
-    ``.png`` or ``.svg``.
+    Frames are shown in a window until it is closed, as in the chapter and as with
+    ``matplotlib.pyplot.show()``. Without a display, a message explains how to save the replay. The
+    replay of a record is only returned: ``replay_animation(episode).show()`` opens its window. A
+    notebook opens no window; it shows the replay if it is the last value of a cell.
+
+    In the window, space pauses and resumes; the left and right arrow keys pause and step one frame.
+    ``.save("replay.gif")`` writes a file: ``.gif``, ``.mp4``, ``.html``, ``.png`` or ``.svg``.
 
     Args:
         frames: an ``Episode``, or frames as ``WarehouseEnv.render_grid`` returns them.
-        metrics: lists ``rewards``, ``battery``, ``dist_pickup`` and ``dist_dropoff``, each
-            optional, with one entry a frame; a record has its own.
+        metrics: lists by the names ``rewards``, ``battery``, ``dist_pickup`` and
+            ``dist_dropoff``, all optional, with one entry per frame. A record has its own metrics.
         interval_ms: milliseconds between frames at speed 1.
-        speed: factor on the playing speed.
-        window: true if ``show`` opens a window; false if the replay has none. In both cases
-            nothing is shown yet. ``None`` gives it one if there is a display.
-        beside: a record to be replayed to the right of the first.
-        frame_seconds: simulated time between two frames of a continuous motion, three of which
+        speed: factor by which the replay is faster.
+        window: true to let ``show`` open a window, false for a replay without one. In both cases,
+            nothing is shown yet. By default, there is a window if there is a display.
+        beside: second record, replayed to the right of the first.
+        frame_seconds: simulated seconds between two frames of a continuous motion, three of which
             are shown in ``interval_ms``.
-        plans: plans of a fleet, to be drawn ahead of its robots; see ``track_of_record``.
+        plans: plans of a fleet, which are drawn ahead of its robots; see ``track_of_record``.
 
     Returns:
-        A ``matplotlib.animation.FuncAnimation``; ``None`` without frames or without matplotlib.
+        A ``matplotlib.animation.FuncAnimation``, or ``None`` without frames or without matplotlib.
 
     Raises:
-        ValueError: bad frames, metrics, interval, speed or plans; the message says which, where.
-        TypeError: both a record and metrics, or plans without a ``FleetEpisode``.
+        ValueError: frames, metrics, interval, speed or plans are invalid; the message names the
+            value and its position.
+        TypeError: metrics are given with a record, or plans without a ``FleetEpisode``.
 
     Example:
         >>> from agents import GreedyAgent
@@ -93,11 +95,12 @@ def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: fl
 
     Args:
         frames: an ``Episode``, or frames as ``WarehouseEnv.render_grid`` returns them.
-        output_dir: created if it does not exist; files of these names in it are replaced.
-        dpi: dots an inch of the pixels of tiles; robots and words are shapes.
+        output_dir: folder, which is created if it does not exist. Existing files with these names
+            are replaced.
+        dpi: resolution of the tiles, in dots per inch; robots and text are vector shapes.
 
     Raises:
-        ValueError: bad frames or ``dpi``.
+        ValueError: frames or ``dpi`` are invalid.
         OSError: the folder cannot be created or written to.
 
     Example:
@@ -149,7 +152,7 @@ def _track_of(
 
 
 def _show(replay: Replay) -> None:
-    """Show a replay in its window; without one say how to save it, unless a notebook shows it."""
+    """Show a replay in its window; explain how to save it if it has none outside a notebook."""
     if replay.window:
         replay.show()
     elif not is_in_notebook():
@@ -161,7 +164,7 @@ def _show(replay: Replay) -> None:
 
 def _matplotlib_is_installed() -> bool:
     try:
-        import matplotlib  # noqa: F401 - only asked for
+        import matplotlib  # noqa: F401 - to see whether it is installed
     except ImportError:  # pragma: no cover - tested in a process of its own
         print("matplotlib is not installed, so nothing is drawn: pip install matplotlib")
         return False

@@ -1,6 +1,7 @@
-"""The kinds of agents, a file each: reflex, model-based, goal-based and utility-based.
+"""Four kinds of agents, one file each: reflex, model-based, goal-based and utility-based.
 
-The fifth kind, which learns, is in ``agents/learning``. Each class is short, to be changed.
+The fifth kind, the learning agent, is in ``agents/learning``. Each class is short, so that readers
+can change it.
 
 Source: Russell and Norvig, 4th ed., section 2.4.
 """

@@ -1,4 +1,4 @@
-"""The goal-based agent: it searches a way to its goal on the map that it has seen.
+"""The goal-based agent, which searches for a path to its goal on the map that it has seen.
 
 Source: Russell and Norvig, 4th ed., section 2.4.4.
 """
@@ -14,10 +14,11 @@ from warehouse_core.world.tiles import MOVE_DELTAS, Cell, moved
 
 
 class GoalBasedAgent:
-    """A goal-based agent: it takes the first step of a shortest way to its goal.
+    """A goal-based agent, which takes the first step of a shortest path to its goal.
 
-    Its map has what it has seen; all other cells are free. It searches in every step, so what it
-    sees changes its way at once; ``ExploringAgent`` does the same with fewer searches.
+    Its map contains the cells that it has seen, and it assumes that all other cells are free. It
+    searches in every step, so it takes new observations into account at once. ``ExploringAgent``
+    does the same with fewer searches.
 
     Example:
         >>> from agents import GoalBasedAgent
@@ -38,7 +39,7 @@ class GoalBasedAgent:
         """Return the first action of a plan, and set ``reason`` to the length of the plan."""
         here, goal = observation["robot_pos"], goal_of(observation)
         if self._tried is not None and self._tried[0] == here:
-            self._belief.bump(self._tried[1])  # after the second time it counts as a wall
+            self._belief.bump(self._tried[1])  # the cell counts as a wall after two failures
         self._belief.look(observation)
         self._tried, self.reason = None, "nowhere to go"
         if goal is None:

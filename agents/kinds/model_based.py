@@ -1,4 +1,4 @@
-"""The model-based reflex agent: rules on what it observes and on what it remembers.
+"""The model-based reflex agent, whose rules use its observation and its memory.
 
 Source: Russell and Norvig, 4th ed., section 2.4.3.
 """
@@ -14,10 +14,11 @@ from warehouse_core.world.tiles import MOVE_DELTAS, WALL, Cell, moved
 
 
 class ModelBasedAgent:
-    """A model-based reflex agent: it remembers walls, and how often it has been in each cell.
+    """A model-based reflex agent, which remembers walls and counts its visits to each cell.
 
-    Its model of the world is that walls stay, and that a move which leads nowhere has met one. Its
-    rule is to enter the neighbour where it has been least often, and of these the nearest one.
+    Its model of the world says that walls do not move, and that a move without effect has hit one.
+    Its rule is to enter the neighbouring cell that it has visited least often with its present
+    goal. Among several such cells, it takes the one nearest to the goal.
 
     Example:
         >>> from agents import ModelBasedAgent
@@ -43,12 +44,12 @@ class ModelBasedAgent:
         self.reason = "at the goal" if here == goal else "nowhere to go"
         if here == goal:
             return "DROP" if observation["has_item"] else "PICK"
-        ways = {move: moved(here, delta) for move, delta in MOVE_DELTAS.items()}
-        ways = {move: cell for move, cell in ways.items() if cell not in self._walls}
-        if goal is None or not ways:
+        cells = {move: moved(here, delta) for move, delta in MOVE_DELTAS.items()}
+        cells = {move: cell for move, cell in cells.items() if cell not in self._walls}
+        if goal is None or not cells:
             return "WAIT"
-        move = min(ways, key=lambda to: (self._visits[ways[to], goal], distance(ways[to], goal)))
-        self._tried, self.reason = (here, ways[move]), "least visited"
+        move = min(cells, key=lambda to: (self._visits[cells[to], goal], distance(cells[to], goal)))
+        self._tried, self.reason = (here, cells[move]), "least visited"
         return move
 
     def _update_state(self, observation: Observation) -> None:

@@ -1,4 +1,4 @@
-"""The simple reflex agent: rules on what it observes now.
+"""The simple reflex agent, whose rules use the current observation only.
 
 Source: Russell and Norvig, 4th ed., section 2.4.2.
 """
@@ -13,11 +13,12 @@ from warehouse_core.task.state import Observation
 
 
 class ReflexAgent:
-    """A simple reflex agent: it remembers nothing, so the same observation meets the same rule.
+    """A simple reflex agent, which remembers nothing and applies rules to what it observes now.
 
     Args:
-        seed: seed of its random stream, restarted at each ``reset``; ``None`` uses a random one.
-        chance: probability of a random open move, 0 to 1, which gets it out of loops.
+        seed: seed of its random stream, restarted at each ``reset``; ``None`` uses a random seed.
+        chance: probability, 0 to 1, of a random open move in a step. Random moves get it out of
+            loops.
 
     Example:
         >>> from agents import ReflexAgent
@@ -45,8 +46,8 @@ class ReflexAgent:
             self.reason = "nowhere to go"
             return "WAIT"
         if self.chance and self._random.random() < self.chance:
-            self.reason = "by chance"
+            self.reason = "random move"
             return self._random.choice(moves)
-        nearer = [move for move in moves if distance_after(move, here, goal) < distance(here, goal)]
-        self.reason = "nearer" if nearer else "no move is nearer"
-        return (nearer or moves)[0]
+        closer = [move for move in moves if distance_after(move, here, goal) < distance(here, goal)]
+        self.reason = "closer" if closer else "no move gets closer"
+        return (closer or moves)[0]

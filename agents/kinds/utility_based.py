@@ -1,4 +1,4 @@
-"""The utility-based agent: it weighs what a delivery is worth against what it will cost.
+"""The utility-based agent, which weighs the value of a delivery against its cost.
 
 Source: Russell and Norvig, 4th ed., section 2.4.5.
 """
@@ -14,21 +14,22 @@ from warehouse_core.task.rules import CHARGE
 from warehouse_core.task.state import Observation
 
 WORTH = 200.0
-"""Worth of a delivery, in steps."""
+"""Value of a delivery, in steps."""
 
 DOUBT = 0.5
-"""Steps that a cell which has not been seen is expected to cost beyond one."""
+"""Expected number of steps, beyond one, to enter a cell that has not been seen."""
 
 
 class UtilityBasedAgent:
-    """A utility-based agent: of all plans that it knows it follows the one with the most utility.
+    """A utility-based agent, which follows the plan with the highest utility.
 
-    A plan is a pickup and a dropoff, and perhaps a charger on the way. Its utility is the worth of
-    a delivery, if the battery will last, less the expected steps. To give up has utility 0.
+    A plan is a pickup and a dropoff, and possibly a charger to stop at. If the battery will last
+    for a plan, its utility is the value of a delivery minus the expected number of steps. Giving up
+    has utility 0.
 
     Args:
-        worth: worth of a delivery, in steps.
-        doubt: steps that an unseen cell is expected to cost beyond one.
+        worth: value of a delivery, in steps.
+        doubt: expected number of steps, beyond one, to enter an unseen cell.
 
     Example:
         >>> from agents import UtilityBasedAgent

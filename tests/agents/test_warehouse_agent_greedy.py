@@ -58,7 +58,7 @@ def test_distances_are_manhattan_distances() -> None:
         (["R"], "NESW"),
     ],
 )
-def test_open_moves_are_those_that_no_wall_in_view_stops(view: list[str], moves: str) -> None:
+def test_open_moves_are_moves_that_no_wall_in_view_blocks(view: list[str], moves: str) -> None:
     assert open_moves(view) == list(moves)
 
 
@@ -66,7 +66,7 @@ def test_open_moves_are_those_that_no_wall_in_view_stops(view: list[str], moves:
     ("goal", "action"),
     [((2, 5), "N"), ((8, 5), "S"), ((5, 9), "E"), ((5, 0), "W"), ((2, 9), "N"), ((9, 9), "E")],
 )
-def test_a_move_that_lowers_the_distance_is_taken(goal: Cell, action: str) -> None:
+def test_a_move_that_reduces_the_distance_is_taken(goal: Cell, action: str) -> None:
     assert chosen(GreedyAgent(seed=0), seen(pickup=goal)) == [(action, "greedy")]
     assert chosen(GreedyAgent(seed=0), seen(dropoff=goal, loaded=True)) == [(action, "greedy")]
 
@@ -89,7 +89,7 @@ def test_without_a_goal_it_waits(loaded: bool) -> None:
 
 
 @pytest.mark.parametrize(("pickup", "reason"), [((2, 5), "stuck"), ((9, 9), "escape")])
-def test_where_it_is_stuck_or_escapes_it_takes_any_open_move(pickup: Cell, reason: str) -> None:
+def test_when_it_is_stuck_or_escapes_it_takes_any_open_move(pickup: Cell, reason: str) -> None:
     view = seen(pickup=pickup, view=[".#.", ".R.", "..."])
     steps = 1 if reason == "stuck" else 2  # an escape begins on a remembered cell
     answers = {chosen(GreedyAgent(seed=seed), *[view] * steps)[-1] for seed in range(60)}

@@ -12,7 +12,7 @@ from warehouse_core.motion.grid import GridMotion
 
 
 def everything(env: WarehouseEnv) -> tuple[object, ...]:
-    """Return everything that a failed call must not change, Python's random state included."""
+    """Return all state that a failed call must not change, including Python's random state."""
     layout_and_state = (env.layout, env.grid, copy.copy(env.state), env.last_motion)
     return (*layout_and_state, env.render_with_legend(), random.getstate())
 
@@ -44,7 +44,7 @@ def test_a_seed_draws_like_the_global_random_and_leaves_it_unchanged() -> None:
 
 
 @pytest.mark.parametrize("randomize", [True, "stations"])
-def test_a_seed_names_an_episode_however_often_the_environment_is_used(
+def test_a_seed_determines_an_episode_however_often_the_environment_was_used(
     randomize: bool | str,
 ) -> None:
     used = WarehouseEnv()
@@ -57,7 +57,7 @@ def test_a_seed_names_an_episode_however_often_the_environment_is_used(
         assert used.reset(randomize, seed) == WarehouseEnv(elsewhere).reset(randomize, seed)
 
 
-def test_without_a_seed_the_stations_drawn_last_are_no_candidates() -> None:
+def test_without_a_seed_the_previous_stations_are_not_drawn_again() -> None:
     env = WarehouseEnv(["P....D"], (0, 1))
     for seed in range(30):
         before = {*env.layout.pickups, *env.layout.dropoffs}
@@ -69,7 +69,7 @@ def test_without_a_seed_the_stations_drawn_last_are_no_candidates() -> None:
 # The interface.
 
 
-def test_the_constructor_is_the_chapters() -> None:
+def test_the_constructor_is_as_in_the_chapter() -> None:
     parameters = inspect.signature(WarehouseEnv).parameters.values()
     positional = {p.name: p.default for p in parameters if p.kind is p.POSITIONAL_OR_KEYWORD}
     assert list(positional.items()) == [
@@ -82,7 +82,7 @@ def test_the_constructor_is_the_chapters() -> None:
     assert all(p.kind is p.KEYWORD_ONLY for p in parameters if p.name not in positional)
 
 
-def test_the_attributes_are_the_chapters() -> None:
+def test_the_attributes_are_as_in_the_chapter() -> None:
     env = WarehouseEnv(["...", ".PD"], (1, 0), 9, 8, 1)
     assert env.ACTIONS == ["N", "E", "S", "W", "WAIT", "PICK", "DROP"]
     assert env.MOVE_DELTAS == {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
@@ -91,7 +91,7 @@ def test_the_attributes_are_the_chapters() -> None:
     assert env.state == WarehouseState((1, 0), has_item=False, battery=8, steps=0)
 
 
-def test_the_default_grid_is_the_chapters() -> None:
+def test_the_default_grid_is_as_in_the_chapter() -> None:
     env = WarehouseEnv()
     assert env.layout is WarehouseEnv(DEFAULT_LAYOUT).layout is DEFAULT_LAYOUT
     assert env.reset() == {
@@ -105,7 +105,7 @@ def test_the_default_grid_is_the_chapters() -> None:
     }
 
 
-def test_a_start_of_none_is_the_usual_start() -> None:
+def test_a_start_of_none_is_the_default_start() -> None:
     env = WarehouseEnv(["#P", "D#"], start_pos=None)
     assert env.start_pos == env.reset()["robot_pos"] == (0, 1)
     assert WarehouseEnv(start_pos=None).start_pos == (1, 1)
@@ -173,7 +173,7 @@ def test_a_closed_environment_can_be_closed_again_but_not_stepped() -> None:
         env.step("E")
 
 
-# Nothing is shared.
+# Environments share no state.
 
 
 def test_other_results_can_be_changed_without_effect() -> None:
@@ -219,7 +219,7 @@ def test_a_step_of_a_robot_put_on_a_wall_raises(cell: tuple[int, int]) -> None:
     assert env.step("E")[0]["robot_pos"] == (1, 2)
 
 
-# Errors, after which nothing has changed.
+# Errors, which leave the environment unchanged.
 
 
 @pytest.mark.parametrize(
@@ -272,7 +272,7 @@ def test_an_error_of_the_motion_leaves_the_state_unchanged(monkeypatch: pytest.M
     assert everything(env) == before
 
 
-# What a reset draws.
+# Random choices of a reset.
 
 STATIONED = ["#######", "#P.P..#", "#.#.#.#", "#..D..#", "#######"]
 
@@ -297,7 +297,7 @@ def test_a_reset_may_draw_the_stations_alone() -> None:
         assert env.grid == everything.grid != STATIONED
 
 
-def test_a_start_is_the_usual_one_where_all_cells_are_stations() -> None:
+def test_if_all_cells_are_stations_a_random_start_is_the_default_start() -> None:
     assert WarehouseEnv(["PD"], (0, 1)).reset("start", seed=1)["robot_pos"] == (0, 1)
 
 

@@ -27,7 +27,7 @@ FRAME_FILES = [f"frame_{frame:04d}.svg" for frame in range(7)]
 # The chapter's two functions.
 
 
-def test_both_functions_take_what_the_chapter_says() -> None:
+def test_both_functions_take_the_chapters_arguments() -> None:
     parameters = [*inspect.signature(replay_animation).parameters.values()]
     asked = {parameter.name: parameter.default for parameter in parameters[:4]}
     assert asked == {"frames": inspect.Parameter.empty, "metrics": None, "interval_ms": 150,
@@ -57,13 +57,13 @@ def test_the_chapters_loop_can_be_replayed() -> None:
     assert {"step 3 of 3", "battery 197 of 200"} <= set(texts(animation))
 
 
-def test_an_episode_brings_frames_and_metrics() -> None:
+def test_an_episode_has_its_own_frames_and_metrics() -> None:
     episode = short_episode()
     whole = replay_of(episode)
     bare = replay_of(episode.frames, episode.metrics)
     whole.go_to(3)
     bare.go_to(3)
-    # A record knows the robot's heading and view too, which are on the map; its charts are equal.
+    # The map of a record also shows the robot's heading and view; the charts are the same.
     pictures = pixels(whole), pixels(bare)
     is_equal = []
     for axes in whole.figure.axes:
@@ -75,7 +75,7 @@ def test_an_episode_brings_frames_and_metrics() -> None:
     assert is_equal == [False, True, True, True]
 
 
-def test_an_episode_takes_no_metrics_beside_its_own() -> None:
+def test_metrics_given_with_an_episode_are_refused() -> None:
     for episode in (short_episode(), fleet_episode(max_steps=1)):
         with pytest.raises(TypeError, match="has its own metrics"):
             replay_animation(episode, {}, window=False)
@@ -115,7 +115,7 @@ print(save_frames_to_svg([["R."]], "frames"))
     assert list(tmp_path.iterdir()) == []
 
 
-# Where there is a display, a window.
+# Windows, if there is a display.
 
 
 @pytest.mark.parametrize("display", [False, True])
@@ -179,7 +179,7 @@ def test_a_replay_can_be_saved_after_its_window_was_closed(
     plt.close("all")
 
 
-def test_in_a_notebook_frames_are_neither_shown_nor_told_of(
+def test_in_a_notebook_frames_are_not_shown_and_no_message_is_printed(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("warehouse_core.viz.replay.has_display", lambda: False)
@@ -213,7 +213,7 @@ def test_the_keys_of_matplotlib_are_disabled_in_the_window() -> None:
     assert replay is not None
     axes = replay.figure.axes[1]
     replay.figure.canvas.draw()
-    # Each key would change a scale of the chart that the mouse is over.
+    # Each of these keys would rescale the chart under the mouse.
     press(replay, "l", "k", at=axes.transAxes.transform((0.5, 0.5)))
     assert (axes.get_xscale(), axes.get_yscale()) == ("linear", "linear")
     plt.close("all")
@@ -247,7 +247,7 @@ def contents(folder: Path) -> dict[str, bytes]:
 
 
 def test_every_frame_is_a_file_and_the_legend_is_one(tmp_path: Path) -> None:
-    # Letters are shapes; matplotlib notes beside them, as a comment, what they spell.
+    # Letters are shapes; matplotlib writes the text as a comment next to them.
     files = contents(svg_folder(tmp_path / "new" / "folder"))
     assert sorted(files) == [*FRAME_FILES, "legend.svg"]
     assert all(ElementTree.fromstring(file).tag == f"{SVG}svg" for file in files.values())
@@ -315,11 +315,11 @@ def test_more_frames_take_no_more_memory(tmp_path: Path, monkeypatch: pytest.Mon
 
     def measured(figure: Any, path: Path, dpi: float) -> None:
         save_svg(figure, path, dpi)
-        if (number := next(numbers)) in (7, 23):  # to collect takes long
+        if (number := next(numbers)) in (7, 23):  # because a collection takes long
             gc.collect()
             blocks[number] = sys.getallocatedblocks()
 
     monkeypatch.setattr(figures, "save_svg", measured)
     save_frames_to_svg(frames, tmp_path)
-    # A drawn frame that is kept is thousands of blocks, and these are sixteen.
+    # Keeping one of the sixteen drawn frames would take thousands of blocks.
     assert blocks[23] - blocks[7] < 5000

@@ -1,4 +1,4 @@
-"""The pages of Markdown that are run: the README and the handbook, block by block."""
+"""Run the Markdown pages of the README and the handbook, block by block."""
 
 import re
 import shlex
@@ -15,7 +15,7 @@ from helpers.command_line import ROOT
 HANDBOOK = ROOT / "agents" / "handbook"
 PAGES = sorted(HANDBOOK.glob("*.md"))
 SITE = [str(page.relative_to(HANDBOOK).with_suffix("")) for page in sorted(HANDBOOK.rglob("*.md"))]
-"""All pages of the site by name, those of the reference among them."""
+"""Names of all pages of the site, including the reference."""
 
 BLOCK = re.compile(
     r"^(?:```(?:\{code-cell\} ipython3|(\w+))( \w+)?\n(?::[^\n]*\n\n)?|<!-- (test)\n)(.*?)"
@@ -25,10 +25,10 @@ BLOCK = re.compile(
 INSTALL = "python3 -m venv .venv && .venv/bin/pip install -e "
 CELL, COMMAND, WRITE, TEXT = "python", "warehouse ", "%%writefile ", "text"
 TORCH, RAY = "rl", "neighbours"
-"""Words behind the language of blocks that need PyTorch, or Ray and Tianshou."""
+"""Words after the language of a block that needs PyTorch, or Ray and Tianshou."""
 
 TEST = "test"
-"""Language of comments with code that checks what a page says; no reader sees it."""
+"""Language of hidden comments with code that checks the statements of a page."""
 
 
 class Block(NamedTuple):
@@ -40,7 +40,7 @@ class Block(NamedTuple):
 
 
 def blocks_of(page: Path) -> Iterator[Block]:
-    """Yield the blocks of a page that are run."""
+    """Yield the blocks of a page that the tests run."""
     for language, needs, test, text in BLOCK.findall(page.read_text(encoding="utf-8")):
         if language != TEXT:
             yield Block(language or test or CELL, text, needs.strip())

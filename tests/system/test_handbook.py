@@ -1,4 +1,4 @@
-"""The README and the handbook: every block runs, and their statements hold."""
+"""Tests of the README and the handbook: every block runs, and the statements are true."""
 
 import re
 import runpy
@@ -40,11 +40,11 @@ ANSWERS = re.compile(
 FRAMES_APART = 10
 GLOSSARY, PROMISES = HANDBOOK / "glossary.md", HANDBOOK / "promises.md"
 EXAMPLE = re.compile(r"(\w+\(.*\)) {2,}([^\s:].*?)(?:: .*)?$")
-"""A call and its answer in the text of an exercise, perhaps with a remark."""
+"""A call and its result in the text of an exercise, optionally followed by a remark."""
 
 HEADINGS = re.compile(r"^#+ (.*)$", flags=re.MULTILINE)
 WITHOUT_TERMS = {"README", "index", "coming_from", "glossary", "promises"}
-"""Pages that link to no term: they lead to other pages, or explain names of programs."""
+"""Pages without links to terms, because they lead to other pages or explain names of programs."""
 
 each_page = pytest.mark.parametrize("page", TEXTS, ids=[page.stem for page in TEXTS])
 
@@ -55,25 +55,25 @@ def in_a_folder_without_a_display(
 ) -> Iterator[None]:
     monkeypatch.chdir(tmp_path)
     monkeypatch.syspath_prepend(tmp_path)
-    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))  # a page sets it too
+    monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))  # because a page sets it
     without_display(monkeypatch)
     yield
     plt.close("all")
 
 
 def some_frames(replay: Replay) -> Iterator[int]:
-    """Return every ``FRAMES_APART``-th frame, and the last."""
+    """Return every ``FRAMES_APART``-th frame and the last one."""
     return iter([*range(0, len(replay._scene) - 1, FRAMES_APART), len(replay._scene) - 1])
 
 
 def slug(heading: str) -> str:
-    """Return the name by which links lead to a heading, as on GitHub."""
+    """Return the anchor of a heading, as on GitHub."""
     return re.sub(r"[^\w -]", "", heading.lower()).replace(" ", "-")
 
 
 @pytest.fixture
 def less_work(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Save some frames of each replay, train for fewer steps, and start no more processes."""
+    """Save only some frames of each replay, train for fewer steps, and use a single process."""
     monkeypatch.setattr("os.cpu_count", lambda: 1)
     monkeypatch.setattr(Replay, "new_saved_frame_seq", some_frames)
     kind = train.KINDS["q"]
@@ -85,7 +85,7 @@ def less_work(monkeypatch: pytest.MonkeyPatch) -> None:
 @each_page
 def test_every_block_of_a_page_runs(page: Path, less_work: None) -> None:
     run_page(page)
-    if page.stem == "grading":  # the page that goes on with what is there
+    if page.stem == "grading":  # this page continues with the files of its first run
         run_page(page)
 
 
@@ -96,7 +96,7 @@ def test_the_commands_that_need_pytorch_run() -> None:
 
 
 @pytest.mark.learning
-@pytest.mark.filterwarnings("ignore")  # of libraries, in the names of others
+@pytest.mark.filterwarnings("ignore")  # warnings of libraries, in the names of others
 def test_the_programs_for_other_libraries_run_and_learn() -> None:
     import torch
 
@@ -119,7 +119,7 @@ def test_the_programs_for_other_libraries_run_and_learn() -> None:
 
 
 @pytest.mark.neighbours
-@pytest.mark.filterwarnings("ignore")  # of libraries, in the names of others
+@pytest.mark.filterwarnings("ignore")  # warnings of libraries, in the names of others
 def test_the_programs_for_tianshou_and_rllib_run(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setenv("RAY_AUTH_MODE", "disabled")
     names: dict[str, Any] = run_page(HANDBOOK / "libraries.md", RAY)

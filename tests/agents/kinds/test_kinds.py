@@ -1,4 +1,4 @@
-"""The kinds of agents: what each of them can do, and what the one before it cannot."""
+"""Tests of the kinds of agents: what each of them can do that the previous kind cannot."""
 
 import ast
 import inspect
@@ -88,24 +88,24 @@ def test_the_model_based_agent_runs_into_no_unseen_wall_twice() -> None:
         assert episode.terminated
 
 
-def test_the_goal_based_agent_finds_its_way_without_a_view() -> None:
+def test_the_goal_based_agent_finds_a_path_without_a_view() -> None:
     env = WarehouseEnv(view_radius=0)
     assert all(record_episode(env, GoalBasedAgent(), seed=seed).terminated for seed in range(20))
 
 
-def test_the_goal_based_agent_takes_a_shortest_way_where_it_sees_everything() -> None:
+def test_the_goal_based_agent_takes_a_shortest_path_if_it_sees_everything() -> None:
     for seed in range(20):
         env = WarehouseEnv(view_radius=12)
         steps = record_episode(env, GoalBasedAgent(), seed=seed).steps
         assert steps == record_episode(env, SearchAgent(env.layout), seed=seed).steps
 
 
-def test_the_goal_based_agent_waits_where_it_knows_that_there_is_no_way() -> None:
+def test_the_goal_based_agent_waits_if_it_knows_that_no_path_exists() -> None:
     episode = from_start(WarehouseEnv(named_layout("closed"), (2, 1), max_steps=60), "goal")
     assert set(episode.actions[-20:]) == {"WAIT"}
 
 
-# What the utility-based agent weighs.
+# Plans that the utility-based agent compares.
 
 STATIONS = ["P........", ".......PD", "D........"]
 
@@ -117,7 +117,7 @@ def test_the_utility_based_agent_prefers_the_nearest_stations_that_it_has_seen()
     assert steps("utility") == 4 < steps("goal")
 
 
-def test_a_station_that_gives_nothing_is_tried_once() -> None:
+def test_a_station_where_an_action_has_no_effect_is_tried_once() -> None:
     agent = UtilityBasedAgent()
     assert agent.act(observed(["...", ".RP", "..."], (1, 6))) == "E"
     on_it = observed(["...", ".RD", "..."], (1, 7))
@@ -148,14 +148,14 @@ def test_the_utility_based_agent_charges_as_long_as_it_has_to() -> None:
     assert Counter(episode.actions) == {"W": 6, "PICK": 1, "E": 9, "WAIT": 1, "DROP": 1}
 
 
-def test_the_steps_on_a_charger_are_weighed_too() -> None:
+def test_steps_on_a_charger_count_as_costs() -> None:
     env = WarehouseEnv(LONG, (0, 8), battery=11, view_radius=9)
     steps = 9 + 1 + 2 + 9  # to the pickup, to the charger, until the battery is full, to deliver
     assert set(from_start(env, f"utility:worth={steps}").actions) == {"WAIT"}
     assert from_start(env, f"utility:worth={steps + 1}").terminated
 
 
-def test_the_utility_based_agent_gives_up_what_the_battery_or_the_worth_is_too_small_for() -> None:
+def test_the_utility_based_agent_gives_up_if_the_battery_or_the_worth_is_too_small() -> None:
     tight, short = (WarehouseEnv(["P........D"], (0, 5), battery=units) for units in (16, 15))
     assert from_start(tight, "utility:doubt=0").terminated
     assert set(from_start(short, "utility:doubt=0").actions) == {"WAIT"}
@@ -163,7 +163,7 @@ def test_the_utility_based_agent_gives_up_what_the_battery_or_the_worth_is_too_s
     assert from_start(tight, "utility:doubt=0,worth=17").terminated
 
 
-def test_the_utility_based_agent_goes_round_unseen_cells_if_it_knows_another_way() -> None:
+def test_the_utility_based_agent_avoids_unseen_cells_if_it_knows_another_path() -> None:
     floor = Layout(["P.D", "...", "..."])
     agent = UtilityBasedAgent(doubt=5.0)
     agent.act(WarehouseEnv(floor, (2, 0), view_radius=1).observe())
