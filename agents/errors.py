@@ -8,7 +8,6 @@
     |-- PlanError       (ValueError)    a problem of several robots, or a plan that solves it
     |-- EpisodeError                    an episode that could not be run
     |-- StoreError                      a file of results
-    |-- ClusterError                    a cluster
     |-- GradeError                      a rubric, or what grading needs
     +-- WorkerError                     a process that ended early
 """
@@ -24,7 +23,6 @@ from warehouse_core.errors import WarehouseError
 
 __all__ = [
     "AgentError",
-    "ClusterError",
     "EpisodeError",
     "EpisodeInterrupted",
     "GradeError",
@@ -130,19 +128,6 @@ class StoreError(WarehouseError):
         Traceback (most recent call last):
             ...
         agents.errors.StoreError: results.sqlite: there is no such file
-    """
-
-
-class ClusterError(WarehouseError):
-    """A cluster that cannot be reached or used; the message says why.
-
-    Example:
-        >>> from agents.lab.experiments.cluster import cluster
-        >>> with cluster("nowhere"):
-        ...     pass
-        Traceback (most recent call last):
-            ...
-        agents.errors.ClusterError: ...
     """
 
 

@@ -1,7 +1,7 @@
 """Sweeps, the rows of those that are killed, reports on them, and the intervals in reports.
 
 ``WAREHOUSE_PYTHONS`` names the interpreters that run sweeps, separated as in ``PATH``; the package
-must be installed for each with the extras ``physics`` and ``cluster``. Default: the running one.
+must be installed for each with the extra ``physics``. Default: the running one.
 """
 
 import hashlib
@@ -18,7 +18,6 @@ from time import perf_counter
 
 import numpy as np
 import pytest
-from helpers.dask_cluster import dask_cluster
 from helpers.sweeps import FLAGS, Sweep, kill_sweeps, nothing, table, uninterrupted
 
 from agents import GreedyAgent
@@ -28,7 +27,7 @@ from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
 from agents.lab.trials.interval import CONFIDENCE, mean_interval, ratio_interval
 from agents.lab.trials.rows import Row
-from agents.lab.trials.workers import process_pool
+from agents.lab.trials.workers import Processes
 from warehouse_core import WarehouseEnv, record_episode
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.records.failure_modes import MODES, diagnose
@@ -45,7 +44,7 @@ import sys
 from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
-from agents.lab.trials.workers import process_pool
+from agents.lab.trials.workers import Processes
 
 def peak_in_kb():
     with open("/proc/self/status") as file:
@@ -60,8 +59,8 @@ def report(rows, failures):
 done, peaks = 0, []
 if __name__ == "__main__":
     plan = make_plan({"battery": 20}, 100_000, 0)
-    with Store(sys.argv[1]) as store, process_pool(2) as (executor, workers):
-        run_missing(plan, store, executor, workers, report)
+    with Store(sys.argv[1]) as store, Processes(2) as executor:
+        run_missing(plan, store, executor, 2, report)
     print(*peaks)
 """
 
@@ -71,7 +70,7 @@ class Sweeper:
 
     def __init__(self, workers: int, folder: Path, stack: ExitStack) -> None:
         begin = perf_counter()
-        self._executor, self._workers = stack.enter_context(process_pool(workers))
+        self._executor, self._workers = stack.enter_context(Processes(workers)), workers
         self._paths = (folder / f"{workers}-{number}.sqlite" for number in count())
         self.run(workers)
         self.seconds_to_start = perf_counter() - begin
@@ -142,7 +141,7 @@ ALL_FLAGS, ROW_EPISODES = [*FLAGS, "backend=grid,physics"], 100
 SECONDS = 600
 """Of a sweep, at most."""
 
-WAYS = ("1 worker", "2 workers", "two sweeps at once", "Dask with a kill")
+WAYS = ("1 worker", "2 workers", "two sweeps at once")
 
 
 def version_of(python: str) -> str:
@@ -183,13 +182,6 @@ def test_kill_9(tmp_path, measured, kind: str, python: str) -> None:
 
 
 def run(way: str, path: Path, python: str) -> None:
-    if way == "Dask with a kill":
-        with dask_cluster(path.parent, "--no-nanny", python=python) as (address, processes):
-            sweep = Sweep(path, ROW_EPISODES, ALL_FLAGS, "--cluster", address, python=python)
-            sweep.wait_for_rows()
-            processes[-1].kill()
-            assert sweep.end(SECONDS)[0] == 0
-        return
     count = 2 if way == "two sweeps at once" else 1
     workers = 2 if way == "2 workers" else 1
     sweeps = [

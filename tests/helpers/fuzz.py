@@ -399,17 +399,16 @@ def _read_results(path: Path) -> None:
         find_examples(store)
         for kind in (LONE, FLEETS):
             answers(Experiment(store, kind))
-        store.mixed(), store.episodes()
+        store.episodes()
         for _ in lines_of(store, columns_of(store)):
             pass
-    with Store(path, mix=True) as store:
+    with Store(path) as store:
         store.add_cases(CASES)
         for case in CASES:
             number = store.case_id(case)
             store.count(case, range(100))
             store.seeds_done(number, range(100))
             store.add(number, [fleet_row(99) if is_fleet(case) else row(99)], "another")
-        store.mixed()
 
 
 def _read_plan(path: Path) -> None:

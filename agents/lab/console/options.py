@@ -224,10 +224,3 @@ Jobs = Annotated[
     int | None,
     option("--jobs -j N", "Number of processes. Default: one for each processor.", Whole(1, 1024)),
 ]
-Cluster = Annotated[
-    str | None,
-    option(
-        "--cluster tcp://HOST:PORT",
-        "Run on the Dask cluster of this scheduler; needs the extra 'cluster'.",
-    ),
-]

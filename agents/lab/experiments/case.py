@@ -382,8 +382,6 @@ def check_fingerprint(case: Case) -> None:
     if not is_same:
         name = director_of(case)
         what = "module" if agent_file(name) is None else "file"
-        again = "; restart the workers of a cluster" if what == "module" else ""
         raise EpisodeError(
-            f"the {what} of agent {name!r}, or what it imports, has changed since the "
-            f"sweep began{again}"
+            f"the {what} of agent {name!r}, or what it imports, has changed since the sweep began"
         )

@@ -5,23 +5,22 @@ is negligible, short enough that little is lost after an error and the progress 
 of a task depend only on its case and seeds, so they are the same with any number of workers.
 
 An episode that fails is reported, and the others go on. If a worker ends, any seed of its task may
-be the reason: they are run again one at a time, with nothing beside them, and one whose worker ends
-again has failed.
+be the reason: each is run again as a task of its own, and one whose worker ends again has failed.
 """
 
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection, Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import FIRST_COMPLETED, Executor, Future, wait
 from itertools import islice
 from typing import NamedTuple
 
+from agents.errors import WorkerError
 from agents.lab.experiments.case import Case, Done, about, run_task
 from agents.lab.experiments.plan import SweepPlan
 from agents.lab.experiments.store import Store
 from agents.lab.trials.rows import AnyRow
-from agents.lab.trials.workers import ending_of
 
 __all__ = ["run_missing"]
 
@@ -38,10 +37,6 @@ TICK = 0.1
 
 MAX_FAILURES = 20
 """Episodes of a case that fail before its other seeds are left out."""
-
-MAX_SUSPECTS = 16
-"""Seeds whose worker has ended that may wait until the other episodes have been run."""
-
 
 TellRows = Callable[[Sequence[AnyRow], Sequence[str]], None]
 """Takes rows after they are stored, and messages of failures, often neither; may end the run."""
@@ -68,36 +63,28 @@ class Queue:
 
     def __init__(self, plan: SweepPlan, store: Store) -> None:
         self.failed, self._task_episodes = Counter[int](), 1
-        self._missing = self._missing_tasks(plan, store)
-        self._rests, self._suspects = list[WorkerTask](), list[WorkerTask]()
+        self._missing, self._again = self._missing_tasks(plan, store), list[WorkerTask]()
 
-    def take(self, count: int, running: Collection[WorkerTask]) -> list[WorkerTask]:
-        """Return tasks to be run beside others, so that at most ``count`` are running."""
-        if any(task.is_retry for task in running):
-            return []
-        tasks = []
-        if len(self._suspects) < MAX_SUSPECTS:
-            tasks = list(islice(iter(self._next, None), count - len(running)))
-        while self._suspects and not tasks and not running:
-            task = self._suspects.pop()
-            tasks = [task] if self._is_wanted(task) else []
-        return tasks
+    def take(self) -> WorkerTask | None:
+        """Return the next task, if there is one."""
+        while self._again:
+            if self._is_wanted(task := self._again.pop()):
+                return task
+        return next(self._missing, None)
 
     def done(self, task: WorkerTask, outcome: Done) -> list[str]:
         """Take account of a task that is done, and return the messages of failures."""
         if outcome.failure is None:
             self._task_episodes = paced(len(task.seeds), outcome.seconds)
             return []
-        messages = self._failed(task, outcome.failure)
-        rest = task._replace(seeds=task.seeds[len(outcome.rows) + 1 :])
-        if rest.seeds and self._is_wanted(rest):
-            self._rests.append(rest)
-        return messages
+        if rest := task.seeds[len(outcome.rows) + 1 :]:
+            self._again.append(task._replace(seeds=rest))
+        return self._failed(task, outcome.failure)
 
     def ended(self, task: WorkerTask, ending: str) -> list[str]:
         """Take account of a task whose worker has ended, and return the messages of failures."""
         if not task.is_retry:
-            self._suspects += [task._replace(seeds=[seed], is_retry=True) for seed in task.seeds]
+            self._again += [task._replace(seeds=[seed], is_retry=True) for seed in task.seeds]
             return []
         return self._failed(
             task, f"{about(task.case, task.seeds[0])}: {ending}; it was tried twice"
@@ -108,9 +95,6 @@ class Queue:
         if not self._is_wanted(task):
             message += f"; its other seeds are left out after MAX_FAILURES = {MAX_FAILURES}"
         return [message]
-
-    def _next(self) -> WorkerTask | None:
-        return self._rests.pop() if self._rests else next(self._missing, None)
 
     def _missing_tasks(self, plan: SweepPlan, store: Store) -> Iterator[WorkerTask]:
         """Yield what is missing in tasks of the present size, while few have failed."""
@@ -146,7 +130,7 @@ def run_missing(
     """
     queue, running = Queue(plan, store), dict[Future[Done], WorkerTask]()
     while True:
-        for task in queue.take(TASKS_PER_WORKER * workers, running.values()):
+        while len(running) < TASKS_PER_WORKER * workers and (task := queue.take()):
             running[executor.submit(run_task, task.case, task.seeds)] = task
         if not running:
             return queue.failed
@@ -154,13 +138,14 @@ def run_missing(
         report([], [])
         # Those without an outcome come last, because they may end the run.
         for future in sorted(done, key=lambda each: each.cancelled() or bool(each.exception())):
-            task, ending = running.pop(future), ending_of(future.exception())
-            if ending is None:
+            task = running.pop(future)
+            try:
                 outcome = future.result()
+            except WorkerError as ending:
+                report([], queue.ended(task, str(ending)))
+            else:
                 store.add(task.case_id, outcome.rows, outcome.program)
                 report(outcome.rows, queue.done(task, outcome))
-            else:
-                report([], queue.ended(task, ending))
 
 
 def _missing_seeds(store: Store, case_id: int, seeds: range) -> Iterator[int]:

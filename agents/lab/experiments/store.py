@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import os
 import sqlite3
-from collections.abc import Callable, Iterable, Iterator, Sequence
+from collections.abc import Iterable, Iterator, Sequence
 from contextlib import closing, contextmanager
 from functools import cache
 from pathlib import Path
@@ -33,8 +33,8 @@ from warehouse_core.files.reading import not_a_file
 
 __all__ = ["Store"]
 
-TIMEOUT, BUSY_SECONDS = 30.0, 0.1
-"""Seconds to wait for another program that writes to the same file, and between two checks."""
+TIMEOUT = 30.0
+"""Seconds to wait for another program that writes to the same file."""
 
 UNKNOWN = "an unknown program"
 """Name of the program of a row if the file names none."""
@@ -131,8 +131,6 @@ class Store:
     Args:
         path: Path of the file.
         read_only: Create no file and write to none; one without write permission can be read.
-        mix: Add episodes to cases that another program has begun.
-        check: Function to call while another program holds a lock; what it raises ends the wait.
 
     Example:
         >>> from agents.lab.experiments.plan import make_plan
@@ -144,16 +142,8 @@ class Store:
         (2, [])
     """
 
-    def __init__(
-        self,
-        path: str | Path,
-        *,
-        read_only: bool = False,
-        mix: bool = False,
-        check: Callable[[], None] = lambda: None,
-    ) -> None:
-        self.path, self._mix, self._check = Path(path), mix, check
-        self._read_only, self._is_checked = read_only, False
+    def __init__(self, path: str | Path, *, read_only: bool = False) -> None:
+        self.path, self._read_only, self._is_checked = Path(path), read_only, False
         if (kind := not_a_file(self.path)) is not None:  # SQLite would try, and leave a journal
             raise StoreError(f"{path}: {kind}")
         if read_only and not self.path.exists():
@@ -162,7 +152,7 @@ class Store:
             closed, path = self._is_closed(), self.path.absolute()
             address = f"{path.as_uri()}?immutable=1" if closed else path
             self._connection = sqlite3.connect(
-                address, timeout=BUSY_SECONDS, isolation_level=None, uri=closed
+                address, timeout=TIMEOUT, isolation_level=None, uri=closed
             )
             self._connection.setlimit(sqlite3.SQLITE_LIMIT_LENGTH, MAX_LENGTH)
             try:
@@ -212,7 +202,7 @@ class Store:
     def add(self, case_id: int, rows: Sequence[AnyRow], program: str = UNKNOWN) -> None:
         """Write the episodes of a case, all or none; those that are stored already stay unchanged.
 
-        The case may have no episodes of another program, unless they are to be mixed.
+        The case may have no episodes of another program.
         """
         # SQLite would continue to write to a file that has been removed.
         if _identity(self.path) != self._identity:
@@ -231,13 +221,12 @@ class Store:
     def _add_writer(self, case_id: int, program: str) -> int:
         """Return the number of a program, as one of those that have written episodes of a case."""
         others = [name for name in self.programs(case_id) if name != program]
-        if others and not self._mix:
+        if others:
             [(text,)] = self.query("SELECT settings FROM cases WHERE id = ?", case_id)
             settings = in_words(self._case(case_id, text))
             raise StoreError(
                 f"{self.path}: the episodes with {settings} were run by {' and '.join(others)}, "
-                f"and new ones would be run by {program}; write to another file, or mix them with "
-                "--mix-programs"
+                f"and new ones would be run by {program}; write to another file"
             )
         self._connection.execute("INSERT OR IGNORE INTO programs (name) VALUES (?)", (program,))
         [(number,)] = self.query("SELECT id FROM programs WHERE name = ?", program)
@@ -251,11 +240,6 @@ class Store:
             f"WHERE case_id = ? ORDER BY id LIMIT {MAX_NAMED}"
         )
         return [name for (name,) in self.query(statement, case_id)]
-
-    def mixed(self) -> list[int]:
-        """Return the numbers of the cases that have episodes of several programs."""
-        statement = "SELECT case_id FROM writers GROUP BY case_id HAVING count(*) > 1"
-        return [number for (number,) in self.query(statement)]
 
     def episodes(self) -> list[tuple[str, int]]:
         """Return programs and how many episodes are of each, most first."""
@@ -309,7 +293,7 @@ class Store:
         """Yield the rows that a statement finds."""
         with self._errors_reported():
             # Not the cursor itself: left half read, it would fail when the file is closed.
-            yield from map(tuple, self._execute(statement, *values))
+            yield from map(tuple, self._connection.execute(statement, values))
 
     def _case(self, number: int, text: str) -> Case:
         """Return a case that ``key_of`` has written, and raise for any other text."""
@@ -355,29 +339,29 @@ class Store:
             # One view of the file, whatever a sweep adds meanwhile.
             connection.execute("BEGIN")
             return
-        # Others can then read meanwhile.
-        self._execute("PRAGMA journal_mode = WAL")
+        self._let_others_read()
         connection.execute("PRAGMA synchronous = FULL")
 
-    def _execute(self, statement: str, *values: Any) -> sqlite3.Cursor:
-        """Execute a statement, and wait while another program holds a lock."""
+    def _let_others_read(self) -> None:
+        """Let others read while this program writes; SQLite itself does not wait for this."""
         end = monotonic() + TIMEOUT
         while True:
             try:
-                return self._connection.execute(statement, values)
+                self._connection.execute("PRAGMA journal_mode = WAL")
             except sqlite3.OperationalError as error:
                 if error.sqlite_errorcode & 0xFF != sqlite3.SQLITE_BUSY or monotonic() > end:
                     raise
-                self._check()
-                sleep(0.01)  # for some statements SQLite itself does not wait
+                sleep(0.01)
+            else:
+                return
 
     @contextmanager
     def _transaction(self, kind: str = "IMMEDIATE") -> Iterator[None]:
         with self._errors_reported():
-            self._execute(f"BEGIN {kind}")
+            self._connection.execute(f"BEGIN {kind}")
             try:
                 yield
-                self._execute("COMMIT")
+                self._connection.execute("COMMIT")
             except BaseException:
                 # A full disk has ended the transaction already.
                 if self._connection.in_transaction:

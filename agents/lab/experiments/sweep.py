@@ -19,15 +19,14 @@ from agents.lab.console import options
 from agents.lab.console.options import option
 from agents.lab.console.terminal import print_error, say
 from agents.lab.experiments.choices import PlanFile, parse_flags, read_plan_file
-from agents.lab.experiments.cluster import cluster
 from agents.lab.experiments.plan import MAX_EPISODES, SweepPlan, make_plan
 from agents.lab.experiments.running import TellRows, run_missing
 from agents.lab.experiments.store import Store
 from agents.lab.parameters import MAX_SEED, PARAMETERS, PHYSICAL, Whole
 from agents.lab.trials.rows import AnyRow, FleetRow
-from agents.lab.trials.workers import CheckInterrupt, deferred_interrupts, process_pool
+from agents.lab.trials.workers import CheckInterrupt, Processes, deferred_interrupts
 from warehouse_core.records.episode import DELIVERED
-from warehouse_core.wording import counted, listed
+from warehouse_core.wording import counted
 
 
 @contextmanager
@@ -117,15 +116,6 @@ def sweep(
         Path, option("--save -o FILE", f"{options.SAVE} Results that it has are kept.")
     ] = Path("results.sqlite"),
     jobs: options.Jobs = None,
-    address: options.Cluster = None,
-    mix: Annotated[
-        bool,
-        option(
-            "--mix-programs",
-            "Add to combinations that another version of this program, of NumPy or of pymunk "
-            "has begun.",
-        ),
-    ] = False,
 ) -> None:
     """Run every combination of settings.
 
@@ -138,7 +128,7 @@ def sweep(
     choices = given.choices | parse_flags(settings or [])
     first = (given.seed or 0) if seed is None else seed
     plan = make_plan(choices, episodes or given.episodes or EPISODES, first)
-    with deferred_interrupts() as check, Store(output, mix=mix, check=check) as store:
+    with deferred_interrupts() as check, Store(output) as store:
         store.add_cases(plan.cases)
         done = _done(plan, store)
         cases, each = counted(len(plan.cases), "combination"), counted(plan.episodes, "episode")
@@ -147,9 +137,8 @@ def sweep(
         count = min(jobs or os.cpu_count() or 1, missing)
         try:
             if missing:
-                pool = process_pool(count) if address is None else cluster(address)
-                with pool as (executor, workers), sweep_bar(missing, check) as report:
-                    failed = run_missing(plan, store, executor, workers, report)
+                with Processes(count) as pool, sweep_bar(missing, check) as report:
+                    failed = run_missing(plan, store, pool, count, report)
         except KeyboardInterrupt:
             done = _done(plan, store)
             say(
@@ -157,12 +146,6 @@ def sweep(
                 "resume"
             )
             raise typer.Abort from None  # typer would end without a message
-        finally:
-            if mixed := store.mixed():
-                print_error(
-                    f"warning: {counted(len(mixed), 'combination')} with episodes run by several "
-                    f"programs, such as {listed(store.programs(mixed[0]))}"
-                )
         if failed:
             raise EpisodeError(
                 f"{counted(failed.total(), 'episode')} failed, in {len(failed)} of {cases}; "

@@ -38,9 +38,6 @@ from warehouse_core.wording import counted, printable
 MAX_CASES = 200
 """Cases in the table at most; the others are only in the file."""
 
-MAX_MIXED = 4
-"""Combinations with episodes of several programs that are named at most."""
-
 METHODS = (
     f"Ranges in brackets, whiskers and bands are {CONFIDENCE:.0%} intervals, Wilson's of shares "
     f"and the studentised bootstrap's of means of at least {MIN_VALUES} values; p is that of "
@@ -90,7 +87,7 @@ def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
         raise StoreError(f"{store.path}: there is no episode in it")
     return Page(
         title=f"Report on {store.path.name}",
-        summary="; ".join([*map(_summary, parts), *_programs(store)]),
+        summary="; ".join(map(_summary, parts)),
         methods=METHODS,
         answers=tuple(answer for part in parts for answer in answers(part)),
         pictures=tuple(picture for part in parts for picture in pictures(part)),
@@ -119,21 +116,7 @@ def _summary(experiment: Experiment) -> str:
         parts.append(f"{min(counts):,} to {max(counts):,} episodes each")
     if experiment.unbegun:
         parts.append(f"{counted(experiment.unbegun, 'further combination')} not yet begun")
-    mixed = [number for number in experiment.store.mixed() if number in experiment.cases]
-    if mixed:
-        names = [experiment.design.name_of(number) or "all of them" for number in mixed[:MAX_MIXED]]
-        left = f" and {len(mixed) - len(names):,} more" if len(mixed) > len(names) else ""
-        parts.append(f"episodes of different programs mixed in {'; '.join(names)}{left}")
     return ", ".join(parts)
-
-
-def _programs(store: Store) -> Iterator[str]:
-    """Yield the names of the programs that have run the episodes, if they are different ones."""
-    names = [name for name, _ in store.episodes()]
-    # The same program names more libraries where a case uses them.
-    programs = [name for name in names if not any(each.startswith(f"{name}, ") for each in names)]
-    if len(programs) > 1:
-        yield f"run by different programs: {'; '.join(programs)}"
 
 
 def _settings(design: Design) -> Iterator[tuple[str, str]]:

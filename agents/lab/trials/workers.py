@@ -5,12 +5,10 @@ from __future__ import annotations
 import multiprocessing
 import os
 import signal
-import sys
 import threading
 import time
-import traceback
 from collections.abc import Callable, Iterator, Sequence
-from concurrent.futures import Executor, Future, ThreadPoolExecutor, as_completed
+from concurrent.futures import Future, ThreadPoolExecutor, as_completed
 from contextlib import contextmanager, suppress
 from functools import partial
 from itertools import product
@@ -30,9 +28,6 @@ LOOK_SECONDS = 0.001
 
 ENDING_SECONDS = 5.0
 """Time in which a process whose connection has ended must end."""
-
-TOPIC = "warehouse sweep"
-"""Topic of the events that Dask workers send to their client."""
 
 CheckInterrupt = Callable[[], None]
 """Raises ``KeyboardInterrupt`` if a deferred signal has come."""
@@ -207,29 +202,8 @@ def _end_with_parent() -> None:
 
 
 def teller() -> Callable[[str], None]:
-    """Return a function that prints a line on standard error of the process that waits for a call.
-
-    It is to be called in the thread of that call.
-    """
-    if _parent is not None:
-        return _parent.send
-    if "distributed" in sys.modules:
-        from distributed import get_worker
-
-        with suppress(ValueError):  # this is no Dask worker
-            worker = get_worker()
-            return partial(worker.log_event, TOPIC)
-    return print_error
-
-
-@contextmanager
-def process_pool(count: int) -> Iterator[tuple[Executor, int]]:
-    """Yield an executor of ``count`` processes of this machine, and their number.
-
-    At the end of the block they are killed at once, whatever their calls have left running.
-    """
-    with Processes(count) as pool:
-        yield pool, count
+    """Return a function that prints a line in the process that waits for the call."""
+    return print_error if _parent is None else _parent.send
 
 
 def run_trials(
@@ -252,7 +226,7 @@ def run_trials(
     if count == 1:
         results = [call(*trial) for trial in track(trials, label)]
     else:
-        with process_pool(count) as (pool, _), progress_bar(len(trials), label) as advance:
+        with Processes(count) as pool, progress_bar(len(trials), label) as advance:
             futures = [pool.submit(call, *trial) for trial in trials]
             for number, future in enumerate(as_completed(futures), 1):
                 future.result()
@@ -263,17 +237,3 @@ def run_trials(
         group: results[start : start + len(seeds)]
         for group, start in zip(groups, starts, strict=True)
     }
-
-
-def ending_of(error: BaseException | None) -> str | None:
-    """Return how the worker of a call has ended, if that is the error of the call."""
-    if isinstance(error, WorkerError):
-        return str(error)
-    if type(error).__name__ == "KilledWorker":  # of Dask, which may not be installed
-        return "the Dask workers that ran it have ended"
-    if isinstance(error, ValueError):
-        # Dask takes a result for an error if the worker that has it ends at that moment.
-        frames = traceback.extract_tb(error.__traceback__)
-        if frames and frames[-1].name == "_cascade_future":
-            return "the Dask worker that ran it has ended"
-    return None

@@ -40,7 +40,7 @@ from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.sandbox import most_jobs
 from agents.lab.grading.submissions import Submission, Unusable, in_folder
-from agents.lab.trials.workers import process_pool
+from agents.lab.trials.workers import Processes
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.files.reading import read_file
 from warehouse_core.wording import counted
@@ -105,7 +105,7 @@ def grade_folder(
     save_grades(target, columns_of(rubric), rows)
     try:
         with (
-            process_pool(max(min(most_jobs(user, jobs), len(waiting)), 1)) as (pool, _),
+            Processes(max(min(most_jobs(user, jobs), len(waiting)), 1)) as pool,
             progress_bar(len(waiting), "submissions") as advance,
         ):
             futures = {

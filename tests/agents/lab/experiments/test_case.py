@@ -98,7 +98,7 @@ def test_a_user_agent_has_neither_memory_nor_escape_and_its_code_is_part_of_the_
 @pytest.mark.parametrize(
     ("agent", "words"),
     [
-        ("greedy", "the module of agent 'greedy', .* began; restart the workers of a cluster$"),
+        ("greedy", "the module of agent 'greedy', .* began$"),
         ("mine.py:Mine", "the file of agent 'mine.py:Mine', or what it imports, .* began$"),
     ],
 )

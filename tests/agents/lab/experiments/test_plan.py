@@ -174,7 +174,7 @@ def test_a_preset_varies_a_parameter_with_a_question_and_can_be_run(
 def test_the_preset_sets_the_number_of_episodes_unless_another_is_given(
     warehouse: Warehouse, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    monkeypatch.setattr(sweep, "process_pool", lambda count: nullcontext((Here(), count)))
+    monkeypatch.setattr(sweep, "Processes", lambda count: nullcontext(Here()))
     text = PRESETS["escape"].read_text().replace("episodes = 2000", "episodes = 3")
     plan = tmp_path / "plan.toml"
     plan.write_text(text)

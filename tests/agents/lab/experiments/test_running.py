@@ -15,7 +15,6 @@ from agents.lab.experiments.case import run_task
 from agents.lab.experiments.plan import SweepPlan, make_plan
 from agents.lab.experiments.running import (
     MAX_FAILURES,
-    MAX_SUSPECTS,
     MAX_TASK_EPISODES,
     TASK_SECONDS,
     paced,
@@ -24,7 +23,7 @@ from agents.lab.experiments.running import (
 from agents.lab.experiments.store import Store
 from agents.lab.runs.programs import program_for
 from agents.lab.trials.rows import Row
-from agents.lab.trials.workers import process_pool
+from agents.lab.trials.workers import Processes
 
 GLOBAL_STREAMS = """
 import random
@@ -101,8 +100,7 @@ def test_the_table_has_the_rows_of_the_episodes(expected: list[Any]) -> None:
 
 
 def test_processes_threads_and_any_order_give_the_same_rows(expected: list[Any]) -> None:
-    with process_pool(2) as (processes, workers), ThreadPoolExecutor(3) as threads:
-        assert workers == 2
+    with Processes(2) as processes, ThreadPoolExecutor(3) as threads:
         for number, executor in enumerate((processes, threads, LastFirst())):
             assert run(executor, path=Path(f"{number}.sqlite")) == expected
     backwards = SweepPlan(PLAN.cases[::-1], PLAN.episodes, PLAN.seed)
@@ -197,10 +195,7 @@ def test_an_episode_that_takes_long_is_reported_once_with_its_place(
 
 
 class Dying(Here):
-    """A worker ends with each of some calls, counted from 0, or whenever it runs one of some seeds.
-
-    As on a cluster, all that wait for the same worker have the error.
-    """
+    """A worker ends with some calls, counted from 0, or whenever it runs one of some seeds."""
 
     def __init__(self, calls: Collection[int] = (), seeds: Collection[int] = ()) -> None:
         super().__init__()
@@ -231,45 +226,6 @@ def test_a_seed_whose_worker_ends_twice_has_failed_and_the_others_go_on() -> Non
     assert [len(task) for task in executor.tasks if 7 in task][-1] == 1
 
 
-class Counting(ThreadPoolExecutor):
-    """Counts what runs beside each call; a worker ends with the first two and with a large one."""
-
-    def __init__(self) -> None:
-        super().__init__(3)
-        self.calls = list[tuple[list[int], int]]()
-        self.futures = list[Future[Any]]()
-        self.suspects = set[int]()
-
-    def submit(self, call: Callable[..., Any], /, *args: Any, **named: Any) -> Future[Any]:
-        self.calls.append((args[1], sum(not future.done() for future in self.futures)))
-        if len(self.calls) <= 2 or len(args[1]) > MAX_SUSPECTS > len(self.suspects):
-            self.suspects |= {*args[1]}
-            future = Future[Any]()
-            future.set_exception(WorkerError("it ended"))
-        else:
-            future = super().submit(call, *args, **named)
-        self.futures.append(future)
-        return future
-
-
-def test_seeds_whose_worker_has_ended_run_again_with_nothing_beside_them(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr("agents.lab.experiments.running.TICK", 1e-4)  # shorter than an episode
-    with Counting() as executor:
-        assert failures_of(executor, make_plan({"max_steps": 5}, 1000, 0), 3) == []
-    first, again = set[int](), list[int]()
-    for number, (seeds, beside) in enumerate(executor.calls):
-        if first.isdisjoint(seeds):
-            first |= {*seeds}
-            continue
-        again += seeds
-        after = [count for _, count in executor.calls[number + 1 : number + 2]]
-        assert (len(seeds), beside, sum(after)) == (1, 0, 0)
-    assert sorted(again) == sorted(executor.suspects)
-    assert len(again) > MAX_SUSPECTS
-
-
 def test_a_case_that_always_fails_ends_after_a_few_and_the_others_go_on() -> None:
     file = Path("agent.py")
     file.write_text(AGENT.format(name="Own", begin="pass", act="raise KeyError"))
@@ -286,7 +242,7 @@ def test_workers_that_always_end_are_soon_failures() -> None:
     executor = Dying(seeds=range(1000))
     messages = failures_of(executor, make_plan({}, 1000, 0))
     assert len(messages) == MAX_FAILURES
-    assert len(executor.tasks) <= 2 * (MAX_FAILURES + MAX_SUSPECTS)
+    assert len(executor.tasks) <= 2 * MAX_FAILURES + 1
 
 
 @pytest.mark.parametrize("is_changed", [True, False])
@@ -351,7 +307,7 @@ def test_processes_end_without_warnings_while_tasks_are_waiting() -> None:
     sleeper = plan_of(act="__import__('time').sleep(60)").cases[1]
     plan = SweepPlan((sleeper,), 20, 0)
     with Store(PATH) as store, pytest.raises(KeyboardInterrupt):  # noqa: SIM117
-        with process_pool(1) as (executor, _):
+        with Processes(1) as executor:
             run_missing(plan, store, executor, 20, report)
 
 

@@ -48,7 +48,7 @@ def path(tmp_path: Path) -> Iterator[Path]:
 @pytest.fixture
 def here(monkeypatch: pytest.MonkeyPatch) -> None:
     """Run the episodes of commands in this process; workers run them by the same function."""
-    monkeypatch.setattr(sweep_command, "process_pool", lambda count: nullcontext((Here(), count)))
+    monkeypatch.setattr(sweep_command, "Processes", lambda count: nullcontext(Here()))
 
 
 @pytest.fixture(autouse=True)
@@ -93,24 +93,17 @@ def test_all_combinations_are_in_the_file_in_order_before_the_first_episode(
     assert stored == [*planned]
 
 
-def test_programs_are_mixed_only_with_the_option_and_a_warning(
-    warehouse: Warehouse, refused: Refused, path: Path, here: None
+def test_a_sweep_adds_nothing_to_what_another_program_has_begun(
+    refused: Refused, path: Path, here: None
 ) -> None:
     with Store(path) as store:
         store.add(store.case_id(make_case({})), [outcomes("d")[0]], "an older one")
     more = ("sweep", "-n", 3, "-o", path, "--jobs", 1)
-    line = refused(*more)
-    assert line.startswith(
-        f"{path}: the episodes with the defaults were run by an older one, and new "
+    assert refused(*more) == (
+        f"{path}: the episodes with the defaults were run by an older one, and new ones would be "
+        f"run by {program_for('grid')}; write to another file"
     )
-    assert line.endswith("or mix them with --mix-programs")
-    result = warehouse(*more, "--mix-programs")
-    assert (result.code, result.err) == (
-        0,
-        "warehouse: warning: 1 combination with episodes run by several programs, such as an older "
-        f"one and {program_for('grid')}\n",
-    )
-    assert len(table(path)) == 3
+    assert len(table(path)) == 1
 
 
 def test_flags_and_options_override_the_plan_file(
@@ -189,11 +182,11 @@ def test_there_are_no_more_workers_than_episodes(
 ) -> None:
     asked = []
 
-    def counted(count: int) -> AbstractContextManager[tuple[Here, int]]:
+    def counted(count: int) -> AbstractContextManager[Here]:
         asked.append(count)
-        return nullcontext((Here(), count))
+        return nullcontext(Here())
 
-    monkeypatch.setattr(sweep_command, "process_pool", counted)
+    monkeypatch.setattr(sweep_command, "Processes", counted)
     for episodes, workers in ((1, 64), (4, 2)):
         words = ["-n", episodes, "--jobs", workers, "-o", path]
         assert warehouse("sweep", *words).code == 0

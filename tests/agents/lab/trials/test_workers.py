@@ -16,18 +16,17 @@ from helpers.command_line import ROOT
 
 from agents.errors import WorkerError
 from agents.lab.trials.workers import (
+    Processes,
     blocked_interrupts,
     deferred_interrupts,
-    ending_of,
-    process_pool,
     teller,
 )
 
 ORPHAN_MAKER = """
 import os, time
-from agents.lab.trials.workers import process_pool
+from agents.lab.trials.workers import Processes
 if __name__ == "__main__":
-    with process_pool(2) as (executor, count):
+    with Processes(2) as executor:
         print(executor.submit(os.getpid).result(), flush=True)
         time.sleep(60)
 """
@@ -59,8 +58,7 @@ def is_running(number: int) -> bool:
 
 
 def test_workers_are_other_processes_that_ignore_interrupts_and_end_with_the_block() -> None:
-    with pytest.raises(ArithmeticError), process_pool(2) as (executor, count):  # noqa: PT012
-        assert count == 2
+    with pytest.raises(ArithmeticError), Processes(2) as executor:  # noqa: PT012
         found = pids(executor)
         assert len(found) == 2
         assert found == {each.pid for each in multiprocessing.active_children()}
@@ -80,7 +78,7 @@ ENDINGS: dict[str, Callable[[], None]] = {
 
 
 def test_a_worker_that_ends_is_an_error_of_its_call_alone() -> None:
-    with process_pool(2) as (executor, _):
+    with Processes(2) as executor:
         for reason, end in ENDINGS.items():
             before = pids(executor)
             other, ending = executor.submit(pid), executor.submit(end)
@@ -104,7 +102,7 @@ def leave_a_thread() -> int:
 def test_a_worker_goes_on_after_an_exception_prints_what_it_is_told_and_ends_in_spite_of_threads(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
-    with process_pool(1) as (executor, _):
+    with Processes(1) as executor:
         before = executor.submit(os.getpid).result()
         with pytest.raises(ZeroDivisionError):
             executor.submit(divmod, 1, 0).result()
@@ -123,17 +121,6 @@ def test_workers_end_when_their_parent_is_killed() -> None:
         assert found
         parent.kill()
     wait_until_gone(found)
-
-
-def test_a_result_that_dask_takes_for_an_error_is_the_end_of_a_worker() -> None:
-    def _cascade_future(result: tuple[object, ...]) -> None:  # as in distributed/cfexecutor.py
-        _kind, _error, _traceback = result
-
-    with pytest.raises(ValueError, match="too many values") as raised:
-        _cascade_future((1.0, [], "a program", None))
-    assert ending_of(raised.value) == "the Dask worker that ran it has ended"
-    assert ending_of(ValueError("of an agent")) is None
-    assert ending_of(None) is None
 
 
 SLEEPER = [sys.executable, "-c", "import time; print('up', flush=True); time.sleep(60)"]
