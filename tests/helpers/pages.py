@@ -82,7 +82,7 @@ def a_page(**changes: Any) -> Page:
             Answer("Is it so?", "It is.", ("Mostly.",)),
             Answer("And that?", "No.", ()),
         ),
-        "pictures": (Picture("success", "A caption", SVG, SVG),),
+        "pictures": (Picture("success", "A caption", SVG),),
         "settings": (("escape", "on, off"), ("memory", "5")),
         "tables": (
             Table(
@@ -105,7 +105,7 @@ def a_page_of(name: str, svg: bytes = SVG) -> Page:
         summary=name,
         methods=name,
         answers=(Answer(name, name, (name, name)),),
-        pictures=(Picture(name, name, svg, svg),),
+        pictures=(Picture(name, name, svg),),
         settings=((name, name),),
         tables=(Table((name, name), ((name, name),), name),),
         examples=(

@@ -378,7 +378,7 @@ def reports() -> Lines:
             return b"<svg/>"
 
         with pytest.MonkeyPatch.context() as patch:
-            patch.setattr(report_figures, "themed_svg", keep)
+            patch.setattr(report_figures, "svg_of", keep)
             fill(Path(f"{number}.sqlite"), each)
             yield from of_command(f"report {number}.sqlite --no-replays -o {number}.html")
         yield from figures

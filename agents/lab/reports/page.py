@@ -39,17 +39,15 @@ MAX_CASES = 200
 """Cases in the table at most; the others are only in the file."""
 
 METHODS = (
-    f"Ranges in brackets, whiskers and bands are {CONFIDENCE:.0%} intervals, Wilson's of shares "
-    f"and the studentised bootstrap's of means of at least {MIN_VALUES} values; p is that of "
-    "McNemar's exact test, times the pairs of values where the two best were chosen from more."
+    f"Ranges in brackets, whiskers and bands are {CONFIDENCE:.0%} intervals: Wilson's for shares, "
+    f"the studentised bootstrap's for means of at least {MIN_VALUES} values. Differences are taken "
+    "seed by seed where equal seeds are equal tasks, with Bonett and Price's interval for shares. "
+    "No difference was found if the interval of the difference contains 0."
 )
 
-MADE_WITH = ("warehouse-lab", "numpy", "scipy", "matplotlib")
+NUMBER = re.compile(r"-?\d[\d,.]*%?( .*)?")
 
-NUMBER = re.compile(r"[-+\u2212]?\d[\d,. ]*( ?%| ?[a-zA-Z/]{1,3})?( ?(\[.*\]|\(.*\)|\u00b1.*))?")
-"""Cells that are aligned to the right: a number, perhaps with a unit or an interval."""
-
-BLANK = {"", "-", shown(None)}
+MADE_WITH = ("warehouse-lab", "numpy", "matplotlib")
 
 
 @dataclass(frozen=True, slots=True)
@@ -137,8 +135,11 @@ def _table(experiment: Experiment) -> Table:
         for mode in MODES_OF[experiment.kind.row]
         if any(mode in each.modes for each in results.values())
     ]
-    is_measured = any(each.is_measured for each in results.values())
-    measures = [each for each in experiment.kind.measures if is_measured or not each.is_physical]
+    measures = [
+        each
+        for each in experiment.kind.measures
+        if any(found.has(each) for found in results.values())
+    ]
     names = [factor.name for factor in design.factors]
     rows = (
         (
@@ -152,15 +153,13 @@ def _table(experiment: Experiment) -> Table:
     )
     left = len(design.labels) - len(chosen)
     note = f"{counted(left, 'further combination')} in the file." if left else ""
-    columns = (measure.column for measure in measures)
+    columns = (measure.name.replace("_", " ") for measure in measures)
     return Table((*names, "episodes", "seeds", *columns, *modes), tuple(rows), note)
 
 
 def _cell(results: Results, measure: ReportedMeasure) -> str:
     interval = results.interval(measure)
-    if interval is None or (measure.is_physical and not results.is_measured):
-        return shown(None)
-    return measure.words(interval)
+    return measure.words(interval) if interval and results.has(measure) else shown(None)
 
 
 def _seeds(results: Results) -> str:
@@ -222,9 +221,9 @@ def _data_uri(data: bytes, kind: str) -> str:
 
 
 def _numeric(table: Table) -> list[bool]:
-    """Return for each column whether it has numbers."""
+    """Return for each column whether its cells are numbers, perhaps with units or intervals."""
     columns = []
-    for cells in zip(*table.rows, strict=True):
-        known = [cell.strip() for cell in cells if cell.strip() not in BLANK]
-        columns.append(bool(known) and all(map(NUMBER.fullmatch, known)))
-    return columns or [False] * len(table.columns)
+    for number in range(len(table.columns)):
+        cells = {row[number] for row in table.rows} - {"", shown(None)}
+        columns.append(bool(cells) and all(NUMBER.fullmatch(cell) for cell in cells))
+    return columns

@@ -62,6 +62,33 @@ def share_interval(count: int, total: int) -> Interval:
     return Interval(share, middle - half if count else 0.0, middle + half if count < total else 1.0)
 
 
+def paired_share_interval(more: int, fewer: int, total: int) -> Interval:
+    """Return the interval of the difference of two shares of the same trials.
+
+    ``more`` are the trials in which only the first succeeds, ``fewer`` those in which only the
+    second does.
+
+    Source: Bonett and Price (2012), Adjusted Wald confidence interval for a difference of binomial
+    proportions based on paired data.
+    """
+    first, second = (more + 1) / (total + 2), (fewer + 1) / (total + 2)
+    middle = first - second
+    half = QUANTILE * math.sqrt((first + second - middle**2) / (total + 2))
+    return Interval((more - fewer) / total, max(middle - half, -1.0), min(middle + half, 1.0))
+
+
+def difference_interval(one: Interval, other: Interval) -> Interval:
+    """Return the interval of the difference of two independent estimates.
+
+    Source: Zou and Donner (2008), Construction of confidence limits about effect measures: a
+    general approach.
+    """
+    difference = one.estimate - other.estimate
+    below = math.hypot(one.estimate - one.low, other.high - other.estimate)
+    above = math.hypot(one.high - one.estimate, other.estimate - other.low)
+    return Interval(difference, difference - below, difference + above)
+
+
 def ratio_interval(costs: np.ndarray, successes: np.ndarray) -> Interval | None:
     """Return the interval of a sum of costs divided by the number of successes.
 

@@ -14,16 +14,15 @@ def share(interval: Interval) -> str:
     return f"{interval.estimate:.1%} ({interval.low * 100:.1f} to {interval.high * 100:.1f})"
 
 
-def mean(interval: Interval, unit: str, also: str = "") -> str:
-    """Return a mean with its interval to three digits, ``49.9 steps (47.6 to 52.3; ALSO)``.
+def mean(interval: Interval, unit: str) -> str:
+    """Return a mean with its interval to three digits, ``49.9 steps (47.6 to 52.3)``.
 
     Ends that are unknown are left out, and so is a unit of "".
     """
     estimate, low, high = interval
     digits = max(0, 2 - int(math.log10(max(abs(estimate), 1))))
-    ends = f"{low:,.{digits}f} to {high:,.{digits}f}" if interval.is_known else ""
-    brackets = "; ".join(filter(None, (ends, also)))
-    words = (f"{estimate:,.{digits}f}", unit, f"({brackets})" if brackets else "")
+    ends = f"({low:,.{digits}f} to {high:,.{digits}f})" if interval.is_known else ""
+    words = (f"{estimate:,.{digits}f}", unit, ends)
     return " ".join(filter(None, words))
 
 
@@ -37,16 +36,6 @@ def percent(part: float) -> str:
     if 0 < part < 0.005:
         return "<1%"
     return ">99%" if 0.995 <= part < 1 else f"{part:.0%}"
-
-
-def points(change: float) -> str:
-    """Return a change of a share in percentage points, ``+4.2 points``."""
-    return f"{change * 100:+.1f} points"
-
-
-def chance(probability: float) -> str:
-    """Return a p-value, ``p = 0.050`` or ``p < 0.001``."""
-    return "p < 0.001" if probability < 0.001 else f"p = {probability:.3f}"
 
 
 def sentence(words: str) -> str:

@@ -20,7 +20,7 @@ VOID = {"meta", "link", "img", "input", "source"}
 ALLOWED = {
     "html", "head", "meta", "link", "title", "style", "body", "header", "nav", "main", "section",
     "article", "h1", "h2", "h3", "p", "ul", "li", "a", "div", "span", "figure", "figcaption",
-    "picture", "source", "img", "table", "thead", "tbody", "tr", "th", "td", "code", "details",
+    "img", "table", "thead", "tbody", "tr", "th", "td", "code", "details",
     "summary", "strong", "iframe",
 }  # fmt: skip
 

@@ -34,11 +34,11 @@ def test_the_command_prints_the_answers_and_writes_the_page_and_nothing_else(
     lines = out.splitlines()
     assert lines[0] == "8 episodes in 2 combinations of settings, seeds from 0 to 3"
     assert "Does escaping loops cut delivery time, or does it make the robot wander?" in lines
-    assert "Every failure with escape off is oscillation (3 episodes)." in lines
+    assert "Outcomes with escape off are 75% oscillation and 25% delivered (4 episodes)." in lines
     assert lines[-1] == f"saved {results.with_suffix('.html')}"
     page = results.with_suffix(".html").read_text(encoding="utf-8")
     assert page.startswith("<!DOCTYPE html>")
-    assert "Every failure with escape off is oscillation (3 episodes)." in page
+    assert "Outcomes with escape off are 75% oscillation and 25% delivered (4 episodes)." in page
     assert "<iframe" not in page
     assert results.read_bytes() == before
     assert {path.name for path in results.parent.iterdir()} == {"r.sqlite", "r.html"}

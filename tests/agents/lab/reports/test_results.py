@@ -1,8 +1,5 @@
 """Counts, shares and means of the episodes of selected cases, and two compared seed by seed."""
 
-from collections.abc import Sequence
-
-import pytest
 from helpers.results_files import OFF, ON, experiment_of, fleet_row, outcomes, row
 
 from agents.lab.experiments.store import Store
@@ -10,12 +7,11 @@ from agents.lab.reports.results import (
     FLEETS,
     JOULES,
     PER_HOUR,
-    PairedCases,
+    STEPS,
+    SUCCESS,
     Results,
-    compare,
 )
-from agents.lab.trials.interval import Interval, share_interval
-from agents.lab.trials.rows import Row
+from agents.lab.trials.interval import Interval, paired_share_interval, share_interval
 
 
 def estimates(results: Results) -> list[float | None]:
@@ -32,13 +28,12 @@ def test_counts_shares_and_means_are_those_of_the_selected_cases() -> None:
     with experiment_of(cases) as experiment:
         first, second, both = (experiment.results(*case_ids) for case_ids in ((1,), (2,), (1, 2)))
         assert first.modes == {"delivered": 2, "wandering": 1}
-        assert (first.episodes, first.count, first.needed) == (3, 2, 10)
+        assert first.episodes == 3
         assert first.main == share_interval(2, 3)
         assert estimates(first) == [2 / 3, 20, 20, 40]
         assert list(both.modes.items()) == [("delivered", 2), ("oscillation", 2), ("wandering", 1)]
         assert estimates(both) == [0.4, 20, 20, 40]
         assert estimates(second) == [0, None, None, None]
-        assert second.needed is None
 
 
 def test_time_and_energy_are_those_of_deliveries() -> None:
@@ -61,7 +56,6 @@ def test_the_measures_of_a_fleet_are_means_of_the_episodes_that_have_them() -> N
         results = experiment.results(1)
         assert estimates(results) == [120, 0.5, 4, 1, 0.3]
         assert results.main == results.interval(PER_HOUR)
-        assert (results.episodes, results.count) == (2, 2)
 
 
 def test_a_fleet_without_any_measure_delivers_nothing() -> None:
@@ -85,50 +79,22 @@ def test_rows_that_a_sweep_adds_later_are_not_counted() -> None:
         assert (results.episodes, estimates(results)[1]) == (2, 20)
 
 
-def compared(first: Sequence[Row], second: Sequence[Row], pairs: int = 1) -> PairedCases:
-    with experiment_of([(ON, first), (OFF, second)]) as experiment:
-        return compare(experiment.store, 1, 2, pairs)
-
-
 def test_two_cases_are_compared_on_the_seeds_that_both_have() -> None:
-    second = [*outcomes("dddoo", steps=13), *outcomes("ddd", seed=100)]
-    found = compared(outcomes("ddddow", steps=10), second)
-    assert found.changes == {
-        ("delivered", "delivered"): 3,
-        ("delivered", "oscillation"): 1,
-        ("oscillation", "oscillation"): 1,
-    }
-    assert found.seeds == 5
-    assert (found.only_first, found.only_second, found.both) == (1, 0, 3)
-    steps, seconds, joules = found.costs.values()
-    assert (steps.first, steps.second, steps.difference.estimate) == (10, 13, 3)
-    assert (seconds.first, seconds.second, seconds.difference.estimate) == (10, 13, 3)
-    assert (joules.first, joules.second, joules.difference.estimate) == (20, 26, 6)
-
-
-@pytest.mark.parametrize(
-    ("first", "second", "pairs", "chance"),
-    # Of n seeds that differ, a split at least as uneven has probability 2 sum C(n, k) / 2^n.
-    [("d" * 10, "o" * 10, 1, 2 / 2**10), ("d" * 9 + "o", "o" * 9 + "d", 1, 22 / 2**10),
-     ("do", "od", 1, 1.0), ("dd", "dd", 1, 1.0),
-     ("d" * 8, "o" * 8, 6, 12 / 2**8), ("d" * 8, "o" * 8, 10**6, 1.0)],
-)  # fmt: skip
-def test_the_p_value_is_that_of_mcnemars_exact_test_times_the_pairs_to_choose_from(
-    first: str, second: str, pairs: int, chance: float
-) -> None:
-    found = compared(outcomes(first), outcomes(second), pairs)
-    assert found.chance == pytest.approx(chance)
-
-
-def test_cases_without_a_shared_seed_are_not_compared() -> None:
-    found = compared(outcomes("dd"), outcomes("dd", seed=10))
-    assert (found.seeds, found.both, found.costs) == (0, 0, {})
-
-
-def test_differences_are_taken_seed_by_seed() -> None:
     """Steps differ far more between the seeds of a case than between the cases at a seed."""
     first = [row(seed, steps=10 * seed + 10) for seed in range(30)]
     second = [row(seed, steps=10 * seed + 11 + seed % 3) for seed in range(30)]
-    difference = compared(first, second).costs["steps"].difference
-    assert difference.estimate == 2
-    assert 1.6 < difference.low < 2 < difference.high < 2.4
+    lost = [row(50, "stalled", steps=999), row(51, steps=999)]
+    with experiment_of([(ON, [*first, row(50, steps=1)]), (OFF, [*second, *lost])]) as experiment:
+        steps = experiment.paired(STEPS, 2, 1)
+        success = experiment.paired(SUCCESS, 1, 2)
+    assert steps is not None
+    assert steps.estimate == 2
+    assert 1.6 < steps.low < 2 < steps.high < 2.4
+    assert success == paired_share_interval(1, 0, 31)
+
+
+def test_cases_without_a_shared_seed_are_not_compared() -> None:
+    cases = [(ON, outcomes("dd")), (OFF, outcomes("dd", seed=10))]
+    with experiment_of(cases) as experiment:
+        assert experiment.paired(SUCCESS, 1, 2) is None
+        assert experiment.paired(STEPS, 1, 2) is None
