@@ -27,7 +27,7 @@ FRAME_FILES = [f"frame_{frame:04d}.svg" for frame in range(7)]
 # The chapter's two functions.
 
 
-def test_both_functions_take_the_chapters_arguments() -> None:
+def test_both_functions_take_the_arguments_of_the_chapter() -> None:
     parameters = [*inspect.signature(replay_animation).parameters.values()]
     asked = {parameter.name: parameter.default for parameter in parameters[:4]}
     assert asked == {"frames": inspect.Parameter.empty, "metrics": None, "interval_ms": 150,
