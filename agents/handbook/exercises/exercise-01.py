@@ -6,8 +6,8 @@ def reward(action, tile, has_item, blocked):
 
     action: "N", "E", "S", "W", "WAIT", "PICK", "DROP" or another word.
     tile: "P", "D" or ".", the cell under the robot.
-    has_item: True if the robot held an item before the step.
+    has_item: True if the robot had the item before the step.
     blocked: True if a wall stopped the move.
     """
-    # Write here. A move into a free cell is already right.
+    # Write here. The reward of a move into a free cell is already right.
     return -0.1

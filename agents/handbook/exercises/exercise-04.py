@@ -11,5 +11,5 @@ class Corridor:
             goal_row, goal_column = observation["dropoff_pos"]
         else:
             goal_row, goal_column = observation["pickup_pos"]
-        # Write here: at the goal "PICK" or "DROP", elsewhere "E" or "W" towards it.
+        # Write here: "PICK" or "DROP" at the goal; otherwise "E" or "W", towards the goal.
         return "WAIT"

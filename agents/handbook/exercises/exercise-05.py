@@ -1,4 +1,4 @@
-"""Exercise 5: a hall, by the shortest way."""
+"""Exercise 5: the shortest path through a hall."""
 
 
 class Hall:
@@ -11,7 +11,7 @@ class Hall:
             goal_row, goal_column = observation["dropoff_pos"]
         else:
             goal_row, goal_column = observation["pickup_pos"]
-        # The corridor's agent. Write here what a hall needs besides.
+        # This is the agent of the corridor. Write here what else a hall needs.
         if column < goal_column:
             return "E"
         if column > goal_column:

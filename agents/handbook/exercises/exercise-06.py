@@ -39,5 +39,5 @@ class Careful:
         nearer = [
             move for move in MOVES if distance(after(here, move), goal) < distance(here, goal)
         ]
-        # Write here: this takes the first move that is nearer, even into a wall.
+        # Write here. This takes the first move that leads nearer to the goal, even into a wall.
         return nearer[0]

@@ -1,13 +1,13 @@
 """Exercise 7: what kind of environment is it?
 
-Answers are "fully" or "partially", "deterministic" or "stochastic", "static" or "dynamic",
+The answers are "fully" or "partially", "deterministic" or "stochastic", "static" or "dynamic",
 "discrete" or "continuous", "single" or "multi".
 """
 
 QUESTIONS = ("observable", "chance", "change", "values", "agents")
 
 ANSWERS = {
-    # The mini-lab: one robot that sees two cells far, on the grid.
+    # The mini-lab: one robot on the grid. It sees the cells within a view_radius of 2.
     "mini-lab": {
         "observable": "?",
         "chance": "?",
@@ -15,7 +15,7 @@ ANSWERS = {
         "values": "?",
         "agents": "?",
     },
-    # The same with a view_radius of 20: the robot sees the whole floor.
+    # The same with a view_radius of 20: the robot sees the whole layout.
     "wide view": {
         "observable": "?",
         "chance": "?",
@@ -23,7 +23,7 @@ ANSWERS = {
         "values": "?",
         "agents": "?",
     },
-    # One robot on the grid of exercise 21: one move in four goes to a side.
+    # The mini-lab with the slippery floor of exercise 21: one move in four slips to a side.
     "slippery": {
         "observable": "?",
         "chance": "?",
@@ -31,7 +31,7 @@ ANSWERS = {
         "values": "?",
         "agents": "?",
     },
-    # Six robots on the grid; new orders come at random while they think; they see two cells far.
+    # Six robots on the grid, each with a view_radius of 2. New orders arrive at random times.
     "fleet": {
         "observable": "?",
         "chance": "?",
@@ -39,7 +39,8 @@ ANSWERS = {
         "values": "?",
         "agents": "?",
     },
-    # One robot with a body: place, speed and time are numbers; it sees two cells far, motors obey.
+    # One robot with a body and a view_radius of 2: its position, its speed and time are real
+    # numbers. Its motors do exactly what they are told.
     "body": {
         "observable": "?",
         "chance": "?",

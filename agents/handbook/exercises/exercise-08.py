@@ -17,7 +17,7 @@ def open_moves(local_grid):
 
 class WallFollower:
     def reset(self):
-        self.heading = "N"  # the last move; this is the agent's state
+        self.heading = "N"  # the previous move: the state of the agent
 
     def act(self, observation):
         here, has_item = observation["robot_pos"], observation["has_item"]
@@ -26,6 +26,6 @@ class WallFollower:
         if here == observation["pickup_pos"] and not has_item:
             return "PICK"
         moves = open_moves(observation["local_grid"])
-        # Write here: of the open moves the one to the right of self.heading, else straight on,
-        # else to the left, else back. Keep it in self.heading.
+        # Write here: try the move to the right of self.heading, then straight on, then left, then
+        # back. Take the first one that is open, and store it in self.heading.
         return moves[0]

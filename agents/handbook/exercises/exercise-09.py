@@ -4,14 +4,14 @@
 def is_looping(cells, memory):
     """Return True if the last cell is among the `memory` cells right before it.
 
-    cells: all cells of the robot so far, the last one is where it is now.
-    memory: how many cells before it are remembered, 0 or more.
+    cells: all cells of the robot so far. It is now in the last one.
+    memory: how many of the cells before it the robot remembers, 0 or more.
     """
     # Write here.
     return None
 
 
 def loop_length(cells):
-    """Return after how many steps the robot is on its last cell again; 0 if it was never there."""
+    """Return how many steps ago the robot was previously on its last cell, or 0 if it never was."""
     # Write here.
     return None

@@ -23,7 +23,7 @@ def open_moves(local_grid):
 
 class Escaping:
     def reset(self):
-        self.visits = {}  # how often the robot was on each cell, since it has this goal
+        self.visits = {}  # number of visits to each cell since the robot has had this goal
         self.had_item = False
 
     def act(self, observation):
@@ -35,5 +35,5 @@ class Escaping:
             return "DROP" if has_item else "PICK"
         self.visits[here] = self.visits.get(here, 0) + 1
         moves = open_moves(observation["local_grid"])
-        # Write here: this takes the move that is nearest to the goal, and so runs in circles.
+        # Write here. This takes the move that leads nearest to the goal, and can end in a loop.
         return min(moves, key=lambda move: distance(after(here, move), goal))

@@ -2,10 +2,10 @@
 
 
 def walls_seen(looks):
-    """Return all walls that the robot has seen, each (row, column) once, in ascending order.
+    """Return all walls that the robot has seen, as a sorted list of cells (row, column).
 
     looks: the observations so far, each as (robot_pos, local_grid). local_grid has an odd number
-        of strings; the robot is in the middle of it.
+        of strings, and the robot is in the middle.
     """
     walls = set()
     for (row, column), local_grid in looks:

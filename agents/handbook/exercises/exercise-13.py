@@ -1,4 +1,4 @@
-"""Exercise 13: search on what was seen."""
+"""Exercise 13: search with a partial map."""
 
 from collections import deque
 
@@ -7,11 +7,11 @@ FAR = 40
 
 
 def first_move(here, goal, walls):
-    """Return the first move of a shortest way, "WAIT" if there is none.
+    """Return the first move of a shortest path, or "WAIT" if the goal is unreachable.
 
-    All cells are free but walls, and cells further than FAR rows or columns from (0, 0).
+    All cells are free, except for walls and for cells more than FAR rows or columns from (0, 0).
     """
-    # Write here: the search of exercise 12, which remembers the first move to each cell.
+    # Write here: the search of exercise 12, which also remembers the first move to each cell.
     return "WAIT"
 
 

@@ -6,23 +6,23 @@ MOVES = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
 FAR = 40
 
 
-def way(here, goal, walls):
-    """Return the moves of a shortest way, None if there is none."""
-    before = {here: None}  # the cell and the move before each cell that was reached
+def shortest_path(here, goal, walls):
+    """Return the moves of a shortest path, or None if the goal is unreachable."""
+    previous = {here: None}  # the cell and the move that lead to each cell reached so far
     frontier = deque([here])
     while frontier:
         cell = frontier.popleft()
         if cell == goal:
             moves = []
-            while before[cell]:
-                cell, move = before[cell]
+            while previous[cell]:
+                cell, move = previous[cell]
                 moves.insert(0, move)
             return moves
         for move, (down, right) in MOVES.items():
             there = cell[0] + down, cell[1] + right
             is_near = max(abs(there[0]), abs(there[1])) <= FAR
-            if is_near and there not in walls and there not in before:
-                before[there] = cell, move
+            if is_near and there not in walls and there not in previous:
+                previous[there] = cell, move
                 frontier.append(there)
     return None
 
@@ -42,8 +42,8 @@ class Charging:
                     self.walls.add(cell)
                 if tile == "C":
                     self.chargers.add(cell)
-        # Write here: is the battery enough to do what is next, and to reach the charger after it?
-        # If not, go to the charger and "WAIT" there: each wait adds 10 units and costs 1.
+        # Write here: does the battery last for what the robot does next, and then to the charger?
+        # If not, go to the charger and "WAIT" there. Each wait adds 10 units and costs 1.
         if here == goal:
             return "DROP" if has_item else "PICK"
-        return way(here, goal, self.walls)[0]
+        return shortest_path(here, goal, self.walls)[0]

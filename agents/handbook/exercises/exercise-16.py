@@ -6,9 +6,9 @@ def distance(cell, other):
 
 
 def heuristic(here, has_item, pickups, dropoffs):
-    """Return the fewest steps to the delivery on a floor without walls, PICK and DROP included.
+    """Return the fewest steps to the delivery without walls, including PICK and DROP.
 
     pickups, dropoffs: lists of cells; the robot may use any of them.
     """
-    # Write here. This is the way to the nearest pickup alone.
+    # Write here. This counts only the moves to the nearest pickup.
     return min(distance(here, cell) for cell in pickups)

@@ -6,13 +6,14 @@ MOVES = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
 
 
 def astar(grid, start, goal):
-    """Return the fewest moves from start to goal, and how many cells were expanded before it.
+    """Return the fewest moves from start to goal, and how many cells the search expanded.
 
-    grid: equally long strings, "#" is a wall; the outermost cells are walls. There is a way.
+    grid: strings of equal length. "#" is a wall; the outermost cells are walls. The goal can be
+        reached.
 
-    The next cell is the one with the lowest f = g + h, where g is the moves to it and h its
-    Manhattan distance to the goal. Of several with the same f it is the one with the lowest h, and
-    of these the lowest (row, column). The goal itself does not count as expanded.
+    Expand the cell with the lowest f = g + h next, where g is the number of moves to the cell and h
+    its Manhattan distance to the goal. Among cells with the same f, take the one with the lowest h,
+    and among those the one with the lowest (row, column). Do not count the goal as expanded.
     """
     # Write here.
     return 0, 0

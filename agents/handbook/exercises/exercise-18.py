@@ -6,23 +6,23 @@ MOVES = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
 FAR = 40
 
 
-def way(here, goal, walls):
-    """Return the moves of a shortest way, None if there is none."""
-    before = {here: None}  # the cell and the move before each cell that was reached
+def shortest_path(here, goal, walls):
+    """Return the moves of a shortest path, or None if the goal is unreachable."""
+    previous = {here: None}  # the cell and the move that lead to each cell reached so far
     frontier = deque([here])
     while frontier:
         cell = frontier.popleft()
         if cell == goal:
             moves = []
-            while before[cell]:
-                cell, move = before[cell]
+            while previous[cell]:
+                cell, move = previous[cell]
                 moves.insert(0, move)
             return moves
         for move, (down, right) in MOVES.items():
             there = cell[0] + down, cell[1] + right
             is_near = max(abs(there[0]), abs(there[1])) <= FAR
-            if is_near and there not in walls and there not in before:
-                before[there] = cell, move
+            if is_near and there not in walls and there not in previous:
+                previous[there] = cell, move
                 frontier.append(there)
     return None
 
@@ -33,7 +33,7 @@ class Chooser:
 
     def act(self, observation):
         here, has_item = observation["robot_pos"], observation["has_item"]
-        # What is told of stations is the first pickup and the first dropoff of the floor only.
+        # The observation names only the first pickup and the first dropoff of the layout.
         goal = observation["dropoff_pos"] if has_item else observation["pickup_pos"]
         radius = len(observation["local_grid"]) // 2
         for down, line in enumerate(observation["local_grid"]):
@@ -41,8 +41,8 @@ class Chooser:
                 cell = here[0] + down - radius, here[1] + right - radius
                 if tile == "#":
                     self.walls.add(cell)
-                # Write here: remember pickups "P" and dropoffs "D". You see the whole floor.
+                # Write here: remember pickups "P" and dropoffs "D". You see the whole layout.
         # Write here: choose the pickup and the dropoff that make the whole delivery shortest.
         if here == goal:
             return "DROP" if has_item else "PICK"
-        return way(here, goal, self.walls)[0]
+        return shortest_path(here, goal, self.walls)[0]

@@ -4,15 +4,15 @@ MOVES = ((-1, 0), (0, 1), (1, 0), (0, -1))
 
 
 def values(grid, slip, gamma, sweeps):
-    """Return the value of each open cell, row by row, after so many sweeps.
+    """Return the values of all open cells, row by row, after the given number of sweeps.
 
-    grid: equally long strings. "#" is a wall, "D" the dropoff; the outermost cells are walls.
-    slip: chance that a move goes to a side, half of it to the left and half to the right.
+    grid: strings of equal length. "#" is a wall, "D" the dropoff; the outermost cells are walls.
+    slip: probability that a move slips to a side, equally often to the left and to the right.
     gamma: discount factor.
 
-    Each move costs 0.1. A move that ends on "D" earns 10 more, and ends the episode: the value of
-    "D" stays 0. A move against a wall leaves the robot where it is. All values are 0 at first.
-    Each sweep computes new values from the values of the sweep before.
+    Each move costs 0.1. A move that ends on "D" also earns 10 and ends the episode, so the value of
+    "D" stays 0. A move into a wall leaves the robot where it is. All values are 0 at first. Each
+    sweep computes new values from the values of the previous sweep.
     """
     cells = [
         (row, column)

@@ -6,23 +6,23 @@ MOVES = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
 FAR = 40
 
 
-def way(here, goal, walls):
-    """Return the moves of a shortest way, None if there is none."""
-    before = {here: None}  # the cell and the move before each cell that was reached
+def shortest_path(here, goal, walls):
+    """Return the moves of a shortest path, or None if the goal is unreachable."""
+    previous = {here: None}  # the cell and the move that lead to each cell reached so far
     frontier = deque([here])
     while frontier:
         cell = frontier.popleft()
         if cell == goal:
             moves = []
-            while before[cell]:
-                cell, move = before[cell]
+            while previous[cell]:
+                cell, move = previous[cell]
                 moves.insert(0, move)
             return moves
         for move, (down, right) in MOVES.items():
             there = cell[0] + down, cell[1] + right
             is_near = max(abs(there[0]), abs(there[1])) <= FAR
-            if is_near and there not in walls and there not in before:
-                before[there] = cell, move
+            if is_near and there not in walls and there not in previous:
+                previous[there] = cell, move
                 frontier.append(there)
     return None
 
@@ -40,10 +40,10 @@ class Sure:
                 cell = here[0] + down - radius, here[1] + right - radius
                 if tile == "#":
                     self.walls.add(cell)
-        # Write here. This drives the shortest way, from where the robot is and not from where it
-        # should be. It does not mind that moves slip, and that each slip into a wall costs 1. Drive
-        # by the highest expected utility instead, with the values of exercise 20.
+        # Write here. In each step this takes the shortest path from where the robot is now. It
+        # ignores that moves slip and that each slip into a wall costs 1. Choose the move with the
+        # highest expected utility instead, with the values of exercise 20.
         if here == goal:
             return "DROP" if has_item else "PICK"
-        moves = way(here, goal, self.walls)
+        moves = shortest_path(here, goal, self.walls)
         return moves[0] if moves else "WAIT"

@@ -1,4 +1,4 @@
-"""Exercise 23: a robot that has learned its floor, and drives on it blind."""
+"""Exercise 23: a robot that has learned its floor, and drives blind."""
 
 import random
 
@@ -10,7 +10,7 @@ ALPHA, GAMMA, EPSILON = 0.5, 0.95, 0.1
 
 
 def learn(steps, seed):
-    """Return a table of learned values: a list of seven numbers by (cell, has_item)."""
+    """Return a table of learned values, a list of seven numbers for each (cell, has_item)."""
     env, stream, table = WarehouseEnv(named_layout("trap")), random.Random(seed), {}
     while steps > 0:
         observation, done = env.reset("start", stream.randrange(10**6)), False

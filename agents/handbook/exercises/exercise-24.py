@@ -2,12 +2,12 @@
 
 
 def assign(steps):
-    """Return the order of each robot, so that all steps together are fewest.
+    """Return one order for each robot, so that the sum of their steps is as small as possible.
 
-    steps: a row for each robot, with its steps to each order. There are as many orders as robots,
-        at most six; each robot gets one order, and no order goes to two.
+    steps: a row for each robot, with its number of steps to each order. There are as many orders
+        as robots, at most six. Each robot gets one order, and no two robots get the same.
     """
-    # Write here. This gives each robot in turn the nearest order that is left.
+    # Write here. One robot after the other takes the nearest order that is left.
     taken = []
     for row in steps:
         left = [order for order in range(len(row)) if order not in taken]

@@ -6,13 +6,13 @@ MOVES = ((-1, 0), (0, 1), (1, 0), (0, -1), (0, 0))
 
 
 def fewest_steps(grid, starts, goals):
-    """Return the fewest steps until both robots are at their goals at once, -1 if they cannot be.
+    """Return the fewest steps until both robots are at their goals, or -1 if that is impossible.
 
-    grid: equally long strings, "#" is a wall; the outermost cells are walls.
-    starts, goals: two cells each, of the first and of the second robot.
+    grid: strings of equal length. "#" is a wall; the outermost cells are walls.
+    starts, goals: two cells each, one for the first robot and one for the second.
 
-    In a step each robot moves to a cell beside it or stays. They are never in one cell, and never
-    change places in a step.
+    In each step, a robot moves to an adjacent cell or stays where it is. The robots are never in
+    the same cell, and they never change places in a step.
     """
-    # Write here: the search of exercise 12, in which a state is the cells of both robots.
+    # Write here: the search of exercise 12, where a state consists of the cells of both robots.
     return None

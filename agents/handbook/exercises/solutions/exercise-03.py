@@ -4,7 +4,7 @@ MOVES = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
 
 
 def open_moves(local_grid):
-    """Return the moves that no wall stops, in the order "N", "E", "S", "W"."""
+    """Return the moves that no wall blocks, in the order "N", "E", "S", "W"."""
     middle = len(local_grid) // 2
     return [
         move

@@ -1,4 +1,4 @@
-"""Exercise 5: a hall, by the shortest way."""
+"""Exercise 5: the shortest path through a hall."""
 
 
 class Hall:

@@ -39,7 +39,7 @@ class Careful:
         nearer = [
             move for move in moves if distance(after(here, move), goal) < distance(here, goal)
         ]
-        # Now and then another open move, so that no corner holds the robot for ever.
+        # An occasional random move, so that the robot does not stay in a corner forever.
         if not nearer or self.random.random() < 0.2:
             return self.random.choice(moves or ["WAIT"])
         return self.random.choice(nearer)

@@ -17,7 +17,7 @@ def open_moves(local_grid):
 
 class WallFollower:
     def reset(self):
-        self.heading = "N"  # the last move; this is the agent's state
+        self.heading = "N"  # the previous move: the state of the agent
 
     def act(self, observation):
         here, has_item = observation["robot_pos"], observation["has_item"]

@@ -8,7 +8,7 @@ def is_looping(cells, memory):
 
 
 def loop_length(cells):
-    """Return after how many steps the robot is on its last cell again; 0 if it was never there."""
+    """Return how many steps ago the robot was previously on its last cell, or 0 if it never was."""
     *before, here = cells
     for steps, cell in enumerate(reversed(before), start=1):
         if cell == here:

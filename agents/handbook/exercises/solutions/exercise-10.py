@@ -23,7 +23,7 @@ def open_moves(local_grid):
 
 class Escaping:
     def reset(self):
-        self.visits = {}  # how often the robot was on each cell, since it has this goal
+        self.visits = {}  # number of visits to each cell since the robot has had this goal
         self.had_item = False
 
     def act(self, observation):

@@ -2,7 +2,7 @@
 
 
 def walls_seen(looks):
-    """Return all walls that the robot has seen, each (row, column) once, in ascending order."""
+    """Return all walls that the robot has seen, as a sorted list of cells (row, column)."""
     walls = set()
     for (row, column), local_grid in looks:
         radius = len(local_grid) // 2

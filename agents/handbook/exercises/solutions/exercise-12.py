@@ -6,8 +6,8 @@ MOVES = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
 
 
 def fewest_moves(grid, start, goal):
-    """Return the fewest moves from start to goal, -1 if there is no way."""
-    moves_to = {start: 0}  # the cells that were reached, and the fewest moves to each
+    """Return the fewest moves from start to goal, or -1 if the goal is unreachable."""
+    moves_to = {start: 0}  # the fewest moves to each cell reached so far
     frontier = deque([start])
     while frontier:
         cell = frontier.popleft()

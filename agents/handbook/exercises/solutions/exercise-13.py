@@ -1,4 +1,4 @@
-"""Exercise 13: search on what was seen."""
+"""Exercise 13: search with a partial map."""
 
 from collections import deque
 
@@ -7,8 +7,8 @@ FAR = 40
 
 
 def first_move(here, goal, walls):
-    """Return the first move of a shortest way, "WAIT" if there is none."""
-    first = {here: None}  # the first move to each cell that was reached
+    """Return the first move of a shortest path, or "WAIT" if the goal is unreachable."""
+    first = {here: None}  # the first move of the path to each cell reached so far
     frontier = deque([here])
     while frontier:
         cell = frontier.popleft()

@@ -6,23 +6,23 @@ MOVES = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
 FAR = 40
 
 
-def way(here, goal, walls):
-    """Return the moves of a shortest way, None if there is none."""
-    before = {here: None}  # the cell and the move before each cell that was reached
+def shortest_path(here, goal, walls):
+    """Return the moves of a shortest path, or None if the goal is unreachable."""
+    previous = {here: None}  # the cell and the move that lead to each cell reached so far
     frontier = deque([here])
     while frontier:
         cell = frontier.popleft()
         if cell == goal:
             moves = []
-            while before[cell]:
-                cell, move = before[cell]
+            while previous[cell]:
+                cell, move = previous[cell]
                 moves.insert(0, move)
             return moves
         for move, (down, right) in MOVES.items():
             there = cell[0] + down, cell[1] + right
             is_near = max(abs(there[0]), abs(there[1])) <= FAR
-            if is_near and there not in walls and there not in before:
-                before[there] = cell, move
+            if is_near and there not in walls and there not in previous:
+                previous[there] = cell, move
                 frontier.append(there)
     return None
 
@@ -44,13 +44,13 @@ class Charging:
                     self.chargers.add(cell)
         charger = min(self.chargers, key=lambda cell: self.steps(here, cell))
         next_steps = self.steps(here, goal) + 1
-        # With the item, the next thing is the delivery, and nothing comes after it.
+        # With the item, the delivery comes next, and then the episode ends.
         later_steps = 0 if has_item else self.steps(goal, charger)
         if observation["battery"] <= next_steps + later_steps:
-            return "WAIT" if here == charger else way(here, charger, self.walls)[0]
+            return "WAIT" if here == charger else shortest_path(here, charger, self.walls)[0]
         if here == goal:
             return "DROP" if has_item else "PICK"
-        return way(here, goal, self.walls)[0]
+        return shortest_path(here, goal, self.walls)[0]
 
     def steps(self, here, goal):
-        return len(way(here, goal, self.walls))
+        return len(shortest_path(here, goal, self.walls))

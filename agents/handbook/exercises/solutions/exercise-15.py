@@ -6,9 +6,9 @@ MOVES = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
 
 
 def lowest_cost(grid, start, goal):
-    """Return the lowest cost of a way from start to goal, -1 if there is no way."""
-    cost_of = {start: 0}  # the cells that were reached, and the lowest cost to each so far
-    frontier = [(0, start)]  # a heap: heapq.heappop(frontier) is the cheapest
+    """Return the lowest cost of a path from start to goal, or -1 if the goal is unreachable."""
+    cost_of = {start: 0}  # the lowest known cost to each cell reached so far
+    frontier = [(0, start)]  # a heap: heapq.heappop(frontier) takes the cheapest
     while frontier:
         cost, cell = heapq.heappop(frontier)
         if cell == goal:

@@ -6,7 +6,7 @@ def distance(cell, other):
 
 
 def heuristic(here, has_item, pickups, dropoffs):
-    """Return the fewest steps to the delivery on a floor without walls, PICK and DROP included."""
+    """Return the fewest steps to the delivery without walls, including PICK and DROP."""
 
     def deliver(cell):
         return min(distance(cell, dropoff) for dropoff in dropoffs) + 1

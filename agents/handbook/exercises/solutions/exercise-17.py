@@ -6,7 +6,7 @@ MOVES = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
 
 
 def astar(grid, start, goal):
-    """Return the fewest moves from start to goal, and how many cells were expanded before it."""
+    """Return the fewest moves from start to goal, and how many cells the search expanded."""
 
     def entry(cell, g):
         h = abs(cell[0] - goal[0]) + abs(cell[1] - goal[1])
@@ -18,7 +18,7 @@ def astar(grid, start, goal):
         if cell == goal:
             return g, expanded
         if g > best[cell]:
-            continue  # a shorter way to this cell was found since
+            continue  # outdated: a shorter path to this cell has been found since
         expanded += 1
         for down, right in MOVES.values():
             there = cell[0] + down, cell[1] + right

@@ -6,23 +6,23 @@ MOVES = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
 FAR = 40
 
 
-def way(here, goal, walls):
-    """Return the moves of a shortest way, None if there is none."""
-    before = {here: None}  # the cell and the move before each cell that was reached
+def shortest_path(here, goal, walls):
+    """Return the moves of a shortest path, or None if the goal is unreachable."""
+    previous = {here: None}  # the cell and the move that lead to each cell reached so far
     frontier = deque([here])
     while frontier:
         cell = frontier.popleft()
         if cell == goal:
             moves = []
-            while before[cell]:
-                cell, move = before[cell]
+            while previous[cell]:
+                cell, move = previous[cell]
                 moves.insert(0, move)
             return moves
         for move, (down, right) in MOVES.items():
             there = cell[0] + down, cell[1] + right
             is_near = max(abs(there[0]), abs(there[1])) <= FAR
-            if is_near and there not in walls and there not in before:
-                before[there] = cell, move
+            if is_near and there not in walls and there not in previous:
+                previous[there] = cell, move
                 frontier.append(there)
     return None
 
@@ -33,8 +33,8 @@ class Chooser:
 
     def act(self, observation):
         here, has_item = observation["robot_pos"], observation["has_item"]
-        # The robot stands on what it would see in its own cell: the first look has it, if it is
-        # the one that is told.
+        # In the robot's own cell, local_grid shows the robot and not a station. The robot may begin
+        # on the stations that the observation names, so add them.
         self.pickups.add(observation["pickup_pos"])
         self.dropoffs.add(observation["dropoff_pos"])
         radius = len(observation["local_grid"]) // 2
@@ -53,10 +53,10 @@ class Chooser:
             goal = min(self.pickups, key=lambda cell: self.steps(here, cell) + self.rest(cell))
         if here == goal:
             return "DROP" if has_item else "PICK"
-        return way(here, goal, self.walls)[0]
+        return shortest_path(here, goal, self.walls)[0]
 
     def steps(self, here, goal):
-        moves = way(here, goal, self.walls)
+        moves = shortest_path(here, goal, self.walls)
         return float("inf") if moves is None else len(moves)
 
     def rest(self, pickup):

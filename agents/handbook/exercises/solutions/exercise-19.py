@@ -7,5 +7,5 @@ def expected_utility(outcomes):
 
 
 def best_action(actions):
-    """Return the action with the highest expected utility, the first of several that have it."""
+    """Return the action with the highest expected utility (the first, if several have it)."""
     return max(actions, key=lambda action: expected_utility(actions[action]))

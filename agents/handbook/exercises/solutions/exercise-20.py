@@ -4,7 +4,7 @@ MOVES = ((-1, 0), (0, 1), (1, 0), (0, -1))
 
 
 def values(grid, slip, gamma, sweeps):
-    """Return the value of each open cell, row by row, after so many sweeps."""
+    """Return the values of all open cells, row by row, after the given number of sweeps."""
     cells = [
         (row, column)
         for row, line in enumerate(grid)
@@ -14,7 +14,7 @@ def values(grid, slip, gamma, sweeps):
     value = dict.fromkeys(cells, 0.0)
 
     def worth(cell, move):
-        """Return the reward and the discounted value of one move that goes where it should."""
+        """Return the reward of one move that does not slip, plus the discounted value after it."""
         there = cell[0] + move[0], cell[1] + move[1]
         if there not in value:
             there = cell

@@ -23,7 +23,7 @@ class Sure:
         return self.policy[here]
 
     def best_moves(self, goal):
-        """Return the move with the highest expected utility in each cell, by value iteration."""
+        """Return the move with the highest expected utility for each cell, by value iteration."""
         value = dict.fromkeys(self.cells, 0.0)
 
         def worth(cell, move):

@@ -8,7 +8,7 @@ def updated(values, action, reward, next_values, ended, alpha, gamma):
 
 
 def choose(values, epsilon, chance, random_action):
-    """Return the index of an action: a random one or the best, the first of several."""
+    """Return the index of a random action or of the best one (the first, if several are best)."""
     if chance < epsilon:
         return random_action
     return list(values).index(max(values))

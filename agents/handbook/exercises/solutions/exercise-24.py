@@ -4,7 +4,7 @@ from itertools import permutations
 
 
 def assign(steps):
-    """Return the order of each robot, so that all steps together are fewest."""
+    """Return one order for each robot, so that the sum of their steps is as small as possible."""
 
     def total(orders):
         return sum(row[order] for row, order in zip(steps, orders))

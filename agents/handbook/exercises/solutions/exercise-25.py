@@ -5,10 +5,10 @@ MOVES = ((-1, 0), (0, 1), (1, 0), (0, -1), (0, 0))
 
 def next_cells(grid, cells, goals):
     """Return the next cell of each robot."""
-    next_of = {}  # the cell that each robot has chosen, by the number of the robot
+    next_of = {}  # the cell that each robot has chosen, by the robot's number
 
     def choose(robot):
-        """Choose a cell for a robot, and return whether there was one."""
+        """Choose a cell for a robot, and return whether it found one."""
         row, column = cells[robot]
         goal_row, goal_column = goals[robot]
         free = [(row + down, column + right) for down, right in MOVES]
@@ -19,7 +19,7 @@ def next_cells(grid, cells, goals):
                 continue
             other = cells.index(cell) if cell in cells else robot
             if next_of.get(other) == cells[robot]:
-                continue  # they would change places
+                continue  # the two robots would change places
             next_of[robot] = cell
             if other == robot or other in next_of or choose(other):
                 return True

@@ -6,9 +6,9 @@ MOVES = ((-1, 0), (0, 1), (1, 0), (0, -1), (0, 0))
 
 
 def fewest_steps(grid, starts, goals):
-    """Return the fewest steps until both robots are at their goals, -1 if they cannot be."""
+    """Return the fewest steps until both robots are at their goals, or -1 if that is impossible."""
 
-    def beside(cell):
+    def next_cells(cell):
         cells = [(cell[0] + down, cell[1] + right) for down, right in MOVES]
         return [(row, column) for row, column in cells if grid[row][column] != "#"]
 
@@ -17,8 +17,8 @@ def fewest_steps(grid, starts, goals):
         state = frontier.popleft()
         if state == goals:
             return steps_to[state]
-        for first in beside(state[0]):
-            for second in beside(state[1]):
+        for first in next_cells(state[0]):
+            for second in next_cells(state[1]):
                 if first == second or (first, second) == (state[1], state[0]):
                     continue
                 if (first, second) not in steps_to:
