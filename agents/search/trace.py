@@ -41,9 +41,8 @@ MARK_COLORS = {
 WAITING, NOW, FIRST_SHADE, LAST_SHADE = 0, 1, 2, len(MARK_COLORS) - 1
 """Values of marks: indices into ``MARK_COLORS``."""
 
-MAX_TRACK_FRAMES = 300
-"""Most frames of a track; marks are exact between them."""
-
+MAX_TRACK_FRAMES = 120
+"""Most frames of a track; the marks of a page are exact between them."""
 
 UNTOUCHED = -1
 """Mark of a cell that is not reached yet."""

@@ -42,7 +42,7 @@ MAY_IMPORT = {
     "warehouse_core/pettingzoo_env": (
         "arguments copies errors extras fleet gymnasium_env render task wording world"
     ),
-    "warehouse_core/viz/axes": "motion records render wording world",
+    "warehouse_core/viz/axes": "records render world",
     "warehouse_core/viz/tracks": "arguments errors motion orders records render wording world",
     "warehouse_core/viz/player": "arguments files orders render viz/tracks wording world",
     "warehouse_core/viz/svg": "arguments errors render viz/tracks wording world",

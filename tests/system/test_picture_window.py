@@ -8,9 +8,7 @@ from helpers.windows import Shower
 from numpy.typing import NDArray
 
 from warehouse_core import DEFAULT_LAYOUT
-from warehouse_core.errors import NoDisplayError
 from warehouse_core.render.painter import TilePainter
-from warehouse_core.render.window import PictureWindow
 
 in_a_window = pytest.mark.window
 
@@ -90,29 +88,6 @@ def test_a_window_closed_by_the_user_stays_closed(start: Start) -> None:
 
 
 @in_a_window
-def test_the_user_can_close_it_while_a_picture_is_shown(start: Start) -> None:
-    program = start("""
-window.show(painted(20, 1, 1), 50)
-print("shown", flush=True)
-window.show(painted(20, 1, 2), 1 / 3600)
-window.close()
-print("continued", flush=True)
-""")
-    program.wait_for("shown")
-    program.ask_to_close(program.focus())
-    program.wait_for("continued")
-    assert program.code() == 0
-
-
-@in_a_window
-@pytest.mark.parametrize("before", ["", "window.show(painted(20, 1, 1), 50); window.close()"])
-def test_a_program_can_close_it_before_or_after_it_opens(start: Start, before: str) -> None:
-    program = start(f"{before}\nwindow.close()\nshow_forever(painted(20, 1, 1))")
-    program.wait_for("closed", 5)
-    assert program.windows() == []
-
-
-@in_a_window
 def test_matplotlibs_keys_do_nothing(start: Start) -> None:
     program = start("show_forever(painted(20, 1, 1))")
     program.wait_for("open", 2)
@@ -138,37 +113,3 @@ show_forever(painted(20, 1, 1))
     program.wait_for("figures [] toolbar2")
     program.wait_for("open", 2)
     assert program.shows(program.focus(), painted(20, 1, 1))
-
-
-@in_a_window
-def test_the_frame_rate_includes_the_programs_own_time(start: Start) -> None:
-    program = start("""
-window.show(painted(20, 1, 1), 50)
-begin = time.monotonic()
-for _ in range(20):
-    window.show(painted(20, 1, 1), 20)
-print(time.monotonic() - begin, flush=True)
-begin = time.monotonic()
-for _ in range(10):
-    time.sleep(0.15)
-    window.show(painted(20, 1, 1), 5)
-print(time.monotonic() - begin, flush=True)
-""")
-    alone, busy = (float(program.line() or "nan") for _ in range(2))
-    assert alone >= 1.0
-    assert 2.0 <= busy < 3.2
-
-
-def test_without_a_display_the_error_says_what_to_do(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("warehouse_core.render.window.has_display", lambda: False)
-    with pytest.raises(NoDisplayError, match=r'render_mode="human".*render_mode="rgb_array"'):
-        PictureWindow("Warehouse")
-
-
-def test_a_closed_window_does_not_open_again(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr("warehouse_core.render.window.has_display", lambda: True)
-    window = PictureWindow("Warehouse")
-    monkeypatch.setattr(window, "_open", lambda picture: pytest.fail("it opens"))
-    window.close()
-    window.show(painted(2, 1, 1), 50)
-    assert window.is_closed

@@ -1,6 +1,5 @@
 """The page that plays tracks, in a real browser: every control, by keys and by mouse."""
 
-import html
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -168,19 +167,6 @@ def test_the_energy_of_a_fleet_is_that_of_its_chart_while_it_plays(
         assert chart == f"Energy used (kJ): energy {used[step - 1] / 1000:.2f}".rstrip("0")
 
 
-def test_the_slider_is_dragged(page: Shown, track: Track) -> None:
-    box = page.part("slider").bounding_box()
-    middle = box["y"] + box["height"] / 2
-    page.page.mouse.move(box["x"] + 3, middle)
-    page.page.mouse.down()
-    seen = []
-    for share in (0.25, 0.5, 0.75):
-        page.page.mouse.move(box["x"] + share * box["width"], middle)
-        seen.append(steps(page))
-    page.page.mouse.up()
-    assert seen == pytest.approx([share * track.steps for share in (0.25, 0.5, 0.75)], abs=1)
-
-
 def test_a_chart_is_clicked_and_dragged(page: Shown, track: Track) -> None:
     chart = page.page.locator(".chart > svg").first
     box = chart.bounding_box()
@@ -225,17 +211,6 @@ def test_n_goes_from_event_to_event_and_says_which(page: Shown, track: Track) ->
     page.page.get_by_role("button", name="Next event").click()
     assert steps(page) == track.steps
     assert "no further" in page.part("event").inner_text()
-
-
-def test_n_goes_to_the_events_of_the_chosen_robot(crowd: Shown, fleet: Track) -> None:
-    crowd.read("player.choose(2)")
-    expected = events(fleet, 2)
-    for _ in range(3):
-        crowd.press("n")
-    found = crowd.read("player.step")
-    stuck = crowd.part("event").inner_text().count("stuck")
-    assert found in expected or stuck
-    assert "robot 2" in crowd.part("event").inner_text()
 
 
 def test_f_is_full_screen_and_back_and_keys_with_ctrl_are_the_browsers(page: Shown) -> None:
@@ -430,25 +405,3 @@ def test_a_screen_reader_is_told_what_is_shown(page: Shown, track: Track) -> Non
     assert track.frames[1].caption in status
     assert page.page.locator("canvas.floor").get_attribute("aria-label") == status
     assert page.part("slider").get_attribute("aria-valuetext").startswith("step 1 of")
-
-
-def test_a_page_in_a_sandboxed_frame_plays(
-    opened: Open, files: Files, track: Track, tmp_path: Path
-) -> None:
-    text = html.escape(files("grid", lambda: [track]).read_text(encoding="utf-8"))
-    outer = tmp_path / "outer.html"
-    outer.write_text(
-        f"<!DOCTYPE html><script>globalThis.player = 0</script>"
-        f'<iframe sandbox="allow-scripts" width="900" height="700" srcdoc="{text}"></iframe>',
-        encoding="utf-8",
-    )
-    page = opened(outer)
-    frame = page.page.frames[1]
-    wait_until(frame, "globalThis.player !== undefined")
-    inner: Any = page.page.frame_locator("iframe")
-    inner.get_by_role("button", name="One step on", exact=True).click()
-    assert frame.evaluate("player.step") == 1
-    assert inner.locator('[data-part="place"]').inner_text().startswith("step 1 of")
-    page.press("Space")
-    wait_until(frame, "player.step > 1")
-    assert frame.evaluate("violations") == []

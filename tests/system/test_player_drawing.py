@@ -242,22 +242,6 @@ def test_marks_have_the_colour_of_their_time(opened: Open, files: Files) -> None
     assert seen == ["mc", "..", "c.", "cc", "c."]
 
 
-def test_a_chart_has_its_cursor_at_the_time(opened: Open, files: Files, track: Track) -> None:
-    page = opened(files("grid", lambda: [track]))
-    places = []
-    for step in (0, 10, track.steps):
-        page.seek(step)
-        x = page.page.locator(".chart .cursor").first.evaluate(
-            "line => line.getBoundingClientRect().x"
-        )
-        places.append(
-            page.read(
-                f"player.charts[0].timeAt({x} - player.charts[0].svg.getBoundingClientRect().x)"
-            )
-        )
-    assert places == pytest.approx([0, 10, track.steps], abs=0.1)
-
-
 def test_a_floor_of_many_columns_has_stations_and_robots_of_a_least_size(
     opened: Open, files: Files
 ) -> None:
@@ -362,15 +346,3 @@ def test_a_small_letter_is_not_written_under_a_robot(opened: Open, files: Files)
             written = texts(page)
             assert {*written} == letters
             assert min(written.values()) >= 11
-
-
-def test_charts_are_under_a_wide_floor_and_beside_another(
-    opened: Open, files: Files, track: Track
-) -> None:
-    places = []
-    for path in (files("fifty", lambda: [wide_fleet()]), files("grid", lambda: [track])):
-        page = opened(path, viewport={"width": 1366, "height": 768})
-        floor, side = (page.page.locator(name).bounding_box() for name in (".floor", ".side"))
-        places.append((side["y"] > floor["y"] + floor["height"], side["x"] > floor["x"] + 800))
-        assert page.read("player.views[0].scale * player.views[0].columns") > 800
-    assert places == [(True, False), (False, True)]

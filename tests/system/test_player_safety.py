@@ -1,6 +1,5 @@
 """The page that plays tracks shows text from users and runs none of it, and loads nothing."""
 
-import dataclasses
 import re
 from collections.abc import Callable
 from pathlib import Path
@@ -12,7 +11,7 @@ from helpers.player_pages import Files, Shown, shown
 
 from warehouse_core.viz.player import player_page
 from warehouse_core.viz.tracks import Frame, Pose, Track
-from warehouse_core.viz.tracks.track import DrawnHit, Marks
+from warehouse_core.viz.tracks.track import DrawnHit
 
 pytestmark = pytest.mark.browser
 
@@ -81,16 +80,6 @@ def test_the_policy_blocks_markup_that_got_into_the_page(
         page.page.goto("about:blank")
         page.errors.clear()
         page.requests.clear()
-
-
-def test_legends_show_names_as_text(opened: Open, files: Files) -> None:
-    names = ["<b>bold</b>", "</ul><script>document.title = 'owned'</script>"]
-    marks = Marks([1, 2], [(0, 0), (0, 1)], [0, 1], [(1.0, 0.0, 0.0)] * 2, names, ((0, 0), (1, 3)))
-    track = dataclasses.replace(track_saying("text"), marks=marks)
-    page = opened(files("names", lambda: [track]))
-    legend = page.part("legend").inner_text()
-    assert all(name in legend for name in names)
-    assert page.page.title() == "text"
 
 
 def test_ten_megabytes_of_text_open_and_are_cut(opened: Open, files: Files) -> None:

@@ -79,7 +79,7 @@ from warehouse_core.conformance.suite import CHECKS
 from warehouse_core.motion.base import BaseMotion
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.viz.axes.congestion import congestion_picture
-from warehouse_core.viz.axes.heat_map import blocked_heat_map, heat_map
+from warehouse_core.viz.axes.heat_map import heat_map
 from warehouse_core.viz.figure import SceneFigure, make_figure
 from warehouse_core.viz.player import player_page
 from warehouse_core.viz.scene import Scene
@@ -337,7 +337,6 @@ def maps() -> Lines:
         name: fleet_episode(seed=seed, max_steps=30) for seed, name in enumerate(("one", "other"))
     }
     yield from drawn(congestion_picture(episodes, "Where", make_figure))
-    yield from drawn(blocked_heat_map(episodes["one"]))
     counts = np.arange(20).reshape(4, 5)
     panels = {"first": counts, "second": counts[::-1]}
     yield from drawn(heat_map(ROOM.rows, panels, with_stations=True))

@@ -102,20 +102,6 @@ def test_an_arrow_steps_by_exactly_one(watched: Program, key: str, by: int) -> N
     assert watched.still() == changed
 
 
-@pytest.mark.parametrize("key", ["Right", "Left"])
-def test_an_arrow_pauses(watched: Program, key: str) -> None:
-    watched.press(key)
-    still = watched.still()
-    assert watched.picture() == still
-
-
-def test_two_steps_right_and_two_left_give_the_same_picture(watched: Program) -> None:
-    before = paused(watched)
-    watched.press("Right", "Right", "Left", "Left")
-    watched.pictures_until(lambda picture: picture.step == before.step + 2)
-    assert watched.still() == before
-
-
 def test_a_paused_window_can_be_resized(watched: Program) -> None:
     window = watched.focus()
     before = paused(watched)
@@ -162,17 +148,6 @@ def test_run_opens_a_window_that_q_closes(
     assert lines[0] == "GreedyAgent on the grid backend, seed 5, stations drawn"
     assert lines[-1] == "space pauses, left and right step, q closes the window"
     assert [path.name for path in tmp_path.iterdir()] == option[2:]
-
-
-def test_replay_opens_a_window_that_q_closes(
-    start: Callable[..., Program], long_episode: Path
-) -> None:
-    program = start(WAREHOUSE, "replay", long_episode, "--speed", 2)
-    program.focus()
-    program.press("q")
-    lines = program.rest()
-    assert program.code() == 0, lines
-    assert lines[-1] == "space pauses, left and right step, q closes the window"
 
 
 @pytest.fixture

@@ -21,7 +21,7 @@ from matplotlib.figure import Figure
 from PIL import Image
 
 from warehouse_core.viz.axes.look import POINTS
-from warehouse_core.viz.export.gif_writer import ColorValues, indexed
+from warehouse_core.viz.export.gif_writer import ColorValues
 
 DPI = 100
 """Pixels in an inch."""
@@ -130,17 +130,6 @@ class SceneFigure(Figure):
         top, bottom = (round(renderer.height - y) for y in (extent.y1 + around, extent.y0 - around))
         return max(top, 0), max(bottom, 0), max(left, 0), max(right, 0)
 
-    def savefig(self, fname: Any, *, transparent: bool | None = None, **options: Any) -> None:
-        """Save as ``Figure.savefig`` does, but faster for pixels at the figure's own resolution."""
-        own_size = options.get("dpi", "figure") in ("figure", self.dpi)
-        kind = options.get("format") if hasattr(fname, "write") and own_size else None
-        if kind == "png":
-            self.indexed_pixels().save(fname, "png")
-        elif kind in ("rgba", "raw"):
-            fname.write(self.pixels().convert("RGBA").tobytes())
-        else:
-            super().savefig(fname, transparent=transparent, **options)
-
     def rgba(self) -> ColorValues:
         """Return the figure as ``[height, width, 4]``, which the next drawing changes."""
         if not isinstance(self.canvas, FigureCanvasAgg):
@@ -152,10 +141,6 @@ class SceneFigure(Figure):
     def pixels(self) -> Image.Image:
         """Return the figure as an RGB image."""
         return Image.fromarray(self.rgba()).convert("RGB")
-
-    def indexed_pixels(self) -> Image.Image:
-        """Return the figure as an image of 256 colours, the same ones for every frame."""
-        return indexed(self.pixels())
 
     def _draw_still(self, renderer: Any, *, with_movers: bool) -> None:
         """Draw everything but the movers, or everything."""

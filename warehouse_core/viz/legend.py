@@ -73,6 +73,7 @@ LINES: dict[str, dict[str, Any]] = {
     "trail-loaded": {"color": TRAIL_COLORS[True], "linestyle": (0, DASHES), "lw": 2.2},
     "plan": {"color": INK, "lw": 2.6, **DOTTED},
     "plans": ROBOT_LINE,
+    "path": {"color": WARNING, "lw": 3.0},
     "wishes": ROBOT_LINE | DOTTED,
     "low": {"color": WARNING, "lw": 4.0, "solid_capstyle": "butt"},
 }

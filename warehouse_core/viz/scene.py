@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from functools import partial
 from typing import Any
@@ -12,11 +11,11 @@ from matplotlib.text import Text
 
 from warehouse_core.render.palette import INK
 from warehouse_core.viz.axes.look import POINTS, box_in
-from warehouse_core.viz.charts import BatteryBar, Chart, TimeAxis, share_scales
+from warehouse_core.viz.charts import BatteryBar, Chart, Charted, charts_of, share_scales
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.legend import draw_legend, signs_of
 from warehouse_core.viz.sheet import BOLD, WIDTH, Box, Sheet, TrackPlace, sheet_of
-from warehouse_core.viz.tracks.timeline import Timeline
+from warehouse_core.viz.tracks.timeline import Timeline, time_of
 from warehouse_core.viz.tracks.track import Track
 from warehouse_core.viz.view import View
 
@@ -43,16 +42,20 @@ class Scene:
     ) -> None:
         self._timeline = Timeline(tracks)
         steps = length - 1 if length else tracks[0].steps
-        sheet = sheet_of(tracks, steps, legend=legend)
+        self._in_seconds = self._timeline.in_seconds and not length
+        charts = [self._charts_of(track) for track in tracks]
+        sheet = sheet_of(tracks, [[*each] for each in charts], steps, legend=legend)
         self.root = make_figure(sheet.size)
         page = SheetFigure(self.root, sheet)
+        end = steps if length else self._timeline.moments[-1]
+        label = "seconds" if self._in_seconds else "step"
         self._panels = [
-            Panel(page, place, track, TimeAxis(steps) if length else self._axis_of(track), steps)
-            for place, track in zip(sheet.places, tracks, strict=True)
+            Panel(page, place, track, each, end, label)
+            for place, track, each in zip(sheet.places, tracks, charts, strict=True)
         ]
         self._clock: Text | None = None
         if len(tracks) > 1:
-            share_scales([chart for panel in self._panels for chart in panel.charts])
+            share_scales(chart for panel in self._panels for chart in panel.charts)
             self._clock = page.write(WIDTH / 2, 0.28, fontsize=18, ha="center", **BOLD)
         self._draw_legend = partial(draw_legend, self.root, columns=sheet.legend_columns)
         self._legend = self._draw_legend(tracks) if legend else None
@@ -61,10 +64,9 @@ class Scene:
     def __len__(self) -> int:
         return len(self._timeline.moments)
 
-    def _axis_of(self, track: Track) -> TimeAxis:
-        """Return the horizontal axis of the charts of a track."""
-        timeline = self._timeline
-        return TimeAxis(timeline.moments[-1], track.clocks if timeline.in_seconds else None)
+    def _charts_of(self, track: Track) -> Charted:
+        times = [time_of(frame, in_seconds=self._in_seconds) for frame in track.frames]
+        return charts_of(track, times)
 
     @property
     def still(self) -> int:
@@ -75,10 +77,11 @@ class Scene:
         """Move everything that moves to its place at a moment, of a track that may have grown."""
         if grown is not None and grown is not self._panels[0].track:
             self._timeline = Timeline([grown])
-            self._panels[0].track = grown
+            self._panels[0].read(grown, self._charts_of(grown))
             self._explain(grown)
         for panel, frame in zip(self._panels, self._timeline.frames_at(number), strict=True):
-            panel.show(frame)
+            now = panel.track.frames[frame]
+            panel.show(frame, time_of(now, in_seconds=self._in_seconds))
         if self._clock is not None:
             self._clock.set_text(self._timeline.words(number))
 
@@ -112,51 +115,44 @@ class SheetFigure:
 class Panel:
     """One of the tracks of a picture: its map, charts, battery and words.
 
-    The charts have room for a number of steps.
+    The axes of its charts end at the time ``end`` and have a ``label``.
     """
 
     def __init__(
-        self, page: SheetFigure, place: TrackPlace, track: Track, time: TimeAxis, steps: int
+        self,
+        page: SheetFigure,
+        place: TrackPlace,
+        track: Track,
+        charted: Charted,
+        end: float,
+        label: str,
     ) -> None:
-        self.track, self._steps = track, steps
-        self._parts = page.sheet.motion_parts
-        self._view = View(page.figure, page.axes(place.map), place.cell * POINTS, track)
-        self.charts: list[Chart | BatteryBar] = []
-        for kind, box, has_label in place.slots:
-            chart = kind(page.figure, page.axes(box), track, time)
-            self.charts.append(chart)
-            if has_label and not isinstance(chart, BatteryBar):
-                chart.label_time()
+        self.track, figure = track, page.figure
+        self._view = View(figure, page.axes(place.map), place.cell * POINTS, track)
+        self.charts = []
+        for title, box in place.charts.items():
+            is_labelled = not page.sheet.labels_last or title == [*place.charts][-1]
+            words = label if is_labelled else None
+            self.charts.append(Chart(figure, page.axes(box), charted[title], end, label=words))
+        self._bar = BatteryBar(figure, page.axes(place.bar)) if place.bar else None
         self._lines = [
             (say, page.write(left, top, **style)) for left, top, say, style in place.lines
         ]
-        self._charted: tuple[int, int, int] | None = None
 
-    def show(self, frame: int) -> None:
-        """Show a frame of the track."""
-        track = self.track
-        self._view.show(track.frames, frame)
-        charted = self._first_like(frame)
-        before, self._charted = self._charted, (track.step_at(frame), len(track), charted)
+    def read(self, track: Track, charted: Charted) -> None:
+        """Show a track from now on that has grown."""
+        self.track = track
         for chart in self.charts:
-            depth = 3 if chart.changes_within_steps else 2
-            if before is None or before[:depth] != self._charted[:depth]:
-                chart.show(track, charted)
+            chart.read(charted[chart.title])
+
+    def show(self, frame: int, time: float) -> None:
+        """Show a frame of the track; it is at a time of the charts."""
+        self._view.show(self.track.frames, frame)
+        for chart in self.charts:
+            chart.show(time)
+        if self._bar:
+            self._bar.show(self.track, frame)
         for say, text in self._lines:
-            words, size = say(track, frame)
+            words, size = say(self.track, frame)
             if words != text.get_text():
                 text.set(text=words, fontsize=size)
-
-    def _first_like(self, frame: int) -> int:
-        """Return the first of the frames whose charts look the same as in a frame."""
-        if self._parts is None:
-            return frame
-        parts, length = self._parts, self._steps + 1
-
-        def place(number: int) -> tuple[int, int]:
-            progress = self.track.frames[number].progress
-            return math.floor(progress), math.floor(progress * parts / length)
-
-        while frame and place(frame - 1) == place(frame):
-            frame -= 1
-        return frame

@@ -10,18 +10,9 @@ from collections.abc import Callable, Mapping, Sequence
 from functools import partial
 from typing import Any, NamedTuple
 
-from warehouse_core.viz.charts import BatteryBar, Chart, DistanceChart, MotionChart, kinds_of_charts
 from warehouse_core.viz.figure import DPI
 from warehouse_core.viz.tracks.track import Track
-from warehouse_core.viz.words import (
-    Words,
-    caption_in_lines,
-    counter_of,
-    ending_of,
-    fitted_caption,
-    tally_of,
-    title_of,
-)
+from warehouse_core.viz.words import Words, caption_of, counter_of, ending_of, tally_of, title_of
 
 MAX_CELL, SHARP = 1.05, 8
 """Largest side of a cell; pixels of the smallest cells that have a whole number of them."""
@@ -36,23 +27,17 @@ GRID, FLEET_GRID = (6.4, 4.6), (9.0, 4.2)
 EDGE, HEAD, BAR_GAP, MIN_LEFT = 0.3, 1.0, 0.12, 4.8
 """Room around a single track, above its map and above its battery; least width of its words."""
 
-CHARTS_LEFT, CHARTS_WIDTH, CHARTS_GAP, CHARTS_FOOT, LEGEND_WIDTH = 0.75, 3.3, 0.55, 0.5, 1.95
+CHARTS_LEFT, CHARTS_WIDTH, CHARTS_GAP, CHARTS_FOOT, LEGEND_WIDTH = 0.75, 3.3, 0.38, 0.5, 1.95
 """Room left of charts beside a map, their width, room between and below them; then the legend."""
 
-MIN_CHARTS, MIN_TALL_CHARTS = 3.2, 4.2
-"""Least heights of all charts beside a map; the second if one is of a motion or of orders."""
-
-MOTION_PARTS = 100
-"""Parts in which a single track's chart of a motion grows; or each step, if there are more."""
+MIN_CHART = 0.78
+"""Least height of a chart beside a map."""
 
 WIDTH, MARGIN, COLUMN_HEAD, GUTTER = 13.66, 0.4, 1.45, 0.5
 """Width of a figure of several tracks, room at its sides, above its maps and between columns."""
 
-LEAD_WIDTH = 8.0
-"""Width of the left column if it leads."""
-
-MAX_MAP, MAX_LEAD_MAP, MAX_SMALL_MAP = 3.3, 4.8, 2.3
-"""Most heights of maps of one scale, of the map that leads, and of the map beside it."""
+MAX_MAP, MAX_SMALL_MAP = 3.3, 2.3
+"""Most heights of maps of one scale in a single row, and in several rows."""
 
 GAP, VERDICT, FOOT, FLEET_FOOT = 0.1, 0.45, 0.6, 0.8
 """Room between a map and its battery; heights of the verdict below, and of legends."""
@@ -76,20 +61,21 @@ SheetLine = tuple[float, float, Callable[[Track, int], Words], Mapping[str, Any]
 """Left and top of words, what says them in a frame of a track, and their style."""
 
 
-class Slot(NamedTuple):
-    """Place of a chart or of a battery, which may have a label of its axis of time."""
-
-    kind: type[Chart | BatteryBar]
-    box: Box
-    has_label: bool = False
-
-
 class TrackPlace(NamedTuple):
-    """Place of a track: the side of a cell, the box of the map, and everything around the map."""
+    """Place of a track.
+
+    Attributes:
+        cell: side of a cell.
+        map: box of the map.
+        bar: box of the battery, if it has one.
+        charts: boxes of charts by their titles, from top to bottom.
+        lines: words around the map.
+    """
 
     cell: float
     map: Box
-    slots: list[Slot]
+    bar: Box | None
+    charts: dict[str, Box]
     lines: list[SheetLine]
 
 
@@ -99,170 +85,114 @@ class Sheet(NamedTuple):
     Attributes:
         size: width and height of the figure.
         legend_columns: columns of the legend along the bottom; 0 is a legend along the right side.
-        motion_parts: parts in which charts of motions grow; ``None`` is one for each frame.
+        labels_last: true if only the last chart of a track has numbers on its axis of time.
     """
 
     size: tuple[float, float]
     places: list[TrackPlace]
     legend_columns: int
-    motion_parts: int | None
+    labels_last: bool
 
 
-def sheet_of(tracks: Sequence[Track], steps: int, *, legend: bool) -> Sheet:
-    """Return the layout of a picture; a single track will have ``steps`` steps, perhaps a legend.
+def sheet_of(
+    tracks: Sequence[Track], titles: Sequence[Sequence[str]], steps: int, *, legend: bool
+) -> Sheet:
+    """Return the layout of tracks whose charts have some titles.
 
-    If only the left one of two tracks has anything to chart, it leads: its map is larger, and its
-    charts are on the right. More than ``MAX_COLUMNS`` tracks are in rows, without charts.
+    A single track will have ``steps`` steps, and perhaps a legend. More than ``MAX_COLUMNS`` tracks
+    are in rows, without charts.
     """
     if len(tracks) == 1:
-        return _single(tracks[0], steps, legend=legend)
-    first, *others = tracks
-    leads = len(others) == 1 and first.metrics and not others[0].metrics
-    if len(tracks) > MAX_COLUMNS:
-        places, bottom = _rows(tracks)
-    else:
-        kinds = _kinds_in_columns(tracks)
-        in_columns = partial(_columns, tracks, len(tracks), kinds, MAX_MAP)
-        places, bottom = _leading(first, others[0]) if leads else in_columns()
-    ends = [top + height for place in places for _, (_, top, _, height), _ in place.slots]
-    bottom = max([bottom, *(end + CHART_FOOT for end in ends)])
+        return _single(tracks[0], titles[0], steps, legend=legend)
+    in_rows = len(tracks) > MAX_COLUMNS
+    count, most = (ROW, MAX_SMALL_MAP) if in_rows else (len(tracks), MAX_MAP)
+    shown = [] if in_rows else [*max(titles, key=len)]
+    if not any(track.counts_orders for track in tracks):
+        shown = [*dict.fromkeys([*shown[:1], *shown[-1:]])]  # there is room for one row
+    width = (WIDTH - (count - 1) * GUTTER - 2 * MARGIN) / count
+    places: list[TrackPlace] = []
+    top = bottom = 0.0
+    for first in range(0, len(tracks), count):
+        row = tracks[first : first + count]
+        cell = min(_cell(track, width, most) for track in row)
+        below = top + COLUMN_HEAD + cell * max(track.shown_size[1] for track in row)
+        for number, track in enumerate(row):
+            left = MARGIN + number * (width + GUTTER)
+            charts = {
+                title: _chart_box(left, below + BELOW, width, index)
+                for index, title in enumerate(shown)
+                if title in titles[first + number]
+            }
+            places.append(_column(track, cell, left, top, below, width, charts))
+        bottom, top = below + BELOW, below + BELOW - CLOCK
+    for _, chart_top, _, height in (box for place in places for box in place.charts.values()):
+        bottom = max(bottom, chart_top + height + CHART_FOOT)
     foot = FLEET_FOOT if any(track.is_fleet for track in tracks) else FOOT
-    return Sheet((WIDTH, bottom + foot), places, LEGEND_COLUMNS, None)
+    return Sheet((WIDTH, bottom + foot), places, LEGEND_COLUMNS, labels_last=False)
 
 
-def _single(track: Track, steps: int, *, legend: bool) -> Sheet:
+def _single(track: Track, titles: Sequence[str], steps: int, *, legend: bool) -> Sheet:
     """Return a map with its battery below, and its charts and its legend beside it."""
-    kinds = kinds_of_charts([track])
     cell = _cell(track, *(FLEET_GRID if track.is_fleet else GRID))
     map_width, map_height = (cell * cells for cells in track.shown_size)
-    has_tall_charts = track.is_continuous or track.counts_orders
-    least = MIN_TALL_CHARTS if has_tall_charts else MIN_CHARTS if kinds else 0.0
+    least = len(titles) * (MIN_CHART + CHARTS_GAP) - CHARTS_GAP
     left_width, height = max(map_width, MIN_LEFT), max(map_height, least)
     map_box = (
         EDGE + (left_width - map_width) / 2, HEAD + (height - map_height) / 2, map_width, map_height
     )  # fmt: skip
-    chart = (height - CHARTS_GAP * (len(kinds) - 1)) / max(len(kinds), 1)
+    chart = (height + CHARTS_GAP) / max(len(titles), 1) - CHARTS_GAP
     charts_left = EDGE + left_width + CHARTS_LEFT
-    slots = [
-        Slot(
-            kind,
-            (charts_left, HEAD + number * (chart + CHARTS_GAP), CHARTS_WIDTH, chart),
-            has_label=kind is kinds[-1],
-        )
-        for number, kind in enumerate(kinds)
-    ]
+    charts = {
+        title: (charts_left, HEAD + number * (chart + CHARTS_GAP), CHARTS_WIDTH, chart)
+        for number, title in enumerate(titles)
+    }
     has_battery = "battery" in track.metrics
-    if has_battery:
-        slots.append(Slot(BatteryBar, (EDGE, HEAD + height + BAR_GAP, left_width, BAR)))
+    bar = (EDGE, map_box[1] + map_height + BAR_GAP, left_width, BAR) if has_battery else None
     # Without a battery there are only the words below charts.
     foot = EDGE if has_battery or not legend else CHARTS_FOOT
     # The legend of a fleet with charts is below, where there is room.
-    is_below = legend and track.is_fleet and bool(kinds)
-    beside = EDGE + left_width + (CHARTS_LEFT + CHARTS_WIDTH if kinds else 0.0)
+    is_below = legend and track.is_fleet and bool(titles)
+    beside = EDGE + left_width + (CHARTS_LEFT + CHARTS_WIDTH if titles else 0.0)
     width = beside + EDGE + (LEGEND_WIDTH if legend and not is_below else 0.0)
     lines: list[SheetLine] = [
         (EDGE, 0.2, partial(title_of, 9), {}),
         (width - EDGE, 0.2, partial(counter_of, steps), {"ha": "right"}),
-        (EDGE, 0.56, partial(fitted_caption, width - 2 * EDGE), BOLD),
+        (EDGE, 0.56, partial(caption_of, 16, width - 2 * EDGE), BOLD),
         (width / 2, 0.2, ending_of, BOLD | {"ha": "center"}),
     ]
     foot += FLEET_FOOT if is_below else 0.0
     size = (width, HEAD + height + (BAR + BAR_GAP if has_battery else 0.0) + foot)
     columns = LEGEND_COLUMNS if is_below else 0
-    return Sheet(size, [TrackPlace(cell, map_box, slots, lines)], columns, MOTION_PARTS)
-
-
-def _rows(tracks: Sequence[Track]) -> tuple[list[TrackPlace], float]:
-    """Return rows of columns without charts, and where the last row ends."""
-    places: list[TrackPlace] = []
-    bottom = CLOCK
-    for first in range(0, len(tracks), ROW):
-        row, end = _columns(tracks[first : first + ROW], ROW, [], MAX_SMALL_MAP)
-        places += [_lowered(place, bottom - CLOCK) for place in row]
-        bottom += end - CLOCK
-    return places, bottom
-
-
-def _lowered(place: TrackPlace, by: float) -> TrackPlace:
-    """Return the place of a track further down."""
-
-    def lower(box: Box) -> Box:
-        return box[0], box[1] + by, *box[2:]
-
-    slots = [slot._replace(box=lower(slot.box)) for slot in place.slots]
-    lines = [(left, top + by, say, style) for left, top, say, style in place.lines]
-    return TrackPlace(place.cell, lower(place.map), slots, lines)
-
-
-def _columns(
-    tracks: Sequence[Track], count: int, kinds: Sequence[type[Chart]], most: float
-) -> tuple[list[TrackPlace], float]:
-    """Return columns of one width with maps of one scale and charts below, and where maps end.
-
-    The columns are so wide that ``count`` of them fill a row; maps have at most a height ``most``.
-    """
-    width = (WIDTH - (count - 1) * GUTTER) / count - 2 * MARGIN / count
-    cell = min(_cell(track, width, most) for track in tracks)
-    below = COLUMN_HEAD + cell * max(track.shown_size[1] for track in tracks)
-    places = []
-    for number, track in enumerate(tracks):
-        left = MARGIN + number * (width + GUTTER)
-        charts = [
-            _chart(kind, left + index % 2 * width / 2, below + BELOW, index // 2, width / 2)
-            for index, kind in enumerate(kinds)
-            if kind.can_draw(track)
-        ]
-        places.append(_column(track, cell, left, width, charts, below))
-    return places, below + BELOW
-
-
-def _leading(first: Track, other: Track) -> tuple[list[TrackPlace], float]:
-    """Return a wide column and a narrow one that has the charts, and where the wide one ends."""
-    edge = MARGIN + LEAD_WIDTH + GUTTER
-    width = WIDTH - MARGIN - edge
-    cell, small = _cell(first, LEAD_WIDTH, MAX_LEAD_MAP), _cell(other, width, MAX_SMALL_MAP)
-    below = COLUMN_HEAD + cell * first.shown_size[1]
-    right_below = COLUMN_HEAD + small * other.shown_size[1]
-    charts = [
-        _chart(kind, edge, right_below, row, width)
-        for row, kind in enumerate(_kinds_in_columns([first]))
-    ]
-    places = [
-        _column(first, cell, MARGIN, LEAD_WIDTH, charts, below),
-        _column(other, small, edge, width, [], None),
-    ]
-    return places, max(below + BELOW, right_below)
+    place = TrackPlace(cell, map_box, bar, charts, lines)
+    return Sheet(size, [place], columns, labels_last=True)
 
 
 def _column(
-    track: Track, cell: float, left: float, width: float, charts: list[Slot], below: float | None
+    track: Track,
+    cell: float,
+    left: float,
+    top: float,
+    below: float,
+    width: float,
+    charts: dict[str, Box],
 ) -> TrackPlace:
     """Return the place of a track in a column; battery and verdict are ``below`` its map."""
     columns, rows = track.shown_size
-    map_box = (left, COLUMN_HEAD, cell * columns, cell * rows)
+    map_box = (left, top + COLUMN_HEAD, cell * columns, cell * rows)
+    bar = (left, below + GAP, map_box[2], BAR) if "battery" in track.metrics else None
     lines: list[SheetLine] = [
-        (left, 0.62, partial(title_of, 11), {}),
-        (left, 0.77, partial(caption_in_lines, width), BOLD | {"va": "top"}),
+        (left, top + 0.62, partial(title_of, 11), {}),
+        (left, top + 0.77, partial(caption_of, 13, width), BOLD | {"va": "top"}),
+        (left, below + BELOW - VERDICT / 2, partial(tally_of, width), BOLD),
     ]
-    if below is not None:
-        lines.append((left, below + BELOW - VERDICT / 2, partial(tally_of, width), BOLD))
-        if "battery" in track.metrics:
-            bar = Slot(BatteryBar, (left, below + GAP, map_box[2], BAR))
-            charts = [bar, *charts]
-    return TrackPlace(cell, map_box, charts, lines)
+    return TrackPlace(cell, map_box, bar, charts, lines)
 
 
-def _kinds_in_columns(tracks: Sequence[Track]) -> list[type[Chart]]:
-    """Return the kinds of charts; where there is room for few, motions replace distances."""
-    kinds = kinds_of_charts(tracks)
-    return [kind for kind in kinds if kind is not DistanceChart or MotionChart not in kinds]
-
-
-def _chart(kind: type[Chart], left: float, top: float, row: int, width: float) -> Slot:
-    """Return the place of a chart in a row of charts."""
-    top += CHART_HEAD + row * (CHART_HEAD + CHART + CHART_FOOT)
-    box = (left + CHART_LEFT, top, width - CHART_LEFT - CHART_RIGHT, CHART)
-    return Slot(kind, box, has_label=True)
+def _chart_box(left: float, top: float, width: float, number: int) -> Box:
+    """Return the box of a chart in a column, of which two are beside each other."""
+    left += number % 2 * width / 2 + CHART_LEFT
+    top += CHART_HEAD + number // 2 * (CHART_HEAD + CHART + CHART_FOOT)
+    return left, top, width / 2 - CHART_LEFT - CHART_RIGHT, CHART
 
 
 def _cell(track: Track, width: float, height: float) -> float:

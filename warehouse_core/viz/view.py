@@ -8,6 +8,7 @@ fleet have numbers, batteries and orders.
 from __future__ import annotations
 
 import math
+from bisect import bisect_right
 from collections.abc import Iterable, Iterator, Sequence
 from functools import cache
 from itertools import pairwise
@@ -46,7 +47,7 @@ from warehouse_core.render.palette import (
 from warehouse_core.viz.axes import draw_grid
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.tracks.history import History
-from warehouse_core.viz.tracks.track import FleetFrame, Frame, Point, Pose, TileRows, Track
+from warehouse_core.viz.tracks.track import FleetFrame, Frame, Point, Pose, TileRows, Track, middle
 from warehouse_core.world.tiles import (
     CHARGER,
     DROPOFF,
@@ -65,9 +66,9 @@ MIN_RADIUS, MIN_FLEET_RADIUS, MIN_LINE, MIN_LETTER, MIN_NUMBER, MIN_STATION = 5,
 """Least sizes in points: radii of a robot and of one of a fleet, lines, letters, numbers of robots,
 and sides of stations."""
 
-MIN_ITEM, MIN_ORDERS, MIN_HIT, MIN_FLEET_HIT, LABEL = 4, 7, 5, 3, 10
-"""Least sizes in points of items, of the number of orders at a pickup, and of hits; size of a
-label."""
+MIN_ITEM, MIN_ORDERS, MIN_HIT, MIN_FLEET_HIT, MIN_END, LABEL = 4, 7, 5, 3, 6.5, 10
+"""Least sizes in points of items, of the number of orders at a pickup, of hits, and of the ends of
+a search; size of a label."""
 
 MAX_RADIUS, GOOD_RADIUS = 0.45, 9
 """Radius in cells up to which robots of a fleet grow that have fewer points than the second."""
@@ -258,8 +259,7 @@ class View:
         if frame.tiles is not self._tiles.rows:
             self._tiles.show(frame.tiles, self._track.slippery)
             self._stations.show(self._small_stations(frame.tiles))
-        width = max(1.8 * self._point, WIDTHS["route"])
-        shapes = [Shape(lines([frame.route]), None, INK, width, DOTS)]
+        shapes = [*self._marked(frame), *self._route(frame)]
         if frame.fleet:
             shapes += self._fleet(frame, frame.fleet)
         else:
@@ -272,7 +272,7 @@ class View:
                     s for robot in each for s in self._left_behind(frames, robot, step)
                 )
             shapes += [shape for robot in each for shape in self._lone(frames, robot, number)]
-        self._bodies.show([*shapes, *self._hits(frame)])
+        self._bodies.show([*shapes, *self._hits(frame), *self._ends()])
 
     def _least(self, cells: float, points: float) -> float:
         """Return a length in cells that is not less than a number of points."""
@@ -285,6 +285,35 @@ class View:
             for tile in (PICKUP, DROPOFF, CHARGER):
                 places = [(col + 0.5, row + 0.5) for row, col in cells_of(tile, rows)]
                 yield Shape(stamped(side * SQUARE, places), COLORS[tile])
+
+    def _marked(self, frame: Frame) -> Iterator[Shape]:
+        """Yield the cells that a search has marked so far, in their colours."""
+        marks = self._track.marks
+        if marks is None:
+            return
+        end, inset = bisect_right(marks.times, frame.clock), LOOK["mark"]["inset"]
+        cells: dict[int, list[Point]] = {}
+        for cell, value in dict(zip(marks.cells[:end], marks.values[:end], strict=True)).items():
+            cells.setdefault(value, []).append(middle(cell))
+        for value, places in cells.items():
+            yield Shape(stamped((1 - 2 * inset) * SQUARE, places), marks.colors[value])
+
+    def _route(self, frame: Frame) -> Iterator[Shape]:
+        """Yield the planned way of a robot as dots, or the path that a search found as a line."""
+        way = lines([frame.route])
+        if self._track.marks is None:
+            yield Shape(way, None, INK, self._least(WIDTHS["route"], 1.8), DOTS)
+        else:
+            for color, width in ((PAPER, 0.42), (WARNING, 0.24)):
+                yield Shape(way, None, color, self._least(width, 2))
+
+    def _ends(self) -> Iterator[Shape]:
+        """Yield start and goal of a search, as letters on discs."""
+        marks, rim = self._track.marks, self._least(RIM, MIN_LINE)
+        radius, size = (self._least(LOOK["end"][key], MIN_END) for key in ("radius", "letter"))
+        for letter, cell in zip("SG", marks.ends if marks else (), strict=bool(marks)):
+            yield Shape(stamped(radius * CIRCLE, middle(cell)), PAPER, INK, rim)
+            yield Shape(written(letter, size, middle(cell)), INK)
 
     def _left_behind(self, frames: Sequence[Frame], robot: int, step: int) -> Iterator[Shape]:
         """Yield tints of cells visited often, a shade on what it does not see, and its trail."""

@@ -9,18 +9,11 @@ from warehouse_core.viz.axes.look import POINTS
 from warehouse_core.viz.tracks.track import Track
 from warehouse_core.wording import counted, seconds_of
 
-MAX_CAPTION, MIN_CAPTION, LINES_SHARE = 18.0, 10.0, 0.7
-"""Largest size of an action with its reason; smallest in one line; largest in two lines, as a share
-of the largest."""
-
 MAX_TALLY, BOLD_WIDTH = 15.0, 0.55
 """Largest size of what a track comes to, and mean width of its letters as a share of that."""
 
-LETTER_WIDTH = 0.66
-"""Mean width of a letter, as a share of its size."""
-
-LETTER = 0.118
-"""Mean width of a letter of a caption in a column, in inches."""
+LETTER_WIDTH = 0.65
+"""Mean width of a letter of a caption, as a share of its size."""
 
 Words = tuple[str, float]
 
@@ -33,6 +26,8 @@ def title_of(size: float, track: Track, _frame: int) -> Words:
 def counter_of(steps: int, track: Track, frame: int) -> Words:
     """Return how many of a number of steps were taken, and the clock of a continuous motion."""
     now = track.frames[frame]
+    if track.marks is not None:
+        return "", 9  # a search counts in its captions
     clock = f"   {seconds_of(now.clock, track.clock_digits)} s" if track.is_continuous else ""
     return f"step {math.ceil(now.progress)} of {steps}{clock}", 9
 
@@ -42,23 +37,11 @@ def ending_of(track: Track, frame: int) -> Words:
     return track.ending.upper() if frame == len(track) - 1 else "", 11
 
 
-def fitted_caption(width: float, track: Track, frame: int) -> Words:
-    """Return the caption of a frame in one or two lines, as large as a width in inches allows."""
-    caption = track.frames[frame].caption
-    points = POINTS * width / LETTER_WIDTH
-    size = points / max(len(caption), 1)
-    if size < MIN_CAPTION:
-        lines = textwrap.wrap(caption, max(len(caption) * 6 // 11, 1), max_lines=2)
-        caption = "\n".join(lines)
-        size = points / max(map(len, lines), default=1)
-    return caption, min(size, MAX_CAPTION * (LINES_SHARE if "\n" in caption else 1))
-
-
-def caption_in_lines(width: float, track: Track, frame: int) -> Words:
+def caption_of(size: float, width: float, track: Track, frame: int) -> Words:
     """Return the caption of a frame in at most two lines of a width in inches."""
-    letters = int(width / LETTER)
+    letters = int(POINTS * width / (LETTER_WIDTH * size))
     words = track.frames[frame].caption
-    return textwrap.fill(words, letters, max_lines=2, placeholder=" …"), 13
+    return textwrap.fill(words, letters, max_lines=2, placeholder=" …"), size
 
 
 def tally_of(width: float, track: Track, frame: int) -> Words:
@@ -66,6 +49,8 @@ def tally_of(width: float, track: Track, frame: int) -> Words:
 
     The words are as large as a width in inches allows, and not larger than ``MAX_TALLY``.
     """
+    if track.marks is not None:
+        return "", MAX_TALLY
     now, step = track.frames[frame], track.step_at(frame)
     numbers, joules = [counted(math.ceil(now.progress), "step")], now.energy
     if track.counts_orders:

@@ -6,7 +6,6 @@ import math
 import random
 from collections.abc import Callable, Sequence
 from pathlib import Path
-from typing import TYPE_CHECKING
 
 import numpy as np
 import typer
@@ -29,9 +28,6 @@ from warehouse_core.errors import LayoutError
 from warehouse_core.world.distances import distances
 from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout, check_open
 from warehouse_core.world.tiles import Cell
-
-if TYPE_CHECKING:
-    from warehouse_core.viz.replay import Replay
 
 MakeHeuristic = Callable[[RouteProblem, Layout], Heuristic[Cell]]
 
@@ -145,13 +141,7 @@ def compare_search(
 
     named = zip(map(_panel_name, values), found, strict=True)
     courses = [SearchCourse(name, grid, (begin, end), each) for name, each in named]
-
-    def draw(window: bool) -> Replay:
-        from agents.search.picture import search_replay
-
-        return search_replay(courses, title, window=window)
-
-    film = Film(lambda: [*map(track_of_course, courses)], title, draw=draw)
+    film = Film(lambda: [*map(track_of_course, courses)], title)
     show_or_save(film, save, show, "search.gif")
 
 

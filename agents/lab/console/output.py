@@ -33,20 +33,16 @@ Draw = Callable[[Callable[[tuple[float, float]], "SceneFigure"]], "SceneFigure"]
 class Film:
     """What a command shows. A window or a picture needs Matplotlib, a page or an animation not.
 
-    ``tracks`` makes the tracks when they are needed; their titles are the default of a page's. The
-    replay is theirs, unless ``draw`` makes another, with a window or without one.
+    ``tracks`` makes the tracks when they are needed; their titles are the default of a page's.
     """
 
     tracks: Callable[[], Sequence[Track]]
     title: str = ""
     record: Episode | None = None
     speed: float = 1.0
-    draw: Callable[[bool], Replay] | None = None
 
     def replay(self, window: bool) -> Replay:
         """Return the replay, with a window or without one."""
-        if self.draw is not None:
-            return self.draw(window)
         from warehouse_core.viz.replay import replay_of_tracks
 
         return replay_of_tracks(*self.tracks(), speed=self.speed, window=window)

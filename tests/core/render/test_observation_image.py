@@ -90,16 +90,6 @@ def test_the_bars_are_battery_and_steps() -> None:
         assert (middle[0] == ground).all()
 
 
-def test_every_step_changes_the_picture() -> None:
-    image = ObservationImage(7, 12, battery=200, max_steps=200)
-    env = WarehouseEnv()
-    seen = {image.paint(encode(env.observe())).tobytes()}
-    for _ in range(199):
-        env.step("WAIT")
-        seen.add(image.paint(encode(env.observe())).tobytes())
-    assert len(seen) == 200
-
-
 @pytest.mark.parametrize("radius", [0, 2])
 def test_a_batch_of_pictures_equals_single_pictures(radius: int) -> None:
     layout = random_layout(6, 8, 0.2, seed=3)

@@ -2,7 +2,6 @@ import itertools
 
 import numpy as np
 import pytest
-from helpers.pictures import is_color
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from numpy.typing import NDArray
@@ -70,12 +69,6 @@ def test_each_cell_has_one_code() -> None:
     assert [CODES[cell] for cell in CELLS] == list(range(len(CELLS)))
 
 
-def test_a_robot_can_be_put_on_many_tiles_at_once() -> None:
-    tiles = np.array([CODES[tile, NO_ROBOT] for tile in ".PDC"])
-    for loaded, robot in enumerate("Rr"):
-        assert ROBOT_CODES[loaded, tiles].tolist() == [CODES[tile, robot] for tile in ".PDC"]
-
-
 @pytest.mark.parametrize("code", [len(CELLS), *ROBOT_CODES[:, CODES["#", NO_ROBOT]]])
 def test_an_unknown_code_raises(code: int) -> None:
     with pytest.raises(IndexError):
@@ -83,28 +76,6 @@ def test_an_unknown_code_raises(code: int) -> None:
 
 
 # Cells.
-
-
-def test_walls_are_dark_from_edge_to_edge() -> None:
-    for side in SIDES:
-        assert where(atlas(side)[CODES["#", NO_ROBOT]], COLORS["#"]).all()
-
-
-@pytest.mark.parametrize("side", SIDES)
-def test_floor_is_light_with_a_line_along_two_sides(side: int) -> None:
-    floor = atlas(side)[CODES[".", NO_ROBOT]].astype(int)
-    assert where(floor[1:, 1:], COLORS["."]).all()
-    line = np.concatenate([floor[0], floor[:, 0]])
-    assert len(np.unique(line, axis=0)) == 1
-    assert (255 * np.array(FAINT) - 0.5 <= line).all()
-    assert (line < 255 * np.array(COLORS["."]) - 0.5).all()
-
-
-def test_smaller_tiles_have_paler_lines() -> None:
-    lines = [atlas(side)[CODES[".", NO_ROBOT], 0, 1, 0] for side in (2, 8, 16, 24, 100)]
-    assert lines[0] > lines[1] > lines[2] > lines[3] == lines[4]
-    for place in ((0.0, 0.5), (0.5, 0.0)):
-        assert is_color(pixel(".", NO_ROBOT, *place), FAINT), "as in the replay"
 
 
 @pytest.mark.parametrize("tile", ["P", "D", "C"])
@@ -118,22 +89,6 @@ def test_a_station_is_a_square_inset_in_the_floor(tile: str) -> None:
     assert where(image[1:, 94:], COLORS["."]).all()
 
 
-@pytest.mark.parametrize("side", SIDES)
-@pytest.mark.parametrize("tile", ["P", "D", "C"])
-def test_a_station_has_its_colour_at_any_size(side: int, tile: str) -> None:
-    assert is_color(pixel(tile, NO_ROBOT, 0.6, 0.8, side), COLORS[tile])
-
-
-@pytest.mark.parametrize(
-    ("tile", "robot"), [*itertools.product(".PDC", "Rr"), (".", "O"), (".", "o")]
-)
-def test_a_robot_is_a_disc_on_its_tile(tile: str, robot: str) -> None:
-    for x, y in ((0.5 + 0.24, 0.5), (0.5 - 0.24, 0.5), (0.5, 0.5 + 0.24), (0.5, 0.5 - 0.24)):
-        assert is_color(pixel(tile, robot, x, y), COLORS[robot])
-    for x, y in ((0.2, 0.8), (0.8, 0.2), (0.8, 0.8), (0.5, 0.88)):
-        assert is_color(pixel(tile, robot, x, y), COLORS[tile])
-
-
 @pytest.mark.parametrize("robot", ["R", "r"])
 def test_a_robot_has_the_radius_and_the_rim_of_the_look(robot: str) -> None:
     radius, rim = LOOK["robot"]["radius"], LOOK["robot"]["rim"]
@@ -141,25 +96,6 @@ def test_a_robot_has_the_radius_and_the_rim_of_the_look(robot: str) -> None:
     for color, share in ((INK, radius + rim / 2), (COLORS[robot], radius - rim / 2)):
         first = np.flatnonzero(where(image[50], color))[0]
         assert first == pytest.approx(50 - 100 * share, abs=1)
-
-
-@pytest.mark.parametrize("side", SIDES)
-def test_small_robots_have_no_outline(side: int) -> None:
-    red = atlas(side)[CODES[".", "R"], ..., 0]
-    assert (red.min() < 150) == (side >= 10)
-
-
-def test_a_person_is_a_square_on_a_corner() -> None:
-    for x, y in ((0.5, 0.22), (0.78, 0.5), (0.5, 0.78), (0.22, 0.5)):
-        assert is_color(pixel(".", "H", x, y), COLORS["H"])
-    assert is_color(pixel(".", "H", 0.76, 0.76), COLORS["."])
-
-
-def test_edges_are_smooth() -> None:
-    ring = atlas(40)[CODES[".", "R"], 1:, 1:]
-    plain = [COLORS["."], COLORS["R"], INK, PAPER]
-    assert sum(where(ring, color).sum() for color in plain) < 0.96 * ring[..., 0].size
-    assert len(np.unique(ring.reshape(-1, 3), axis=0)) > 30
 
 
 @pytest.mark.parametrize("side", WITH_LETTERS)
@@ -190,21 +126,6 @@ def test_robots_have_their_letter_in_the_middle(
     assert rows.min() + rows.max() + 1 == pytest.approx(extent, abs=1)
     assert columns.min() + columns.max() + 1 == pytest.approx(extent, abs=0.1 * side)
     assert rows.max() - rows.min() + 1 >= 0.2 * side
-
-
-@pytest.mark.parametrize("side", [side for side in SIDES if side not in WITH_LETTERS])
-def test_small_tiles_have_no_letters(side: int) -> None:
-    for tile in "PDC":
-        assert not where(atlas(side)[CODES[tile, NO_ROBOT]], INK).any()
-    for robot in "RrOoH":
-        centre = atlas(side)[CODES[".", robot]][side // 2, side // 2]
-        assert side <= 3 or is_color(centre, INK if robot == "r" else COLORS[robot])
-
-
-def test_a_tile_shows_two_letters_only_if_there_is_room() -> None:
-    for side, fits in ((16, False), (22, False), (24, True), (40, True)):
-        corner = atlas(side)[CODES["P", "R"]][: side // 4, : side // 4]
-        assert where(corner, PAPER).any() == fits
 
 
 @pytest.mark.parametrize("side", SIDES)
@@ -378,18 +299,6 @@ def test_a_bar_is_filled_from_the_left() -> None:
         assert where(edge, FAINT).all()
 
 
-def test_a_full_bar_has_an_edge_and_an_empty_one_has_no_filling() -> None:
-    assert where(bar(0, 20, 8), FAINT).all()
-    full = where(bar(1, 20, 8), BATTERY)
-    assert full[1:-1, 1:-1].all()
-    assert full.sum() == 6 * 18
-
-
-@pytest.mark.parametrize("height", [1, 2, 3])
-def test_a_thin_bar_has_no_edge(height: int) -> None:
-    assert where(bar(1.0, 10, height), BATTERY).all()
-
-
 @settings(max_examples=30)
 @given(st.floats(0, 1), st.floats(0, 1))
 def test_a_larger_share_fills_more(one: float, other: float) -> None:
@@ -405,10 +314,3 @@ def test_bars_have_any_colour_and_shares_are_limited_to_0_and_1() -> None:
     assert where(bar(1.0, 12, 5, WARNING)[1:-1, 1:-1], WARNING).all()
     assert np.array_equal(bar(-1, 10, 4), bar(0, 10, 4))
     assert np.array_equal(bar(2, 10, 4), bar(1, 10, 4))
-
-
-@pytest.mark.parametrize("side", [6, 8, 12])
-def test_a_loaded_robot_has_a_dark_middle_where_there_is_no_room_for_a_letter(side: int) -> None:
-    middle = slice(side // 2 - 1, side // 2 + 1)
-    empty, loaded = (atlas(side)[CODES[".", sign]][middle, middle].mean() for sign in "Rr")
-    assert loaded < 0.6 * empty

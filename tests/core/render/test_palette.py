@@ -4,7 +4,7 @@ from pathlib import Path
 
 import numpy as np
 import pytest
-from helpers.colors import EYES, contrast, seen_by, seen_contrast, seen_distance
+from helpers.colors import EYES, contrast, seen_contrast, seen_distance
 from PIL import Image
 
 import warehouse_core
@@ -85,13 +85,6 @@ def test_colours_that_stand_side_by_side_differ_for_every_eye(place: str, scheme
     assert not near
 
 
-def test_other_eyes_see_grey_as_grey() -> None:
-    for eyes in EYES:
-        assert seen_by(eyes, (0.5, 0.5, 0.5)) == pytest.approx((0.5, 0.5, 0.5), abs=0.01)
-    red, green = (seen_by("deuteranopia", color) for color in ((0.8, 0.2, 0.2), (0.2, 0.5, 0.2)))
-    assert red[0] - red[1] < 0.3 > abs(green[0] - green[1])
-
-
 def test_a_charger_is_seen_on_the_floor_and_beside_walls_and_its_letter_on_it() -> None:
     for other in (COLORS["."], COLORS["#"], palette.INK):
         assert contrast(COLORS["C"], other) >= 3
@@ -109,24 +102,11 @@ def test_numbers_are_read_on_robots_and_orders() -> None:
     assert min(contrast(age, late) for age in ages) >= 3
 
 
-def test_a_blend_is_between_its_colours() -> None:
-    black, white = (0.0, 0.0, 0.0), (1.0, 1.0, 1.0)
-    assert blend(black, white, 0) == black
-    assert blend(black, white, 1) == white
-    assert blend((0.0, 0.5, 1.0), white, 0.5) == (0.5, 0.75, 1.0)
-
-
 def test_the_indexed_palette_fits_into_a_gif() -> None:
     values = indexed_palette()
     assert len(values) % 3 == 0
     assert 3 * len(COLORS) < len(values) <= 3 * 255
     assert all(0 <= value <= 255 for value in values)
-
-
-def test_the_entries_of_the_indexed_palette_are_different() -> None:
-    values = indexed_palette()
-    entries = list(zip(values[::3], values[1::3], values[2::3], strict=True))
-    assert len(set(entries)) == len(entries)
 
 
 def test_colours_of_the_replay_are_exact_in_256_colours() -> None:

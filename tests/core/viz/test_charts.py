@@ -3,31 +3,19 @@
 import math
 from typing import Any
 
+import numpy as np
 import pytest
 from matplotlib.axes import Axes
-from matplotlib.patches import Polygon
-from matplotlib.text import Text
+from matplotlib.colors import to_rgb
 
 from agents.run_episode import run_episode
-from warehouse_core.viz.charts import (
-    BatteryBar,
-    DeliveryChart,
-    DistanceChart,
-    EnergyChart,
-    LatenessChart,
-    MotionChart,
-    RewardChart,
-    TimeAxis,
-    fit,
-    kinds_of_charts,
-    share_scales,
-)
+from warehouse_core.render.palette import BATTERY, COLORS, PAPER, WARNING
+from warehouse_core.viz.charts import BatteryBar, Chart, charts_of, fit
 from warehouse_core.viz.figure import make_figure
 from warehouse_core.viz.scene import Scene
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import FleetFrame, Frame, Track
 
-CLOCKS = [0.0, 1.5, 2.5, 4.0]
 METRICS: dict[str, list[float]] = {
     "released": [1, 3, 4, 4],
     "delivered": [0, 0, 2, 3],
@@ -42,149 +30,93 @@ def physics() -> Track:
     return track_of_record(run_episode(backend="physics", seed=12))
 
 
-def axes_of(scene: Scene, title: str) -> Axes:
-    [found] = [axes for axes in scene.root.axes if title in axes.get_title(loc="left")]
-    return found
-
-
-def test_charts_of_bodies_are_in_seconds(physics: Track) -> None:
-    scene = Scene([physics], make_figure)
-    scene.show(len(physics) - 1)
-    rewards, motion = axes_of(scene, "reward"), axes_of(scene, "energy")
-    assert motion.get_xlabel() == "seconds"
-    low, high = rewards.get_xlim()
-    assert -2 < low < 0
-    assert 49.75 < high < 52
-    assert list(rewards.lines[1].get_xdata()) == physics.clocks  # type: ignore[arg-type]
-    assert list(motion.lines[0].get_xdata()) == [f.clock for f in physics.frames]  # type: ignore[arg-type]
-
-
-def test_the_clock_of_one_robot_has_the_decimal_of_the_others(physics: Track) -> None:
-    scene = Scene([physics], make_figure)
-    scene.show(len(physics) - 1)
-    assert "step 23 of 23   49.8 s" in [text.get_text() for text in scene.root.findobj(Text)]
-
-
-def test_speed_and_energy_begin_at_0_and_fill_the_chart(physics: Track) -> None:
-    scene = Scene([physics], make_figure)
-    scene.root.pixels()
-    motion, energy = axes_of(scene, "energy"), scene.root.axes[-2]
-    assert motion.get_ylim()[0] == energy.get_ylim()[0] == 0
-    most = physics.frames[-1].energy
-    assert most < energy.get_ylim()[1] < 1.1 * most
-    assert all(label.get_text().endswith("J") for label in energy.get_yticklabels())
-
-
-def test_charts_of_a_track_that_grows_are_in_steps(physics: Track) -> None:
-    scene = Scene([physics], make_figure, length=51)
-    rewards = axes_of(scene, "reward")
-    assert rewards.get_xlim() == (-0.5, 50.5)
-    scene.show(len(physics) - 1)
-    assert list(rewards.lines[1].get_xdata()) == list(range(24))  # type: ignore[arg-type]
-
-
-def test_rewards_are_drawn_at_the_clock_of_their_step(physics: Track) -> None:
-    figure = make_figure((3, 2))
-    axes = figure.add_axes((0, 0, 1, 1))
-    chart = RewardChart(figure, axes, physics, TimeAxis(physics.frames[-1].clock, physics.clocks))
-    chart.show(physics, len(physics) - 1)
-    [bars] = axes.collections
-    starts = [segment[0][0] for segment in bars.get_segments()]  # type: ignore[attr-defined]
-    assert starts == physics.clocks
-
-
-def fleet(**metrics: Any) -> Track:
+def fleet() -> Track:
     """Return three steps of a fleet, whose two first deliveries are in time."""
-    lateness = [(2, -4), (2, 0), (3, 7)]
-    frames = [
-        Frame(("..",), (), float(step), clock=clock, fleet=FleetFrame((), (), ()))
-        for step, clock in enumerate(CLOCKS)
-    ]
-    return Track(frames, METRICS | metrics, lateness=lateness)
+    frames = [Frame(("..",), (), float(step), fleet=FleetFrame((), (), ())) for step in range(4)]
+    return Track(frames, METRICS, lateness=[(2, -4), (2, 0), (3, 7)])
 
 
-def drawn(
-    kind: Any, track: Track, frame: int, *, in_seconds: bool = False
-) -> tuple[Any, Axes, list[tuple[list[float], list[float]]]]:
-    """Return a chart, its axes, and the points of its lines, after it has shown a frame."""
+def chart_of(track: Track, title: str) -> tuple[Chart, Axes, list[Any]]:
+    """Return a chart of a track in steps, its axes and its lines."""
+    series = charts_of(track, [frame.progress for frame in track.frames])[title]
     figure = make_figure((3, 2))
     axes = figure.add_axes((0, 0, 1, 1))
-    chart = kind(figure, axes, track, TimeAxis(4, CLOCKS if in_seconds else None))
-    chart.show(track, frame)
-    return chart, axes, [([*line.get_xdata()], [*line.get_ydata()]) for line in axes.lines]
+    chart = Chart(figure, axes, series, track.steps, label="step")
+    return chart, axes, axes.lines[1 : 1 + len(series)]
 
 
-@pytest.mark.parametrize("in_seconds", [False, True])
-def test_orders_of_a_fleet_are_counted_up_to_the_frame(in_seconds: bool) -> None:
-    times = CLOCKS if in_seconds else [0, 1, 2, 3]
-    chart, axes, lines = drawn(DeliveryChart, fleet(), 2, in_seconds=in_seconds)
-    assert lines == [(times[:3], [1, 3, 4]), (times[:3], [0, 0, 2])]
-    released, delivered = axes.lines
+def points(line: Any) -> list[tuple[float, float]]:
+    return [*zip(line.get_xdata(), line.get_ydata(), strict=True)]
+
+
+def test_rewards_are_bars_and_their_sum_is_a_line() -> None:
+    track = Track([Frame(("..",), (), float(n)) for n in range(3)], {"rewards": [0, 2, math.nan]})
+    _, axes, (bars, total) = chart_of(track, "Reward")
+    assert axes.get_title(loc="left") == "Reward: each step (bars), so far"
+    tops = [point for point in points(bars) if point[1]]
+    np.testing.assert_equal(tops, [(0, math.nan), (1, 2), (1, math.nan), (2, math.nan)])
+    assert points(total) == [(0, 0), (1, 2), (2, 2)], "a missing reward counts as 0"
+
+
+def test_both_distances_share_a_chart_in_the_colours_of_their_stations() -> None:
+    _, axes, lines = chart_of(track_of_record(run_episode(seed=12)), "Distance (cells)")
+    assert axes.get_title(loc="left") == "Distance (cells): to pickup, to dropoff (dashed)"
+    assert [to_rgb(line.get_color()) for line in lines] == [COLORS["P"], COLORS["D"]]
+    assert lines[0].get_linestyle() != lines[1].get_linestyle()
+
+
+def test_orders_and_batteries_of_a_fleet_are_counted() -> None:
+    _, _, (released, delivered) = chart_of(fleet(), "Orders")
+    assert [y for _, y in points(released)] == METRICS["released"]
+    assert [y for _, y in points(delivered)] == METRICS["delivered"]
     assert released.get_linewidth() < delivered.get_linewidth()
-    assert {line.get_drawstyle() for line in axes.lines} == {"steps-post"}
-    low, high = axes.get_ylim()
-    assert low == 0
-    assert 4 < high < 5, "all orders have room from the first frame on"
-    chart.label_time()
-    assert axes.get_xlabel() == ("seconds" if in_seconds else "step")
-    low, high = axes.get_xlim()
-    assert -0.6 < low < 0
-    assert 4 < high < 4.6
+    assert {line.get_drawstyle() for line in (released, delivered)} == {"steps-post"}
+    _, _, (mean, lowest) = chart_of(fleet(), "Battery (%)")
+    assert [y for _, y in points(mean)] == pytest.approx([100, 90, 80, 70])
+    assert [y for _, y in points(lowest)] == [100, 80, 50, 25]
+    _, _, [energy] = chart_of(fleet(), "Energy used (kJ)")
+    assert points(energy) == [(0, 0), (1, 1), (2, 2.5), (3, 5)]
 
 
 def test_deliveries_in_time_are_dots_and_late_ones_triangles() -> None:
-    _, axes, lines = drawn(LatenessChart, fleet(), 3, in_seconds=True)
-    zero, in_time, late = lines
-    assert zero[1] == [0, 0]
-    assert (in_time, late) == (([2.5, 2.5], [-4, 0]), ([4.0], [7]))
-    assert [line.get_marker() for line in axes.lines[1:]] == ["o", "^"]
+    _, axes, (in_time, late) = chart_of(fleet(), "Lateness (steps)")
+    assert (points(in_time), points(late)) == ([(2, -4), (2, 0)], [(3, 7)])
+    assert (in_time.get_marker(), late.get_marker()) == ("o", "^")
+    assert [to_rgb(line.get_color()) for line in (in_time, late)] == [BATTERY, WARNING]
     low, high = axes.get_ylim()
     assert -6 < low < -4
     assert 7 < high < 9
-    assert drawn(LatenessChart, fleet(), 2)[2][1:] == [([2, 2], [-4, 0]), ([], [])]
-    assert drawn(LatenessChart, fleet(), 1)[2][1:] == [([], [])] * 2
 
 
-def test_batteries_are_in_percent_and_energy_in_kilojoules() -> None:
-    chart, axes, lines = drawn(EnergyChart, fleet(), 2)
-    assert [line[1] for line in lines] == [pytest.approx([100, 90, 80]), [100, 80, 50]]
-    mean, lowest = axes.lines
-    assert mean.get_linewidth() > lowest.get_linewidth()
-    low, high = axes.get_ylim()
-    assert low == 0
-    assert 100 < high < 110
-    _, behind = chart.scales
-    assert behind.get_zorder() < axes.get_zorder()
-    low, high = behind.get_ylim()
-    assert low == 0
-    assert 5 < high < 6
-    [area] = behind.patches
-    assert isinstance(area, Polygon)
-    assert area.get_xy()[:-1].tolist() == [[0, 0], [0, 0], [1, 1], [2, 2.5], [2, 0]]
-    _, behind = drawn(EnergyChart, fleet(joules=[0, 0, 0, 1]), 2)[0].scales
-    assert behind.get_ylim() == (0, 1)
+def test_what_is_to_come_is_pale() -> None:
+    chart, axes, _ = chart_of(fleet(), "Orders")
+    chart.show(2.0)
+    [veil] = axes.patches
+    assert isinstance(veil.get_facecolor(), tuple)
+    assert veil.get_facecolor()[:3] == PAPER
+    left, _, right, _ = veil.get_bbox().extents  # type: ignore[attr-defined]
+    assert left == 2 < axes.get_xlim()[1] < right
+    [cursor] = axes.lines[3:]
+    assert [x for x, _ in points(cursor)] == [2, 2]
 
 
-def test_energy_and_speed_are_drawn_up_to_the_frame(physics: Track) -> None:
-    frames = physics.frames[:10]
-    clocks = [each.clock for each in frames]
-    chart, _, [line] = drawn(MotionChart, physics, 9, in_seconds=True)
-    [area] = chart.scales[1].patches
-    edge = [*zip(clocks, [each.energy for each in frames], strict=True)]
-    assert [*map(tuple, area.get_xy())][:-1] == [(0, 0), *edge, (clocks[-1], 0)]
-    assert line == (clocks, [each.speed for each in frames])
+def test_charts_of_bodies_are_in_seconds_and_of_tracks_that_grow_in_steps(physics: Track) -> None:
+    for length, label, last in ((None, "seconds", physics.frames[-1].clock), (51, "step", 23)):
+        scene = Scene([physics], make_figure, length=length)
+        charts = scene.root.axes[1:5]
+        assert [axes.get_title(loc="left").split(":")[0] for axes in charts] == [
+            "Reward", "Distance (cells)", "Speed (m/s)", "Energy used (J)"
+        ]  # fmt: skip
+        assert [axes.get_xlabel() for axes in charts] == ["", "", "", label]
+        assert points(charts[0].lines[2])[-1][0] == last
+        assert points(charts[3].lines[1])[-1] == (last, physics.frames[-1].energy)
+        low, high = charts[0].get_xlim()
+        assert low < 0 < last < high
 
 
 @pytest.mark.parametrize(
     ("values", "low", "high"),
-    [
-        ([], -1, 1),
-        ([math.nan, 0.5], -1, 1),
-        ([-1, 1], -1, 1),
-        ([4, math.nan], -1, 4.4),
-        ([-4], -4.4, 1),
-        ([-3, 7], -3.8, 7.8),
-    ],
+    [([math.nan, 0.5], -1, 1), ([4, math.nan], -1, 4.4), ([-3, 7], -3.8, 7.8)],
 )
 def test_a_range_grows_with_a_margin_where_values_leave_it(
     values: list[float], low: float, high: float
@@ -195,48 +127,30 @@ def test_a_range_grows_with_a_margin_where_values_leave_it(
     assert axes.get_ylim() == pytest.approx((low, high))
 
 
-def test_charts_of_one_kind_share_both_ranges() -> None:
-    tracks = fleet(), fleet(joules=[0, 0, 0, 20_000], released=[0, 0, 0, 99])
-    first, second, other = charts = [
-        drawn(kind, track, 3)[0]
-        for kind, track in ((EnergyChart, tracks[0]), (EnergyChart, tracks[1]),
-                            (DeliveryChart, tracks[1]))
-    ]  # fmt: skip
-    first.scales[0].set_ylim(-20, 50)
-    share_scales(charts)
-    for chart in (first, second):
-        assert [axes.get_ylim() for axes in chart.scales] == [
-            pytest.approx((-20, 105)), pytest.approx((0, 21.6))
-        ]  # fmt: skip
-    low, high = other.scales[0].get_ylim()
-    assert (low, high > 99) == (0, True)
-
-
-def test_the_kinds_of_charts_are_those_that_have_something_to_show(physics: Track) -> None:
-    bare = Track(physics.frames, {})
+def test_charts_are_those_that_have_something_to_show(physics: Track) -> None:
     still = Track([Frame(("..",), (), 0.0)], {"rewards": [0.0]})
-    assert kinds_of_charts([physics]) == [RewardChart, DistanceChart, MotionChart]
-    assert kinds_of_charts([still]) == [RewardChart]
-    assert kinds_of_charts([still, physics]) == [RewardChart, DistanceChart, MotionChart]
-    assert kinds_of_charts([bare]) == []
-    assert kinds_of_charts([still, fleet()]) == [DeliveryChart, LatenessChart, EnergyChart]
-    moving = Frame(("..",), (), 1.0, energy=3.0)
-    assert MotionChart.can_draw(Track([*still.frames, moving], {}))
-    assert not MotionChart.can_draw(still)
+    assert [*charts_of(still, [0.0])] == ["Reward"]
+    assert [*charts_of(Track(still.frames, {}), [0.0])] == []
 
 
 def test_a_battery_has_a_bar_of_its_level_and_words_that_warn() -> None:
     levels = [40.0, 8.0, 7.9, 0.0, math.nan, 45.0]
     frames = [Frame(("..",), (), float(step)) for step in range(len(levels))]
     track = Track(frames, {"battery": levels}, full_battery=40.0)
-    widths = []
+    figure = make_figure((3, 2))
+    axes = figure.add_axes((0, 0, 1, 1))
+    bar, found = BatteryBar(figure, axes), []
     for frame in range(len(levels)):
-        _, axes, _ = drawn(BatteryBar, track, frame)
-        paper, bar = axes.patches
-        assert paper.get_bbox().bounds == pytest.approx((0, bar.get_y(), 1, bar.get_height()))
+        bar.show(track, frame)
         [words] = axes.texts
-        assert words.get_position()[0] > 1, "beside the bar"
-        is_low = "!" in words.get_text()
-        assert (words.get_fontweight() == "bold") == is_low
-        widths.append((bar.get_width(), is_low))
-    assert widths == [(1, False), (0.2, False), (0.1975, True), (0, True), (0, False), (1, False)]
+        shown: Any = axes.patches[1]
+        assert (words.get_fontweight() == "bold") == (frame in (2, 3))
+        found.append((shown.get_width(), words.get_text()))
+    assert found == [
+        (1, "battery 40 of 40"),
+        (0.2, "battery 8 of 40"),
+        (0.1975, "battery 7.9 of 40  LOW!"),
+        (0, "battery 0 of 40  EMPTY!"),
+        (0, "battery unknown"),
+        (1, "battery 45 of 40"),
+    ]

@@ -8,7 +8,6 @@ from helpers.pictures import pixels, replay_of, short_episode
 from matplotlib.backend_bases import DrawEvent
 from matplotlib.backends.backend_agg import FigureCanvasAgg
 from matplotlib.backends.backend_svg import FigureCanvasSVG
-from PIL import Image
 
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.replay import Replay
@@ -151,49 +150,6 @@ def test_a_text_without_letters_erases_no_other_text() -> None:
         figure.add_mover(figure.text(0.1, 0.5, "in the way of what was there"))
     figures[0].add_mover(figures[0].text(0.5, 0.5, ""))
     assert np.array_equal(*(figure.rgba() for figure in figures))
-
-
-def test_a_png_of_the_figures_own_resolution_has_indexed_pixels(replay: Replay) -> None:
-    replay.go_to(5)
-    for options in ({}, {"dpi": replay.figure.dpi}):
-        file = io.BytesIO()
-        replay.figure.savefig(file, format="png", **options)
-        with Image.open(file) as image:
-            assert (image.format, image.mode) == ("PNG", "P")
-            assert image.size == replay.figure.canvas.get_width_height()
-            assert np.array_equal(image, replay.figure.indexed_pixels())
-
-
-def test_matplotlib_draws_other_resolutions(replay: Replay) -> None:
-    file = io.BytesIO()
-    replay.figure.savefig(file, format="png", dpi=2 * replay.figure.dpi)
-    with Image.open(file) as image:
-        assert image.size == tuple(2 * side for side in replay.figure.canvas.get_width_height())
-
-
-@pytest.mark.parametrize("kind", ["raw", "rgba"])
-def test_raw_pixels_have_four_bytes_each(replay: Replay, kind: str) -> None:
-    file = io.BytesIO()
-    replay.figure.savefig(file, format=kind)
-    expected = pixels(replay)
-    found = np.frombuffer(file.getvalue(), dtype=np.uint8).reshape(*expected.shape[:2], 4)
-    assert np.array_equal(found[..., :3], expected)
-    assert (found[..., 3] == 255).all()
-
-
-def test_indexed_pixels_share_one_palette(replay: Replay) -> None:
-    first = replay.figure.indexed_pixels()
-    replay.go_to(6)
-    last = replay.figure.indexed_pixels()
-    assert first.getpalette() == last.getpalette()
-    assert first.tobytes() != last.tobytes()
-
-
-def test_a_colour_has_the_same_index_everywhere(replay: Replay) -> None:
-    replay.go_to(6)
-    colors = (pixels(replay) * (65536, 256, 1)).sum(axis=2).ravel()
-    pairs = set(zip(colors.tolist(), replay.figure.indexed_pixels().tobytes(), strict=True))
-    assert len(pairs) == len(set(colors.tolist()))
 
 
 def test_a_figure_without_pixels_raises() -> None:

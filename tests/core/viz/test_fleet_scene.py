@@ -17,12 +17,8 @@ from warehouse_core.render.palette import (
     ORDER_COLORS,
     PAPER,
 )
-from warehouse_core.viz.figure import make_figure
-from warehouse_core.viz.legend import draw_legend
 from warehouse_core.viz.replay import Replay, replay_of_tracks
-from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import FleetFrame, Frame, Pose, Track, Waiting
-from warehouse_core.warehouse_viz import FLEET_LEGEND_INCHES
 
 FEW = LOOK["battery"]["few"]
 FLOOR = Layout(["......", ".P....", "......", "......"])
@@ -67,14 +63,6 @@ def test_a_robot_has_its_number_and_a_loaded_one_its_item() -> None:
     assert not np.array_equal(one, two)
 
 
-@pytest.mark.parametrize("age", range(4))
-def test_orders_are_a_number_in_a_box_of_the_colour_of_their_age(age: int) -> None:
-    replay, image = drawn(at(0, 0), waiting=(Waiting((1.5, 1.5), 3, age),))
-    box = patch(replay, image, 1.6, 1.7, 2.2, 2.3)
-    assert count_color(box, ORDER_COLORS[age]) > 30
-    assert count_color(box, PAPER if age == 3 else INK) > 10
-
-
 @pytest.mark.parametrize(
     ("robots", "side", "legible"), [(1, 6, True), (50, 40, True), (9, 200, False)]
 )
@@ -85,37 +73,6 @@ def test_numbers_are_drawn_if_they_are_legible(robots: int, side: int, legible: 
     row = patch(replay, image, 0.2, 0.2, min(robots, side) - 0.2, 0.8)
     assert (count_color(row, PAPER) > 5 * robots) == legible
     assert count_color(row, COLORS["R"]) > 5 * robots
-
-
-def test_charts_grow_with_the_frames(episode: FleetEpisode) -> None:
-    replay = replay_of(episode)
-    titles = {axes.get_title(loc="left"): axes for axes in replay.figure.axes}
-    assert [*titles][1:] == [
-        "orders delivered (thin line: released)",
-        "lateness of each delivery (steps; ▲ late)",
-        "battery (%; thin line: lowest) and energy (kJ, area)",
-    ]
-    measures, last = episode.measures, episode.steps
-    deliveries, lateness, energy = [*titles.values()][1:]
-    for step in (0, 40, last):
-        replay.go_to(step)
-        released, delivered = ([*line.get_ydata()][-1] for line in deliveries.lines)
-        assert released == sum(order.released <= step for order in episode.orders)
-        ends = [order for order in episode.orders if order.delivered is not None]
-        ends = [order for order in ends if (order.delivered or 0) <= step]
-        assert delivered == len(ends)
-        late = [order.delivered - order.due for order in ends if order.delivered is not None]
-        _, on_time, too_late = ([*line.get_ydata()] for line in lateness.lines)
-        assert sorted(on_time) == sorted(each for each in late if each <= 0)
-        assert sorted(too_late) == sorted(each for each in late if each > 0)
-        mean, lowest = ([*line.get_ydata()][-1] for line in energy.lines)
-        battery = episode.battery[step]
-        assert (mean, lowest) == pytest.approx((battery.mean(), battery.min()))
-    (area,) = replay.figure.axes[-1].patches
-    assert area.get_path().vertices[:, 1].max() == pytest.approx(measures.joules / 1000)
-    assert energy.get_xlabel() == "step"
-    low, high = deliveries.get_ylim()
-    assert low <= 0 < measures.orders <= high
 
 
 def test_the_legend_explains_what_a_fleet_has(episode: FleetEpisode) -> None:
@@ -147,32 +104,16 @@ def test_a_fleet_fits_a_small_screen_and_its_legend_has_room_below(
         assert not box.overlaps(below), axes.get_title(loc="left")
 
 
-def test_the_legend_is_a_file_of_its_own(episode: FleetEpisode, tmp_path: Path) -> None:
-    figure = make_figure(FLEET_LEGEND_INCHES)
-    draw_legend(figure, [track_of_record(episode)], columns=6)
-    figure.pixels()
-    box = figure.legends[0].get_window_extent()
-    assert figure.bbox.x0 <= box.x0 < box.x1 <= figure.bbox.x1
-    assert box.y1 <= figure.bbox.y1
-
-
 def test_fleets_are_shown_beside_each_other(episode: FleetEpisode) -> None:
     replay = replay_of(episode, beside=fleet_episode(seed=6))
     replay.go_to(5)
     pixels(replay)
     titles = [axes.get_title(loc="left") for axes in replay.figure.axes]
-    assert titles.count("orders delivered (thin line: released)") == 2
+    assert titles.count("Orders: released (thin), delivered") == 2
     ends = [text[-6:] for text in texts(replay) if "backend" in text]
     assert ends == ["seed 5", "seed 6"]
     replay.show_still()
     assert any("5 delivered, 80 steps, 80.0 s, " in text for text in texts(replay))
-
-
-def test_bodies_of_a_fleet_have_a_clock_and_no_speed() -> None:
-    replay = replay_of(fleet_episode(backend="physics", max_steps=4))
-    replay.show_still()
-    assert any(" s" in text for text in texts(replay) if text.startswith("step 4 of 4"))
-    assert not [axes for axes in replay.figure.axes if "speed" in axes.get_title(loc="left")]
 
 
 def test_a_fleet_is_saved_as_gif_and_svg(tmp_path: Path) -> None:

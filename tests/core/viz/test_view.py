@@ -24,7 +24,15 @@ from warehouse_core.render.palette import (
     faded_trail,
 )
 from warehouse_core.viz.figure import make_figure
-from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Frame, Pose, Track, Waiting
+from warehouse_core.viz.tracks.track import (
+    DrawnHit,
+    FleetFrame,
+    Frame,
+    Marks,
+    Pose,
+    Track,
+    Waiting,
+)
 from warehouse_core.viz.view import DOTS, FADE_STEPS, MAX_FADE, View, boxes_around
 
 FLOOR = ("......",) * 5
@@ -310,3 +318,20 @@ def test_the_label_of_a_hit_is_above_it_and_on_the_map(x: float) -> None:
     assert top >= 0
     plain = view_of(Frame(FLOOR, (at(0, 0),), 0.0, hits=(DrawnHit((x, 3.0), ""),)))
     assert len(shapes(plain, fill=HIT)) == 1
+
+
+def test_a_search_has_marks_up_to_its_clock_a_path_and_its_ends() -> None:
+    colors, cells = [(0.0, 0.0, 1.0), (1.0, 0.0, 0.0)], [(0, 0), (0, 1), (0, 0)]
+    marks = Marks([0, 1, 2], cells, [0, 0, 1], colors, ["one", "two"], ((0, 0), (4, 5)))
+    way = ((0.5, 0.5), (5.5, 4.5))
+    frames = [Frame(FLOOR, (), float(n), clock=float(n)) for n in range(3)]
+    frames[2].route = way
+    for number, blue, red in ((0, [(0.5, 0.5)], []), (2, [(1.5, 0.5)], [(0.5, 0.5)])):
+        view = view_of(*frames, show=number, marks=marks)
+        for color, places in zip(colors, (blue, red), strict=True):
+            assert middles(shapes(view, fill=color)) == [pytest.approx(each) for each in places]
+        assert [*map(len, (shapes(view, line=PAPER), shapes(view, line=WARNING)))] == [
+            number // 2
+        ] * 2
+        discs = middles(shapes(view, fill=PAPER, line=INK))
+        assert discs == [pytest.approx(each) for each in way]

@@ -18,12 +18,8 @@ from matplotlib.patches import Rectangle
 from matplotlib.ticker import EngFormatter, MaxNLocator
 from numpy.typing import NDArray
 
-from warehouse_core.motion.base import NOTHING
-from warehouse_core.motion.base import WALL as WALL_STOPS
-from warehouse_core.records.episode import FleetEpisode
 from warehouse_core.render.palette import COLORS, INK, PALETTE, PAPER, SHELF, Color
 from warehouse_core.viz.axes.look import POINTS, box_in, draw_grid
-from warehouse_core.wording import counted
 from warehouse_core.world.tiles import DROPOFF, PICKUP, WALL, runs_of
 
 CellCounts = NDArray[np.int64]
@@ -56,31 +52,6 @@ HEAT, DARK_HEAT = (
 
 MAX_LIGHT_HEAT = 0.6
 """Share of the highest count above which numbers are light."""
-
-BLOCKED = ("wall", "robot", "person")
-"""Names of what can block a move."""
-
-
-def blocked_cells(episode: FleetEpisode) -> dict[str, CellCounts]:
-    """Count for each of ``BLOCKED`` how often it blocked a move, by the cell of the robot."""
-    layout, robots = episode.layout, episode.robots
-    by, cells = episode.stopped_by, episode.cells[:-1]
-    masks = (by == WALL_STOPS, (by > NOTHING) & (by < robots), by >= robots)
-    size = layout.height * layout.width
-    return {
-        name: np.bincount(cells[mask], minlength=size).reshape(layout.height, layout.width)
-        for name, mask in zip(BLOCKED, masks, strict=True)
-    }
-
-
-def blocked_heat_map(episode: FleetEpisode) -> Figure:
-    """Return heat maps of where the robots of a fleet were blocked, one for each of ``BLOCKED``."""
-    panels = {
-        f"blocked by a {name}: {counted(int(counts.sum()), 'move')}": counts
-        for name, counts in blocked_cells(episode).items()
-        if counts.any() or name == "robot"
-    }
-    return heat_map(episode.layout.rows, panels)
 
 
 def heat_map(

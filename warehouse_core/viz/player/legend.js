@@ -10,7 +10,7 @@ const LOOKS = {
   P: ["square on", "pickup", "P"], D: ["square on", "dropoff", "D"], C: ["square on", "charger", "C"],
   trail: ["line", "robot"], "trail-loaded": ["line dashed", "loaded"], low: ["line", "warning"],
   plan: ["dots", "ink"], plans: ["line", "robot"], wishes: ["dots", "robot"], pushes: ["", "ink", "push"],
-  hit: ["", "hit", "hit"], ends: ["disc", "light"],
+  path: ["line", "warning"], hit: ["", "hit", "hit"], ends: ["disc", "light"],
 };
 
 /** Return the classes, the colour and the shape of a sign. */

@@ -19,7 +19,7 @@ from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.orders.order import Order
 from warehouse_core.render.palette import hex_color
-from warehouse_core.viz.player.charts import MAX_TRACKS, series_of
+from warehouse_core.viz.tracks.series import series_of
 from warehouse_core.viz.tracks.signs import signs_of
 from warehouse_core.viz.tracks.track import Frame, Marks, Track
 from warehouse_core.world.tiles import Cell
@@ -46,6 +46,9 @@ DEFAULT_SPEED = 4.0
 
 MAX_SECONDS, MIN_SECONDS = 30.0, 6.0
 """Most seconds in which a search is shown at the default speed; least for slow motion."""
+
+MAX_TRACKS = 4
+"""Tracks of the largest page with charts: as many as ``charts.js`` has kinds of lines."""
 
 MAX_TEXT = 1_000
 """Characters of a title, a caption or a label; a longer one is cut."""

@@ -113,7 +113,7 @@ def _tiles(track: Track) -> Iterator[Sign]:
 
 
 def _events(track: Track) -> Iterator[Sign]:
-    """Yield the signs of hits, of a planned way, and of a search."""
+    """Yield the signs of hits, of a planned way, and of a search with its path."""
     yield from _named(
         hit=any(frame.hits for frame in track.frames),
         plan=track.marks is None and any(frame.route for frame in track.frames),
@@ -121,7 +121,8 @@ def _events(track: Track) -> Iterator[Sign]:
     if track.marks is not None:
         for color, name in zip(track.marks.colors, track.marks.names, strict=True):
             yield hex_color(color), name
-        yield "ends", WORDS["ends"]
+        has_path = any(frame.route for frame in track.frames)
+        yield from _named(path=has_path, ends=True)
 
 
 def _with_letter(letter: str) -> Sign:

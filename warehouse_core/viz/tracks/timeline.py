@@ -6,7 +6,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Sequence
 
-from warehouse_core.viz.tracks.track import Track
+from warehouse_core.viz.tracks.track import Frame, Track
 from warehouse_core.wording import seconds_of
 
 
@@ -15,19 +15,19 @@ class Timeline:
 
     A single track is shown frame by frame. If a motion of several tracks is continuous and all have
     clocks, they are shown at the same simulated time, else after the same number of steps; the
-    shorter one waits at its end.
+    shorter one waits at its end. The clocks of searches count expansions.
 
     Attributes:
-        in_seconds: true if moments are simulated seconds, false if they are steps.
+        in_seconds: true if moments are times of clocks, false if they are steps.
         moments: moments in order; the last one is the end.
     """
 
     def __init__(self, tracks: Sequence[Track]) -> None:
         self._tracks = tracks
-        has_bodies = any(track.is_continuous for track in tracks)
-        self.in_seconds = has_bodies and all(track.frames[-1].clock for track in tracks)
+        has_clock = any(track.is_continuous or track.marks is not None for track in tracks)
+        self.in_seconds = has_clock and all(track.frames[-1].clock for track in tracks)
         self._times = [
-            [frame.clock if self.in_seconds else frame.progress for frame in track.frames]
+            [time_of(frame, in_seconds=self.in_seconds) for frame in track.frames]
             for track in tracks
         ]
         self.moments = self._times[0] if len(tracks) == 1 else self._find_moments(tracks)
@@ -47,6 +47,8 @@ class Timeline:
     def words(self, number: int) -> str:
         """Return a moment in words."""
         moment = self.moments[number]
+        if self._tracks[0].marks is not None:
+            return f"after {moment:.0f} of {self.moments[-1]:.0f} expansions"
         return f"{seconds_of(moment)} s" if self.in_seconds else f"step {moment:g}"
 
     def _find_moments(self, tracks: Sequence[Track]) -> list[float]:
@@ -54,7 +56,11 @@ class Timeline:
         end = max(times[-1] for times in self._times)
         if not self.in_seconds:
             return sorted({moment for times in self._times for moment in times})
-        apart = min(
-            track.frames[-1].clock / (len(track) - 1) for track in tracks if track.is_continuous
-        )
+        moving = [track for track in tracks if track.is_continuous] or tracks
+        apart = max(track.frames[-1].clock / (len(track) - 1) for track in moving)
         return [*(apart * number for number in range(math.ceil(end / apart - 1e-6))), end]
+
+
+def time_of(frame: Frame, *, in_seconds: bool) -> float:
+    """Return the time of a frame by its clock, or its progress in steps."""
+    return frame.clock if in_seconds else frame.progress

@@ -146,11 +146,6 @@ def test_energy_is_that_of_all_robots(bodies: FleetEpisode, frame_seconds: float
         assert frame.energy == pytest.approx(np.interp(frame.progress, np.arange(len(used)), used))
 
 
-def test_motions_that_take_too_many_frames_raise(bodies: FleetEpisode) -> None:
-    with pytest.raises(RecordError, match="more than MAX_FRAMES"):
-        track_of_record(bodies, 1e-6)
-
-
 @pytest.mark.parametrize("body", [0, -1], ids=["a robot", "a person"])
 def test_a_motion_of_a_fleet_longer_than_its_step_says_raises(
     bodies: FleetEpisode, tmp_path: Path, body: int

@@ -85,8 +85,8 @@ def test_hits_plans_and_searches_have_signs() -> None:
     assert "plan" in of_track(Track(frames, {}))
     marks = Marks([0], [(0, 0)], [0], [(1.0, 0.0, 0.0)], ["expanded"], ((0, 0), (0, 1)))
     track = Track([Frame(("PD.",), (), 0.0, route=frames[0].route)], {}, marks=marks)
-    assert of_track(track) == {"expanded", "S start, G goal"}
-    assert signs_of(track)[-2] == ("#ff0000", "expanded")
+    assert of_track(track) == {"expanded", "path", "S start, G goal"}
+    assert signs_of(track)[0] == ("#ff0000", "expanded")
 
 
 def test_orders_of_a_fleet_have_signs_by_their_age() -> None:

@@ -6,13 +6,13 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.fleets import fleet_episode
-from helpers.pictures import HOSTILE_NAMES, ROOM, named, short_episode
+from helpers.pictures import HOSTILE_NAMES, named, short_episode
 
 from warehouse_core import Episode, RecordError
 from warehouse_core.motion.base import Contact
 from warehouse_core.viz.tracks.grid_track import track_of_frames
 from warehouse_core.viz.tracks.record_track import frames_along, track_of_record
-from warehouse_core.viz.tracks.track import METRICS, OUTER, Frame, Pose, TileRows, Track
+from warehouse_core.viz.tracks.track import OUTER, Frame, Pose, TileRows, Track
 
 
 def frame(*rows: str) -> list[list[str]]:
@@ -34,21 +34,6 @@ def captions(track: Track) -> list[str]:
 
 
 # Tracks of episodes.
-
-
-def test_a_track_has_an_entry_for_every_frame() -> None:
-    episode = short_episode()
-    track = track_of_record(episode)
-    assert len(track) == len(episode.cells) == 7
-    assert [len(track.metrics[name]) for name in METRICS] == [7] * 4
-    assert all(frame.tiles == ROOM.rows for frame in track.frames)
-
-
-def test_poses_are_the_middles_of_the_cells() -> None:
-    track = track_of_record(short_episode())
-    columns = (2.5, 2.5, 1.5, 1.5, 2.5, 3.5, 3.5)
-    assert [pose.at for pose in poses(track)] == [(x, 1.5) for x in columns]
-    assert [pose.loaded for pose in poses(track)] == [False] * 3 + [True] * 3 + [False]
 
 
 def test_headings_are_those_that_the_motions_ended_with() -> None:
@@ -90,22 +75,11 @@ def test_the_ending_is_the_outcome_of_a_finished_episode() -> None:
     assert track_of_record(short_episode(terminated=False, truncated=True)).ending == "out of time"
 
 
-def test_the_battery_is_compared_with_a_full_one() -> None:
-    track = track_of_record(short_episode())
-    assert track.full_battery == 10
-    assert track.metrics["battery"] == [10, 9, 8, 7, 6, 5, 4]
-
-
 @pytest.mark.parametrize("name", HOSTILE_NAMES)
 def test_titles_and_captions_can_be_printed(name: str) -> None:
     track = track_of_record(named(name))
     assert track.title.isprintable()
     assert all(caption.isprintable() for caption in captions(track))
-
-
-def test_printable_text_is_not_changed() -> None:
-    name = "Größe $x$ <b> 日本 & \"'"
-    assert track_of_record(named(name)).frames[1].caption == f"{name} ({name})"
 
 
 def test_motions_of_too_many_frames_raise() -> None:
@@ -252,11 +226,6 @@ def test_a_hit_is_shown_from_its_time_on_with_its_impulse() -> None:
     assert {each.hits[0].label for each in hit} == {"28 N·s"}
 
 
-def test_the_robot_is_loaded_after_the_end_of_the_action() -> None:
-    track = continuous_track()
-    assert [pose.loaded for pose in poses(track, 2)] == [False, True]
-
-
 @pytest.mark.parametrize("record", [short_episode(), fleet_episode(max_steps=2)])
 @pytest.mark.parametrize("seconds", [0.0, -1.0, math.nan])
 def test_the_time_between_frames_must_be_positive(record: Episode, seconds: float) -> None:
@@ -273,12 +242,6 @@ def test_a_track_on_the_grid_has_the_clock_and_energy_of_its_motions() -> None:
     energy = [frame.energy for frame in track.frames]
     assert energy[3] - energy[2] == pytest.approx(70)
     assert energy[-1] == pytest.approx(sum(motion.joules for motion in motions))
-
-
-def test_a_continuous_episode_can_have_one_frame_a_step() -> None:
-    track = continuous_track(None)
-    assert (len(track), track.is_continuous) == (7, False)
-    assert [pose.at[0] for pose in poses(track)] == [2.5, 2.5, 1.5, 1.5, 2.5, 3.5, 3.5]
 
 
 def test_frames_of_two_robots_have_the_poses_of_both_and_a_common_hit_once() -> None:

@@ -1,4 +1,4 @@
-"""The charts of a page: what ``player/charts.js`` draws, without knowing what it means."""
+"""What charts draw beside the floor of a track, in a page as in a window."""
 
 from __future__ import annotations
 
@@ -11,9 +11,6 @@ SeriesKind = Literal["line", "thin", "steps", "bars", "dots"]
 
 INK, WARNING = "ink", "warning"
 """Names of colours of the palette."""
-
-MAX_TRACKS = 4
-"""Tracks of the largest page with charts: as many as ``charts.js`` has kinds of lines."""
 
 
 class Series(NamedTuple):
@@ -28,7 +25,7 @@ class Series(NamedTuple):
 
 
 def series_of(track: Track, times: Sequence[float]) -> Iterator[Series]:
-    """Yield what is drawn of a track beside its floor."""
+    """Yield what is drawn of a track beside its floor; ``times`` has an entry for each frame."""
     steps = [times[end] for end in track.ends]
     metrics = track.metrics
     if "rewards" in metrics:
@@ -54,7 +51,7 @@ def _series_of_orders(track: Track, steps: Sequence[float]) -> Iterator[Series]:
     metrics = track.metrics
     yield Series("Orders", "released", "thin", INK, steps, metrics["released"])
     yield Series("Orders", "delivered", "steps", INK, steps, metrics["delivered"])
-    title = "Lateness of deliveries (steps)"
+    title = "Lateness (steps)"
     for name, color, is_late in (("on time", "battery", False), ("late", WARNING, True)):
         shown = [(step, by) for step, by in track.lateness if (by > 0) == is_late]
         ends = [steps[step] for step, _ in shown]
