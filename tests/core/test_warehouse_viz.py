@@ -184,7 +184,8 @@ def test_in_a_notebook_frames_are_not_shown_and_no_message_is_printed(
 ) -> None:
     monkeypatch.setattr("warehouse_core.viz.replay.has_display", lambda: False)
     shell = SimpleNamespace(kernel=object())
-    monkeypatch.setitem(sys.modules, "IPython", SimpleNamespace(get_ipython=lambda: shell))
+    notebook = SimpleNamespace(get_ipython=lambda: shell, version_info=(9, 0))
+    monkeypatch.setitem(sys.modules, "IPython", notebook)
     assert isinstance(replay_animation(short_episode().frames), FuncAnimation)
     assert capsys.readouterr().out == ""
 
