@@ -1,4 +1,4 @@
-"""The exercises: what their solutions, their starting files and other solutions are graded."""
+"""The points that solutions, starting files and the solutions of other exercises score."""
 
 from itertools import pairwise
 from pathlib import Path
@@ -19,11 +19,11 @@ AGENTS = (
     "exercise-04", "exercise-05", "exercise-06", "exercise-08", "exercise-10", "exercise-13",
     "exercise-18", "exercise-21", "exercise-23",
 )  # fmt: skip
-"""Exercises that ask for an agent, each for more than the one before it."""
+"""Exercises that ask for an agent. Each asks for more than the one before it."""
 
 
 def graded(source: str, folder: Path, exercise: str) -> GradeReport:
-    """Return the grade of a program in a folder of its own, as no agent may read our files."""
+    """Grade a program in a folder of its own, because agents may not read our files."""
     file = folder / "mine.py"
     file.write_text(source, encoding="utf-8")
     return grade(find_submission(str(file)), load_rubric(find_rubric(Path(exercise))))
