@@ -4,7 +4,6 @@
 must be installed for each with the extra ``physics``. Default: the running one.
 """
 
-import hashlib
 import os
 import resource
 import subprocess
@@ -38,31 +37,6 @@ EPISODES = 20_000
 
 ROUNDS = 3
 WARM_UP = 400
-
-LONG_SWEEP = """
-import sys
-from agents.lab.experiments.plan import make_plan
-from agents.lab.experiments.running import run_missing
-from agents.lab.experiments.store import Store
-from agents.lab.trials.workers import Processes
-
-def peak_in_kb():
-    with open("/proc/self/status") as file:
-        return next(int(line.split()[1]) for line in file if line.startswith("VmHWM"))
-
-def report(rows, failures):
-    global done
-    done += len(rows)
-    while done >= 20_000 * (len(peaks) + 1):
-        peaks.append(peak_in_kb())
-
-done, peaks = 0, []
-if __name__ == "__main__":
-    plan = make_plan({"battery": 20}, 100_000, 0)
-    with Store(sys.argv[1]) as store, Processes(2) as executor:
-        run_missing(plan, store, executor, 2, report)
-    print(*peaks)
-"""
 
 
 class Sweeper:
@@ -111,22 +85,6 @@ def test_one_worker_and_a_file_against_a_bare_loop(one_and_two, times_faster) ->
     assert times_faster(one.run, bare_loop, rounds=ROUNDS) >= 0.8
 
 
-def test_memory_does_not_grow_over_a_hundred_thousand_episodes(tmp_path, capsys) -> None:
-    """The peak of the process that stores them, every 20,000 episodes."""
-    done = subprocess.run(
-        [sys.executable, "-c", LONG_SWEEP, str(tmp_path / "r.sqlite")],
-        capture_output=True,
-        text=True,
-        check=True,
-    )
-    peaks = [int(word) for word in done.stdout.split()]
-    with capsys.disabled():
-        print(f"\npeak after every 20,000 episodes: {peaks} kB")
-    assert len(peaks) == 5
-    # A list of what has been stored would need 100 bytes an episode at the least.
-    assert peaks[-1] - peaks[0] < 80_000 * 100 // 1024
-
-
 # Rows of sweeps that are killed, and of several workers, programs and interpreters.
 
 PYTHONS = os.environ.get("WAREHOUSE_PYTHONS", sys.executable).split(os.pathsep)
@@ -137,11 +95,8 @@ KILLED = {"lone robots": (100, 6_000, FLAGS), "fleets": (100, 1_500, [
 
 EARLY_SHARE = 0.5
 """Share of the episodes that are there before a sweep is killed, so that it is killed late too."""
-ALL_FLAGS, ROW_EPISODES = [*FLAGS, "backend=grid,physics"], 100
 SECONDS = 600
 """Of a sweep, at most."""
-
-WAYS = ("1 worker", "2 workers", "two sweeps at once")
 
 
 def version_of(python: str) -> str:
@@ -179,34 +134,6 @@ def test_kill_9(tmp_path, measured, kind: str, python: str) -> None:
         f"{lost} lost, {doubled} doubled, {different} different",
     )
     assert (lost, doubled, different) == (0, 0, 0)
-
-
-def run(way: str, path: Path, python: str) -> None:
-    count = 2 if way == "two sweeps at once" else 1
-    workers = 2 if way == "2 workers" else 1
-    sweeps = [
-        Sweep(path, ROW_EPISODES, ALL_FLAGS, workers=workers, python=python) for _ in range(count)
-    ]
-    assert [sweep.end(SECONDS)[0] for sweep in sweeps] == [0] * count
-
-
-@pytest.mark.parametrize("python", PYTHONS, ids=version_of)
-def test_rows_of_workers_programs_and_interpreters(tmp_path, measured, python: str) -> None:
-    """All have to be those of one process of the running interpreter."""
-    expected = uninterrupted(tmp_path / "expected.sqlite", ROW_EPISODES, ALL_FLAGS)
-    for number, way in enumerate(WAYS):
-        folder = tmp_path / str(number)
-        folder.mkdir()
-        run(way, folder / "r.sqlite", python)
-        found = compared(folder / "r.sqlite", expected)
-        digest = hashlib.sha256(repr(table(folder / "r.sqlite")).encode()).hexdigest()[:12]
-        lost, doubled, different = found
-        measured(
-            f"rows of a sweep, Python {version_of(python)}, {way}",
-            f"{len(expected):,}: {lost} lost, {doubled} doubled, {different} different, digest "
-            f"{digest}",
-        )
-        assert found == (0, 0, 0)
 
 
 # Reports.

@@ -39,7 +39,7 @@ def write_documents(folder: Path, name: str) -> None:
     for suffix in ("html", "svg"):
         replay_of(episode, beside=episode).save(folder / f"replay.{suffix}")
     scores = scores_of([GOOD] * 2)
-    save_svg(scores_figure({name: scores, f"{name}2": scores}, "Agents"), folder / "scores.svg")
+    save_svg(scores_figure({"Agents": {name: scores, f"{name}2": scores}}), folder / "scores.svg")
 
 
 class _Found(HTMLParser):

@@ -52,7 +52,7 @@ from agents.lab.datasets.recording import entries
 from agents.lab.reports import figures as report_figures
 from agents.lab.training.curve import learning_curve
 from agents.lab.training.exams import ExamPoint
-from agents.lab.trials.figure import curves_figure, scores_figure, sizes_figure
+from agents.lab.trials.figure import curves_figure, scores_figure
 from agents.lab.trials.interval import Interval
 from agents.lab.trials.rows import row_of
 from agents.mapf.cbs import ConflictTree
@@ -346,8 +346,7 @@ def charts() -> Lines:
     """Yield the figures that compare agents, and those of training and of planners."""
     slow = GOOD._replace(steps=30)
     one, other = scores_of([GOOD, slow] * 15), scores_of([GOOD] * 20 + [BAD] * 10)
-    yield from drawn(scores_figure({"one": one, "other": other}, "A title", "A caption"))
-    yield from drawn(sizes_figure({"small": {"one": one}, "large": {"one": other}}, "A caption"))
+    yield from drawn(scores_figure({"small": {"one": one}, "large": {"one": other}}, "A caption"))
     points = [ExamPoint(60_000 * (n + 1), each) for n, each in enumerate((other, one))]
     yield from drawn(learning_curve("PPO", "A title", points, one))
     curve = {4: Interval(1.0, 0.8, 1.2), 8: Interval(2.5, 2.0, 3.0)}

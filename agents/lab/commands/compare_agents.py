@@ -70,11 +70,9 @@ def compare_agents(
     }
     # The figure first, because the reader of standard output may leave, as ``head`` does.
     if save is not None:
-        from agents.lab.trials.figure import scores_figure, sizes_figure
+        from agents.lab.trials.figure import scores_figure
 
-        [(title, scores), *more] = groups.items()
-        figure = scores_figure(scores, title, EXPLANATION)
-        save_picture(sizes_figure(groups, EXPLANATION) if more else figure, save)
+        save_picture(scores_figure(groups, EXPLANATION), save)
     for title, scores in groups.items():
         for table in scores_tables(scores, title):
             print_table(table)

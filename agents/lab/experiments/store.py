@@ -102,9 +102,6 @@ MAX_NAMED = 20
 PROGRAM = "CAST(substr(name, 1, 1000) AS TEXT)"
 """Name of a program in a query; a hostile file may have a long one, or one that is no text."""
 
-MAX_SCHEMA_STEPS = 1_000_000
-"""Steps of SQLite's machine for reading the schema at most; a hostile schema may have no end."""
-
 BELOW_ZERO = {"battery_left"}
 """Whole numbers of a row that may be below 0."""
 
@@ -391,19 +388,10 @@ def has_tables(connection: sqlite3.Connection, path: Path) -> bool:
 
     The connection is in a transaction. Other tables and damaged ones are errors with the path.
     """
-    connection.set_progress_handler(lambda: 1, MAX_SCHEMA_STEPS)
-    try:
-        [(owner, version)] = connection.execute(
-            "SELECT application_id, user_version FROM pragma_application_id, pragma_user_version"
-        )
-        schema = _schema_of(connection)
-    except sqlite3.OperationalError as error:
-        # Errors that Python itself raises lack the attribute, such as for text that is not UTF-8.
-        if getattr(error, "sqlite_errorcode", None) == sqlite3.SQLITE_INTERRUPT:
-            raise StoreError(f"{path}: its schema has no end") from error
-        raise
-    finally:
-        connection.set_progress_handler(None, 0)
+    [(owner, version)] = connection.execute(
+        "SELECT application_id, user_version FROM pragma_application_id, pragma_user_version"
+    )
+    schema = _schema_of(connection)
     if not schema:
         return False
     if owner != APPLICATION:

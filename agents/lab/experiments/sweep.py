@@ -23,9 +23,8 @@ from agents.lab.experiments.plan import MAX_EPISODES, SweepPlan, make_plan
 from agents.lab.experiments.running import TellRows, run_missing
 from agents.lab.experiments.store import Store
 from agents.lab.parameters import MAX_SEED, PARAMETERS, PHYSICAL, Whole
-from agents.lab.trials.rows import AnyRow, FleetRow
+from agents.lab.trials.rows import AnyRow
 from agents.lab.trials.workers import CheckInterrupt, Processes, deferred_interrupts
-from warehouse_core.records.episode import DELIVERED
 from warehouse_core.wording import counted
 
 
@@ -34,23 +33,17 @@ def sweep_bar(episodes: int, check: CheckInterrupt) -> Iterator[TellRows]:
     """Show a bar while the block runs, and yield the function that takes rows and then checks."""
     from agents.lab.console.progress import progress_bar
 
-    delivered = wanted = done = 0
-    told = set[str]()
+    done, told = 0, set[str]()
     with progress_bar(episodes) as advance:
 
         def report(rows: Sequence[AnyRow], failures: Sequence[str]) -> None:
-            nonlocal delivered, wanted, done
-            for row in rows:
-                if isinstance(row, FleetRow):
-                    delivered, wanted = delivered + row.delivered, wanted + row.orders
-                else:
-                    delivered, wanted = delivered + (row.mode == DELIVERED), wanted + 1
+            nonlocal done
             for failure in {*failures} - told:
                 told.add(failure)  # one for a whole case comes with each seed
                 print_error(failure)
             if rows:
                 done += len(rows)
-                advance(done, f"{delivered / max(wanted, 1):.0%} delivered")
+                advance(done)
             check()
 
         yield report

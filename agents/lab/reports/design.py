@@ -119,7 +119,10 @@ def described(labels: Mapping[str, Value | None]) -> str:
 
 
 def _labels(cases: Mapping[int, Case]) -> dict[int, Labels]:
-    """Return the values of each case; files of one name and different contents have a mark."""
+    """Return the values of each case, files without their folders.
+
+    Files of one name and different contents have a mark.
+    """
     contents = {"layout": TILES, "agent": FINGERPRINT, PLANNER: FINGERPRINT}
     found = {
         case_id: {k: v for k, v in case.items() if k not in (TILES, FINGERPRINT)}
@@ -127,12 +130,12 @@ def _labels(cases: Mapping[int, Case]) -> dict[int, Labels]:
     }
     for name, content in contents.items():
         having = {case_id: case for case_id, case in cases.items() if name in case}
-        short = _without_folders({case[name] for case in having.values()})
-        files = {(case[name], str(case.get(content))) for case in having.values()}
+        short = {each: FOLDERS.sub("", case[name]) or case[name] for each, case in having.items()}
+        files = {(short[each], str(case.get(content))) for each, case in having.items()}
         versions = Counter(file for file, _ in files)
         for case_id, case in having.items():
-            found[case_id][name] = short[case[name]]
-            if versions[case[name]] > 1:
+            found[case_id][name] = short[case_id]
+            if versions[short[case_id]] > 1:
                 digest = hashlib.sha256(repr(case.get(content)).encode()).hexdigest()
                 found[case_id][name] += f" ({digest[:MARK_LENGTH]})"
     _name_stations_with_layouts(found.values())
@@ -149,13 +152,6 @@ def _name_stations_with_layouts(labels: Collection[Labels]) -> None:
     if len(pairs) == len(layouts) and len(stations) > 1:
         for each in labels:
             each["layout"] = f"{each['layout']} (stations {each.pop('stations')})"
-
-
-def _without_folders(names: Collection[str]) -> dict[str, str]:
-    """Return names of files without their folders, unless that makes two of them equal."""
-    short = {name: FOLDERS.sub("", name) or name for name in names}
-    counts = Counter(short.values())
-    return {name: each if counts[each] == 1 else name for name, each in short.items()}
 
 
 def _rank(value: Value) -> tuple[object, ...]:

@@ -218,7 +218,7 @@ TITLE_SIZE, TEXT_SIZE = 11.0, 9.0
 SMALL: dict[str, Any] = {"fontsize": TEXT_SIZE, "color": INK}
 
 Keys = Mapping[str, Any]
-"""What is drawn for each label of a legend."""
+"""Marks of a legend by their labels."""
 
 
 def make_panels(
@@ -272,16 +272,16 @@ class AxisNames(NamedTuple):
 
     @property
     def is_upright(self) -> bool:
-        """Whether they do not fit side by side."""
+        """Whether the names do not fit side by side."""
         return sum(len(name) + 1 for name in self.names) > AXIS_LETTERS
 
     @property
     def height(self) -> float:
-        """Their height in inches beyond that of a line."""
+        """Height in inches that upright names need beyond a line."""
         return max(map(len, self.names)) / LETTERS if self.is_upright else 0.0
 
     def write(self, axes: Axes, places: Sequence[float], label: str) -> None:
-        """Write them below an axis at their places, and its label."""
+        """Write the names below an axis at their places, and its label."""
         rotation = 90 if self.is_upright else 0
         axes.set_xticks(places[:: self.step], self.names, rotation=rotation)
         axes.set_xlabel(label, **SMALL)

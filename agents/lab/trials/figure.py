@@ -16,8 +16,8 @@ from warehouse_core.viz.axes import style_chart
 from warehouse_core.viz.figure import SceneFigure, make_figure
 from warehouse_core.wording import counted, listed, printable
 
-WIDTH, HEIGHT, ROW_HEIGHT, DPI = 11.5, 2.5, 0.4, 110
-"""Inches of the width, of the height without message and rows, and of a row; dots per inch."""
+WIDTH, ROW_HEIGHT, DPI = 11.5, 0.4, 110
+"""Inches of the width and of a row; dots per inch."""
 
 MESSAGE_LETTERS, LINE, MAX_BEST = 76, 0.26, 4
 """Letters of a line of the message, its height in inches, and most agents that it names as best."""
@@ -34,116 +34,70 @@ BAR, GREY = 0.62, "0.35"
 ROOM = 1.4
 """Factor of space on a logarithmic axis, below the lowest value and above the highest."""
 
-PANELS = (MEASURES[0], MEASURES[2], MEASURES[1])
-"""Deliveries, their steps over the fewest, and steps a delivery."""
+COLUMNS, RIGHT, GAP = 3, 0.965, 0.055
+"""Panels in a line, their right end, and the gap between two, the latter as shares of the width."""
 
 TITLE, ABOVE, BELOW, FOOT = 0.3, 0.42, 0.5, 0.55
-"""Heights in inches of a title, of the space above and below the panels of a task, and of the
+"""Heights in inches of a title, of the space above and below a line of panels, and of the
 caption."""
 
 CURVES_SIZE, CURVES_DPI, MARKERS = (8.0, 4.6), 150, "osD^vPX*"
 """Inches and dots per inch of a figure of curves, and the markers of its lines."""
 
-RIGHT, GAP = 0.965, 0.055
-"""Right end of the panels, and gap between two of them, as shares of the width."""
-
 
 def message(scores: Mapping[str, Scores]) -> str:
-    """Return which agents deliver most and at what cost in steps, and in a line which is next."""
+    """Return which agents deliver most, and at what cost in steps."""
     delivered = {name: int(each.delivered.sum()) for name, each in scores.items()}
     total, most = len(next(iter(scores.values())).rows), max(delivered.values())
     if most == 0:
         return f"No agent delivered in {counted(total, 'episode')}"
     best = [name for name in scores if delivered[name] == most]
     names = listed(map(fitting, best)) if len(best) <= MAX_BEST else f"{len(best)} agents"
-    cost = f"at {_steps(scores[name] for name in best)} a delivery"
-    words = f"All {total:,} delivered by {names}, {cost}"
-    if most < total:
-        words = f"Most delivered by {names}: {most:,} of {total:,}, {cost}"
-    others = [name for name in scores if name not in best]
-    if not others:
-        return words
-    following = max(others, key=delivered.__getitem__)
-    words += f";\n{fitting(following)} failed {counted(total - delivered[following], 'time')}"
-    return f"{words}, at {_steps([scores[following]])}" if delivered[following] else words
+    steps = sorted(round(each.steps.estimate) for name in best if (each := scores[name]).steps)
+    cost = " to ".join(dict.fromkeys(f"{each:,}" for each in (steps[0], steps[-1])))
+    share = f"All {total:,}" if most == total else f"Most, {most:,} of {total:,},"
+    return f"{share} delivered by {names}, at {cost} steps a delivery"
 
 
-def _steps(scores: Iterable[Scores]) -> str:
-    """Return the range of the steps a delivery, in whole steps."""
-    found = sorted(round(each.steps.estimate) for each in scores if each.steps)
-    ends = dict.fromkeys(f"{steps:,}" for steps in (found[0], found[-1]))
-    return f"{' to '.join(ends)} step{'' if found[-1] == 1 else 's'}"
+def scores_figure(groups: Mapping[str, Mapping[str, Scores]], caption: str = "") -> SceneFigure:
+    """Draw the scores of the same agents in one task or several, with 95% intervals.
 
-
-def scores_figure(scores: Mapping[str, Scores], title: str, caption: str = "") -> SceneFigure:
-    """Draw the agents' scores, with 95% intervals, under the message that they give."""
-    names, lines = list(map(fitting, scores)), _lines(message(scores))
-    head = 0.22 + LINE * len(lines)
-    height = HEIGHT + head + ROW_HEIGHT * len(names)
-    figure = make_figure((WIDTH, height), DPI)
-    grid = figure.subplots(2, 3, sharey=True)
-    figure.subplots_adjust(
-        left=0.035 + LETTER * max(map(len, names)), right=0.97, top=1 - (head + 0.65) / height,
-        bottom=0.95 / height, wspace=0.26, hspace=0.42,
-    )  # fmt: skip
-    _write_head(figure, height - 0.12, lines, title, height - head)
-    _write_caption(figure, caption)
-    for axes, measure in zip(grid.flat, MEASURES, strict=True):
-        _draw_measure(axes, measure, names, scores.values())
-    _draw_failures(grid.flat[0], scores)
-    return figure
-
-
-def sizes_figure(groups: Mapping[str, Mapping[str, Scores]], caption: str = "") -> SceneFigure:
-    """Draw the scores of the same agents in several tasks, such as layouts of several sizes."""
-    said = [_lines(message(scores)) for scores in groups.values()]
+    Above the panels of each task are the message that they give and the title of the task.
+    """
+    said = [wrap(message(scores), MESSAGE_LETTERS) for scores in groups.values()]
     agents = len(next(iter(groups.values())))
-    heights = [LINE * len(lines) + TITLE + ABOVE + ROW_HEIGHT * agents + BELOW for lines in said]
+    panels = ABOVE + ROW_HEIGHT * agents + BELOW
+    heights = [LINE * len(lines) + TITLE + len(MEASURES) / COLUMNS * panels for lines in said]
     figure = make_figure((WIDTH, sum(heights) + FOOT), DPI)
-    top = sum(heights) + FOOT - 0.12
+    inch, top = 1 / figure.get_figheight(), sum(heights) + FOOT - 0.12
+    style: dict[str, Any] = {"ha": "left", "va": "top", "parse_math": False}
     for (title, scores), lines, height in zip(groups.items(), said, heights, strict=True):
-        below = top - LINE * len(lines)
-        _write_head(figure, top, lines, title, below)
-        _draw_panels(figure, below, scores)
+        below, words = top - LINE * len(lines), "\n".join(lines)
+        figure.text(0.012, top * inch, words, fontsize=15, fontweight="bold", color=INK, **style)
+        figure.text(0.012, below * inch, title, fontsize=10, color=GREY, **style)
+        _draw_panels(figure, below - TITLE, scores)
         top -= height
-    _write_caption(figure, caption)
+    words = fill(caption, CAPTION_LETTERS)
+    figure.text(0.012, 0.1 * inch, words, fontsize=9, color=GREY, parse_math=False)
     return figure
 
 
-def _draw_panels(figure: SceneFigure, title: float, scores: Mapping[str, Scores]) -> None:
-    """Draw a row of panels below a title, whose top is ``title`` inches from the bottom."""
+def _draw_panels(figure: SceneFigure, top: float, scores: Mapping[str, Scores]) -> None:
+    """Draw a panel for each measure below ``top``, in inches from the bottom."""
     inch, names = 1 / figure.get_figheight(), list(map(fitting, scores))
     left = 0.035 + LETTER * max(map(len, names))
-    width = (RIGHT - left - GAP * (len(PANELS) - 1)) / len(PANELS)
+    width = (RIGHT - left - GAP * (COLUMNS - 1)) / COLUMNS
     height = ROW_HEIGHT * len(names)
-    bottom = title - TITLE - ABOVE - height + 0.12
-    for number, measure in enumerate(PANELS):
-        box = (left + number * (width + GAP), bottom * inch, width, height * inch)
+    for number, measure in enumerate(MEASURES):
+        line, column = divmod(number, COLUMNS)
+        bottom = top - ABOVE - height + 0.12 - line * (ABOVE + height + BELOW)
+        box = (left + column * (width + GAP), bottom * inch, width, height * inch)
         axes = figure.add_axes(box)
         _draw_measure(axes, measure, names, scores.values())
         if measure is MEASURES[0]:
             _draw_failures(axes, scores)
-        if number:
+        if column:
             axes.tick_params(labelleft=False)
-
-
-def _lines(words: str) -> list[str]:
-    return [part for line in words.split("\n") for part in wrap(line, MESSAGE_LETTERS)]
-
-
-def _write_head(
-    figure: SceneFigure, top: float, lines: Sequence[str], title: str, below: float
-) -> None:
-    """Write a message below ``top`` and a title below ``below``, in inches from the bottom."""
-    inch, said = 1 / figure.get_figheight(), "\n".join(lines)
-    style: dict[str, Any] = {"ha": "left", "va": "top", "parse_math": False}
-    figure.text(0.012, top * inch, said, fontsize=15, fontweight="bold", color=INK, **style)
-    figure.text(0.012, below * inch, title, fontsize=10, color=GREY, **style)
-
-
-def _write_caption(figure: SceneFigure, caption: str) -> None:
-    words, y = fill(caption, CAPTION_LETTERS), 0.1 / figure.get_figheight()
-    figure.text(0.012, y, words, fontsize=9, color=GREY, parse_math=False)
 
 
 def _draw_failures(axes: Axes, scores: Mapping[str, Scores]) -> None:

@@ -11,9 +11,8 @@ from helpers.sweeps import Here, nothing
 from agents.errors import ParameterError
 from agents.lab.experiments import choices as plan_file
 from agents.lab.experiments import sweep
-from agents.lab.experiments.case import key_of, make_case
-from agents.lab.experiments.choices import MAX_BYTES, PlanFile, parse_flags, read_plan_file
-from agents.lab.experiments.plan import MAX_EPISODES, MAX_SEED, SweepPlan, make_plan, spread
+from agents.lab.experiments.choices import MAX_BYTES, parse_flags, read_plan_file
+from agents.lab.experiments.plan import MAX_SEED, SweepPlan, make_plan
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
 from agents.lab.experiments.sweep import PRESETS
@@ -26,24 +25,14 @@ def to(text: str) -> str:
     return f"[settings]\n{text}"
 
 
-INVALID: dict[str, tuple[str | bytes | None, str]] = {
+INVALID: dict[str, tuple[str | bytes, str]] = {
     "an unknown key": ("episode = 3", "episode"),
     "an unknown setting": (to("batery = 3"), "batery"),
     "a negative mass": ("[robot]\nmass = -1\n[settings]\nbackend = 'physics'", "mass"),
     "a number instead of a table": ("settings = 3", "settings"),
     "an unknown key in a range": (to("battery = {from = 1, to = 2, step = 1, by = 1}"), "battery"),
     "an empty list": (to("battery = []"), "battery"),
-    "a list in a list": (to("battery = [[3]]"), "battery"),
-    "nan": (to("density = nan"), "density"),
-    "a number with many digits": (to("battery = " + 1000 * "9"), "battery"),
-    "a long line": (to("battery = " + 5000 * "9"), "line 2 is longer than MAX_LINE = 2000 bytes"),
-    "a deep key": (to(10 * "a." + "b = 3"), "line 2 has a key of more than MAX_DEPTH = 10 parts"),
-    "a deep table": (f"[{10 * 'a.'}b]", "line 1 has a key of more than MAX_DEPTH = 10 parts"),
-    "a key that is not too deep": (to(9 * "a." + "b = 3"), "no setting is called 'a'"),
     "a size that is too big": (to("layout = 'random'\nsize = '9999x9999'"), "9999"),
-    "an unknown agent": (to("agent = 'nobody'"), "nobody"),
-    "a null character in a file name": (to('layout = "a\\u0000b"'), "no layout is called"),
-    "a tiny step": (to("density = {from = 0, to = 0.3, step = 1e-320}"), "density"),
     "a descending range": (to("battery = {from = 9, to = 1, step = 1}"), "battery"),
     "a long range": (to("battery = {from = 1, to = 1000000000, step = 1}"), "battery"),
     "billions of combinations": (
@@ -54,27 +43,20 @@ INVALID: dict[str, tuple[str | bytes | None, str]] = {
         ),
         "max_steps",
     ),
-    "a range from a text": (to("battery = {from = 'a', to = 3, step = 1}"), "battery.from is 'a'"),
     "a setting twice": ("[settings]\n'robot.mass' = 3\n[robot]\nmass = 4", "robot.mass"),
-    "no episodes": ("episodes = 0", "episodes"),
     "a negative seed": ("seed = -1", "seed"),
-    "deep nesting": (to("battery = " + 1900 * "[\n" + 1900 * "]\n"), "open brackets"),
     "not TOML": ("battery: 3", "line 1"),
     "not UTF-8": (b"\xff\xfe", "plan.toml: 'utf-8' codec can't decode"),
     "too long": (b"#" * (MAX_BYTES + 1), "plan.toml: it is longer"),
-    "a directory": (None, "plan.toml"),
 }
 
 
 @pytest.mark.parametrize(("text", "named"), INVALID.values(), ids=INVALID)
 def test_an_invalid_plan_is_a_one_line_error_and_no_file_is_written(
-    refused: Refused, text: str | bytes | None, named: str
+    refused: Refused, text: str | bytes, named: str
 ) -> None:
     plan = Path("plan.toml")
-    if text is None:
-        plan.mkdir()
-    else:
-        plan.write_bytes(text.encode() if isinstance(text, str) else text)
+    plan.write_bytes(text.encode() if isinstance(text, str) else text)
     few = () if isinstance(text, str) and "episodes" in text else ("-n", 1)
     line = refused("sweep", plan, *few)
     assert named in line
@@ -90,18 +72,6 @@ def test_the_example_in_the_documentation_of_plan_files_is_valid() -> None:
     assert given.choices["robot.mass"] == [50, 70]
     # On the grid the robot has no effect: 2 * 10 cases, and with physics 2 * 10 * 2 * 2.
     assert len(make_plan(given.choices, 200, 0).cases) == 20 + 80
-
-
-@pytest.mark.parametrize(
-    ("content", "episodes"), [(b"", None), (b"\xef\xbb\xbfepisodes = 3\r\n", 3)]
-)
-def test_an_empty_file_is_a_plan_of_defaults_and_a_byte_order_mark_is_ignored(
-    content: bytes, episodes: int | None
-) -> None:
-    path = Path("plan.toml")
-    path.write_bytes(content)
-    assert read_plan_file(path) == PlanFile({}, episodes, None)
-    assert [key_of(case) for case in make_plan({}, 1, 0).cases] == [key_of(make_case({}))]
 
 
 def test_flags_may_be_lists_ranges_words_and_names_with_colons() -> None:
@@ -133,27 +103,11 @@ def test_a_plan_has_at_most_max_cases(monkeypatch: pytest.MonkeyPatch) -> None:
         make_plan({"battery": limits | {"to": 7}}, 1, 0)
 
 
-def test_a_parameter_without_a_value_is_an_error() -> None:
-    with pytest.raises(ParameterError, match="battery has no value"):
-        spread("battery", [])
-
-
 def test_the_seeds_of_a_plan_are_consecutive() -> None:
     assert list(make_plan({}, 3, MAX_SEED).seeds) == [MAX_SEED, MAX_SEED + 1, MAX_SEED + 2]
     for seed in (-1, MAX_SEED + 1):
         with pytest.raises(ParameterError, match=rf"^seed is {seed}; .* 0\.\.{MAX_SEED}$"):
             make_plan({}, 1, seed)
-
-
-def test_the_limit_of_episodes_is_for_all_cases_together() -> None:
-    with pytest.raises(ParameterError, match="MAX_EPISODES"):
-        make_plan({"battery": [20, 30]}, MAX_EPISODES // 2 + 1, 0)
-
-
-def test_the_numbers_of_a_range_are_short_decimals() -> None:
-    values = spread("density", {"from": 0, "to": 0.4, "step": 0.05})
-    assert values == [0, 0.05, 0.1, 0.15, 0.2, 0.25, 0.3, 0.35, 0.4]
-    assert str(spread("density", -0.0)) == "[0.0]"
 
 
 @pytest.mark.parametrize("name", PRESETS)

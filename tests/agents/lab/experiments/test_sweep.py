@@ -1,19 +1,16 @@
 """The command ``warehouse sweep``: finished episodes are kept however it ends, and it resumes."""
 
-import io
 import os
-import re
 import signal
-import sys
 import time
-from collections.abc import Iterator, Sequence
-from contextlib import AbstractContextManager, nullcontext, suppress
+from collections.abc import Iterator
+from contextlib import nullcontext, suppress
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
 import pytest
 from helpers.command_line import Refused, Warehouse
-from helpers.results_files import fleet_row, outcomes
+from helpers.results_files import outcomes
 from helpers.sweeps import (
     AGENT,
     Here,
@@ -24,16 +21,12 @@ from helpers.sweeps import (
     uninterrupted,
     words,
 )
-from helpers.terminal import Terminal
 
 from agents.lab.experiments import sweep as sweep_command
 from agents.lab.experiments.case import make_case
-from agents.lab.experiments.plan import SweepPlan
 from agents.lab.experiments.store import Store
-from agents.lab.experiments.sweep import sweep_bar
 from agents.lab.parameters import PARAMETERS
 from agents.lab.runs.programs import program_for
-from agents.lab.trials.rows import AnyRow, FleetRow, Row
 from warehouse_core.batch.fleet_settings import MAX_BODIES
 from warehouse_core.world.generators import MAX_DENSITY
 
@@ -76,21 +69,6 @@ def test_a_sweep_counts_stored_episodes_and_adds_missing_ones(
     assert path.read_bytes() == before
     assert "5 episodes each, 12 done\n20 episodes" in warehouse(*words(path, 5)).out
     assert table(path) == uninterrupted(tmp_path / "expected.sqlite", 5)
-
-
-def test_all_combinations_are_in_the_file_in_order_before_the_first_episode(
-    warehouse: Warehouse, path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    found = []
-
-    def interrupted(plan: SweepPlan, store: Store, *_: object) -> None:
-        found.append((plan.cases, [*store.cases().values()]))
-        raise KeyboardInterrupt
-
-    monkeypatch.setattr(sweep_command, "run_missing", interrupted)
-    assert warehouse(*words(path, 3)).code == 130
-    [(planned, stored)] = found
-    assert stored == [*planned]
 
 
 def test_a_sweep_adds_nothing_to_what_another_program_has_begun(
@@ -177,22 +155,6 @@ def test_agents_that_fail_or_end_their_process_are_named_and_the_others_go_on(
     assert len(table(path)) == 38
 
 
-def test_there_are_no_more_workers_than_episodes(
-    warehouse: Warehouse, path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    asked = []
-
-    def counted(count: int) -> AbstractContextManager[Here]:
-        asked.append(count)
-        return nullcontext(Here())
-
-    monkeypatch.setattr(sweep_command, "Processes", counted)
-    for episodes, workers in ((1, 64), (4, 2)):
-        words = ["-n", episodes, "--jobs", workers, "-o", path]
-        assert warehouse("sweep", *words).code == 0
-    assert asked == [1, 2]
-
-
 def test_the_help_names_every_parameter(warehouse: Warehouse) -> None:
     lines = [line.split() for line in warehouse("sweep", "--help").out.splitlines()]
     shown = {words[0]: " ".join(words[1:]) for words in lines if len(words) > 1}
@@ -200,85 +162,3 @@ def test_the_help_names_every_parameter(warehouse: Warehouse) -> None:
     assert shown["density"] == f"0..{MAX_DENSITY:g}, of layout random"
     assert (shown["people"], shown["battery"]) == (f"0..{MAX_BODIES}, of fleets", "1..1000000000")
     assert shown["robot.NAME"] == "and disturbances.NAME, of physics"
-
-
-def test_a_sweep_of_fleets_is_resumed(warehouse: Warehouse, tmp_path: Path, here: None) -> None:
-    path = tmp_path / "r.sqlite"
-    words = ["sweep", "--set", "robots=1,2", "--set", "max_steps=30", "--set", "order_rate=0.5",
-             "--jobs", 1, "-o", path]  # fmt: skip
-    warehouse(*words, "-n", 2)
-    with Store(path, read_only=True) as store:
-        before = [[*store.rows(number, FleetRow)] for number in store.cases()]
-    printed = warehouse(*words, "-n", 3).out
-    assert printed.startswith("2 combinations, 3 episodes each, 4 done\n")
-    with Store(path, read_only=True) as store:
-        after = [[*store.rows(number, FleetRow)] for number in store.cases()]
-    assert [rows[:2] for rows in after] == before
-
-
-# The progress bar.
-
-
-def rows_of(*modes: str) -> list[Row]:
-    return [Row(seed, mode, 1, 1, 0, 0, 0, 0, 0, 0) for seed, mode in enumerate(modes)]
-
-
-def shown(monkeypatch: pytest.MonkeyPatch, screen: io.StringIO, *news: Sequence[AnyRow]) -> str:
-    """Return what a bar for 8 episodes writes."""
-    monkeypatch.setattr(sys, "stderr", screen)
-    monkeypatch.setenv("COLUMNS", "100")
-    monkeypatch.setenv("TERM", "xterm")
-    with sweep_bar(8, lambda: None) as report:
-        for each in news:
-            time.sleep(0.02)  # without it the rate would be too large for the line
-            report(each, [])
-    return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", screen.getvalue())
-
-
-def last_line(text: str) -> str:
-    return re.split(r"[\r\n]+", text.strip())[-1]
-
-
-def test_a_terminal_shows_the_count_the_rate_the_time_left_and_the_share_delivered(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    some = rows_of("delivered", "stalled", "delivered")
-    line = last_line(shown(monkeypatch, Terminal(), some, [], rows_of("wandering")))
-    assert re.search(r"[━╸╺ ]+ 4/8 [\d,]+/s \d:\d\d:\d\d 50% delivered", line), line
-
-
-@pytest.mark.parametrize(
-    ("news", "ending"),
-    [
-        (
-            [rows_of("delivered"), rows_of("stalled"), rows_of("stalled", "stalled")],
-            " 4/8 .* 25% delivered",
-        ),
-        ([[fleet_row(0), fleet_row(1, delivered=1)]], " 2/8 .* 30% delivered"),
-    ],
-    ids=["episodes of lone robots", "orders of fleets"],
-)
-def test_the_share_is_of_all_so_far(
-    monkeypatch: pytest.MonkeyPatch, news: list[list[AnyRow]], ending: str
-) -> None:
-    assert re.search(f"{ending} *$", last_line(shown(monkeypatch, Terminal(), *news)))
-
-
-def test_the_share_is_left_out_until_it_is_known_and_all_without_a_terminal(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    assert shown(monkeypatch, io.StringIO(), rows_of("delivered")) == ""
-    text = shown(monkeypatch, Terminal(), [])
-    assert "0/8" in text
-    assert "delivered" not in text
-    assert "None" not in text
-
-
-def test_a_failure_that_comes_again_is_told_once(
-    monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
-) -> None:
-    with sweep_bar(8, lambda: None) as report:
-        for failures in (["a is broken", "a is broken"], ["a is broken", "b is broken"]):
-            report([], failures)
-    lines = sorted(capsys.readouterr().err.splitlines())
-    assert lines == ["warehouse: a is broken", "warehouse: b is broken"]

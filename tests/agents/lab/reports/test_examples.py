@@ -1,6 +1,5 @@
 """One example of each outcome: which episode is chosen, and its replay."""
 
-import os
 from collections.abc import Iterator
 from dataclasses import replace
 from pathlib import Path
@@ -16,7 +15,6 @@ from agents.lab.experiments.store import Store
 from agents.lab.reports import examples
 from agents.lab.reports.examples import Example, FoundEpisode, find_examples, replay
 from warehouse_core import Episode
-from warehouse_core.records.failure_modes import MODES
 
 
 @pytest.fixture
@@ -42,13 +40,6 @@ def test_the_shortest_is_chosen_then_the_first_case_then_the_smallest_seed(store
     ]  # fmt: skip
 
 
-def test_every_mode_that_occurs_has_an_example_in_the_order_of_definition(store: Store) -> None:
-    case_id = store.case_id(make_case({}))
-    assert find_examples(store) == []
-    store.add(case_id, [row(n, mode, 9) for n, mode in enumerate(reversed(MODES[::2]))])
-    assert tuple(each.mode for each in find_examples(store)) == MODES[::2]
-
-
 def test_a_replay_shows_every_step_and_the_outcome_unless_it_is_another_now(store: Store) -> None:
     found = found_in(store)[0]
     example = replay(found, run_own_code=True)
@@ -67,24 +58,14 @@ def test_a_replay_shows_every_step_and_the_outcome_unless_it_is_another_now(stor
     assert f"not stalled after {found.steps}" in other.sentence
 
 
-def test_a_continuous_motion_is_shown_between_the_steps(store: Store) -> None:
-    found = found_in(store, episodes=1, backend="physics", max_steps=8)[0]
-    track = replay(found, run_own_code=True).track
-    assert track is not None
-    assert track.is_continuous
-    assert track.steps == found.steps < len(track) - 1
-
-
 @pytest.mark.parametrize(
     ("old", "new", "said"),
     [
         ("class Mine", "class Other", "has no class 'Mine'"),
-        ("class Mine:", "class Mine(:", "line 2"),
         ("return 'WAIT'", "return 1 / 0", "ZeroDivisionError: division by zero (mine.py, line 10)"),
-        ("return 'WAIT'", "raise SystemExit", "SystemExit (mine.py, line 10)"),
         ("class", "raise RuntimeError('two\\nlines')\nclass", "RuntimeError: two lines"),
     ],
-    ids=["class missing", "syntax", "raises in act", "exits in act", "raises when imported"],
+    ids=["class missing", "raises in act", "raises when imported"],
 )
 def test_an_agent_that_is_gone_or_no_longer_works_has_no_replay(
     store: Store, old: str, new: str, said: str
@@ -106,18 +87,15 @@ def test_an_agent_that_is_gone_or_no_longer_works_has_no_replay(
 
 
 FORGED = {
-    "steps": ({}, 10_001, "it has 10,001 steps; with its map, view and backend at most 10,000 are"),
+    "steps": ({}, 10_001, "it has 10,001 steps, and at most 10,000 are"),
     "map": ({"tiles": [1000 * "."] * 400}, 5, "its map has 400,000 cells, and at most 300,000 are"),
     "size": (
         {"layout": "random", "tiles": None, "size": "999x9999", "density": 0.1}, 5,
         "its map has 9,989,001 cells, and at most 300,000 are",
     ),
-    "view": (
-        {"view_radius": 1000}, 5, "it has 5 steps; with its map, view and backend at most 4 are"
-    ),
     "physics": (
         {"backend": "physics"}, 1001,
-        "it has 1,001 steps; with its map, view and backend at most 1,000 are",
+        "it has 1,001 steps, and at most 1,000 are",
     ),
 }  # fmt: skip
 
@@ -151,18 +129,6 @@ def test_an_episode_that_goes_on_for_longer_than_the_results_say_is_stopped(
     example = replay(FoundEpisode("wandering", case, 0, 7, 1), run_own_code=True)
     assert "it has not ended after 7 steps, not wandering after 7" in example.sentence
     assert episodes[0].steps == 8
-
-
-@pytest.mark.parametrize("has_fingerprint", [False, True])
-@pytest.mark.parametrize("agent", ["q:pipe", "ppo:pipe", "q:/dev/zero", "pipe.py:Mine"])
-def test_only_files_are_read_as_agents(agent: str, has_fingerprint: bool) -> None:
-    for name in ("pipe", "pipe.py"):
-        os.mkfifo(name)
-    case = {**make_case({}), "agent": agent}
-    if has_fingerprint:
-        case[FINGERPRINT] = "0" * 64
-    example = replay(FoundEpisode("stalled", case, 0, 7, 1), run_own_code=True)
-    assert example.sentence.startswith("It cannot be run again: agent file ")
 
 
 def test_examples_are_found_only_among_rows_that_a_sweep_may_have_written(store: Store) -> None:

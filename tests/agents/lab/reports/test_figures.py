@@ -36,7 +36,6 @@ from agents.lab.reports.figures import (
 )
 from agents.lab.reports.results import FLEETS, STEPS, SUCCESS, Experiment
 from warehouse_core import DEFAULT_LAYOUT
-from warehouse_core.records.failure_modes import FLEET_MODES, MODES
 from warehouse_core.viz.figure import SceneFigure
 
 
@@ -89,11 +88,6 @@ def test_the_ordered_factor_with_the_most_values_is_on_the_axis() -> None:
     assert roles(layout="random", size=["7x12", "9x9"], battery=[1, 2, 3])[0] == "battery"
     assert roles(escape=[True, False])[:2] == ["escape", None]
     assert roles() == [None, None, None]
-
-
-def test_a_factor_with_too_many_values_for_colours_and_panels_is_pooled() -> None:
-    found = roles(battery={"from": 1, "to": 30, "step": 1}, view_radius=[*range(9)], memory=[1, 2])
-    assert found == ["battery", "memory", None, "view_radius"]
 
 
 def test_points_and_their_intervals_are_at_the_values_of_the_data(experiment: Experiment) -> None:
@@ -192,19 +186,6 @@ def test_stacked_bars_add_up_to_1(experiment: Experiment) -> None:
     assert [label.get_text() for label in off.get_xticklabels()] == ["20", "60", "200"]
 
 
-def test_each_mode_has_its_own_colour_and_a_name_in_the_legend(experiment: Experiment) -> None:
-    figure = draw(experiment, modes=True)
-    [legend] = figure.legends
-    assert [text.get_text() for text in legend.get_texts()] == [
-        "delivered",
-        "oscillation",
-        "wandering",
-    ]
-    assert set(MODE_COLORS) == {*MODES, *FLEET_MODES}
-    for modes in (MODES, FLEET_MODES):
-        assert len({MODE_COLORS[mode] for mode in modes}) == len(modes)
-
-
 def drawn(cases: Cases) -> dict[str, Picture]:
     with experiment_of(cases) as experiment:
         found = list(pictures(experiment))
@@ -290,12 +271,6 @@ def test_the_caption_says_that_some_points_have_no_interval() -> None:
     )
 
 
-def test_the_same_results_make_the_same_bytes() -> None:
-    cases = [(ON, outcomes("ddww")), (OFF, outcomes("ddoo"))]
-    with experiment_of(cases) as experiment:
-        assert list(pictures(experiment)) == list(pictures(experiment))
-
-
 @pytest.mark.parametrize("kind", ["lone", "fleet"])
 def test_each_text_of_a_figure_is_at_least_12_pixels_high_on_a_phone(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, kind: str
@@ -374,14 +349,6 @@ def test_episodes_are_counted_where_they_were_stuck(store: Store) -> None:
     assert stuck["wandering"][3, 3] == 1
     assert stuck["wandering"].sum() == 4
     assert stuck["unreachable"].sum() == stuck["unreachable"][1, 1] == 1
-
-
-def test_heat_maps_are_in_the_order_of_the_modes(store: Store) -> None:
-    case_id = store.case_id(make_case({}))
-    store.add(case_id, [row(99)])
-    assert stuck_cells(store, DEFAULT_LAYOUT.rows, [case_id]) == {}, "without failures"
-    store.add(case_id, [row(n, mode) for n, mode in enumerate(reversed(MODES))])
-    assert tuple(stuck_cells(store, DEFAULT_LAYOUT.rows, [case_id])) == MODES[1:]
 
 
 def test_a_panel_of_a_heat_map_has_its_mode_its_count_and_its_share() -> None:

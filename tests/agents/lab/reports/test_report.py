@@ -2,7 +2,6 @@
 
 from pathlib import Path
 from typing import Any
-from xml.etree import ElementTree
 
 import pytest
 from helpers.command_line import Refused, Warehouse
@@ -130,18 +129,3 @@ def test_the_report_names_the_programs(tmp_path: Path) -> None:
     with Store(path, read_only=True) as store:
         page = make_page(store, ())
     assert page.made_with[-2:] == (("4 episodes", "a newer one"), ("2 episodes", "an older one"))
-
-
-def test_a_layout_and_an_agent_whose_names_are_no_utf8_are_reported(
-    tmp_path: Path, warehouse: Warehouse
-) -> None:
-    hall = tmp_path / "hall\udcff.txt"
-    hall.write_text("#######\n#P...D#\n#######")
-    cases = [{}, {"layout": str(hall)}, {"agent": "a\udcff.py:Mine"}]
-    path = fill(tmp_path / "r.sqlite", [(case, outcomes("dw")) for case in cases])
-    code, out, _ = warehouse("report", path, "--figures", tmp_path, "--no-replays")
-    assert code == 0
-    assert "hall\\udcff.txt" in out
-    assert "a\\udcff.py:Mine" in path.with_suffix(".html").read_text(encoding="utf-8")
-    for picture in tmp_path.glob("*.svg"):
-        ElementTree.parse(picture)

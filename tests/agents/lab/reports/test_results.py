@@ -58,12 +58,6 @@ def test_the_measures_of_a_fleet_are_means_of_the_episodes_that_have_them() -> N
         assert results.main == results.interval(PER_HOUR)
 
 
-def test_a_fleet_without_any_measure_delivers_nothing() -> None:
-    rows = [fleet_row(0, per_hour=None, on_time=None)]
-    with experiment_of([({"robots": 2}, rows)], FLEETS) as experiment:
-        assert estimates(experiment.results(1))[:2] == [0, None]
-
-
 def test_the_seeds_are_from_the_first_to_the_last_of_all_cases() -> None:
     cases = [(ON, outcomes("dd", seed=7)), (OFF, outcomes("ddd", seed=5))]
     with experiment_of(cases) as experiment:

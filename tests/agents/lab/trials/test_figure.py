@@ -3,7 +3,7 @@
 import pytest
 from helpers.results_files import BAD, GOOD, scores_of
 
-from agents.lab.trials.figure import message, scores_figure, sizes_figure
+from agents.lab.trials.figure import message, scores_figure
 from agents.lab.trials.rows import Row
 
 SLOW = GOOD._replace(steps=30)
@@ -14,7 +14,7 @@ GROUPS = {
 
 
 def test_nothing_overlaps_or_leaves_the_figure() -> None:
-    figure = sizes_figure(GROUPS, "What is measured.")
+    figure = scores_figure(GROUPS, "What is measured.")
     figure.pixels()
     renderer = figure.canvas.get_renderer()  # type: ignore[attr-defined]
     panels = [axes.get_tightbbox(renderer) for axes in figure.axes]
@@ -28,7 +28,7 @@ def test_nothing_overlaps_or_leaves_the_figure() -> None:
 
 
 def test_an_agent_without_deliveries_has_a_text_instead_of_a_mark() -> None:
-    figure = scores_figure({"one": scores_of([BAD] * 3)}, "")
+    figure = scores_figure({"": {"one": scores_of([BAD] * 3)}})
     figure.pixels()
     assert [len(axes.patches) for axes in figure.axes] == [2, 0, 0, 1, 0, 0]
     words = [[text.get_text() for text in axes.texts] for axes in figure.axes[1:]]
@@ -42,12 +42,11 @@ def test_an_agent_without_deliveries_has_a_text_instead_of_a_mark() -> None:
         ({"a": [GOOD]}, "All 1 delivered by a, at 20 steps a delivery"),
         (
             {"a": [BAD] * 3, "b": [SLOW, SLOW, SLOW], "c": [GOOD, GOOD, BAD], "d": [GOOD] * 3},
-            "All 3 delivered by b and d, at 20 to 30 steps a delivery;\n"
-            "c failed 1 time, at 120 steps",
+            "All 3 delivered by b and d, at 20 to 30 steps a delivery",
         ),
         (
             {"a": [BAD] * 2, "b": [GOOD, BAD]},
-            "Most delivered by b: 1 of 2, at 220 steps a delivery;\na failed 2 times",
+            "Most, 1 of 2, delivered by b, at 220 steps a delivery",
         ),
         (
             dict.fromkeys("abcde", [GOOD] * 2),

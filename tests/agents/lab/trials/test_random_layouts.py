@@ -5,7 +5,6 @@ import pytest
 
 from agents.lab.trials.random_layouts import (
     MAX_POOL,
-    TRAINING_LAYOUTS,
     RandomLayouts,
     VariedLayouts,
 )
@@ -35,12 +34,6 @@ def test_densities_are_spread_over_their_range() -> None:
     assert {walls(RandomLayouts(12, 12, 0.2, 0.2), seed) for seed in range(20)} == {20}
 
 
-def test_every_open_cell_can_be_reached() -> None:
-    for seed in range(50):
-        layout = RandomLayouts(highest=0.4).layout(seed)
-        assert len(layout.reachable_from(layout.open_cell(0))) == len(layout.open_cells)
-
-
 def test_no_layout_of_a_pool_is_one_of_another_pool_or_of_an_episode() -> None:
     pools = [replace(RandomLayouts(count=300), pool_seed=seed).pool() for seed in (1, 2)]
     episodes = [RandomLayouts().layout(seed) for seed in range(300)]
@@ -61,13 +54,6 @@ def test_a_layout_that_is_also_that_of_an_episode_is_left_out_of_the_pool() -> N
     tiny = RandomLayouts(4, 4, 0.1, 0.2, count=50)
     with pytest.raises(LayoutError, match=r"of 4 x 4 .*: each of the 50 of the training is also"):
         tiny.without(range(100))
-
-
-def test_a_layout_of_the_training_cannot_be_that_of_an_episode() -> None:
-    last = SMALL.layout(TRAINING_LAYOUTS - 1)
-    assert last.height == 5
-    with pytest.raises(LayoutError, match=rf"layout is {TRAINING_LAYOUTS}; allowed: 0\.\."):
-        SMALL.layout(TRAINING_LAYOUTS)
 
 
 @pytest.mark.parametrize(

@@ -5,8 +5,6 @@ from helpers.results_files import BAD, GOOD, scores_of
 
 from agents.lab.trials.scores import MEASURES
 
-SLOW = GOOD._replace(steps=30)
-
 
 def test_failures_count_in_all_measures_but_the_ratio_to_the_fewest_steps() -> None:
     scores = scores_of([GOOD] * 30 + [BAD] * 10)
@@ -18,13 +16,3 @@ def test_failures_count_in_all_measures_but_the_ratio_to_the_fewest_steps() -> N
         "joules a delivery": pytest.approx((30 * 900 + 10 * 9000) / 30),
     }  # fmt: skip
     assert scores_of([BAD]).steps is None
-
-
-def test_an_agent_that_makes_only_short_deliveries_does_not_score_better() -> None:
-    choosy, thorough = (
-        scores_of([GOOD] * 20 + [BAD] * 20),
-        scores_of([GOOD._replace(steps=30)] * 40),
-    )
-    assert choosy.steps is not None
-    assert thorough.steps is not None
-    assert choosy.steps.low > thorough.steps.high

@@ -57,12 +57,6 @@ def test_the_episodes_are_those_of_run_episode(task: Task) -> None:
     assert scores.delivered.any()
 
 
-def test_the_environment_of_a_task_has_its_settings() -> None:
-    env = Task(ROOM, 100, 5, "physics").make_env()
-    assert (env.layout, env.max_battery, env.max_steps) == (ROOM, 100, 5)
-    env.close()
-
-
 def test_an_agent_is_made_for_each_seed_and_reset_before_it_acts() -> None:
     notes: list[object] = []
 
@@ -85,14 +79,6 @@ def test_the_nodes_that_an_agent_expanded_are_counted() -> None:
     assert astar.rows == ucs.rows
     assert astar.rows[0].steps == astar.rows[0].needed
     assert 0 < astar.nodes[0] < ucs.nodes[0]
-
-
-def test_without_a_way_no_fewest_steps_are_known() -> None:
-    layout = Layout(["########", "#..##..#", "#..##..#", "########"])
-    rows = Task(layout, 9, 9).evaluate(GreedyAgent, range(20)).rows
-    cut_off = [row for row in rows if row.needed is None]
-    assert cut_off
-    assert not any(row.mode == "delivered" for row in cut_off)
 
 
 def test_each_robot_of_each_episode_has_an_agent_with_a_seed_of_its_own() -> None:

@@ -146,16 +146,6 @@ def test_an_interrupt_is_deferred_until_the_check(number: int) -> None:
 
 
 @pytest.mark.usefixtures("interrupts_raise")
-def test_without_an_interrupt_nothing_is_raised_and_the_handler_is_restored() -> None:
-    before = signal.getsignal(signal.SIGINT)
-    with deferred_interrupts() as check:
-        check()
-    assert signal.getsignal(signal.SIGINT) is before
-    with pytest.raises(KeyboardInterrupt):
-        interrupt()
-
-
-@pytest.mark.usefixtures("interrupts_raise")
 def test_after_a_deferred_interrupt_further_signals_are_ignored() -> None:
     with deferred_interrupts():
         interrupt()
@@ -175,16 +165,3 @@ def test_a_child_started_with_blocked_interrupts_is_not_interrupted() -> None:
     finally:
         child.kill()
         child.communicate()
-
-
-@pytest.mark.usefixtures("interrupts_raise")
-def test_an_interrupt_while_children_start_is_raised_afterwards() -> None:
-    done = []
-    with deferred_interrupts() as check:
-        with blocked_interrupts():
-            interrupt()
-            check()
-            done.append("all have started")
-        with pytest.raises(KeyboardInterrupt):
-            check()
-    assert done == ["all have started"]
