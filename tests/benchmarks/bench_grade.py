@@ -44,17 +44,15 @@ EVERY = 10
 
 BEFORE, AFTER = GOOD.split("class Agent:")
 NESTED = f"from helper import *\nclass Agent:{AFTER}"
-RENAMED = GOOD.replace("walls", "w").replace("queue", "q").replace("first", "f")
 
 Write = Callable[[Path], object]
 
 
 class Sent(NamedTuple):
-    """A submission: what writes it to a path, its points, and whether it is a copy."""
+    """A submission: what writes it to a path, and its points."""
 
     write: Write
     points: float
-    is_copy: bool = False
 
 
 def text_of(text: str) -> Write:
@@ -85,27 +83,24 @@ def archive_of(**files: str) -> Write:
 
 
 FORMS = {
-    "file.py": Sent(text_of(GOOD), 100, is_copy=True),
-    "other_name.py": Sent(text_of(GOOD.replace("Agent", "MyRobot")), 100, is_copy=True),
-    "renamed.py": Sent(text_of(RENAMED), 100, is_copy=True),
-    "cells.ipynb": Sent(text_of(notebook_of(BEFORE, f"class Agent:{AFTER}")), 100, is_copy=True),
+    "file.py": Sent(text_of(GOOD), 100),
+    "other_name.py": Sent(text_of(GOOD.replace("Agent", "MyRobot")), 100),
+    "cells.ipynb": Sent(text_of(notebook_of(BEFORE, f"class Agent:{AFTER}")), 100),
     "draws.ipynb": Sent(
-        text_of(notebook_of("%matplotlib inline\n!pip install x", GOOD, "1 / 0")), 100, is_copy=True
+        text_of(notebook_of("%matplotlib inline\n!pip install x", GOOD, "1 / 0")), 100
     ),
     "wrong.ipynb": Sent(text_of(notebook_of("class Agent\n")), 0),
     "none.ipynb": Sent(text_of("{}"), 0),
     "deep.ipynb": Sent(text_of("[" * 100_000), 0),
-    "flat.zip": Sent(archive_of(agent_py=GOOD), 100, is_copy=True),
-    "inner.zip": Sent(
-        archive_of(ann__src__agent_py=NESTED, ann__src__helper_py=BEFORE), 100, is_copy=True
-    ),
-    "cells.zip": Sent(archive_of(hw_ipynb=notebook_of(GOOD)), 100, is_copy=True),
+    "flat.zip": Sent(archive_of(agent_py=GOOD), 100),
+    "inner.zip": Sent(archive_of(ann__src__agent_py=NESTED, ann__src__helper_py=BEFORE), 100),
+    "cells.zip": Sent(archive_of(hw_ipynb=notebook_of(GOOD)), 100),
     "leaves.zip": Sent(archive_of(____src__agent_py=GOOD), 0),
     "none.zip": Sent(archive_of(notes_txt=""), 0),
     "bomb.zip": Sent(archive_of(agent_py="0" * 300_000_000), 0),
     "no_archive.zip": Sent(text_of("PK"), 0),
-    "nested": Sent(tree_of(src__agent_py=NESTED, src__helper_py=BEFORE), 100, is_copy=True),
-    "notebook": Sent(tree_of(hw_ipynb=notebook_of(GOOD), notes_txt=""), 100, is_copy=True),
+    "nested": Sent(tree_of(src__agent_py=NESTED, src__helper_py=BEFORE), 100),
+    "notebook": Sent(tree_of(hw_ipynb=notebook_of(GOOD), notes_txt=""), 100),
     "two": Sent(tree_of(a_py=GOOD, b_py=GOOD), 0),
     "empty": Sent(tree_of(notes_txt=""), 0),
     "notes.txt": Sent(text_of("I was ill."), 0),
@@ -180,13 +175,10 @@ def test_all_of_a_class_have_what_they_have_earned(tmp_path: Path, measured) -> 
     assert not wrong
     silent = [name for name, row in rows.items() if row["points"] == "0" and not row["failure"]]
     assert not silent
-    copies = [name for name, each in sent.items() if each.is_copy]
-    assert all(rows[name]["similar"] for name in copies)
     none = sum(row["points"] == "0" for row in rows.values())
     measured(
         "submissions of a class in all forms",
-        f"{len(rows)}: every grade as earned, {none} without points, each with its reason, "
-        f"{len(copies)} of {len(copies)} copies pointed out",
+        f"{len(rows)}: every grade as earned, {none} without points, each with its reason",
     )
 
 

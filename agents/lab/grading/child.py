@@ -11,7 +11,6 @@ word chosen at random that its answer repeats, so that nothing else that is writ
 
 from __future__ import annotations
 
-import ast
 import builtins
 import gc
 import importlib
@@ -25,7 +24,7 @@ import socket
 import sys
 import tempfile
 import traceback
-from collections.abc import Callable, Iterator
+from collections.abc import Callable
 from contextlib import suppress
 from functools import reduce
 from operator import getitem
@@ -61,7 +60,7 @@ def load_beside(name: str) -> Any:
     return load_file(f"{name} of an agent", os.path.join(os.path.dirname(__file__), f"{name}.py"))
 
 
-walls, notebook, likeness = map(load_beside, ("walls", "notebook", "likeness"))
+walls, notebook = map(load_beside, ("walls", "notebook"))
 
 
 def serve(control: socket.socket, bounds: dict[str, Any], rules: int | None) -> None:
@@ -151,9 +150,6 @@ def play(questions: int, answers: int, bounds: dict[str, Any], rules: int | None
     word = task["word"]
     try:
         limit(bounds, rules)
-        if "sources" in task:
-            answer(word, shape=likeness.shape_of(parsed(task["sources"])))
-            return
         if task["allowed"] is not None or task["denied"]:
             guard_imports(task)
         name, reply = begin(task)
@@ -183,15 +179,6 @@ def begin(task: dict[str, Any]) -> tuple[str, Callable[[dict[str, Any]], dict[st
         return {"action": as_action(agent.act(observation))}
 
     return type(agent).__name__, act
-
-
-def parsed(sources: list[tuple[str, str]]) -> Iterator[ast.AST]:
-    """Yield the syntax trees of sources, none of which is run."""
-    for suffix, text in sources:
-        if suffix == ".ipynb":
-            yield from notebook.trees_of(text.encode(), "").values()
-        else:
-            yield ast.parse(text)
 
 
 def limit(bounds: dict[str, Any], rules: int | None) -> None:

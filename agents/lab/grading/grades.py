@@ -25,7 +25,7 @@ from warehouse_core.files.atomic import atomic_path
 from warehouse_core.files.reading import read_file
 from warehouse_core.wording import counted, listed, printable, spreadsheet_text
 
-NAME, POINTS, MOST, LATE, FAILURE, OUTCOMES, SIMILAR, CODE, RUBRIC = TAKEN
+NAME, POINTS, MOST, LATE, FAILURE, OUTCOMES, CODE, RUBRIC = TAKEN
 
 DAYS = "days"
 """Column of a table of late submissions."""
@@ -51,7 +51,7 @@ GradeRow = dict[str, str]
 def columns_of(rubric: Rubric) -> list[str]:
     """Return the columns of the table of a rubric."""
     names = (each.name for each in rubric.criteria)
-    return [NAME, POINTS, MOST, *names, LATE, FAILURE, OUTCOMES, SIMILAR, CODE, RUBRIC]
+    return [NAME, POINTS, MOST, *names, LATE, FAILURE, OUTCOMES, CODE, RUBRIC]
 
 
 def row_of(name: str, report: GradeReport) -> GradeRow:
@@ -61,7 +61,7 @@ def row_of(name: str, report: GradeReport) -> GradeRow:
         **{each.criterion.name: f"{each.points:g}" for each in report.grades},
         LATE: str(report.late),
         FAILURE: plain("" if report.points else "; ".join(report.remarks)),
-        OUTCOMES: report.outcomes, SIMILAR: "", CODE: report.code, RUBRIC: report.rubric,
+        OUTCOMES: report.outcomes, CODE: report.code, RUBRIC: report.rubric,
     }  # fmt: skip
 
 

@@ -40,9 +40,7 @@ read with the rubric."""
 
 MAX_EPISODES, MAX_COUNT, MAX_SEED, MAX_DAYS = 10_000, 1_000_000, 2**31 - 1, 3_650
 
-TAKEN = (
-    "submission", "points", "of", "late", "failure", "outcomes", "similar", "code", "rubric",
-)  # fmt: skip
+TAKEN = ("submission", "points", "of", "late", "failure", "outcomes", "code", "rubric")
 """Columns of a table of grades that are not of a criterion."""
 
 

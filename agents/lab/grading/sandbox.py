@@ -151,11 +151,6 @@ class AgentProcess:
                 failure.kind = LOAD
             raise
 
-    def shape(self, sources: list[tuple[str, str]]) -> frozenset[int]:
-        """Return the fingerprints of sources; they are parsed in the process, and not run."""
-        answer = self._ask({"sources": sources}, self._limits.start_seconds)
-        return frozenset(answer["shape"])
-
     def act(self, observation: Observation) -> str | int:
         """Return the action for an observation, or raise the ``AgentFailureError``."""
         action = self._ask_in_time({"observation": observation}).get("action")

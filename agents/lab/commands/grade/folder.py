@@ -16,7 +16,6 @@ from agents.errors import AgentError, GradeError, WorkerError
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.grading.cases import GradedCase
-from agents.lab.grading.copies import find_copies
 from agents.lab.grading.criteria import VISIBILITIES
 from agents.lab.grading.grades import (
     CODE,
@@ -25,7 +24,6 @@ from agents.lab.grading.grades import (
     NAME,
     POINTS,
     RUBRIC,
-    SIMILAR,
     GradeRow,
     columns_of,
     failed_row,
@@ -121,10 +119,6 @@ def grade_folder(
         done = f"{len(rows)} of {counted(len(found), 'submission')} are in {target}"
         say(f"{done}; run the same command again to resume")
         raise
-    alike = find_copies([each for each in found if isinstance(each, Submission)], rubric)
-    for name, row in rows.items():
-        rows[name] = row | {SIMILAR: plain(alike.get(name, ""))}
-    save_grades(target, columns_of(rubric), rows)
     _print_grades(rows, rubric)
     if pages is not None:
         say(f"saved {_write_index(pages, rows, rubric)}, the page of the class")
@@ -191,9 +185,6 @@ def _print_grades(rows: dict[str, GradeRow], rubric: Rubric) -> None:
     for row in ordered:
         if row[FAILURE]:
             say(f"{row[NAME]}: {row[FAILURE]}")
-    for row in ordered:
-        if row[SIMILAR]:
-            say(f"{row[NAME]} is like {row[SIMILAR]}: a hint to look, and no verdict")
     for sentence in summary_of(rows.values(), rubric).sentences:
         say(sentence)
 
@@ -246,7 +237,7 @@ def _write_index(pages: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> P
     from agents.lab.reports.page import write_template
 
     lines = [
-        (_link(pages, row[NAME]), row[NAME], row[POINTS], row[LATE], row[SIMILAR], row[FAILURE])
+        (_link(pages, row[NAME]), row[NAME], row[POINTS], row[LATE], row[FAILURE])
         for row in _best_first(rows)
     ]
     path, summary = pages / f"{INDEX}{PAGE}", summary_of(rows.values(), rubric)
