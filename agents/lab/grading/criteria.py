@@ -71,7 +71,6 @@ class Criterion(NamedTuple):
             there are all points or none.
         needs: an earlier criterion; without any points there are none here either.
         visibility: time at which pages and Gradescope show it, one of ``VISIBILITIES``.
-        leaderboard: Gradescope shows the number on its leaderboard.
 
     Example:
         >>> from agents.lab.grading.criteria import Criterion
@@ -88,7 +87,6 @@ class Criterion(NamedTuple):
     zero: float
     needs: str | None = None
     visibility: str = "visible"
-    leaderboard: bool = False
 
     @property
     def measure(self) -> GradedMeasure:

@@ -3,19 +3,16 @@
 The archive of an autograder has this program as it is here, so that agents are graded there as
 here, and the versions of the libraries that it needs.
 
-Source: gradescope-autograders.readthedocs.io, "Technical Details", "Output format" and "Submission
-Metadata".
+Source: gradescope-autograders.readthedocs.io, "Technical Details" and "Output format".
 """
 
 from __future__ import annotations
 
 import json
-import math
 import os
 import re
 import sys
 from collections.abc import Iterator
-from datetime import datetime, timedelta
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 from typing import Any
@@ -23,13 +20,12 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from agents.errors import GradeError
 from agents.lab.grading.grading import Grade, GradeReport, grade
-from agents.lab.grading.rubric import MAX_DAYS, Rubric, load_rubric
+from agents.lab.grading.rubric import Rubric, load_rubric
 from agents.lab.grading.sandbox import check_trust
 from agents.lab.grading.submissions import submission_at
 from agents.lab.runs.programs import OWN, ROOT
 from warehouse_core.errors import WarehouseError
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.files.reading import read_file
 
 __all__ = ["results_of"]
 
@@ -64,8 +60,6 @@ ENDED = "The grader was ended before it was done, by a limit on its time or memo
 NOBODY = "nobody"
 """User that runs agents where the grader is root, as it is in Gradescope's containers."""
 
-MAX_METADATA = 1_000_000
-
 
 def results_of(report: GradeReport) -> dict[str, Any]:
     """Return the results of a report, to be written as JSON.
@@ -84,9 +78,8 @@ def results_of(report: GradeReport) -> dict[str, Any]:
         >>> results_of(report)["score"]
         10.0
     """
-    leaders = [each for each in report.grades if each.criterion.leaderboard]
     points = f"{report.agent}: {report.points:g} of {report.max_points:g} points"
-    results = {
+    return {
         **failed_results("\n".join([report.title, points, *report.remarks])),
         "score": report.points,
         "test_output_format": "text",
@@ -96,16 +89,6 @@ def results_of(report: GradeReport) -> dict[str, Any]:
         },
         "tests": [_test(number, grade) for number, grade in enumerate(report.grades, 1)],
     }
-    if leaders:
-        results["leaderboard"] = [
-            {
-                "name": each.criterion.name,
-                "value": round(each.value, 3),
-                "order": "desc" if each.criterion.measure.more_is_better else "asc",
-            }
-            for each in leaders
-        ]
-    return results
 
 
 def failed_results(reason: str) -> dict[str, Any]:
@@ -185,22 +168,7 @@ def run(root: Path) -> dict[str, Any]:
         submission = submission._replace(shown=str(Path(submission.shown).relative_to(folder)))
     user = NOBODY if os.getuid() == 0 else None
     check_trust(user, is_trusted=False, are_many=False)
-    return results_of(grade(submission, rubric, user, late=days_late(root)))
-
-
-def days_late(root: Path) -> int:
-    """Return the days that a submission is late, by what Gradescope tells of it; 0 if it does not.
-
-    A day that has begun counts.
-    """
-    try:
-        told: Any = json.loads(read_file(root / "submission_metadata.json", MAX_METADATA))
-        made = datetime.fromisoformat(told["created_at"])
-        due = datetime.fromisoformat(told["assignment"]["due_date"])
-        days = math.ceil((made - due) / timedelta(days=1))
-    except (OSError, ValueError, LookupError, TypeError, RecursionError):
-        return 0
-    return min(max(days, 0), MAX_DAYS)
+    return results_of(grade(submission, rubric, user))
 
 
 def main() -> None:

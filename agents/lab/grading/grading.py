@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections import Counter
-from collections.abc import Callable, Collection
+from collections.abc import Callable
 from typing import NamedTuple
 
 from agents.errors import GradeError
@@ -23,7 +23,6 @@ class Grade(NamedTuple):
 
     Attributes:
         worst: course of the worst episode in words, or "" if all points were given.
-        value: number that was measured.
         run: worst episode, or ``None`` if there is none or it is hidden.
         command: command that shows the worst episode, or "" if there is none, if it is hidden, and
             of a notebook, which ``warehouse run`` does not read.
@@ -41,7 +40,6 @@ class Grade(NamedTuple):
     seen: str
     worst: str = ""
     command: str = ""
-    value: float = 0.0
     run: Run | None = None
 
     @property
@@ -65,9 +63,7 @@ class GradeReport(NamedTuple):
         rubric: the digest of the rubric; ``code`` is the digest of the agent's code.
         failure: reason why no episode could begin, or "".
         reason: reason why there are no points at all, or "".
-        note: names of its files that hide modules, as a sentence, or "".
         outcomes: number of episodes with each outcome, in words.
-        late: days that it is late; ``taken`` are the points that this takes.
         withheld: points of criteria that are not shown yet.
 
     Example:
@@ -89,24 +85,20 @@ class GradeReport(NamedTuple):
     grades: tuple[Grade, ...]
     failure: str
     reason: str
-    note: str
     episodes: int
     outcomes: str = ""
-    late: int = 0
-    taken: float = 0.0
     withheld: float = 0.0
 
     @property
     def remarks(self) -> list[str]:
-        """The reason for no points, what was taken, what is not shown yet, and the note."""
-        late = f"{counted(self.late, 'day')} late: {self.taken:g} points less" if self.late else ""
+        """The reason for no points, and what is not shown yet."""
         withheld = f"{self.withheld:g} more points are not shown yet" if self.withheld else ""
-        return list(filter(None, (self.failure or self.reason, late, withheld, self.note)))
+        return list(filter(None, (self.failure or self.reason, withheld)))
 
     @property
     def points(self) -> float:
-        """The sum of the points, less those that were taken."""
-        return max(round(sum(grade.points for grade in self.grades) - self.taken, 2), 0.0)
+        """The sum of the points."""
+        return round(sum(grade.points for grade in self.grades), 2)
 
     @property
     def max_points(self) -> float:
@@ -132,7 +124,6 @@ def grade(
     rubric: Rubric,
     user: str | None = None,
     advance: Callable[[], None] = lambda: None,
-    late: int = 0,
     *,
     make_runner: type[Sandbox | SameProcess] = Sandbox,
 ) -> GradeReport:
@@ -146,7 +137,6 @@ def grade(
         rubric: criteria, cases and limits.
         user: another user as which the agent runs, see ``Sandbox``.
         advance: called after each episode.
-        late: number of days that the submission is late.
         make_runner: class that runs the episodes, in processes of their own or in this one.
 
     Raises:
@@ -166,16 +156,15 @@ def grade(
     # Hidden ones last: what an agent keeps of them in files is not told in visible ones.
     cases = sorted(rubric.used_cases, key=lambda case: not case.visible)
     limits = rubric.limits
-    with submission.unpacked(user) as unpacked:
-        with make_runner(unpacked, limits, user, rubric.files) as runner:
-            runs = run_cases(runner, cases, limits.give_up_after, advance)
-        note = _note(unpacked.hiding)
-    return judge(submission, rubric, runs, note, late)
+    with (
+        submission.unpacked(user) as unpacked,
+        make_runner(unpacked, limits, user, rubric.files) as runner,
+    ):
+        runs = run_cases(runner, cases, limits.give_up_after, advance)
+    return judge(submission, rubric, runs)
 
 
-def judge(
-    submission: Submission, rubric: Rubric, runs: Runs, note: str = "", late: int = 0
-) -> GradeReport:
+def judge(submission: Submission, rubric: Rubric, runs: Runs) -> GradeReport:
     """Return the report of a submission whose episodes were run; see ``grade``."""
     played = (run.agent for run in runs if run.agent and run.case.unit != CALL)
     name = submission.called(next(played, None))
@@ -183,13 +172,12 @@ def judge(
     for criterion in rubric.criteria:
         grades[criterion.name] = _judge(criterion, runs, grades, name)
     is_loaded = any(run.agent for run in runs)
-    report = GradeReport(
+    return GradeReport(
         printable(name), rubric.title, rubric.digest, submission.digest, tuple(grades.values()),
         failure="" if is_loaded else runs[0].told,
         reason="" if any(each.points for each in grades.values()) else _reason(runs),
-        note=note, episodes=len(runs), outcomes=outcomes(runs), late=late,
+        episodes=len(runs), outcomes=outcomes(runs),
     )  # fmt: skip
-    return report._replace(taken=rubric.late.taken(late, report.points))
 
 
 def _reason(runs: Runs) -> str:
@@ -204,13 +192,6 @@ def _reason(runs: Runs) -> str:
     return f"no points: {count} of {counted(len(runs), unit)} failed: it {first.told}"
 
 
-def _note(hiding: Collection[str]) -> str:
-    if not hiding:
-        return ""
-    hide, modules = ("hide", "modules") if len(hiding) > 1 else ("hides", "a module")
-    return f"{', '.join(hiding)} {hide} {modules} of that name from all imports"
-
-
 def _judge(criterion: Criterion, runs: Runs, before: dict[str, Grade], name: str) -> Grade:
     measure = criterion.measure
     asked = [run for run in runs if run.case.name in criterion.cases and measure.counts(run)]
@@ -222,7 +203,7 @@ def _judge(criterion: Criterion, runs: Runs, before: dict[str, Grade], name: str
     joint = "of" if measure.shown is percent else "in"
     episodes = counted(len(asked), measure.unit)
     seen = f"{_told(criterion, value)} {joint} {episodes}: {measure.seen(asked)}"
-    found = Grade(criterion, criterion.points_for(value), seen, value=value)
+    found = Grade(criterion, criterion.points_for(value), seen)
     if not found.is_full:
         worst = _worst(criterion, asked)
         if worst.case.visible:

@@ -7,13 +7,12 @@ from __future__ import annotations
 
 import hashlib
 import json
-import math
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
-from typing import Any, NamedTuple
+from typing import Any
 
 from agents.errors import GradeError
 from agents.lab.grading.cases import Call, CallCase, Case, GradedCase
@@ -34,25 +33,10 @@ EXERCISES = Path(__file__).parents[2] / "handbook" / "exercises"
 SOLUTIONS = EXERCISES / "solutions"
 """Folder of the solutions, which the repository has, and an installed package has not."""
 
-MAX_CASES, MAX_CELLS = 1_000, 2_000_000
-"""Limits on the cases of a rubric, and on the cells of all their layouts, each of which is drawn or
-read with the rubric."""
+MAX_EPISODES, MAX_COUNT, MAX_SEED = 10_000, 1_000_000, 2**31 - 1
 
-MAX_EPISODES, MAX_COUNT, MAX_SEED, MAX_DAYS = 10_000, 1_000_000, 2**31 - 1, 3_650
-
-TAKEN = ("submission", "points", "of", "late", "failure", "outcomes", "code", "rubric")
+TAKEN = ("submission", "points", "of", "failure", "outcomes", "code", "rubric")
 """Columns of a table of grades that are not of a criterion."""
-
-
-class LateRule(NamedTuple):
-    """The points that each day takes, and the last day on which there are any."""
-
-    points: float = 0.0
-    days: int = MAX_DAYS
-
-    def taken(self, days: int, points: float) -> float:
-        """Return how many of an agent's points are taken for some days."""
-        return points if days > self.days else min(days * self.points, points)
 
 
 @dataclass(frozen=True, slots=True)
@@ -74,7 +58,6 @@ class Rubric:
     criteria: tuple[Criterion, ...]
     digest: str
     file: Path
-    late: LateRule
 
     @property
     def points(self) -> float:
@@ -173,14 +156,12 @@ CALLED: dict[str, CheckValue] = {"function": text, "calls": calls, "visible": fl
 CRITERION: dict[str, CheckValue] = {
     "name": text, "points": Number(0, MAX_COUNT), "measure": one_of(*MEASURES), "cases": NAMES,
     "full": Number(0, MAX_COUNT), "zero": Number(0, MAX_COUNT), "needs": text,
-    "visibility": one_of(*VISIBILITIES), "leaderboard": flag,
+    "visibility": one_of(*VISIBILITIES),
 }  # fmt: skip
 NEEDED = ("name", "points", "measure", "cases", "full")
 
-LATE: dict[str, CheckValue] = {"points": Number(0, MAX_COUNT), "days": Whole(0, MAX_DAYS)}
-
 TOP: dict[str, CheckValue] = {"title": text}
-PARTS = ("limits", "late", "cases", "criteria")
+PARTS = ("limits", "cases", "criteria")
 
 
 class _Reader:
@@ -272,17 +253,13 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
     single = {key: value for key, value in values.items() if key not in PARTS}
     top = reader.table(single, TOP | dict.fromkeys(PARTS, text), "")
     limits = AgentLimits(**reader.table(values.get("limits", {}), LIMITS, "[limits]"))
-    late = LateRule(**reader.table(values.get("late", {}), LATE, "[late]"))
     tables = values.get("cases")
     if not isinstance(tables, dict) or not tables:
         raise reader.fail("there are no [cases.NAME]; a rubric needs episodes")
-    if len(tables) > MAX_CASES:
-        raise reader.fail(f"{len(tables):,} cases are more than MAX_CASES = {MAX_CASES}")
     cases = {name: _make_case(reader, name, each) for name, each in tables.items()}
-    cells = 0
     for case in cases.values():
         if isinstance(case, GradedCase):
-            cells += _check_case(reader, case, digest, MAX_CELLS - cells)
+            _check_case(reader, case, digest)
     rows = values.get("criteria")
     if not isinstance(rows, list) or not rows:
         raise reader.fail("there are no [[criteria]]; a rubric needs at least one")
@@ -290,7 +267,7 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
     for count, row in enumerate(rows, 1):
         criteria.append(_make_criterion(reader, row, count, cases, criteria))
     title = top.get("title", reader.path.stem)
-    return Rubric(title, limits, cases, tuple(criteria), digest.hexdigest(), reader.path, late)
+    return Rubric(title, limits, cases, tuple(criteria), digest.hexdigest(), reader.path)
 
 
 def _make_case(reader: _Reader, name: str, values: Any) -> Case:
@@ -311,31 +288,16 @@ def _make_case(reader: _Reader, name: str, values: Any) -> Case:
     return GradedCase(name, **found)
 
 
-def _check_case(reader: _Reader, case: GradedCase, digest: Any, most: int) -> int:
-    """Return the cells of a layout, of which there may be so many; add it to the digest.
-
-    Raises if an episode cannot begin.
-    """
+def _check_case(reader: _Reader, case: GradedCase, digest: Any) -> None:
+    """Raise if an episode cannot begin, and add the layout to the digest."""
     try:
-        _check_cells(math.prod(case.size) if case.layout == RANDOM else 0, most)
         layout = case.layout_of(case.first_seed)
-        cells = layout.height * layout.width
-        _check_cells(cells, most)
         check_stations(layout, case.stations_of(layout), case.layout, 'stations = "drawn"')
         with case.begin(case.first_seed):
             pass
-        digest.update("\n".join(layout.rows).encode())
-        return cells
     except (LayoutError, OSError) as error:
         raise reader.fail(f"layout: {error}", f"[cases.{case.name}]", key="layout") from None
-
-
-def _check_cells(cells: int, most: int) -> None:
-    if cells > most:
-        raise LayoutError(
-            f"with its {brief(cells)} cells the layouts of all cases have more than MAX_CELLS = "
-            f"{MAX_CELLS}"
-        )
+    digest.update("\n".join(layout.rows).encode())
 
 
 def _make_criterion(
@@ -372,8 +334,6 @@ def _make_criterion(
     found["zero"] = found.get("zero", found["full"])
     found["kind"] = found.pop("measure")
     measure = MEASURES[found["kind"]]
-    if found.get("leaderboard") and measure.is_secret:
-        raise fail(f"{found['kind']} is different each time, and on no leaderboard", "leaderboard")
     if not measure.is_better(found["full"], found["zero"], or_equal=True):
         side = "above" if measure.more_is_better else "below"
         raise fail(f"full is {found['full']:g} and zero {found['zero']:g}; "

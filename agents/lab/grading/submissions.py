@@ -6,7 +6,6 @@ import hashlib
 import os
 import re
 import stat
-import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
 from contextlib import contextmanager
 from itertools import islice
@@ -16,9 +15,9 @@ from typing import NamedTuple
 
 from agents.errors import AgentError
 from agents.lab.grading.archives import MAX_BYTES, MAX_FILES, members_of, read_member, unpack
-from agents.lab.runs.programs import ROOT, digest_of, fingerprint
+from agents.lab.runs.programs import digest_of, fingerprint
 from warehouse_core.files.reading import not_a_file
-from warehouse_core.wording import listed, printable
+from warehouse_core.wording import listed
 
 __all__ = ["Submission", "find_submission", "in_folder"]
 
@@ -111,18 +110,6 @@ class Submission(NamedTuple):
     def is_built_in(self) -> bool:
         """Whether it is an agent of this program."""
         return self.file is None and self.shown != self.module
-
-    @property
-    def hiding(self) -> list[str]:
-        """The names of files and folders beside its file that hide modules from all imports."""
-        known = {*sys.stdlib_module_names, *IMPORTED_ONCE}
-        places = map(Path, self.paths if self.file else ())
-        beside = (path for place in places if place.is_dir() for path in sorted(place.iterdir()))
-        return [
-            printable(path.name) for path in beside
-            if path.stem in known and path != ROOT / path.name
-            and (path.suffix == ".py" or (path / "__init__.py").exists())
-        ]  # fmt: skip
 
 
 class Unusable(NamedTuple):

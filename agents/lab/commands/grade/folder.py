@@ -20,7 +20,6 @@ from agents.lab.grading.criteria import VISIBILITIES
 from agents.lab.grading.grades import (
     CODE,
     FAILURE,
-    LATE,
     NAME,
     POINTS,
     RUBRIC,
@@ -60,7 +59,6 @@ def grade_folder(
     pages: Path | None,
     user: str | None,
     jobs: int,
-    late: Mapping[str, int] | None = None,
     when: str = VISIBILITIES[0],
 ) -> dict[str, GradeRow]:
     """Grade the submissions in a folder that have changed, and write the table after each.
@@ -73,7 +71,6 @@ def grade_folder(
         pages: folder for the page and the results of each, or ``None``.
         user: user that runs agents, see ``Sandbox``.
         jobs: number of processes.
-        late: days by which submissions are late, by their names; others are not.
         when: time at which students see the pages, one of ``VISIBILITIES``.
 
     Returns:
@@ -83,15 +80,13 @@ def grade_folder(
 
     ours = [target, *rubric.files, rubric.starter, *([pages] if pages else [])]
     found = list(in_folder(folder, kind, ours))
-    _check_names(folder, [each.name for each in found], late or {})
-    days_of = dict.fromkeys((each.name for each in found), 0) | dict(late or {})
+    _check_names(folder, [each.name for each in found])
     before, rows = load_grades(target), dict[str, GradeRow]()
     waiting = list[Submission]()
     for each in found:
-        days = days_of[each.name]
         if isinstance(each, Unusable):
-            rows[each.name] = failed_row(each.name, each.reason, rubric, late=days)
-        elif _is_done(each, before, rubric, days) and (
+            rows[each.name] = failed_row(each.name, each.reason, rubric)
+        elif _is_done(each, before, rubric) and (
             pages is None or _are_written(pages, each, rubric, when)
         ):
             rows[each.name] = before[plain(each.name)]
@@ -107,12 +102,11 @@ def grade_folder(
             progress_bar(len(waiting), "submissions") as advance,
         ):
             futures = {
-                pool.submit(_grade, each, rubric, user, pages, days_of[each.name], when): each
-                for each in waiting
+                pool.submit(_grade, each, rubric, user, pages, when): each for each in waiting
             }
             for number, future in enumerate(as_completed(futures), 1):
                 each = futures[future]
-                rows[each.name] = _row(future, each, rubric, days_of[each.name])
+                rows[each.name] = _row(future, each, rubric)
                 save_grades(target, columns_of(rubric), rows)
                 advance(number, each.name)
     except KeyboardInterrupt:
@@ -126,43 +120,38 @@ def grade_folder(
     return rows
 
 
-def _check_names(folder: Path, names: list[str], late: Mapping[str, int]) -> None:
+def _check_names(folder: Path, names: list[str]) -> None:
     if not names:
         raise GradeError(f"{folder}: there is no submission in it")
     if INDEX in names:
         raise GradeError(f"{folder / INDEX}: the page of the class has this name; choose another")
-    unknown = [name for name in late if name not in names]
-    if unknown:
-        raise GradeError(
-            f"{folder}: no submission is called {unknown[0]!r}, which is said to be late"
-        )
 
 
-def _is_done(each: Submission, before: dict[str, GradeRow], rubric: Rubric, late: int = 0) -> bool:
+def _is_done(each: Submission, before: dict[str, GradeRow], rubric: Rubric) -> bool:
     row = before.get(plain(each.name))
     if row is None or not row.keys() >= set(columns_of(rubric)):
         return False
-    return (row[CODE], row[RUBRIC], row[LATE]) == (each.digest, rubric.digest, str(late))
+    return (row[CODE], row[RUBRIC]) == (each.digest, rubric.digest)
 
 
 def _grade(
-    each: Submission, rubric: Rubric, user: str | None, pages: Path | None, late: int, when: str
+    each: Submission, rubric: Rubric, user: str | None, pages: Path | None, when: str
 ) -> GradeRow:
     """Grade a submission, in a process of its own."""
-    report = grade(each, rubric, user, late=late)
+    report = grade(each, rubric, user)
     for path in [] if pages is None else _files_of(pages, each):
         write_report(path, report.shown(when))
     return row_of(each.name, report)
 
 
-def _row(future: Future[GradeRow], each: Submission, rubric: Rubric, late: int = 0) -> GradeRow:
+def _row(future: Future[GradeRow], each: Submission, rubric: Rubric) -> GradeRow:
     try:
         return future.result()
     except WorkerError as error:  # an agent has ended the grader
         reason = f"it ended the grader: {error}"
     except AgentError as error:  # an archive that cannot be unpacked
         reason = str(error)
-    return failed_row(each.name, reason, rubric, each.digest, late)
+    return failed_row(each.name, reason, rubric, each.digest)
 
 
 def _best_first(rows: Mapping[str, GradeRow]) -> list[GradeRow]:
@@ -185,7 +174,7 @@ def _print_grades(rows: dict[str, GradeRow], rubric: Rubric) -> None:
     for row in ordered:
         if row[FAILURE]:
             say(f"{row[NAME]}: {row[FAILURE]}")
-    for sentence in summary_of(rows.values(), rubric).sentences:
+    for sentence in summary_of(rows.values(), rubric):
         say(sentence)
 
 
@@ -237,14 +226,12 @@ def _write_index(pages: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> P
     from agents.lab.reports.page import write_template
 
     lines = [
-        (_link(pages, row[NAME]), row[NAME], row[POINTS], row[LATE], row[FAILURE])
-        for row in _best_first(rows)
+        (_link(pages, row[NAME]), row[NAME], row[POINTS], row[FAILURE]) for row in _best_first(rows)
     ]
     path, summary = pages / f"{INDEX}{PAGE}", summary_of(rows.values(), rubric)
     write_template(
-        path, "grades.html", rubric.title, has_players=False, summary=summary, lines=lines,
-        most=max(1, *(count for _, count in summary.ranges)),
-    )  # fmt: skip
+        path, "grades.html", rubric.title, has_players=False, summary=summary, lines=lines
+    )
     return path
 
 

@@ -16,7 +16,7 @@ from agents.lab.console import options
 from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.terminal import say
 from agents.lab.grading.criteria import VISIBILITIES
-from agents.lab.grading.grades import load_days, save_canvas, save_moodle
+from agents.lab.grading.grades import save_canvas, save_moodle
 from agents.lab.grading.gradescope import write_autograder
 from agents.lab.grading.grading import GradeReport
 from agents.lab.grading.grading import grade as grade_agent
@@ -69,14 +69,6 @@ def grade(
             one_of(*VISIBILITIES[:3]),
         ),
     ] = VISIBILITIES[0],
-    late: Annotated[
-        Path | None,
-        option(
-            "--late FILE",
-            "Days that submissions are late, a .csv with the columns submission and days; [late] "
-            "of the rubric says what a day takes.",
-        ),
-    ] = None,
     moodle: Annotated[
         Path | None,
         option("--moodle FILE", "Save grades for Moodle, as .csv.", callback=writable(TABLE)),
@@ -155,18 +147,15 @@ def grade(
         if pages is not None:
             pages.mkdir(parents=True, exist_ok=True)
         say(check_trust(user, trust, are_many=True))
-        days = load_days(late) if late else None
         rows = grade_folder(
-            folder, kind, wanted, target, pages, user, jobs or os.cpu_count() or 1, days, reveal
+            folder, kind, wanted, target, pages, user, jobs or os.cpu_count() or 1, reveal
         )
         for path, save_grades in ((moodle, save_moodle), (canvas, save_canvas)):
             if path is not None:
                 save_grades(path, rows, wanted)
                 say(f"saved {path}")
         return
-    for name, value in {
-        "--pages": pages, "--late": late, "--moodle": moodle, "--canvas": canvas,
-    }.items():  # fmt: skip
+    for name, value in {"--pages": pages, "--moodle": moodle, "--canvas": canvas}.items():
         if value is not None:
             raise typer.BadParameter(f"{name} needs a folder of submissions; {agent!r} is none")
     for path in save:

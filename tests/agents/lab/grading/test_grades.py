@@ -8,14 +8,10 @@ import pytest
 from helpers.submissions import write_rubric
 
 from agents.errors import GradeError
-from agents.lab.grading.cases import Run
-from agents.lab.grading.criteria import outcomes
 from agents.lab.grading.grades import (
     MAX_BYTES,
-    OUTCOMES,
     POINTS,
     failed_row,
-    load_days,
     load_grades,
     save_canvas,
     save_grades,
@@ -76,23 +72,6 @@ def test_a_table_that_is_too_long_or_no_file_is_refused(tmp_path: Path) -> None:
         load_grades(path)
 
 
-def test_a_table_of_days_is_read_and_another_one_refused(tmp_path: Path) -> None:
-    path = tmp_path / "late.csv"
-    path.write_text("\ufeffsubmission,more,days\nann.py,x,2\n=bob,,0\n", encoding="utf-8")
-    assert load_days(path) == {"ann.py": 2, "=bob": 0}
-    for text, reason in {
-        "submission\nann": "the column 'days' is missing",
-        "submission,days\nann,-1": "line 2: days is '-1'; allowed: a whole number from 0 to 3650",
-        "submission,days\nann,\u00b2": "line 2: days is",
-        "submission,days\nann": "line 2: 1 field, not 2",
-        f"submission,days\nann,{'9' * 5000}": "line 2: days is '99999999999999999999'; allowed",
-    }.items():
-        path.write_text(text, encoding="utf-8")
-        with pytest.raises(GradeError, match="it is no table of late submissions") as caught:
-            load_days(path)
-        assert reason in str(caught.value)
-
-
 NAMES = "Ann B_12_assignsubmission_file_", "beebob_34_567_agent.py", "ceecil_LATE_56_7_a b.zip", "d"
 
 
@@ -120,27 +99,11 @@ def test_students_are_found_by_the_numbers_in_names_or_by_names(tmp_path: Path) 
 
 def test_a_class_is_summarised(tmp_path: Path) -> None:
     rubric = load_rubric(write_rubric(tmp_path))
-    runs = [
-        Run(rubric.cases["chapter"], 1, 9, mode=mode)
-        for mode in ["delivered"] * 3 + ["takes too long"] * 2 + ["cannot be loaded", "wandering"]
-    ]
     none = failed_row("none", "no file", rubric)
-    half = none | {POINTS: "49.5", "delivers": "30", "no way": "20", OUTCOMES: outcomes(runs)}
-    full = none | {each.name: f"{each.points:g}" for each in rubric.criteria}
-    full |= {POINTS: "100", OUTCOMES: "1000 delivered and 1 wandering"}
-    found = summary_of([none, half, full], rubric)
-    assert dict(found.ranges) == {
-        f"{n * 10} to {n * 10 + 10}": int(n in (0, 4, 9)) for n in range(10)
-    }
-    assert found.outcomes == [
-        ("delivered", 1003), ("takes too long", 2), ("wandering", 2), ("cannot be loaded", 1),
-    ]  # fmt: skip
-    assert [(each.name, each.submissions) for each in found.missed] == [
-        ("protocol", 2), ("fewest", 2), ("delivers", 2), ("no way", 1),
-    ]  # fmt: skip
-    assert found.missed[2].share == pytest.approx(0.5)
-    assert found.sentences == [
+    half = none | {POINTS: "49.5", "delivers": "30", "no way": "20"}
+    full = none | {each.name: f"{each.points:g}" for each in rubric.criteria} | {POINTS: "100"}
+    assert summary_of([none, half, full], rubric) == [
         "mean 49.8, median 49.5; 1 have all points, 1 none",
         "most miss 'protocol': 2 of 3 lack points of it, and the mean has 33%",
-        "1,008 episodes: 1,003 delivered, 2 takes too long, 2 wandering and 1 cannot be loaded",
     ]
+    assert summary_of([full], rubric) == ["mean 100.0, median 100; 1 have all points, 0 none"]

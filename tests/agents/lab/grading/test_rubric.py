@@ -1,7 +1,6 @@
 """Rubrics: what is refused, and how points grow."""
 
 import os
-import re
 from dataclasses import fields
 from pathlib import Path
 
@@ -9,15 +8,13 @@ import pytest
 from helpers.submissions import RUBRIC, write_rubric
 
 from agents.errors import GradeError
-from agents.lab.grading import cases
 from agents.lab.grading.cases import GradedCase
 from agents.lab.grading.criteria import MEASURES, Criterion
 from agents.lab.grading.grading import grade
-from agents.lab.grading.rubric import CASE, LIMITS, MINI_LAB, LateRule, load_rubric
+from agents.lab.grading.rubric import CASE, LIMITS, MINI_LAB, load_rubric
 from agents.lab.grading.sandbox import AgentLimits
 from agents.lab.grading.submissions import find_submission
 from agents.lab.toml_text import MAX_BYTES
-from warehouse_core import Layout
 
 LINE = 1 + RUBRIC.splitlines().index("[cases.chapter]")
 
@@ -69,33 +66,6 @@ def test_a_rubric_that_is_too_long_or_no_file_is_refused(tmp_path: Path) -> None
             load_rubric(tmp_path / f"{name}.toml")
 
 
-@pytest.mark.parametrize(
-    ("count", "lines", "message"),
-    [
-        (1_001, "", "1,005 cases are more than MAX_CASES = 1000"),
-        (1_000, 'layout = "random"\nsize = [300, 300]\n', "1,004 cases"),
-        (60, 'layout = "random"\nsize = [300, 300]\n', "MAX_CELLS = 2000000"),
-        (1, f'layout = "random"\nsize = [4, 1{"0" * 1900}]\n', "more than MAX_CELLS = 2000000"),
-        (1, 'layout = "large.txt"\n', "with its 2250000 cells the layouts of all cases have"),
-    ],
-)
-def test_the_layouts_of_a_rubric_are_not_drawn_beyond_a_limit(
-    tmp_path: Path, count: int, lines: str, message: str, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    drawn = []
-
-    def draw(height: int, width: int, *_: object) -> Layout:
-        drawn.append(height * width)
-        return Layout([width * "."] * height)
-
-    monkeypatch.setattr(cases, "random_layout", draw)
-    (tmp_path / "large.txt").write_text("\n".join(["." * 1500] * 1500))
-    more = "".join(f"[cases.more{number}]\n{lines}" for number in range(count))
-    with pytest.raises(GradeError, match=re.escape(message)):
-        load_rubric(write_rubric(tmp_path, f"{RUBRIC}\n{more}"))
-    assert sum(drawn) <= 2 * 2_000_000  # once for the digest, and once to begin an episode
-
-
 def test_a_criterion_without_any_episode_is_refused(tmp_path: Path) -> None:
     rubric = RUBRIC.replace('cases = ["closed"]', 'cases = ["loops"]')
     with pytest.raises(GradeError, match="'no way': none of its cases has an episode without a"):
@@ -137,10 +107,3 @@ def test_the_rubric_of_the_mini_lab_has_100_points_and_names_every_measure() -> 
     assert rubric.points == 100
     text = MINI_LAB.read_text(encoding="utf-8")
     assert all(f"#   {name} " in text for name in MEASURES)
-
-
-def test_each_day_takes_points_and_after_the_last_there_are_none() -> None:
-    rule = LateRule(points=10, days=2)
-    assert [rule.taken(days, 75) for days in range(4)] == [0, 10, 20, 75]
-    assert rule.taken(2, 15) == 15
-    assert LateRule().taken(9, 75) == 0

@@ -168,7 +168,6 @@ def test_an_agent_that_ended_the_grader_has_no_points(rubric: Path) -> None:
     assert row["points"] == "0"
     assert row["failure"] == "it ended the grader: its process was ended by signal 9"
     assert _is_done(submission, {submission.name: row}, asked)
-    assert not _is_done(submission, {submission.name: row}, asked, late=1)
     del row["no way"]  # a criterion
     assert not _is_done(submission, {submission.name: row}, asked)
 
@@ -246,29 +245,23 @@ def test_the_files_of_a_class_are_written_and_not_written_over(
     assert Path("a.zip").stat().st_size > 100_000
 
 
-LATER = RUBRIC.replace("points = 20\n", 'points = 20\nvisibility = "after_due_date"\n').replace(
-    "[limits]", "[late]\npoints = 5\n[limits]"
-)
+LATER = RUBRIC.replace("points = 20\n", 'points = 20\nvisibility = "after_due_date"\n')
 
 
 def test_pages_show_what_is_visible_by_then_in_one_file_each(
     warehouse: Warehouse, rubric: Path
 ) -> None:
-    rubric.write_text(LATER.replace("points = 60\n", "points = 60\nleaderboard = true\n"))
+    rubric.write_text(LATER)
     write_submissions(Path("all"), "none_without_way")
     Path("all", "<b>").mkdir()
     Path("all", "<b>", "agent.py").write_text("", encoding="utf-8")
-    Path("late.csv").write_text("submission,days\nnone_without_way,2\n")
-    words = ("grade", "--trust", "all", "--rubric", rubric, "--jobs", 1, "--pages", "pages",
-             "--late", "late.csv")  # fmt: skip
+    words = ("grade", "--trust", "all", "--rubric", rubric, "--jobs", 1, "--pages", "pages")
     warehouse(*words)
-    assert rows_of("grades.csv")["none_without_way"]["points"] == "60"
+    assert rows_of("grades.csv")["none_without_way"]["points"] == "70"
     page, results = (Path("pages", f"none_without_way{end}") for end in (".html", ".json"))
     text, found = page.read_text(encoding="utf-8"), json.loads(results.read_text())
     assert [test["name"] for test in found["tests"]] == ["delivers", "protocol", "fewest"]
-    assert found["leaderboard"] == [{"name": "delivers", "value": 1.0, "order": "desc"}]
-    assert "60 of 80 points" in text
-    assert "2 days late: 10 points less" in text
+    assert "70 of 80 points" in text
     assert "20 more points are not shown yet" in text
     assert "no way" not in text
     assert "<iframe" in text, "the worst episode plays"
@@ -282,11 +275,9 @@ def test_pages_show_what_is_visible_by_then_in_one_file_each(
     assert "0 graded, 2 unchanged" in warehouse(*words, "--reveal", "after_due_date").out
 
 
-def test_names_that_cannot_be_are_refused(refused: Refused, rubric: Path) -> None:
+def test_a_name_that_cannot_be_is_refused(refused: Refused, rubric: Path) -> None:
     write_submissions(Path("all"), "searches")
-    Path("late.csv").write_text("submission,days\nsearch,2\n")
-    words = "grade", "--trust", "all", "--rubric", rubric, "--late", "late.csv"
-    assert refused(*words) == "all: no submission is called 'search', which is said to be late"
+    words = "grade", "--trust", "all", "--rubric", rubric
     Path("all", "index").mkdir()
     assert refused(*words).startswith("all/index: the page of the class has this name")
 
