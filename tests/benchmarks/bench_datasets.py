@@ -6,8 +6,8 @@ from time import perf_counter, process_time
 
 import pytest
 
-from agents.lab.datasets.lone import LoneSource
 from agents.lab.datasets.minari_files import save_dataset
+from agents.lab.datasets.source import Source
 
 EPISODES, ROUNDS = 3_000, 3
 LEAST = 1e6
@@ -19,7 +19,7 @@ def test_a_million_steps_a_minute_are_recorded_and_written(
     agent: str, measured, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setenv("MINARI_DATASETS_PATH", str(tmp_path))
-    source, seeds = LoneSource(agent), range(EPISODES)
+    source, seeds = Source(agent), range(EPISODES)
     steps = sum(episode.steps for episode in source.episodes(seeds))
 
     def took() -> tuple[float, float]:

@@ -206,8 +206,8 @@ IMPOSSIBLE = {
     "export e.npz t.csv": "t.csv: cannot save as .csv; allowed: .mcap",
     "export e.npz t": "t: cannot save as a file without a suffix; allowed: .mcap",
     "export e.npz e.mcap": "e.npz: No such file or directory",
-    "export r.sqlite e.mcap": "e.mcap: cannot save as .mcap; allowed: .csv, .parquet",
-    "export r.sqlite t": "allowed: .csv, .parquet",
+    "export r.sqlite e.mcap": "e.mcap: cannot save as .mcap; allowed: .csv",
+    "export r.sqlite t": "allowed: .csv",
     "export r.sqlite t.csv": "r.sqlite: there is no such file",
 }
 """Command lines that are well formed, and what is said of those that cannot be carried out."""

@@ -4,7 +4,6 @@ import sys
 from pathlib import Path
 
 import minari
-import numpy as np
 import pytest
 from helpers.command_line import Refused, Warehouse
 
@@ -41,19 +40,6 @@ def test_without_a_seed_datasets_differ(warehouse: Warehouse) -> None:
         assert warehouse("export", f"any-v{version}", "-n", 3).code == 0
     first, second = (minari.load_dataset(f"any-v{version}")[0] for version in range(2))
     assert first.observations[0].tolist() != second.observations[0].tolist()
-
-
-@pytest.mark.parametrize("director", [("--agent", "greedy"), ("--planner", "pibt")])
-def test_a_dataset_of_a_fleet_is_joint(warehouse: Warehouse, director: tuple[str, str]) -> None:
-    words = "-r", 3, "-n", 2, "--seed", 1, "--max-steps", 40, "--layout", "depot", *director
-    assert warehouse("export", "fleet-v0", *words).code == 0
-    loaded = minari.load_dataset("fleet-v0")
-    assert loaded.storage.metadata["algorithm_name"] == director[1]
-    for episode in loaded:
-        assert episode.actions.shape == (40, 3)
-        assert (episode.rewards == episode.infos["rewards"][1:].sum(axis=1)).all()
-        moving = np.any(np.diff(episode.observations[:, :, -11:-9], axis=0), axis=(0, 2))
-        assert moving.all(), "each robot moves"
 
 
 def test_what_cannot_be_is_refused_before_any_episode(

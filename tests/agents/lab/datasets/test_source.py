@@ -9,10 +9,8 @@ import pytest
 from helpers.command_line import write_mine
 
 from agents.errors import EpisodeError
-from agents.lab.datasets import lone
-from agents.lab.datasets.infos import EvenInfos
-from agents.lab.datasets.lone import LoneSource
-from agents.lab.datasets.source import INFO_FIELDS, MOTION, OF_STEPS, EpisodeArrays
+from agents.lab.datasets import source as sources
+from agents.lab.datasets.source import MOTION, OF_STEPS, EpisodeArrays, Source
 from agents.lab.place import Place
 from agents.registry import make_agent
 from warehouse_core import Layout
@@ -34,13 +32,13 @@ class Mine:
 @pytest.fixture(autouse=True)
 def few_rows(monkeypatch: pytest.MonkeyPatch) -> None:
     """Record few episodes side by side, so that rows begin the next seed, and then have none."""
-    monkeypatch.setattr(lone, "ROWS", 7)
+    monkeypatch.setattr(sources, "ROWS", 7)
 
 
 @pytest.mark.parametrize("agent", ["greedy", "astar", "random", "mine.py"])
 def test_each_episode_is_the_one_of_the_agent_in_gymnasium_with_the_seed(agent: str) -> None:
     Path("mine.py").write_text(DRAWING)
-    source = LoneSource(agent, max_steps=60, battery=50)
+    source = Source(agent, max_steps=60, battery=50)
     episodes = [*source.episodes(SEEDS)]
     assert [each.seed for each in episodes] == [*SEEDS]
     env = environment(source)
@@ -59,7 +57,7 @@ def test_each_episode_is_the_one_of_the_agent_in_gymnasium_with_the_seed(agent: 
             assert_same(arrays[name], column[1:])
 
 
-def environment(source: LoneSource) -> Any:
+def environment(source: Source) -> Any:
     """Return the environment of Gymnasium that a source tells."""
     assert source.spec is not None
     env: Any = gymnasium.make(source.spec)
@@ -72,7 +70,7 @@ def environment(source: LoneSource) -> Any:
 def test_observations_and_infos_are_those_of_gymnasium_with_the_seed_and_the_actions(
     backend: str, tolerance: float
 ) -> None:
-    source = LoneSource("greedy", Place(named_layout("trap"), (2, 3), "stations"), backend, 40, 30)
+    source = Source("greedy", Place(named_layout("trap"), (2, 3), "stations"), backend, 40, 30)
     env = environment(source)
     for seed, arrays in source.episodes(range(10)):
         steps = [env.reset(seed=seed)]
@@ -96,13 +94,13 @@ def test_episodes_are_the_same_whatever_runs_beside_them(monkeypatch: pytest.Mon
     def digests(found: list[EpisodeArrays]) -> list[dict[str, bytes]]:
         return [{name: each.tobytes() for name, each in arrays.items()} for _, arrays in found]
 
-    source = LoneSource("greedy:memory=5", battery=60)
+    source = Source("greedy:memory=5", battery=60)
     together = digests([*source.episodes(SEEDS)])
-    assert len({len(each["rewards"]) for each in together}) > lone.ROWS
+    assert len({len(each["rewards"]) for each in together}) > sources.ROWS
     alone = [digests([*source.episodes(range(seed, seed + 1))])[0] for seed in SEEDS]
     assert together == alone
-    monkeypatch.setattr(lone, "MAX_BYTES", 1)
-    assert digests([*LoneSource("greedy:memory=5", battery=60).episodes(SEEDS)]) == alone
+    monkeypatch.setattr(sources, "MAX_BYTES", 1)
+    assert digests([*Source("greedy:memory=5", battery=60).episodes(SEEDS)]) == alone
 
 
 @pytest.mark.parametrize(
@@ -118,22 +116,7 @@ def test_an_agent_that_fails_is_named_with_its_seed_and_its_step(
     line: str, returned: str, reason: str
 ) -> None:
     write_mine("act", line, returned)
-    source = LoneSource("mine.py", Place(Layout(["....."]), None, True))
+    source = Source("mine.py", Place(Layout(["....."]), None, True))
     with pytest.raises(EpisodeError) as caught:
         next(source.episodes(range(5, 8)))
     assert str(caught.value).startswith(f"seed 5, step 4, agent mine.py: {reason}")
-
-
-def test_the_callback_for_minaris_collector_gives_the_same_infos_each_time() -> None:
-    source, callback = LoneSource("greedy"), EvenInfos()
-    [(_, arrays)] = source.episodes(range(1))
-    env = environment(source)
-    observation, info = env.reset(seed=0)
-    moments = [callback(env=env, obs=observation, info=info)]
-    for action in arrays["actions"]:
-        observation, reward, terminated, truncated, info = env.step(action)
-        moments.append(callback(env, observation, info, action, reward, terminated, truncated))
-    for name in INFO_FIELDS:
-        column = [moment["info"][name.removeprefix("infos/")] for moment in moments]
-        assert_same(arrays[name], np.array(column))
-    assert [moment["action"] for moment in moments[1:]] == arrays["actions"].tolist()
