@@ -88,17 +88,6 @@ PLANNERS: dict[str, Callable[..., Planner]] = {
 }
 """Planners of the robots of a fleet, by name."""
 
-REMOVED_PLANNERS = {
-    "epibt": "windowed",
-    "epibt-lanes": "windowed-lanes",
-    "epibt-aisles": "windowed-lanes",
-    "timed": "windowed",
-    "timed-lanes": "windowed-lanes",
-    "prioritised": "anytime, or ecbs",
-    "clone": "windowed",
-}
-"""Planners that no longer exist, and what to use instead."""
-
 TRAINED: dict[str, Callable[..., Agent]] = {
     "clone": CloneAgent.load,
     "ppo": PPOAgent.load,
@@ -210,7 +199,6 @@ def make_solver(name: str, known: Mapping[str, Solver], seed: int = 0) -> Solver
         >>> solve = make_solver("ecbs:w=1.1", {"ecbs": solve_eecbs})
     """
     source, options = _split(name)
-    check_planner(name)
     solve = known.get(source) or _load_function(source)
     if solve is None:
         return None
@@ -223,13 +211,6 @@ def make_solver(name: str, known: Mapping[str, Solver], seed: int = 0) -> Solver
         ) from None
     given = {"seed": seed} if takes_seed else {}
     return partial(solve, **given, **_options(f"planner {source!r}", rest, options))
-
-
-def check_planner(name: str) -> None:
-    """Raise an ``AgentError`` if a name is of a planner that no longer exists."""
-    word = name.partition(":")[0]
-    if word in REMOVED_PLANNERS:
-        raise AgentError(f"planner {word!r} no longer exists; use {REMOVED_PLANNERS[word]}")
 
 
 def make_backend(name: str) -> Backend:
@@ -302,8 +283,6 @@ def _make(
     sort: Sort, name: str, seeds: Sequence[int | None], layout: Layout, robots: int | None = None
 ) -> list[Any]:
     """Return one by name for each seed."""
-    if sort is PLANNER:
-        check_planner(name)
     word, colon, rest = name.partition(":")
     if colon and word in sort.trained:
         return [_load_trained(sort, word, rest, seed, layout) for seed in seeds]

@@ -19,7 +19,6 @@ from helpers.pictures import short_episode
 from PIL import Image
 
 import agents.__main__ as program
-from agents.lab.commands.cli import RENAMED_COMMANDS
 from agents.registry import make_agent
 from agents.run_episode import run_episode
 from warehouse_core import Episode
@@ -107,14 +106,6 @@ def test_agents_that_the_help_lists_exist() -> None:
         LEAVES["run"].params[0].help.partition(": ")[2].split(", clone:FILE")[0].split(", ")
     ):
         make_agent(name, 1)
-
-
-@pytest.mark.parametrize(
-    "name", sorted(RENAMED_COMMANDS.keys() - {line.split()[0] for line in LEAVES})
-)
-def test_a_former_command_prints_what_to_type_instead(refused: Refused, name: str) -> None:
-    line = f"the command {name!r} no longer exists; use: {RENAMED_COMMANDS[name]}"
-    assert refused(name, "--seed", 1, code=2) == line
 
 
 @pytest.mark.parametrize(

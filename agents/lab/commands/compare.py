@@ -248,8 +248,8 @@ def compare(
     several sizes share a figure.
 
     backends: an episode on two backends, side by side. With --robots a fleet
-    on the grid, on bodies that stop in every cell or drive through, on
-    disturbed bodies, and on bodies without traffic, as a bound.
+    on the grid, on bodies that stop in every cell or drive through, and on
+    disturbed bodies.
 
     planners: goals that robots reach in a step, over numbers of robots.
 

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-import math
 from collections.abc import Callable, Sequence
 from itertools import cycle
 from typing import TYPE_CHECKING, Annotated, NamedTuple
@@ -23,7 +22,6 @@ from agents.mapf.pibt import PIBT
 from agents.mapf.problem import Problem
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
-    Cell,
     Episode,
     EpisodeRecorder,
     FleetEnv,
@@ -34,16 +32,14 @@ from warehouse_core import (
 )
 from warehouse_core.files.atomic import check_suffix
 from warehouse_core.motion.backends import load_backend
-from warehouse_core.records.plans import StepPlans
-from warehouse_core.viz.tracks.record_track import FRAME_SECONDS, track_of_record
-from warehouse_core.viz.tracks.track import FleetFrame, Frame, Pose, Track, middle
-from warehouse_core.wording import counted, seconds_of
+from warehouse_core.viz.tracks.record_track import track_of_record
+from warehouse_core.viz.tracks.track import Track
+from warehouse_core.wording import counted
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
 if TYPE_CHECKING:
     from agents.mapf.tree_picture import MakeFigure
     from warehouse_core.viz.figure import SceneFigure
-    from warehouse_physics import DrivingMotion
 
 CORRIDOR = Layout(["########", "#P....D#", "########"])
 SLOW_MOTION = 0.025
@@ -54,17 +50,6 @@ CBS_SECONDS = 10.0
 
 HALL = Layout(["#######", "#.....#", "#.....#", "#.....#", "#######"])
 
-
-CROSSING = Layout([*["###.###"] * 3, ".......", *["###.###"] * 3])
-
-CROSSING_PLAN = [
-    [(3, 1 + min(step, 5)), *((row + min(max(step - 2, 0), 4), 3) for row in (2, 1, 0))]
-    for step in range(7)
-]
-"""Cells of a robot that crosses first, and of three that cross behind it, in each step."""
-
-STOP = 15.0
-"""Seconds for which the first robot of ``passing`` stops."""
 
 SHELF_ROWS, SHELF_COLUMNS, SHELF, MARGIN = 5, 2, 8, 2
 """Rows and columns of shelves, their length, and the cells at both sides of them."""
@@ -127,40 +112,6 @@ def slip() -> Demo:
     return Demo(said, [plan_track, _titled(beside, "The same actions, columns 3 and 4 slippery")])
 
 
-def wheels() -> Demo:
-    """The same way of a robot that drives in any direction and of one on two wheels."""
-    from warehouse_physics import RigidBodyMotion, RobotSpec
-
-    episodes = {}
-    for kind in ("omnidirectional", "differential"):
-        backend = RigidBodyMotion(RobotSpec(drive=kind), path_every=2)
-        episodes[kind] = drive(WarehouseEnv(HALL, (1, 1), backend=backend), [*"EESSWWN"], kind)
-    said = "; ".join(
-        f"{kind} drive {seconds_of(episode.seconds)} s and {episode.joules:.0f} J"
-        for kind, episode in episodes.items()
-    )
-    titles = "In any direction", "On two wheels: turns take time and energy"
-    tracks = [track_of_record(episode) for episode in episodes.values()]
-    for track in tracks:
-        track.metrics, track.ending = {}, ""
-    return Demo(said, [*map(_titled, tracks, titles)])
-
-
-def passing() -> Demo:
-    """A robot stops before a crossing: those behind it in the plan wait, or go first."""
-    from warehouse_physics import Disturbances, DrivingMotion, Stop
-
-    disturbances = Disturbances(stops=(Stop(0, 0.3, STOP),))
-    tracks, behind = [], []
-    for switches, title in ((False, "The order of the plan"), (True, "An order that bends")):
-        motion = DrivingMotion(disturbances=disturbances, switches=switches)
-        track, arrivals = drive_plan(motion, CROSSING, CROSSING_PLAN)
-        tracks.append(_titled(track, f"{title}: robot 0 stops for {STOP:g} s"))
-        behind.append(seconds_of(max(arrivals[1:])))
-    said = f"those behind it arrive after {behind[0]} s, or {behind[1]} s if the order bends"
-    return Demo(said, tracks)
-
-
 def pibt() -> Demo:
     """Robots that push others out of their way by PIBT, and the ways of three of them."""
     layout, log = find_layout(DEPOT), PlanLog([0, 1, 2], pushes=True)
@@ -216,8 +167,6 @@ def lanes() -> Demo:
 DEMOS: dict[str, Callable[[], Demo]] = {
     "bump": bump,
     "slip": slip,
-    "wheels": wheels,
-    "passing": passing,
     "pibt": pibt,
     "cbs": cbs,
     "lanes": lanes,
@@ -226,7 +175,7 @@ DEMOS: dict[str, Callable[[], Demo]] = {
 STILLS = ("cbs", "lanes")
 """Demonstrations that are one picture."""
 
-BODIES = ("bump", "slip", "wheels", "passing")
+BODIES = ("bump", "slip")
 """Demonstrations that need the physics backend."""
 
 
@@ -245,39 +194,6 @@ def drive(
             recorder.step(action)
     env.close()
     return recorder.episode
-
-
-def drive_plan(
-    motion: DrivingMotion, layout: Layout, plan: Sequence[Sequence[Cell]]
-) -> tuple[Track, list[float]]:
-    """Return the track of robots that drive through a plan, and the seconds when each arrives."""
-    motion.reset(layout, plan[0], 0)
-    for targets in plan[1:]:
-        motion.extend(targets)
-    robots, size = len(plan[0]), motion.spec.cell_size
-    fleet = FleetFrame((), (None,) * robots, (1.0,) * robots, StepPlans({}))
-
-    def frame_of(poses: Sequence[Pose], clock: float, speed: float = 0.0) -> Frame:
-        caption = f"{sum(rests)} of {counted(robots, 'robot')} at rest"
-        return Frame(layout.rows, (*poses,), clock, caption, (), clock, speed, energy, fleet=fleet)
-
-    rests: Sequence[bool] = [False] * robots
-    arrivals, energy = [0.0] * robots, 0.0
-    frames = [frame_of([Pose(middle(cell), None, loaded=False) for cell in plan[0]], 0.0)]
-    while not all(rests):
-        clock = round(FRAME_SECONDS * len(frames), 3)
-        outcomes = motion.drive(FRAME_SECONDS)
-        paths = [outcome.path[-1, 1:].tolist() for outcome in outcomes]
-        energy += sum(outcome.joules for outcome in outcomes)
-        rests = motion.ways().at_rest
-        arrivals = [
-            at if has_arrived else clock for at, has_arrived in zip(arrivals, rests, strict=True)
-        ]
-        poses = [Pose((x / size, y / size), heading, loaded=False) for x, y, heading in paths]
-        way = math.dist(outcomes[0].path[0, 1:3], outcomes[0].path[-1, 1:3])
-        frames.append(frame_of(poses, clock, way / FRAME_SECONDS))
-    motion.close()
-    return Track(frames, {}, is_continuous=True), arrivals
 
 
 def crowded_floor() -> Layout:

@@ -26,16 +26,6 @@ SHELVES: dict[str, float] = {
 BENCHMARK = re.compile("-".join([r"(\d{1,9})"] * 5), re.ASCII)
 """Sizes of a warehouse of MovingAI's; those with more digits are always too large."""
 
-FORMER = {
-    "generate": "random:height=12,width=24,density=0.25,seed=3",
-    "warehouse": "warehouse:10-20-10-2-1",
-    "import": "FILE.map",
-    "check": "FILE --check",
-    "print": "FILE",
-    "list": "",
-}
-"""The arguments to use instead of each former command after ``warehouse layout``."""
-
 
 def layout(
     layouts: Annotated[
@@ -65,9 +55,6 @@ def layout(
 
     Example: warehouse layout shelves:rows=3,aisle=2,chargers=4 -o shelves.txt
     """
-    if layouts and layouts[0] in FORMER and not Path(layouts[0]).exists():
-        new = f"warehouse layout {FORMER[layouts[0]]}".strip()
-        raise typer.BadParameter(f"'layout {layouts[0]}' no longer exists; use: {new}")
     if save is not None and (not layouts or len(layouts) > 1):
         raise typer.BadParameter("--save takes one layout")
     for name in layouts or NAMES:

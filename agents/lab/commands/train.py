@@ -27,7 +27,7 @@ from agents.lab.parameters import Whole
 from agents.lab.parameters import size as check_size
 from agents.lab.training.checkpoint import load_checkpoint, save_checkpoint
 from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner
-from agents.lab.training.points import events, save_points
+from agents.lab.training.points import save_points
 from agents.lab.trials.random_layouts import RandomLayouts, VariedLayouts
 from agents.lab.trials.scores import FleetScores, Scores
 from agents.lab.trials.task import FleetTask, Task
@@ -52,7 +52,7 @@ LIBRARIES = ("torch", "stable_baselines3", "sb3_contrib")
 """Libraries that training of networks needs."""
 
 MODEL_SUFFIX, CURVE_SUFFIX, POINTS_SUFFIX = ".npz", ".png", ".csv"
-CHECKPOINT_SUFFIX, EVENTS_SUFFIX = ".checkpoint", ".tensorboard"
+CHECKPOINT_SUFFIX = ".checkpoint"
 
 VERSIONS = ("numpy", "stable_baselines3", "sb3_contrib", "torch", "warehouse-lab")
 """Distributions on whose versions the result of a training depends."""
@@ -168,10 +168,10 @@ def train(
     """Train an agent by reward or by imitation.
 
     Writes the agent (.npz) for "warehouse run --agent KIND:FILE", its learning
-    curve (.png), the points of the curve (.csv, and events for TensorBoard if
-    that is installed), with ppo a model of Stable-Baselines3 (.zip), and at
-    each exam a .checkpoint for --resume. The .zip and the .checkpoint hold
-    pickled Python: load only files that you trust.
+    curve (.png), the points of the curve (.csv), with ppo a model of
+    Stable-Baselines3 (.zip), and at each exam a .checkpoint for --resume. The
+    .zip and the .checkpoint hold pickled Python: load only files that you
+    trust.
 
     With --layout random each episode is in one of many random layouts; exams
     are in others. The help of the options says which of them need a kind.
@@ -365,18 +365,13 @@ class Training:
         from agents.lab.console.progress import progress_bar
 
         examiner, started = progress.examiner, time.perf_counter() - progress.seconds
-        folder = self.output.with_suffix(EVENTS_SUFFIX)
-        with (
-            progress_bar(self.steps, self.name) as show_progress,
-            events(folder, resumed=progress.steps > 0) as add_event,
-        ):
+        with progress_bar(self.steps, self.name) as show_progress:
 
             def watch(steps: int, delivers: float, make_agent: MakeAgent) -> None:
                 is_examined = examiner.watch(steps, make_agent)
                 progress.steps, progress.seconds = steps, time.perf_counter() - started
                 show_progress(steps, f"delivers {_percent(delivers)}, exam {examiner.summary}")
                 if is_examined:
-                    add_event(examiner.points[-1])
                     save_points(self.output.with_suffix(POINTS_SUFFIX), examiner.points)
                     self._checkpoint(learner, progress)
                 check()

@@ -1,19 +1,13 @@
-"""The points of a learning curve as numbers: a CSV file, and events for TensorBoard."""
+"""The points of a learning curve as numbers in a CSV file."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
-from contextlib import contextmanager
-from importlib.util import find_spec
+from collections.abc import Sequence
 from pathlib import Path
-from typing import Any
 
 from agents.lab.console.csv_file import write_csv
 from agents.lab.training.exams import ExamPoint
 from agents.lab.trials.scores import FleetScores, Scores
-
-EVENT_FILES = "events.out.tfevents.*"
-"""Files that TensorBoard reads in a folder."""
 
 
 def mean_length(scores: Scores) -> float:
@@ -37,38 +31,3 @@ def save_points(path: Path, points: Sequence[ExamPoint]) -> None:
     """Write a line for each of at least one point, whole or not at all."""
     lines = [(point.steps, *numbers(point).values()) for point in points]
     write_csv(path, ("steps", *numbers(points[0])), lines)
-
-
-@contextmanager
-def events(folder: Path, *, resumed: bool) -> Iterator[Callable[[ExamPoint], None]]:
-    """Yield what adds a point to TensorBoard's events, if the library ``tensorboard`` is installed.
-
-    The events of an earlier training in the folder are removed unless it is ``resumed``.
-    """
-    if find_spec("tensorboard") is None:
-        yield lambda point: None
-        return
-    writer: Any = None
-
-    def add(point: ExamPoint) -> None:
-        nonlocal writer
-        if writer is None:
-            writer = _new_writer(folder, resumed=resumed)
-        for name, value in numbers(point).items():
-            writer.add_scalar(name, value, point.steps)
-        writer.flush()
-
-    try:
-        yield add
-    finally:
-        if writer is not None:
-            writer.close()
-
-
-def _new_writer(folder: Path, *, resumed: bool) -> Any:
-    from tensorboard.summary import Writer  # takes long to import
-
-    if not resumed:
-        for path in folder.glob(EVENT_FILES):
-            path.unlink()
-    return Writer(str(folder))

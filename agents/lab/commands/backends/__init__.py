@@ -1,1 +1,1 @@
-"""Fleets on the grid and on bodies, in five worlds, for ``warehouse compare backends``."""
+"""Fleets on the grid and on bodies, in four worlds, for ``warehouse compare backends``."""

@@ -1,4 +1,4 @@
-"""A fleet in five worlds, for ``warehouse compare backends --robots N``."""
+"""A fleet in four worlds, for ``warehouse compare backends --robots N``."""
 
 from __future__ import annotations
 
@@ -9,7 +9,7 @@ from pathlib import Path
 
 import typer
 
-from agents.lab.commands.backends.measures import losses, tables_of, write_page, write_values
+from agents.lab.commands.backends.measures import losses, table_of, write_page, write_values
 from agents.lab.commands.backends.trial import (
     WORLDS,
     Setting,
@@ -42,7 +42,7 @@ def compare_fleets(
     jobs: int | None = None,
     save: Sequence[Path] = (),
 ) -> None:
-    """Run the same fleet, orders and planner in all worlds, and print tables and what is lost.
+    """Run the same fleet, orders and planner in all worlds, and print a table and what is lost.
 
     An episode ends when all orders are delivered. A step of ``order_rate`` is 1 s.
     """
@@ -61,16 +61,15 @@ def compare_fleets(
         f"second, layout {layout.stem}, disturbed: noise of {noise:.0%} and a stop of {stop:g} s, "
         f"{which}"
     )
-    tables = tables_of(scores, title)
+    table = table_of(scores, title)
     # Files first, because the reader of standard output may leave, as ``head`` does.
     for path in save:
         if path.suffix.lower() == PAGE:
             kept = {world: runs[0][1] for world, runs in results.items()}
-            write_page(path, tables, {world: each for world, each in kept.items() if each})
+            write_page(path, table, {world: each for world, each in kept.items() if each})
         else:
             write_values(path, scores, seeds)
-    for table in tables:
-        print_table(table)
+    print_table(table)
     for loss in losses(scores, count):
         print_error(f"warning: {loss}")
     for path in save:

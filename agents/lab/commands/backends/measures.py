@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from agents.lab.commands.backends.trial import KINDS, PLAN, Score
+from agents.lab.commands.backends.trial import PLAN, Score
 from agents.lab.console.csv_file import write_csv
 from agents.lab.console.table import TextTable
 from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
@@ -38,23 +38,15 @@ FRAME_SECONDS, SPEED, HEIGHT = 0.5, 2.0, 860
 height in pixels."""
 
 
-def tables_of(scores: SeedScores, title: str) -> list[TextTable]:
-    """Return a table of the measures, and one of the time that a delivery takes; a row a world."""
+def table_of(scores: SeedScores, title: str) -> TextTable:
+    """Return a table of the measures with a row for each world."""
     few = len(scores[PLAN]) < MIN_VALUES
     caption = f"Fewer than {MIN_VALUES} episodes have no intervals." if few else ""
     rows = [
         (world, *(cell_of(runs, scores[PLAN], value) for value in MEASURES.values()))
         for world, runs in scores.items()
     ]
-    spent = [
-        (world, *(f"{mean:.1f}" for mean in np.mean([run.spent for run in runs], axis=0)))
-        for world, runs in scores.items()
-    ]
-    note = "Seconds that all robots together spend for a delivery, means over the seeds."
-    return [
-        TextTable(("world", *MEASURES), rows, title, caption),
-        TextTable(("world", *KINDS), spent, "Seconds for a delivery", note),
-    ]
+    return TextTable(("world", *MEASURES), rows, title, caption)
 
 
 def cell_of(runs: Sequence[Score], plans: Sequence[Score], value: Value) -> str:
@@ -87,19 +79,16 @@ def losses(scores: SeedScores, orders: int) -> list[str]:
 
 def write_values(path: Path, scores: SeedScores, seeds: Sequence[int]) -> None:
     """Write a line for each run."""
-    names, spent = Score._fields[:-1], [f"seconds a delivery {kind}" for kind in KINDS]
     lines = (
-        [world, seed, *run[:-1], *run.spent]
+        [world, seed, *run]
         for world, runs in scores.items()
         for seed, run in zip(seeds, runs, strict=True)
     )
-    write_csv(path, ["world", "seed", *names, *spent], lines)
+    write_csv(path, ["world", "seed", *Score._fields], lines)
 
 
-def write_page(
-    path: Path, tables: Sequence[TextTable], records: Mapping[str, FleetEpisode]
-) -> None:
-    """Write a page with the tables and a replay of the records by world, on one clock."""
+def write_page(path: Path, table: TextTable, records: Mapping[str, FleetEpisode]) -> None:
+    """Write a page with the table and a replay of the records by world, on one clock."""
     from markupsafe import Markup
 
     from agents.lab.reports.page import Table, write_template  # imports matplotlib
@@ -114,16 +103,10 @@ def write_page(
             frame.energy = 0.0  # the chart of all worlds has it
         tracks.append(track)
     title = "A fleet on the grid and on bodies"
-    shown = [
-        Table(
-            table.header,
-            tuple(tuple(cell.replace("\n", " ") for cell in row) for row in table.rows),
-            table.caption,
-        )
-        for table in tables
-    ]
+    rows = tuple(tuple(cell.replace("\n", " ") for cell in row) for row in table.rows)
+    shown = Table(table.header, rows, table.caption)
     replay = player_frame(tracks, title=title, speed=SPEED, height=HEIGHT)
     write_template(
         path, "backends.html", title, has_players=True,
-        summary=tables[0].title, tables=shown, replay=Markup(replay),
+        summary=table.title, tables=[shown], replay=Markup(replay),
     )  # fmt: skip

@@ -1,8 +1,7 @@
-"""A run of a fleet in one of five worlds, and its measures in seconds.
+"""A run of a fleet in one of four worlds, and its measures in seconds.
 
-The worlds are the plan on the grid, bodies that stop in every cell, bodies that drive through and
-meet nobody, bodies that drive through, and these with disturbances. Orders come and are due at the
-same seconds in all of them.
+The worlds are the plan on the grid, bodies that stop in every cell, bodies that drive through, and
+these with disturbances. Orders arrive and are due at the same seconds in all of them.
 """
 
 from __future__ import annotations
@@ -16,11 +15,9 @@ from functools import partial
 from typing import Any, NamedTuple
 
 import numpy as np
-from numpy.typing import NDArray
 
 from agents.errors import EpisodeError
-from agents.fleet.planned import DEFAULT_ASSIGNMENT, PlannedFleet, wants_dispatch
-from agents.lab.commands.backends.alone import AloneFleet, OwnFloors
+from agents.fleet.planned import PlannedFleet, wants_dispatch
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import run
 from agents.registry import make_fleet_agent
@@ -30,12 +27,10 @@ from warehouse_core.fleet import Battery
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.motion.base import Motion
 from warehouse_core.motion.grid import NOMINAL_SECONDS
-from warehouse_core.records import FleetAgent
 
-PLAN, STOPPING, ALONE, DRIVING, DISTURBED = WORLDS = (
+PLAN, STOPPING, DRIVING, DISTURBED = WORLDS = (
     "grid plan",
     "stopping",
-    "each robot alone",
     "driving through",
     "disturbed",
 )
@@ -49,26 +44,8 @@ BATTERY, DUE = Battery(30_000, "joules"), (100, 300)
 """Battery of the robots, and fewest and most seconds from the release of an order to its due time.
 A charger supplies as much in a second in all worlds."""
 
-TOP_SPEED = 1.0
-"""Nominal top speed of the robots of all worlds in m/s."""
-
 MAX_SECONDS = 600.0
 """Time allowed for each order of a robot beyond the last due time; a longer run is ended."""
-
-AT_REST = 1e-4, 1e-3
-"""Metres and radians between two rows of a path; with less of both a robot is at rest."""
-
-KINDS = (
-    "driving at top speed",
-    "speeding up, braking, turning",
-    "standing with an order",
-    "standing without an order",
-)
-"""Kinds of time that robots spend. The first is the time that the distance would take at top speed,
-the second the time that moving takes beyond it. Robots with an order stand to pick and drop, and
-wait for others or for the end of a joint step; robots without one charge or are idle."""
-
-Seconds = NDArray[np.float64]
 
 
 @dataclass(frozen=True)
@@ -119,7 +96,6 @@ class Score(NamedTuple):
         delivered: number of delivered orders.
         lost: robots whose battery is empty, or that have died.
         late_plans: steps in which all robots waited for a plan.
-        spent: seconds a delivery that the robots have spent on each of ``KINDS``.
     """
 
     per_hour: float
@@ -130,7 +106,6 @@ class Score(NamedTuple):
     delivered: int
     lost: int
     late_plans: int
-    spent: tuple[float, ...]
 
 
 def draw_orders(setting: Setting, seed: int) -> list[TimedOrder]:
@@ -177,8 +152,6 @@ def make_world(name: str, setting: Setting, busy_seconds: float, seed: int) -> W
         return World(stopping, stopping().spec.move_seconds(loaded=True))
     driving: Any = load_backend("driving")
     period = driving().period / STEPS_OF_A_CELL
-    if name == ALONE:
-        return World(lambda: OwnFloors(driving(period=period)), period)
     if name == DRIVING:
         return World(partial(driving, period=period), period)
     from warehouse_physics import Disturbances, Stop  # loading pymunk takes long
@@ -217,9 +190,7 @@ def run_trial(
     """Run a fleet until all orders are delivered; return the record only for the seed ``kept``."""
     orders = draw_orders(setting, seed)
     made = make_world(world, setting, orders[-1].released, seed)
-    agent: FleetAgent = AloneFleet(DEFAULT_ASSIGNMENT)
-    if world != ALONE:
-        agent = make_fleet_agent(setting.planner, None, seed, setting.layout, setting.robots)
+    agent = make_fleet_agent(setting.planner, None, seed, setting.layout, setting.robots)
     told = slow_steps_told(agent, setting.planner)
     with closing(make_env(setting, made, orders, wants_dispatch(agent))) as env:
         try:
@@ -252,7 +223,6 @@ def score_of(record: FleetEpisode, orders: Sequence[TimedOrder], late_plans: int
         delivered=delivered,
         lost=record.measures.stranded,
         late_plans=late_plans,
-        spent=tuple((time_spent(record) / each).tolist()),
     )
 
 
@@ -265,46 +235,3 @@ def count_hits(steps: Iterable[Sequence[Outcome]]) -> int:
         for contact in outcome.contacts
     }
     return len(found)
-
-
-def time_spent(episode: FleetEpisode) -> Seconds:
-    """Return the seconds that all robots together have spent on each of ``KINDS``.
-
-    They add up to the number of robots times the simulated time. Only those orders count that an
-    agent has assigned.
-    """
-    moving, metres = _motion(episode)
-    standing = episode.seconds.max(axis=1, initial=0.0)[:, None] - moving
-    has_order, driving = _has_order(episode), metres / TOP_SPEED
-    parts = driving, moving - driving, standing * has_order, standing * ~has_order
-    return np.array([part.sum() for part in parts])
-
-
-def _motion(episode: FleetEpisode) -> tuple[Seconds, Seconds]:
-    """Return for how many seconds each robot moved in each step, and how far, ``[T, R]``."""
-    if not episode.motions:
-        moved = np.diff(episode.cells, axis=0) != 0
-        return np.where(moved, episode.seconds, 0.0), moved * episode.cell_size
-    found = np.zeros((2, *episode.seconds.shape))
-    for step, outcomes in enumerate(episode.motions):
-        for robot in range(episode.robots):
-            seconds, x, y, heading = np.diff(outcomes[robot].path, axis=0).T
-            lengths = np.hypot(x, y)
-            is_moving = (lengths > AT_REST[0]) | (np.abs(heading) > AT_REST[1])
-            found[:, step, robot] = seconds[is_moving].sum(), lengths[is_moving].sum()
-    return found[0], found[1]
-
-
-def _has_order(episode: FleetEpisode) -> NDArray[np.bool_]:
-    """Return whether each robot has an order in each step, ``[T, R]``."""
-    given: dict[int, list[tuple[int, bool]]] = {}
-    for step, robot, order in episode.assignments:
-        given.setdefault(step, []).append((robot, order is not None))
-    found: NDArray[np.bool_] = episode.loaded[:-1].copy()
-    has_order = np.zeros(episode.robots, np.bool_)
-    for step in range(episode.steps):
-        for robot, is_order in given.get(step, ()):
-            has_order[robot] = is_order
-        found[step] |= has_order
-        has_order &= ~(episode.loaded[step] & ~episode.loaded[step + 1])
-    return found

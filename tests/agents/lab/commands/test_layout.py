@@ -86,8 +86,6 @@ def test_check_names_what_is_wrong_with_a_layout(refused: Refused, rows: str, me
 @pytest.mark.parametrize(
     ("words", "code", "message"),
     [
-        ("print trap", 2, "'layout print' no longer exists; use: warehouse layout FILE"),
-        ("list", 2, "'layout list' no longer exists; use: warehouse layout"),
         ("random:height=x", 1, "random has 'height=x'; it must be NAME=NUMBER; allowed: height, "),
         ("shelves:length=1,size=2", 1, "shelves has 'size=2'; it must be NAME=NUMBER"),
         ("tower:3", 1, "no layout is called 'tower:3'; allowed: default, corridor, "),

@@ -1,13 +1,11 @@
-"""The points of a learning curve as CSV and as events."""
+"""The points of a learning curve as CSV."""
 
 from pathlib import Path
 
-import pytest
 from helpers.results_files import BAD, row, scores_of
 
-from agents.lab.training import points
 from agents.lab.training.exams import ExamPoint
-from agents.lab.training.points import events, numbers, save_points
+from agents.lab.training.points import numbers, save_points
 from agents.lab.trials.scores import FleetScores
 from agents.lab.trials.task import FleetTask
 from agents.registry import make_team
@@ -34,30 +32,3 @@ def test_the_points_of_a_fleet_have_its_deliveries_an_hour() -> None:
     found = numbers(ExamPoint(1, scores))
     assert list(found) == ["delivered_per_hour", "low", "high", "blocked_by_others"]
     assert found["delivered_per_hour"] == 144.0
-
-
-def test_without_tensorboard_there_are_no_events(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(points, "find_spec", lambda name: None)
-    with events(tmp_path / "x.tensorboard", resumed=False) as add:
-        add(HALF)
-    assert list(tmp_path.iterdir()) == []
-
-
-@pytest.mark.learning
-def test_tensorboard_reads_the_points_of_a_training_and_of_its_second_half(tmp_path: Path) -> None:
-    from tensorboard.backend.event_processing.event_accumulator import EventAccumulator
-
-    def read() -> list[tuple[int, float]]:
-        accumulator = EventAccumulator(str(tmp_path)).Reload()
-        return [(each.step, each.tensor_proto.float_val[0]) for each in accumulator.Tensors("low")]
-
-    lows = [pytest.approx(point.scores.success.low) for point in (HALF, ALL)]  # type: ignore[union-attr]
-    for resumed, point in ((False, HALF), (True, ALL)):
-        with events(tmp_path, resumed=resumed) as add:
-            add(point)
-    assert read() == [(500, lows[0]), (1000, lows[1])]
-    with events(tmp_path, resumed=False) as add:
-        add(ALL)
-    assert read() == [(1000, lows[1])]

@@ -1,4 +1,4 @@
-"""Fleets in five worlds: ``warehouse compare backends --robots N``."""
+"""Fleets in four worlds: ``warehouse compare backends --robots N``."""
 
 import csv
 import re
@@ -10,12 +10,10 @@ from helpers.command_line import Refused, Warehouse
 from helpers.player import page_in, said_by
 
 from agents.lab.commands.backends.fleets import parse_disturbed
-from agents.lab.commands.backends.measures import losses, tables_of
+from agents.lab.commands.backends.measures import losses, table_of
 from agents.lab.commands.backends.trial import (
-    ALONE,
     DISTURBED,
     DRIVING,
-    KINDS,
     PLAN,
     STOPPING,
     WORLDS,
@@ -26,7 +24,7 @@ SMALL = (
     "compare", "backends", "--robots", 2, "--count", 3, "--order-rate", 0.1, "--seed", 5,
     "--jobs", 1, "--disturbed", "0.05:5", "--layout", "shelves",
 )  # fmt: skip
-PLAIN = Score(100.0, 1.0, 2000.0, 0, 144.0, 4, 0, 0, (1.0, 0.0, 0.0, 0.0))
+PLAIN = Score(100.0, 1.0, 2000.0, 0, 144.0, 4, 0, 0)
 
 
 def scores(*shares: float) -> dict[str, list[Score]]:
@@ -46,10 +44,6 @@ def test_worlds_are_compared_in_tables_a_page_and_a_file_of_values(warehouse: Wa
     for row in rows.values():
         assert (row["delivered"], row["lost"]) == ("3", "0")
         assert float(row["per_hour"]) == pytest.approx(3 / float(row["makespan"]) * 3600)
-        spent = [float(row[f"seconds a delivery {kind}"]) for kind in KINDS]
-        # The record ends in the first step of the last drop, a quarter of a second if robots drive.
-        rest = 0.75 if row["world"] in (ALONE, DRIVING, DISTURBED) else 0.0
-        assert sum(spent) == pytest.approx(2 * (float(row["makespan"]) - rest) / 3)
     means = {
         world: sum(float(rows[f"{world}{seed}"]["makespan"]) for seed in (5, 6)) / 2
         for world in WORLDS
@@ -58,27 +52,27 @@ def test_worlds_are_compared_in_tables_a_page_and_a_file_of_values(warehouse: Wa
     assert all(f" {makespan:.3g} " in out for makespan in means.values())
     page = Path("a.html").read_text(encoding="utf-8")
     assert [track["title"] for track in said_by(page_in(page))["tracks"]] == [*WORLDS]
-    assert page.count("<table") == 2
+    assert page.count("<table") == 1
     assert page.count("<iframe") == 1
     assert "http" not in page.replace("http-equiv", "").replace("http://www.w3.org", "")
 
 
 def test_intervals_of_shares_are_of_pairs() -> None:
-    many = {world: runs * 10 for world, runs in scores(1.0, 0.5, 1.0, 0.9, 0.8).items()}
-    rows = {name: cells for name, *cells in tables_of(many, "")[0].rows}
+    many = {world: runs * 10 for world, runs in scores(1.0, 0.5, 0.9, 0.8).items()}
+    rows = {name: cells for name, *cells in table_of(many, "").rows}
     assert re.fullmatch(r"75\.0\n\(\d\d\.\d to \d\d\.\d\)", rows[PLAN][0])
-    assert [rows[world][1] for world in WORLDS] == ["100", "50", "100", "90", "80"]
+    assert [rows[world][1] for world in WORLDS] == ["100", "50", "90", "80"]
 
 
 def test_a_plan_that_delivers_nothing_has_no_shares() -> None:
     nothing = {world: [PLAIN._replace(per_hour=0.0)] for world in WORLDS}
-    assert [cells[2] for cells in tables_of(nothing, "")[0].rows] == ["none"] * 5
+    assert [cells[2] for cells in table_of(nothing, "").rows] == ["none"] * 4
     half = {world: [*runs, PLAIN] for world, runs in nothing.items()}
-    assert [cells[2] for cells in tables_of(half, "")[0].rows] == ["100"] * 5
+    assert [cells[2] for cells in table_of(half, "").rows] == ["100"] * 4
 
 
 def test_losses_are_reported() -> None:
-    found = scores(1.0, 1.0, 1.0, 1.0, 1.0)
+    found = scores(1.0, 1.0, 1.0, 1.0)
     assert losses(found, 4) == []
     found[DISTURBED][1] = PLAIN._replace(delivered=3, lost=1)
     assert losses(found, 4) == ["disturbed, in 2 episodes: 1 order not delivered and 1 robot lost"]
