@@ -12,7 +12,7 @@ import agents
 from agents.errors import AgentError
 from agents.learning.policy_network import PolicyNetwork
 from agents.learning.ppo_agent import PPOAgent
-from agents.learning.q_learning import QAgent, QTable
+from agents.learning.q_learning import QTable
 from agents.learning.q_table import save_table
 from agents.registry import TRAINED, agent_module, is_own_code, make_agent
 from agents.registry import agent_file as find_agent_file
@@ -189,16 +189,6 @@ def test_a_file_with_one_agent_needs_no_class(agent_file: Path) -> None:
     assert refusal(str(agent_file)) == line
 
 
-def test_a_module_that_raises_or_has_too_many_parts_is_named(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    (tmp_path / "raises_on_import.py").write_text("1 / 0\n")
-    monkeypatch.syspath_prepend(tmp_path)
-    message = refusal("raises_on_import:Mine")
-    assert message.startswith("cannot import agent module 'raises_on_import': ZeroDivisionError: ")
-    assert "RecursionError" in refusal(f"{'no.' * 2000}module:Mine")
-
-
 def test_an_agent_imports_the_modules_beside_its_file(tmp_path: Path) -> None:
     for folder, word in (("one", "N"), ("two", "S")):
         (tmp_path / folder).mkdir()
@@ -295,13 +285,6 @@ def test_wrong_arguments_of_a_trained_agent_are_errors(
         assert line.startswith(f"{network_file}: revisit is ")
         assert line.endswith(("it must be a number", "it must be at least 0 and finite"))
     assert refusal(f"{name}:sample=2") == f"{network_file}: sample is 2; it must be True or False"
-
-
-def test_a_trained_table_is_an_agent_with_the_seed(table_file: Path) -> None:
-    agent = make_agent(f"q:{table_file}", 7)
-    assert isinstance(agent, QAgent)
-    assert agent.seed == 7
-    assert agent.act(WarehouseEnv().reset()) == "E"
 
 
 @pytest.mark.parametrize("word", TRAINED)

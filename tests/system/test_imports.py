@@ -100,7 +100,7 @@ MAY_IMPORT = {
     "agents/lab/datasets": "errors lab lab/console lab/experiments lab/trials registry",
     "agents/lab/reports": "errors lab lab/console lab/experiments lab/trials registry",
     "agents/lab/commands/backends": (
-        "errors fleet lab lab/console lab/reports lab/runs lab/trials mapf mapf/kernels registry"
+        "errors fleet lab lab/console lab/reports lab/runs lab/trials registry"
     ),
     "agents/lab/commands/grade": "errors lab lab/console lab/grading lab/reports lab/trials",
     "agents/lab/playground": "errors lab lab/grading lab/runs registry",

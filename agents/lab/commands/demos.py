@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Callable, Sequence
 from itertools import cycle
+from pathlib import Path
 from typing import TYPE_CHECKING, Annotated, NamedTuple
 
 import typer
@@ -11,7 +12,7 @@ import typer
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PlannedFleet
 from agents.lab.console import options
-from agents.lab.console.output import Film, show_or_save, show_or_save_picture
+from agents.lab.console.output import Film, save_picture, show_or_save, unused
 from agents.lab.console.terminal import say
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import run
@@ -38,7 +39,6 @@ from warehouse_core.wording import counted
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
 if TYPE_CHECKING:
-    from agents.mapf.tree_picture import MakeFigure
     from warehouse_core.viz.figure import SceneFigure
 
 CORRIDOR = Layout(["########", "#P....D#", "########"])
@@ -72,7 +72,7 @@ class Demo(NamedTuple):
 
     said: str
     tracks: Sequence[Track] = ()
-    draw: Callable[[MakeFigure], SceneFigure] | None = None
+    draw: Callable[[], SceneFigure] | None = None
 
 
 def bump() -> Demo:
@@ -135,10 +135,10 @@ def cbs() -> Demo:
         f"{counted(len(tree.nodes), 'node')}"
     )
 
-    def draw(make: MakeFigure) -> SceneFigure:
+    def draw() -> SceneFigure:
         from agents.mapf.tree_picture import tree_picture
 
-        return tree_picture(tree, make)
+        return tree_picture(tree)
 
     return Demo(said, draw=draw)
 
@@ -155,11 +155,12 @@ def lanes() -> Demo:
         f"{with_lanes / without - 1:+.0%}"
     )
 
-    def draw(make: MakeFigure) -> SceneFigure:
+    def draw() -> SceneFigure:
         from warehouse_core.viz.axes.congestion import congestion_picture
+        from warehouse_core.viz.figure import make_figure
 
         title = f"{ROBOTS} robots led by PIBT, the same orders"
-        return congestion_picture(episodes, title, make)
+        return congestion_picture(episodes, title, make_figure)
 
     return Demo(said, draw=draw)
 
@@ -229,7 +230,7 @@ def demo(
     """Show bodies and planners at work.
 
     Without a name it lists the demonstrations. The demonstrations cbs and
-    lanes are pictures: save them as .svg or .png.
+    lanes are pictures, which are saved: as .svg or .png.
 
     Example: warehouse demo bump --save bump.gif
     """
@@ -247,10 +248,12 @@ def demo(
         load_backend("physics")
     shown = DEMOS[name]()
     say(shown.said)
-    if shown.draw is not None:
-        show_or_save_picture(shown.draw, save, show, f"demo-{name}.png")
-    else:
+    if shown.draw is None:
         show_or_save(Film(lambda: shown.tracks), save, show, f"demo-{name}.gif")
+        return
+    for path in save or [unused(Path(f"demo-{name}.png"))]:
+        save_picture(shown.draw(), path)
+        say(f"saved {path}")
 
 
 def _titled(track: Track, title: str) -> Track:

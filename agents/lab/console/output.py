@@ -6,7 +6,7 @@ import re
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING
 
 from agents.lab.console.options import RECORD_SUFFIX
 from agents.lab.console.terminal import say
@@ -24,9 +24,6 @@ if TYPE_CHECKING:
     from warehouse_core.viz.replay import Replay
 
 PAGE_SUFFIX, DRAWING_SUFFIX = ".html", ".svg"
-
-Draw = Callable[[Callable[[tuple[float, float]], "SceneFigure"]], "SceneFigure"]
-"""Draws a picture into the figure that a function makes, of a width and height in inches."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -93,39 +90,19 @@ def show_or_save(film: Film, targets: Sequence[Path], show: bool | None, fallbac
     If no window can be opened and nothing was written, write the replay to ``fallback``, with a
     number if there is such a file.
     """
-
-    def open_window() -> None:
+    for target in targets:
+        film.save(target)
+    if not (show or (show is None and not targets)):
+        return
+    if has_display():
         replay = film.replay(window=True)
         say("space pauses, left and right step, q closes the window")
         replay.show()
-
-    _save_and_show(film.save, open_window, targets, show, "replay", fallback)
-
-
-def show_or_save_picture(
-    draw: Draw, targets: Sequence[Path], show: bool | None, fallback: str
-) -> None:
-    """Do for a picture what ``show_or_save`` does for a replay."""
-
-    def open_window() -> None:
-        import matplotlib.pyplot as plt
-
-        from warehouse_core.viz.figure import make_window
-
-        figure: Any = draw(make_window)
-        figure.canvas.mpl_connect(
-            "key_press_event", lambda event: plt.close(figure) if event.key == "q" else None
-        )
-        say("q closes the window")
-        plt.show()
-
-    def save(target: Path) -> None:
-        from warehouse_core.viz.figure import make_figure
-
-        save_picture(draw(make_figure), target)
-        say(f"saved {target}")
-
-    _save_and_show(save, open_window, targets, show, "picture", fallback)
+        return
+    consequence = "" if targets else ", so the replay goes to a file"
+    say(f"there is no display to open a window on{consequence}")
+    if not targets:
+        film.save(unused(Path(fallback)))
 
 
 def save_picture(figure: SceneFigure, path: Path) -> None:
@@ -146,24 +123,3 @@ def unused(path: Path) -> Path:
         number += 1
         path = first.with_stem(f"{first.stem}-{number}")
     return path
-
-
-def _save_and_show(
-    save: Callable[[Path], None],
-    open_window: Callable[[], None],
-    targets: Sequence[Path],
-    show: bool | None,
-    noun: str,
-    fallback: str,
-) -> None:
-    for target in targets:
-        save(target)
-    if not (show or (show is None and not targets)):
-        return
-    if has_display():
-        open_window()
-        return
-    consequence = "" if targets else f", so the {noun} goes to a file"
-    say(f"there is no display to open a window on{consequence}")
-    if not targets:
-        save(unused(Path(fallback)))

@@ -13,12 +13,10 @@ from rich.progress import (
     BarColumn,
     MofNCompleteColumn,
     Progress,
-    ProgressColumn,
-    Task,
     TextColumn,
+    TimeElapsedColumn,
     TimeRemainingColumn,
 )
-from rich.text import Text
 
 from agents.lab.console.terminal import say
 from warehouse_core.viz.export import has_live_terminal
@@ -30,28 +28,6 @@ LINE_SECONDS = 60.0
 Item = TypeVar("Item")
 
 
-class _RateColumn(ProgressColumn):
-    def render(self, task: Task) -> Text:
-        return Text(rate_of(task.speed), "progress.data.speed")
-
-
-class _TimeColumn(TimeRemainingColumn):
-    """Time that is left; until that is known, time that has passed, which shows that all runs."""
-
-    def render(self, task: Task) -> Text:
-        if task.finished or task.time_remaining is not None:
-            return super().render(task)
-        passed = timedelta(seconds=int(task.elapsed or 0))
-        return Text(f"{passed} so far", "progress.remaining")
-
-
-def rate_of(speed: float | None) -> str:
-    """Return how many are completed in a second, or the seconds for one; "" if it is not known."""
-    if not speed:
-        return ""
-    return f"{speed:,.0f}/s" if speed >= 1 else f"1 in {1 / speed:,.1f} s"
-
-
 @contextmanager
 def progress_bar(total: int, label: str = "") -> Iterator[Callable[..., None]]:
     """Yield what shows, while the block runs, how much is completed, and news."""
@@ -59,8 +35,8 @@ def progress_bar(total: int, label: str = "") -> Iterator[Callable[..., None]]:
         TextColumn("{task.description}", markup=False),  # it may be the name of an agent
         BarColumn(),
         MofNCompleteColumn(),
-        _RateColumn(),
-        _TimeColumn(),
+        TimeElapsedColumn(),
+        TimeRemainingColumn(),
         TextColumn("{task.fields[news]}"),
     )
     console = Console(stderr=True)

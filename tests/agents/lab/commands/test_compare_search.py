@@ -77,10 +77,6 @@ def test_random_ends_are_open_and_different() -> None:
             assert goal in (None, ends[1])
 
 
-def test_a_layout_of_one_open_cell_has_one_end() -> None:
-    assert choose_ends(Layout(["#.#"]), None, None, 3) == ((0, 1), (0, 1))
-
-
 def test_the_start_is_not_a_goal_with_walls_around_it() -> None:
     layout = Layout([".#.#."])
     assert choose_ends(layout, None, (0, 0), None) == ((0, 4), (0, 0))

@@ -1,12 +1,9 @@
 import re
 
 import pytest
-from matplotlib.backend_bases import KeyEvent
 from PIL import Image
 
 from agents.lab.commands.demos import DEMOS
-from agents.lab.console import output
-from warehouse_core.viz.figure import make_figure
 
 
 def places_of(track, robot=0):
@@ -48,7 +45,7 @@ def test_lanes_deliver_much_more_on_the_crowded_floor():
     without, with_lanes, gain = re.findall(r"[\d,]+(?= del| with:)|[+-]\d+%", picture.said)
     assert int(with_lanes.replace(",", "")) > 1.4 * int(without.replace(",", ""))
     assert gain.startswith("+")
-    texts = [text.get_text() for text in picture.draw(make_figure).texts]
+    texts = [text.get_text() for text in picture.draw().texts]
     assert {"Without lanes", "With lanes", f"{without} deliveries an hour"} <= {*texts}
 
 
@@ -66,28 +63,6 @@ def test_a_picture_has_no_frames_to_save(name, tmp_path, monkeypatch, refused):
     error = refused("demo", "cbs", "--save", tmp_path / name)
     assert name in error
     assert ".svg" in error
-
-
-def test_a_picture_is_shown_in_a_window_that_q_closes(monkeypatch, warehouse):
-    import matplotlib.pyplot as plt
-
-    figures = []
-
-    def show():
-        [number] = plt.get_fignums()
-        figure = plt.figure(number)
-        figures.append(figure)
-        for key in ("x", "q"):
-            assert plt.get_fignums() == [number]
-            event = KeyEvent("key_press_event", figure.canvas, key)
-            figure.canvas.callbacks.process("key_press_event", event)
-
-    monkeypatch.setattr(output, "has_display", lambda: True)
-    monkeypatch.setattr(plt, "show", show)
-    plt.switch_backend("agg")
-    assert "q closes the window" in warehouse("demo", "cbs").out
-    assert len(figures) == 1
-    assert plt.get_fignums() == []
 
 
 def test_without_a_name_the_demos_are_listed(warehouse):

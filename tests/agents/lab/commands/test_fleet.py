@@ -17,7 +17,7 @@ from agents.lab.commands.fleet.fleet import find_orders
 from agents.lab.commands.fleet.report import LINES, diagnosis, share_of_possible, verdict
 from agents.lab.commands.fleet.report import measures_table as table
 from agents.lab.console.values import parse_battery, parse_due
-from agents.registry import PLANNERS, make_fleet_agent
+from agents.registry import make_fleet_agent
 from warehouse_core import FleetEpisode, Order, OrderStream
 from warehouse_core.fleet import Battery, FleetMeasures
 from warehouse_core.orders import save_orders
@@ -184,7 +184,7 @@ def test_an_agent_that_fails_is_named_after_what_has_been_measured(warehouse: Wa
     assert FleetEpisode.load("a.npz").steps == int(found[1]) - 1
 
 
-@pytest.mark.parametrize("planner", PLANNERS)
+@pytest.mark.parametrize("planner", ["pibt", "windowed-lanes"])
 def test_a_planner_and_an_assignment_by_name_lead_all_robots(
     planner: str, warehouse: Warehouse
 ) -> None:
@@ -204,7 +204,6 @@ def test_a_planner_and_an_assignment_by_name_lead_all_robots(
     [
         (100, "pibt:turn_cost=1", False, True),
         (99, "pibt", False, False),
-        (100, "mine.py:Mine", False, False),
         (100, "pibt", True, False),
     ],
 )
@@ -230,13 +229,6 @@ def test_the_replay_draws_the_plans_of_chosen_robots(warehouse: Warehouse) -> No
         assert warehouse(*options, *more, "--save", "a.svg").code == 0
         pictures.append(Path("a.svg").read_text())
     assert ['class="plan' in picture for picture in pictures] == [False, True, False]
-
-
-def test_a_planner_that_fails_stops_the_shift(warehouse: Warehouse) -> None:
-    write_mine("next_cells", "raise ValueError('too far')", "seen.cells")
-    done = warehouse(*SMALL, "--order-rate", 1, "--save", "a.npz", "--planner", "mine.py:Mine")
-    reason = "mine.py:Mine: ValueError: too far (mine.py, line 9)"
-    assert (done.code, done.err) == (1, f"warehouse: seed 5, step 4, agent {reason}\n")
 
 
 def test_a_plan_that_takes_too_long_is_cut_off_and_reported(

@@ -7,7 +7,7 @@ from helpers.command_line import Refused, Warehouse
 from helpers.networks import random_network
 from PIL import Image
 
-from agents.lab.commands import compare_agents, train
+from agents.lab.commands import train
 from agents.lab.trials.random_layouts import RandomLayouts
 from agents.lab.trials.task import Task
 
@@ -27,21 +27,6 @@ def test_agents_are_compared_in_each_size_in_one_figure(warehouse: Warehouse) ->
     assert out.count("ppo:ppo.npz:revisit=4") == 4
     with Image.open("f.png") as picture:
         assert picture.width > 900
-
-
-def test_each_seed_is_in_its_own_layout_which_agents_are_given(
-    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    given = []
-    make_agent = compare_agents.make_agent
-
-    def note(name: str, seed: int, layout: Any) -> Any:
-        given.append((seed, layout))
-        return make_agent(name, seed, layout)
-
-    monkeypatch.setattr(compare_agents, "make_agent", note)
-    assert warehouse(*COMPARE, "--seed", 7).code == 0
-    assert set(given) == {(seed, RandomLayouts().layout(seed)) for seed in (7, 8)}
 
 
 def test_the_pool_of_a_training_follows_from_the_options(

@@ -41,14 +41,6 @@ def test_a_random_seed_is_kept_and_repeats_the_episode() -> None:
     assert run_episode(seed=0, battery=1).seed == 0
 
 
-def test_the_usual_start_may_be_a_wall() -> None:
-    layout = Layout(["###", "##.", "P.D"])
-    for each, start in ((layout, (1, 2)), (ROOM, (1, 1))):
-        episode = run_episode("greedy", "grid", each, 1, 10, 10)
-        assert episode.settings.start_pos == start
-    assert run_episode(layout=layout, seed=1).settings.start_pos == (1, 2)
-
-
 MOTION = """
 from warehouse_core import GridMotion
 class Mine:
@@ -70,9 +62,7 @@ class Mute(Still):
 """
 
 
-@pytest.mark.parametrize(
-    "line", ["run", "run --agent exploring", "fleet --robots 2", "compare backends"]
-)
+@pytest.mark.parametrize("line", ["run", "fleet --robots 2"])
 def test_a_backend_of_a_user_is_given_by_its_file(
     warehouse: Warehouse, refused: Refused, tmp_path: Path, line: str
 ) -> None:
@@ -83,12 +73,11 @@ def test_a_backend_of_a_user_is_given_by_its_file(
     code, out, err = warehouse(*words, "my_motion.py:Mine:speed=2", "--save", "a.html")
     assert (code, err) == (0, "")
     assert "Mine" in out
-    if not line.startswith("compare"):
-        warehouse(*words, "my_motion.py:Mine", "--save", "a.npz")
-        record = Episode.load("a.npz")
-        assert record.backend == "Mine"
-        with pytest.raises(BackendError, match="no backend is called 'Mine'"):
-            replay_episode(record)
+    warehouse(*words, "my_motion.py:Mine", "--save", "a.npz")
+    record = Episode.load("a.npz")
+    assert record.backend == "Mine"
+    with pytest.raises(BackendError, match="no backend is called 'Mine'"):
+        replay_episode(record)
     said = refused(*words, "my_motion.py:Mine:steps=2", "--no-show")
     assert said == "seed 1, step 2, backend Mine: ValueError: stuck (my_motion.py, line 13)"
     assert "takes no argument 'mass'" in refused(*words, "my_motion.py:Mine:mass=2")
@@ -185,7 +174,7 @@ def test_several_episodes_have_a_line_each_and_a_summary(warehouse: Warehouse) -
     assert "outcome" not in warehouse("run", "-n", 2, "--seed", 4, "--max-steps", 5).out
 
 
-@pytest.mark.parametrize(("radius", "seen", "plans"), [(0, 14, 3), (1, 38, 2), (20, 84, 2)])
+@pytest.mark.parametrize(("radius", "seen", "plans"), [(0, 14, 3), (1, 38, 2)])
 def test_the_exploring_agent_prints_how_much_it_has_seen_and_shows_its_belief(
     warehouse: Warehouse, radius: int, seen: int, plans: int
 ) -> None:

@@ -18,12 +18,10 @@ from agents.lab.commands import train
 from agents.lab.commands.train import Training, comparison_table
 from agents.lab.training import curve
 from agents.lab.training.exams import ExamPoint
-from agents.lab.trials.random_layouts import RandomLayouts
 from agents.lab.trials.scores import Scores
 from agents.lab.trials.task import Task
 from agents.learning.learner import MakeAgent, WatchTraining
 from agents.learning.q_table import load_table
-from agents.learning.q_training import QLearner
 from warehouse_core import Layout, Observation
 
 ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
@@ -123,17 +121,6 @@ def test_the_files_are_written_and_reported(
     assert re.search(r"delivered +. +0.0%", out)
 
 
-def test_in_random_layouts_the_comparison_names_them(
-    capsys: pytest.CaptureFixture[str], curves: list[list[ExamPoint]]
-) -> None:
-    task = Task(RandomLayouts(5, 6, 0.2, 0.2), max_steps=5)
-    trained(Learning(1000), task=task)
-    out = " ".join(capsys.readouterr().out.split())
-    assert "random layouts of 5 x 6 with density 0.2 " in out
-    assert "4 layouts, none of them in the training, the same for each" in out
-    assert Path("x.png").read_text().startswith("X: Learning to deliver in layouts that are not in")
-
-
 @pytest.mark.parametrize(
     ("kind", "steps", "is_saved"),
     [
@@ -210,19 +197,12 @@ def test_a_table_is_trained_and_run(warehouse: Warehouse) -> None:
     )
 
 
-def test_the_seed_repeats_a_training(warehouse: Warehouse, curves: list[list[ExamPoint]]) -> None:
-    for seed, name in ((3, "a.npz"), (3, "b.npz"), (4, "c.npz")):
-        warehouse(*WORDS, "--steps", 300, "--seed", seed, "--save", name)
-    assert load_table("a.npz")[0] == load_table("b.npz")[0] != load_table("c.npz")[0]
-    assert curves[0] == curves[1] != curves[2]
-
-
 # Interrupts, and what comes after them.
 
 LONG = (*WORDS, "--steps", 20_000)
 
 
-@pytest.mark.parametrize("number", [signal.SIGINT, signal.SIGTERM, signal.SIGKILL])
+@pytest.mark.parametrize("number", [signal.SIGTERM, signal.SIGKILL])
 @pytest.mark.usefixtures("curves")
 def test_a_training_that_is_resumed_ends_as_if_it_had_not_been_interrupted(
     warehouse: Warehouse, number: signal.Signals
@@ -246,22 +226,6 @@ def test_a_training_that_is_resumed_ends_as_if_it_had_not_been_interrupted(
     assert resumed.err == whole.err == ""
     assert load_table("a.npz")[0] == load_table("b.npz")[0]
     assert Path("a.csv").read_text() == Path("b.csv").read_text()
-
-
-def test_an_interrupt_in_the_middle_of_an_episode_ends_the_training_after_it() -> None:
-    learner = QLearner(Task(ROOM, 30, 30).make_env(), 2000, 1)
-    step, calls = learner._env.step, iter(range(10**6))
-
-    def interrupted(action: Any) -> Any:
-        if next(calls) == 500:
-            signal.raise_signal(signal.SIGTERM)
-        return step(action)
-
-    learner._env.step = interrupted  # type: ignore[method-assign]
-    with pytest.raises(KeyboardInterrupt):
-        Training("X", TASK, 2000, 7, Path("x.npz")).run(learner, {".npz": write}, resume=False)
-    assert learner._taken >= 500
-    assert next(calls) == learner._taken
 
 
 @pytest.mark.usefixtures("curves")

@@ -122,15 +122,6 @@ def test_the_name_of_an_agent_cannot_lead_to_another_folder(
     assert names(folder) == ["replay-_my_agent-grid-4.gif"]
 
 
-def test_a_page_is_written_at_the_given_speed(folder: Path) -> None:
-    for speed in (1.0, 2.0):
-        replay_or_save(short_episode(), [Path(f"{speed:g}.HTML")], None, speed)
-    assert names(folder) == ["1.HTML", "2.HTML"]
-    pages = [said_by(Path(name).read_text(encoding="utf-8")) for name in names(folder)]
-    assert pages[1]["speed"] == 2 * pages[0]["speed"]
-    assert pages[0]["tracks"][0]["ending"] == "delivered"
-
-
 PAGES = {
     "run --seed 12 --backend physics": ["GreedyAgent on the physics backend, seed 12"],
     "replay old.npz": ["Tester on the grid backend, seed 4"],
@@ -162,19 +153,6 @@ for number, words in enumerate({[*PAGES]}):
     for number, titles in enumerate(PAGES.values()):
         said = said_by((folder / f"{number}.html").read_text(encoding="utf-8"))
         assert [track["title"] for track in said["tracks"]] == titles
-
-
-def test_a_page_that_cannot_be_written_leaves_no_file(
-    monkeypatch: pytest.MonkeyPatch, folder: Path
-) -> None:
-    def broken(self: Path, text: str, **_: object) -> None:
-        self.write_bytes(b"half of it")
-        raise OSError("the disk is full")
-
-    monkeypatch.setattr(Path, "write_text", broken)
-    with pytest.raises(OSError, match="full"):
-        replay_or_save(short_episode(), [Path("film.html")], None)
-    assert names(folder) == []
 
 
 def test_an_svg_moves_without_matplotlib(folder: Path, monkeypatch: pytest.MonkeyPatch) -> None:

@@ -6,7 +6,7 @@ import time
 import pytest
 from helpers.terminal import Terminal
 
-from agents.lab.console.progress import progress_bar, rate_of, track
+from agents.lab.console.progress import progress_bar, track
 
 
 def shown(monkeypatch: pytest.MonkeyPatch, screen: io.StringIO, *steps: int) -> str:
@@ -16,31 +16,16 @@ def shown(monkeypatch: pytest.MonkeyPatch, screen: io.StringIO, *steps: int) -> 
     monkeypatch.setenv("TERM", "xterm")
     with progress_bar(200, "Q-learning") as advance:
         for completed in steps:
-            time.sleep(0.02)  # a shorter time gives a rate too large for the line
+            time.sleep(0.02)
             advance(completed, f"{completed} seen")
     return re.sub(r"\x1b\[[0-9;?]*[A-Za-z]", "", screen.getvalue())
 
 
-def test_a_terminal_gets_a_bar_with_count_rate_time_left_and_news(
+def test_a_terminal_gets_a_bar_with_count_times_and_news(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     line = re.split(r"[\r\n]+", shown(monkeypatch, Terminal(), 40, 100).strip())[-1]
-    assert re.search(r"Q-learning [━╸╺ ]+ 100/200 [\d,]+/s \d:\d\d:\d\d 100 seen", line)
-
-
-def test_an_unknown_rate_is_not_shown(monkeypatch: pytest.MonkeyPatch) -> None:
-    text = shown(monkeypatch, Terminal())
-    assert "0/200" in text
-    assert "/s" not in text
-    assert "0:00:00 so far" in text, "the time passes while nothing is completed"
-
-
-@pytest.mark.parametrize(
-    ("speed", "text"),
-    [(None, ""), (0.0, ""), (0.3, "1 in 3.3 s"), (1.0, "1/s"), (12_345.6, "12,346/s")],
-)
-def test_a_rate_below_one_is_the_time_for_one(speed: float | None, text: str) -> None:
-    assert rate_of(speed) == text
+    assert re.search(r"Q-learning [━╸╺ ]+ 100/200 \d:\d\d:\d\d \d:\d\d:\d\d 100 seen", line)
 
 
 def test_without_a_terminal_there_is_no_bar_but_a_line_a_minute(

@@ -8,9 +8,16 @@ from helpers.command_line import Refused, Warehouse
 
 from agents.lab.grading.criteria import MEASURES
 from agents.lab.grading.grading import GradeReport, grade
-from agents.lab.grading.rubric import MINI_LAB, SOLUTIONS, exercise_names, find_rubric, load_rubric
-from agents.lab.grading.sandbox import ENDS, FAILS, LOAD, SLOW
-from agents.lab.grading.submissions import find_submission
+from agents.lab.grading.rubric import (
+    MINI_LAB,
+    SOLUTIONS,
+    Rubric,
+    exercise_names,
+    find_rubric,
+    load_rubric,
+)
+from agents.lab.grading.sandbox import ENDS, FAILS, LOAD, SLOW, SameProcess
+from agents.lab.grading.submissions import Submission, find_submission
 from agents.lab.grading.walls import FILES, held
 
 NAMES = exercise_names()
@@ -26,7 +33,11 @@ def graded(source: str, folder: Path, exercise: str) -> GradeReport:
     """Grade a program in a folder of its own, because agents may not read our files."""
     file = folder / "mine.py"
     file.write_text(source, encoding="utf-8")
-    return grade(find_submission(str(file)), load_rubric(find_rubric(Path(exercise))))
+    return find_submission(str(file))
+
+
+def load(exercise: str) -> Rubric:
+    return load_rubric(find_rubric(Path(exercise)))
 
 
 def solution(name: str) -> str:
@@ -37,7 +48,7 @@ def solution(name: str) -> str:
 def test_a_solution_has_all_points_and_a_starting_file_runs_and_has_few(
     name: str, tmp_path: Path
 ) -> None:
-    rubric = load_rubric(find_rubric(Path(name)))
+    rubric = load(name)
     assert rubric.points == 100
     assert graded(solution(name), tmp_path, name).points == 100
     begun = rubric.starter.read_text(encoding="utf-8")
@@ -63,7 +74,7 @@ def test_neither_our_agents_nor_our_solutions_are_answers(tmp_path: Path) -> Non
     ours = "from agents import ExploringAgent\nclass Mine(ExploringAgent): pass\n"
     copied = f"exec(open({str(SOLUTIONS / 'exercise-13.py')!r}).read())\n"
     for source in (ours, copied) if FILES in held() else (ours,):
-        report = graded(source, tmp_path, "exercise-13")
+        report = grade(written(source, tmp_path), load("exercise-13"))
         assert report.points == 0
         assert report.failure.startswith("cannot be loaded: ")
     rubrics = [load_rubric(find_rubric(Path(name))) for name in NAMES]

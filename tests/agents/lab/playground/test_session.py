@@ -122,14 +122,6 @@ def test_a_grade_is_that_of_warehouse_grade(
     ]
 
 
-@pytest.mark.parametrize("name", ["exercise-02", "exercise-14"])
-def test_an_exercise_is_graded_by_its_rubric(name: str, page: Page) -> None:
-    code = (SOLUTIONS / f"{name}.py").read_text(encoding="utf-8")
-    assert page.ask(do="grade", code=code, exercise=name)["points"] == 100
-    start = own_rubrics()[name].with_suffix(".py").read_text(encoding="utf-8")
-    assert page.ask(do="grade", code=start, exercise=name)["points"] < 40
-
-
 def test_an_exercise_denies_what_its_rubric_denies_and_the_program_goes_on(page: Page) -> None:
     code = "import agents.search\ndistance = nearer_moves = print\n"
     answer = page.ask(do="grade", code=code, exercise="exercise-02")

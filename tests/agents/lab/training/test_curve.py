@@ -86,13 +86,3 @@ def test_every_line_and_name_is_within_the_axes(
                 assert box.containsx(text.get_window_extent().x0)
                 assert box.containsy(text.get_window_extent().y0)
                 assert box.containsy(text.get_window_extent().y1)
-
-
-def test_the_names_of_the_lines_never_overlap(tmp_path: Path, drawn: list[SceneFigure]) -> None:
-    for success in (0.0, 0.88, 0.9, 1.0):
-        save_learning_curve(
-            tmp_path / "c.png", "PPO", "", [ExamPoint(9, scores(success))], scores(0.9)
-        )
-        for axes in drawn[-1].axes:
-            one, other = (text.get_window_extent() for text in axes.texts)
-            assert not one.overlaps(other), success

@@ -77,11 +77,6 @@ def test_the_picture_has_a_line_for_each_planner_and_its_interval() -> None:
     ]  # fmt: skip
 
 
-def test_many_numbers_of_robots_have_ticks_at_whole_numbers() -> None:
-    [axes] = curves_figure({"a": {size: Interval(1.0) for size in range(1, 21)}}, "T", "goals").axes
-    assert [tick for tick in axes.get_xticks() if tick % 1] == []
-
-
 def test_planners_that_learn_know_the_goals_of_the_warehouse_of_papers() -> None:
     floor = find_floor(None)
     pickups = [row * floor.layout.width + col for row, col in floor.layout.pickups]

@@ -103,11 +103,6 @@ def test_planners_that_know_headings_are_run_by_default(bay: str, warehouse: War
     assert [*rows_of(out)][-3:] == ["lacam", "lacam-star", "anytime"]
 
 
-def test_some_robots_of_a_scenario_can_be_had(bay: str, warehouse: Warehouse) -> None:
-    out = warehouse("plan", bay, "--robots", 1).out
-    assert {row[0] for row in rows_of(out).values()} == {"2"}
-
-
 def test_a_planner_without_a_plan_is_told_beside_those_with_one(
     bay: str, warehouse: Warehouse
 ) -> None:
@@ -145,26 +140,6 @@ def test_what_cannot_be_found_or_done_is_named(
     bay: str, options: str, words: str, refused: Refused
 ) -> None:
     assert words in refused("plan", *options.split())
-
-
-@pytest.mark.parametrize(
-    ("old", "new", "words"),
-    [
-        ("0\t2\n0", "1\t2\n0", "scenario 1: goal"),
-        ("2\t0\t0\t0\t2\n", "0\t0\t1\t0\t2\n", "robots 0 and 1 have the same start (0, 0)"),
-        ("2\t0\t0\t0\t2\n", "2\t0\t2\t0\t2\n", "robots 0 and 1 have the same goal (0, 2)"),
-    ],
-)
-def test_a_scenario_without_a_solution_is_told_at_once(
-    bay: str, old: str, new: str, words: str, refused: Refused
-) -> None:
-    Path(bay).write_text(SCENARIO.replace(old, new, 1))
-    assert words in refused("plan", bay)
-
-
-def test_a_goal_on_another_part_of_the_floor_is_told_at_once(bay: str, refused: Refused) -> None:
-    write_map("bay.map", (".#.", "#.#"))
-    assert "robot 0: no way leads from (0, 0) to (0, 2)" in refused("plan", bay)
 
 
 def test_robots_of_generated_problems_are_in_the_largest_part(
