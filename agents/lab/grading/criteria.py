@@ -15,8 +15,9 @@ from warehouse_core.wording import counted, listed
 
 __all__ = ["Criterion"]
 
-VISIBILITIES = ("visible", "after_due_date", "after_published", "hidden")
-"""Times at which a student sees a criterion, one after the other."""
+VISIBLE = "visible"
+VISIBILITIES = (VISIBLE, "after_due_date", "after_published", "hidden")
+"""Times at which Gradescope shows a criterion to students; pages show what is visible."""
 
 MAX_USELESS = 10
 """Useless actions that an agent may take in an episode without a way."""
@@ -70,7 +71,7 @@ class Criterion(NamedTuple):
         zero: the number that gives none; between the two they grow evenly. If it is ``full``,
             there are all points or none.
         needs: an earlier criterion; without any points there are none here either.
-        visibility: time at which pages and Gradescope show it, one of ``VISIBILITIES``.
+        visibility: time at which students see it, one of ``VISIBILITIES``.
 
     Example:
         >>> from agents.lab.grading.criteria import Criterion
@@ -101,10 +102,6 @@ class Criterion(NamedTuple):
         return (
             asked if self.zero == self.full else f"{asked}; no points at {measure.shown(self.zero)}"
         )
-
-    def is_shown(self, when: str) -> bool:
-        """Return whether students see it at a time, one of ``VISIBILITIES``."""
-        return VISIBILITIES.index(self.visibility) <= VISIBILITIES.index(when)
 
     def points_for(self, value: float) -> float:
         """Return the points for a number, rounded to hundredths."""

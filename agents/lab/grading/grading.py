@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from agents.errors import GradeError
 from agents.lab.grading.cases import CALL, Run, run_cases
-from agents.lab.grading.criteria import VISIBILITIES, Criterion, Runs, outcomes
+from agents.lab.grading.criteria import VISIBLE, Criterion, Runs, outcomes
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.sandbox import SameProcess, Sandbox
 from agents.lab.grading.submissions import NOTEBOOK, Submission
@@ -111,9 +111,9 @@ class GradeReport(NamedTuple):
         shown = [each for each in self.grades if each.run is not None and each.run.actions]
         return max(shown, key=lambda each: each.criterion.points - each.points, default=None)
 
-    def shown(self, when: str = VISIBILITIES[0]) -> GradeReport:
-        """Return what a student sees at a time, one of ``VISIBILITIES``."""
-        grades = tuple(each for each in self.grades if each.criterion.is_shown(when))
+    def shown(self) -> GradeReport:
+        """Return what a student sees on a page."""
+        grades = tuple(each for each in self.grades if each.criterion.visibility == VISIBLE)
         withheld = self.max_points - sum(each.criterion.points for each in grades)
         reason = "" if withheld else self.reason
         return self._replace(grades=grades, withheld=withheld, reason=reason)

@@ -9,14 +9,12 @@ import json
 from collections.abc import Mapping
 from concurrent.futures import Future, as_completed
 from pathlib import Path
-from typing import Any
 from urllib.parse import quote
 
 from agents.errors import AgentError, GradeError, WorkerError
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.grading.cases import GradedCase
-from agents.lab.grading.criteria import VISIBILITIES
 from agents.lab.grading.grades import (
     CODE,
     FAILURE,
@@ -39,16 +37,12 @@ from agents.lab.grading.sandbox import most_jobs
 from agents.lab.grading.submissions import Submission, Unusable, in_folder
 from agents.lab.trials.workers import Processes
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.files.reading import read_file
 from warehouse_core.wording import counted
 
 RESULTS, PAGE = ".json", ".html"
 
 INDEX = "index"
 """Name of the page of a class, which no submission can have."""
-
-MAX_RESULTS = 1_000_000
-"""Most bytes of results that are read again."""
 
 
 def grade_folder(
@@ -59,7 +53,6 @@ def grade_folder(
     pages: Path | None,
     user: str | None,
     jobs: int,
-    when: str = VISIBILITIES[0],
 ) -> dict[str, GradeRow]:
     """Grade the submissions in a folder that have changed, and write the table after each.
 
@@ -71,7 +64,6 @@ def grade_folder(
         pages: folder for the page and the results of each, or ``None``.
         user: user that runs agents, see ``Sandbox``.
         jobs: number of processes.
-        when: time at which students see the pages, one of ``VISIBILITIES``.
 
     Returns:
         the rows of the table, by the names of the submissions.
@@ -87,7 +79,7 @@ def grade_folder(
         if isinstance(each, Unusable):
             rows[each.name] = failed_row(each.name, each.reason, rubric)
         elif _is_done(each, before, rubric) and (
-            pages is None or _are_written(pages, each, rubric, when)
+            pages is None or all(path.exists() for path in _files_of(pages, each))
         ):
             rows[each.name] = before[plain(each.name)]
         else:
@@ -101,9 +93,7 @@ def grade_folder(
             Processes(max(min(most_jobs(user, jobs), len(waiting)), 1)) as pool,
             progress_bar(len(waiting), "submissions") as advance,
         ):
-            futures = {
-                pool.submit(_grade, each, rubric, user, pages, when): each for each in waiting
-            }
+            futures = {pool.submit(_grade, each, rubric, user, pages): each for each in waiting}
             for number, future in enumerate(as_completed(futures), 1):
                 each = futures[future]
                 rows[each.name] = _row(future, each, rubric)
@@ -134,13 +124,11 @@ def _is_done(each: Submission, before: dict[str, GradeRow], rubric: Rubric) -> b
     return (row[CODE], row[RUBRIC]) == (each.digest, rubric.digest)
 
 
-def _grade(
-    each: Submission, rubric: Rubric, user: str | None, pages: Path | None, when: str
-) -> GradeRow:
+def _grade(each: Submission, rubric: Rubric, user: str | None, pages: Path | None) -> GradeRow:
     """Grade a submission, in a process of its own."""
     report = grade(each, rubric, user)
     for path in [] if pages is None else _files_of(pages, each):
-        write_report(path, report.shown(when))
+        write_report(path, report.shown())
     return row_of(each.name, report)
 
 
@@ -208,17 +196,6 @@ def _write_page(path: Path, report: GradeReport) -> None:
 def _files_of(pages: Path, submission: Submission) -> list[Path]:
     """Return the page and the results of a submission."""
     return [pages / f"{submission.name}{suffix}" for suffix in (PAGE, RESULTS)]
-
-
-def _are_written(pages: Path, submission: Submission, rubric: Rubric, when: str) -> bool:
-    """Return whether the page and the results of a submission are there, as seen at that time."""
-    page, results = _files_of(pages, submission)
-    try:
-        found: Any = json.loads(read_file(results, MAX_RESULTS))
-        shown = {each.name for each in rubric.criteria if each.is_shown(when)}
-        return page.exists() and {each["name"] for each in found["tests"]} == shown
-    except (OSError, ValueError, LookupError, TypeError, RecursionError):
-        return False
 
 
 def _write_index(pages: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> Path:

@@ -15,7 +15,6 @@ from agents.lab.commands.grade.folder import PAGE, RESULTS, grade_folder, write_
 from agents.lab.console import options
 from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.terminal import say
-from agents.lab.grading.criteria import VISIBILITIES
 from agents.lab.grading.grades import save_canvas, save_moodle
 from agents.lab.grading.gradescope import write_autograder
 from agents.lab.grading.grading import GradeReport
@@ -23,7 +22,6 @@ from agents.lab.grading.grading import grade as grade_agent
 from agents.lab.grading.rubric import MINI_LAB, Rubric, find_rubric, load_rubric
 from agents.lab.grading.sandbox import check_trust
 from agents.lab.grading.submissions import MAX_SOURCE, find_submission
-from agents.lab.parameters import one_of
 from warehouse_core.files.atomic import atomic_path, check_suffix, check_target
 from warehouse_core.files.reading import read_file
 
@@ -61,14 +59,6 @@ def grade(
             "class.",
         ),
     ] = None,
-    reveal: Annotated[
-        str,
-        option(
-            f"--reveal {'|'.join(VISIBILITIES[:3])}",
-            "Pages show criteria that are visible then.",
-            one_of(*VISIBILITIES[:3]),
-        ),
-    ] = VISIBILITIES[0],
     moodle: Annotated[
         Path | None,
         option("--moodle FILE", "Save grades for Moodle, as .csv.", callback=writable(TABLE)),
@@ -147,9 +137,7 @@ def grade(
         if pages is not None:
             pages.mkdir(parents=True, exist_ok=True)
         say(check_trust(user, trust, are_many=True))
-        rows = grade_folder(
-            folder, kind, wanted, target, pages, user, jobs or os.cpu_count() or 1, reveal
-        )
+        rows = grade_folder(folder, kind, wanted, target, pages, user, jobs or os.cpu_count() or 1)
         for path, save_grades in ((moodle, save_moodle), (canvas, save_canvas)):
             if path is not None:
                 save_grades(path, rows, wanted)
@@ -168,7 +156,7 @@ def grade(
     with progress_bar(sum(case.episodes for case in wanted.used_cases), "episodes") as show:
         report = grade_agent(submission, wanted, user, lambda: show(next(done)))
     for path in save:
-        write_report(path, report.shown(reveal) if path.suffix.lower() == PAGE else report)
+        write_report(path, report.shown() if path.suffix.lower() == PAGE else report)
     print_report(report)
     for path in save:
         say(f"saved {path}")
