@@ -7,7 +7,6 @@ import warnings
 from collections.abc import Iterable, Sequence
 from contextlib import closing
 from functools import partial
-from importlib.util import find_spec
 from pathlib import Path
 from typing import Annotated
 
@@ -31,9 +30,8 @@ from agents.lab.console.values import parse_battery, parse_due
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.parameters import usual
 from agents.lab.runs.run import draw_seed, run
-from agents.registry import PLANNERS, make_backend, make_fleet_agent, make_team
+from agents.registry import make_backend, make_fleet_agent, make_team
 from warehouse_core import Episode, FleetEnv, OrderStream, WarehouseError
-from warehouse_core.extras import install_command
 from warehouse_core.orders import load_orders
 from warehouse_core.orders.order import Orders
 from warehouse_core.records.recorder import FleetAgent
@@ -44,9 +42,6 @@ from warehouse_core.world.named_layouts import DEPOT, find_layout
 RATE, DUE = usual("order_rate"), parse_due(usual("due"))
 
 PUSHES = "pushes"
-
-MANY_ROBOTS = 100
-"""Robots from which on compiled planners are worth their installation."""
 
 
 def find_orders(file: Path | None, rate: float | None) -> Orders:
@@ -169,7 +164,6 @@ def fleet(
     )
 
     first = draw_seed() if seed is None else seed
-    tell_of_numba(planner, robots)
 
     def run_seed(seed: int) -> Episode:
         directing = (
@@ -222,17 +216,6 @@ def fleet(
     except ValueError as error:
         raise typer.BadParameter(str(error)) from error
     finish(show)
-
-
-def tell_of_numba(planner: str | None, robots: int) -> None:
-    """Say how to compile a planner of many robots, unless Numba is installed."""
-    is_known = planner is not None and planner.partition(":")[0] in PLANNERS
-    if is_known and robots >= MANY_ROBOTS and find_spec("numba") is None:
-        say(
-            f"warehouse: {planner} would plan for {robots} robots several times as fast with "
-            f"Numba: {install_command('fast')}",
-            error=True,
-        )
 
 
 def warn_of_lost_steps(agent: FleetAgent, seed: int, name: str) -> None:

@@ -199,29 +199,6 @@ def test_a_planner_and_an_assignment_by_name_lead_all_robots(
     assert episode.measures.blocked_by_robot == 0
 
 
-@pytest.mark.parametrize(
-    ("robots", "planner", "is_there", "is_told"),
-    [
-        (100, "pibt:turn_cost=1", False, True),
-        (99, "pibt", False, False),
-        (100, "pibt", True, False),
-    ],
-)
-def test_that_numba_would_help_many_robots_is_told(
-    robots: int,
-    planner: str,
-    is_there: bool,
-    is_told: bool,
-    monkeypatch: pytest.MonkeyPatch,
-    capsys: pytest.CaptureFixture[str],
-) -> None:
-    monkeypatch.setattr(module, "find_spec", lambda name: name if is_there else None)
-    module.tell_of_numba(planner, robots)
-    said = capsys.readouterr().err
-    assert ("pip install 'numba" in said) == is_told
-    assert ("100 robots several times as fast" in said) == is_told
-
-
 def test_the_replay_draws_the_plans_of_chosen_robots(warehouse: Warehouse) -> None:
     options = (*SMALL, "--order-rate", 0.2, "--planner", "pibt", "-n", 2)
     pictures = []
