@@ -27,5 +27,5 @@ def test_the_command_names_the_packages_of_an_extra_and_no_other(
 
 
 def test_this_distribution_is_never_named() -> None:
-    for extra in ("bench", "fleet", "mcap", "parquet", "physics", "rl", "test", "video"):
+    for extra in ("bench", "fleet", "mcap", "physics", "rl", "test", "video"):
         assert "warehouse-lab" not in install_command(extra)
