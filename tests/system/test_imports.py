@@ -102,7 +102,7 @@ MAY_IMPORT = {
     "agents/lab/commands/backends": (
         "errors fleet lab lab/console lab/reports lab/runs lab/trials registry"
     ),
-    "agents/lab/commands/grade": "errors lab lab/console lab/grading lab/reports lab/trials",
+    "agents/lab/commands/grade": "errors lab/console lab/grading lab/reports lab/trials",
     "agents/lab/playground": "errors lab lab/grading lab/runs registry",
     "agents/lab/commands": (
         "errors fleet lab lab/commands/backends lab/commands/fleet "
