@@ -45,7 +45,6 @@ COMMANDS = {
     "run --seed 1 --save a.mp4": ["a.mp4"],
     "play": [],
     "demo slip --save a.gif": ["a.gif"],
-    "demo cbs --save a.png": ["a.png"],
     "replay lone.npz --save a.mp4": ["a.mp4"],
     "replay fleet.npz --save a.mp4": ["a.mp4"],
     "compare search --layout corridor --weights 1 --save a.gif": ["a.gif"],

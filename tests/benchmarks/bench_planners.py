@@ -43,7 +43,6 @@ from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import NO_CELLS, Situation
 from agents.mapf.problem import Problem
-from agents.mapf.solvable import check_solvable
 from agents.mapf.traffic import directed_costs, learned_costs
 from agents.mapf.windows import WindowedPlanner
 from agents.registry import PLANNERS
@@ -305,32 +304,6 @@ def test_costs_within_a_bound(robots: int, measured) -> None:
         f"CPU seconds: median {median(times):.2f}, worst {max(times):.2f}; cost over the "
         f"proved bound: median {median(shares):.3f}, worst {max(shares):.3f}",
     )
-
-
-def test_proofs_that_there_is_no_plan(measured) -> None:
-    """Small floors with up to 8 robots; a plan of LaCAM says that there is one."""
-    counts = dict.fromkeys(("plan", "none", "timeout"), 0)
-    proved = dict.fromkeys(counts, 0)
-    for problem in random_problems(1000, seed=3, max_size=4):
-        try:
-            check_solvable(problem)
-            is_proved = False
-        except PlanError:
-            is_proved = True
-        try:
-            lacam(problem, 2.0)
-            end = "plan"
-        except PlanError as error:
-            end = "none" if str(error).startswith("there is no plan") else "timeout"
-        counts[end] += 1
-        proved[end] += is_proved
-    measured(
-        "problems of up to 8 robots on floors of up to 4 x 4 cells without a plan",
-        f"of {counts['none']} that LaCAM decides {proved['none']} are proved to have none; of "
-        f"{counts['timeout']} that it does not decide in 2 s {proved['timeout']}; of "
-        f"{counts['plan']} with a plan {proved['plan']}",
-    )
-    assert proved["plan"] == 0
 
 
 def draw(layout: Layout, robots: int) -> tuple[np.ndarray, np.ndarray]:

@@ -50,7 +50,6 @@ PICTURES = {
     "explore": "run --agent exploring --seed 3 --max-steps 30",
     "search": "compare search",
     "race": "race",
-    "demo cbs": "demo cbs",
     "demo lanes": "demo lanes",
     "compare agents": "compare agents -n 3",
     "compare planners": "compare planners -n 1 -r 32,64 --planner pibt --planner pibt-lanes "

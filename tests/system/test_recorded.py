@@ -503,7 +503,6 @@ KINDS = (
 COMMANDS = (
     "compare search --save x.svg",
     "run --agent exploring --seed 3 --max-steps 6 --save x.svg",
-    "demo cbs --save x.svg",
     "demo bump --save x.svg",
     "race --agent random --agent greedy --seed 3 --max-steps 5 --save x.html",
     "run --seed 4 --no-show",

@@ -16,11 +16,9 @@ from agents.lab.console.output import Film, save_picture, show_or_save, unused
 from agents.lab.console.terminal import say
 from agents.lab.console.watch import slow_steps_told
 from agents.lab.runs.run import run
-from agents.mapf.cbs import ConflictTree
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs
 from agents.mapf.pibt import PIBT
-from agents.mapf.problem import Problem
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
     Episode,
@@ -44,9 +42,6 @@ if TYPE_CHECKING:
 CORRIDOR = Layout(["########", "#P....D#", "########"])
 SLOW_MOTION = 0.025
 """Simulated seconds between frames in slow motion."""
-
-GAP = ("..#..", ".....", "..#..")
-CBS_SECONDS = 10.0
 
 HALL = Layout(["#######", "#.....#", "#.....#", "#.....#", "#######"])
 
@@ -124,25 +119,6 @@ def pibt() -> Demo:
     return Demo(said, [_titled(track, f"PIBT: {said}; arrows show who pushes whom")])
 
 
-def cbs() -> Demo:
-    """The conflict tree of three robots at one gap."""
-    tree = ConflictTree(Problem(Graph(Layout(GAP)), [7, 11, 1], [11, 4, 5]))
-    tree.solve(CBS_SECONDS)
-    assert tree.solution is not None, "the tree has grown"
-    alone, together = tree.nodes[0].cost, tree.solution.cost
-    said = (
-        f"the ways alone cost {alone}, the optimal plan {together}, found after "
-        f"{counted(len(tree.nodes), 'node')}"
-    )
-
-    def draw() -> SceneFigure:
-        from agents.mapf.tree_picture import tree_picture
-
-        return tree_picture(tree)
-
-    return Demo(said, draw=draw)
-
-
 def lanes() -> Demo:
     """Where robots are held up, without lanes and with."""
     layout, episodes = crowded_floor(), {}
@@ -169,11 +145,10 @@ DEMOS: dict[str, Callable[[], Demo]] = {
     "bump": bump,
     "slip": slip,
     "pibt": pibt,
-    "cbs": cbs,
     "lanes": lanes,
 }
 
-STILLS = ("cbs", "lanes")
+STILLS = ("lanes",)
 """Demonstrations that are one picture."""
 
 BODIES = ("bump", "slip")

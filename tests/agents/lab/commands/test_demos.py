@@ -36,10 +36,6 @@ def test_robots_push_each_other_only_to_cells_beside_them():
     assert [*frames[0].fleet.plans.ways] == [0, 1, 2]
 
 
-def test_the_optimal_plan_costs_more_than_the_ways_alone():
-    assert DEMOS["cbs"]().said == "the ways alone cost 9, the optimal plan 12, found after 8 nodes"
-
-
 def test_lanes_deliver_much_more_on_the_crowded_floor():
     picture = DEMOS["lanes"]()
     without, with_lanes, gain = re.findall(r"[\d,]+(?= del| with:)|[+-]\d+%", picture.said)
@@ -57,10 +53,10 @@ def test_a_demo_is_one_command_and_one_picture(tmp_path, warehouse):
         assert len(image.convert("RGB").getcolors(1 << 20)) > 10
 
 
-@pytest.mark.parametrize("name", ["demo-cbs.gif", "demo-cbs.html", "demo-cbs"])
+@pytest.mark.parametrize("name", ["demo-lanes.gif", "demo-lanes.html", "demo-lanes"])
 def test_a_picture_has_no_frames_to_save(name, tmp_path, monkeypatch, refused):
-    monkeypatch.setitem(DEMOS, "cbs", lambda: pytest.fail("computed before the check"))
-    error = refused("demo", "cbs", "--save", tmp_path / name)
+    monkeypatch.setitem(DEMOS, "lanes", lambda: pytest.fail("computed before the check"))
+    error = refused("demo", "lanes", "--save", tmp_path / name)
     assert name in error
     assert ".svg" in error
 
