@@ -6,7 +6,7 @@ from collections.abc import Sequence
 
 from agents.mapf.graph import Graph
 from agents.mapf.kernels.robots import NOBODY
-from agents.mapf.planner import Planner, Situation, with_defaults
+from agents.mapf.planner import Planner, Situation
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.world.tables import Integers
 
@@ -27,11 +27,11 @@ class PlanLog:
 
         The graph of the floor is used for a planner that shows none.
         """
-        full, cells, goals = with_defaults(planner), situation.cells, situation.goals
-        graph = full.graph or graph
+        cells, goals = situation.cells, situation.goals
+        graph, plan_of = getattr(planner, "graph", None) or graph, getattr(planner, "plan_of", None)
         ways, wishes = dict[int, list[int]](), dict[int, list[int]]()
         for robot in self._robots:
-            ahead = full.plan_of(robot)
+            ahead = plan_of(robot) if plan_of else []
             # A robot that cannot go on as planned waits.
             is_planned = ahead[:1] == [chosen[robot]]
             ways[robot] = [int(cells[robot]), *(ahead if is_planned else [int(chosen[robot])])]
@@ -41,6 +41,7 @@ class PlanLog:
             for kind in (ways, wishes)
         )
         pushed = dict[int, int]()
-        if self.pushes and full.pushers is not None:
-            pushed = {robot: int(by) for robot, by in enumerate(full.pushers) if by != NOBODY}
+        if self.pushes:
+            pushers = getattr(planner, "pushers", ())
+            pushed = {robot: int(by) for robot, by in enumerate(pushers) if by != NOBODY}
         self.plans.append(StepPlans(places, wished, pushed))

@@ -10,7 +10,14 @@ from agents.fleet.plan_log import PlanLog
 from agents.fleet.scheduler import Scheduler, shares_cell
 from agents.mapf.assignment import ASSIGNMENTS
 from agents.mapf.graph import CLOSED, Graph
-from agents.mapf.planner import Planner, Situation, check_step, check_turns, with_defaults
+from agents.mapf.planner import (
+    Planner,
+    Situation,
+    check_step,
+    check_turns,
+    knows_headings,
+    next_steps,
+)
 from agents.mapf.time_limit import time_limit
 from warehouse_core import FleetEnv
 from warehouse_core.arguments import flag, instance_of, one_of, real_number, with_methods
@@ -47,7 +54,7 @@ def check_headings(planner: Planner, env: FleetEnv) -> None:
     Raises:
         AgentError: the robots have headings, and the planner does not know any.
     """
-    if env.settings.has_headings and not with_defaults(planner).knows_headings:
+    if env.settings.has_headings and not knows_headings(planner):
         raise AgentError(
             f"planner {type(planner).__name__} does not know headings, which robots "
             'with moves="turn" have; it needs a method next_places'
@@ -99,8 +106,7 @@ class PlannedFleet:
     ) -> None:
         with_methods("planner", planner, "reset", "next_cells")
         self._log = None if log is None else instance_of("log", log, PlanLog)
-        self._full = with_defaults(planner)
-        if log and log.pushes and self._full.pushers is None:
+        if log and log.pushes and not hasattr(planner, "pushers"):
             raise AgentError(f"planner {type(planner).__name__} does not say which robots push")
         self.planner = planner
         self._assignment = one_of("assignment", assignment, ASSIGNMENTS)
@@ -110,7 +116,7 @@ class PlannedFleet:
 
     def reset(self) -> None:
         """Forget the last episode."""
-        self._full.reset()
+        self.planner.reset()
         self._scheduler: Scheduler | None = None
         self.lost: list[tuple[int, str]] = []
         if self._log:
@@ -125,18 +131,19 @@ class PlannedFleet:
         """
         if self._scheduler is None:
             check_headings(self.planner, env)
-            self._scheduler = Scheduler(env, self._assignment, self._full.graph)
+            known = getattr(self.planner, "graph", None)
+            self._scheduler = Scheduler(env, self._assignment, known)
         situation, actions = self._scheduler.situation(env)
         graph, cells, headings = self._scheduler.graph, situation.cells, np.array(env.headings)
         stays = headings * graph.size + cells if len(headings) else cells
-        known = self._full.graph or graph
+        known = getattr(self.planner, "graph", None) or graph
         if known.closed != graph.closed:
             known.close(graph.closed)
-            self._full.reset()
+            self.planner.reset()
         try:
             chosen = self._plan(graph, situation, headings)
             if self._log:
-                self._log.add(self._full, graph, situation, chosen % graph.size)
+                self._log.add(self.planner, graph, situation, chosen % graph.size)
         except TimeoutError:
             chosen = self._lose(env, stays, f"the plan took more than {self._seconds:g} s")
         except Exception as error:  # the planner of a user may raise anything
@@ -153,17 +160,14 @@ class PlannedFleet:
     def _plan(self, graph: Graph, situation: Situation, headings: Integers) -> Integers:
         """Return the next cells of the robots, or with headings their next places, checked."""
         with time_limit(self._seconds):
-            if len(headings):
-                chosen = self._full.next_places(situation, headings)
-            else:
-                chosen = self._full.next_cells(situation)
+            chosen = next_steps(self.planner, situation, headings)
         if len(headings):
             return check_turns(graph, situation, headings, chosen)
         return check_step(graph, situation, chosen)
 
     def _lose(self, env: FleetEnv, stays: Integers, reason: str) -> Integers:
         self.lost.append((env.steps + 1, reason))
-        self._full.reset()
+        self.planner.reset()
         if self._log:
             self._log.plans.append(NO_PLANS)
         return stays
@@ -178,7 +182,7 @@ def turning_actions(
         graph: floor.
         situation: situation before the step.
         headings: ``[R]`` headings before it.
-        places: ``[R]`` places after it, see ``BasePlanner``.
+        places: ``[R]`` places after it, see ``PlacePlanner``.
         actions: ``[R]``, ``PICK`` or ``DROP``; or ``WAIT`` for robots that move, turn or wait.
     """
     cells = situation.cells

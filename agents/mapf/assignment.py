@@ -20,7 +20,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.world.tables import Integers
 
-__all__ = ["ASSIGNMENTS", "Tasks", "first_in_first_out", "hungarian", "nearest_first", "urgent"]
+__all__ = ["ASSIGNMENTS", "Tasks"]
 
 NONE = -1
 """Number in place of an order, robot, charger or cell where there is none."""
@@ -61,10 +61,10 @@ class Tasks(NamedTuple):
 
     Example:
         >>> import numpy as np
-        >>> from agents.mapf.assignment import NONE, Tasks, hungarian
+        >>> from agents.mapf.assignment import ASSIGNMENTS, NONE, Tasks
         >>> ways, trips = np.array([[2.0, 9.0], [3.0, 5.0]]), np.array([4.0, 4.0])
         >>> tasks = Tasks(ways, trips, due=np.array([90, 20]), now=0, held=np.array([NONE, NONE]))
-        >>> hungarian(tasks)
+        >>> ASSIGNMENTS["hungarian"](tasks)
         array([0, 1])
     """
 
@@ -79,16 +79,7 @@ Assignment = Callable[[Tasks], NDArray[np.intp]]
 
 
 def first_in_first_out(tasks: Tasks) -> NDArray[np.intp]:
-    """Give the oldest orders away, each to the robot nearest to it that has none.
-
-    Example:
-        >>> import numpy as np
-        >>> from agents.mapf.assignment import NONE, Tasks, first_in_first_out
-        >>> ways, trips = np.array([[2.0, 3.0], [3.0, 9.0]]), np.array([4.0, 4.0])
-        >>> tasks = Tasks(ways, trips, due=np.array([90, 9]), now=0, held=np.array([NONE, NONE]))
-        >>> first_in_first_out(tasks)
-        array([0, 1])
-    """
+    """Give the oldest orders away, each to the robot nearest to it that has none."""
     ways = np.array(tasks.ways, np.float64)
     found = np.full(len(ways), NONE)
     for order in range(ways.shape[1]):
@@ -104,14 +95,6 @@ def nearest_first(tasks: Tasks) -> NDArray[np.intp]:
     """Give the nearest pair of robot and order to each other, then the nearest of the rest.
 
     Pairs that are nearest to each other are taken at once, which has the same result.
-
-    Example:
-        >>> import numpy as np
-        >>> from agents.mapf.assignment import NONE, Tasks, nearest_first
-        >>> ways, trips = np.array([[2.0, 3.0], [3.0, 9.0]]), np.array([4.0, 4.0])
-        >>> tasks = Tasks(ways, trips, due=np.array([90, 9]), now=0, held=np.array([NONE, NONE]))
-        >>> nearest_first(tasks)
-        array([0, 1])
     """
     ways = np.array(tasks.ways, np.float64)
     found = np.full(len(ways), NONE)
@@ -129,14 +112,6 @@ def hungarian(tasks: Tasks) -> NDArray[np.intp]:
 
     Source: Kuhn (1955), The Hungarian method for the assignment problem. SciPy's solver follows
     Crouse (2016), On implementing 2D rectangular assignment algorithms.
-
-    Example:
-        >>> import numpy as np
-        >>> from agents.mapf.assignment import NONE, Tasks, hungarian
-        >>> ways, trips = np.array([[2.0, 3.0], [3.0, 9.0]]), np.array([4.0, 4.0])
-        >>> tasks = Tasks(ways, trips, due=np.array([90, 9]), now=0, held=np.array([NONE, NONE]))
-        >>> hungarian(tasks)
-        array([1, 0])
     """
     return _cheapest(tasks, tasks.ways)
 
@@ -146,14 +121,6 @@ def urgent(tasks: Tasks) -> NDArray[np.intp]:
 
     What it seems nearer by grows as its spare time gets less, to ``URGENT`` steps. An order which a
     robot cannot deliver in time any more seems farther to it, by ``LATE`` steps.
-
-    Example:
-        >>> import numpy as np
-        >>> from agents.mapf.assignment import NONE, Tasks, urgent
-        >>> ways, trips = np.array([[2.0, 3.0], [3.0, 9.0]]), np.array([4.0, 4.0])
-        >>> tasks = Tasks(ways, trips, due=np.array([90, 9]), now=0, held=np.array([NONE, NONE]))
-        >>> urgent(tasks)
-        array([1, 0])
     """
     needed = STRETCH * (tasks.ways + tasks.trips) + HANDLING
     spare = tasks.due - tasks.now - needed

@@ -24,7 +24,7 @@ from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, Robo
 from warehouse_physics.profile import Floats
 from warehouse_physics.spec import ARRIVED
 
-__all__ = ["Execution", "corner_steps", "drive_steps", "drive_through"]
+__all__ = ["Execution", "drive_steps", "drive_through"]
 
 PATIENCE = 10.0
 """Seconds without stops in which nobody moves, after which nobody will."""
@@ -155,12 +155,6 @@ def corner_steps(spec: RobotSpec) -> float:
 
     It is measured: bodies drive round a corner and straight on, without and with an item, of which
     the mean is taken.
-
-    Example:
-        >>> from agents.mapf.execution import corner_steps
-        >>> from warehouse_physics import RobotSpec
-        >>> 0 < corner_steps(RobotSpec()) < 1 < corner_steps(RobotSpec(drive="differential"))
-        True
     """
     loads = [spec, replace(spec, mass=spec.total_mass(loaded=True), payload_mass=0.0)]
     return float(np.mean([_corner_steps(each) for each in loads]))

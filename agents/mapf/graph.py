@@ -49,9 +49,6 @@ PARTS = 10
 MAX_BYTES = 1_000_000_000
 """Memory of kept distance fields; those used least recently are dropped beyond it."""
 
-MAX_COPIED = 64_000_000
-"""Memory of the rows of ``Fields`` beyond which all are reserved at once."""
-
 MAX_PRICE = 100_000
 """Highest cost of a step, in tenths, for which compiled code measures distances."""
 
@@ -371,17 +368,8 @@ class Fields:
             self._row_of[is_old] = NO_ROW
         used = max(self._used, self._used + number - len(self._free))
         if used > len(self.matrix):
-            self._enlarge(used, max(MAX_BYTES // row_bytes, len(goals)))
+            kept = self.matrix
+            self.matrix = np.empty((used + used // 2, kept.shape[1]), np.int32)
+            self.matrix[: len(kept)] = kept
         self._free += range(self._used, used)
         self._used = used
-
-    def _enlarge(self, least: int, most: int) -> None:
-        """Reserve rows, between the two numbers unless cells are fewer.
-
-        Beyond ``MAX_COPIED`` all are reserved at once: memory is taken only as it is written.
-        """
-        rows, kept = least + least // 2, self.matrix
-        if rows * kept.shape[1] * kept.itemsize > MAX_COPIED:
-            rows = max(least, min(most, len(self.graph.layout.open_cells)))
-        self.matrix = np.empty((rows, kept.shape[1]), np.int32)
-        self.matrix[: len(kept)] = kept

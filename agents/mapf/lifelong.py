@@ -11,7 +11,7 @@ from numpy.typing import NDArray
 
 from agents.errors import PlanError
 from agents.mapf.graph import EAST, Graph
-from agents.mapf.planner import NO_CELLS, Planner, Situation, with_defaults
+from agents.mapf.planner import NO_CELLS, Planner, Situation, next_steps
 from warehouse_core.world.tables import Integers
 
 __all__ = ["LifelongRun", "run_lifelong"]
@@ -128,17 +128,15 @@ def lead(
 
     Where robots have headings, ``size`` is the number of cells, and the planner knows headings.
     """
-    full = with_defaults(planner)
     nobody = np.zeros(len(cells), np.bool_)
     ways, all_goals, seconds = [cells], [goals], []
-    full.reset()
+    planner.reset()
     for _ in range(steps):
         start = time.process_time()
         situation = Situation(cells, goals, nobody, NO_CELLS)
+        cells = next_steps(planner, situation, headings)
         if len(headings):
-            headings, cells = np.divmod(full.next_places(situation, headings), size)
-        else:
-            cells = full.next_cells(situation)
+            headings, cells = np.divmod(cells, size)
         seconds.append(time.process_time() - start)
         goals = new_goals(cells, goals)
         ways.append(cells)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import time
 from abc import ABC, abstractmethod
-from typing import Any, NamedTuple, Protocol, runtime_checkable
+from typing import NamedTuple, Protocol, cast, runtime_checkable
 
 import numpy as np
 from numpy.typing import NDArray
@@ -16,14 +16,7 @@ from warehouse_core.wording import brief, counted
 from warehouse_core.world.moves import HEADINGS
 from warehouse_core.world.tables import Integers
 
-__all__ = [
-    "BasePlanner",
-    "Planner",
-    "Situation",
-    "check_step",
-    "check_turns",
-    "solve_by_steps",
-]
+__all__ = ["Planner", "Situation"]
 
 SIDES = ("north", "east", "south", "west")
 """Headings in words."""
@@ -66,8 +59,14 @@ class Situation(NamedTuple):
 class Planner(Protocol):
     """Chooses the next cells of robots; each planner is made for one ``Graph``.
 
-    A class of a user needs no more than these two methods. It may also have what a ``BasePlanner``
-    has.
+    A class of a user needs no more than these two methods. It may also have
+
+    - ``next_places(situation, headings)``, for robots with headings; see ``PlacePlanner``,
+    - ``graph``, whose costs its robots follow; cells that nobody can enter are closed there,
+    - ``plan_of(robot)``, the cells of a robot after each of the next steps, of which the first is
+      the cell just chosen,
+    - ``pushers``, ``[R]``, the robot that made each robot choose before its turn in the last step,
+      or ``NOBODY``.
 
     Example:
         >>> from agents.mapf.graph import Graph
@@ -90,107 +89,26 @@ class Planner(Protocol):
         """
 
 
-class BasePlanner(ABC):
-    """A planner with everything that a planner may have; what is optional has a default.
-
-    Attributes:
-        graph: graph whose costs the robots follow, or ``None`` if the planner does not show it.
-            Cells of it are closed while nobody can enter them.
-        knows_headings: true if ``next_places`` plans for robots that drive forward and turn.
-        pushers: ``[R]``, robot that made each robot choose before its turn in the last step, or
-            ``NOBODY``; ``None`` if the planner does not say.
-
-    Example:
-        >>> from agents.mapf.graph import Graph
-        >>> from agents.mapf.pibt import PIBT
-        >>> from agents.mapf.windows import WindowedPlanner
-        >>> from warehouse_core import DEFAULT_LAYOUT
-        >>> graph = Graph(DEFAULT_LAYOUT)
-        >>> WindowedPlanner(graph).knows_headings, PIBT(graph).knows_headings
-        (True, False)
-    """
-
-    graph: Graph | None = None
-    knows_headings: bool = False
-    pushers: Integers | None = None
-
-    @abstractmethod
-    def reset(self) -> None:
-        """Forget the last episode."""
-
-    @abstractmethod
-    def next_cells(self, situation: Situation) -> Integers:
-        """Return the cell of each robot after the next joint step, ``[R]``; see ``Planner``."""
-
-    def next_places(self, situation: Situation, headings: Integers) -> Integers:
-        """Return the place of each robot after the next joint step, ``[R]``.
-
-        A place is ``heading * H * W + cell``. A robot moves to the cell that it heads for, or it
-        keeps its cell and turns by a quarter at most; what ``next_cells`` says holds for the cells.
-
-        Args:
-            situation: situation of the robots, as for ``next_cells``.
-            headings: ``[R]``, 0 to 3 for N, E, S and W.
-
-        Raises:
-            PlanError: the planner does not know headings.
-        """
-        raise PlanError(f"planner {type(self).__name__} does not know headings")
-
-    def plan_of(self, robot: int) -> list[int]:
-        """Return the cells of a robot after each of the next steps, first the one just chosen.
-
-        It is empty if the planner plans one step only.
-        """
-        return []
+def knows_headings(planner: Planner) -> bool:
+    """Return whether a planner plans for robots that drive forward and turn on the spot."""
+    return getattr(planner, "knows_headings", hasattr(planner, "next_places"))
 
 
-class UserPlanner(BasePlanner):
-    """A planner of a user, with the default of each method and attribute that it does not have."""
-
-    def __init__(self, planner: Planner) -> None:
-        self._planner: Any = planner
-        self._look()
-
-    def reset(self) -> None:
-        """Forget the last episode."""
-        self._planner.reset()
-        self._look()
-
-    def next_cells(self, situation: Situation) -> Integers:
-        """Return the cell of each robot after the next joint step, ``[R]``."""
-        chosen: Integers = self._planner.next_cells(situation)
-        self._look()
-        return chosen
-
-    def next_places(self, situation: Situation, headings: Integers) -> Integers:
-        """Return the place of each robot after the next joint step; see ``BasePlanner``."""
-        chosen: Integers = self._planner.next_places(situation, headings)
-        self._look()
-        return chosen
-
-    def plan_of(self, robot: int) -> list[int]:
-        """Return the cells of a robot after each of the next steps, or none."""
-        plan_of = getattr(self._planner, "plan_of", super().plan_of)
-        found: list[int] = plan_of(robot)
-        return found
-
-    def _look(self) -> None:
-        """Take over the attributes that the planner has now."""
-        self.graph = getattr(self._planner, "graph", None)
-        self.pushers = getattr(self._planner, "pushers", None)
-        self.knows_headings = hasattr(self._planner, "next_places")
+def next_steps(planner: Planner, situation: Situation, headings: Integers) -> Integers:
+    """Return what a planner chooses: places of robots with headings, or cells if there are none."""
+    if len(headings):
+        return cast(PlacePlanner, planner).next_places(situation, headings)
+    return planner.next_cells(situation)
 
 
-def with_defaults(planner: Planner) -> BasePlanner:
-    """Return a planner with all methods and attributes of a ``BasePlanner``."""
-    return planner if isinstance(planner, BasePlanner) else UserPlanner(planner)
-
-
-class PlacePlanner(BasePlanner):
+class PlacePlanner(ABC):
     """Base of planners that choose places, with headings and without.
 
     A subclass chooses places in ``_choose``, after it has begun an episode in ``_begin``.
+
+    Attributes:
+        graph: graph whose costs the robots follow.
+        knows_headings: true if ``next_places`` plans for robots that drive forward and turn.
     """
 
     graph: Graph
@@ -205,9 +123,15 @@ class PlacePlanner(BasePlanner):
         return self._next(situation, None) % self.graph.size
 
     def next_places(self, situation: Situation, headings: Integers) -> Integers:
-        """Return the place of each robot after the next joint step; see ``BasePlanner``."""
-        if not self.knows_headings:
-            return super().next_places(situation, headings)
+        """Return the place of each robot after the next joint step, ``[R]``.
+
+        A place is ``heading * H * W + cell``. A robot moves to the cell that it heads for, or it
+        keeps its cell and turns by a quarter at most; what ``next_cells`` says holds for the cells.
+
+        Args:
+            situation: situation of the robots, as for ``next_cells``.
+            headings: ``[R]``, 0 to 3 for N, E, S and W.
+        """
         return self._next(situation, headings * self.graph.size + situation.cells)
 
     def _next(self, situation: Situation, places: Integers | None) -> Integers:
@@ -235,33 +159,19 @@ def solve_by_steps(planner: Planner, problem: Problem, seconds: float) -> Plan:
     Raises:
         PlanError: it did not in so many seconds by the clock; there may be a plan. Or the robots
             have headings, and the planner does not know headings.
-
-    Example:
-        >>> from agents.mapf.graph import Graph
-        >>> from agents.mapf.pibt import PIBT
-        >>> from agents.mapf.planner import solve_by_steps
-        >>> from agents.mapf.problem import Problem
-        >>> from warehouse_core import Layout
-        >>> problem = Problem(Graph(Layout(["...", "..."])), starts=[0, 2], goals=[2, 0])
-        >>> solve_by_steps(PIBT(problem.graph), problem, seconds=10).sum_of_costs
-        7
     """
     deadline, size = time.perf_counter() + seconds, problem.graph.size
     places, goals = problem.places, np.array(problem.goals)
     nobody, way = np.zeros(len(places), np.bool_), [places]
-    full = with_defaults(planner)
-    if not full.knows_headings:
+    if not knows_headings(planner):
         problem.refuse_headings(f"planner {type(planner).__name__}")
-    full.reset()
+    planner.reset()
     while (places % size != goals).any():
         if time.perf_counter() > deadline:
             raise PlanError(f"no plan after {seconds:g} s and {counted(len(way) - 1, 'step')}")
         headings, cells = np.divmod(places, size)
         situation = Situation(cells, goals, nobody, NO_CELLS)
-        if problem.headings is not None:
-            places = full.next_places(situation, headings)
-        else:
-            places = full.next_cells(situation)
+        places = next_steps(planner, situation, NO_CELLS if problem.headings is None else headings)
         way.append(places)
     return problem.plan_of(np.array(way))
 
@@ -274,18 +184,6 @@ def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
     Raises:
         PlanError: it is no cell for each robot, or a robot jumps, moves though it stays, enters a
             closed cell, or meets another; the message names robots and cells.
-
-    Example:
-        >>> import numpy as np
-        >>> from agents.mapf.graph import Graph
-        >>> from agents.mapf.planner import Situation, check_step
-        >>> from warehouse_core import Layout
-        >>> cells, goals, none = np.array([0, 1]), np.array([1, 0]), np.array([], int)
-        >>> situation = Situation(cells, goals, stays=np.array([False, False]), closed=none)
-        >>> check_step(Graph(Layout([".."])), situation, [1, 0])
-        Traceback (most recent call last):
-            ...
-        agents.errors.PlanError: robots 0 and 1 are to change places, (0, 0) and (0, 1)
     """
     cells, stays = situation.cells, situation.stays
     found = np.asarray(chosen)
@@ -333,18 +231,6 @@ def check_turns(graph: Graph, situation: Situation, headings: Integers, chosen: 
     Raises:
         PlanError: as for ``check_step``, or a robot moves where it does not head, turns round, or
             turns though it stays; the message names it.
-
-    Example:
-        >>> import numpy as np
-        >>> from agents.mapf.graph import Graph
-        >>> from agents.mapf.planner import Situation, check_turns
-        >>> from warehouse_core import Layout
-        >>> cell, none = np.array([0]), np.array([], int)
-        >>> situation = Situation(cell, cell, np.array([False]), none)
-        >>> check_turns(Graph(Layout([".."])), situation, np.array([0]), [1 * 2 + 1])
-        Traceback (most recent call last):
-            ...
-        agents.errors.PlanError: robot 0 heads north at (0, 0) and is to be at (0, 1), heading east
     """
     cells = situation.cells
     found = np.asarray(chosen)

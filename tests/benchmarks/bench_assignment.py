@@ -22,7 +22,6 @@ from warehouse_core import (
     OrderQueue,
     OrderStream,
     record_fleet_episode,
-    shelf_layout,
 )
 from warehouse_core.fleet import FleetMeasures
 from warehouse_core.world.generators import benchmark_warehouse
@@ -165,36 +164,3 @@ def test_share_of_what_was_possible(
         f"{np.median(seconds):.1f} s, at most {max(seconds):.1f} s",
     )
     assert all((share <= 100).all() for share in shares.values())
-
-
-@pytest.mark.parametrize("robots", [100, 1000])
-def test_time_of_a_step_without_the_planner(robots: int, measured) -> None:
-    """By the clock of the processor."""
-    layout = LAYOUT if robots == 100 else shelf_layout(24, 12, 9, 2, 2, **STATIONS)
-    times = []
-    for assignment in ASSIGNMENTS:
-        env = fleet_of(layout, robots, 1000)
-        agent: Any = make_fleet_agent(PLANNER, assignment, 1, layout)
-        env.reset(seed=1)
-        agent.reset()
-        planning, plan, spent = [0.0], agent.planner.next_cells, 0.0
-
-        def timed(situation: Any, planning: Any = planning, plan: Any = plan) -> Any:
-            start = time.process_time()
-            chosen = plan(situation)
-            planning[0] += time.process_time() - start
-            return chosen
-
-        agent.planner.next_cells = timed
-        for step in range(150):
-            if step == 50:
-                spent = planning[0] = 0.0
-            start = time.process_time()
-            actions = agent.act(env)
-            spent += time.process_time() - start
-            env.step(actions)
-        times.append(f"{assignment} {10 * (spent - planning[0]):.2f} ms")
-    measured(
-        f"time of a step of {robots:,} robots without the planner",
-        f"{', '.join(times)}; the planner {10 * planning[0]:.2f} ms",
-    )

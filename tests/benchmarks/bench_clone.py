@@ -21,9 +21,7 @@ from agents.lab.trials.task import Task
 from agents.learning.learner import MakeAgent
 from warehouse_core import Layout, random_layout
 from warehouse_core.world.generators import maze_layout
-from warehouse_core.world.tiles import EMPTY, WALL, Cell, moved
-
-BESIDE = ((0, 1), (0, -1), (1, 0), (-1, 0))
+from warehouse_core.world.tiles import EMPTY, WALL, Cell
 
 
 def rooms(height: int, width: int, seed: int) -> Layout:
@@ -57,46 +55,6 @@ def rooms(height: int, width: int, seed: int) -> Layout:
     return _layout(tiles)
 
 
-def shelves(height: int, width: int, seed: int) -> Layout:
-    """Return rows of shelves of two to four cells, with aisles between them and around."""
-    length, tiles = random.Random(f"shelves {seed}").randint(2, 4), _hall(height, width)
-    for row in range(2, height - 2, 2):
-        for col in range(2, width - 2):
-            if (col - 1) % (length + 1):
-                tiles[row][col] = WALL
-    return _layout(tiles)
-
-
-def scattered(height: int, width: int, seed: int, density: float = 0.45) -> Layout:
-    """Return the largest connected part, of 12 cells or more, between independent walls."""
-    stream, part = random.Random(f"scattered {seed}"), set[Cell]()
-    while len(part) < 12:
-        free = {
-            (row, col)
-            for row in range(1, height - 1)
-            for col in range(1, width - 1)
-            if stream.random() >= density
-        }
-        part = max(_parts(free), key=len, default=set())
-    tiles = [[EMPTY if (row, col) in part else WALL for col in range(width)]
-             for row in range(height)]  # fmt: skip
-    return _layout(tiles)
-
-
-def _parts(free: set[Cell]) -> list[set[Cell]]:
-    parts, left = [], sorted(free)
-    while left:
-        part, todo = {left[0]}, [left[0]]
-        while todo:
-            cell = todo.pop()
-            new = {moved(cell, way) for way in BESIDE} & free - part
-            part |= new
-            todo += new
-        parts.append(part)
-        left = [cell for cell in left if cell not in part]
-    return parts
-
-
 def _hall(height: int, width: int) -> list[list[str]]:
     border, row = [WALL] * width, [WALL, *[EMPTY] * (width - 2), WALL]
     return [border, *(row.copy() for _ in range(height - 2)), border.copy()]
@@ -125,10 +83,6 @@ FLOORS = {
     "the project's, 12 x 20": Floors(RandomLayouts(12, 20).layout, 200, 0.99),
     "rooms, 7 x 12": Floors(partial(rooms, 7, 12), 200, 0.99),
     "rooms, 12 x 20": Floors(partial(rooms, 12, 20), 200, 0.9),
-    "shelves, 7 x 12": Floors(partial(shelves, 7, 12), 200, 0.99),
-    "shelves, 12 x 20": Floors(partial(shelves, 12, 20), 200, 0.99),
-    "density 0.45, 7 x 12": Floors(partial(scattered, 7, 12), 200, 0.99),
-    "density 0.45, 12 x 20": Floors(partial(scattered, 12, 20), 200, 0.99),
     "density 0.1, 25 x 25": Floors(partial(random_layout, 25, 25, 0.1), 200, 0.95),
     "density 0.4, 25 x 25": Floors(partial(random_layout, 25, 25, 0.4), 400, 0.95),
     "perfect mazes, 25 x 25": Floors(partial(maze_layout, 25, 25), 800, 0.6),

@@ -19,7 +19,6 @@ import pytest
 from helpers.fleet_truth import big_warehouse
 from helpers.mapf_problems import random_problem as drawn_problem
 from helpers.mapf_problems import random_problems
-from helpers.mapf_runs import check_planner, check_solver
 from helpers.mapf_turns import turning_conflict
 from helpers.mapf_validator import plan_conflict
 
@@ -34,7 +33,6 @@ from agents.lab.commands.planners.runs import SOLVERS, Attempt, attempt, make_st
 from agents.mapf.anytime import solve_anytime
 from agents.mapf.cbs import ConflictTree, solve_cbs
 from agents.mapf.circulation import Circulation
-from agents.mapf.eecbs import solve_eecbs
 from agents.mapf.graph import Graph
 from agents.mapf.kernels.buffers import IS_COMPILED
 from agents.mapf.lacam import lacam
@@ -44,13 +42,10 @@ from agents.mapf.pibt import PIBT
 from agents.mapf.planner import NO_CELLS, Situation
 from agents.mapf.problem import Problem
 from agents.mapf.traffic import directed_costs, learned_costs
-from agents.mapf.windows import WindowedPlanner
 from agents.registry import PLANNERS
 from warehouse_core import Layout, random_layout
-from warehouse_core.motion.grid import GridMotion
 from warehouse_core.world.generators import kiva_warehouse
 from warehouse_core.world.moves import EAST
-from warehouse_physics import RigidBodyMotion
 
 FLOORS = {"32 x 32 cells, 20% walls": 50, "kiva": 100}
 """Robots on each floor."""
@@ -60,8 +55,6 @@ SHARE = 0.8
 """A planner that has ended before this share of its time would do the same in more."""
 
 FORM = "compiled" if IS_COMPILED else "plain"
-MOTIONS = {"grid": (GridMotion, 2_000), "physics": (RigidBodyMotion, 100)}
-"""Motions that drive plans, and the number of problems for each."""
 
 pytestmark = pytest.mark.usefixtures("processor_clock")
 
@@ -109,29 +102,6 @@ def test_goals_without_end(floor: str, planner: str, measured) -> None:
         f"{planner}, {robots} robots from goal to goal on {floor} ({FORM})",
         f"{run.reached / STEPS:.2f} goals a step, {1000 * np.mean(run.seconds):.1f} ms a step",
     )
-
-
-@pytest.mark.parametrize("backend", MOTIONS)
-@pytest.mark.parametrize("name", ["pibt", "cbs", "lacam", "anytime"])
-def test_plans_are_valid(name: str, backend: str, measured) -> None:
-    make, count = MOTIONS[backend]
-    solved = check_solver(SOLVERS[name], random_problems(count, seed=9), 0.1, make)
-    what = f"plans of {name} that are valid and driven without a blocked move, {backend}"
-    measured(what, f"{solved} of {solved} ({count} problems, 0.1 s each)")
-
-
-@pytest.mark.parametrize("backend", MOTIONS)
-@pytest.mark.parametrize("make", [PIBT, WindowedPlanner])
-def test_steps_are_valid(make: Any, backend: str, measured) -> None:
-    """20 steps of each problem, with people, robots that stay and robots without a goal."""
-    motion, count = MOTIONS[backend]
-    problems = random_problems(count, seed=11, max_robots=25)
-    reached = sum(
-        check_planner(make, problem, 20, motion(), seed=number)
-        for number, problem in enumerate(problems)
-    )
-    what = f"runs of {make.__name__} that are valid and driven without a blocked move, {backend}"
-    measured(what, f"{count} of {count}, {reached:,} goals")
 
 
 LEARNED = {64: 2.25, 128: 4.2, 192: 6.0}
@@ -286,23 +256,6 @@ def test_seconds_of_conflict_based_search(robots: int, walls: int, measured) -> 
     measured(
         f"CPU seconds of CBS, {robots} robots on 25 floors like random-32-32-{walls}",
         f"median {median(times):.3f}, worst {max(times):.2f}; {late} without a plan in 20 s",
-    )
-
-
-@pytest.mark.parametrize("robots", [60, 100])
-def test_costs_within_a_bound(robots: int, measured) -> None:
-    times, shares = [], []
-    for seed in range(10):
-        problem = drawn_problem(random_layout(34, 34, 0.2, seed), robots, seed)
-        start = time.process_time()
-        plan = solve_eecbs(problem, 20.0, 1.2)
-        times.append(time.process_time() - start)
-        assert plan.bound is not None
-        shares.append(plan.sum_of_costs / plan.bound)
-    measured(
-        f"ecbs:w=1.2, {robots} robots on 10 floors like random-32-32-20",
-        f"CPU seconds: median {median(times):.2f}, worst {max(times):.2f}; cost over the "
-        f"proved bound: median {median(shares):.3f}, worst {max(shares):.3f}",
     )
 
 

@@ -7,7 +7,7 @@ import numpy as np
 
 from agents.errors import PlanError
 from agents.mapf.graph import Graph
-from agents.mapf.planner import BasePlanner, Planner, Situation, check_turns
+from agents.mapf.planner import PlacePlanner, Planner, Situation, check_turns
 from agents.mapf.problem import Problem, Solver
 from helpers.mapf_turns import State, meets, steps_of
 from helpers.mapf_validator import check_traffic, plan_conflict, step_conflict
@@ -78,7 +78,7 @@ def check_planner(
 
 
 def check_headed_planner(
-    make_planner: Callable[[Graph], BasePlanner], layout: Layout, robots: int
+    make_planner: Callable[[Graph], PlacePlanner], layout: Layout, robots: int
 ) -> int:
     """Return how many goals robots with headings reached in 30 steps.
 

@@ -8,7 +8,6 @@ from functools import partial
 from html import unescape
 from html.parser import HTMLParser
 from http.server import SimpleHTTPRequestHandler, ThreadingHTTPServer
-from importlib.metadata import version
 from pathlib import Path
 from threading import Thread
 from typing import Any
@@ -145,20 +144,10 @@ def test_the_first_episode_of_the_mini_lab_plays(browser: Any, site: Path) -> No
         player.get_by_text("step 1 of").first.wait_for()
 
 
-def test_the_version_is_in_the_corner_of_every_page(browser: Any, site: Path) -> None:
-    with shown(browser, viewport={"width": 1366, "height": 768}) as reading:
-        reading.page.goto((site / "reference/warehouse_core.html").as_uri())
-        brand = reading.page.locator(".sidebar-brand-text")
-        assert brand.inner_text() == f"warehouse-lab {version('warehouse-lab')}"
-        assert brand.bounding_box()["y"] < 200
-
-
 @pytest.mark.parametrize(
     ("words", "page"),
     [
         ("flowtime", "glossary.html"),
-        ("record_episode", "reference/warehouse_core.records.html"),
-        ("knee of a battery", "bodies.html"),
         ("--plan-seconds", "reference/command_line.html"),
     ],
 )

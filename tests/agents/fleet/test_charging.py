@@ -60,18 +60,6 @@ def test_a_robot_leaves_at_the_knee_from_which_on_charging_is_slow() -> None:
         assert chargers.turn.tolist() == [NONE]
 
 
-@pytest.mark.parametrize("knee", [1.0, 0.8, 0.6, 0.4])
-def test_the_end_of_a_turn_is_foreseen(knee: float) -> None:
-    battery = Battery(1000, charge=20, knee=knee)
-    chargers, units, steps = chargers_of(1, battery=battery), np.array([100.0]), 0
-    foreseen = chargers._charging_steps(units, np.zeros(1))[0]
-    while units < chargers._full:
-        units -= 1
-        units += battery.supplied(1000 - units, 20.0)
-        steps += 1
-    assert foreseen == pytest.approx(steps, abs=1)
-
-
 def test_a_heavy_robot_counts_with_what_its_own_body_needs() -> None:
     heavy = RobotSpec(mass=400.0, motor_force=600.0)
     batteries = [Battery(200_000, "joules"), Battery(2_000)]
@@ -101,12 +89,6 @@ def test_two_robots_at_one_charger_take_turns_and_keep_the_way_out_free() -> Non
     assert chargers.goals(np.array([12, QUEUE_DISTANCE])).tolist() == [NONE, 0]
 
 
-def test_two_robots_go_to_different_chargers_the_sum_of_whose_ways_is_least() -> None:
-    chargers = chargers_of(2)
-    chargers.update(needs([12, 14], [35, 36]))
-    assert chargers.turn.tolist() == [0, 1]
-
-
 def test_the_more_robots_wait_for_a_charger_the_earlier_they_begin() -> None:
     def first_to_go(robots: int) -> int:
         chargers, cells = chargers_of(robots), list(range(5, 5 + robots))
@@ -117,15 +99,6 @@ def test_the_more_robots_wait_for_a_charger_the_earlier_they_begin() -> None:
         return 0
 
     assert first_to_go(1) < first_to_go(6) < first_to_go(12)
-
-
-def test_who_may_not_go_has_no_turn_and_who_is_empty_loses_it() -> None:
-    chargers = chargers_of(2)
-    may_go = np.array([False, True])
-    chargers.update(needs([5, 25], [10, 10], may_go=may_go))
-    assert chargers.turn.tolist() == [NONE, 1]
-    chargers.update(needs([5, 25], [9, 0], may_go=may_go))
-    assert chargers.turn.tolist() == [NONE, NONE]
 
 
 def test_nobody_goes_to_a_charger_where_an_empty_robot_stands() -> None:
@@ -160,19 +133,6 @@ def test_a_robot_that_would_run_empty_goes_to_any_charger_that_it_can_reach() ->
     for _ in range(3):
         chargers.update(needs([1, 2, 3], [9, 8, 7]))
     assert sorted(chargers.turn.tolist()) == [NONE, 0, 0]
-
-
-def test_a_robot_that_can_reach_no_charger_does_not_count() -> None:
-    chargers = chargers_of(2, Layout(["C....#...."]))
-    chargers.update(needs([7, 3], [5, 150]))
-    assert chargers.turn.tolist() == [NONE, NONE]
-
-
-def test_without_chargers_nobody_has_a_turn() -> None:
-    chargers = chargers_of(2, Layout(["....."]))
-    chargers.update(needs([1, 2], [3, 3]))
-    assert chargers.turn.tolist() == [NONE, NONE]
-    assert costs_around_chargers(Layout(["....."])) is None
 
 
 def test_ways_lead_around_chargers_where_they_can() -> None:
@@ -211,10 +171,3 @@ def test_who_comes_next_gives_its_turn_to_one_that_would_run_empty() -> None:
     assert chargers.turn.tolist() == [0, 0, NONE]
     chargers.update(needs([0, 3, 6], [160, 129, 25]))
     assert chargers.turn.tolist() == [0, NONE, 0]
-
-
-def test_nobody_goes_to_a_charger_that_its_battery_does_not_reach() -> None:
-    chargers = chargers_of(3)
-    chargers.turn[:2] = 0
-    chargers.update(needs([0, 2, 4], [50, 9, 20]))
-    assert chargers.turn.tolist() == [0, 0, NONE]

@@ -71,18 +71,6 @@ def test_nothing_is_planned_while_a_robot_comes_nearer_or_works() -> None:
     assert [floor.step() for _ in range(PATIENCE)] == [{}] * PATIENCE
 
 
-def test_a_fleet_that_takes_four_steps_for_a_cell_is_stuck_four_times_later() -> None:
-    floor = Floor(DEAD_END, [(0, 4), (0, 3)], [(2, 5), (0, 4)], cell_steps=4.0)
-    waits = 4 * PATIENCE
-    assert [floor.step() for _ in range(waits)] == [{}] * waits
-    assert set(floor.step()) == {0, 1}
-
-
-def test_robots_change_places_where_a_way_leads_aside() -> None:
-    floor = Floor(DEAD_END, [(0, 4), (0, 3)], [(2, 5), (0, 4)])
-    assert floor.run(PATIENCE + 12)
-
-
 def test_nobody_moves_into_people_or_robots_that_stay() -> None:
     crossing = Layout(["##.##", "P...D", "##.##"])
     for taken, free in ((0, 2), (2, 0)):

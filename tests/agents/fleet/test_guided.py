@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from helpers.mapf_problems import situation
 
-from agents.errors import AgentError
 from agents.fleet import guided
 from agents.registry import make_fleet_agent, make_planner
 from warehouse_core import FleetEnv, Layout, OrderQueue
@@ -48,8 +47,3 @@ def test_ways_of_learned_costs_lead_around_chargers() -> None:
 def test_a_floor_of_one_cell_needs_no_trials(name: str) -> None:
     planner = make_planner(f"{name}:trials=999,robots=50", 0, Layout(["."]), 1)
     assert planner.next_cells(situation([0])).tolist() == [0]
-
-
-def test_learning_needs_the_number_of_robots() -> None:
-    with pytest.raises(AgentError, match=r"'pibt-learned'.*missing.*'robots'"):
-        make_fleet_agent("pibt-learned", None, 1, ROOM)

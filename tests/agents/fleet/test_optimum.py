@@ -8,8 +8,6 @@ import pytest
 
 from agents.fleet import optimum
 from agents.fleet.optimum import Optimum, most_deliveries
-from agents.mapf.assignment import ASSIGNMENTS
-from agents.registry import make_fleet_agent, make_team
 from tests.helpers.fleets import LINE, distances_to
 from warehouse_core import (
     Cell,
@@ -69,9 +67,11 @@ def random_layout(stream: np.random.Generator) -> Layout:
     return Layout(["".join(row) for row in cells])
 
 
-def test_most_deliveries_are_those_of_trying_all_sequences() -> None:
+def test_most_deliveries_are_those_of_trying_all_sequences(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     stream, different = np.random.default_rng(1), 0
-    for seed in range(24):
+    for seed in range(12):
         layout, robots = random_layout(stream), int(stream.integers(1, 4))
         orders = OrderStream(6 / 30, (3, 25))
         record = shift(layout, robots, orders, max_steps=30, seed=seed)
@@ -80,32 +80,12 @@ def test_most_deliveries_are_those_of_trying_all_sequences() -> None:
         expected = [most_by_trying(record, on_time) for on_time in (False, True)]
         assert found == [Optimum(most, is_exact=True) for most in expected], seed
         different += len({len(record.orders), *expected}) == 3
-    assert different >= 4
-
-
-def test_no_fleet_delivers_more(monkeypatch: pytest.MonkeyPatch) -> None:
-    layout = Layout(["P..D..P", ".##.##.", "D..P..D"])
-    for seed, robots in enumerate([1, 2, 4]):
-        make: Any = {"orders": OrderStream(0.2, (15, 60)), "max_steps": 60}
-        best = [0.0, 0.0]
-        for name in [None, *ASSIGNMENTS]:
-            agent = make_fleet_agent("pibt", name, seed, layout, robots)
-            if name is None:
-                agent = make_team("greedy", robots, seed, layout)
-            env = FleetEnv(layout, robots, dispatch=name is None, **make)
-            record = record_fleet_episode(env, agent, seed=seed)
-            late = sum(order.delivered > order.due for order in record.orders if order.delivered)
-            delivered = record.measures.delivered
-            best = np.maximum(best, [delivered, delivered - late]).tolist()
-        found = [most_deliveries(record, on_time) for on_time in (False, True)]
-        assert best[0] <= found[0].most
-        assert best[1] <= found[1].most <= found[0].most
         with monkeypatch.context() as patch:
-            patch.setattr(optimum, "MAX_MOVES", 200)  # time in units of several steps
-            for on_time in (False, True):
-                bound = most_deliveries(record, on_time)
-                assert not bound.is_exact
-                assert bound.most >= found[on_time].most
+            patch.setattr(optimum, "MAX_MOVES", 10)  # time in units of several steps
+            bound = most_deliveries(record)
+        assert bound.most >= expected[0]
+        assert not bound.is_exact or expected[0] == 0
+    assert different >= 2
 
 
 def test_an_optimum_below_the_bound_of_the_relaxation_is_found() -> None:

@@ -6,7 +6,6 @@ import numpy as np
 import pytest
 from helpers.mapf_problems import situation
 
-from agents.errors import AgentError
 from agents.fleet import PlannedFleet
 from agents.fleet.plan_log import PlanLog
 from agents.lab.runs.run import run
@@ -102,8 +101,3 @@ def test_a_lost_step_has_no_plans() -> None:
         fleet.planner.calls = 0  # type: ignore[attr-defined]
         run(env, fleet, 1, name="fails")
         assert [plans == NO_PLANS for plans in log.plans] == [False, False, True, False, False]
-
-
-def test_planners_that_do_not_say_what_they_plan_are_named() -> None:
-    with pytest.raises(AgentError, match="planner WindowedPlanner does not say which robots push"):
-        make_fleet_agent("windowed", None, 1, DEPOT, log=PlanLog(pushes=True))

@@ -114,17 +114,6 @@ def test_the_order_of_a_robot_goes_to_a_nearer_one_until_it_is_picked() -> None:
     assert {each for each in changed if each[0] == 3} == {(3, 1, None), (3, 1, 2)}
 
 
-def test_of_very_many_pairs_orders_are_assigned_anew_every_few_steps(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    monkeypatch.setattr("agents.fleet.scheduler.MAX_PAIRS", 0)
-    places = (0, 0), (0, 1), (0, 7)
-    orders = [Order(3 * (col == 7), 90, (row, col), (0, 9)) for row, col in places]
-    env = fleet_of(LINE, 2, orders=orders, starts=[(0, 6), (0, 8)], max_steps=14)
-    episode = record_fleet_episode(env, PlannedFleet(Does(), "hungarian"), seed=1)
-    assert {step for step, *_ in episode.assignments} == {0, 10}
-
-
 def test_a_robot_that_goes_to_charge_gives_its_order_to_another() -> None:
     env = fleet_of(
         LINE, 2, orders=[Order(0, 99, (0, 0), (0, 9))], starts=[(0, 5), (0, 8)], battery=60
@@ -224,10 +213,8 @@ OPEN = Graph(Layout(["....", "..#.", "...."]))
     ("before", "chosen", "message"),
     [
         (situation([0, 2]), [1, 1], "robots 0 and 1 are both to be in (0, 1)"),
-        (situation([0, 1]), [1, 1], "robots 0 and 1 are both to be in (0, 1)"),
         (situation([0, 1]), [1, 0], "robots 0 and 1 are to change places, (0, 0) and (0, 1)"),
         (situation([0]), [2], "robot 0 is to go from (0, 0) to (0, 2), which is not an open cell"),
-        (situation([5]), [6], "robot 0 is to go from (1, 1) to (1, 2), which is not an open cell"),
         (situation([3]), [4], "robot 0 is to go from (0, 3) to (1, 0), which is not an open cell"),
         (situation([0]), [-1], "robot 0 is to go from (0, 0) to (-1, 3), which is not an open"),
         (
@@ -237,7 +224,6 @@ OPEN = Graph(Layout(["....", "..#.", "...."]))
         ),
         (situation([0], closed=[1]), [1], "robot 0 is to enter (0, 1), which is closed"),
         (situation([0, 3]), [0], "the planner returned [0]; needed: a cell number for each of 2"),
-        (situation([0]), ["N"], "the planner returned ['N']; needed"),
         (situation([0]), None, "the planner returned None; needed"),
     ],
 )
@@ -339,18 +325,20 @@ def test_planners_and_agents_of_a_user_are_told_apart(tmp_path: Path) -> None:
         make_fleet_agent(f"{mine}:Acts", None, 1, ROOM, log=PlanLog([0]))
 
 
-def test_chargers_that_suffice_keep_all_robots_going() -> None:
-    layout = shelf_layout(4, 3, 5, 2, 2, seed=1, pickups=12, dropoffs=6, chargers=4)
-    env = fleet_of(layout, 24, orders=OrderQueue(48), battery=400, max_steps=900)
-    agent = make_fleet_agent("pibt", None, 0, layout)
-    measures = record_fleet_episode(env, agent, seed=0).measures
-    assert measures.stranded == 0
-    assert measures.delivered > 180
-
-
 def test_robots_on_the_way_to_a_charger_are_urgent() -> None:
     planner = Does()
     env = fleet_of(LINE, 1, starts=[(0, 8)], orders=0.0, battery=40, max_steps=12)
     record_fleet_episode(env, PlannedFleet(planner), seed=0)
     urgent = [each.urgent.tolist() for each in planner.seen]
     assert (urgent[0], urgent[-1]) == ([], [0])
+
+
+def test_of_very_many_pairs_orders_are_assigned_anew_every_few_steps(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    monkeypatch.setattr("agents.fleet.scheduler.MAX_PAIRS", 0)
+    places = (0, 0), (0, 1), (0, 7)
+    orders = [Order(3 * (col == 7), 90, (row, col), (0, 9)) for row, col in places]
+    env = fleet_of(LINE, 2, orders=orders, starts=[(0, 6), (0, 8)], max_steps=14)
+    episode = record_fleet_episode(env, PlannedFleet(Does(), "hungarian"), seed=1)
+    assert {step for step, *_ in episode.assignments} == {0, 10}

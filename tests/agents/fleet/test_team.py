@@ -12,7 +12,6 @@ from agents.fleet.team import ENOUGH, NEARLY_FULL, PATIENCE, Pilot, Site, Team
 from agents.registry import make_team
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import FleetEnv, Layout, Observation, OrderStream
-from warehouse_core.errors import EndedError
 from warehouse_core.fleet import Battery
 from warehouse_core.fleet.observation import FleetObservation
 from warehouse_core.records.recorder import record_fleet_episode, replay_fleet_episode
@@ -62,15 +61,6 @@ def test_each_robot_is_directed_by_its_own_agent_and_has_its_reason() -> None:
     assert team.act(env)[0] == 1
     assert team.reason == ["fixed", "greedy"]
     assert team.robot is None
-
-
-def test_the_observations_of_all_robots_are_those_of_each() -> None:
-    env = make_env()
-    with pytest.raises(EndedError, match="observations"):
-        env.observations()
-    env.reset(seed=1)
-    env.step(["E", "N", "PICK"])
-    assert env.observations() == [env.observe(robot) for robot in range(3)]
 
 
 def test_the_same_seed_repeats_a_shift_with_the_same_team_and_a_new_one() -> None:
@@ -179,13 +169,6 @@ def test_the_agent_gets_the_goal_of_the_order_and_is_reset_for_each() -> None:
     assert goals == [((1, 1), (3, 1)), ((1, 1), (3, 1)), (None, (3, 1)), ((1, 1), (3, 3))]
 
 
-def test_a_second_order_between_the_same_stations_is_another_episode() -> None:
-    pilot, agent = make_pilot()
-    for has_item in (False, True, False):
-        pilot.act(seen(has_item=has_item, pickup_pos=None if has_item else (1, 1)))
-    assert agent.resets == 2
-
-
 @pytest.mark.parametrize("has_item", [False, True])
 def test_a_robot_drives_to_a_charger_in_time_and_stays_until_nearly_full(has_item: bool) -> None:
     pilot, agent = make_pilot()
@@ -210,14 +193,6 @@ def test_a_robot_leaves_its_charger_where_charging_gets_slow() -> None:
     assert full == pytest.approx([NEARLY_FULL * 200, 160, ENOUGH * 200])
 
 
-def test_the_reserve_is_in_the_unit_of_the_battery() -> None:
-    batteries = [Battery(100_000, unit) for unit in ("steps", "joules")]
-    steps, joules = (hall(battery=each).reserve((2, 3)) for each in batteries)
-    cost = batteries[1].step_cost(1.0)
-    assert joules == pytest.approx(steps * cost)
-    assert cost > 10
-
-
 def test_more_robots_than_chargers_go_earlier_but_none_with_enough() -> None:
     one, two, three, four = (hall(robots, battery=400).reserve((2, 3)) for robots in range(1, 5))
     assert one == two < three < four
@@ -235,17 +210,6 @@ def test_two_robots_take_two_chargers_and_the_next_goes_on_until_one_is_free() -
     pilots[1].act(seen(robot_pos=(3, 5), battery=400))
     pilots[2].act(low)
     assert pilots[2]._agent.seen[-1]["pickup_pos"] == (3, 5)  # type: ignore[attr-defined]
-
-
-def test_a_robot_with_an_empty_battery_leaves_its_charger_to_others() -> None:
-    site = hall(layout=Layout(["P.....C.....D"]))
-    pilots = [Pilot(Noting(), site, random.Random(1)) for _ in range(2)]
-    where = {"robot_pos": (0, 3), "charger_pos": (0, 6)}
-    pilots[0].act(seen(battery=1, **where))
-    assert pilots[0].act(seen(battery=0, **where)) == WAIT
-    assert pilots[0].reason == "battery empty"
-    pilots[1].act(seen(battery=5, **where))
-    assert pilots[1]._agent.seen[-1]["pickup_pos"] == (0, 6)  # type: ignore[attr-defined]
 
 
 def test_a_robot_without_an_order_waits_but_leaves_stations_and_goes_to_charge() -> None:
@@ -280,12 +244,6 @@ def test_a_robot_that_cannot_move_gives_way_after_some_steps() -> None:
     assert actions == [WEST] * PATIENCE + [0, WEST]
     agent.action = "WAIT"  # who waits has not failed
     assert {pilot.act(seen()) for _ in range(PATIENCE + 2)} == {WAIT}
-
-
-def test_an_action_that_is_none_is_an_error() -> None:
-    pilot, _ = make_pilot(Noting(None))
-    with pytest.raises(TypeError, match="action None is NoneType"):
-        pilot.act(seen())
 
 
 def test_greedy_robots_deliver_and_none_runs_empty_where_chargers_suffice() -> None:

@@ -1,11 +1,8 @@
-import copy
-
 import numpy as np
 import pytest
 
-from agents.learning.map_memory import MOVES, MapMemory, turns, view_size
+from agents.learning.map_memory import MapMemory, turns, view_size
 from warehouse_core import BatchEnv, Layout, random_layout
-from warehouse_core.task.encoding import ObservationArrays
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.tiles import DROPOFF, PICKUP, WALL
 
@@ -106,14 +103,3 @@ def test_robots_forget_one_by_one() -> None:
     assert np.array_equal(again[1], first[1])
     assert not np.array_equal(again[0], first[0])
     assert moved.shape == (3, view_size(RADIUS))
-
-
-def test_a_copy_remembers_for_itself() -> None:
-    memory = MapMemory(1, 2, RADIUS)
-    arrays: ObservationArrays = BatchEnv(1).reset(seed=1)[0]
-    memory.look(arrays)
-    other = copy.copy(memory)
-    other.look(arrays)
-    assert memory.visits.tolist() == [1]
-    assert other.visits.tolist() == [2]
-    assert MOVES.shape == (4, 2)

@@ -9,7 +9,6 @@ from helpers.networks import layers_of, random_moves, random_network
 from helpers.training import equal
 
 from agents.learning.policy_network import (
-    SCHEMA,
     MoveNetwork,
     Network,
     PolicyNetwork,
@@ -97,12 +96,6 @@ def test_layers_that_do_not_fit_are_an_error(
         PolicyNetwork(2, [each for row, each in enumerate(layers) if row not in left_out])
 
 
-def test_biases_that_do_not_fit_are_an_error() -> None:
-    (weights, _), *rest = layers_of(84, 8, 6, 7, stream=np.random.default_rng(1))
-    with pytest.raises(ValueError, match="layer 0 has the shapes"):
-        PolicyNetwork(2, [(weights, np.zeros(3, np.float32)), *rest])
-
-
 # Its file.
 
 
@@ -131,12 +124,6 @@ def test_a_file_of_the_other_kind_is_an_error(saved: Path) -> None:
         MoveNetwork.load(saved)
 
 
-def test_the_file_holds_plain_arrays(saved: Path) -> None:
-    with np.load(saved, allow_pickle=False) as file:
-        assert set(file.files) == set(SCHEMA)
-        assert json.loads(file["header"].tobytes()) == HEADER
-
-
 @pytest.mark.parametrize(
     ("header", "says"),
     [
@@ -155,12 +142,6 @@ def test_the_file_holds_plain_arrays(saved: Path) -> None:
 def test_a_wrong_header_is_an_error(saved: Path, header: object, says: str) -> None:
     save_changed(saved, header=as_header(header))
     assert refusal(saved).startswith(says)
-
-
-def test_a_large_radius_is_an_error_without_much_memory(saved: Path, little_memory: Any) -> None:
-    save_changed(saved, header=as_header(HEADER | {"view_radius": 10**6}))
-    with little_memory():
-        refusal(saved)
 
 
 @pytest.mark.parametrize("value", [np.nan, np.inf])

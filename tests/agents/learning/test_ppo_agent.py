@@ -4,10 +4,9 @@ import numpy as np
 import pytest
 from helpers.networks import constant_network, random_network
 
-from agents.errors import AgentError
 from agents.learning.policy_network import PolicyNetwork, input_size, network_input
 from agents.learning.ppo_agent import PPOAgent, useful_now
-from warehouse_core import Cell, Layout, WarehouseEnv, record_episode
+from warehouse_core import Cell, Layout, WarehouseEnv
 from warehouse_core.batch import BatchEnv
 from warehouse_core.task.encoding import FLEET_TILES, encode
 from warehouse_core.task.rules import useful_actions
@@ -26,14 +25,6 @@ def test_useful_actions_follow_from_the_observation(layout: Layout | None, radiu
             sides, tile = env.layout.open_sides(cell), env.layout.rows[row][col]
             expected = useful_actions(sides, tile, env.state.has_item)
             assert useful_now(env.observe()) == expected, cell
-
-
-def test_what_is_not_seen_is_open_and_without_a_station_nothing_is_picked_or_dropped() -> None:
-    env = WarehouseEnv(view_radius=0)
-    assert useful_now(env.reset()) == (True, True, True, True, True, False, False)
-    env = WarehouseEnv(["...", ".D."])
-    assert env.reset()["pickup_pos"] is None
-    assert not any(useful_now(env.reset())[5:])
 
 
 def test_the_useful_action_with_the_highest_output_is_chosen() -> None:
@@ -82,14 +73,6 @@ def test_a_penalty_for_visited_cells_ends_circles() -> None:
     assert walk(PPOAgent(network, revisit=5), CORRIDOR, 6) == ["PICK", *"EEEE", "DROP"]
 
 
-def test_the_penalty_grows_with_the_visits() -> None:
-    """Once waiting costs 0.4 more than going it goes: after one visit to the start, then two."""
-    network = constant_network(0, 0, 0, 0, 1, -9, -9)
-    floor = Layout(["....."])
-    assert walk(PPOAgent(network, revisit=0.4), floor, 3) == ["WAIT", "WAIT", "E"]
-    assert walk(PPOAgent(network, revisit=0.6), floor, 3) == ["WAIT", "E", "WAIT"]
-
-
 def test_visits_are_forgotten_when_the_goal_changes_and_between_episodes() -> None:
     """With the item the robot goes back where it came from, rather than where it has not been."""
     agent = PPOAgent(constant_network(0, 0, 0, 2, -9, 5, 5), revisit=10)
@@ -113,15 +96,6 @@ def test_actions_are_drawn_if_asked_and_repeat_with_the_seed() -> None:
     assert walk(agent, hall, 30) == walk(agent, hall, 30), "a reset restarts the stream"
 
 
-def test_no_action_without_effect_is_chosen() -> None:
-    agent = PPOAgent(random_network(1))
-    for start in range(5):
-        episode = record_episode(WarehouseEnv(max_steps=50), agent, seed=start)
-        allowed = (-0.1, -0.15, 4.9, 9.9)
-        assert all(any(abs(r - a) < 1e-9 for a in allowed) for r in episode.rewards[1:])
-        assert all(reason.endswith("% sure") for reason in episode.reasons)
-
-
 def test_it_chooses_as_its_network_does_for_the_rows_of_a_batch() -> None:
     network = random_network(4)
     batch = BatchEnv(40)
@@ -133,16 +107,6 @@ def test_it_chooses_as_its_network_does_for_the_rows_of_a_batch() -> None:
         observation = env.reset_to(layout, state.robot_pos)
         assert np.array_equal(network_input(encode(observation)), network_input(arrays)[row])
         assert env.ACTIONS.index(PPOAgent(network).act(observation)) == expected
-
-
-@pytest.mark.parametrize("radius", [0, 3])
-def test_another_view_radius_is_an_error(radius: int) -> None:
-    observation = WarehouseEnv(view_radius=radius).reset()
-    with pytest.raises(AgentError) as refused:
-        PPOAgent(random_network(1), "model.npz").act(observation)
-    assert str(refused.value) == (
-        f"model.npz was trained with view radius 2; this robot has {radius}"
-    )
 
 
 def test_a_network_that_robots_share_draws_its_actions_by_the_seed() -> None:

@@ -45,12 +45,6 @@ def test_a_table_is_read_back_from_its_file(saved: Path) -> None:
     assert load_table(saved)[0] == {}
 
 
-def test_the_agent_gets_table_and_seed(saved: Path) -> None:
-    agent = load_agent(saved, 3, ROOM)
-    assert (agent.table, agent.seed) == (TABLE, 3)
-    assert load_agent(saved, layout=ROOM).seed is None
-
-
 def test_a_table_is_for_the_walls_on_which_it_was_learned(saved: Path) -> None:
     assert load_agent(saved, layout=Layout([".#.", "P.D"])).table == TABLE
     message = "learned on a layout of 2 x 3 cells, and this one, of 1 x 3, has other walls"

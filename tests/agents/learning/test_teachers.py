@@ -2,20 +2,11 @@ import numpy as np
 
 from agents.learning.teachers import AgentTeacher, ShortestWays
 from agents.search.agents import ExploringAgent
-from warehouse_core import BatchEnv, Layout, WarehouseEnv, random_layout
+from warehouse_core import BatchEnv, Layout, random_layout
 from warehouse_core.fleet.observation import observation_of
 from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.distances import distances
 from warehouse_core.world.tiles import MOVE_DELTAS, moved
-
-
-def test_the_observation_of_a_row_is_that_of_an_environment() -> None:
-    for layout in (random_layout(8, 9, 0.2, seed=1), Layout(["....", ".P.."])):
-        batch = BatchEnv(2, layout, randomize=False)
-        arrays, _ = batch.reset(seed=4)
-        env = WarehouseEnv(layout)
-        assert observation_of(arrays, 1) == env.reset(seed=4)
-        assert observation_of(batch.step([1, 1])[0], 1) == env.step("E")[0]
 
 
 def test_each_first_move_of_a_shortest_way_is_right_and_no_other() -> None:

@@ -83,15 +83,3 @@ def test_each_robot_of_a_fleet_is_a_row_until_the_fleet_restarts() -> None:
     assert infos == [{"TimeLimit.truncated": True}] * 4
     assert np.array_equal(observations, network_input(batch._engine.observe(), FLEET_TILES))
     assert observations.shape == (4, 7 * 25 + 9)
-
-
-def test_a_robot_that_ends_before_its_fleet_waits() -> None:
-    layout = Layout(["PD..", "...."])
-    batch = FleetBatch(1, layout, 2, max_steps=50, autoreset_mode="SameStep")
-    batch.reset(1)
-    for _ in range(40):
-        actions = np.where(batch.action_masks()[:, 6] == 1, 6, 4)
-        actions[0] = 4
-        *_, ended, infos = vector_step(batch, actions)
-        assert not ended.any()
-        assert infos == [{}, {}]

@@ -20,8 +20,8 @@ def test_plans_of_random_problems_are_valid() -> None:
     def solve(problem, seconds):
         return solve_anytime(problem, seconds, trials=20)
 
-    problems = [random_problem(random_layout(9, 9, 0.1, seed), 12, seed) for seed in range(6)]
-    assert check_solver(solve, problems, seconds=HOUR) == 6
+    problems = [random_problem(random_layout(9, 9, 0.1, seed), 12, seed) for seed in range(3)]
+    assert check_solver(solve, problems, seconds=HOUR) == 3
 
 
 def test_trials_make_a_plan_cheaper_and_are_repeated() -> None:
@@ -37,14 +37,6 @@ def test_guidance_by_traffic_makes_the_first_plan_of_a_crowded_floor_cheaper() -
     first = lacam(problem, HOUR)
     assert first.sum_of_costs > module.CROWDED * problem.lower_bound
     assert solve_anytime(problem, HOUR, trials=0).sum_of_costs < 0.9 * first.sum_of_costs
-
-
-def test_where_guidance_leads_to_no_plan_other_seeds_do(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(module, "PATIENCE", 3)
-    problem = random_problem(random_layout(12, 12, 0.3, 2), 40, 2)
-    firsts = [lacam(problem, HOUR, seed) for seed in range(5)]
-    best = min(each.sum_of_costs for each in firsts)
-    assert solve_anytime(problem, HOUR, trials=0).sum_of_costs == best < firsts[0].sum_of_costs
 
 
 @pytest.mark.parametrize("solve", [lacam_star, solve_anytime])
@@ -77,9 +69,3 @@ def test_no_plan_leads_through_cells_that_are_closed() -> None:
     plan = solve_anytime(problem, HOUR, trials=40)
     assert not graph.closed & set(plan.cells.ravel().tolist())
     assert problem.lower_bound == 2 * sum(8 + 2 * row for row in range(5))
-
-
-def test_a_seed_gives_other_plans() -> None:
-    problem = random_problem(random_layout(9, 9, 0.1, seed=1), 12, seed=1)
-    plans = {solve_anytime(problem, HOUR, seed, trials=9).cells.tobytes() for seed in (0, 1, 1)}
-    assert len(plans) == 2

@@ -109,8 +109,3 @@ def test_without_scipy_the_same_rows_and_columns_match_ties_included(
     monkeypatch.setitem(sys.modules, "scipy.optimize", None)
     for costs, pairs in zip(drawn, expected, strict=True):
         assert np.array_equal(cheapest_matching(costs.astype(np.float64)), pairs)
-
-
-def test_the_cheapest_pair_gives_way_to_the_cheapest_sum() -> None:
-    rows, columns = cheapest_matching(np.array([[1.0, 2.0, 9.0], [1.0, 9.0, 9.0]]))
-    assert (rows.tolist(), columns.tolist()) == ([0, 1], [1, 0])

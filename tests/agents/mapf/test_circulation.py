@@ -8,15 +8,11 @@ import pytest
 from helpers.mapf_problems import random_problem, situation
 from helpers.mapf_runs import check_headed_planner, check_planner
 
-from agents.mapf.assignment import cheapest_matching
-from agents.mapf.circulation import Circulation, auction_on, dead_ends, kept_aims, waits_for_exits
-from agents.mapf.graph import Fields, Graph
-from agents.mapf.kernels.auction import claim, hold_auction, offer, stand
-from agents.mapf.kernels.buffers import buffer_of
-from agents.mapf.kernels.places import ACTIONS, NONE
-from agents.mapf.kernels.robots import robots_of
+from agents.mapf.circulation import Circulation, dead_ends, kept_aims, waits_for_exits
+from agents.mapf.graph import Graph
+from agents.mapf.kernels.places import NONE
 from agents.mapf.lifelong import run_lifelong
-from agents.mapf.planner import NO_CELLS, BasePlanner, Situation
+from agents.mapf.planner import NO_CELLS, PlacePlanner, Situation
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import Layout, random_layout
 
@@ -32,9 +28,9 @@ MAKERS = [
 
 
 @pytest.mark.parametrize("make", MAKERS)
-@pytest.mark.parametrize("empty", [90, 30, 4])
+@pytest.mark.parametrize("empty", [30, 4])
 def test_steps_follow_the_rules_with_headings_and_without(
-    make: Callable[[Graph], BasePlanner], empty: int
+    make: Callable[[Graph], PlacePlanner], empty: int
 ) -> None:
     robots = len(FULL.open_cells) - empty
     assert check_headed_planner(make, FULL, robots) > 5
@@ -53,32 +49,6 @@ def test_robots_on_a_full_ring_turn_and_go_round_together() -> None:
     assert np.array_equal(
         Circulation(graph).next_cells(Situation(AROUND, goals, nobody, NO_CELLS)), goals
     )
-
-
-def test_an_auction_gains_as_much_as_the_best_matching() -> None:
-    graph, stream = Graph(FULL), np.random.default_rng(5)
-    fields, number = Fields(graph), len(FULL.open_cells) - 5
-    robots, auction = robots_of(graph.size, number, 0), auction_on(fields, number, unit=1)
-    cells, goals = (stream.permutation(FULL.open_cells)[:number] for _ in range(2))
-    rows = fields.rows(goals)
-    auction.here[:], robots.goals[:] = buffer_of(cells), buffer_of(goals)
-    robots.rows[:] = buffer_of(rows * fields.matrix.shape[1])
-    stand(robots, auction)
-    claim(robots, auction)
-    for robot in range(number):
-        offer(robots, auction, fields.table, robot, False)
-    hold_auction(robots, auction)
-    options, gains = (
-        np.array(each).reshape(number, ACTIONS) for each in (auction.options, auction.gains)
-    )
-    chosen, every = np.array(auction.actions), np.arange(number)
-    costs = np.full((number, graph.size), 1e12)
-    for action in range(ACTIONS):
-        is_open = options[:, action] != NONE
-        costs[every[is_open], options[is_open, action]] = -gains[is_open, action]
-    best = -costs[cheapest_matching(costs)].sum()
-    assert len({*options[every, chosen].tolist()}) == number
-    assert 0.995 * best < gains[every, chosen].sum() <= best
 
 
 def test_on_full_floors_circulations_reach_what_others_do_not() -> None:
@@ -103,18 +73,6 @@ def test_equal_seeds_give_equal_runs_also_after_a_reset() -> None:
     )
     assert np.array_equal(one, other)
     assert not np.array_equal(one, third)
-
-
-def test_the_clock_bounds_the_samples() -> None:
-    graph = Graph(FULL)
-    hurried, single = (
-        run_lifelong(graph, planner, 60, 10, 1).cells
-        for planner in (
-            Circulation(graph, samples=10**9, seconds=0.0, window=1),
-            Circulation(graph, samples=1),
-        )
-    )
-    assert np.array_equal(hurried, single)
 
 
 def test_urgent_robots_and_those_that_have_waited_go_first() -> None:
@@ -149,7 +107,7 @@ def test_robots_wait_until_others_that_go_elsewhere_have_come_out_of_dead_ends()
 
 @pytest.mark.parametrize("make", [Circulation, *MAKERS[2:]])
 def test_robots_that_meet_in_a_dead_end_come_past_each_other(
-    make: Callable[[Graph], BasePlanner],
+    make: Callable[[Graph], PlacePlanner],
 ) -> None:
     graph = Graph(Layout(["......", "......", "##.###", "##.###", "##.###"]))
     planner, cells, goals = make(graph), np.array([14, 20]), np.array([26, 5])

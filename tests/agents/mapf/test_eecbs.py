@@ -15,7 +15,7 @@ SECONDS = 30.0
 @pytest.mark.parametrize("w", [1.0, 1.3])
 def test_the_optimum_is_between_the_bound_and_the_cost(w: float) -> None:
     solved = dearer = 0
-    for problem in random_problems(60, seed=3, max_size=4, max_robots=3):
+    for problem in random_problems(40, seed=3, max_size=4, max_robots=3):
         rows = problem.graph.layout.rows
         smallest = smallest_cost(rows, problem.starts, problem.goals)
         if smallest is not None:
@@ -24,19 +24,18 @@ def test_the_optimum_is_between_the_bound_and_the_cost(w: float) -> None:
             assert plan.bound <= smallest <= plan.sum_of_costs <= w * plan.bound, (rows, problem)
             solved += 1
             dearer += plan.sum_of_costs > smallest
-    assert solved > 40
+    assert solved > 25
     assert (dearer > 0) == (w > 1)
 
 
 @pytest.mark.parametrize("w", [1.02, 1.2])
-def test_large_teams_stay_within_their_bound(w: float) -> None:
-    for seed in range(3):
-        problem = random_problem(random_layout(20, 20, 0.2, seed), 14, seed)
-        optimum = solve_cbs(problem, SECONDS).sum_of_costs
-        plan = solve_eecbs(problem, SECONDS, w)
-        assert plan.bound is not None
-        assert problem.lower_bound <= plan.bound <= optimum <= plan.sum_of_costs <= w * plan.bound
-        assert check_solver(lambda each, seconds: solve_eecbs(each, seconds, w), [problem], 30) == 1
+def test_a_large_team_stays_within_its_bound(w: float) -> None:
+    problem = random_problem(random_layout(20, 20, 0.2, 0), 14, 0)
+    optimum = solve_cbs(problem, SECONDS).sum_of_costs
+    plan = solve_eecbs(problem, SECONDS, w)
+    assert plan.bound is not None
+    assert problem.lower_bound <= plan.bound <= optimum <= plan.sum_of_costs <= w * plan.bound
+    assert check_solver(lambda each, seconds: solve_eecbs(each, seconds, w), [problem], 30) == 1
 
 
 def test_what_conflicts_cost_is_learned() -> None:

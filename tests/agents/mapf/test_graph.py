@@ -16,7 +16,6 @@ from agents.mapf.graph import CLOSED, Fields, Graph
 from agents.mapf.headed import HeadedFields
 from agents.mapf.kernels.places import FAR
 from agents.mapf.lanes import lane_costs
-from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import (
     NO_CELLS,
@@ -143,17 +142,6 @@ def test_circulations_on_a_graph_with_costs_of_turns_know_of_closed_cells() -> N
     assert cells.tolist() == [2]
 
 
-def test_large_matrices_are_reserved_once(monkeypatch: pytest.MonkeyPatch) -> None:
-    layout = random_layout(20, 20, 0.1, 0)
-    fields, cells = Fields(Graph(layout)), layout.open_cells
-    monkeypatch.setattr(module, "MAX_COPIED", 0)
-    fields.rows(cells[:3])
-    first = fields.matrix
-    fields.rows(cells[3:])
-    assert fields.matrix is first
-    assert len(first) == len(cells)
-
-
 @pytest.mark.parametrize("cost", [1.5, 30_000.0])
 def test_distances_on_lanes_count_in_tenths_of_a_step(cost: float) -> None:
     layout = Layout(["....", "..#."])
@@ -170,7 +158,6 @@ def test_distances_on_lanes_count_in_tenths_of_a_step(cost: float) -> None:
 # Turns.
 
 
-NORTH, EAST, SOUTH, WEST = range(4)
 HALL = Layout(["......"] * 6)
 PLANNERS = [
     pytest.param(lambda graph, cost: PIBT(graph, 0, cost), id="pibt"),
@@ -194,8 +181,8 @@ def relaxed(layout: Layout, costs: np.ndarray, goal: int, turn_cost: float) -> n
             return found
 
 
-@pytest.mark.parametrize("turn_cost", [0, 1, 0.5, 2.5])
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("turn_cost", [0, 2.5])
+@pytest.mark.parametrize("seed", range(2))
 def test_distances_are_those_of_another_algorithm(turn_cost: float, seed: int) -> None:
     """Costs are of the moves towards the goal, not away from it."""
     layout = random_layout(6, 7, 0.25, seed)
@@ -232,39 +219,11 @@ def lead(planner: Planner, cells: list[int], goal: int, steps: int) -> list[int]
 
 
 @pytest.mark.parametrize("make", PLANNERS)
-@pytest.mark.parametrize("seed", range(3))
-def test_a_lone_robot_turns_once(make, seed: int) -> None:
-    planner = make(Graph(HALL), 1.0)
-    planner.seed = seed
-    planner.reset()
-    way = lead(planner, [0], 35, 10)
-    assert way[-1] == 35
-    assert corners(way) == 1
-    assert way[1] == 1, "it faces east at first"
-
-
-@pytest.mark.parametrize("make", PLANNERS)
 @pytest.mark.parametrize(("before", "goal", "expected"), [(13, 21, 15), (8, 21, 20), (20, 9, 8)])
 def test_a_robot_goes_on_in_the_direction_of_its_last_move(make, before, goal, expected) -> None:
     """From the middle, 14, to a corner of its diagonal."""
     way = lead(make(Graph(HALL), 1.0), [before, 14], goal, 3)
     assert way[1:3] == [14, expected]
-
-
-@pytest.mark.parametrize("make", PLANNERS)
-def test_plans_with_costs_of_turns_have_no_conflicts_and_fewer_corners(make) -> None:
-    layout = random_layout(14, 14, 0.15, seed=1)
-    graph, per_move = Graph(layout), []
-    for cost in (0.0, 2.0):
-        run = run_lifelong(graph, make(graph, cost), 25, 60, 1)
-        stays = np.zeros(25, np.bool_)
-        for cells, goals, chosen in zip(run.cells, run.goals, run.cells[1:], strict=False):
-            check_step(graph, Situation(cells, goals, stays, NO_CELLS), chosen)
-        ways = run.cells.T.tolist()
-        moves = sum(to != cell for way in ways for cell, to in pairwise(way))
-        per_move.append(sum(map(corners, ways)) / moves)
-        assert run.reached > 100
-    assert per_move[1] < 0.8 * per_move[0]
 
 
 def test_names_of_planners_may_give_the_cost_of_turns() -> None:

@@ -9,17 +9,14 @@ from helpers.mapf_runs import check_headed_planner
 
 from agents.errors import AgentError, PlanError
 from agents.fleet import PlannedFleet
-from agents.mapf.circulation import Circulation, outward_cells
+from agents.mapf.circulation import Circulation
 from agents.mapf.graph import Graph
-from agents.mapf.kernels.epibt import turning_operations
-from agents.mapf.kernels.places import STAY
 from agents.mapf.pibt import PIBT
-from agents.mapf.planner import NO_CELLS, BasePlanner, Situation, check_turns
+from agents.mapf.planner import NO_CELLS, PlacePlanner, Situation, check_turns
 from agents.mapf.windows import WindowedPlanner
 from warehouse_core import FleetEnv, Layout, random_layout, record_episode, shelf_layout
-from warehouse_core.world.moves import FORWARD, LEFT, RIGHT
 
-Make = Callable[[Graph], BasePlanner]
+Make = Callable[[Graph], PlacePlanner]
 
 WINDOWS = [partial(WindowedPlanner, window=8, groups=groups) for groups in (0, 12)]
 
@@ -57,27 +54,6 @@ def test_a_robot_that_heads_the_wrong_way_is_pushed_out_of_the_way() -> None:
         if (cells == goals).all():
             return
     raise AssertionError("they are still in each other's way")
-
-
-def test_operations_are_different_ways() -> None:
-    found, wait = turning_operations(2).tolist(), STAY
-    assert found[0] == [wait, wait]
-    assert sorted(found) == sorted([
-        [wait, wait], [FORWARD, FORWARD], [FORWARD, wait], [wait, FORWARD], [FORWARD, RIGHT],
-        [FORWARD, LEFT], [RIGHT, FORWARD], [LEFT, FORWARD], [RIGHT, wait], [LEFT, wait],
-        [RIGHT, RIGHT],
-    ])  # fmt: skip
-
-
-def test_dead_ends_lead_outwards() -> None:
-    layout = Layout(["...#", ".#..", "...#"])
-    outward = outward_cells(Graph(layout))
-    assert {cell: int(outward[cell]) for cell in range(12) if outward[cell] >= 0} == {7: 6}
-    layout = Layout(["..#.", "...."])
-    outward = outward_cells(Graph(layout))
-    assert {cell: int(outward[cell]) for cell in range(8) if outward[cell] >= 0} == {
-        3: 7, 7: 6, 6: 5
-    }  # fmt: skip
 
 
 @pytest.mark.parametrize("make", [Circulation, WindowedPlanner])

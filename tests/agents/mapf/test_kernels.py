@@ -20,7 +20,6 @@ from agents.mapf.lacam import lacam, lacam_star
 from agents.mapf.lanes import lane_costs
 from agents.mapf.lns import Refinement
 from agents.mapf.pibt import PIBT
-from agents.mapf.windows import WindowedPlanner
 from warehouse_core import Layout, random_layout
 
 HOUR = 3600.0
@@ -184,11 +183,3 @@ def test_groups_never_make_a_plan_worse_or_invalid() -> None:
             gains += plan.sum_of_costs < cost
             cost = plan.sum_of_costs
     assert gains > 10
-
-
-def test_shared_goals_have_one_field() -> None:
-    layout = random_layout(12, 12, 0.1, 1)
-    planner, cells = WindowedPlanner(Graph(layout)), layout.open_cells.tolist()
-    goals = [cells[-1 - robot % 3] for robot in range(30)]
-    planner.next_cells(situation(cells[:30], goals))
-    assert planner._fields._used - len(planner._fields._free) == 3

@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 from helpers.mapf_problems import problem_of, random_problem, situation
-from helpers.mapf_runs import check_planner, check_solver
+from helpers.mapf_runs import check_planner
 from helpers.mapf_validator import step_conflict
 
 from agents.errors import PlanError
@@ -47,13 +47,6 @@ def test_a_chain_of_three_thousand_is_pushed() -> None:
     assert planner.pushers.tolist() == [NOBODY, *range(length - 2)]
 
 
-def test_a_chain_that_is_blocked_at_its_end_stays() -> None:
-    planner = PIBT(Graph(Layout(["." * 3_000])))
-    cells = list(range(3_000))
-    assert next_cells(planner, cells, [2_999, *cells[1:]]) == cells
-    assert set(planner.pushers.tolist()) == {NOBODY}
-
-
 def test_goals_that_cannot_be_reached_or_are_shared_do_no_harm() -> None:
     layout = Layout(["..#.", "..#."])
     planner, cells = PIBT(Graph(layout)), [0, 1, 5]
@@ -77,8 +70,8 @@ def test_who_waited_longer_goes_first() -> None:
         assert next_cells(planner, [0, 2], [4, 4])[0] == 1
 
 
-@pytest.mark.parametrize("wrong_way", [1, 5, 2.5])
-@pytest.mark.parametrize("seed", range(6))
+@pytest.mark.parametrize("wrong_way", [1, 2.5])
+@pytest.mark.parametrize("seed", range(2))
 def test_crowds_move_by_the_rules(wrong_way: float, seed: int) -> None:
     layout = random_layout(12, 14, 0.15, seed)
     plain = random_problem(layout, 60, seed)
@@ -94,11 +87,6 @@ def test_after_a_reset_the_same_follows() -> None:
     first = [next_cells(planner, cells, goals) for _ in range(3)]
     planner.reset()
     assert [next_cells(planner, cells, goals) for _ in range(3)] == first
-
-
-def test_robots_are_led_to_their_goals() -> None:
-    problem = random_problem(random_layout(16, 16, 0.1, 1), 40, 2)
-    assert check_solver(pibt, [problem], 10.0) == 1
 
 
 def test_a_problem_that_it_does_not_solve_ends_in_time() -> None:

@@ -7,7 +7,6 @@ from agents.errors import PlanError
 from agents.mapf import traffic
 from agents.mapf.circulation import Circulation
 from agents.mapf.graph import CLOSED, Graph
-from agents.mapf.lanes import lane_costs
 from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from agents.mapf.traffic import (
@@ -95,22 +94,6 @@ def test_robots_go_to_pickups_and_dropoffs_as_often() -> None:
     assert goals is not None
     assert sorted(goals.tolist()) == [0, 1, 6, 6]
     assert station_goals(Layout(["...."])) is None
-
-
-def test_stations_lead_the_trials(monkeypatch: pytest.MonkeyPatch) -> None:
-    monkeypatch.setattr(traffic, "DIRECTED_STEPS", 40)
-    directions.cache_clear()
-    rows = ["P....D", "......", "......"]
-    moved = [
-        directed_costs(Layout(each), 2, trials=1)[12:] != lane_costs(Layout(each), 3)[12:]
-        for each in (rows, [row.replace("P", ".").replace("D", ".") for row in rows])
-    ]
-    directions.cache_clear()
-    assert moved[0].sum() < moved[1].sum()
-
-
-def test_a_floor_of_one_cell_needs_no_trials() -> None:
-    assert directed_costs(Layout(["."]), 1).shape == (1, 4)
 
 
 def test_directions_are_found_once_for_the_same_arguments(

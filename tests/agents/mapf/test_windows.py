@@ -23,9 +23,9 @@ def test_windowed_steps_are_valid(options: dict[str, float]) -> None:
 
     reached = [
         check_planner(make, problem, 25, seed=number)
-        for number, problem in enumerate(random_problems(25, seed=4, max_robots=20))
+        for number, problem in enumerate(random_problems(12, seed=4, max_robots=20))
     ]
-    assert sum(reached) > 100
+    assert sum(reached) > 50
 
 
 def test_robots_behind_one_that_stays_wait() -> None:
@@ -81,17 +81,6 @@ def test_robots_that_meet_head_on_push_past() -> None:
     assert cells == [3, 0]
 
 
-def test_only_distance_counts_beyond_the_window() -> None:
-    """A robot at the end of the window is in nobody's way, however long it stays there."""
-    layout, stays = Layout(["." * 8, "." * 8]), [1]
-    steps = {
-        window: WindowedPlanner(Graph(layout), window).next_cells(situation([0, 3], [7, 3], stays))
-        for window in (2, 7)
-    }
-    assert steps[2].tolist() == [1, 3]
-    assert steps[7].tolist() in ([1, 3], [8, 3])
-
-
 def test_groups_that_are_planned_anew_have_less_delay() -> None:
     """The sum of the distances that are left after a run of two windows."""
     layout, left = random_layout(12, 12, 0.1, seed=3), {}
@@ -104,19 +93,6 @@ def test_groups_that_are_planned_anew_have_less_delay() -> None:
             total += sum(problem.graph.distances(goal)[cell] for cell, goal in pairs)
         left[groups] = total
     assert left[60] < left[0]
-
-
-def test_the_same_seed_gives_the_same_steps() -> None:
-    problem = random_problem(random_layout(10, 10, 0.1, seed=1), 30, seed=1)
-    planner = WindowedPlanner(problem.graph, groups=20)
-    runs = []
-    for _ in range(2):
-        planner.reset()
-        cells = list(problem.starts)
-        for _ in range(8):
-            cells = planner.next_cells(situation(cells, problem.goals)).tolist()
-        runs.append(cells)
-    assert runs[0] == runs[1]
 
 
 @pytest.mark.parametrize("window", [1, 10_001])
@@ -136,15 +112,6 @@ def test_no_robots_have_no_cells(kind: type) -> None:
     planner = kind(Graph(Layout(["..."])))
     assert planner.next_cells(situation([], [])).tolist() == []
     assert planner.next_cells(situation([0], [1])).tolist() == [1]
-
-
-def test_the_plan_of_a_robot_begins_with_the_cell_just_chosen() -> None:
-    planner, cells = WindowedPlanner(Graph(Layout(["......."])), window=20), [0]
-    for step in range(1, 5):
-        cells = planner.next_cells(situation(cells, [6])).tolist()
-        assert cells == [step]
-        assert planner.plan_of(0)[: 7 - step] == [*range(step, 7)]
-    assert planner.plan_of(1) == []
 
 
 @pytest.mark.parametrize(("wrong_way", "turn_cost"), [(1.04, 0.0), (1.0, 0.83), (1.04, 0.37)])

@@ -3,7 +3,6 @@
 import math
 import random
 from collections.abc import Callable
-from dataclasses import replace
 
 import networkx as nx
 import pytest
@@ -16,7 +15,6 @@ from agents.search.algorithms import (
     best_first_search,
     breadth_first_search,
     greedy_best_first_search,
-    path_cost,
     uniform_cost_search,
     weighted,
     weighted_astar_search,
@@ -35,7 +33,7 @@ SEARCHES: dict[str, Search] = {
 }
 over_searches = pytest.mark.parametrize("search", SEARCHES.values(), ids=SEARCHES)
 
-ROUTES = 300
+ROUTES = 100
 
 VIA_PITESTI = ("Arad", "Sibiu", "Rimnicu Vilcea", "Pitesti", "Bucharest")
 VIA_FAGARAS = ("Arad", "Sibiu", "Fagaras", "Bucharest")
@@ -140,19 +138,6 @@ def test_without_a_path_there_is_no_solution(search: Search) -> None:
     assert found.expanded >= 5, "all reachable states were expanded"
 
 
-def test_states_evaluated_at_infinity_are_not_expanded() -> None:
-    """As they are all equal, they would be expanded again with each better path."""
-    hall = RouteProblem(Layout(["......"] * 6), (0, 0), (5, 5))
-    found = astar_search(hall, lambda cell: math.inf, with_events=True)
-    assert not found.found
-    assert (found.generated, found.expanded, found.largest_frontier) == (3, 1, 1)
-    assert found.events == (((0, 0), ()),)
-    dead_end = {"S": 0, "A": 1, "B": 0, "C": math.inf, "G": 0}
-    way_round = astar_search(Travel(DETOUR, "S", "G"), dead_end.__getitem__, with_events=True)
-    assert way_round.cost == 12
-    assert "C" not in expanded(way_round)
-
-
 @pytest.mark.parametrize("cost", [-1.0, math.nan])
 @pytest.mark.parametrize("road", [("S", "A"), ("B", "G")])
 def test_a_negative_cost_is_an_error(road: tuple[str, str], cost: float) -> None:
@@ -165,25 +150,10 @@ def test_a_negative_cost_is_an_error(road: tuple[str, str], cost: float) -> None
         uniform_cost_search(is_lost_in_rounding)
 
 
-def test_roads_without_cost_may_form_cycles() -> None:
-    roads = {("S", "A"): 0, ("A", "S"): 0, ("A", "A"): 0, ("A", "G"): 0}
-    for search in SEARCHES.values():
-        found = search(Travel(roads, "S", "G"))
-        assert (found.states, found.cost) == (("S", "A", "G"), 0)
-
-
 @pytest.mark.parametrize("weight", [-1e-9, math.nan])
 def test_a_negative_weight_is_an_error(weight: float) -> None:
     with pytest.raises(ValueError, match=rf"weight is {weight}; it must be 0\.\.1000000 or inf"):
         weighted_astar_search(romania(), straight_line, weight)
-
-
-def test_the_evaluation_is_the_path_cost_plus_the_weighted_estimate() -> None:
-    values = {weight: weighted(straight_line, weight)("Sibiu", 140.0) for weight in (0, 0.5, 1, 2)}
-    assert values == {0: 140, 0.5: 140 + 126.5, 1: 393, 2: 140 + 506}
-    assert weighted(straight_line, math.inf)("Sibiu", 140.0) == 253
-    assert path_cost("Sibiu", 140.0) == 140
-    assert weighted(lambda city: math.inf, 0.0)("Sibiu", 140.0) == 140, "not 0 times infinity"
 
 
 def test_the_paths_of_all_algorithms_are_valid_and_as_short_as_they_promise() -> None:
@@ -220,44 +190,6 @@ def test_the_paths_of_all_algorithms_are_valid_and_as_short_as_they_promise() ->
     assert dearer, "every path was optimal"
 
 
-def test_every_expansion_is_an_event() -> None:
-    """With a consistent heuristic no state is expanded twice, and each was reached before."""
-    stream = random.Random(5)
-    for _ in range(100):
-        _, problem = random_route(stream)
-        breadth_first = breadth_first_search(problem, with_events=True)
-        uniform = uniform_cost_search(problem, with_events=True)
-        astar = astar_search(problem, manhattan(problem), with_events=True)
-        assert breadth_first == uniform, "they are the same if every move costs one"
-        for found in (uniform, astar):
-            order = [event.expanded for event in found.events]
-            assert len(order) == len(set(order)) == found.expanded
-            reached: list[object] = [problem.initial]
-            for event in found.events:
-                assert event.expanded in reached
-                assert all(math.dist(event.expanded, cell) == 1 for cell in event.reached)
-                reached.extend(event.reached)
-            assert set(found.states[:-1]) <= set(order)
-            assert len(reached) == len(set(reached)) or found is astar
-
-
-def test_events_are_only_recorded_on_request() -> None:
-    for search in (breadth_first_search, uniform_cost_search):
-        full = search(romania(), with_events=True)
-        assert len(full.events) == full.expanded
-        assert search(romania()) == replace(full, events=())
-
-
-def test_a_heuristic_that_overestimates_once_misses_the_best_path() -> None:
-    """Two paths to G: through A for 2, through B for 3. An estimate of 10 hides A."""
-    roads = {("S", "A"): 1, ("A", "G"): 1, ("S", "B"): 1, ("B", "G"): 2}
-    trap = {"S": 2, "A": 10, "B": 2, "G": 0}
-    found = astar_search(Travel(roads, "S", "G"), trap.__getitem__)
-    assert (found.states, found.cost) == (("S", "B", "G"), 3)
-    trap["A"] = 1
-    assert astar_search(Travel(roads, "S", "G"), trap.__getitem__).cost == 2
-
-
 def test_an_admissible_but_inconsistent_heuristic_still_finds_the_best_path() -> None:
     """B is reached by the long road first and expanded twice, so the better path is found."""
     estimates = {"S": 0, "A": 11, "B": 0, "C": 0, "G": 0}
@@ -275,13 +207,6 @@ def test_without_reopening_the_first_path_to_an_expanded_state_is_kept() -> None
         )
         assert expanded(found) == ["S", "B", "A", "C"][: 4 if weight == 1 else 2]
         assert (found.states, found.cost) == (("S", "B", "G"), 15)
-
-
-def test_without_reopening_a_better_path_to_a_state_on_the_frontier_is_used() -> None:
-    found = uniform_cost_search(Travel(DETOUR, "S", "G"))
-    again = best_first_search(Travel(DETOUR, "S", "G"), path_cost, reopen=False)
-    assert again == found
-    assert found.cost == 12
 
 
 def test_greedy_search_expands_no_state_twice_unless_it_reopens() -> None:

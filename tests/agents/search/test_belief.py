@@ -25,15 +25,6 @@ def see(belief: Belief, cell: Cell, tile: str) -> None:
     belief.look(observation)
 
 
-def test_the_cells_in_view_are_known() -> None:
-    belief, env = believed()
-    assert belief.known == {
-        (row, col): WALL if env.grid[row][col] == WALL else "."
-        for row in (1, 2, 3)
-        for col in (0, 1, 2)
-    }
-
-
 def test_cells_outside_the_grid_are_walls_and_unseen_cells_are_assumed_to_be_free() -> None:
     belief, _ = believed(view_radius=3)
     assert belief.known[-1, 1] == WALL
@@ -60,15 +51,6 @@ def test_a_path_leads_through_unknown_cells_and_around_known_walls() -> None:
     found = breadth_first_search(BeliefProblem(belief, (2, 1), (2, 3)))
     assert found.cost == 4  # below the wall, through cells that were not seen
     assert (2, 2) not in found.states
-
-
-def test_a_path_may_lead_one_cell_beyond_the_known_ones() -> None:
-    belief = Belief()
-    for row in range(10):
-        see(belief, (row, 3), WALL)
-    found = breadth_first_search(BeliefProblem(belief, (5, 0), (5, 6)))
-    assert found.cost == 6 + 2 * 5
-    assert {row for row, _ in found.states} <= set(range(-1, 11))
 
 
 def test_a_path_may_lead_around_walls_that_were_not_seen() -> None:

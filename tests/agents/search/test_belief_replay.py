@@ -5,7 +5,6 @@ from typing import Any
 
 import numpy as np
 import pytest
-from matplotlib.text import Text
 from numpy.typing import NDArray
 
 from agents.search.agents import ExploringAgent
@@ -13,8 +12,6 @@ from agents.search.belief_replay import Insight, belief_tracks, believed_tiles, 
 from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, Layout, WarehouseEnv, record_episode
 from warehouse_core.render.palette import INK, SHADOW, UNKNOWN, blend
 from warehouse_core.viz.replay import Replay, replay_of_tracks
-from warehouse_core.viz.tracks.record_track import track_of_record
-from warehouse_core.viz.view import DOTS, Shapes
 
 DETOUR = Layout(["#########", "#.......#", "#.#####.#", "#P....#D#", "#.....#.#", "#########"])
 
@@ -45,13 +42,6 @@ def unknown_share(image: NDArray[np.int64]) -> tuple[float, float]:
 
 
 # Recorded beliefs.
-
-
-def test_noting_beliefs_does_not_change_the_episode() -> None:
-    one, other = (WarehouseEnv(DETOUR, (3, 3), view_radius=1) for _ in range(2))
-    watched, history = recorded(one)
-    assert watched == record_episode(other, ExploringAgent(), seed=3)
-    assert len(history) == watched.steps
 
 
 def test_the_route_leads_from_the_robot_to_its_goal() -> None:
@@ -102,17 +92,6 @@ def test_seen_tiles_are_correct_and_stay_known() -> None:
 
 
 @pytest.mark.parametrize("backend", ["grid", "physics"])
-def test_both_tracks_have_the_same_frames(backend: str) -> None:
-    episode, history = explored(backend=backend)
-    belief, world = belief_tracks(episode, history)
-    plain = track_of_record(episode)
-    for one, other, alone in zip(world.frames, belief.frames, plain.frames, strict=True):
-        assert one.robots == other.robots == alone.robots
-        assert one.progress == other.progress
-        assert (one.tiles, one.caption, one.route) == (alone.tiles, "", ())
-
-
-@pytest.mark.parametrize("backend", ["grid", "physics"])
 def test_each_frame_shows_the_belief_and_the_reason_of_its_move(backend: str) -> None:
     episode, history = explored(backend=backend)
     belief, _ = belief_tracks(episode, history)
@@ -129,20 +108,6 @@ def test_each_frame_shows_the_belief_and_the_reason_of_its_move(backend: str) ->
     assert "now N (meets a wall, plans round it)" in "".join(captions)
 
 
-def test_the_plan_begins_under_the_robot_and_ends_at_its_goal() -> None:
-    episode, history = explored(backend="physics")
-    belief, _ = belief_tracks(episode, history)
-    assert belief.frames[-1].route == ()
-    for index, frame in enumerate(belief.frames):
-        [pose], route = frame.robots, frame.route
-        if pose is not None and len(route) > 1:
-            assert route[0] == pose.at
-            assert route[-1] == (
-                (7.5, 3.5) if episode.loaded[belief.step_at(index)] else (1.5, 3.5)
-            )
-    assert sum(bool(frame.route) for frame in belief.frames) > len(belief) / 2
-
-
 def test_unknown_cells_are_grey_in_the_belief_only_and_become_fewer() -> None:
     shown = replay()
     shown.go_to(0)
@@ -152,28 +117,6 @@ def test_unknown_cells_are_grey_in_the_belief_only_and_become_fewer() -> None:
     assert before[1] < 0.01
     assert before[0] > 0.15
     assert after[0] < before[0] / 2
-
-
-def test_the_plan_its_sentence_and_the_legend_are_drawn() -> None:
-    shown = replay()
-    shown.go_to(0)
-    [sentence] = [text for text in shown.figure.texts if "cells seen" in text.get_text()]
-    box = sentence.get_window_extent()
-    belief = shown.figure.axes[0].get_window_extent()
-    assert belief.y1 < box.y0
-    assert belief.x0 <= box.x0 < box.x1 <= belief.x1
-
-    def dots() -> list[Any]:
-        drawn: list[Any] = shown.figure.findobj(Shapes)
-        shapes = [shape for each in drawn for shape in each.shapes]
-        return [shape.path.vertices.tolist() for shape in shapes if shape.dashes == DOTS]
-
-    [points] = dots()
-    assert points[-1] == [1.5, 3.5]
-    shown.show_still()
-    assert not dots()
-    said = [text.get_text() for text in shown.figure.findobj(Text)]
-    assert said.count("not seen yet") == said.count("plan") == 1
 
 
 def test_the_history_of_another_episode_is_an_error() -> None:

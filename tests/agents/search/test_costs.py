@@ -21,22 +21,6 @@ def test_steps_cost_one_on_any_backend() -> None:
     assert action_costs(STEPS, "no such backend") == ONE_EACH, "it is not used"
 
 
-@pytest.mark.parametrize("measure", [SECONDS, JOULES])
-def test_a_loaded_move_costs_more_on_the_physics_backend(measure: str) -> None:
-    costs = action_costs(measure, "physics")
-    assert min(costs) > 0
-    assert costs.move_loaded > 1.05 * costs.move_empty
-    assert costs == action_costs(measure), "physics is the default"
-
-
-def test_the_cost_of_a_pick_on_the_physics_backend_is_that_of_the_robot_spec() -> None:
-    from warehouse_physics.spec import RobotSpec
-
-    spec = RobotSpec()
-    assert action_costs(SECONDS)[2:] == pytest.approx((spec.dwell, spec.dwell))
-    assert action_costs(JOULES)[2:] == pytest.approx((spec.dwell * spec.idle_power,) * 2)
-
-
 @pytest.mark.parametrize(("backend", "size"), [("grid", 1.0), (GridMotion(2.0), 2.0)])
 def test_the_grid_backend_has_nominal_costs(backend: Backend, size: float) -> None:
     assert action_costs(SECONDS, backend) == (1, 1, 1, 1)

@@ -26,8 +26,9 @@ from agents.mapf.planner import (
     Situation,
     check_step,
     check_turns,
+    knows_headings,
+    next_steps,
     solve_by_steps,
-    with_defaults,
 )
 from agents.mapf.problem import Plan, Problem, Solver
 from agents.mapf.time_limit import time_limit
@@ -73,7 +74,7 @@ def make_stepper(
     made = make_planner(name, seed, layout, robots)
     if not isinstance(made, Planner):
         raise AgentError(f"planner {name!r} has no next_cells; it directs a fleet, not a problem")
-    if has_headings and not with_defaults(made).knows_headings:
+    if has_headings and not knows_headings(made):
         raise AgentError(f"planner {name!r} does not know headings; it needs a method next_places")
     return CheckedPlanner(made, name, Graph(layout), seconds)
 
@@ -199,7 +200,7 @@ class CheckedPlanner:
     """
 
     def __init__(self, planner: Planner, name: str, graph: Graph, seconds: float) -> None:
-        self._planner, self._name = with_defaults(planner), name
+        self._planner, self._name = planner, name
         self._graph, self._seconds = graph, seconds
         self.lost: list[int] = []
 
@@ -227,7 +228,7 @@ class CheckedPlanner:
             PlanError: as for ``next_cells``.
         """
         return self._checked(
-            partial(self._planner.next_places, situation, headings),
+            partial(next_steps, self._planner, situation, headings),
             partial(check_turns, self._graph, situation, headings),
             headings * self._graph.size + situation.cells,
         )
