@@ -204,8 +204,8 @@ def demo(
 ) -> None:
     """Show bodies and planners at work.
 
-    Without a name it lists the demonstrations. The demonstrations cbs and
-    lanes are pictures, which are saved: as .svg or .png.
+    Without a name it lists the demonstrations. The demonstration lanes is a
+    picture, which is saved as .svg or .png.
 
     Example: warehouse demo bump --save bump.gif
     """
