@@ -9,81 +9,22 @@ import resource
 import subprocess
 import sys
 from collections import Counter
-from collections.abc import Callable, Iterator
-from contextlib import ExitStack
-from itertools import count
+from collections.abc import Callable
 from pathlib import Path
 from time import perf_counter
 
 import numpy as np
 import pytest
-from helpers.sweeps import FLAGS, Sweep, kill_sweeps, nothing, table, uninterrupted
+from helpers.sweeps import FLAGS, Sweep, kill_sweeps, table, uninterrupted
 
 from agents import GreedyAgent
-from agents.lab.experiments.case import layout_for, make_agent_for, make_case, make_env
-from agents.lab.experiments.plan import SweepPlan
-from agents.lab.experiments.running import run_missing
+from agents.lab.experiments.case import make_case
 from agents.lab.experiments.store import Store
 from agents.lab.trials.interval import CONFIDENCE, mean_interval, ratio_interval
 from agents.lab.trials.rows import Row
-from agents.lab.trials.workers import Processes
 from warehouse_core import WarehouseEnv, record_episode
 from warehouse_core.records.episode import DELIVERED
-from warehouse_core.records.failure_modes import MODES, diagnose
-
-CASE = make_case({})
-EPISODES = 20_000
-"""In a round: about ten seconds of one worker, so that the first and last tasks matter little."""
-
-ROUNDS = 3
-WARM_UP = 400
-
-
-class Sweeper:
-    """Sweeps with workers that have started and have run some episodes."""
-
-    def __init__(self, workers: int, folder: Path, stack: ExitStack) -> None:
-        begin = perf_counter()
-        self._executor, self._workers = stack.enter_context(Processes(workers)), workers
-        self._paths = (folder / f"{workers}-{number}.sqlite" for number in count())
-        self.run(workers)
-        self.seconds_to_start = perf_counter() - begin
-        self.run(WARM_UP)
-
-    def run(self, episodes: int = EPISODES) -> None:
-        with Store(next(self._paths)) as store:
-            plan = SweepPlan((CASE,), episodes, 0)
-            run_missing(plan, store, self._executor, self._workers, nothing)
-
-
-@pytest.fixture
-def one_and_two(tmp_path: Path, capsys) -> Iterator[tuple[Sweeper, Sweeper]]:
-    with ExitStack() as stack:
-        pair = Sweeper(1, tmp_path, stack), Sweeper(2, tmp_path, stack)
-        with capsys.disabled():
-            seconds = " and ".join(f"{each.seconds_to_start:.2f} s" for each in pair)
-            print(f"\nfrom the start to the first rows with one worker and two: {seconds}")
-        yield pair
-
-
-def bare_loop() -> None:
-    """Run the same episodes as they would be run without workers or a file."""
-    for seed in range(EPISODES):
-        layout = layout_for(CASE, seed)
-        agent = make_agent_for(CASE, seed, layout)
-        diagnose(record_episode(make_env(CASE, layout), agent, seed=seed))
-
-
-def test_two_workers_against_one(one_and_two, times_faster) -> None:
-    """On two idle cores."""
-    one, two = one_and_two
-    assert times_faster(two.run, one.run, rounds=ROUNDS) >= 1.7
-
-
-def test_one_worker_and_a_file_against_a_bare_loop(one_and_two, times_faster) -> None:
-    one, _ = one_and_two
-    assert times_faster(one.run, bare_loop, rounds=ROUNDS) >= 0.8
-
+from warehouse_core.records.failure_modes import MODES
 
 # Rows of sweeps that are killed, and of several workers, programs and interpreters.
 

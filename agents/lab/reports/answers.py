@@ -87,7 +87,7 @@ def _compared(
     lines = [_line(experiment, factor, each) for each in series]
     main = lines[0]
     yield _where(series[0]) + verdict(experiment, factor, main)
-    named = _named(factor, main)
+    named = _named(experiment, factor, main)
     yield from _measures(named)
     if experiment.kind is LONE and factor.name not in OTHER_TASKS:
         yield from _where_both_deliver(experiment, *_pair(factor, main))
@@ -116,22 +116,15 @@ def _apart(experiment: Experiment) -> Iterator[str]:
 def verdict(experiment: Experiment, factor: Factor, line: Sequence[FactorValue]) -> str:
     """Return which value is best and by how much, or that no difference was found."""
     measure = experiment.kind.measures[0]
-
-    def difference(one: FactorValue, other: FactorValue) -> Interval:
-        cases = one.case_id, other.case_id
-        found = None if factor.name in OTHER_TASKS else experiment.paired(measure, *cases)
-        return found or difference_interval(one.results.main, other.results.main)
-
     subject = measure.title.lower()
+    if peak := _peak(experiment, factor, line):
+        parts = [
+            f"{measure.change(_difference(experiment, factor, peak, end))} than{end.which}"
+            for end in (line[0], line[-1])
+        ]
+        return f"{subject} is highest{peak.which}: {peak.short}, {' and '.join(parts)}"
     first, second = _pair(factor, line)
-    best = max(line, key=lambda each: each.estimate)
-    if _is_trend(factor, line) and best not in (first, second):
-        behind = {end: difference(best, end) for end in (second, first)}
-        if all(each.low > 0 for each in behind.values()):
-            parts = [f"{measure.change(each)} than with {end.name}" for end, each in behind.items()]
-            top = f"{subject} is highest with {best.name}: {best.short}"
-            return f"{top}, {' and '.join(parts)}"
-    found = difference(first, second)
+    found = _difference(experiment, factor, first, second)
     both = f"{first.short}{first.which} and {second.short}{second.which}"
     if not found.is_known:
         return f"too few episodes to tell: {subject} is {both}"
@@ -144,6 +137,26 @@ def verdict(experiment: Experiment, factor: Factor, line: Sequence[FactorValue])
         return f"{subject} {verb} {ends}: {change}"
     verb = "is hardest" if factor.name == HARDEST_FIRST else "does best"
     return f"{first.name} {verb}: {first.short}, {change} than{second.which}"
+
+
+def _difference(
+    experiment: Experiment, factor: Factor, one: FactorValue, other: FactorValue
+) -> Interval:
+    """Return how much better one value is, seed by seed where equal seeds are equal tasks."""
+    measure, cases = experiment.kind.measures[0], (one.case_id, other.case_id)
+    found = None if factor.name in OTHER_TASKS else experiment.paired(measure, *cases)
+    return found or difference_interval(one.results.main, other.results.main)
+
+
+def _peak(
+    experiment: Experiment, factor: Factor, line: Sequence[FactorValue]
+) -> FactorValue | None:
+    """Return the best value if it is between the ends of a trend and better than both."""
+    best = max(line, key=lambda each: each.estimate)
+    if not _is_trend(factor, line) or best in (line[0], line[-1]):
+        return None
+    ends = (_difference(experiment, factor, best, end) for end in (line[0], line[-1]))
+    return best if all(each.low > 0 for each in ends) else None
 
 
 def _pair(factor: Factor, line: Sequence[FactorValue]) -> tuple[FactorValue, FactorValue]:
@@ -163,12 +176,14 @@ def _ranked(factor: Factor, line: Sequence[FactorValue]) -> list[FactorValue]:
     return sorted(line, key=lambda each: each.estimate, reverse=factor.name != HARDEST_FIRST)
 
 
-def _named(factor: Factor, line: Sequence[FactorValue]) -> list[FactorValue]:
-    """Return the values that are described: the ends and the best, or the first of a ranking."""
+def _named(
+    experiment: Experiment, factor: Factor, line: Sequence[FactorValue]
+) -> list[FactorValue]:
+    """Return the values that are described: the ends and a peak, or the first of a ranking."""
     if not _is_trend(factor, line):
         return _ranked(factor, line)[:MAX_NAMED]
-    best = max(line, key=lambda each: each.estimate)
-    return [each for each in line if each in (line[0], best, line[-1])]
+    peak = _peak(experiment, factor, line)
+    return [each for each in (line[0], peak, line[-1]) if each]
 
 
 def _line(experiment: Experiment, factor: Factor, series: CaseSeries) -> list[FactorValue]:

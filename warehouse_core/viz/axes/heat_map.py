@@ -44,11 +44,8 @@ STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1_000, 5_000, 10_000, 100_000, 1_00
 TICK_ROOM = 21.0
 """Points from one number of a row or column to the next."""
 
-HEAT, DARK_HEAT = (
-    LinearSegmentedColormap.from_list("heat", PALETTE["heat"][scheme], N=32)
-    for scheme in ("light", "dark")
-)
-"""Colours of counts: all darker than the floor, and on a dark page the hottest the lightest."""
+HEAT = LinearSegmentedColormap.from_list("heat", PALETTE["heat"]["light"], N=32)
+"""Colours of counts: all darker than the floor."""
 
 MAX_LIGHT_HEAT = 0.6
 """Share of the highest count above which numbers are light."""

@@ -116,16 +116,6 @@ def test_an_agent_that_cannot_be_made_is_an_error_before_the_sweep(text: str, re
     assert str(caught.value).endswith(f": {reason}")
 
 
-def test_random_layouts_and_agents_depend_on_the_seed() -> None:
-    random = make_case({"layout": "random"})
-    assert layout_for(random, 1) != layout_for(random, 2)
-    assert layout_for(random, 1) == layout_for(random, 1)
-    for escape in (True, False):
-        case = make_case({"escape": escape})
-        agents = [make_agent_for(case, seed, DEFAULT_LAYOUT) for seed in (1, 2)]
-        assert [agent.seed for agent in agents] == [1, 2]  # type: ignore[attr-defined]
-
-
 @pytest.mark.parametrize(
     ("rows", "stations"), [("#P...D#", "kept"), ("#.....#", "drawn"), (None, "drawn")]
 )

@@ -1,16 +1,14 @@
 """Plans: from files, flags and presets, checked, with every combination once."""
 
-from contextlib import nullcontext
 from pathlib import Path
 from typing import Any
 
 import pytest
-from helpers.command_line import Refused, Warehouse
+from helpers.command_line import Refused
 from helpers.sweeps import Here, nothing
 
 from agents.errors import ParameterError
 from agents.lab.experiments import choices as plan_file
-from agents.lab.experiments import sweep
 from agents.lab.experiments.choices import MAX_BYTES, parse_flags, read_plan_file
 from agents.lab.experiments.plan import MAX_SEED, SweepPlan, make_plan
 from agents.lab.experiments.running import run_missing
@@ -123,18 +121,3 @@ def test_a_preset_varies_a_parameter_with_a_question_and_can_be_run(
     with Store(tmp_path / "r.sqlite") as store:
         run_missing(plan, store, Here(), 1, nothing)
         assert [store.count(case, plan.seeds) for case in plan.cases] == [1] * len(plan.cases)
-
-
-def test_the_preset_sets_the_number_of_episodes_unless_another_is_given(
-    warehouse: Warehouse, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr(sweep, "Processes", lambda count: nullcontext(Here()))
-    text = PRESETS["escape"].read_text().replace("episodes = 2000", "episodes = 3")
-    plan = tmp_path / "plan.toml"
-    plan.write_text(text)
-    monkeypatch.setitem(PRESETS, "escape", plan)
-    words = ["--preset", "escape", "--set", "memory=5", "--jobs", 1]
-    printed = warehouse("sweep", *words, "-o", tmp_path / "r.sqlite").out
-    assert printed.startswith("2 combinations, 3 episodes each, 0 done\n")
-    printed = warehouse("sweep", *words, "-n", 1, "-o", tmp_path / "r.sqlite").out
-    assert printed.startswith("2 combinations, 1 episode each, 2 done\n")

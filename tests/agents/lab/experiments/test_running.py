@@ -10,7 +10,7 @@ from typing import Any
 import pytest
 from helpers.sweeps import AGENT, Here, nothing, table
 
-from agents.errors import StoreError, WorkerError
+from agents.errors import WorkerError
 from agents.lab.experiments.case import run_task
 from agents.lab.experiments.plan import SweepPlan, make_plan
 from agents.lab.experiments.running import (
@@ -21,7 +21,6 @@ from agents.lab.experiments.running import (
     run_missing,
 )
 from agents.lab.experiments.store import Store
-from agents.lab.runs.programs import program_for
 from agents.lab.trials.rows import Row
 from agents.lab.trials.workers import Processes
 
@@ -197,19 +196,6 @@ def test_a_case_that_always_fails_ends_after_a_few_and_the_others_go_on() -> Non
         f"; its other seeds are left out after MAX_FAILURES = {MAX_FAILURES}"
     )
     assert [len(done) for done in seeds_done(plan)] == [0, 1000]
-
-
-def test_a_worker_of_another_program_is_an_error_and_its_rows_are_not_stored(
-    monkeypatch: pytest.MonkeyPatch,
-) -> None:
-    before = run(Here(), make_plan({}, 3, 0))
-    # Only what runs the episodes is another program, not what stores them.
-    monkeypatch.setattr("agents.lab.experiments.case.program_for", lambda backend: f"new {backend}")
-    with pytest.raises(StoreError, match="new ones would be run by new grid; "):
-        run(Here(), make_plan({}, 5, 0))
-    assert table(PATH) == before
-    with Store(PATH, read_only=True) as store:
-        assert store.programs(1) == [program_for("grid")]
 
 
 def test_rows_are_reported_once_after_they_are_stored() -> None:

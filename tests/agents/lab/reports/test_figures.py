@@ -10,7 +10,6 @@ import numpy as np
 import pytest
 from helpers.results_files import OFF, ON, Cases, experiment_of, fleet_row, hall, outcomes, row
 from matplotlib.axes import Axes
-from matplotlib.colors import to_rgb
 from matplotlib.figure import Figure
 from matplotlib.text import Text
 from numpy.typing import NDArray
@@ -22,11 +21,9 @@ from agents.lab.reports import figures as figures_module
 from agents.lab.reports.design import make_design
 from agents.lab.reports.figures import (
     MAX_MAPS,
-    MODE_COLORS,
     WIDTH,
     DesignPoints,
     Picture,
-    ink_on,
     measure_figure,
     modes_figure,
     pictures,
@@ -298,21 +295,6 @@ def test_each_text_of_a_figure_is_at_least_12_pixels_high_on_a_phone(
     assert ({"P", "wandering", "33%", "steps"} if kind == "lone" else {"kJ"}) <= sizes.keys()
     # SVG has 96 pixels an inch and 72 points.
     assert min(sizes.values()) * 96 / 72 >= 12, sizes
-
-
-def luminance(color: str) -> float:
-    """Return the relative luminance of WCAG 2.2."""
-    red, green, blue = (
-        part / 12.92 if part <= 0.04045 else ((part + 0.055) / 1.055) ** 2.4
-        for part in to_rgb(color)
-    )
-    return 0.2126 * red + 0.7152 * green + 0.0722 * blue
-
-
-def test_the_numbers_in_bars_can_be_read() -> None:
-    for color in MODE_COLORS.values():
-        low, high = sorted(map(luminance, (ink_on(color), color)))
-        assert (high + 0.05) / (low + 0.05) > 4.5, color
 
 
 # Heat maps.

@@ -158,21 +158,3 @@ def test_names_are_escaped_and_load_nothing(path: Path, name: str) -> None:
     assert rules["default-src"] == "'none'"
     assert rules["img-src"] == "data:"
     assert rules["script-src"] == digest(script())
-
-
-def test_a_page_that_cannot_be_written_keeps_the_existing_one_and_two_are_the_same(
-    path: Path, monkeypatch: pytest.MonkeyPatch
-) -> None:
-    def broken(self: Path, *_: object, **__: object) -> None:
-        self.write_bytes(b"half of it")
-        raise OSError("No space left on device")
-
-    write_page(path, a_page())
-    before = path.read_bytes()
-    write_page(path, a_page())
-    assert path.read_bytes() == before
-    monkeypatch.setattr(Path, "write_text", broken)
-    with pytest.raises(OSError, match="No space left"):
-        write_page(path, a_page())
-    assert path.read_bytes() == before
-    assert [each.name for each in path.parent.iterdir()] == [path.name]

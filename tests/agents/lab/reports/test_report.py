@@ -8,7 +8,6 @@ from helpers.command_line import Refused, Warehouse
 from helpers.results_files import experiment_of, fill, outcomes
 from helpers.sweeps import Here, nothing
 
-from agents.lab.experiments.case import make_case
 from agents.lab.experiments.plan import make_plan
 from agents.lab.experiments.running import run_missing
 from agents.lab.experiments.store import Store
@@ -119,13 +118,3 @@ def test_the_summary_states_what_is_missing_and_the_settings_leave_it_out() -> N
         "1 further combination not yet begun"
     )
     assert "33" not in dict(page.settings)["battery"]
-
-
-def test_the_report_names_the_programs(tmp_path: Path) -> None:
-    path = fill(tmp_path / "r.sqlite", [])
-    with Store(path) as store:
-        for number, program in enumerate(("an older one", "a newer one", "a newer one")):
-            store.add(store.case_id(make_case({"battery": 1 + number})), outcomes("dd"), program)
-    with Store(path, read_only=True) as store:
-        page = make_page(store, ())
-    assert page.made_with[-2:] == (("4 episodes", "a newer one"), ("2 episodes", "an older one"))
