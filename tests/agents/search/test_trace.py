@@ -132,3 +132,11 @@ def test_searches_beside_each_other_have_as_many_expansions() -> None:
     assert blind.words_after(len(greedy) + 1)[0] == f"expanded {len(greedy) + 1}"
     for each in (blind, greedy):
         assert ", ".join(each.words_after(len(greedy) + 1)) in said
+
+
+def test_a_search_counts_expansions_and_no_steps() -> None:
+    alone = Scene([track_of_course(course(0))], make_figure)
+    alone.show(3)
+    said = [text.get_text() for text in alone.root.texts]
+    assert "expanded 3, frontier 2" in said
+    assert not [words for words in said if "step" in words]

@@ -83,12 +83,6 @@ def test_robots_behind_one_that_waits_are_a_queue() -> None:
     )
 
 
-def test_robots_behind_one_that_leaves_at_last_are_no_queue() -> None:
-    steps = [["WAIT", "W", "W"]] * 12 + [["W", "WAIT", "WAIT"]]
-    episode = driven(CORRIDOR, [(1, 2), (1, 3), (1, 4)], steps)
-    assert mode_of(episode)[0] == "congested"
-
-
 def corridor(first: str, second: str) -> str:
     """Return the mode of two robots side by side that carry out these actions, a letter each."""
     words = {".": "WAIT"}
@@ -210,12 +204,6 @@ def test_a_fleet_is_late_if_more_than_half_of_its_deliveries_are(
     episode = driven(["PD"], [(0, 0)], steps, orders=orders)
     assert mode_of(episode) == ("late" if "late" in sentence else "served", (0,))
     assert diagnose(episode).sentence == sentence
-
-
-def test_a_battery_that_is_just_empty_strands_its_robot() -> None:
-    steps = [["E", "E"], ["W", "W"]] * 2
-    assert mode_of(driven(HALL, [(1, 2), (2, 2)], steps, battery=4)) == ("stranded", (0, 1))
-    assert mode_of(driven(HALL, [(1, 2), (2, 2)], steps, battery=5)) == ("served", (0, 1))
 
 
 def test_robots_that_failed_are_counted() -> None:

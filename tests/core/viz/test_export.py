@@ -12,7 +12,6 @@ from xml.etree import ElementTree
 import imageio_ffmpeg
 import numpy as np
 import pytest
-from helpers.command_line import heed_interrupts
 from helpers.documents import executable_nodes
 from helpers.pictures import (
     HOSTILE_NAMES,
@@ -145,17 +144,6 @@ def test_a_still_svg_shows_the_end(films: Path) -> None:
     assert {wall, pickup, dropoff, robot} <= colors
 
 
-def test_an_svg_is_the_same_in_another_process(films: Path, tmp_path: Path) -> None:
-    tests = str(Path(__file__).parents[2])
-    program = (
-        f"import sys; sys.path.append({tests!r}); from helpers.pictures import *; "
-        "r = replay_of(short_episode()); r.save('film.svg'); r.save('still.svg', still=True)"
-    )
-    subprocess.run([sys.executable, "-c", program], cwd=tmp_path, check=True)
-    for name in ("film.svg", "still.svg"):
-        assert (tmp_path / name).read_bytes() == (films / name).read_bytes()
-
-
 # MP4.
 
 
@@ -193,31 +181,6 @@ def test_ffmpeg_that_ends_early_is_an_error_of_the_file(
     with pytest.raises(OSError, match="ffmpeg ended with exit code 1: "):
         saved(tmp_path, ".mp4")
     assert not list(tmp_path.iterdir())
-
-
-def test_an_interrupt_of_the_terminal_ends_ffmpeg_and_is_no_other_error(tmp_path: Path) -> None:
-    program = """
-import os, signal
-from pathlib import Path
-from warehouse_core.viz.export.mp4_frames import mp4_frames
-
-try:
-    with mp4_frames(Path("film.mp4"), 5, 64, 64) as add:
-        add(bytes(64 * 64 * 4))
-        os.killpg(0, signal.SIGINT)
-        add(bytes(64 * 64 * 4))
-except KeyboardInterrupt as error:
-    print(error.__context__)
-try:
-    os.waitpid(-1, os.WNOHANG)
-except ChildProcessError:
-    print("no child")
-"""
-    done = subprocess.run(
-        [sys.executable, "-c", program], cwd=tmp_path, capture_output=True, text=True,
-        start_new_session=True, check=True, preexec_fn=heed_interrupts,
-    )  # fmt: skip
-    assert (done.stdout, done.stderr) == ("None\nno child\n", "")
 
 
 def test_an_mp4_without_its_library_names_the_command_that_installs_it(
@@ -289,11 +252,6 @@ def test_the_error_of_an_unknown_suffix_lists_the_formats(tmp_path: Path, name: 
     assert str(tmp_path / name) in str(refused.value)
     assert str(refused.value).endswith("allowed: .gif, .mp4, .html, .svg, .png")
     assert list(tmp_path.iterdir()) == []
-
-
-def test_a_suffix_may_be_in_capitals(tmp_path: Path) -> None:
-    with Image.open(saved(tmp_path, ".PNG")) as image:
-        assert image.format == "PNG"
 
 
 def fail_after_three_frames(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -80,10 +80,6 @@ def test_a_layout_is_a_picture() -> None:
     assert count_color(image, COLORS["R"]) == 0
 
 
-def test_a_large_layout_is_a_small_picture() -> None:
-    assert picture(Layout(["." * 400] * 200)).shape == (400, 800, 3)
-
-
 def test_an_environment_is_a_picture_of_its_present_state() -> None:
     env = WarehouseEnv(ROOM, (1, 2))
     env.step("E")
@@ -96,11 +92,8 @@ def test_an_environment_is_a_picture_of_its_present_state() -> None:
 def test_a_fleet_is_a_picture_of_its_robots_and_people() -> None:
     env = FleetEnv(Layout(["P........D"] * 4), 3, people=2, orders=0.1)
     before = picture(env)
-    assert before.shape == (4 * 40 + 20 + 40, 400, 3)
-    assert count_color(before[:160], COLORS["R"]) == count_color(before[:160], COLORS["H"]) == 0
-    below = before[180:]
-    assert all(count_color(below[:, 40 * n : 40 * n + 40], COLORS["R"]) > 100 for n in range(3))
-    assert count_color(below[:, 120:200], COLORS["H"]) > 200
+    assert before.shape == (160, 400, 3)
+    assert count_color(before, COLORS["R"]) == count_color(before, COLORS["H"]) == 0
     env.reset(seed=1)
     after = picture(env)
     for row, col in env.cells:

@@ -133,7 +133,7 @@ def test_show_without_a_window_raises(replay: Replay) -> None:
 # Saving.
 
 
-@pytest.mark.parametrize("suffix", [".gif", ".html", ".png"])
+@pytest.mark.parametrize("suffix", [".gif", ".html", ".PNG"])
 def test_saving_leaves_the_current_frame_as_it_was(
     replay: Replay, tmp_path: Path, suffix: str
 ) -> None:
