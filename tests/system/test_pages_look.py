@@ -28,9 +28,7 @@ def reader(browser: Any) -> Iterator[Reader]:
 
 PAGES = {
     "physics": "run --seed 12 --backend physics",
-    "fleet of 8": "fleet --seed 3 --max-steps 60 --people 2",
     "fleet of 50": "fleet --seed 3 --max-steps 40 -r 50 --planner pibt",
-    "driving": "fleet --seed 3 --max-steps 25 -r 6 --planner pibt --backend driving",
     "gap": "compare backends -r 4 --count 4 -n 1 -j 1",
     "plan": "plan -r 8 --layout depot --planner lacam",
     "compare backends": "compare backends --seed 12 --max-steps 40",
@@ -38,7 +36,6 @@ PAGES = {
     "search": "compare search",
     "race": "race",
     "demo bump": "demo bump",
-    "demo slip": "demo slip",
     "demo pibt": "demo pibt",
 }
 """Commands that save a page, by what it shows."""

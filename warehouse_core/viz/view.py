@@ -326,7 +326,7 @@ class View:
             yield Shape(stamped(BAR, places), VISITED[tint])
         here, radius = history.cells[step], self._track.view_radius
         if here is not None and radius is not None and len(self._histories) == 1:
-            yield Shape(polygons(boxes_around(here, radius, self._inside)), INK, alpha=SHADOW)
+            yield Shape(around_view(here, radius, self._inside), INK, alpha=SHADOW)
         width = self._least(WIDTHS["trail"], 1)
         for loaded, age, ways in trail_of(frames, history.frames, robot, step):
             dashes = DASHES if loaded else ()
@@ -351,8 +351,7 @@ class View:
         if pose is None:
             return
         radius, rim = self._least(RADIUS, MIN_RADIUS), self._least(RIM, MIN_LINE)
-        yield Shape(noses([pose], radius), INK)
-        yield Shape(stamped(radius * CIRCLE, pose.at), color_of(pose), INK, rim, self._motor)
+        yield from self._robots([pose], [color_of(pose)], radius, rim)
         if pose.loaded:
             side *= radius / RADIUS
             yield Shape(stamped(side * SQUARE, pose.at), ITEM, INK, thin)
@@ -360,10 +359,15 @@ class View:
         letter = written(ROBOT_LOADED if pose.loaded else ROBOT_EMPTY, size, pose.at)
         yield from outlined(letter, size, INK if pose.loaded else PAPER)
 
-    @property
-    def _motor(self) -> Sequence[float]:
-        """The dashes of the line around a robot."""
-        return WEAK_MOTOR if self._track.motor_strength < 1 else ()
+    def _robots(
+        self, poses: Sequence[Pose], colors: Sequence[Color], radius: float, rim: float
+    ) -> Iterator[Shape]:
+        """Yield robots without what they carry: noses, and discs with dashes for weak motors."""
+        dashes = WEAK_MOTOR if self._track.motor_strength < 1 else ()
+        yield Shape(noses(poses, radius), INK)
+        for color in dict.fromkeys(colors):
+            mine = [pose.at for pose, each in zip(poses, colors, strict=True) if each == color]
+            yield Shape(stamped(radius * CIRCLE, mine), color, INK, rim, dashes)
 
     def _fleet(self, frame: Frame, fleet: FleetFrame) -> Iterator[Shape]:
         """Yield a fleet with its plans, numbers, batteries and items, people, and orders."""
@@ -377,10 +381,7 @@ class View:
         yield from self._plans(fleet, colors)
         people = [person.at for person in poses[count:]]
         yield Shape(stamped(scale * DIAMOND, people), COLORS[PERSON], INK, rim)
-        yield Shape(noses(robots, radius), INK)
-        for color in dict.fromkeys(colors):
-            mine = [place for place, each in zip(places, colors, strict=True) if each == color]
-            yield Shape(stamped(radius * CIRCLE, mine), color, INK, rim)
+        yield from self._robots(robots, colors, radius, rim)
         size = min(LETTER, NAME / len(str(count - 1))) * scale
         if size >= MIN_NUMBER * self._point:
             names = [written(str(robot), size, at) for robot, at in enumerate(places)]
@@ -484,24 +485,17 @@ def trail_of(
     yield from pieces
 
 
-def boxes_around(
-    cell: Cell, radius: int, shown: tuple[float, float, float, float]
-) -> list[list[Point]]:
-    """Return the corners of the four boxes that are shown around the square window of a view.
+def around_view(cell: Cell, radius: int, shown: tuple[float, float, float, float]) -> Path:
+    """Return all that is shown but the square window of a view, as a path with a hole.
 
-    Args:
-        cell: cell in the middle of the window.
-        radius: cells from there to its edge.
-        shown: left, top, right and bottom of what is shown.
+    ``cell`` is in the middle of the window, ``radius`` cells from its edge, and ``shown`` has the
+    left, top, right and bottom of what is shown.
     """
     (row, col), (left, top, right, bottom) = cell, shown
     first, last = max(col - radius, left), min(col + radius + 1, right)
     upper, lower = max(row - radius, top), min(row + radius + 1, bottom)
-    boxes = (
-        (left, top, right, upper), (left, lower, right, bottom),
-        (left, upper, first, lower), (last, upper, right, lower),
-    )  # fmt: skip
-    return [[(x, y), (end, y), (end, low), (x, low)] for x, y, end, low in boxes]
+    whole = [(left, top), (right, top), (right, bottom), (left, bottom)]
+    return polygons([whole, [(first, upper), (first, lower), (last, lower), (last, upper)]])
 
 
 def cells_of(tile: str, rows: Sequence[str]) -> list[Cell]:
