@@ -10,7 +10,9 @@ from __future__ import annotations
 
 import re
 from collections.abc import Iterable
+from functools import cache
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +25,7 @@ from warehouse_core.wording import brief
 try:
     import h5py
     import minari
+    from h5py import h5a, h5d, h5g, h5p, h5s, h5t
     from minari.dataset.minari_storage import MinariStorage
     from minari.namespace import create_namespace, list_local_namespaces
     from minari.storage import get_dataset_path
@@ -94,15 +97,35 @@ def _prepare(name: str) -> Path:
 
 
 def _write_episodes(path: Path, episodes: Iterable[EpisodeArrays]) -> dict[str, int]:
-    """Write a file of episodes as Minari lays it out, and return how many there are."""
+    """Write a file of episodes as Minari lays it out, and return how many there are.
+
+    The low level of h5py takes a third of the time of its high level.
+    """
+    undated, nested = h5p.create(h5p.DATASET_CREATE), h5p.create(h5p.LINK_CREATE)
+    undated.set_obj_track_times(False)
+    nested.set_create_intermediate_group(True)
     count = steps = 0
     with h5py.File(path, "w", track_order=True) as file:
         for count, episode in enumerate(episodes, start=1):
-            group = file.create_group(f"episode_{count - 1}")
+            group = h5g.create(file.id, f"episode_{count - 1}".encode())
             about = {"id": count - 1, "seed": episode.seed, "total_steps": episode.steps}
             for name, value in about.items():
-                group.attrs[name] = np.int64(value)
+                number = np.asarray(value, np.int64)
+                h5a.create(group, name.encode(), _type(number.dtype), _space(())).write(number)
             for name, values in episode.arrays.items():
-                group.create_dataset(name, data=values)
+                made = h5d.create(
+                    group, name.encode(), _type(values.dtype), _space(values.shape), undated, nested
+                )
+                made.write(h5s.ALL, h5s.ALL, values)
             steps += episode.steps
     return {"total_episodes": count, "total_steps": steps}
+
+
+@cache
+def _type(dtype: np.dtype[Any]) -> Any:
+    return h5t.py_create(dtype, logical=True)
+
+
+@cache
+def _space(shape: tuple[int, ...]) -> Any:
+    return h5s.create_simple(shape) if shape else h5s.create(h5s.SCALAR)
