@@ -1,9 +1,7 @@
 """What an episode depends on beside its case: the program that runs it, and the code of its agent.
 
-Both are named by digests of source files, so that no change of what they do goes unnoticed. The
-digest of this program leaves out comments and docstrings: a spelling mended does not stop a sweep
-from being resumed. The file of an agent is digested as it is: it may be no Python, and may read
-itself. Other packages that an agent imports, from ``site-packages``, are not part of its digest.
+Both are named by digests of source files, so that no change of what they do goes unnoticed. Other
+packages that an agent imports, from ``site-packages``, are not part of its digest.
 """
 
 from __future__ import annotations
@@ -75,34 +73,7 @@ def own_sources() -> list[Path]:
 
 @cache
 def _own_digest() -> str:
-    return digest_of(own_sources(), ROOT, _code_digest)[:DIGITS]
-
-
-def _code_digest(path: Path) -> str:
-    """Return the digest of the syntax tree of a source without its docstrings."""
-    return hashlib.sha256(repr(_plain(ast.parse(path.read_bytes()))).encode()).hexdigest()
-
-
-def _plain(node: object) -> object:
-    """Return a syntax tree as lists.
-
-    Fields without a value are left out. ``ast.dump`` writes some of them, and not the same ones in
-    each version of Python, but a sweep may be resumed on another version.
-    """
-    match node:
-        case ast.AST():
-            fields = ((name, _plain(value)) for name, value in ast.iter_fields(node))
-            return [type(node).__name__, *(each for each in fields if each[1] not in (None, []))]
-        case list():
-            return [_plain(each) for each in node if not _is_docstring(each)]
-    return node
-
-
-def _is_docstring(node: object) -> bool:
-    match node:
-        case ast.Expr(value=ast.Constant(value=str())):
-            return True
-    return False
+    return digest_of(own_sources(), ROOT, _content_digest)[:DIGITS]
 
 
 def fingerprint(file: Path | None, module: str | None) -> str | None:

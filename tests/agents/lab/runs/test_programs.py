@@ -57,15 +57,6 @@ def test_the_sources_of_a_program_are_those_that_decide_rows() -> None:
     assert not [name for name in names if name.startswith("agents/lab/console/")][1:]
 
 
-RULES = '''"""Rules."""
-COST = 1
-"""Cost of a step."""
-def is_free(cost):
-    """Return whether nothing is paid."""
-    return cost == "free"  # never
-'''
-
-
 def own_digest(folder: Path, name: str, text: str) -> str:
     (folder / name).parent.mkdir(exist_ok=True, parents=True)
     (folder / name).write_text(text)
@@ -74,27 +65,15 @@ def own_digest(folder: Path, name: str, text: str) -> str:
 
 
 @pytest.mark.parametrize(
-    ("name", "text", "is_another"),
-    [
-        ("agents/rules.py", RULES.replace("COST = 1", "COST = 2"), True),
-        ("agents/rules.py", RULES.replace('"free"', '"none"'), True),
-        ("agents/rules.py", RULES.replace("==", "!="), True),
-        ("agents/rules.py", RULES.replace("return cost", "cost"), True),
-        ("agents/rules.py", f"{RULES}print(COST)\n", True),
-        ("agents/more.py", "", True),
-        ("agents/rules.py", RULES.replace("Return whether", "Tell if"), False),
-        ("agents/rules.py", RULES.replace("Cost of", "What one pays for"), False),
-        ("agents/rules.py", RULES.replace('"""Rules."""', ""), False),
-        ("agents/rules.py", RULES.replace("  # never", "\n    # It is never free."), False),
-        ("agents/viz/chart.py", "changed", False),
-    ],
-)  # fmt: skip
-def test_a_program_is_another_if_its_code_changes_but_not_its_prose(
-    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, text: str, is_another: bool
+    ("name", "is_another"),
+    [("agents/rules.py", True), ("agents/more.py", True), ("agents/viz/chart.py", False)],
+)
+def test_a_program_is_another_if_a_source_changes_that_decides_rows(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, is_another: bool
 ) -> None:
     monkeypatch.setattr(programs, "ROOT", tmp_path)
-    before = own_digest(tmp_path, "agents/rules.py", RULES)
-    assert (own_digest(tmp_path, name, text) != before) == is_another
+    before = own_digest(tmp_path, "agents/rules.py", "COST = 1\n")
+    assert (own_digest(tmp_path, name, "COST = 2\n") != before) == is_another
     programs._own_digest.cache_clear()
 
 

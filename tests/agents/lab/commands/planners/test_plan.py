@@ -189,14 +189,9 @@ def test_a_replay_shows_each_step_and_the_paths_of_the_last_to_arrive() -> None:
     ("line", "message"),
     [
         ("return 7", "planner 'mine.py:mine': it returned 7; needed: a Plan of 2 robots"),
-        ("return Plan.of([[0, 1, 2]])", "planner 'mine.py:mine': it returned Plan("),
         (
             "return Plan.of([[0, 1], [1, 6]])",
             "planner 'mine.py:mine': robot 0 is in (0, 1) and not at its goal (0, 2)",
-        ),
-        (
-            "return Plan.of([[1, 2], [0, 6]])",
-            "planner 'mine.py:mine': robot 0 is in (0, 1) and not at its start (0, 0)",
         ),
         (
             "return Plan.of([[0, 1, 2], [1, 1, 6]])",
