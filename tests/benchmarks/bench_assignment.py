@@ -105,24 +105,6 @@ def test_assignments_of_an_overloaded_fleet(measured) -> None:
     assert share.low >= 95
 
 
-@pytest.mark.parametrize("planner", [PLANNER, "pibt"])
-def test_no_robot_runs_empty_where_chargers_suffice(planner: str, measured) -> None:
-    """16 chargers supply 160 units a step, and 96 robots use 96.
-
-    Without lanes robots may be held up for longer than they count on.
-    """
-    runs = [run("urgent", seed, LONG_STEPS, planner) for seed in LONG_SEEDS]
-    stranded = [each.stranded for each in runs]
-    hourly = mean_interval(np.array([each.per_hour for each in runs]))
-    assert hourly is not None
-    measured(
-        f"robots of {planner} that run empty",
-        f"{sum(stranded)} in {len(runs)} shifts of {LONG_STEPS:,} steps and {ROBOTS} robots, with "
-        f"{hourly.estimate:,.0f} deliveries an hour",
-    )
-    assert sum(stranded) == 0 or planner != PLANNER
-
-
 SHIFTS = [
     # more orders than the fleet can carry out, but for the last
     (find_layout(Path(DEPOT)), 2, 0.15, 150, 20),

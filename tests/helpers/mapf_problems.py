@@ -11,6 +11,7 @@ import numpy as np
 from agents.mapf.graph import Graph
 from agents.mapf.planner import Situation
 from agents.mapf.problem import Problem
+from helpers.mapf_turns import meets
 from helpers.plan_validator import random_rows, route_graph
 from warehouse_core import Layout
 
@@ -88,15 +89,10 @@ def smallest_cost(rows: Sequence[str], starts: Sequence[int], goals: Sequence[in
         ]
         for joint in product(*choices):
             to, ended = tuple(cell for cell, _ in joint), tuple(flag for _, flag in joint)
-            if len(set(to)) < len(to) or _change_places(cells, to):
+            if meets(cells, to):
                 continue
             total = cost + ended.count(False)
             if total < best.get((to, ended), total + 1):
                 best[to, ended] = total
                 heappush(heap, (total + estimate(to), to, ended))
     return None
-
-
-def _change_places(cells, to) -> bool:
-    moves = {(a, b) for a, b in zip(cells, to, strict=True) if a != b}
-    return any((b, a) in moves for a, b in moves)

@@ -5,13 +5,10 @@ from typing import Any
 
 import numpy as np
 import pytest
-from numpy.typing import NDArray
 
 from agents.search.agents import ExploringAgent
 from agents.search.belief_replay import Insight, belief_tracks, believed_tiles, noted
 from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, Layout, WarehouseEnv, record_episode
-from warehouse_core.render.palette import INK, SHADOW, UNKNOWN, blend
-from warehouse_core.viz.replay import Replay, replay_of_tracks
 
 DETOUR = Layout(["#########", "#.......#", "#.#####.#", "#P....#D#", "#.....#.#", "#########"])
 
@@ -28,17 +25,6 @@ def recorded(env: WarehouseEnv, randomize: bool = True) -> tuple[Episode, list[I
     agent = ExploringAgent()
     history = noted(agent, env.layout)
     return record_episode(env, agent, seed=3, randomize=randomize), history
-
-
-def replay(**options: Any) -> Replay:
-    return replay_of_tracks(*belief_tracks(*explored(**options)), window=False)
-
-
-def unknown_share(image: NDArray[np.int64]) -> tuple[float, float]:
-    """Return the share of unknown pixels, shaded as not seen, in the left half and right third."""
-    near = np.all(np.abs(image - 255 * np.array(blend(UNKNOWN, INK, SHADOW))) < 10, axis=-1)
-    width = image.shape[1]
-    return float(near[:, : width // 2].mean()), float(near[:, 2 * width // 3 :].mean())
 
 
 # Recorded beliefs.
@@ -106,17 +92,6 @@ def test_each_frame_shows_the_belief_and_the_reason_of_its_move(backend: str) ->
     captions = [frame.caption for frame in belief.frames]
     assert captions[-1].startswith("delivered in")
     assert "now N (meets a wall, plans round it)" in "".join(captions)
-
-
-def test_unknown_cells_are_grey_in_the_belief_only_and_become_fewer() -> None:
-    shown = replay()
-    shown.go_to(0)
-    before = unknown_share(np.asarray(shown.figure.pixels()).astype(np.int64))
-    shown.show_still()
-    after = unknown_share(np.asarray(shown.figure.pixels()).astype(np.int64))
-    assert before[1] < 0.01
-    assert before[0] > 0.15
-    assert after[0] < before[0] / 2
 
 
 def test_the_history_of_another_episode_is_an_error() -> None:
