@@ -68,8 +68,6 @@ def drive_through(
     plan: Integers,
     spec: RobotSpec | None = None,
     disturbances: Disturbances | None = None,
-    *,
-    switches: bool = False,
 ) -> Execution:
     """Let bodies drive through the cells of a joint plan.
 
@@ -78,7 +76,6 @@ def drive_through(
         plan: ``[T + 1, R]``, the ``cells`` of a ``Plan`` or of a ``LifelongRun``.
         spec: robot to use; ``None`` is the default robot.
         disturbances: departures from nominal physics.
-        switches: let others go before those that a stop delays; see ``DrivingMotion``.
 
     Raises:
         PlanError: nobody moves any more before all have arrived; the message names robots.
@@ -93,7 +90,7 @@ def drive_through(
         >>> drive_through(layout, plan).seconds < drive_steps(layout, plan).seconds
         True
     """
-    motion = DrivingMotion(spec, disturbances, path_every=1, switches=switches)
+    motion = DrivingMotion(spec, disturbances, path_every=1)
     cells = [*map(layout.cells, plan)]
     motion.reset(layout, cells[0], seed=0)
     for targets in cells[1:]:

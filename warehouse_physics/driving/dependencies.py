@@ -106,22 +106,6 @@ class Dependencies:
             self._latest[targets[robot]] = (Visit(robot, self.last(robot)),)
         return movers
 
-    def reorder(self, visits: Sequence[Visit]) -> set[int]:
-        """Set the order of all visits of a cell that robots have not left.
-
-        Visits from which nobody starts any more may be left out. Return the robots that have to
-        wait for others than before.
-        """
-        changed = set()
-        for before, (robot, number) in zip([None, *visits], visits, strict=False):
-            after = (before,) if before and before.robot != robot else ()
-            way, place = self._ways[robot], number - self._firsts[robot]
-            if way[place].after != after:
-                way[place] = WayCell(way[place].cell, after)
-                changed.add(robot)
-        self._latest[self.node(*visits[-1]).cell] = (visits[-1],)
-        return changed
-
     def forget(self, robot: int, number: int) -> None:
         """Forget the nodes of a way that are far before ``number``, which it has passed."""
         for first in range(self._firsts[robot], number - HISTORY):

@@ -25,7 +25,6 @@ from warehouse_physics.driving.headings import Headings
 from warehouse_physics.driving.leaders import NOWHERE, Leaders, RoutePlaces
 from warehouse_physics.driving.limits import Limits
 from warehouse_physics.driving.motors import Motors
-from warehouse_physics.driving.switching import RouteProgress, find_switches
 from warehouse_physics.driving.wheels import WheeledArena, WheelHeadings
 from warehouse_physics.energy import regained, spent
 from warehouse_physics.profile import Floats, stopping_distances, stopping_speeds
@@ -36,13 +35,6 @@ NEAR = 0.02
 
 SLOW = 1e-3
 """Speed in m/s below which a robot may begin another leg."""
-
-PACE = 1.25
-"""Estimated time for a cell over that at top speed: robots brake for corners, with noise earlier.
-Each alone on the floor of the Kiva warehouse takes 1.26 with 5% noise, and 1.1 without."""
-
-SHORTEST_PAUSE, LONGEST_PAUSE = 1.0, 8.0
-"""Seconds between searches for switches; each that finds none doubles the next pause."""
 
 
 class Driver:
@@ -64,7 +56,6 @@ class Driver:
         cells: Sequence[Cell],
         disturbances: Disturbances,
         seed: int,
-        switches: bool,
     ) -> None:
         robots = len(cells)
         self._arena, self._spec = arena, spec
@@ -73,7 +64,6 @@ class Driver:
         self._motors = Motors(arena, spec, self._limits, disturbances, seed)
         self._slippery = disturbances.slippery
         self._stops, self._substep = disturbances.stops, 0
-        self._switches, self._switches_at, self._pause = switches, 0.0, SHORTEST_PAUSE
         self.stands, self.failed = np.zeros((2, robots), np.bool_)
         self.closed: set[Cell] = set()
         self._leaders = Leaders(spec, self.ways, self._limits)
@@ -140,8 +130,6 @@ class Driver:
     def step(self) -> list[Hit]:
         """Drive for one substep, and return the hits that begin in it."""
         self._stop()
-        if self._switches and self._stops:
-            self._switch()
         for robot in (self._may_turn() & (self._ends < self._lasts)).nonzero()[0].tolist():
             self.ways.forget(robot, int(self._ends[robot]))
             self._set_leg(robot, int(self._ends[robot]))
@@ -315,34 +303,6 @@ class Driver:
                 cells.add(self.ways.end(each))
             if not self.failed[each] and self.closed & cells:
                 self.fail(each)
-
-    def _switch(self) -> None:
-        """Let robots go first that would wait for those that a stop has delayed.
-
-        How long a stop lasts counts as known. After a failure for good the order stays as it is,
-        as robots may go back then.
-        """
-        now, size = (self._substep - 1) * self._dt, self._size
-        begun = [stop for stop in self._stops if stop.at <= now]
-        if not begun or now < self._switches_at or self.failed.any():
-            return
-        pace = PACE * size / self._spec.top_speed
-        starts = -self._done / size * pace
-        for stop in begun:
-            starts[stop.robot] += max(stop.at + stop.seconds - now, 0.0)
-        passed = np.clip(self._passed // size, 0, self._lasts).astype(int)
-        present = np.clip(self._present(), passed, self._lasts)
-        reached = np.maximum(self._committed(), present)
-        nodes = passed.tolist(), present.tolist(), reached.tolist()
-        progress = RouteProgress(*nodes, starts, pace)
-        orders = find_switches(self.ways, progress)
-        changed = {robot for visits in orders.values() for robot in self.ways.reorder(visits)}
-        for robot in sorted(changed):
-            self._leaders.find_anew(robot, self._passed)
-            if (start := int(self._starts[robot])) < self._ends[robot]:
-                self._leaders.turn(robot, start, self.ways.move(robot, start + 1))
-        self._pause = SHORTEST_PAUSE if changed else min(2 * self._pause, LONGEST_PAUSE)
-        self._switches_at = now + self._pause
 
     def _present(self) -> Integers:
         """Return the first node of each way whose cell the robot has not left, ``[R]``."""

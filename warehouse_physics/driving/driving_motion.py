@@ -7,7 +7,7 @@ from collections.abc import Sequence
 import numpy as np
 
 from warehouse_core import Cell, Layout, Outcome
-from warehouse_core.arguments import flag, real_number, whole_number
+from warehouse_core.arguments import real_number, whole_number
 from warehouse_core.motion.base import Contact, Ways, centre_of, check_moves, check_starts
 from warehouse_core.motion.traffic import check_joint_step, find_stops
 from warehouse_core.world.tiles import moved
@@ -51,8 +51,6 @@ class DrivingMotion(BodyMotion):
         period: duration of a call in seconds; ``None`` is the time for a cell at top speed. With
             shorter calls ways grow sooner than they are driven, and robots know of corners before
             they have to brake there. Picking and dropping take ``dwell`` even then.
-        switches: let others go first where robots would wait for one that a stop of the
-            disturbances has delayed; see ``switching``. Without stops it changes nothing.
         record_path: record the path of each robot, not only its start and end.
         path_every: substeps between rows of a path, at least 1.
 
@@ -62,8 +60,7 @@ class DrivingMotion(BodyMotion):
     Raises:
         ValueError: ``period`` is not above 0 or too long, or the robots are too wide to follow each
             other.
-        TypeError: ``spec`` is no ``RobotSpec``, or ``disturbances`` no ``Disturbances``,
-            or ``switches`` neither true nor false.
+        TypeError: ``spec`` is no ``RobotSpec``, or ``disturbances`` no ``Disturbances``.
 
     Example:
         >>> from warehouse_core import FleetEnv
@@ -85,7 +82,6 @@ class DrivingMotion(BodyMotion):
         disturbances: Disturbances | None = None,
         *,
         period: float | None = None,
-        switches: bool = False,
         record_path: bool = True,
         path_every: int = PATH_EVERY,
     ) -> None:
@@ -107,7 +103,6 @@ class DrivingMotion(BodyMotion):
         if self.cell_steps > 1:
             self._room += 0.0 if self.spec.turns_on_the_spot else CORNER
             self._handling = max(0, round(self.spec.dwell / self.spec.time_step) - self._substeps)
-        self._switches = flag("switches", switches)
         self._layout: Layout | None = None
         self._driver: Driver | None = None
 
@@ -129,7 +124,7 @@ class DrivingMotion(BodyMotion):
         drawn = self._drawn(seed)
         # What robots that brake get back beyond what a call costs pays for their next calls.
         self._surplus = np.zeros(len(cells))
-        self._driver = Driver(arena, self.spec, cells, self.disturbances, drawn, self._switches)
+        self._driver = Driver(arena, self.spec, cells, self.disturbances, drawn)
         self._begin(layout, cells, drawn)
 
     def ways(self) -> Ways:
