@@ -1,22 +1,18 @@
 """Substeps of a space up to the first hit; no error of a callback is lost.
 
-Two things are done here with private parts of pymunk, whose versions 7.1 to 7.3 have them in the
-same form. With a later version its public calls do.
-
 Half of the time of ``Space.step`` passes in Python, for objects that were added or removed since
-the last step. Where there are none, Chipmunk's own function is called instead.
+the last step. Where there are none, Chipmunk's own function is called instead: a private part of
+pymunk, which its versions 7.1 to 7.3 have in the same form. With a later version ``Space.step`` is
+called.
 
-Chipmunk calls Python through cffi, which prints the errors of a callback and drops them. An
-interrupt may arrive as pymunk's own callback begins, before any code of this package runs. So
-cffi is asked to hand errors over, and they are raised after the call. With a later version of
-pymunk that holds for errors in the functions of this package only.
+Chipmunk calls Python through cffi, which prints the errors of a callback and drops them. So they
+are kept, and raised after the call.
 """
 
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable
 from functools import partial
-from types import TracebackType
 from typing import Any
 
 import pymunk
@@ -104,19 +100,4 @@ def _has_changes(space: pymunk.Space) -> bool:
 
 
 if IS_KNOWN:  # pragma: no branch - a later pymunk
-    # The function, not its module: while the interpreter ends that is needed to free spaces.
-    from pymunk._callbacks import ext_cpCollisionBeginFunc
-    from pymunk._chipmunk_cffi import ffi, lib
-
-    def _hand_over(kind: type[BaseException], error: BaseException, trace: TracebackType) -> None:
-        """Append the error of a callback to the hits that it keeps.
-
-        The error of a callback of another package is raised, so that cffi prints it.
-        """
-        handler = ffi.from_handle(trace.tb_frame.f_locals["data"])
-        hits = getattr(handler.begin, "__self__", None)
-        if not isinstance(hits, Hits):
-            raise error
-        hits.append(error)
-
-    ffi.def_extern(ext_cpCollisionBeginFunc.__name__, onerror=_hand_over)(ext_cpCollisionBeginFunc)
+    from pymunk._chipmunk_cffi import lib

@@ -215,23 +215,6 @@ def check_robots_agree_with_the_traffic_rule(make_motion: MakeMotion) -> None:
         expect_ends(step, find_stops(MAZE, step.starts, step.wanted))
 
 
-def check_robots_never_share_a_cell(make_motion: MakeMotion) -> None:
-    """No two robots end in one cell."""
-    for step in crowds(make_motion):
-        ends = [outcome.cell for outcome in step.outcomes]
-        expect(len(set(ends)) == len(ends), f"robots end in {ends}")
-
-
-def check_traffic_waiting(make_motion: MakeMotion) -> None:
-    """Of two neighbours that wait, neither is stopped."""
-    _expect_stops(make_motion, HALL, [(3, 3), (3, 4)], [STAY, STAY], [None, None])
-
-
-def check_traffic_wall(make_motion: MakeMotion) -> None:
-    """A wall stops only the robot that drives at it."""
-    _expect_stops(make_motion, HALL, [(0, 3), (3, 3)], [NORTH, NORTH], [WALL_CONTACT, None])
-
-
 def check_traffic_same_target(make_motion: MakeMotion) -> None:
     """Of two robots that want the same cell, neither reaches it."""
     _expect_stops(make_motion, HALL, [(3, 2), (3, 4)], [EAST, WEST], [1, 0])

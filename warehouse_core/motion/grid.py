@@ -8,11 +8,9 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from operator import ne
 from struct import Struct
 
 import numpy as np
-from numpy.typing import NDArray
 
 from warehouse_core.arguments import real_number
 from warehouse_core.motion.base import (
@@ -30,7 +28,7 @@ from warehouse_core.motion.base import (
     check_starts,
     robot_contact,
 )
-from warehouse_core.motion.traffic import MAX_SMALL_FLEET, ArrayTraffic, Obstacle, find_stops
+from warehouse_core.motion.traffic import ArrayTraffic, Obstacle, find_stops
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Flags, Integers, LayoutSet, sides_table, size_of
@@ -61,12 +59,6 @@ _pack = Struct("8d").pack
 MAX_CACHED = 100_000
 """Limit on the cached outcomes of a lone robot, about half a kilobyte each."""
 
-MAX_SINGLE_OUTCOMES = 500
-"""Outcomes that are made one by one, before the paths of all moves are made at once."""
-
-MAX_PATHS_BYTES = 32_000_000
-"""Limit on the paths of all moves; a layout that needs more has none made at once."""
-
 
 class GridMotion(BaseMotion):
     """Moves robots by whole cells; several at once by the table in ``traffic.py``.
@@ -94,13 +86,12 @@ class GridMotion(BaseMotion):
         self._headings: list[Cell] = []
         self._facing: Sequence[Cell] = ()
         self._lone: dict[tuple[Cell, Cell, Cell], tuple[Outcome]] = {}
-        self._paths: dict[Cell, NDArray[np.float64]] = {}
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         """Put robots in their cells; see ``Motion.reset``. The seed is not used."""
         check_starts(layout, cells)
         if self._layout.open_cells is not layout.open_cells:
-            self._lone, self._paths = {}, {}
+            self._lone = {}
         self._layout = layout
         self._cells = list(cells)
         self._headings, self._facing = [EAST] * len(cells), ()
@@ -167,16 +158,11 @@ class GridMotion(BaseMotion):
     def _first_outcome(self, cell: Cell, displacement: Cell, heading: Cell) -> Outcome:
         """Return an outcome that is not in the cache, and make room for it."""
         target = moved(cell, displacement)
-        is_open = self._layout.is_open(target)
-        if is_open and displacement in self._paths:
-            path = self._paths[displacement][cell]
-            return Outcome(target, False, NOMINAL_SECONDS, self._moving_joules, path)
         check_moves(1, (displacement,), (False,))
-        if len(self._lone) == MAX_SINGLE_OUTCOMES:
-            self._paths = move_paths(self._layout, self.cell_size)
-        elif len(self._lone) >= MAX_CACHED:
+        if len(self._lone) >= MAX_CACHED:
             self._lone.clear()
-        return self._outcome(cell, target, heading, None if is_open else WALL_CONTACT)
+        stop = None if self._layout.is_open(target) else WALL_CONTACT
+        return self._outcome(cell, target, heading, stop)
 
     def _outcome(
         self, cell: Cell, target: Cell, heading: Cell, stop: Obstacle, start: Cell | None = None
@@ -203,27 +189,6 @@ class GridMotion(BaseMotion):
             counterpart=stop if isinstance(stop, str) else robot_contact(stop),
         )
         return Outcome(end, True, NOMINAL_SECONDS, joules, path, (hit,))
-
-
-def move_paths(layout: Layout, cell_size: float) -> dict[Cell, NDArray[np.float64]]:
-    """Return ``[H, W, 2, 4]`` paths, read-only, of the moves from each cell by displacement.
-
-    The result is empty if they would be larger than ``MAX_PATHS_BYTES``.
-    """
-    height, width = layout.height, layout.width
-    if height * width * len(ANGLES) * 2 * 4 * 8 > MAX_PATHS_BYTES:
-        return {}
-    rows, cols = np.indices((height, width)) + 0.5
-    paths_by_move = {}
-    for (down, right), angle in ANGLES.items():
-        paths = np.zeros((height, width, 2, 4))
-        paths[..., 1, 0] = NOMINAL_SECONDS
-        paths[..., 0, 1], paths[..., 0, 2] = cols * cell_size, rows * cell_size
-        paths[..., 1, 1], paths[..., 1, 2] = (cols + right) * cell_size, (rows + down) * cell_size
-        paths[..., 3] = angle
-        paths.flags.writeable = False
-        paths_by_move[down, right] = paths
-    return paths_by_move
 
 
 class GridBatch(BaseBatchMotion):
@@ -313,7 +278,7 @@ class GridFleetBatch(GridBatch):
             self._headings = np.where(turning, self._facing, self._headings)
             self._facing = None
         cells, blocked, seconds, joules, *_ = super().advance(actions, loaded)
-        if self._robots == 1 or self._are_apart():
+        if self._robots == 1:
             return BatchOutcome(cells, blocked, seconds, joules, _WALL_OR_NOTHING.take(blocked))
         starts, targets = self._floor + self._before, self._floor + cells
         stops = self._traffic.find_stops(starts, targets, blocked)
@@ -321,18 +286,6 @@ class GridFleetBatch(GridBatch):
         cells = np.where(blocked, self._before, cells)
         self._cells = cells.astype(np.int32)
         return BatchOutcome(cells, blocked, seconds, joules, stops)
-
-    def _are_apart(self) -> bool:
-        """Return whether a few robots leave and enter different cells, so that none stops another.
-
-        False if there are more, for which finding this out takes longer than finding their stops.
-        """
-        if len(self._cells) > MAX_SMALL_FLEET or len(self._layouts.kind) > 1:
-            return False
-        cells: list[int] = self._before.tolist()
-        targets: list[int] = self._cells.tolist()
-        movers: int = sum(map(ne, cells, targets))
-        return len({*cells, *targets}) == len(cells) + movers
 
     def outcomes(self, floor: int) -> Sequence[Outcome]:
         """Return what the last ``advance`` did on one floor; see ``BaseBatchMotion.outcomes``."""
