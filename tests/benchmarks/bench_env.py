@@ -60,22 +60,6 @@ def test_a_hundred_by_hundred_grid_is_about_as_fast(randomize, share, times_fast
     assert times_faster(*works) >= share
 
 
-@pytest.mark.parametrize("view_radius", [2, 10])
-def test_a_walk_into_new_cells_of_a_hundred_by_hundred_grid(view_radius, times_faster):
-    """Row by row, each cell once, in a new layout each time; its reset counts too."""
-    limits = {"max_steps": STEPS, "battery": STEPS, "view_radius": view_radius}
-    small, big = WarehouseEnv(**limits), WarehouseEnv(big_grid(), **limits)
-    there_and_back = [*"E" * 97, "S", *"W" * 97, "S"] * 46
-
-    def walk() -> None:
-        big.reset_to(Layout(big_grid()))
-        step_many(big, there_and_back)
-
-    actions = random_actions()[: len(there_and_back)]
-    # Each new cell has a new path, which takes longer than the whole of a step in a known cell.
-    assert times_faster(walk, lambda: step_many(small, actions), rounds=21) >= 0.35
-
-
 def test_importing_the_core_costs_little_beyond_numpy(times_faster, capsys):
     def run(statement: str) -> None:
         subprocess.run([sys.executable, "-c", statement], check=True)
@@ -91,12 +75,6 @@ WARM_UP = 250
 EPISODE, WAIT = 200, 4
 
 ENDLESS = 10**9
-
-
-def hall(side: int) -> Layout:
-    """Return a square of open floor with a wall around it."""
-    inside = ["#" + "." * (side - 2) + "#"] * (side - 2)
-    return Layout(["#" * side, *inside, "#" * side])
 
 
 def stepping(env: Any, steps: int, actions: int) -> Callable[[], None]:
@@ -178,23 +156,6 @@ def test_a_batch_against_gymnasiums_fastest(view_radius, share, times_faster) ->
     assert times_faster(ours, stepping_all(carts(BATCH), 2)) >= share
 
 
-@pytest.mark.parametrize("view_radius", [2, 0])
-def test_vectors_take_little_longer_than_dicts(view_radius, times_faster) -> None:
-    """A vector has 86 float32 for each row, a dict 65 bytes."""
-    forms = (
-        warehouses(BATCH, observation=form, view_radius=view_radius) for form in ("vector", "dict")
-    )
-    ours, dicts = (stepping_all(env, 7) for env in forms)
-    assert times_faster(ours, dicts) >= 0.4
-
-
-def test_a_reset_in_the_same_step_costs_little_more(times_faster) -> None:
-    """Final observations are made only for rows that have ended, 20 of 4,096 in a step."""
-    modes = ("SameStep", "NextStep")
-    ours, usual = (stepping_all(warehouses(BATCH, autoreset_mode=mode), 7) for mode in modes)
-    assert times_faster(ours, usual) >= 0.5
-
-
 @pytest.mark.parametrize("view_radius", [0, 2])
 @pytest.mark.parametrize("count", [4_096, 16_384, 65_536])
 def test_a_row_costs_no_more_where_there_are_more(count, view_radius, times_faster) -> None:
@@ -203,22 +164,6 @@ def test_a_row_costs_no_more_where_there_are_more(count, view_radius, times_fast
     ours, theirs = (warehouses(rows, view_radius=view_radius) for rows in (count, few))
     works = stepping_all(ours, 7, steps=5), stepping_all(theirs, 7, steps=5 * count // few)
     assert times_faster(*works) >= 1 / 1.1
-
-
-@pytest.mark.parametrize(("side", "share"), [(100, 0.8), (1_000, 0.4)])
-def test_a_larger_map_is_slower_only_because_of_the_caches(side, share, times_faster) -> None:
-    """The same number of values is read, but no cache holds the tables of a million cells."""
-    ours, usual = (
-        stepping_all(warehouses(BATCH, each), 7) for each in (hall(side), DEFAULT_LAYOUT)
-    )
-    assert times_faster(ours, usual) >= share
-
-
-def test_gymnasium_adds_little_to_a_step_of_the_physics(times_faster) -> None:
-    limits = {"max_steps": ENDLESS, "battery": ENDLESS, "backend": "physics"}
-    ours = stepping(gymnasium.make(ID, randomize=False, **limits).unwrapped, PHYSICS_STEPS, 7)
-    plain = stepping(WarehouseEnv(**limits), PHYSICS_STEPS, 7)
-    assert times_faster(ours, plain) >= 1 / 1.15
 
 
 SHARE = float(os.environ.get("STEPS_SHARE", "1"))

@@ -8,8 +8,6 @@ import random
 import time
 from collections import Counter
 from collections.abc import Sequence
-from statistics import median
-from time import perf_counter
 
 import numpy as np
 import pytest
@@ -22,18 +20,16 @@ from helpers.physics_truth import (
     straight_queue,
     winding_queue,
 )
-from helpers.rigid_bodies import STEPS, batch_in, drive_at_walls
+from helpers.rigid_bodies import STEPS, batch_in
 
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout, WarehouseEnv, random_layout
 from warehouse_core.world import benchmark_warehouse
-from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
+from warehouse_physics import RigidBodyMotion, RobotSpec, stepping
 
 MOVES = 2_000
 """In a round of a measurement."""
 
-TUNNEL_MOVES = 100_000
 FLEET = 200
-RESETS = 20
 BATCH_STEPS = 4
 """Actions of a whole batch in a round of a measurement, or more for as many ``MOVES``."""
 
@@ -102,53 +98,6 @@ def test_a_large_fleet_against_the_bare_space(times_faster) -> None:
             motion._arena.space.step(motion.spec.time_step)
 
     assert times_faster(advance, bare) >= 0.4
-
-
-@pytest.mark.parametrize(
-    "disturbances", [Disturbances(actuation_noise=0.1), Disturbances(motor_strength=0.6)]
-)
-def test_a_floor_that_is_the_same_everywhere_is_not_felt_in_each_substep(
-    disturbances, times_faster
-) -> None:
-    rare, often = (RigidBodyMotion(disturbances=disturbances, record_path=False) for _ in range(2))
-    for motion in (rare, often):
-        motion.reset(DEFAULT_LAYOUT, [DEFAULT_LAYOUT.open_cell(0)], 0)
-    often._arena._varies = True
-    moves = random.Random(0).choices(STEPS, k=MOVES)
-    ratio = times_faster(
-        lambda: [rare.advance([move], [False]) for move in moves],
-        lambda: [often.advance([move], [False]) for move in moves],
-    )
-    assert ratio >= 1.6
-
-
-@over_layouts
-def test_recording_paths_costs_at_most_a_third_more(layout, times_faster) -> None:
-    kept, left_off = env_in(layout, record_path=True), env_in(layout)
-    actions = random_moves()
-    ratio = times_faster(lambda: step_many(kept, actions), lambda: step_many(left_off, actions))
-    assert ratio >= 3 / 4
-
-
-@pytest.mark.parametrize(
-    ("layout", "milliseconds"), [(DEFAULT_LAYOUT, 1.0), (LAYOUTS["100 x 100"], 20.0)]
-)
-def test_a_reset_takes_no_longer_than_allowed(layout, milliseconds, benchmark, capsys) -> None:
-    motion, start = RigidBodyMotion(), layout.open_cell(0)
-    taken = []
-    for _ in range(RESETS):
-        begin = perf_counter()
-        motion.reset(layout, [start], 0)
-        taken.append(1000 * (perf_counter() - begin))
-    with capsys.disabled():
-        print(f"\nreset of {layout.height} x {layout.width}: {median(taken):.3g} ms")
-    benchmark.pedantic(lambda: motion.reset(layout, [start], 0), rounds=1)
-    assert median(taken) < milliseconds
-
-
-@pytest.mark.parametrize("time_step", [1 / 60, 1 / 30])
-def test_nothing_gets_through_a_wall_in_a_hundred_thousand_moves(time_step) -> None:
-    drive_at_walls(time_step, TUNNEL_MOVES // 2)
 
 
 @pytest.mark.parametrize(("rows", "least"), MIN_RATIOS.items())

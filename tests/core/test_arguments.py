@@ -57,19 +57,6 @@ def test_a_real_number_without_a_maximum_is_finite() -> None:
             real_number("size", value, above=True)
 
 
-def test_a_real_number_comes_back_as_a_float() -> None:
-    for value in (0, 2, 1.5, np.float32(0.5), np.int64(1)):
-        number = real_number("size", value, 0, 2)
-        assert (number, type(number)) == (value, float)
-
-
-def test_a_real_number_may_be_infinite_if_it_is_said() -> None:
-    assert real_number("size", math.inf, finite=False) == math.inf
-    for value in (math.nan, -math.inf):
-        with pytest.raises(ValueError, match=r"^size is .*; it must be at least 0 and at most"):
-            real_number("size", value, finite=False)
-
-
 def test_a_seed_is_not_negative() -> None:
     assert [seed_number(seed) for seed in (None, 0, MAX_SEED)] == [None, 0, MAX_SEED]
     for seed in (-7, MAX_SEED + 1):

@@ -24,8 +24,3 @@ def test_the_command_names_the_packages_of_an_extra_and_no_other(
     assert [
         each.strip("'").partition(">")[0].partition("<")[0] for each in requirements
     ] == packages
-
-
-def test_this_distribution_is_never_named() -> None:
-    for extra in ("bench", "fleet", "mcap", "physics", "rl", "test", "video"):
-        assert "warehouse-lab" not in install_command(extra)

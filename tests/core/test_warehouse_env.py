@@ -8,7 +8,6 @@ import pytest
 from helpers.traces import TRACES, as_json, assert_as_recorded, env_of, over_traces
 
 from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError, WarehouseEnv, WarehouseState
-from warehouse_core.motion.grid import GridMotion
 
 
 def everything(env: WarehouseEnv) -> tuple[object, ...]:
@@ -18,10 +17,6 @@ def everything(env: WarehouseEnv) -> tuple[object, ...]:
 
 
 # The recorded episodes.
-
-
-def test_there_are_240_recorded_episodes() -> None:
-    assert sum(len(trace["episodes"]) for trace in TRACES) == 240
 
 
 @over_traces
@@ -176,16 +171,6 @@ def test_a_closed_environment_can_be_closed_again_but_not_stepped() -> None:
 # Environments share no state.
 
 
-def test_other_results_can_be_changed_without_effect() -> None:
-    env = WarehouseEnv()
-    env.grid[0] = "changed"
-    env.render_grid()[1][1] = "?"
-    env.step("fly")[4]["invalid_action"] = "changed"
-    assert env.grid == list(DEFAULT_LAYOUT.rows)
-    assert env.step("fly")[4] == {"invalid_action": True}
-    assert env.render() == WarehouseEnv().render()
-
-
 # The state can be assigned.
 
 
@@ -196,14 +181,6 @@ def test_a_robot_put_on_another_cell_is_rendered_there() -> None:
     env.step("WAIT")
     assert env.last_motion is not None
     assert env.last_motion.path[0, 1:3].tolist() == [10.5, 1.5]
-
-
-def test_the_state_can_be_replaced() -> None:
-    env = WarehouseEnv(["P.D"], start_pos=(0, 0))
-    env.state = WarehouseState((0, 2), has_item=True, battery=1, steps=7)
-    observation, reward, terminated, truncated, _ = env.step("DROP")
-    assert (reward, terminated, truncated) == (pytest.approx(9.9), True, True)
-    assert (observation["steps"], observation["battery"]) == (8, 0)
 
 
 @pytest.mark.parametrize("cell", [(0, 0), (-1, 5)])
@@ -307,10 +284,3 @@ def test_an_unknown_word_for_what_to_draw_is_an_error() -> None:
     with pytest.raises(ValueError, match="randomize is 'all'; allowed: False, True, 'stations'"):
         env.reset("all")
     assert env.observe() == before
-
-
-def test_the_repr_names_the_present_stations_and_the_backend() -> None:
-    env = WarehouseEnv(["P..D"], None, backend=GridMotion)
-    assert repr(env) == "<WarehouseEnv 1 x 4, pickup (0, 0), dropoff (0, 3), backend 'GridMotion'>"
-    env.reset_to(Layout([".."]))
-    assert repr(env) == "<WarehouseEnv 1 x 2, no pickups, no dropoffs, backend 'GridMotion'>"

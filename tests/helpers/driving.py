@@ -1,18 +1,20 @@
 """Plans for robots that drive through, and their execution."""
 
+import math
 import random
 from collections.abc import Sequence
 
 import numpy as np
 from hypothesis import strategies as st
 
+from helpers.driving_validator import motion_fault, too_near
 from warehouse_core import Cell, Layout
 from warehouse_core.motion.traffic import find_stops
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.tiles import moved
-from warehouse_physics import DrivingMotion, RobotSpec
+from warehouse_physics import Disturbances, DrivingMotion, RobotSpec
 
-MAX_SECONDS = 100
+MAX_SECONDS, MAX_REST_SECONDS = 100, 1000
 RESTS = 1e-5
 """Metres in which a robot that is at rest may move in a substep."""
 
@@ -92,3 +94,60 @@ class Drive:
         self.joules += [outcome.joules for outcome in outcomes]
         self.hits += sum(len(outcome.contacts) for outcome in outcomes)
         self._paths.append(np.stack([outcome.path[:, 1:3] for outcome in outcomes], axis=1))
+
+
+class Failures:
+    """Robots that execute a plan, of which some fail, on a floor that may be disturbed."""
+
+    def __init__(
+        self,
+        layout: Layout,
+        plan: list[list[Cell]],
+        spec: RobotSpec,
+        loaded: list[bool],
+        disturbances: Disturbances | None = None,
+    ) -> None:
+        self.motion = DrivingMotion(spec, disturbances, path_every=1)
+        self._layout, self._loaded = layout, loaded
+        self.motion.reset(layout, plan[0], 0)
+        self._paths: list[np.ndarray] = []
+        self.hits = 0
+        self.move([(0, 0)] * len(loaded))
+        for cells in plan[1:]:
+            self.motion.extend(cells)
+
+    def drive(self, seconds: float) -> None:
+        self._add(self.motion.drive(seconds))
+
+    def move(self, displacements: list[Cell]) -> None:
+        self._add(self.motion.advance(displacements, self._loaded))
+
+    def _add(self, outcomes: list) -> None:
+        self._paths.append(np.stack([outcome.path[:, 1:3] for outcome in outcomes], axis=1))
+        self.hits += sum(len(outcome.contacts) for outcome in outcomes)
+
+    def come_to_rest(self) -> None:
+        """Drive until all robots that have not failed are at rest at different open cells."""
+        for _ in range(MAX_REST_SECONDS):
+            ways = self.motion.ways()
+            if all(rests or fails for rests, fails in zip(ways.at_rest, ways.failed, strict=True)):
+                break
+            self.drive(1.0)
+        else:
+            raise AssertionError(f"robots do not arrive: {ways}")
+        self.drive(2.0)
+        live = [end for end, fails in zip(ways.ends, ways.failed, strict=True) if not fails]
+        assert len({*live, *ways.closed}) == len(live) + len(ways.closed)
+        for robot, (row, col) in enumerate(ways.ends):
+            assert self._layout.is_open((row, col))
+            assert not ways.failed[robot] or (row, col) in ways.closed
+            if not ways.failed[robot]:
+                x, y = self._paths[-1][-1, robot]
+                assert math.dist((x, y), (col + 0.5, row + 0.5)) < 2e-3
+
+    def check(self) -> None:
+        """Check what robots have done so far."""
+        rows = [self._paths[0][:1], *(path[1:] for path in self._paths)]
+        assert self.hits == 0
+        fault_of = too_near if self.motion.disturbances.any else motion_fault
+        assert fault_of(np.concatenate(rows), self.motion.spec) is None

@@ -33,10 +33,11 @@ def driving_fault(plan: Joint, positions: np.ndarray, spec: RobotSpec) -> str | 
 
 def motion_fault(positions: np.ndarray, spec: RobotSpec) -> str | None:
     """Return the first fault of robots wherever they go; arguments as for ``driving_fault``."""
-    return _too_near(positions, spec) or _too_fast(positions, spec)
+    return too_near(positions, spec) or _too_fast(positions, spec)
 
 
-def _too_near(positions: np.ndarray, spec: RobotSpec) -> str | None:
+def too_near(positions: np.ndarray, spec: RobotSpec) -> str | None:
+    """Return who came too close to whom; arguments as for ``driving_fault``."""
     for one, other in combinations(range(positions.shape[1]), 2):
         apart = np.hypot(*(positions[:, one] - positions[:, other]).T)
         if apart.min() < 2 * spec.radius * (1 - SLACK):

@@ -1,18 +1,9 @@
-"""Inputs of every format that is read, made from good ones by small changes, and how they end.
-
-As a program, ``python -m helpers.fuzz FORMAT INPUTS SEED`` prints a ``Report`` as JSON. It measures
-the memory of each input, and an input that asks for more than 256 MB gets a ``MemoryError``. An
-input that takes too long is ended.
-"""
+"""Inputs of every format that is read, made from good ones by small changes, and how they end."""
 
 import io
-import json
 import random
 import re
-import resource
-import signal
 import sqlite3
-import sys
 from collections.abc import Callable
 from contextlib import closing, suppress
 from functools import cache
@@ -53,8 +44,6 @@ from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.world.map_files import load_map, save_map
 from warehouse_core.world.named_layouts import as_layout
 from warehouse_core.world.scenarios import check_scenarios, load_scenarios
-
-MAX_BYTES, MAX_SECONDS = 256 * 2**20, 2.0
 
 MAX_INPUT = 2 * 2**20
 """Limit on the bytes of a changed input; those of a ``.npz`` file are compressed."""
@@ -99,55 +88,18 @@ class Format(NamedTuple):
 
 
 class Report(NamedTuple):
-    """How the inputs of a format ended, and the worst seconds and bytes of one of them.
-
-    Seconds are of the processor. Bytes are those that the process has more than before the first
-    input, at the moment of an input at which it has most.
-    """
+    """How the inputs of a format ended, and the most seconds of the processor for one of them."""
 
     inputs: int
     accepted: int
     refused: int
     worst_seconds: float
-    worst_bytes: int = 0
 
 
-class Memory:
-    """Measures the memory of this process, on Linux.
-
-    Args:
-        most: bytes that it may take on top of what it has; one more is a ``MemoryError``.
-    """
-
-    def __init__(self, most: int) -> None:
-        size = int(Path("/proc/self/statm").read_text().split()[0]) * resource.getpagesize()
-        resource.setrlimit(resource.RLIMIT_AS, (size + most,) * 2)
-        self.restart()
-        self._before = self._peak()
-
-    def restart(self) -> None:
-        """Forget the peak so far."""
-        Path("/proc/self/clear_refs").write_text("5")
-
-    def more(self) -> int:
-        """Return how many bytes the peak since ``restart`` is above the memory at the beginning."""
-        return self._peak() - self._before
-
-    def _peak(self) -> int:
-        return 1024 * int(PEAK.search(Path("/proc/self/status").read_text())[1])  # type: ignore[index]
-
-
-PEAK = re.compile(r"VmHWM:\s+(\d+) kB")
-
-
-class TooSlow(BaseException):
-    """An input has taken ``MAX_SECONDS``; no reader catches it."""
-
-
-def fuzz(name: str, inputs: int, seed: int, memory: Memory | None = None) -> Report:
+def fuzz(name: str, inputs: int, seed: int) -> Report:
     """Read changed inputs of a format, which raise documented errors only, and soon."""
     form, stream, accepted = formats()[name], random.Random(seed), 0
-    worst_seconds, worst_bytes = 0.0, 0
+    worst_seconds = 0.0
     with TemporaryDirectory() as folder:
         path = Path(folder, "input")
         for number in range(inputs):
@@ -157,22 +109,16 @@ def fuzz(name: str, inputs: int, seed: int, memory: Memory | None = None) -> Rep
             for each in Path(folder).iterdir():
                 each.unlink()
             path.write_bytes(data)
-            if memory is not None:
-                memory.restart()
-                signal.setitimer(signal.ITIMER_PROF, MAX_SECONDS)
             start = process_time()
             try:
                 form.read(path)
                 accepted += 1
             except DOCUMENTED:
                 assert number, f"{name}: a good input is refused"
-            except (Exception, TooSlow) as error:
+            except Exception as error:
                 raise AssertionError(f"{name}, seed {seed}, input {number}: {error!r}") from error
             worst_seconds = max(worst_seconds, process_time() - start)
-            if memory is not None:
-                signal.setitimer(signal.ITIMER_PROF, 0)
-                worst_bytes = max(worst_bytes, memory.more())
-    return Report(inputs, accepted, inputs - accepted, worst_seconds, worst_bytes)
+    return Report(inputs, accepted, inputs - accepted, worst_seconds)
 
 
 def change_bytes(data: bytes, others: tuple[bytes, ...], stream: random.Random) -> bytes:
@@ -423,18 +369,3 @@ def _read_flags(path: Path) -> None:
 def _text(path: Path) -> str:
     """Return text as the command line gives it, lone surrogates included."""
     return path.read_bytes().decode("utf-8", "surrogateescape")
-
-
-def main(name: str, inputs: str, seed: str) -> None:
-    """Print the report on a format."""
-    fuzz(name, 1, 0)  # which imports libraries, so that these are not measured
-
-    def end(*_: object) -> None:
-        raise TooSlow
-
-    signal.signal(signal.SIGPROF, end)
-    print(json.dumps(fuzz(name, int(inputs), int(seed), Memory(MAX_BYTES))))
-
-
-if __name__ == "__main__":
-    main(*sys.argv[1:])

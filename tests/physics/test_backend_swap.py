@@ -12,11 +12,11 @@ from warehouse_core.conformance import run_conformance
 from warehouse_physics import RigidBodyMotion, RobotSpec
 from warehouse_physics.spec import FAST_STEP
 
-MOVES = 2_000
+MOVES = 800
 """Random actions on both backends; the benchmarks make more."""
 
 
-TRACE_STRIDE = 5
+TRACE_STRIDE = 12
 """One in so many of the recorded episodes is replayed."""
 
 SMALL_AND_FAST = RobotSpec(cell_size=0.5, radius=0.17, time_step=FAST_STEP)
@@ -53,7 +53,7 @@ def test_random_episodes_are_equal_on_both_backends(spec: RobotSpec) -> None:
 
 
 @pytest.mark.filterwarnings("ignore:.*can keep")
-@pytest.mark.parametrize(("robots", "joint_actions"), [(2, 60), (7, 60), (25, 40), (100, 8)])
+@pytest.mark.parametrize(("robots", "joint_actions"), [(7, 60), (25, 30)])
 def test_a_nominal_fleet_of_bodies_equals_that_of_the_grid(robots: int, joint_actions: int) -> None:
     stops = bodies_move_as_the_grid(robots, joint_actions, seed=robots)
     assert stops.total() == robots * joint_actions

@@ -5,12 +5,9 @@ from dataclasses import replace
 import pytest
 from helpers.physics_truth import Book, errors_of_the_books, random_robots_move_as_the_grid
 from helpers.rigid_bodies import EAST, LEDGE, MOVES, NORTH, SOUTH, WEST, motion_in, move, together
-from pymunk import Vec2d
 
 from warehouse_core import Layout
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec, stepping
-from warehouse_physics.arena import Hit
-from warehouse_physics.robot import BRAKE
 
 BOOKED_MOVES = 120
 COMPARED_MOVES = 500
@@ -68,19 +65,6 @@ def test_no_push_by_another_robot_makes_an_action_cost_less_than_nothing() -> No
     assert outcomes[1].joules == 0.0 < outcomes[0].joules
 
 
-def test_a_hit_while_braking_gives_back_what_was_braked_before_it() -> None:
-    motion = motion_in(Layout(["..."]), (0, 0), RobotSpec(recuperation=1.0, floor_drag=0.0))
-    move(motion, EAST)
-    robot = motion._arena.robots[0]
-    robot.action.work, robot.phase, speed = 0.0, BRAKE, 0.5
-    robot._count_from(Vec2d(1.0, 0.0), 0.0)
-    robot.body.velocity = 0.0, 0.0  # after the hit
-    robot.meet(20, Hit(0, 1, (-1.0, 0.0), Vec2d(speed, 0.0), 25.0, (2.0, 0.5)), robot)
-    robot.next_phase(30)
-    braked = 50 / 2 * (1 - speed**2)
-    assert robot.action.work == pytest.approx(-braked * motion.spec.drivetrain_efficiency)
-
-
 def test_the_joules_of_robots_hit_askew_by_two_others_at_once_are_those_of_the_book() -> None:
     motion = RigidBodyMotion(RobotSpec(radius=0.4))
     motion.reset(Layout(["..", ".."]), [(0, 0), (0, 1), (1, 1), (1, 0)], 0)
@@ -101,23 +85,6 @@ def test_the_joules_on_a_floor_that_drags_unevenly_are_those_of_the_book() -> No
         outcome = move(motion, displacement)
         joules = book.work[0] / motion.spec.drivetrain_efficiency + 20 * outcome.seconds
         assert outcome.joules == pytest.approx(joules, rel=1e-3)
-
-
-@over_specs
-def test_the_impulse_of_a_bump_is_the_momentum_that_it_takes(spec: RobotSpec) -> None:
-    motion = motion_in(LEDGE, (0, 0), spec)
-    body, space = motion._arena.robots[0].body, motion._arena.space
-    speeds, step = [0.0], space.step
-
-    def step_and_note(dt: float) -> None:
-        step(dt)
-        speeds.append(body.velocity.x)
-
-    space.step = step_and_note
-    hit = move(motion, EAST).contacts[0]
-    number = round(hit.seconds / spec.time_step)
-    taken = spec.mass * (speeds[number - 1] - speeds[number])
-    assert hit.impulse == pytest.approx(taken, rel=0.01)
 
 
 @pytest.mark.parametrize("robots", [1, 6])

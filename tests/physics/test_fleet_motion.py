@@ -63,20 +63,6 @@ def test_bodies_never_overlap_by_more_than_they_move_in_a_substep(spec) -> None:
     assert 0 < deepest <= fastest * spec.time_step
 
 
-def test_each_robot_has_its_own_seconds_and_idle_joules() -> None:
-    spec = RobotSpec()
-    cells, moves = [(2, 2), (2, 3), (4, 4), (0, 5)], [EAST, STAY, SOUTH, STAY]
-    blocked, pushed, free, waiting = together(HALL, cells, moves)
-    alone = together(HALL, [(4, 4)], [SOUTH])[0]
-    assert free.seconds == alone.seconds
-    assert free.joules == pytest.approx(alone.joules, rel=1e-9)
-    assert free.path[-1, 1:3] == pytest.approx(alone.path[-1, 1:3], abs=1e-9)
-    assert (waiting.seconds, waiting.joules) == (spec.dwell, spec.dwell * spec.idle_power)
-    assert min(blocked.seconds, pushed.seconds) > spec.dwell
-    for outcome in (blocked, pushed, free, waiting):
-        assert outcome.path[-1, 0] == outcome.seconds
-
-
 def test_a_robot_that_is_pushed_out_of_its_cell_is_reported_where_it_is() -> None:
     """With weak brakes and a strong push the table does not hold, but the report is correct."""
     motion = RigidBodyMotion()

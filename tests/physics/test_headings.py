@@ -1,6 +1,5 @@
 """Bodies of fleets whose robots have headings: they turn in their cells and drive forward."""
 
-import copy
 import math
 
 import numpy as np
@@ -68,18 +67,6 @@ def test_wheels_pay_for_a_turn_and_a_robot_that_drives_any_way_only_waits() -> N
         assert seconds < 2.1
     assert joules["free"] == joules["turning"] == pytest.approx(0)
     assert joules["wheels"] > 5
-
-
-def test_a_copy_repeats_turns() -> None:
-    env = fleet(SPECS["wheels"], 4)
-    stream = np.random.default_rng(3)
-    for actions in stream.integers(4, size=(10, 4)):
-        env.step(actions)
-    twin = copy.copy(env)
-    for actions in stream.integers(4, size=(10, 4)):
-        env.step(actions)
-        twin.step(actions)
-        assert list(env.last_motion) == list(twin.last_motion)
 
 
 def test_a_reset_forgets_turns_and_directions_are_checked() -> None:

@@ -73,32 +73,6 @@ def test_without_the_shapes_of_its_walls_the_robot_drives_through() -> None:
         assert (outcome.cell, outcome.blocked, outcome.contacts) == ((0, col), False, ())
 
 
-def test_the_outcome_follows_a_body_that_is_pushed() -> None:
-    motion = motion_in(HALL, (3, 3))
-    arena, driven = motion._arena, motion._drive
-
-    def pushed(*arguments):
-        substeps = driven(*arguments)
-        x, y = arena.robots[0].body.position
-        arena.robots[0].body.position = (x, y + 1.0)
-        return substeps
-
-    motion._drive = pushed
-    assert move(motion, EAST).cell == (4, 4)
-
-
-def test_a_wall_that_only_the_space_has_blocks() -> None:
-    motion = motion_in(HALL, (3, 3))
-    space = motion._arena.space
-    wall = next(shape for shape in space.shapes if shape.collision_type == WALL)
-    box = type(wall)(space.static_body, [(4, 3), (5, 3), (5, 4), (4, 4)])
-    box.collision_type = WALL
-    space.add(box)
-    outcome = move(motion, EAST)
-    assert (outcome.cell, outcome.blocked) == ((3, 3), True)
-    assert outcome.contacts[0].point[0] == pytest.approx(4, abs=0.02)
-
-
 # Free moves.
 
 
@@ -165,16 +139,6 @@ def test_a_robot_that_the_floor_brakes_stops_once(kilograms: float) -> None:
     assert np.hypot(*velocities(outcome).T)[1:-1].min() > 0
 
 
-@pytest.mark.parametrize("acceleration", [0.3, 4.0, 30.0])
-def test_robots_of_any_pace_head_where_they_go_at_the_end_of_a_move(acceleration) -> None:
-    spec = RobotSpec(acceleration=acceleration, motor_force=5000, top_speed=5)
-    motion = motion_in(HALL, (3, 3), spec)
-    # The shorter way round each time, which adds up to a whole turn.
-    for displacement, heading in ((SOUTH, 0.5), (WEST, 1.0), (NORTH, 1.5), (EAST, 2.0)):
-        turned = move(motion, displacement).path[-1, 3]
-        assert turned == pytest.approx(heading * math.pi, abs=0.05)
-
-
 def test_waiting_takes_the_dwell_and_costs_idle_power() -> None:
     outcome = free_move(RobotSpec(dwell=2.5, idle_power=8.0), STAY)
     assert (outcome.cell, outcome.blocked, outcome.seconds) == ((3, 3), False, 2.5)
@@ -207,22 +171,9 @@ def test_a_hit_is_where_and_when_the_body_met_the_wall() -> None:
     assert contact.seconds == pytest.approx(math.sqrt(0.3), abs=2.1 / 60)
 
 
-def test_a_robot_slides_along_a_wall_without_a_contact() -> None:
-    layout = Layout(["############", "#..........#", "############"])
-    motion = motion_in(layout, (1, 1), RobotSpec(radius=0.499))
-    for col in range(2, 11):
-        assert move(motion, EAST)[:2] == ((1, col), False)
-
-
 @pytest.mark.parametrize("time_step", [1 / 60, 1 / 30])
 def test_no_robot_drives_through_a_wall_at_the_highest_speed(time_step: float) -> None:
     drive_at_walls(time_step, TUNNEL_MOVES)
-
-
-def test_without_its_load_a_robot_is_as_light_as_before() -> None:
-    motion = motion_in(HALL, (3, 3))
-    there, back = move(motion, EAST, loaded=True), move(motion, WEST)
-    assert there.seconds > back.seconds == free_move(RobotSpec()).seconds
 
 
 # Invalid calls.

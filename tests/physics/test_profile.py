@@ -88,26 +88,8 @@ def test_a_robot_that_the_floor_brakes_ends_at_rest_at_its_target(
         assert drive(hurried, pace, step, drag)[0][-1] < length
 
 
-def test_one_cell_at_one_metre_a_second_takes_two_seconds() -> None:
-    profile = plan_profile((0.5, 0.5), (1.5, 0.5), 1.0, 1.0, 1 / 60)
-    assert (profile.go, profile.brake) == (60, 60)
-    assert profile.velocity == pytest.approx((1.0, 0.0))
-
-
 def test_a_profile_to_the_same_position_does_not_move() -> None:
     assert plan_profile((1.0, 2.0), (1.0, 2.0), 1.0, 1.0, 1 / 60) == Profile((0.0, 0.0), 1, 1)
-
-
-@given(st.floats(0, 10), accelerations, time_steps)
-def test_braking_ends_at_rest(speed, pace, step) -> None:
-    substeps = braking(speed, pace, step)
-    left = speed - substeps * pace * step
-    assert left <= 1e-6 * pace * step
-    assert substeps == 1 or left + pace * step > 0
-
-
-def test_a_scaled_profile_has_another_speed_and_the_same_duration() -> None:
-    assert Profile((2.0, -1.0), 5, 3).scaled(1.5) == Profile((3.0, -1.5), 5, 3)
 
 
 ways = st.lists(st.tuples(st.floats(-5, 5), st.floats(-5, 5)), min_size=1, max_size=5)

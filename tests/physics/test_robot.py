@@ -7,7 +7,7 @@ from warehouse_core import Cell, Layout
 from warehouse_physics import RobotSpec
 from warehouse_physics.arena import Hit
 from warehouse_physics.robot import Robot
-from warehouse_physics.robot_arena import RobotArena, iterations_for_drag, iterations_for_jams
+from warehouse_physics.robot_arena import RobotArena
 
 SPEC = RobotSpec()
 
@@ -63,15 +63,6 @@ def test_another_robot_is_in_the_way_unless_it_leaves_the_cell(
     assert (robot.action.gave_up, robot.action.has_met) == (gives_up, True)
 
 
-def test_only_a_hit_with_an_impulse_is_recorded() -> None:
-    """Two that touch side on and already part have none."""
-    robot, other = robots_that(EAST, EAST)
-    for substep, impulse in ((1, 0.0), (3, 0.5)):
-        robot.meet(substep, Hit(0, 1, (-1.0, 0.0), (0.3, 0.0), impulse, (3.0, 0.5)), other)
-    ((seconds, impulse, _, counterpart),) = robot.action.contacts
-    assert (seconds, impulse, counterpart) == (3 * SPEC.time_step, 0.5, "robot 1")
-
-
 @pytest.mark.parametrize(
     ("displacement", "x", "touches", "gives_up", "is_blocked"),
     [
@@ -95,18 +86,3 @@ def test_a_robot_is_blocked_that_something_kept_from_another_cell(
         robot.give_up()
     robot.position = x, 0.5
     assert robot.is_blocked() == is_blocked
-
-
-@pytest.mark.parametrize(
-    ("changes", "jams", "drag"),
-    [
-        ({}, 5, 4),
-        ({"payload_mass": 340.0, "motor_force": 500.0}, 11, 4),
-        ({"floor_drag": 0.08}, 5, 5),
-    ],
-)
-def test_heavy_loads_and_drag_need_more_rounds_of_the_solver(
-    changes: dict[str, float], jams: int, drag: int
-) -> None:
-    spec = RobotSpec(**changes)
-    assert (iterations_for_jams(spec), iterations_for_drag(spec)) == (jams, drag)

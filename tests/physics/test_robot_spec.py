@@ -1,7 +1,5 @@
 """Every number of a robot is checked before the physics engine sees it."""
 
-from dataclasses import fields, replace
-
 import pytest
 
 from agents.warehouse_agent_greedy import GreedyAgent
@@ -9,9 +7,6 @@ from warehouse_core import BackendError, WarehouseEnv, record_episode, replay_ep
 from warehouse_core.motion.backends import make_motion
 from warehouse_core.motion.grid import GRAVITY
 from warehouse_physics import RobotSpec
-
-NAMES = [each.name for each in fields(RobotSpec) if each.name != "drive"]
-MAY_BE_ZERO = {"payload_mass", "floor_drag", "idle_power", "turn_seconds", "recuperation"}
 
 
 def test_a_differential_drive_has_a_track_and_no_turn_seconds() -> None:
@@ -30,12 +25,6 @@ def test_a_differential_drive_has_a_track_and_no_turn_seconds() -> None:
             RobotSpec(track=track)
     with pytest.raises(ValueError, match=r"^time_step is .*; the loaded robot would take .* 2000$"):
         RobotSpec(drive="differential", track=0.1, motor_force=10.4)
-
-
-def test_an_efficiency_above_one_raises() -> None:
-    assert RobotSpec(drivetrain_efficiency=1.0).drivetrain_efficiency == 1
-    with pytest.raises(ValueError, match=r"^drivetrain_efficiency is 1\.01; .* at most 1$"):
-        RobotSpec(drivetrain_efficiency=1.01)
 
 
 @pytest.mark.parametrize("radius", [0.4995, 2.0])
@@ -69,11 +58,6 @@ def test_a_motor_too_weak_for_the_loaded_robot_raises() -> None:
 def test_a_move_of_thousands_of_substeps_raises(changes: dict[str, float]) -> None:
     with pytest.raises(ValueError, match=r"^time_step is .*; the loaded robot would take .* 2000$"):
         RobotSpec(**changes)
-
-
-def test_the_fast_preset_is_the_default_robot_with_a_longer_substep() -> None:
-    assert RobotSpec().time_step == 1 / 60
-    assert RobotSpec.fast() == replace(RobotSpec(), time_step=1 / 30)
 
 
 def test_a_load_adds_mass_and_drag_and_lowers_the_acceleration() -> None:

@@ -1,13 +1,11 @@
 """Chipmunk's own step against pymunk's, and errors in callbacks."""
 
-import _thread
 import random
 import signal
 import sys
 import threading
 from collections.abc import Callable
 from functools import partial
-from operator import call
 
 import numpy as np
 import pymunk
@@ -58,27 +56,6 @@ def test_pymunks_own_step_gives_the_same_bits(robots, disturbances, monkeypatch)
     assert any(outcome.contacts for outcome in fast)
     monkeypatch.setattr(stepping, "IS_KNOWN", False)
     assert bits(wander(robots, disturbances)) == bits(fast)
-
-
-def test_pymunks_own_step_gives_the_same_bits_in_a_batch(monkeypatch) -> None:
-    batches = [batch_in([HALL, LEDGE] * 3) for _ in range(2)]
-    stream = np.random.default_rng(0)
-    for _ in range(MOVES):
-        arguments = stream.integers(0, 8, 6), stream.random(6) < 0.5
-        outcomes = []
-        for batch, known in zip(batches, (True, False), strict=True):
-            monkeypatch.setattr(stepping, "IS_KNOWN", known)
-            outcomes.append(b"".join(column.tobytes() for column in batch.advance(*arguments)[:4]))
-        assert outcomes[0] == outcomes[1]
-
-
-def test_only_the_first_action_uses_pymunks_own_step(monkeypatch) -> None:
-    """It finds bodies that were added since the last step."""
-    motion, steps = motion_in(HALL, (1, 1)), []
-    move(motion, EAST)
-    monkeypatch.setattr(motion._arena.space, "step", steps.append)
-    assert move(motion, WEST).cell == (1, 1)
-    assert steps == []
 
 
 @over_versions
@@ -132,40 +109,6 @@ def test_an_error_while_a_hit_is_noted_ends_the_action(fail, error) -> None:
         move(motion, EAST)
     motion._arena.stepper._hits._note = note
     assert len(move(motion, WEST).contacts) == 1
-
-
-@pytest.mark.usefixtures("interrupts_raise")
-def test_an_interrupt_right_before_a_callback_ends_the_action(monkeypatch) -> None:
-    """It is raised in pymunk's own callback, before any code of this package runs."""
-    contact = move(motion_in(LEDGE, (0, 0)), EAST).contacts[0]
-    hit, run, noted = round(contact.seconds * 60), stepping.Stepper._run, []
-
-    def run_with_interrupt(self, step, now, until):
-        numbers = iter(range(now + 1, until + 1))
-
-        def step_with_interrupt() -> None:
-            # ``map`` and ``call`` are in C, so that no Python runs between the two.
-            both = (_thread.interrupt_main, step) if next(numbers) == hit else (step,)
-            list(map(call, both))
-
-        return run(self, step_with_interrupt, now, until)
-
-    motion = motion_in(LEDGE, (0, 0))
-    break_notes(motion, lambda: noted.append(1))
-    monkeypatch.setattr(stepping.Stepper, "_run", run_with_interrupt)
-    with pytest.raises(KeyboardInterrupt):
-        move(motion, EAST)
-    assert noted == []
-
-
-def test_errors_in_callbacks_of_other_spaces_are_printed_as_before(monkeypatch) -> None:
-    printed = []
-    monkeypatch.setattr(sys, "unraisablehook", lambda each: printed.append(each.exc_type))
-    space, body = pymunk.Space(), pymunk.Body(1.0, 1.0)
-    space.add(body, pymunk.Circle(body, 1.0), pymunk.Circle(space.static_body, 1.0))
-    space.on_collision(0, 0, begin=lambda *arguments: divide_by_zero())
-    space.step(0.1)
-    assert set(printed) == {ZeroDivisionError}
 
 
 # Calls that overlap.

@@ -7,7 +7,7 @@ import pytest
 from helpers.rigid_bodies import EAST, LEDGE, NORTH, SOUTH, STAY, WEST, motion_in, move, together
 
 from warehouse_core import Cell, Layout
-from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
+from warehouse_physics import RigidBodyMotion, RobotSpec
 
 HALL = Layout(["....."] * 5)
 QUARTER = 1.5
@@ -78,21 +78,6 @@ def test_all_that_move_set_off_together_after_the_longest_turn() -> None:
     assert len(set(starts)) == 1
     assert {outcome.seconds for outcome in movers} == {movers[0].seconds}
     assert waiting.seconds == TURNING.dwell
-
-
-def test_a_robot_that_turns_drives_as_one_that_need_not() -> None:
-    plain = move(motion_in(HALL, (2, 2), RobotSpec(), path_every=1), SOUTH).path
-    turned = move(motion_in(HALL, (2, 2), TURNING, path_every=1), SOUTH).path
-    assert turned[-len(plain) :, 1:3].tolist() == plain[:, 1:3].tolist()
-
-
-def test_the_time_of_a_turn_does_not_count_as_patience() -> None:
-    """A disturbed robot gives up after so many times the time of a free move."""
-    noise = Disturbances(actuation_noise=0.05)
-    for quarter in (0.0, 8.0):
-        motion = RigidBodyMotion(RobotSpec(turn_seconds=quarter), noise)
-        motion.reset(HALL, [(2, 2)], 3)
-        assert [move(motion, step).cell for step in (WEST, EAST)] == [(2, 1), (2, 2)]
 
 
 def test_a_robot_placed_anew_faces_east() -> None:

@@ -44,8 +44,3 @@ def test_boxes_cover_the_walls_and_a_ring_around_exactly_once(layout) -> None:
     assert len(boxes) <= 4 + runs
     # The order decides the last bits of motions: boxes are in the order of their lower edges.
     assert [box[3] for box in boxes[4:]] == sorted(box[3] for box in boxes[4:])
-
-
-def test_runs_along_rows_and_columns_are_one_box_each() -> None:
-    boxes = wall_boxes(Layout(["#####", "#...#", "#...#", "#####"]))
-    assert boxes[4:] == [(0, 0, 5, 1), (0, 1, 1, 3), (4, 1, 5, 3), (0, 3, 5, 4)]

@@ -42,14 +42,6 @@ def test_a_turn_takes_the_time_and_energy_of_a_wheel_that_drives_its_arc(
     assert outcome.joules - straight.joules == pytest.approx(joules, rel=0.05)
 
 
-def test_a_robot_that_need_not_turn_drives_as_one_that_can_drive_in_any_direction() -> None:
-    plain, wheeled = (
-        move(motion_in(HALL, (2, 2), spec, path_every=1), EAST) for spec in (RobotSpec(), WHEELED)
-    )
-    assert wheeled.path == pytest.approx(plain.path, abs=1e-9)
-    assert wheeled.joules == pytest.approx(plain.joules, rel=1e-9)
-
-
 def test_it_goes_back_from_a_wall_without_turning_and_then_turns_from_there() -> None:
     motion = motion_in(HALL, (0, 0), WHEELED, path_every=1)
     blocked = move(motion, WEST)
@@ -104,13 +96,6 @@ def test_on_ice_a_turn_takes_several_attempts_and_ends_where_it_should() -> None
     assert np.diff(rims).max() / WHEELED.time_step == pytest.approx(most, rel=1e-3)
 
 
-def test_wheels_that_err_are_corrected() -> None:
-    motion = RigidBodyMotion(WHEELED, Disturbances(actuation_noise=0.1, drag_spread=0.5))
-    motion.reset(HALL, [(2, 2)], 4)
-    cells = [move(motion, step).cell for step in (NORTH, WEST, SOUTH, SOUTH, EAST, EAST, NORTH)]
-    assert cells == [(1, 2), (1, 1), (2, 1), (3, 1), (3, 2), (3, 3), (2, 3)]
-
-
 def test_the_joules_of_turns_drives_and_hits_are_those_of_a_second_book(monkeypatch) -> None:
     monkeypatch.setattr(stepping, "IS_KNOWN", False)
     lone = errors_of_the_books(60, 1, drive="differential")
@@ -139,18 +124,6 @@ def test_braking_in_a_turn_gives_energy_back() -> None:
     for turned, drove, gave_back, drove_back in (stopping, through):
         regained = (turned - drove) - (gave_back - drove_back)
         assert regained == pytest.approx(braked, rel=0.06)
-
-
-def test_a_robot_that_is_pushed_out_of_its_cell_rolls_back_as_it_stands() -> None:
-    """A light robot that waits is pushed by a heavy one, along its heading."""
-    spec = RobotSpec(drive="differential", payload_mass=200, motor_force=300)
-    moves, loads = [EAST, STAY], [True, False]
-    heavy, light = together(HALL, [(2, 1), (2, 2)], moves, spec, loads, path_every=1)
-    assert heavy.blocked
-    assert np.ptp(light.path[:, 1]) > 0.1
-    assert light.path[-1] == pytest.approx((light.seconds, 2.5, 2.5, 0.0), abs=1e-3)
-    assert np.ptp(light.path[:, 2]) < 1e-9
-    assert np.ptp(light.path[:, 3]) < 1e-9
 
 
 def test_jams_end_as_on_the_grid() -> None:

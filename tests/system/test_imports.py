@@ -1,7 +1,6 @@
 """Imports between modules, libraries that the core does not load, and exported names."""
 
 import ast
-import importlib
 import subprocess
 import sys
 from collections.abc import Iterator
@@ -14,7 +13,6 @@ ROOT = Path(__file__).parents[2]
 PACKAGES = ("warehouse_core", "warehouse_physics", "agents")
 """Each may import those before it."""
 
-MAX_FOLDERS_AND_LEVELS = {"warehouse_core": (22, 9), "agents": (18, 8)}
 MAY_IMPORT = {
     "warehouse_core/copies": "",
     "warehouse_core/errors": "",
@@ -115,68 +113,6 @@ MAY_IMPORT = {
     "agents/run_episode": "lab/commands lab/console",
 }
 """The modules and folders that each may import in its own package; each is in a row above."""
-
-EXPORTS = {
-    "warehouse_core": """
-        DEFAULT_LAYOUT Agent BackendError BatchEnv Battery Cell Contact Episode EpisodeRecorder
-        FleetEnv FleetEpisode GridMotion Layout LayoutError Motion Observation Order
-        OrderError OrderQueue OrderStream Outcome People RecordError Settings WarehouseEnv
-        WarehouseError WarehouseState random_layout record_episode record_fleet_episode
-        replay_animation replay_episode replay_fleet_episode save_frames_to_svg
-        shelf_layout
-    """,
-    "warehouse_core.batch": "AUTORESET_MODES BatchEnv",
-    "warehouse_core.conformance": "Report run_conformance",
-    "warehouse_core.fleet": "Battery FleetBatch FleetEnv FleetMeasures FleetObservation People",
-    "warehouse_core.files": "atomic_path read_arrays write_arrays",
-    "warehouse_core.gymnasium_env": """
-        FORMS GOAL_ID ID Extent Form WarehouseGoalEnv WarehouseGymnasiumEnv WarehouseVectorEnv
-        make_form
-    """,
-    "warehouse_core.motion": """
-        BaseBatchMotion BaseMotion BatchMotion BatchOutcome Conditions Contact Motion Outcome
-        backend_names load_backend make_motion
-    """,
-    "warehouse_core.orders": "Order OrderQueue OrderStream load_orders save_orders",
-    "warehouse_core.pettingzoo_env": "env parallel_env",
-    "warehouse_core.records": """
-        FLEET_MODES MODES Agent Diagnosis Episode EpisodeRecorder FleetAgent
-        FleetDiagnosis FleetEpisode FleetRecorder diagnose diagnose_fleet record_episode
-        record_fleet_episode replay_episode replay_fleet_episode
-    """,
-    "warehouse_core.render": """
-        ObservationImage PictureWindow TilePainter has_display tile_pixels_for
-    """,
-    "warehouse_core.task": """
-        Observation Settings WarehouseState encode judge useful_actions vector
-    """,
-    "warehouse_core.viz.tracks": "Frame Pose Track track_of_frames track_of_record",
-    "warehouse_core.viz.player": "player_frame player_page save_page",
-    "warehouse_core.viz.svg": "MAX_SVG_BYTES animated_svg",
-    "warehouse_core.viz.axes": "box_in draw_grid style_chart",
-    "warehouse_core.viz.export": "FORMATS ffmpeg has_live_terminal progress_bar",
-    "warehouse_core.world": """
-        DEFAULT_LAYOUT Cell Layout benchmark_warehouse load_layout load_map
-        random_layout save_layout save_map shelf_layout
-    """,
-    "warehouse_physics": "Disturbances DrivingMotion RigidBodyMotion RobotSpec Stop",
-    "warehouse_physics.driving": "DrivingMotion",
-    "warehouse_physics.batch": "RigidBodyBatch",
-    "agents": """
-        CloneAgent ExploringAgent GoalBasedAgent GreedyAgent ModelBasedAgent PPOAgent QAgent
-        ReflexAgent SearchAgent UtilityBasedAgent
-    """,
-    "agents.fleet": "PlannedFleet Team",
-    "agents.kinds": "GoalBasedAgent ModelBasedAgent ReflexAgent UtilityBasedAgent",
-    "agents.learning": "CloneAgent PPOAgent QAgent QTable load_agent load_table save_table",
-    "agents.search": """
-        DeliveryProblem ExploringAgent Problem RouteProblem SearchAgent Solution
-        astar_search best_first_search breadth_first_search greedy_best_first_search
-        manhattan manhattan_delivery true_distance uniform_cost_search
-        weighted_astar_search
-    """,
-}
-"""The exported names of each package that has any."""
 
 HEAVY = (
     "matplotlib", "gymnasium", "pymunk", "rich", "typer", "PIL", "IPython", "scipy", "jinja2",
@@ -298,19 +234,6 @@ def test_each_row_of_the_table_names_only_earlier_ones() -> None:
         assert {f"{package}/{name}" for name in names.split()} <= set(places[:number]), place
 
 
-def test_each_package_has_few_folders_on_few_levels() -> None:
-    levels: dict[str, int] = {}
-    for place, names in MAY_IMPORT.items():
-        package, name = place.split("/")[:2]
-        below = {each.split("/")[0] for each in names.split()} - {name}
-        level = 1 + max((levels[f"{package}/{each}"] for each in below), default=0)
-        levels[f"{package}/{name}"] = max(level, levels.get(f"{package}/{name}", 0))
-    for package, (folders, highest) in MAX_FOLDERS_AND_LEVELS.items():
-        places = (place for place in levels if place.startswith(f"{package}/"))
-        found = [levels[place] for place in places if not place.endswith("__main__")]
-        assert (len(found) <= folders, max(found) <= highest) == (True, True), package
-
-
 def test_no_modules_import_each_other_in_a_circle() -> None:
     graph: dict[str, set[str]] = {}
     for importer, imported in edges():
@@ -353,16 +276,3 @@ for words in ("--help", "layout", "sweep --help", "compare --help"):
         pass
 """
     assert loaded_by(program, HEAVY) == ["typer"]
-
-
-def test_the_packages_export_these_names() -> None:
-    packages = {name: importlib.import_module(name) for name in EXPORTS}
-    exporting = {
-        name
-        for name, path in MODULES.items()
-        if path.name == "__init__.py" and "__all__" in path.read_text()
-    }
-    assert exporting == EXPORTS.keys()
-    for name, package in packages.items():
-        assert package.__all__ == EXPORTS[name].split(), name
-        assert all(hasattr(package, each) for each in package.__all__)

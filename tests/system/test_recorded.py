@@ -10,7 +10,7 @@ import gzip
 import json
 import re
 import sys
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from contextlib import chdir, redirect_stdout
 from dataclasses import replace
 from functools import partial
@@ -21,7 +21,7 @@ from itertools import islice, product
 from pathlib import Path
 from tempfile import TemporaryDirectory
 from types import FunctionType
-from typing import Any, ClassVar
+from typing import Any
 
 import gymnasium
 import matplotlib
@@ -61,22 +61,17 @@ from agents.mapf.lacam import LaCAM
 from agents.registry import make_fleet_agent
 from agents.run_episode import run_episode
 from warehouse_core import (
-    Cell,
     Episode,
     EpisodeRecorder,
     FleetEnv,
-    GridMotion,
     Layout,
     OrderStream,
-    Outcome,
     WarehouseEnv,
     gymnasium_env,
     pettingzoo_env,
     record_fleet_episode,
     shelf_layout,
 )
-from warehouse_core.conformance.suite import CHECKS
-from warehouse_core.motion.base import BaseMotion
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.viz.axes.congestion import congestion_picture
 from warehouse_core.viz.axes.heat_map import heat_map
@@ -182,30 +177,6 @@ def options() -> Lines:
             limits = vars(check) if hasattr(check, "__dict__") else check
             kept = (each.default, each.min, each.max, each.multiple, each.required)
             yield f"{name} {each.opts} {each.secondary_opts} {kept} {NAMELESS.sub('', str(limits))}"
-
-
-class Counted(GridMotion):
-    """A grid that counts and mixes what it is asked."""
-
-    batch, fleet_batch = BaseMotion.batch, BaseMotion.fleet_batch
-    asked: ClassVar[list[object]] = []
-
-    def reset(self, layout: Layout, cells: Sequence[Cell], seed: int) -> None:
-        self.asked.append((layout.rows, [*cells], seed))
-        super().reset(layout, cells, seed)
-
-    def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
-        self.asked.append(([*displacements], [*map(bool, loaded)]))
-        return super().advance(displacements, loaded)
-
-
-def conformance() -> Lines:
-    """Yield how much each check asks of a motion, and a digest of it."""
-    for check in CHECKS:
-        Counted.asked.clear()
-        check(Counted)
-        digest = sha256(repr(Counted.asked).encode()).hexdigest()[:16]
-        yield f"{check.__name__} {len(Counted.asked)} {digest}"
 
 
 def rows() -> Lines:
@@ -496,7 +467,7 @@ PROGRAM = re.compile(r',"?warehouse-lab.*')
 
 
 KINDS = (
-    version, options, interface, conformance, rows, planners, lone, seen, bodies, fleet, driven,
+    version, options, interface, rows, planners, lone, seen, bodies, fleet, driven,
     slipping, signs, pair, maps, charts, reports, episodes, shifts, pixels, grades, sweeps,
 )  # fmt: skip
 

@@ -9,15 +9,12 @@ from helpers.batches import (
     CORRIDOR,
     DISABLED,
     EAST,
-    MIXED,
     ROOM,
     SHOP,
     SOUTH,
     WAIT,
     WEST,
     over_modes,
-    over_starts,
-    some_batch,
 )
 
 from warehouse_core import BackendError, Layout, LayoutError
@@ -101,22 +98,6 @@ def test_invalid_masks_raise_and_change_nothing(mask: Any, error: type, message:
     before = pickle.dumps(batch)
     with pytest.raises(error, match=message):
         batch.reset(5, mask)
-    assert pickle.dumps(batch) == before
-
-
-@over_starts
-@over_modes
-def test_calls_before_the_first_reset_raise(mode: str, randomize: bool | str) -> None:
-    batch = some_batch(mode, randomize=randomize)
-    before = pickle.dumps(batch)
-    with pytest.raises(EndedError, match=r"step\(\) needs a reset\(\) before it"):
-        batch.step(np.zeros(len(MIXED), int))
-    with pytest.raises(EndedError, match=r"the first reset\(\) must be of all rows"):
-        batch.reset(mask=np.ones(len(MIXED), bool))
-    with pytest.raises(EndedError, match=r"action_masks\(\) needs a reset\(\) before it"):
-        batch.action_masks()
-    with pytest.raises(EndedError, match=r"row\(\) needs a reset\(\) before it"):
-        batch.row(0)
     assert pickle.dumps(batch) == before
 
 

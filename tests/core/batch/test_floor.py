@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 
 from warehouse_core import Cell, Layout, random_layout
-from warehouse_core.batch.floor import NO_CELL, BatchFloor
+from warehouse_core.batch.floor import BatchFloor
 from warehouse_core.task.encoding import MARKED_TILES, marks
 from warehouse_core.task.sight import Sight
 from warehouse_core.world.tables import LayoutSet
@@ -49,19 +49,6 @@ def test_windows_show_stations_only_where_they_are(radius: int) -> None:
             assert np.array_equal(marked.windows(*given), marks(found, MARKED_TILES))
             for cell, has_item, window in zip(cells, loaded, found.tolist(), strict=True):
                 assert window == codes(expected.window(cell, bool(has_item))), (cell, pickup)
-
-
-@pytest.mark.parametrize("radius", [1, 2, 8])
-def test_a_station_that_does_not_exist_is_seen_nowhere(radius: int) -> None:
-    for layout in BARE:
-        cells = layout.open_cells
-        floor, none = (
-            BatchFloor(LayoutSet([layout]), radius, moving_stations=True),
-            np.array([NO_CELL]),
-        )
-        floor.put_stations(np.array([0]), none, none)
-        found = floor.windows(np.zeros(len(cells), np.intp), cells, np.zeros(len(cells), np.bool_))
-        assert not {CELL_CODES["P"], CELL_CODES["D"]} & set(found.ravel().tolist())
 
 
 def test_windows_whose_marks_are_too_large_are_codes(monkeypatch: pytest.MonkeyPatch) -> None:

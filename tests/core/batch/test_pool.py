@@ -10,9 +10,7 @@ from helpers.batches import CORRIDOR, ROOM, Single, Walk, over_modes, over_start
 
 from warehouse_core import BackendError, Layout, LayoutError, random_layout
 from warehouse_core.batch import BatchEnv
-from warehouse_core.batch.array_env import SAME_STEP
 from warehouse_core.motion.grid import GridMotion
-from warehouse_core.task.encoding import MARKED_TILES, vector
 
 ROWS = 6
 POOL = [random_layout(5, 7, density, seed=seed) for seed, density in enumerate((0.0, 0.2, 0.4))]
@@ -44,25 +42,6 @@ def test_each_row_equals_a_single_environment_in_the_layouts_it_draws(
     FromPool.drawn = Counter()
     Walk(batch, [FromPool(POOL[0], randomize, **limits) for _ in range(ROWS)], seed=5).go(40)
     assert set(FromPool.drawn) == set(POOL)
-
-
-@over_starts
-def test_marks_are_those_of_the_layouts_that_are_drawn(randomize: bool | str) -> None:
-    settings: dict[str, Any] = {"pool": POOL, "autoreset_mode": SAME_STEP, "max_steps": 5}
-    batches = [
-        BatchEnv(ROWS, **settings, randomize=randomize, marked=marked)
-        for marked in ((), MARKED_TILES)
-    ]
-    seen = [batch.reset(seed=1)[0] for batch in batches]
-    for actions in np.random.default_rng(0).integers(7, size=(20, ROWS)):
-        codes, marks = map(vector, seen)
-        assert np.array_equal(codes, marks)
-        seen = [batch.step(actions)[0] for batch in batches]
-
-
-def test_one_start_pos_holds_in_all_layouts_of_a_pool() -> None:
-    batch = BatchEnv(4, pool=POOL, start_pos=(1, 3), randomize="stations")
-    assert batch.reset(seed=1)[0]["robot_pos"].tolist() == [[1, 3]] * 4
 
 
 @pytest.mark.parametrize(

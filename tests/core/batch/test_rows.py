@@ -8,22 +8,18 @@ from helpers.batches import (
     CHARGED,
     CORRIDOR,
     DISABLED,
-    DROP,
     EAST,
     MIXED,
     NEXT_STEP,
-    PICK,
     ROOM,
     SAME_STEP,
     TWO_CELLS,
-    WAIT,
     Single,
     Walk,
     some_batch,
 )
 
 from warehouse_core import DEFAULT_LAYOUT, Layout
-from warehouse_core.arguments import MAX_STEPS
 from warehouse_core.batch import BatchEnv
 from warehouse_core.motion.grid import GridMotion
 
@@ -80,36 +76,6 @@ def test_every_row_with_chargers_equals_a_single_warehouse(
         walk.go(60)
         assert (walk.seen["charged"] > 10) == (battery > 1)
         assert walk.seen["truncated"] > 3
-
-
-def test_a_nearly_full_battery_of_the_largest_size_charges() -> None:
-    batch = BatchEnv(1, Layout(["PCD"]), (0, 1), battery=MAX_STEPS, randomize=False)
-    batch.reset()
-    assert batch.step([PICK])[0]["battery"].tolist() == [[MAX_STEPS - 1]]
-    assert batch.step([WAIT])[0]["battery"].tolist() == [[MAX_STEPS]]
-    assert batch.row(-1)[1].battery == MAX_STEPS
-
-
-def test_a_delivery_in_the_last_step_terminates_and_truncates() -> None:
-    batch = BatchEnv(1, ROOM, randomize=False, max_steps=4, autoreset_mode=SAME_STEP)
-    batch.reset()
-    for action in (PICK, EAST, EAST):
-        batch.step([action])
-    arrays, rewards, terminated, truncated, info = batch.step([DROP])
-    assert (rewards[0], terminated[0], truncated[0]) == (pytest.approx(9.9), True, True)
-    assert info["final_obs"]["steps"].tolist() == [[4]]
-    assert info["final_obs"]["has_item"].tolist() == [0]
-    assert arrays["steps"].tolist() == [[0]]
-
-
-def test_row_returns_plain_numbers_and_counts_from_the_end_too() -> None:
-    batch = some_batch(randomize=False)
-    batch.reset()
-    assert [batch.row(index)[0] for index in range(len(MIXED))] == MIXED
-    state = batch.row(-1)[1]
-    assert batch.row(len(MIXED) - 1)[1] == state
-    assert {type(number) for number in (*state.robot_pos, state.battery, state.steps)} == {int}
-    assert state.has_item is False
 
 
 def test_the_cost_depends_on_the_cell_size_of_the_backend_which_is_closed_at_the_end() -> None:

@@ -28,16 +28,6 @@ def test_the_temporary_file_is_in_a_private_folder_with_the_name_of_the_target(
         part.touch()
 
 
-def test_two_writers_of_one_target_do_not_mix(tmp_path: Path) -> None:
-    target = tmp_path / "film.gif"
-    with atomic_path(target) as first, atomic_path(target) as second:
-        first.write_text("first")
-        second.write_text("second")
-        assert first.read_text() == "first"
-    assert target.read_text() == "first"
-    assert list(tmp_path.iterdir()) == [target]
-
-
 @pytest.mark.parametrize("old", ["old", None])
 @pytest.mark.parametrize("error", [RuntimeError, KeyboardInterrupt])
 def test_an_error_leaves_the_old_file_if_there_was_one_and_no_temporary_file(
@@ -81,17 +71,3 @@ def test_an_error_of_writing_names_the_target(tmp_path: Path, names_file: bool) 
     with pytest.raises(OSError, match="No space") as caught, atomic_path(target) as part:
         raise OSError(errno.ENOSPC, "No space left on device", str(part) if names_file else None)
     assert str(caught.value) == f"[Errno {errno.ENOSPC}] No space left on device: '{target}'"
-
-
-def test_a_folder_that_takes_the_place_of_the_target_is_named(tmp_path: Path) -> None:
-    target = tmp_path / "film.gif"
-    with pytest.raises(IsADirectoryError) as caught, atomic_path(target) as part:  # noqa: PT012
-        part.touch()
-        target.mkdir()
-    assert str(caught.value).endswith(f": '{target}'")
-
-
-def test_an_error_of_another_file_keeps_its_name(tmp_path: Path) -> None:
-    with pytest.raises(FileNotFoundError) as caught, atomic_path(tmp_path / "film.gif"):
-        (tmp_path / "ffmpeg").open()
-    assert caught.value.filename == str(tmp_path / "ffmpeg")

@@ -75,13 +75,6 @@ def test_what_is_no_file_is_not_opened_and_not_waited_for(
         assert caught.value.filename == str(path)
 
 
-def test_a_pipe_that_takes_the_place_of_a_file_is_not_waited_for(
-    others: dict[str, Path], monkeypatch: pytest.MonkeyPatch
-) -> None:
-    monkeypatch.setattr("warehouse_core.files.reading.not_a_file", lambda _: None)
-    assert read_file(others["pipe"], 10) == b""
-
-
 def test_no_more_than_a_limit_is_read(tmp_path: Path) -> None:
     path = tmp_path / "file"
     path.write_bytes(b"12345")

@@ -9,9 +9,7 @@ from helpers.fleet_truth import charged_layout
 
 from warehouse_core import FleetEnv, Layout, OrderQueue, OrderStream
 from warehouse_core.batch import AUTORESET_MODES
-from warehouse_core.errors import EndedError
 from warehouse_core.fleet import Battery, FleetBatch, People
-from warehouse_core.motion.grid import GridFleetBatch
 
 YARD = Layout(["......", ".P..D.", "..##.C"])
 FLEETS, ROBOTS, STEPS = 4, 5, 60
@@ -97,38 +95,6 @@ def test_each_fleet_is_a_fleet_env_that_restarts(mode: str, kind: str) -> None:
     assert restarts >= FLEETS
     assert picked > 20 or kind == "bodies"
     many.close()
-
-
-def test_a_fleet_restarts_when_its_last_robot_has_ended() -> None:
-    layout = Layout(["PD..", "...."])
-    many = FleetBatch(2, layout, 2, max_steps=6, autoreset_mode="SameStep", view_radius=0)
-    assert (many.num_envs, many.size) == (4, (2, 4))
-    many.reset(seed=1)
-    flags = []
-    for step in range(6):
-        _, rewards, terminated, truncated, info = many.step(np.full(4, 4))
-        flags.append((terminated | truncated).tolist())
-        assert ("final_obs" in info) == (step == 5)
-        assert rewards.all()
-    assert flags == [[False] * 4] * 5 + [[True] * 4]
-
-
-@pytest.mark.parametrize("robots", [1, 2])
-def test_fleets_on_the_grid_are_moved_by_arrays(robots: int) -> None:
-    """A motion for each floor would be a hundred times slower for thousands of lone robots."""
-    many = FleetBatch(3, YARD, robots, orders=0.3)
-    assert isinstance(many._engine.motion, GridFleetBatch)
-
-
-def test_a_mask_resets_some_fleets_only() -> None:
-    many = FleetBatch(3, YARD, 2)
-    with pytest.raises(EndedError, match="first reset"):
-        many.reset(mask=np.ones(3, np.bool_))
-    many.reset(seed=1)
-    many.step(np.full(6, 4))
-    arrays, info = many.reset(mask=np.array([False, True, False]))
-    assert arrays["steps"].ravel().tolist() == [1, 1, 0, 0, 1, 1]
-    assert info["_action_mask"].tolist() == [False, False, True, True, False, False]
 
 
 def test_bad_input_is_an_error() -> None:

@@ -6,7 +6,6 @@ import pytest
 from helpers.fleet_truth import random_lone_steps_equal
 
 from warehouse_core import FleetEnv
-from warehouse_core.errors import EndedError
 
 
 @pytest.mark.parametrize("backend", ["grid", "physics"])
@@ -18,13 +17,3 @@ def test_the_usual_start_is_that_of_a_lone_robot() -> None:
     fleet: Any = FleetEnv(["#####", "#P..#", "#..D#", "#####"], 1)
     fleet.reset(seed=3)
     assert fleet.cells == [fleet.layout.usual_start()]
-
-
-def test_it_ends_with_its_delivery() -> None:
-    fleet = FleetEnv(["PD."], 1, starts=[(0, 0)])
-    fleet.reset()
-    for action in ("pick", "e"):
-        assert not fleet.step([action])[2].any()
-    assert fleet.step(["drop"])[2].tolist() == [True]
-    with pytest.raises(EndedError, match="all robots have ended"):
-        fleet.step(["n"])

@@ -84,15 +84,6 @@ def test_people_walk_from_station_to_station_by_shortest_ways() -> None:
     ).mean() > 0.5
 
 
-def test_people_along_aisles_walk_straight_on() -> None:
-    cells = walk(Layout(["." * 30] * 30), People(1, "aisles", 0.0), 2000)[:, 0]
-    ways = np.diff(cells, axis=0)
-    same = (ways[1:] == ways[:-1]).all(axis=1).mean()
-    back = (ways[1:] == -ways[:-1]).all(axis=1).mean()
-    assert same > 0.6
-    assert back < 0.1
-
-
 @over_habits
 def test_people_pause_as_often_as_is_set(habit: str) -> None:
     for pause in (0.0, 0.4, 1.0):
@@ -100,12 +91,6 @@ def test_people_pause_as_often_as_is_set(habit: str) -> None:
             np.diff(walk(Layout(["." * 20] * 20), People(3, habit, pause), 600), axis=0)
         ).sum(axis=-1)
         assert (ways == 0).mean() == pytest.approx(pause, abs=0.06)
-
-
-@over_habits
-def test_people_with_nowhere_to_go_stand(habit: str) -> None:
-    cells = walk(Layout([".#.", "###", ".#."]), People(2, habit, 0.0), 20)
-    assert (cells == cells[0]).all()
 
 
 def test_a_person_in_front_of_a_robot_that_waits_turns_back() -> None:

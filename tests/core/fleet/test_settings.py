@@ -15,8 +15,7 @@ from warehouse_core import (
     OrderError,
     OrderStream,
 )
-from warehouse_core.errors import EndedError
-from warehouse_core.fleet import Battery, People
+from warehouse_core.fleet import Battery
 
 SHOP = Layout(["P..D", "#..C"])
 ORDER = Order(0, 9, (0, 0), (0, 3))
@@ -125,13 +124,6 @@ def test_bad_calls_change_nothing(fleet: FleetEnv, call: Any, error: Any, messag
     assert state_of(fleet) == before
 
 
-def test_calls_before_the_first_reset_raise() -> None:
-    fleet = FleetEnv(SHOP, 2, orders=0.1, battery=300)
-    for call in (lambda: fleet.step([0, 0]), lambda: fleet.observe(0), lambda: fleet.assign(0, 0)):
-        with pytest.raises(EndedError, match=r"needs a reset\(\) before it"):
-            call()
-
-
 def test_only_robots_of_orders_that_have_not_ended_are_assigned() -> None:
     fleet = FleetEnv(["PD"], 1)
     fleet.reset()
@@ -167,18 +159,6 @@ def test_too_few_chargers_are_warned_of() -> None:
         FleetEnv(["....C.", "......"], 10, max_steps=300)
         FleetEnv(["....C.", "......"], 11, max_steps=200)
         FleetEnv(["P..D"], 2, max_steps=300)
-
-
-def test_a_fleet_says_what_it_is_and_closes_its_backend() -> None:
-    fleet = FleetEnv(SHOP, 2, people=People(1))
-    assert repr(fleet).startswith("<FleetEnv 2 robots, 2 x 4")
-    fleet.reset(seed=1)
-    with pytest.raises(RuntimeError, match=r"outcomes\(\) needs an advance\(\)"):
-        _ = fleet.last_motion
-    fleet.close()
-    with pytest.raises(RuntimeError):
-        fleet.step([0, 0])
-    assert FleetEnv().layout.rows == FleetEnv(None, 2).layout.rows
 
 
 def test_a_seed_is_for_the_first_reset_without_one() -> None:

@@ -1,6 +1,5 @@
 """Robots with headings, which drive forward and turn on the spot."""
 
-import copy
 import math
 from typing import Any
 
@@ -86,14 +85,6 @@ def test_random_steps_are_those_of_the_model(robots: int) -> None:
     assert met > 20
 
 
-def test_one_robot_turns_all_round_and_meets_the_walls() -> None:
-    fleet, model = begun(["..", ".."], 1, starts=[(0, 0)]), Model(Layout(["..", ".."]), [(0, 0)])
-    for action in [LEFT, FORWARD, LEFT, FORWARD, LEFT, FORWARD, FORWARD, LEFT, FORWARD, LEFT]:
-        *_, info = fleet.step([action])
-        assert info["motion"]["blocked"].tolist() == model.step([action])
-        assert (fleet.cells, fleet.headings) == (model.cells, model.headings)
-
-
 def test_turns_cost_what_moves_cost_and_do_not_count_as_distance_or_waits() -> None:
     fleet = begun(["P.D"], 2, starts=[(0, 0), (0, 2)])
     rewards = [fleet.step([action, WAIT])[1][0] for action in (PICK, RIGHT, FORWARD, LEFT, FORWARD)]
@@ -115,16 +106,6 @@ def test_a_turn_on_a_charger_does_not_charge() -> None:
         assert fleet.battery == [units]
 
 
-def test_masks_are_the_actions_that_do_something() -> None:
-    fleet = begun(["P.#"], 2, starts=[(0, 0), (0, 1)])
-    info = fleet.step([WAIT, WAIT])[4]
-    assert info["action_mask"].tolist() == [[1, 1, 1, 1, 1, 0], [0, 1, 1, 1, 0, 0]]
-    info = fleet.step([PICK, LEFT])[4]
-    assert info["action_mask"].tolist() == [[1, 1, 1, 1, 0, 0], [0, 1, 1, 1, 0, 0]]
-    info = fleet.step([LEFT, LEFT])[4]
-    assert info["action_mask"].tolist() == [[0, 1, 1, 1, 0, 0], [1, 1, 1, 1, 0, 0]]
-
-
 def test_words_and_indices_are_those_of_the_six_actions() -> None:
     fleet = begun(robots=3)
     given = fleet.action_indices(["forward", "Left", "E"])
@@ -135,15 +116,6 @@ def test_words_and_indices_are_those_of_the_six_actions() -> None:
         fleet.step([1.5, 1, 1])  # type: ignore[list-item]
     with pytest.raises(ValueError, match=r"^moves is 'diagonal'; allowed: compass, turn"):
         FleetEnv(moves="diagonal")
-
-
-def test_an_invalid_action_is_a_mistake_and_does_not_turn() -> None:
-    fleet = begun(robots=2)
-    cells = fleet.cells
-    _, rewards, *_, info = fleet.step(["N", 6])
-    assert rewards.tolist() == [rules.STEP_REWARD + rules.MISTAKE_REWARD] * 2
-    assert info["invalid_action"].all()
-    assert (fleet.cells, fleet.headings) == (cells, [1, 1])
 
 
 def test_a_robot_that_has_ended_does_not_turn_and_a_reset_turns_all_to_the_east() -> None:
@@ -169,26 +141,6 @@ def test_robots_observe_their_headings() -> None:
     assert "heading" not in other.reset(seed=1)[0]
     assert "heading" not in other.observe(0)
     assert other.headings == []
-
-
-def test_a_copy_goes_on_by_itself() -> None:
-    fleet = begun(robots=2)
-    fleet.step([RIGHT, LEFT])
-    twin = copy.copy(fleet)
-    twin.step([RIGHT, WAIT])
-    assert (fleet.headings, twin.headings) == ([2, 0], [3, 0])
-
-
-def test_people_walk_in_four_directions_among_robots_that_turn() -> None:
-    fleet = begun([".........."] * 6, 6, people=8, max_steps=100)
-    before, ways = fleet.people, set()
-    for action in np.random.default_rng(2).integers(4, size=(100, 6)):
-        fleet.step(action)
-        pairs = zip(before, fleet.people, strict=True)
-        ways |= {(a[0] - b[0], a[1] - b[1]) for a, b in pairs}
-        before = fleet.people
-    assert ways == {(0, 0), *AHEAD}
-    assert len(set(fleet.cells + fleet.people)) == 14
 
 
 def test_fleets_of_a_batch_are_as_each_alone() -> None:
@@ -241,31 +193,3 @@ def test_a_motion_that_cannot_turn_waits_instead() -> None:
     fleet.step([RIGHT, LEFT])
     fleet.step([FORWARD, WAIT])
     assert (fleet.cells, fleet.headings) == ([(1, 0), (0, 2)], [2, 0])
-
-
-def test_a_motion_made_of_single_ones_turns_too() -> None:
-    class Single(GridMotion):
-        def advance(self, displacements: Any, loaded: Any) -> Any:
-            return super().advance(displacements, loaded)
-
-    one, other = (
-        begun(SHELVES, 5, backend=backend, people=2, max_steps=40) for backend in ("grid", Single)
-    )
-    for chosen in np.random.default_rng(4).integers(4, size=(40, 5)):
-        one.step(chosen)
-        other.step(chosen)
-        assert list(one.last_motion) == list(other.last_motion)
-        assert one.headings == other.headings
-
-
-def test_directions_are_checked_before_anything_changes() -> None:
-    motion = GridMotion()
-    with pytest.raises(RuntimeError, match=r"^face\(\) needs a reset\(\)"):
-        motion.face([(0, 1)])
-    motion.reset(Layout(["..", ".."]), [(0, 0), (1, 1)], None)
-    with pytest.raises(ValueError, match=r"^1 directions for 2 robots; one each"):
-        motion.face([(0, 1)])
-    with pytest.raises(ValueError, match=r"^direction \(1, 1\) of robot 1; allowed: \[\(-1, 0\)"):
-        motion.face([(0, 1), (1, 1)])
-    outcomes = motion.advance([(0, 0), (0, 0)], [False, False])
-    assert [outcome.path[1, 3] for outcome in outcomes] == [0.0, 0.0]

@@ -11,16 +11,13 @@ import sys
 from typing import Any, ClassVar
 from unittest.mock import Mock
 
-import gymnasium
 import numpy as np
 import pytest
-from gymnasium.envs.registration import EnvSpec
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
 from gymnasium.wrappers import (
     FlattenObservation,
     RecordEpisodeStatistics,
-    TimeAwareObservation,
     TimeLimit,
 )
 from helpers.gymnasium_envs import CORRIDOR, NAME, ROOM, make, plain, same, walk
@@ -36,8 +33,6 @@ from warehouse_core.render.observation_image import ObservationImage
 from warehouse_core.task.encoding import encode, vector
 
 NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
-
-TWO_CELLS = Layout(["#.#", "#.#"])
 
 over_forms = pytest.mark.parametrize("form", FORMS)
 over_backends = pytest.mark.parametrize("backend", ["grid", "physics"])
@@ -88,16 +83,6 @@ print(env.reset(seed=0)[0]["robot_pos"].tolist()[0])
     assert (done.stdout.strip(), done.stderr) == (b"0", b"")
 
 
-def test_a_spec_with_a_layout_can_be_written_as_json() -> None:
-    env = make(layout=ROOM)
-    again = gymnasium.make(EnvSpec.from_json(env.spec.to_json()))
-    assert again.unwrapped.warehouse.layout == ROOM
-    both = gymnasium.make_vec(
-        "Warehouse-v0", 2, "vector_entry_point", layout=[ROOM, ROOM.with_stations(None, None)]
-    )
-    assert EnvSpec.from_json(both.spec.to_json()).kwargs["layout"][0] == list(ROOM.rows)
-
-
 @over_forms
 def test_observations_equal_those_of_the_chapters_environment(form: str) -> None:
     env = plain(layout=ROOM, observation=form, max_steps=12)
@@ -125,16 +110,6 @@ def test_the_same_seed_gives_the_same_episodes_after_any_others() -> None:
     assert same(tuple(walk(env, seed=6)), tuple(first))
     assert len({str(start) for start in starts}) > 1
     assert not same(tuple(walk(env, seed=7)), tuple(first))
-
-
-def test_stations_and_start_are_random_only_with_randomize() -> None:
-    fixed = plain(randomize=False)
-    starts = [fixed.reset(seed=seed)[0] for seed in (0, 1)]
-    assert same(*starts)
-    assert starts[0]["pickup_pos"].tolist() == [1, 3]
-    drawn = [plain().reset(seed=seed)[0] for seed in range(6)]
-    for key in ("pickup_pos", "dropoff_pos", "robot_pos"):
-        assert len({tuple(start[key]) for start in drawn}) > 2
 
 
 @over_backends
@@ -183,17 +158,6 @@ def overwrite(data: Any) -> None:
     elif isinstance(data, (dict, tuple)):
         for value in data.values() if isinstance(data, dict) else data:
             overwrite(value)
-
-
-@over_forms
-def test_returned_values_do_not_change_later(form: str) -> None:
-    env = plain(layout=ROOM, observation=form, max_steps=9)
-    kept: list[Any] = [env.reset(seed=3)]
-    records = [pickle.dumps(kept[0])]
-    for action in np.random.default_rng(5).integers(7, size=30).tolist():
-        kept.append(env.reset() if kept[-1][2:4].count(True) else env.step(action))
-        records.append(pickle.dumps(kept[-1]))
-    assert all(map(same, kept, map(pickle.loads, records)))
 
 
 @over_forms
@@ -276,18 +240,6 @@ def test_options_apply_to_one_episode() -> None:
     assert same(found["pickup_pos"], env.reset(seed=1)[0]["pickup_pos"])
 
 
-def test_the_usual_start_depends_on_the_layout_of_the_episode() -> None:
-    shut = Layout(["#####", "###D#", "#..P#", "#####"])
-    found, _ = plain(layout=ROOM, randomize=False).reset(options={"layout": shut})
-    assert found["robot_pos"].tolist() == [1, 3]
-    with pytest.raises(LayoutError, match="start_pos row 1, column 2 is wall"):
-        plain(layout=ROOM, start_pos=(1, 2), randomize=False).reset(options={"layout": shut})
-    two = plain(layout=["..#"])
-    for start_pos, expected in ((None, [0, 1]), ((0, 2), [0, 2])):
-        found, _ = two.reset(options={"layout": ["#.."], "start_pos": start_pos})
-        assert found["robot_pos"].tolist() == expected
-
-
 @pytest.mark.parametrize(
     ("options", "error", "message"),
     [
@@ -327,25 +279,6 @@ def test_a_picture_shows_the_layout_and_where_the_robot_is() -> None:
     assert not np.shares_memory(after, env.render())
     env.reset(options={"layout": Layout(["#####", "#.PD#", "#...#", "#####"])})
     assert (env.render() != before).any()
-
-
-def test_tiles_have_the_given_size_or_one_that_fits() -> None:
-    for layout, tile_pixels, expected in (
-        (ROOM, None, (160, 200, 3)),
-        (ROOM, 3, (12, 15, 3)),
-        (random_layout(50, 20, 0.1, seed=0), None, (1000, 400, 3)),
-    ):
-        env = plain(layout=layout, render_mode="rgb_array", tile_pixels=tile_pixels)
-        env.reset(seed=0)
-        assert env.render().shape == expected
-
-
-def test_text_equals_that_of_the_chapters_environment() -> None:
-    env = plain(render_mode="ansi")
-    for seed in range(2):
-        env.reset(seed=seed)
-        assert env.render() == env.warehouse.render()
-        assert env.render().count("R") == 1
 
 
 def test_rendering_without_a_mode_warns() -> None:
@@ -413,26 +346,3 @@ def test_wrappers_of_gymnasium_work() -> None:
     for short in (TimeLimit(make(), max_episode_steps=3), make(max_episode_steps=3)):
         short.reset(seed=0)
         assert [short.step(WAIT)[3] for _ in range(3)] == [False, False, True]
-
-
-def test_the_spec_has_the_limit_of_steps() -> None:
-    env = make(observation="vector", max_steps=7)
-    assert env.spec.max_episode_steps == env.unwrapped.spec.max_episode_steps == 7
-    assert make(max_steps=7, max_episode_steps=3).spec.max_episode_steps == 3
-    assert gymnasium.spec(ID).max_episode_steps is None
-    bare = plain()
-    bare.spec = None
-    assert bare.spec is None
-    timed = TimeAwareObservation(env, normalize_time=True)
-    timed.reset(seed=0)
-    assert [float(timed.step(WAIT)[0][-1]) for _ in range(7)] == pytest.approx(
-        [step / 7 for step in range(1, 8)]
-    )
-
-
-def test_environments_given_the_same_motion_do_not_share_it() -> None:
-    motion = GridMotion()
-    one, other = (plain(backend=motion) for _ in range(2))
-    at = one.reset(seed=1)[0]["robot_pos"]
-    other.reset(seed=2)
-    assert one.step(WAIT)[0]["robot_pos"].tolist() == at.tolist()

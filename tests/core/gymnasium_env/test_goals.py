@@ -11,7 +11,6 @@ from helpers.gymnasium_envs import same
 
 from warehouse_core import Layout, LayoutError
 from warehouse_core.gymnasium_env import GOAL_ID, ID
-from warehouse_core.gymnasium_env.spaces import FORMS
 from warehouse_core.task.encoding import CELLS_PER_UNIT
 
 NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
@@ -84,22 +83,10 @@ def test_rewards_of_goals_do_not_depend_on_their_number_and_are_those_of_steps()
     assert compute(achieved[0], desired[0], {}).dtype == np.float32
 
 
-def test_a_delivery_to_another_dropoff_ends_the_episode_without_its_goal() -> None:
-    env = make(layout=["P.D", "..D"], randomize=False, start_pos=(0, 0))
-    env.reset()
-    results = [env.step(action) for action in (PICK, SOUTH, EAST, EAST, DROP)]
-    assert [result[1:3] for result in results] == [(-1.0, False)] * 4 + [(-1.0, True)]
-
-
 def test_a_layout_without_a_station_is_refused() -> None:
     for rows in (["P.."], ["..D"]):
         with pytest.raises(LayoutError, match=r"^the layout has no pickup or no dropoff; goals"):
             make(layout=rows, randomize=False).reset()
-
-
-def test_the_form_is_no_choice() -> None:
-    with pytest.raises(TypeError, match="observation"):
-        make(observation=FORMS[0])
 
 
 @pytest.mark.parametrize(

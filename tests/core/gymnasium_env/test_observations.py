@@ -9,23 +9,6 @@ from warehouse_core.task.rules import useful_actions
 NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
 
 
-def test_the_mask_marks_the_actions_that_have_an_effect() -> None:
-    shop = Layout(["P.", "#D"])
-    env = plain(layout=shop, start_pos=(0, 0), randomize=False)
-    _, info = env.reset()
-    assert info["action_mask"].dtype == np.int8
-    found = [info["action_mask"].tolist()]
-    for action in (PICK, EAST, SOUTH):
-        *_, info = env.step(action)
-        found.append(info["action_mask"].tolist())
-    assert found == [
-        [0, 1, 0, 0, 1, 1, 0],
-        [0, 1, 0, 0, 1, 0, 0],
-        [0, 0, 1, 1, 1, 0, 0],
-        [1, 0, 0, 0, 1, 0, 1],
-    ]
-
-
 def test_info_and_action_masks_return_equal_new_masks() -> None:
     env = plain(layout=random_layout(6, 6, 0.3, seed=1), max_steps=15)
     stream = np.random.default_rng(0)

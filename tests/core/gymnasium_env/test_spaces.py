@@ -1,6 +1,5 @@
 """Observation spaces contain all observations, and their bounds are reached."""
 
-from contextlib import closing
 from functools import partial
 
 import gymnasium
@@ -56,15 +55,3 @@ def test_budgets_above_int32_raise(budget: str) -> None:
         with pytest.raises(ValueError, match=f"{budget} is {2**31}; it must be at most"):
             made(**{budget: 2**31})
         made(**{budget: 2**31 - 1}).close()
-
-
-@pytest.mark.parametrize("radius", [np.int8(6), np.uint8(8)])
-def test_a_view_radius_may_be_a_small_integer_type_of_numpy(radius: np.integer) -> None:
-    for made in (make, partial(make_vec, 2, "NextStep")):
-        with closing(made(view_radius=radius)) as env:
-            assert env.observation_space.contains(env.reset(seed=0)[0])
-
-
-def test_a_view_radius_above_the_limit_raises() -> None:
-    with pytest.raises(ValueError, match="view_radius is 501; it must be at most 500"):
-        make(view_radius=501)

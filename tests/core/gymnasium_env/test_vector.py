@@ -4,7 +4,6 @@ import copy
 import inspect
 import pickle
 from contextlib import closing
-from pathlib import Path
 from typing import Any
 
 import gymnasium
@@ -19,11 +18,10 @@ from helpers.gymnasium_envs import (
     ROOM,
     make_sync,
     make_vec,
-    plain,
     same,
 )
 
-from warehouse_core import Layout, LayoutError, random_layout
+from warehouse_core import LayoutError, random_layout
 from warehouse_core.gymnasium_env import WarehouseGymnasiumEnv
 from warehouse_core.gymnasium_env.spaces import FORMS
 from warehouse_core.gymnasium_env.vector import WarehouseVectorEnv
@@ -186,35 +184,6 @@ def test_layouts_of_different_sizes_share_one_space(form: str) -> None:
     assert sizes == [(each.height * pixels, each.width * pixels, 3) for each in layouts]
 
 
-def test_each_row_has_a_layout_in_any_form(tmp_path: Path) -> None:
-    file = tmp_path / "hall.txt"
-    ROOM.save(file)
-
-    def layouts(given: Any, count: int) -> list[Layout]:
-        batch = WarehouseVectorEnv(count, given, randomize=False)
-        batch.reset()
-        return [batch._batch.row(row)[0] for row in range(count)]
-
-    for one in (ROOM, list(ROOM.rows), str(ROOM), file, str(file)):
-        assert layouts(one, 2) == [ROOM, ROOM]
-        assert layouts([one, CORRIDOR], 2) == [ROOM, CORRIDOR]
-        assert layouts([one], 1) == [ROOM]
-    assert layouts([str(file), str(file)], 2) == [ROOM, ROOM]
-
-
-def test_the_picture_of_a_row_equals_that_of_a_single_environment() -> None:
-    batch = WarehouseVectorEnv(3, ROOM, render_mode="rgb_array")
-    with pytest.raises(ResetNeeded, match=r"needs a reset\(\) before it"):
-        batch.render()
-    batch.reset(seed=5)
-    pictures = batch.render()
-    assert type(pictures) is tuple
-    for row, picture in enumerate(pictures):
-        env = plain(layout=ROOM, render_mode="rgb_array")
-        env.reset(seed=5 + row)
-        assert same(picture, env.render())
-
-
 def test_a_batch_can_be_copied_and_pickled() -> None:
     for form in FORMS:
         batch = WarehouseVectorEnv(3, ROOM, observation=form)
@@ -251,10 +220,6 @@ def test_invalid_calls_raise_the_errors_of_gymnasium() -> None:
     with pytest.raises(LayoutError, match=r"^no\.txt: No such file"):
         WarehouseVectorEnv(2, ["no.txt", ROOM])
     assert pickle.dumps(batch) == before
-
-
-def test_a_batch_whose_construction_failed_can_be_closed() -> None:
-    WarehouseVectorEnv.__new__(WarehouseVectorEnv).close_extras()
 
 
 def test_both_environments_have_the_same_arguments_in_the_same_order() -> None:

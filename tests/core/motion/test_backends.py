@@ -6,11 +6,9 @@ from typing import Any
 import pytest
 
 from warehouse_core import BackendError, FleetEnv, Layout, WarehouseEnv
-from warehouse_core.motion import backends as backends_module
 from warehouse_core.motion.backends import (
     GROUP,
     backend_names,
-    load_backend,
     make_batch_motion,
     make_fleet_motion,
     make_motion,
@@ -32,17 +30,6 @@ def entry_point(name: str, value: str, distribution: Any = None) -> EntryPoint:
     point = EntryPoint(name, value, GROUP)
     vars(point).update(dist=distribution)
     return point
-
-
-def test_the_grid_is_installed() -> None:
-    assert "grid" in backend_names()
-    assert load_backend("grid") is GridMotion
-
-
-def test_a_backend_is_given_by_name_class_or_instance() -> None:
-    instance = GridMotion(cell_size=0.5)
-    assert type(make_motion("grid")) is type(make_motion(GridMotion)) is GridMotion
-    assert make_motion(instance) is instance
 
 
 def test_an_environment_accepts_all_three_and_names_them() -> None:
@@ -83,29 +70,6 @@ def test_the_error_of_a_missing_requirement_gives_the_command(
         "backend 'physics' needs missing_engine, which is not installed: pip install " + command
     )
     assert isinstance(caught.value.__cause__, ImportError)
-
-
-def test_backends_of_one_module_have_the_same_requirements(install: Any) -> None:
-    ours = FakeDistribution("a", ["b>=1", "c>=7; extra == 'rails'"])
-    install(
-        entry_point("trams", "missing_engine:Trams", ours),
-        entry_point("rails", "missing_engine:Rails", ours),
-        entry_point("boats", "missing_boats:Boats", ours),
-    )
-    with pytest.raises(BackendError, match=r"'trams' needs .*: pip install 'c>=7'$"):
-        load_backend("trams")
-    with pytest.raises(BackendError, match=r"'boats' needs .*: pip install 'a'$"):
-        load_backend("boats")
-
-
-def test_a_failed_import_is_tried_again(install: Any) -> None:
-    install(entry_point("late", "missing_engine:Motion"))
-    with pytest.raises(BackendError):
-        make_motion("late")
-    backends_module._entry_points()["late"] = entry_point(
-        "late", f"{GridMotion.__module__}:GridMotion"
-    )
-    assert isinstance(make_motion("late"), GridMotion)
 
 
 @pytest.mark.parametrize("backend", [None, dict, b"grid"])

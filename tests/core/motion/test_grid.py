@@ -34,11 +34,6 @@ def test_a_wall_stops_the_robot_and_costs_a_bump() -> None:
     assert outcome.path[:, 1:3].tolist() == [[1.5, 1.5], [1.5, 1.5]]
 
 
-def test_a_contact_names_the_other_robot() -> None:
-    _, outcome, _ = started((0, 0), (2, 2), (2, 3)).advance([EAST, EAST, STAY], [False] * 3)
-    assert outcome.contacts == (Contact(0.5, 50.0, (3.0, 2.5), "robot 2"),)
-
-
 def test_the_cost_of_a_move_follows_the_formula() -> None:
     rolling = 0.015 * 50 * 9.81
     assert nominal_joules(1.0, moving=False) == 20.0
@@ -74,12 +69,6 @@ def test_a_robot_starts_heading_east_and_keeps_its_heading_while_it_waits() -> N
     assert moved(motion, STAY).path[0, 3] == 0
 
 
-def test_a_blocked_robot_turns() -> None:
-    motion = started((0, 0))
-    assert moved(motion, WEST).path[0, 3] == pytest.approx(math.pi)
-    assert moved(motion, STAY).path[0, 3] == pytest.approx(math.pi)
-
-
 def test_the_cached_outcomes_equal_those_of_several_robots() -> None:
     walls = random_layout(8, 8, 0.3, seed=5)
     rows = [f"{row}##" for row in walls.rows]
@@ -102,23 +91,6 @@ def test_the_cache_has_a_limit(monkeypatch: pytest.MonkeyPatch) -> None:
             assert len(motion._lone) <= 3
 
 
-def test_it_can_be_reset_after_a_close() -> None:
-    motion = started((0, 0))
-    motion.close()
-    with pytest.raises(RuntimeError, match="reset"):
-        moved(motion, EAST)
-    motion.reset(HALL, [(0, 0)], None)
-    assert moved(motion, EAST).cell == (0, 1)
-
-
-def test_the_starts_are_copied() -> None:
-    cells = [(0, 0), (2, 2)]
-    motion = GridMotion()
-    motion.reset(HALL, cells, None)
-    cells[0] = (4, 4)
-    assert motion.advance([STAY, STAY], [False, False])[0].cell == (0, 0)
-
-
 def test_outcomes_are_equal_when_every_value_is() -> None:
     one, twin, other = (moved(started((2, 2)), move) for move in (EAST, EAST, WEST))
     assert one == twin
@@ -128,24 +100,3 @@ def test_outcomes_are_equal_when_every_value_is() -> None:
     assert one != one._replace(joules=one.joules + 1)
     assert one != "an outcome"
     assert hash(one) == hash(twin)
-
-
-@pytest.mark.parametrize("limit", [32_000_000, 100])
-def test_outcomes_made_at_once_are_those_made_one_by_one(
-    monkeypatch: pytest.MonkeyPatch, limit: int
-) -> None:
-    layout = random_layout(9, 11, 0.2, seed=3)
-    stream = random.Random(1)
-    moves = [stream.choice([STAY, NORTH, EAST, SOUTH, WEST]) for _ in range(2000)]
-    start = layout.usual_start()
-    singly = started(start, cell_size=0.7, layout=layout)
-    expected = [moved(singly, move) for move in moves]
-    monkeypatch.setattr(grid_motion_module, "MAX_SINGLE_OUTCOMES", 5)
-    monkeypatch.setattr(grid_motion_module, "MAX_PATHS_BYTES", limit)
-    motion = started((2, 2), cell_size=0.7)
-    for move in moves:
-        moved(motion, move)
-    motion.reset(layout, [start], None)
-    outcomes = [moved(motion, move) for move in moves]
-    assert outcomes == expected
-    assert not any(outcome.path.flags.writeable for outcome in outcomes)

@@ -1,36 +1,13 @@
 import numpy as np
 import pytest
 
-from warehouse_core import Layout, random_layout
-from warehouse_core.motion.grid import GridBatch, GridMotion, nominal_joules
+from warehouse_core import random_layout
+from warehouse_core.motion.grid import GridMotion, nominal_joules
 from warehouse_core.world.actions import DISPLACEMENTS
 
 NORTH, EAST, SOUTH, WEST, WAIT, PICK, DROP = range(7)
 
-OPEN = Layout(["..", "..", ".."])
 MOVING, STANDING = (nominal_joules(0.5, moving=moving) for moving in (True, False))
-LAYOUTS = [OPEN, random_layout(5, 7, 0.3, seed=1), Layout([".#."]), OPEN, Layout(["."])]
-
-
-def batch_of(layouts: list[Layout]) -> GridBatch:
-    return GridMotion(0.5).batch(layouts)
-
-
-def test_the_arrays_of_an_outcome_belong_to_the_caller() -> None:
-    batch = batch_of([OPEN] * 2)
-    batch.place(np.arange(2), np.array([0, 1]))
-    actions, loaded = np.array([SOUTH, SOUTH]), np.zeros(2, bool)
-    for array in batch.advance(actions, loaded)[:4]:
-        array[:] = 1
-    found = batch.advance(actions, loaded)
-    assert found.cells.tolist() == [4, 5]
-    assert found.seconds.tolist() == [1.0, 1.0]
-    assert found.joules.tolist() == [MOVING, MOVING]
-    assert found.blocked.tolist() == [False, False]
-    batch.close()
-    batch.close()
-    with pytest.raises(RuntimeError, match="after close"):
-        batch.advance(actions, loaded)
 
 
 @pytest.mark.parametrize(("floors", "robots"), [(3, 1), (3, 6), (1, 6), (1, 12)])

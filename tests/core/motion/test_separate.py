@@ -4,7 +4,7 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warehouse_core import Contact, Layout, LayoutError, Outcome, random_layout
+from warehouse_core import Contact, Layout, LayoutError, Outcome
 from warehouse_core.conformance.batch_checks import BATCH_CHECKS
 from warehouse_core.motion.base import NOTHING, WALL
 from warehouse_core.motion.grid import GridMotion
@@ -31,22 +31,6 @@ class Separate(GridMotion):
 @pytest.mark.parametrize("check", BATCH_CHECKS, ids=lambda check: check.__name__)
 def test_it_conforms(check: Any) -> None:
     check(Separate)
-
-
-@pytest.mark.parametrize("robots", [1, 7])
-def test_it_equals_the_batch_of_the_grid(robots: int) -> None:
-    layouts = [random_layout(6, size, 0.1, seed=size) for size in (6, 7, 5)]
-    stream = np.random.default_rng(0)
-    cells = np.concatenate([stream.permutation(each.open_cells)[:robots] for each in layouts])
-    both = batch_of(layouts, robots), GridMotion().fleet_batch(layouts, robots)
-    for batch in both:
-        batch.place(np.arange(3 * robots), cells)
-    for _ in range(40):
-        actions = stream.integers(0, 8, 3 * robots)
-        mine, grids = (batch.advance(actions, actions > WAIT) for batch in both)
-        for ours, theirs in zip(mine[:5], grids[:5], strict=True):
-            assert (ours.dtype, ours.tolist()) == (theirs.dtype, theirs.tolist())
-        assert [both[0].outcomes(f) for f in range(3)] == [both[1].outcomes(f) for f in range(3)]
 
 
 class Scripted(GridMotion):
@@ -95,28 +79,6 @@ def test_robots_on_their_way_to_one_cell_stop_each_other() -> None:
     batch._motions[0].outcomes = [ended((0, 0)), ended((0, 2)), ended((1, 0))]
     found = batch.advance(np.array([EAST, WEST, WEST]), np.zeros(3, bool))
     assert found.stopped_by.tolist() == [1, 0, WALL]
-
-
-def test_a_robot_is_stopped_by_the_one_in_the_cell_next_to_where_it_is_now() -> None:
-    batch = batch_of([HALL], 2, Scripted)
-    batch.place(np.arange(2), np.array([0, 4]))
-    batch._motions[0].outcomes = [ended((0, 1), blocked=False), ended((1, 1), blocked=False)]
-    batch.advance(np.array([EAST, WAIT]), np.zeros(2, bool))
-    batch._motions[0].outcomes = [ended((0, 1)), ended((1, 1), blocked=False)]
-    found = batch.advance(np.array([SOUTH, WAIT]), np.zeros(2, bool))
-    assert found.stopped_by.tolist() == [1, NOTHING]
-
-
-def test_seeds_and_cells_reach_the_motions_of_their_floors() -> None:
-    batch = batch_of([HALL] * 3, 2, Scripted)
-    batch.place(np.arange(6), np.array([0, 1, 2, 3, 4, 5]))
-    batch.place(np.array([4, 5, 0, 1]), np.array([1, 2, 3, 4]), seeds=[7, None])
-    batch.close()
-    assert [motion.calls for motion in batch._motions] == [
-        [([(0, 0), (0, 1)], None), ([(1, 0), (1, 1)], None), "closed"],
-        [([(0, 2), (1, 0)], None), "closed"],
-        [([(1, 1), (1, 2)], None), ([(0, 1), (0, 2)], 7), "closed"],
-    ]
 
 
 @pytest.mark.parametrize(

@@ -43,13 +43,6 @@ def test_of_the_open_orders_at_a_cell_the_first_due_is_taken_and_of_those_the_ol
     assert (book.open_orders, book.waiting_at[AT_A], book.waiting_at[AT_B]) == ([2], 0, 1)
 
 
-def test_a_robot_at_its_own_order_takes_that_one() -> None:
-    book = book_of(order(due=20), order(due=90))
-    book.assign(0, 1)
-    assert book.take(0, AT_A, step=1)
-    assert (book.order_of[0], book.open_orders) == (1, [0])
-
-
 def test_a_robot_that_takes_another_order_gives_its_own_back_with_its_age() -> None:
     book = book_of(order(B), order(A), order(C))
     book.assign(0, 0)
@@ -57,16 +50,6 @@ def test_a_robot_that_takes_another_order_gives_its_own_back_with_its_age() -> N
     assert book.take(0, AT_A, step=1)
     assert (book.order_of[0], book.open_orders) == (1, [0, 2])
     assert book.waiting_at[AT_B] == 1
-
-
-def test_a_delivered_order_leaves_its_robot_free() -> None:
-    book = book_of(order(due=9))
-    book.take(1, AT_A, step=3)
-    assert not book.is_done
-    assert book.deliver(1, step=12) == 0
-    assert book.is_done
-    assert book.order_of.tolist() == [NONE] * 3
-    assert book.records() == [order(due=9)._replace(taken_by=1, taken=3, delivered=12)]
 
 
 def test_reserved_orders_wait_for_their_robot_the_first_due_first() -> None:
@@ -89,31 +72,6 @@ def test_a_reserved_order_that_is_given_back_stays_reserved() -> None:
     assert book.open_orders == []
     book.assign(1, None)
     assert (book.order_of[1], book.open_orders) == (0, [1])
-
-
-def test_a_reserved_order_that_comes_later_waits_even_if_it_is_due_first() -> None:
-    book = book_of(order(due=80, robot=1), order(B, due=30, robot=1, released=2))
-    book.release(2)
-    assert book.order_of[1] == 0
-    book.assign(1, None)
-    assert book.order_of[1] == 1
-
-
-def test_a_robot_is_assigned_another_of_the_orders_reserved_for_it() -> None:
-    orders = [order(at, due=due, robot=1) for at, due in ((A, 10), (B, 20), (C, 30), (A, 40))]
-    book = book_of(*orders, order(C))
-    book.assign(1, 2)
-    assert book.order_of[1] == 2
-    book.assign(1, 4)  # an open one
-    book.assign(1, 1)
-    assert (book.order_of[1], book.open_orders) == (1, [4])
-    for cell, expected in ((AT_B, 1), (AT_A, 0), (AT_C, 2), (AT_A, 3)):
-        assert book.order_of[1] == expected, "each waits once, the first due first"
-        assert book.take(1, cell, step=2)
-        book.deliver(1, step=3)
-    assert book.order_of[1] == NONE
-    with pytest.raises(OrderError, match="order 2 cannot be assigned to robot 1: robot 1 has"):
-        book.assign(1, 2)
 
 
 def test_reserved_orders_keep_their_turns_whichever_is_assigned_first() -> None:

@@ -40,7 +40,3 @@ def test_a_stream_names_what_is_wrong(settings: Any, error: Any, message: str) -
 def test_a_queue_has_a_size_within_its_limits(size: int) -> None:
     with pytest.raises(ValueError, match=f"^size is {size}; it must be at"):
         OrderQueue(size)
-
-
-def test_orders_are_due_50_to_150_steps_later_unless_told_otherwise() -> None:
-    assert OrderStream().due == OrderQueue(1).due == (50, 150)

@@ -62,20 +62,6 @@ def test_streams_follow_one_another() -> None:
     assert set(orders.pickup[~late].tolist()) == {0}
 
 
-def test_the_same_seed_draws_the_same_orders() -> None:
-    same, other = (drawn(OrderStream(), steps=1000, seed=seed) for seed in (1, 2))
-    assert np.array_equal(drawn(OrderStream(), steps=1000), same)
-    assert not np.array_equal(same.released, other.released)
-
-
-def test_a_queue_draws_as_many_as_its_size() -> None:
-    queue = QueuedOrders(OrderQueue(3000, due=(4, 6), pickup_weights=(0, 1, 1)), HALL)
-    orders = queue.draw(np.random.default_rng(1))
-    assert orders.released.tolist() == [0] * 3000
-    assert set(orders.due.tolist()) == {4, 5, 6}
-    assert shares(orders.pickup, PICKUPS) == pytest.approx([0, 0.5, 0.5], abs=0.03)
-
-
 def test_listed_orders_come_in_order_of_release() -> None:
     late, first = GOOD._replace(released=5, robot=1), GOOD._replace(pickup=[1, 1], due=0)  # type: ignore[arg-type]
     orders = ListedOrders([late, first, GOOD], HALL, 2).draw(np.random.default_rng(0))

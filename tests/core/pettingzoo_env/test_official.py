@@ -6,7 +6,6 @@ from typing import Any
 from unittest.mock import Mock
 
 import pytest
-from helpers.command_line import DISPLAY_VARIABLES
 
 with warnings.catch_warnings():
     # The tests import one of PettingZoo's own games in a way that it deprecates.
@@ -76,10 +75,3 @@ def test_pictures(settings: dict[str, Any], monkeypatch: pytest.MonkeyPatch) -> 
     )
     render_test(partial(pettingzoo_env.env, **settings))
     assert len({call.args[0].tobytes() for call in window.show.call_args_list}) > 1
-
-
-def test_pictures_are_tested_where_there_is_no_display(monkeypatch: pytest.MonkeyPatch) -> None:
-    for name in DISPLAY_VARIABLES:
-        monkeypatch.delenv(name, raising=False)
-    assert pettingzoo_env.env().metadata["render_modes"] == ["rgb_array", "ansi"]
-    render_test(pettingzoo_env.env)

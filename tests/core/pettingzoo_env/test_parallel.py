@@ -12,7 +12,6 @@ from warehouse_core.errors import BackendError, EndedError
 from warehouse_core.fleet import People
 from warehouse_core.orders import Order
 from warehouse_core.pettingzoo_env.spaces import MAX_STATE_ORDERS
-from warehouse_core.task.encoding import FLEET_TILES, vector
 
 YARD = Layout(["......", ".P..D.", "..##.C"])
 
@@ -51,23 +50,6 @@ def test_each_robot_gets_its_row_of_the_fleet() -> None:
         assert list(rewards.values()) == expected_rewards.tolist()
 
 
-def test_vectors_are_those_of_fleets() -> None:
-    env = pettingzoo_env.parallel_env(YARD, 2, observation="vector", battery=300)
-    observations, _ = env.reset(seed=3)
-    expected = vector(env.fleet.arrays(), FLEET_TILES)
-    assert np.array_equal(np.stack(list(observations.values())), expected)
-    assert all(env.observation_space(agent).contains(observations[agent]) for agent in env.agents)
-
-
-def test_no_two_calls_share_memory() -> None:
-    env = pettingzoo_env.parallel_env(YARD, 2, orders=0.2, battery=300)
-    calls = [env.reset(seed=1), env.state(), env.step(waits(env)), env.state(), env.reset()]
-    for number, one in enumerate(calls):
-        for other in calls[number + 1 :]:
-            for array in arrays_in(one):
-                assert not any(np.shares_memory(array, each) for each in arrays_in(other))
-
-
 def test_a_robot_that_has_ended_leaves_the_agents_and_stays_in_the_way() -> None:
     env = pettingzoo_env.parallel_env(["PD.", "..."], 2, starts=[(0, 0), (1, 1)])
     env.reset(seed=1)
@@ -102,15 +84,6 @@ def test_without_agents_a_step_is_empty_as_wrappers_of_pettingzoo_expect() -> No
         env.step({"robot_0": 4})
     env.reset()
     assert env.step(waits(env))[0].keys() == {"robot_0"}
-
-
-@pytest.mark.parametrize("orders", [None, 0.2])
-def test_a_robot_that_is_alone_observes_chargers_only_with_orders(orders: float | None) -> None:
-    env = pettingzoo_env.parallel_env(YARD, 1, orders=orders, battery=300)
-    observations, _ = env.reset(seed=1)
-    seen = observations["robot_0"]
-    assert ("charger_pos" in seen) == ("charger_pos" in env.fleet.observe(0)) == bool(orders)
-    assert env.observation_space("robot_0").contains(seen)
 
 
 def test_a_state_has_all_robots_and_the_oldest_open_orders() -> None:
@@ -179,32 +152,6 @@ def test_pictures_and_text() -> None:
     silent = pettingzoo_env.parallel_env()
     with pytest.warns(UserWarning, match="needs a render_mode"):
         assert silent.render() is None
-
-
-@pytest.mark.parametrize(
-    ("actions", "error", "message"),
-    [
-        ({"robot_0": 1}, ValueError, "no action for robot_1"),
-        ({"robot_0": 1, "robot_1": 1, "robot_7": 1}, ValueError, "an action for robot_7"),
-        ({"robot_0": 1, "robot_1": 7}, ValueError, "7 is out of range"),
-        ({"robot_0": 1, "robot_1": "E"}, TypeError, "integer"),
-    ],
-)
-def test_bad_actions_change_nothing(
-    actions: dict[str, Any], error: type[Exception], message: str
-) -> None:
-    env = pettingzoo_env.parallel_env()
-    env.reset(seed=1)
-    before = env.state()
-    with pytest.raises(error, match=message):
-        env.step(actions)
-    assert np.array_equal(env.state(), before)
-
-
-@pytest.mark.parametrize("arguments", [{"observation": "image"}, {"render_mode": "svg"}])
-def test_bad_arguments(arguments: dict[str, str]) -> None:
-    with pytest.raises(ValueError, match="allowed: "):
-        pettingzoo_env.parallel_env(**arguments)
 
 
 def test_without_pettingzoo_the_error_has_the_command(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -18,15 +18,6 @@ def test_waiting_costs_a_little_more_than_a_move() -> None:
     assert judge(WAIT, ".", False, False) == (pytest.approx(-0.15), False, False, False)
 
 
-def test_only_waiting_on_a_charger_charges() -> None:
-    charging = [
-        (action, tile)
-        for action, tile, *rest in product(range(8), "#.PDC", (False, True), (False, True))
-        if judge(action, tile, *rest).charges
-    ]
-    assert charging == [(WAIT, "C")] * 4
-
-
 def test_a_charge_adds_ten_units_up_to_a_full_battery() -> None:
     assert [charged(units, 30) for units in (0, 7, 20, 21, 29)] == [10, 17, 30, 30, 30]
     assert charged(0, 3) == 3
@@ -46,12 +37,6 @@ def test_any_other_action_is_a_mistake_that_changes_nothing() -> None:
         if (action, tile, has_item) not in right:
             mistake = (pytest.approx(-0.6), has_item, False, False)
             assert judge(action, tile, has_item, False) == mistake
-
-
-def test_only_pick_and_drop_change_what_the_robot_holds() -> None:
-    actions = set(range(INVALID + 1)) - {PICK, DROP}
-    for action, tile, has_item, blocked in product(actions, ".PDC", *[(False, True)] * 2):
-        assert judge(action, tile, has_item, blocked)[1:3] == (has_item, False)
 
 
 def test_an_action_is_useful_if_it_moves_waits_picks_or_delivers() -> None:

@@ -24,18 +24,6 @@ def test_settings_are_those_of_the_environment() -> None:
     assert env.settings == Settings("grid", 1.0, (2, 1), 9, 8, 0)
 
 
-def test_an_integer_cell_size_is_stored_as_a_float() -> None:
-    motion = GridMotion()
-    motion.cell_size = 1
-    settings = WarehouseEnv(backend=motion).settings
-    assert Settings.from_json(as_json(settings)) == settings
-
-
-def test_settings_cannot_be_changed() -> None:
-    with pytest.raises(AttributeError):
-        SETTINGS.battery = 9
-
-
 @pytest.mark.parametrize(
     ("name", "value"),
     [
@@ -52,12 +40,6 @@ def test_settings_cannot_be_changed() -> None:
 def test_the_error_of_an_invalid_value_names_it(name: str, value: object) -> None:
     with pytest.raises(ValueError, match=f"{name} is"):
         Settings.from_json(as_json(SETTINGS) | {name: value})
-
-
-@pytest.mark.parametrize("strength", [0.0, 1.0])
-def test_a_motor_may_have_no_strength_or_all_of_it(strength: float) -> None:
-    values = as_json(SETTINGS) | {"motor_strength": strength}
-    assert Settings.from_json(values).motor_strength == strength
 
 
 @pytest.mark.parametrize("values", [None, {"battery": 5}, asdict(SETTINGS) | {"colour": "red"}])

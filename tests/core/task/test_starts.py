@@ -54,21 +54,6 @@ def test_with_only_two_cells_no_start_is_drawn() -> None:
     assert found.tolist() == [[0, 1, NO_RANK], [1, 0, NO_RANK], [1, 0, 2]]
 
 
-def test_the_largest_number_gives_the_last_cell() -> None:
-    counts = np.array([2, 3, 7, 2**20 + 1, 16_000_000])
-    found = draw_ranks(np.full((len(counts), DRAWS), BELOW_ONE), counts)
-    assert found[:, 0].tolist() == (counts - 1).tolist()
-    assert found[:, 1].tolist() == (counts - 2).tolist()
-    assert found[1:, 2].tolist() == (counts[1:] - 3).tolist()
-
-
-def test_the_arguments_are_not_changed() -> None:
-    uniforms, counts = np.full((2, DRAWS), 0.5), np.array([4, 6])
-    draw_ranks(uniforms, counts)
-    assert (uniforms == 0.5).all()
-    assert counts.tolist() == [4, 6]
-
-
 def test_the_seed_of_the_motion_is_the_last_number() -> None:
     assert motion_seed(np.array([0.1, 0.2, 0.3, 0.5])) == 2**31
     assert motion_seed(np.array([0.9, 0.9, 0.9, 0.0])) == 0

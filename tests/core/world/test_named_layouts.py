@@ -21,16 +21,6 @@ def test_an_item_can_be_delivered_from_everywhere_in_each_but_the_closed_one(nam
     assert {steps is None for steps in needed} == {name == "closed"}
 
 
-def test_the_depot_has_several_stations_and_chargers() -> None:
-    depot = named_layout("depot")
-    assert (len(depot.pickups), len(depot.dropoffs), len(depot.chargers)) == (6, 3, 4)
-    assert depot.height < 15
-
-
-def test_the_default_is_the_chapters() -> None:
-    assert named_layout(DEFAULT) is DEFAULT_LAYOUT
-
-
 @pytest.mark.parametrize(("name", "loops"), [("corridor", 0), ("hall", 0), ("trap", 20)])
 def test_the_trap_catches_an_agent_that_does_not_escape(name: str, loops: int) -> None:
     agent = GreedyAgent(1, escape_steps=0)
@@ -110,8 +100,3 @@ def test_an_error_in_a_layout_starts_with_the_name_of_its_file(
         Path(name).write_text("P..\n..x\n")
     with pytest.raises(LayoutError, match=f"^{re.escape(message)}"):
         as_layout(given)
-
-
-def test_a_layout_of_another_type_raises() -> None:
-    with pytest.raises(TypeError, match="a layout is a list of strings, not int"):
-        as_layout(3)  # type: ignore[arg-type]

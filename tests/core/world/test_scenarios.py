@@ -39,18 +39,6 @@ def test_x_is_the_column_in_all_variants_of_the_format(ways: Path, text: str) ->
     assert load_scenarios(ways) == [scenario()]
 
 
-def test_scenarios_keep_their_order(ways: Path) -> None:
-    line = WAYS.splitlines()[1]
-    ways.write_text(f"{WAYS}7{line[1:]}\n3{line[1:]}\n")
-    assert [each.bucket for each in load_scenarios(ways)] == [0, 7, 3]
-
-
-@pytest.mark.parametrize("length", ["0", "12.", "1.5E-2"])
-def test_a_length_is_any_decimal_number(ways: Path, length: str) -> None:
-    ways.write_text(WAYS.replace("3.41421", length))
-    assert load_scenarios(ways) == [scenario(octile_length=float(length))]
-
-
 @pytest.mark.parametrize(
     ("line", "message"),
     [

@@ -5,25 +5,12 @@ from warehouse_core import Layout, LayoutError
 from warehouse_core.world import tables as floor_tables
 from warehouse_core.world.tables import (
     LayoutSet,
-    places_table,
     windows_table,
 )
 
 SHOP = Layout(["P.#", "D.."])
 LANE = Layout([".#P."])
 NO, YES = False, True
-
-
-def test_equal_layouts_are_stored_once() -> None:
-    twin = Layout(SHOP.rows)
-    assert twin is not SHOP
-    layouts = LayoutSet([LANE, SHOP, LANE, twin, Layout(LANE.rows)])
-    assert layouts.kinds == (LANE, SHOP)
-    assert layouts.kind.tolist() == [0, 1, 0, 1, 0]
-    assert layouts.base.tolist() == [0, 4, 0, 4, 0]
-    assert layouts.width.tolist() == [4, 3, 4, 3, 4]
-    assert layouts.rows == [LANE, SHOP, LANE, SHOP, LANE]
-    assert layouts.of_rows([7, 9]).tolist() == [7, 9, 7, 9, 7]
 
 
 def test_bare_layouts_keep_their_walls_but_no_stations() -> None:
@@ -54,7 +41,3 @@ def test_windows_above_the_limit_raise_before_they_are_allocated(
         LayoutError, match=r"windows of 20001 x 20001 for 2 layouts take 400\d{7} b"
     ):
         windows_table([SHOP, LANE], 10_000)
-
-
-def test_the_places_of_cells_are_stored_in_the_order_in_which_they_are_taken() -> None:
-    assert places_table([SHOP, LANE]).flags.c_contiguous, "or every take would copy the table"

@@ -75,18 +75,6 @@ def test_robots_drive_at_the_share_of_the_speed_that_is_drawn_for_each_cell() ->
     assert 0.02 < float(np.std(speeds)) < 0.08
 
 
-def test_a_robot_measures_how_much_faster_than_commanded_it_drives_unless_it_hardly_moves() -> None:
-    motion = DrivingMotion(disturbances=Disturbances(actuation_noise=0.1))
-    motion.reset(HALL, [(0, 0)], 0)
-    motors = motion._driver._motors
-    for commanded, driven, excess in ((0.5, 0.6, 1.2), (0.02, 0.03, 1.5), (0.5, 0.4, 1.0)):
-        motors.turn(0, commanded)
-        assert motors.excess(np.array([driven])) == pytest.approx([excess])
-    motors.turn(0, 0.001)
-    assert motors.excess(np.array([0.009])) == [1.0]
-    assert motors.excess(np.array([9.0])) == [2.0]
-
-
 def test_a_robot_that_overshoots_its_end_drives_back_to_it(monkeypatch: pytest.MonkeyPatch) -> None:
     factors = iter([1.0, 1.0, 1.0, 1.25])
     monkeypatch.setattr(FloorConditions, "speed_factor", lambda _: next(factors, 1.25))
@@ -150,13 +138,3 @@ def test_a_stop_of_a_robot_that_does_not_exist_is_refused() -> None:
     motion = DrivingMotion(disturbances=Disturbances(stops=(Stop(1, 0.0, 1.0),)))
     with pytest.raises(ValueError, match="must be at most 0"):
         motion.reset(HALL, [(0, 0)], 0)
-
-
-def test_the_same_seed_gives_the_same_bits() -> None:
-    paths = []
-    for seed in (1, 1, 2):
-        motion = DrivingMotion(disturbances=Disturbances(actuation_noise=0.1, drag_spread=0.3))
-        motion.reset(HALL, RING, seed)
-        paths.append(np.stack([each.path for each in motion.advance(ring(0), [False] * 4)]))
-    assert np.array_equal(paths[0], paths[1])
-    assert not np.array_equal(paths[0], paths[2])

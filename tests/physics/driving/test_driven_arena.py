@@ -24,13 +24,6 @@ def hits_of(layout: Layout, cells: list[tuple[int, int]], velocities, loaded=())
     return arena.stepper.run(0, 120)[1]
 
 
-def test_a_body_that_is_driven_into_a_wall_hits_it() -> None:
-    (hit,) = hits_of(Layout([".."]), [(0, 1)], [(0.5, 0.0)])
-    assert (hit.robot, hit.other) == (0, None)
-    assert hit.impulse == pytest.approx(50 * 0.5)
-    assert hit.point == pytest.approx((2.0, 0.5), abs=0.01)
-
-
 def test_two_bodies_that_meet_both_report_it() -> None:
     cells = [(0, 0), (0, 1)]
     hits = hits_of(Layout(["..."]), cells, [(0.4, 0.0), (-0.2, 0.0)], loaded=[1])

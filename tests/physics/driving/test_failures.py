@@ -1,76 +1,22 @@
 """Robots that fail while they drive through joint plans: all others come to rest at open cells."""
 
 import itertools
-import math
-import random
 import re
 from dataclasses import replace
 
 import numpy as np
 import pytest
-from helpers.driving import crowds
-from helpers.driving_validator import motion_fault
+from helpers.driving import Failures, crowds
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from warehouse_core import Cell, Layout
+from warehouse_core import Layout
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_physics import Disturbances, DrivingMotion, RobotSpec, Stop
 
 FAST = RobotSpec.fast()
 SPECS = RobotSpec(), FAST, replace(FAST, turn_seconds=0.5)
-MAX_SECONDS = 150
 MOVES = list(DISPLACEMENTS[:5])
-
-
-class Failures:
-    """Robots that execute a plan, of which some fail."""
-
-    def __init__(
-        self, layout: Layout, plan: list[list[Cell]], spec: RobotSpec, loaded: list[bool]
-    ) -> None:
-        self.motion, self._layout, self._loaded = DrivingMotion(spec, path_every=1), layout, loaded
-        self.motion.reset(layout, plan[0], 0)
-        self._paths: list[np.ndarray] = []
-        self.hits = 0
-        self.move([(0, 0)] * len(loaded))
-        for cells in plan[1:]:
-            self.motion.extend(cells)
-
-    def drive(self, seconds: float) -> None:
-        self._add(self.motion.drive(seconds))
-
-    def move(self, displacements: list[Cell]) -> None:
-        self._add(self.motion.advance(displacements, self._loaded))
-
-    def _add(self, outcomes: list) -> None:
-        self._paths.append(np.stack([outcome.path[:, 1:3] for outcome in outcomes], axis=1))
-        self.hits += sum(len(outcome.contacts) for outcome in outcomes)
-
-    def come_to_rest(self) -> None:
-        """Drive until all robots that have not failed are at rest at different open cells."""
-        for _ in range(MAX_SECONDS):
-            ways = self.motion.ways()
-            if all(rests or fails for rests, fails in zip(ways.at_rest, ways.failed, strict=True)):
-                break
-            self.drive(1.0)
-        else:
-            raise AssertionError(f"robots do not arrive: {ways}")
-        self.drive(2.0)
-        live = [end for end, fails in zip(ways.ends, ways.failed, strict=True) if not fails]
-        assert len({*live, *ways.closed}) == len(live) + len(ways.closed)
-        for robot, (row, col) in enumerate(ways.ends):
-            assert self._layout.is_open((row, col))
-            assert not ways.failed[robot] or (row, col) in ways.closed
-            if not ways.failed[robot]:
-                x, y = self._paths[-1][-1, robot]
-                assert math.dist((x, y), (col + 0.5, row + 0.5)) < 2e-3
-
-    def check(self) -> None:
-        """Check what robots have done so far."""
-        rows = [self._paths[0][:1], *(path[1:] for path in self._paths)]
-        assert self.hits == 0
-        assert motion_fault(np.concatenate(rows), self.motion.spec) is None
 
 
 @given(
@@ -147,34 +93,6 @@ def test_a_failure_in_a_ring_without_room_stops_all_robots(at: float) -> None:
     crowd.check()
     failed = crowd.motion.ways().failed
     assert sum(failed) == (8 if len(crowd.motion.ways().closed) > 1 else 1)
-
-
-@pytest.mark.parametrize("at", [0.6, 1.0, 1.5])
-def test_a_robot_that_is_caught_between_two_that_fail_stops_and_fails_too(at: float) -> None:
-    plan = [[(0, 3 - robot + step) for robot in range(4)] for step in range(5)]
-    crowd = Failures(Layout(["." * 8]), plan, FAST, [False] * 4)
-    crowd.drive(at)
-    for robot in (2, 0):
-        crowd.motion.fail(robot)
-    crowd.come_to_rest()
-    crowd.check()
-    failed = crowd.motion.ways().failed
-    assert failed[::2] == [True, True]
-    assert failed[1] == (at != 1.0)
-    assert not failed[3]
-
-
-@pytest.mark.parametrize("seed", range(5))
-def test_a_failure_in_a_corner_leaves_the_order_of_all_others_as_it_is(seed: int) -> None:
-    stream, starts = random.Random(seed), [(0, 5), (4, 2), (1, 1), (1, 2)]
-    crowd = Failures(Layout(["......"] * 5), [starts], FAST, [False] * 4)
-    for step in range(40):
-        if step == 5:
-            crowd.motion.fail(0)
-        crowd.move([(0, 0), *(stream.choice(MOVES) for _ in starts[1:])])
-    crowd.come_to_rest()
-    crowd.check()
-    assert crowd.motion.ways().closed == [(0, 5)]
 
 
 def test_no_way_is_extended_for_a_robot_that_has_failed_or_into_its_cell() -> None:

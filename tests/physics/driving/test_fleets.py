@@ -20,12 +20,6 @@ def episode() -> FleetEpisode:
     return fleet_episode(agent, people=0, backend="driving", max_steps=50)
 
 
-def test_robots_deliver_without_hits(episode: FleetEpisode) -> None:
-    assert episode.measures.delivered >= 1
-    assert len(episode.motions) == 50
-    assert not any(outcome.contacts for each in episode.motions for outcome in each)
-
-
 def test_a_record_is_the_same_after_a_file_and_after_a_replay(
     episode: FleetEpisode, tmp_path: Path
 ) -> None:

@@ -84,15 +84,6 @@ def test_a_robot_that_is_stopped_does_not_turn() -> None:
     assert arrival(outcome.path) == pytest.approx(5 + QUARTER + 2, abs=0.1)
 
 
-def test_fleets_that_turn_execute_a_plan_without_hits() -> None:
-    layout, starts, goals = kiva_warehouse()
-    graph = Graph(layout)
-    run = run_lifelong(graph, PIBT(graph), 128, 12, 1, starts, goals)
-    execution = drive_through(layout, run.cells, RobotSpec(turn_seconds=0.5))
-    assert execution.hits == 0
-    assert execution.seconds > drive_through(layout, run.cells).seconds
-
-
 def test_a_robot_with_two_wheels_turns_at_corners_with_the_torque_of_its_motor() -> None:
     [path] = driven(WHEELED, [(0, 0)], [(0, 1)], [(0, 2)], [(1, 2)], [(2, 2)])
     quarter = WHEELED.turn_substeps(1) * WHEELED.time_step

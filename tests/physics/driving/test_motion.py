@@ -100,16 +100,6 @@ def test_picking_takes_its_time_however_short_the_calls_are(period: float) -> No
     assert starts[0] == pytest.approx(1.0)
 
 
-def test_a_way_without_room_is_not_extended_by_a_displacement() -> None:
-    motion = motion_at((0, 0), period=0.05)
-    ends = []
-    for _ in range(4):  # the robot needs half a cell to stop, and half a cell for a corner
-        (outcome,) = motion.advance([EAST], [False])
-        ends.append(motion.ways().ends[0])
-        assert not outcome.blocked
-    assert ends == [(0, 1)] + [(0, 2)] * 3
-
-
 def test_robots_that_cannot_extend_their_ways_are_blocked() -> None:
     motion = motion_at((0, 0), (0, 1), (1, 0))
     outcomes = motion.advance([EAST, WEST, WEST], [False] * 3)

@@ -10,7 +10,7 @@ from helpers.driving_validator import driving_fault
 from hypothesis import given, settings
 
 from warehouse_core import Cell, Layout
-from warehouse_physics import RigidBodyMotion, RobotSpec
+from warehouse_physics import RobotSpec
 
 SPEC, FAST = RobotSpec(), RobotSpec.fast()
 
@@ -76,21 +76,6 @@ def test_a_fast_robot_keeps_its_distance_from_one_that_turns_back_and_starts_slo
     assert_drives(floor_of(1, distance + 7), plan, loaded=[False, True])
 
 
-def test_robots_cross_in_the_order_of_the_plan_however_late_the_first_is() -> None:
-    """The robot from the west is to cross first, though it has farther to go."""
-    west = [(2, col) for col in (0, 1, 2, 3, 4)]
-    south = [(3, 2)] * 3 + [(2, 2), (1, 2)]
-    plan = [list(cells) for cells in zip(west, south, strict=True)]
-    assert_drives(floor_of(4, 5), plan)
-
-
-def test_robots_that_are_pushed_to_and_fro_do_not_meet() -> None:
-    shifts = [0, 1, 2, 1, 2, 1, 0, 1, 0]
-    plan = [[(0, robot + shift) for robot in range(3)] for shift in shifts]
-    drive = assert_drives(floor_of(1, 5), plan)
-    assert drive.seconds < 2.0 * (len(shifts) - 1)
-
-
 def test_a_leg_that_grows_while_it_is_driven_takes_as_long_as_one_given_at_once() -> None:
     plan = [[(0, col), (0, col + 1)] for col in range(9)]
     layout = floor_of(1, 10)
@@ -121,12 +106,3 @@ def test_a_lone_robot_takes_the_time_and_energy_of_the_formula(cells: int, loade
     work = mass * speed**2 / 2 + drag * (cells - speed**2 / 2 / down)
     joules = work / SPEC.drivetrain_efficiency + SPEC.idle_power * drive.seconds
     assert drive.joules == pytest.approx([joules], rel=3e-3)
-
-
-def test_a_cell_takes_what_it_takes_a_body_that_stops_in_each() -> None:
-    motion = RigidBodyMotion()
-    motion.reset(floor_of(1, 2), [(0, 0)], 0)
-    (outcome,) = motion.advance([(0, 1)], [False])
-    drive = Drive(floor_of(1, 2), [[(0, 0)], [(0, 1)]])
-    assert drive.seconds == pytest.approx(outcome.seconds)
-    assert drive.joules == pytest.approx([outcome.joules], rel=2e-3)
