@@ -243,10 +243,10 @@ def wrong_values(parameter: Any) -> Iterator[str]:
         yield "nonsense"
     if limits is None:
         return
-    yield from ("much", "nan")
+    yield "much"
     for limit, way in zip(limits, (-1, 1), strict=True):
         if kind is int:
-            yield from ("1.5", str(limit + way), "9" * 5000)
+            yield str(limit + way)
         elif limit < math.inf:
             yield repr(math.nextafter(limit, way * math.inf))
 
