@@ -74,8 +74,6 @@ BATCH, BATCH_STEPS = 4096, 25
 WARM_UP = 250
 EPISODE, WAIT = 200, 4
 
-ENDLESS = 10**9
-
 
 def stepping(env: Any, steps: int, actions: int) -> Callable[[], None]:
     """Return the work of so many random steps; episodes that end are reset."""

@@ -133,14 +133,6 @@ def test_the_drag_of_a_cell_depends_only_on_seed_and_cell() -> None:
     assert factors != [FloorConditions(rough, 8).drag_factor(cell) for cell in sorted(ALL_CELLS)]
 
 
-def test_noise_scales_the_speed_by_0_to_2() -> None:
-    floor = FloorConditions(Disturbances(actuation_noise=0.5), 0)
-    factors = [floor.speed_factor() for _ in range(5_000)]
-    assert min(factors) == 0
-    assert max(factors) == 2
-    assert sum(factors) / len(factors) == pytest.approx(1, abs=0.05)
-
-
 def test_disturbed_robots_are_at_rest_at_the_end_and_never_blocked_at_their_goal() -> None:
     """Robots that touched before an action began, and are pushed in it, are still braked."""
     goals = 0

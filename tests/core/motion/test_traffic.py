@@ -54,7 +54,7 @@ def test_stops_do_not_depend_on_the_order_of_the_robots(
 
 
 def test_both_forms_follow_the_table_in_crowds() -> None:
-    lines = check_crowds(10_000)
+    lines = check_crowds(20_000)
     assert min(lines[line] for line in LINES) > 100, lines
 
 
