@@ -7,7 +7,7 @@ from unittest.mock import Mock
 import pytest
 from helpers.traces import TRACES, as_json, assert_as_recorded, env_of, over_traces
 
-from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError, WarehouseEnv, WarehouseState
+from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError, WarehouseEnv
 
 
 def everything(env: WarehouseEnv) -> tuple[object, ...]:
@@ -52,15 +52,6 @@ def test_a_seed_determines_an_episode_however_often_the_environment_was_used(
         assert used.reset(randomize, seed) == WarehouseEnv(elsewhere).reset(randomize, seed)
 
 
-def test_without_a_seed_the_previous_stations_are_not_drawn_again() -> None:
-    env = WarehouseEnv(["P....D"], (0, 1))
-    for seed in range(30):
-        before = {*env.layout.pickups, *env.layout.dropoffs}
-        random.seed(seed)
-        env.reset(randomize=True)
-        assert before.isdisjoint(env.layout.pickups + env.layout.dropoffs)
-
-
 # The interface.
 
 
@@ -75,15 +66,6 @@ def test_the_constructor_is_as_in_the_chapter() -> None:
         ("view_radius", 2),
     ]
     assert all(p.kind is p.KEYWORD_ONLY for p in parameters if p.name not in positional)
-
-
-def test_the_attributes_are_as_in_the_chapter() -> None:
-    env = WarehouseEnv(["...", ".PD"], (1, 0), 9, 8, 1)
-    assert env.ACTIONS == ["N", "E", "S", "W", "WAIT", "PICK", "DROP"]
-    assert env.MOVE_DELTAS == {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
-    assert (env.grid, env.height, env.width) == (["...", ".PD"], 2, 3)
-    assert (env.start_pos, env.max_steps, env.max_battery, env.view_radius) == ((1, 0), 9, 8, 1)
-    assert env.state == WarehouseState((1, 0), has_item=False, battery=8, steps=0)
 
 
 def test_the_default_grid_is_as_in_the_chapter() -> None:
@@ -272,10 +254,6 @@ def test_a_reset_may_draw_the_stations_alone() -> None:
         assert env.reset("stations", seed=seed)["robot_pos"] == (3, 5)
         everything.reset(True, seed=seed)
         assert env.grid == everything.grid != STATIONED
-
-
-def test_if_all_cells_are_stations_a_random_start_is_the_default_start() -> None:
-    assert WarehouseEnv(["PD"], (0, 1)).reset("start", seed=1)["robot_pos"] == (0, 1)
 
 
 def test_an_unknown_word_for_what_to_draw_is_an_error() -> None:
