@@ -5,7 +5,6 @@ from collections import defaultdict
 from importlib.metadata import entry_points, version
 from pathlib import Path
 
-import numpy as np
 import pytest
 from helpers.command_line import (
     LEAVES,
@@ -175,20 +174,6 @@ def test_without_a_display_a_command_names_the_file_of_what_it_would_show(
         with Image.open(file) as film:
             count = getattr(film, "n_frames", 1)
         assert count == frames if frames else count > 1
-
-
-def test_a_full_disk_is_one_line(
-    refused: Refused, monkeypatch: pytest.MonkeyPatch, tmp_path: Path
-) -> None:
-    def full(*_: object, **__: object) -> None:
-        raise OSError(28, "No space left on device")
-
-    monkeypatch.setattr(np, "savez_compressed", full)
-    monkeypatch.setattr(GifWriter, "add", full)
-    words = ["run", "--seed", 1, "--battery", 2, "--save"]
-    for file in ("e.npz", "e.gif"):
-        assert refused(*words, file) == f"{file}: No space left on device"
-    assert names(tmp_path) == []
 
 
 # warehouse replay

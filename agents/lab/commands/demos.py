@@ -99,9 +99,8 @@ def slip() -> Demo:
     plan = [str(action) for action in planned.actions]
     slipped = drive(env, plan, "the same actions", seed=0)
     beside = track_of_record(slipped)
-    ended = slipped.outcome if slipped.terminated else f"the item is at {slipped.cells[-1]}"
-    beside.ending = slipped.outcome if slipped.terminated else "not delivered"
-    beside.frames[-1].caption = ended
+    ended = f"the item is at {slipped.cells[-1]}"
+    beside.ending, beside.frames[-1].caption = "not delivered", ended
     said = f"the plan delivers in {planned.steps} steps on the grid; on the slippery floor {ended}"
     plan_track = _titled(track_of_record(planned), "The plan, on the grid")
     return Demo(said, [plan_track, _titled(beside, "The same actions, columns 3 and 4 slippery")])
