@@ -106,7 +106,7 @@ def _apart(experiment: Experiment) -> Iterator[str]:
         for case_id in list(design.labels)[:MAX_NAMED]
     ]
     measure, alone = experiment.kind.measures[0], line[0].results
-    yield APART if len(line) > 1 else f"{measure.title} is {measure.short(alone.main.estimate)}"
+    yield APART if len(line) > 1 else f"{measure.says} {measure.short(alone.main.estimate)}"
     yield from _measures(line)
     left = len(design.labels) - MAX_NAMED
     if left > 0:
@@ -209,8 +209,7 @@ def _measures(line: Sequence[FactorValue]) -> Iterator[str]:
             if each.results.has(measure) and (interval := each.results.interval(measure))
         ]
         if parts:
-            verb = "are" if measure.title.startswith("Steps") else "is"
-            yield f"{measure.title} {verb} {listed(parts)}"
+            yield f"{measure.says} {listed(parts)}"
     for each in line:
         modes = sorted(each.results.modes.items(), key=lambda pair: -pair[1])
         parts = [f"{percent(count / each.results.episodes)} {mode}" for mode, count in modes]
@@ -230,6 +229,6 @@ def _where_both_deliver(
             continue
         told = f"where both deliver, {one.name}"
         if found.low <= 0 <= found.high:
-            yield f"{told} and {other.name} show no difference in {measure.title.lower()}"
+            yield f"{told} and {other.name} show no difference in the {measure.title.lower()}"
         else:
             yield f"{told} takes {measure.change(found)} than {other.name}"

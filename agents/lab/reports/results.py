@@ -32,7 +32,8 @@ class ReportedMeasure(NamedTuple):
 
     Attributes:
         name: Name of its picture, and of its column in the table.
-        title: Title of its chart, and its name in sentences.
+        title: Title of its chart, and its name in verdicts.
+        says: Beginning of a sentence that ends with values, such as ``"a delivery takes"``.
         unit: Unit; ``"%"`` for a share.
         value: Expression of SQL that gives the value of an episode, ``NULL`` if it has none.
         of: Condition of SQL on the episodes that have it.
@@ -42,6 +43,7 @@ class ReportedMeasure(NamedTuple):
 
     name: str
     title: str
+    says: str
     unit: str
     value: str
     of: str = "TRUE"
@@ -66,29 +68,37 @@ class ReportedMeasure(NamedTuple):
         return mean(abs(difference), f"{unit} {more}")
 
 
-def _of_deliveries(name: str, title: str, unit: str, *, is_physical: bool) -> ReportedMeasure:
+def _of_deliveries(
+    name: str, title: str, says: str, unit: str, *, is_physical: bool
+) -> ReportedMeasure:
     of, what = f"mode = '{DELIVERED}'", "mean of what was delivered, hard or easy"
-    return ReportedMeasure(name, title, unit, name, of, what, is_physical)
+    return ReportedMeasure(name, title, says, unit, name, of, what, is_physical)
 
 
 SUCCESS = ReportedMeasure(
-    "success", "Success", "%", f"mode = '{DELIVERED}'", what="share of all episodes"
+    "success", "Success", "success is", "%", f"mode = '{DELIVERED}'", what="share of all episodes"
 )
-STEPS = _of_deliveries("steps", "Steps of a delivery", "steps", is_physical=False)
-SECONDS = _of_deliveries("seconds", "Time of a delivery", "s", is_physical=True)
-JOULES = _of_deliveries("joules", "Energy of a delivery", "J", is_physical=True)
+STEPS = _of_deliveries(
+    "steps", "Steps of a delivery", "a delivery takes", "steps", is_physical=False
+)
+SECONDS = _of_deliveries("seconds", "Time of a delivery", "a delivery takes", "s", is_physical=True)
+JOULES = _of_deliveries("joules", "Energy of a delivery", "a delivery uses", "J", is_physical=True)
 
 STOPPED = "blocked_by_wall + blocked_by_robot + blocked_by_person"
-PER_HOUR = ReportedMeasure("per_hour", "Rate of deliveries", "an hour", "ifnull(per_hour, 0)")
-ON_TIME = ReportedMeasure("on_time", "Share on time", "%", "on_time")
-LATENESS = ReportedMeasure("lateness", "Lateness of a delivery", "steps", "mean_lateness")
+PER_HOUR = ReportedMeasure(
+    "per_hour", "Rate of deliveries", "the rate of deliveries is", "an hour", "ifnull(per_hour, 0)"
+)
+ON_TIME = ReportedMeasure("on_time", "Share on time", "the share on time is", "%", "on_time")
+LATENESS = ReportedMeasure(
+    "lateness", "Lateness of a delivery", "the lateness of a delivery is", "steps", "mean_lateness"
+)
 ENERGY = ReportedMeasure(
-    "energy", "Energy of a delivery", "kJ", "joules_per_delivery / 1000",
+    "energy", "Energy of a delivery", "a delivery uses", "kJ", "joules_per_delivery / 1000",
     what="that of all robots, mean of all episodes",
 )  # fmt: skip
 BLOCKED = ReportedMeasure(
-    "blocked", "Share of moves that robots blocked", "%",
-    f"blocked_by_robot * 1.0 / nullif(distance + {STOPPED}, 0)",
+    "blocked", "Share of moves that robots blocked", "the share of moves that robots blocked is",
+    "%", f"blocked_by_robot * 1.0 / nullif(distance + {STOPPED}, 0)",
 )  # fmt: skip
 
 

@@ -34,7 +34,7 @@ def test_a_question_is_answered_with_the_best_value_and_its_evidence() -> None:
             (
                 "Success is 95.7% (79.0 to 99.2) with escape on and 87.0% (67.9 to 95.5) with "
                 "escape off.",
-                "Steps of a delivery are 38.6 steps (15.1 to 40.5) with escape on and 10.0 steps "
+                "A delivery takes 38.6 steps (15.1 to 40.5) with escape on and 10.0 steps "
                 "(10.0 to 10.0) with escape off.",
                 "Outcomes with escape on are 96% delivered and 4% wandering (23 episodes).",
                 "Outcomes with escape off are 87% delivered and 13% oscillation (23 episodes).",
@@ -133,11 +133,11 @@ def test_too_many_robots_are_told_by_the_peak_with_the_measures_of_fleets() -> N
         "20.0) than with robots 2 and 30.0 an hour more (30.0 to 30.0) than with robots 8."
     )
     assert [each.split(" with ")[0] for each in answer.sentences] == [
-        "Rate of deliveries is 41.0 an hour (40.7 to 41.3)",
-        "Share on time is 50.0% (50.0 to 50.0)",
-        "Lateness of a delivery is 4.00 steps (4.00 to 4.00)",
-        "Energy of a delivery is 1.00 kJ (1.00 to 1.00)",
-        "Share of moves that robots blocked is 10.0% (10.0 to 10.0)",
+        "The rate of deliveries is 41.0 an hour (40.7 to 41.3)",
+        "The share on time is 50.0% (50.0 to 50.0)",
+        "The lateness of a delivery is 4.00 steps (4.00 to 4.00)",
+        "A delivery uses 1.00 kJ (1.00 to 1.00)",
+        "The share of moves that robots blocked is 10.0% (10.0 to 10.0)",
         "Outcomes", "Outcomes", "Outcomes",
     ]  # fmt: skip
 
@@ -145,10 +145,9 @@ def test_too_many_robots_are_told_by_the_peak_with_the_measures_of_fleets() -> N
 def test_time_and_energy_are_stated_where_they_are_measured() -> None:
     rows = [row(n, seconds=60.0 + n, joules=4000.0) for n in range(25)]
     [answer] = answered([({"backend": name}, rows) for name in ("grid", "physics")])
-    assert "Energy of a delivery is 4,000 J (4,000 to 4,000) with backend physics." in (
-        answer.sentences
-    )
-    assert not any("takes" in each for each in answer.sentences)
+    assert "A delivery uses 4,000 J (4,000 to 4,000) with backend physics." in answer.sentences
+    assert not any("backend grid takes" in each for each in answer.sentences)
+    assert not any("backend physics takes" in each for each in answer.sentences)
 
 
 def test_each_other_series_has_a_verdict_of_its_own_as_far_as_there_is_room() -> None:
