@@ -4,6 +4,7 @@ from typing import Any
 
 import numpy as np
 import pytest
+from helpers.player import page_in, said_by
 
 from agents.search.algorithms import Solution, weighted_astar_search
 from agents.search.heuristics import manhattan
@@ -21,6 +22,7 @@ from agents.search.trace import (
 )
 from warehouse_core import DEFAULT_LAYOUT, Layout
 from warehouse_core.viz.figure import make_figure
+from warehouse_core.viz.replay import replay_of_tracks
 from warehouse_core.viz.scene import Scene
 from warehouse_core.world.generators import random_layout
 from warehouse_core.world.tiles import Cell
@@ -140,3 +142,11 @@ def test_a_search_counts_expansions_and_no_steps() -> None:
     said = [text.get_text() for text in alone.root.texts]
     assert "expanded 3, frontier 2" in said
     assert not [words for words in said if "step" in words]
+
+
+def test_a_page_has_the_marks_of_a_search() -> None:
+    found = course(0)
+    shown = replay_of_tracks(track_of_course(found), window=False)
+    [track] = said_by(page_in(shown._repr_html_()))["tracks"]
+    assert track["marks"]["value"] == [*found.marks.values]
+    assert track["marks"]["names"] == [*MARK_COLORS]
