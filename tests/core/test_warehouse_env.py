@@ -7,7 +7,7 @@ from unittest.mock import Mock
 import pytest
 from helpers.traces import TRACES, as_json, assert_as_recorded, env_of, over_traces
 
-from warehouse_core import DEFAULT_LAYOUT, Layout, LayoutError, WarehouseEnv
+from warehouse_core import DEFAULT_LAYOUT, GridMotion, Layout, LayoutError, WarehouseEnv
 
 
 def everything(env: WarehouseEnv) -> tuple[object, ...]:
@@ -262,3 +262,10 @@ def test_an_unknown_word_for_what_to_draw_is_an_error() -> None:
     with pytest.raises(ValueError, match="randomize is 'all'; allowed: False, True, 'stations'"):
         env.reset("all")
     assert env.observe() == before
+
+
+def test_the_repr_names_the_present_stations_and_the_backend() -> None:
+    env = WarehouseEnv(["P..D"], None, backend=GridMotion)
+    assert repr(env) == "<WarehouseEnv 1 x 4, pickup (0, 0), dropoff (0, 3), backend 'GridMotion'>"
+    env.reset_to(Layout([".."]))
+    assert repr(env) == "<WarehouseEnv 1 x 2, no pickups, no dropoffs, backend 'GridMotion'>"

@@ -5,7 +5,7 @@ import random
 
 import numpy as np
 import pytest
-from helpers.rigid_bodies import batch_in, rows_differ, some_layouts
+from helpers.rigid_bodies import Singles, batch_in, rows_differ, some_layouts
 
 from warehouse_core import Layout, LayoutError
 from warehouse_core.motion.base import BatchOutcome
@@ -177,3 +177,23 @@ def test_invalid_changes_raise_and_change_nothing(floors, layouts, error, messag
 
 
 # Parts of a batch.
+
+
+def test_a_robot_with_weak_brakes_equals_a_single_motion() -> None:
+    spec = RobotSpec(floor_drag=0.0)
+    batch, singles = batch_in([HALL], spec), Singles(spec, [HALL])
+    singles.place(0, 0)
+    batch._parts[0]._braking_forces *= 0.6
+    robot = singles.motions[0]._arena.robots[0]
+    drive = robot.drive
+
+    def drive_with_weak_brakes(*arguments) -> None:
+        drive(*arguments)
+        robot._braking_force *= 0.6
+
+    robot.drive = drive_with_weak_brakes
+    for action in (EAST, SOUTH, EAST, EAST):
+        outcome, expected = advance(batch, action), singles.advance([action], [False])
+        assert outcome.cells.tolist() == expected.cells.tolist()
+        assert outcome.seconds == pytest.approx(expected.seconds)
+        assert outcome.seconds[0] > 2.5, "the plan would take two seconds"

@@ -2,10 +2,15 @@
 
 import subprocess
 import sys
+from importlib.metadata import EntryPoint
 from pathlib import Path
+from typing import Any
 
 import pytest
 
+from warehouse_core import BackendError
+from warehouse_core.motion.backends import GROUP, load_backend
+from warehouse_physics import RigidBodyMotion
 from warehouse_physics.pymunk_version import check_version
 
 # Registers both backends, also if the installed distribution does not, and tries them twice.
@@ -67,3 +72,13 @@ def test_supported_versions_are_accepted(version: str) -> None:
 def test_the_error_of_an_unsupported_version_names_it(version: str) -> None:
     with pytest.raises(ImportError, match=rf"^pymunk {version} is installed; 7\.1 or later"):
         check_version(version)
+
+
+def test_the_plugin_is_found_by_its_entry_point(install: Any) -> None:
+    install(EntryPoint("physics", "warehouse_physics:RigidBodyMotion", GROUP))
+    assert load_backend("physics") is RigidBodyMotion
+    point = EntryPoint("physics", "warehouse_physics:NoSuchMotion", GROUP)
+    vars(point).update(dist=None)
+    install(point)
+    with pytest.raises(BackendError, match=r"^backend 'physics' cannot be loaded: .*NoSuchMotion"):
+        load_backend("physics")

@@ -28,8 +28,6 @@ Seeds = int | Sequence[int | None] | None
 
 def checked_actions(actions: ArrayLike, rows: int, count: int) -> NDArray[np.intp]:
     """Return a checked copy of the actions, each of which is one of ``count``."""
-    if isinstance(actions, range):  # which may be too long for an array
-        actions = actions[: rows + 1]
     try:
         given = np.asarray(actions)
     except Exception:  # rows of different lengths, or a user's ``__array__``

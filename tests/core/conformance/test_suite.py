@@ -441,3 +441,11 @@ def test_an_expected_failure_names_a_check_and_a_reason() -> None:
         run_conformance(GridMotion, {"check_wheels": "round", "check_tyres": "flat"})
     with pytest.raises(ValueError, match="check_a_wall_stops needs a reason"):
         run_conformance(GridMotion, {"check_a_wall_stops": "  "})
+
+
+def test_a_report_has_one_line_for_each_check() -> None:
+    lines = str(run_conformance(GridMotion)).splitlines()
+    assert len(lines) == len(NAMES)
+    assert lines[1].startswith(
+        "passed: check_a_free_move_ends_in_the_next_cell: A move into a free"
+    )

@@ -71,3 +71,9 @@ def test_an_error_of_writing_names_the_target(tmp_path: Path, names_file: bool) 
     with pytest.raises(OSError, match="No space") as caught, atomic_path(target) as part:
         raise OSError(errno.ENOSPC, "No space left on device", str(part) if names_file else None)
     assert str(caught.value) == f"[Errno {errno.ENOSPC}] No space left on device: '{target}'"
+
+
+def test_an_error_of_another_file_keeps_its_name(tmp_path: Path) -> None:
+    with pytest.raises(FileNotFoundError) as caught, atomic_path(tmp_path / "film.gif"):
+        (tmp_path / "ffmpeg").open()
+    assert caught.value.filename == str(tmp_path / "ffmpeg")

@@ -233,3 +233,9 @@ def test_a_truncated_record_raises(saved: Path) -> None:
         path.write_bytes(content[:length])
         with pytest.raises(RecordError):
             Episode.load(path)
+
+
+@pytest.mark.parametrize("version", [b"\x02\x00", b"\xff\xff"])
+def test_another_npy_version_raises(refused: Refused, version: bytes) -> None:
+    words = npy_with_header(header_of("'<i4'"), bytes(20), version)
+    assert "array words: not of" in refused(zipped(GOOD | {"words.npy": words}))

@@ -15,7 +15,7 @@ from warehouse_core import (
     OrderError,
     OrderStream,
 )
-from warehouse_core.fleet import Battery
+from warehouse_core.fleet import Battery, People
 
 SHOP = Layout(["P..D", "#..C"])
 ORDER = Order(0, 9, (0, 0), (0, 3))
@@ -171,3 +171,15 @@ def test_a_seed_is_for_the_first_reset_without_one() -> None:
         starts.append(fleet.cells)
     assert starts[0:2] == starts[2:4] == starts[4:6]
     assert starts[0] != starts[1]
+
+
+def test_a_fleet_says_what_it_is_and_closes_its_backend() -> None:
+    fleet = FleetEnv(SHOP, 2, people=People(1))
+    assert repr(fleet).startswith("<FleetEnv 2 robots, 2 x 4")
+    fleet.reset(seed=1)
+    with pytest.raises(RuntimeError, match=r"outcomes\(\) needs an advance\(\)"):
+        _ = fleet.last_motion
+    fleet.close()
+    with pytest.raises(RuntimeError):
+        fleet.step([0, 0])
+    assert FleetEnv().layout.rows == FleetEnv(None, 2).layout.rows

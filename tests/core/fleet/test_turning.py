@@ -193,3 +193,16 @@ def test_a_motion_that_cannot_turn_waits_instead() -> None:
     fleet.step([RIGHT, LEFT])
     fleet.step([FORWARD, WAIT])
     assert (fleet.cells, fleet.headings) == ([(1, 0), (0, 2)], [2, 0])
+
+
+def test_directions_are_checked_before_anything_changes() -> None:
+    motion = GridMotion()
+    with pytest.raises(RuntimeError, match=r"^face\(\) needs a reset\(\)"):
+        motion.face([(0, 1)])
+    motion.reset(Layout(["..", ".."]), [(0, 0), (1, 1)], None)
+    with pytest.raises(ValueError, match=r"^1 directions for 2 robots; one each"):
+        motion.face([(0, 1)])
+    with pytest.raises(ValueError, match=r"^direction \(1, 1\) of robot 1; allowed: \[\(-1, 0\)"):
+        motion.face([(0, 1), (1, 1)])
+    outcomes = motion.advance([(0, 0), (0, 0)], [False, False])
+    assert [outcome.path[1, 3] for outcome in outcomes] == [0.0, 0.0]

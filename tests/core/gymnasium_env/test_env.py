@@ -11,6 +11,7 @@ import sys
 from typing import Any, ClassVar
 from unittest.mock import Mock
 
+import gymnasium
 import numpy as np
 import pytest
 from gymnasium.error import ResetNeeded
@@ -18,6 +19,7 @@ from gymnasium.utils.env_checker import check_env
 from gymnasium.wrappers import (
     FlattenObservation,
     RecordEpisodeStatistics,
+    TimeAwareObservation,
     TimeLimit,
 )
 from helpers.gymnasium_envs import CORRIDOR, NAME, ROOM, make, plain, same, walk
@@ -346,3 +348,18 @@ def test_wrappers_of_gymnasium_work() -> None:
     for short in (TimeLimit(make(), max_episode_steps=3), make(max_episode_steps=3)):
         short.reset(seed=0)
         assert [short.step(WAIT)[3] for _ in range(3)] == [False, False, True]
+
+
+def test_the_spec_has_the_limit_of_steps() -> None:
+    env = make(observation="vector", max_steps=7)
+    assert env.spec.max_episode_steps == env.unwrapped.spec.max_episode_steps == 7
+    assert make(max_steps=7, max_episode_steps=3).spec.max_episode_steps == 3
+    assert gymnasium.spec(ID).max_episode_steps is None
+    bare = plain()
+    bare.spec = None
+    assert bare.spec is None
+    timed = TimeAwareObservation(env, normalize_time=True)
+    timed.reset(seed=0)
+    assert [float(timed.step(WAIT)[0][-1]) for _ in range(7)] == pytest.approx(
+        [step / 7 for step in range(1, 8)]
+    )

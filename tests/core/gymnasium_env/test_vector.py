@@ -18,6 +18,7 @@ from helpers.gymnasium_envs import (
     ROOM,
     make_sync,
     make_vec,
+    plain,
     same,
 )
 
@@ -228,3 +229,20 @@ def test_both_environments_have_the_same_arguments_in_the_same_order() -> None:
         for kind in (WarehouseGymnasiumEnv, WarehouseVectorEnv)
     )
     assert [name for name in batch if name not in ONLY_BATCH] == single
+
+
+def test_a_batch_whose_construction_failed_can_be_closed() -> None:
+    WarehouseVectorEnv.__new__(WarehouseVectorEnv).close_extras()
+
+
+def test_the_picture_of_a_row_equals_that_of_a_single_environment() -> None:
+    batch = WarehouseVectorEnv(3, ROOM, render_mode="rgb_array")
+    with pytest.raises(ResetNeeded, match=r"needs a reset\(\) before it"):
+        batch.render()
+    batch.reset(seed=5)
+    pictures = batch.render()
+    assert type(pictures) is tuple
+    for row, picture in enumerate(pictures):
+        env = plain(layout=ROOM, render_mode="rgb_array")
+        env.reset(seed=5 + row)
+        assert same(picture, env.render())

@@ -199,3 +199,12 @@ def test_one_way_leads_between_any_two_cells_of_a_maze() -> None:
 def test_a_maze_has_odd_sides(size: tuple[int, int]) -> None:
     with pytest.raises(LayoutError, match=r"a maze must have odd sides of at least 5"):
         maze_layout(*size, seed=1)
+
+
+@pytest.mark.parametrize("side", [6, 12])
+def test_the_densest_random_layout_is_at_most_a_few_walls_short(side: int) -> None:
+    for seed in range(20):
+        layout = random_layout(side, side, MAX_DENSITY, seed)
+        inside = (side - 2) ** 2
+        missing = round(MAX_DENSITY * inside) - (inside - len(layout.open_cells))
+        assert 0 <= missing <= 0.1 * inside + 1

@@ -153,3 +153,10 @@ def test_the_suffix_selects_the_format_and_a_map_keeps_only_the_walls(
     if is_map:
         with pytest.raises(LayoutError, match="line 1"):
             load_layout(path)
+
+
+def test_empty_lines_at_the_end_have_a_limit(hall: Path) -> None:
+    hall.write_text(f"{HEADER}...\n...\n{(MAX_BLANKS - 1) * chr(10)}")
+    assert load_map(hall).height == 2
+    message = refused(hall, f"{HEADER}...\n...\n{1000 * chr(10)}")
+    assert message == "line 22, column 1: MAX_BLANKS = 16 or more empty lines at the end"
