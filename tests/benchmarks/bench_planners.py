@@ -41,10 +41,9 @@ from agents.mapf.lifelong import run_lifelong
 from agents.mapf.pibt import PIBT
 from agents.mapf.planner import NO_CELLS, Situation
 from agents.mapf.problem import Problem
-from agents.mapf.traffic import directed_costs, learned_costs
+from agents.mapf.traffic import directed_costs
 from agents.registry import PLANNERS
 from warehouse_core import Layout, random_layout
-from warehouse_core.world.generators import kiva_warehouse
 from warehouse_core.world.moves import EAST
 
 FLOORS = {"32 x 32 cells, 20% walls": 50, "kiva": 100}
@@ -102,35 +101,6 @@ def test_goals_without_end(floor: str, planner: str, measured) -> None:
         f"{planner}, {robots} robots from goal to goal on {floor} ({FORM})",
         f"{run.reached / STEPS:.2f} goals a step, {1000 * np.mean(run.seconds):.1f} ms a step",
     )
-
-
-LEARNED = {64: 2.25, 128: 4.2, 192: 6.0}
-"""Goals a step of PIBT with learned costs, at least, by number of robots.
-
-Published for POGEMA's warehouse of this size: Follower 1.96, 3.15 and 3.94; RHCR 2.27, 3.49, 1.57.
-"""
-
-
-@pytest.mark.parametrize("robots", LEARNED)
-def test_goals_a_step_with_learned_costs(robots: int, measured) -> None:
-    """The costs are learned from trials with other seeds, and so with other starts and goals."""
-    layout, starts, goals = kiva_warehouse()
-    cells = {"starts": starts, "goals": goals}
-    learned = learned_costs(layout, robots, steps=256, seed=100, **cells)
-    found = {
-        name: np.mean([
-            run_lifelong(graph, PIBT(graph), robots, 256, seed, **cells).throughput
-            for seed in range(10)
-        ])
-        for name, graph in (
-            ("PIBT", Graph(layout)),
-            ("lanes", Graph(layout, lane_costs(layout))),
-            ("learned", Graph(layout, learned)),
-        )
-    }  # fmt: skip
-    words = "; ".join(f"{name} {mean:.2f}" for name, mean in found.items())
-    measured(f"goals a step, 33 x 46 warehouse, {robots} robots", words)
-    assert found["learned"] >= LEARNED[robots]
 
 
 @pytest.mark.parametrize("size", [14, 32])
