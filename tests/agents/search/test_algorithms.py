@@ -33,7 +33,7 @@ SEARCHES: dict[str, Search] = {
 }
 over_searches = pytest.mark.parametrize("search", SEARCHES.values(), ids=SEARCHES)
 
-ROUTES = 100
+ROUTES = 200
 
 VIA_PITESTI = ("Arad", "Sibiu", "Rimnicu Vilcea", "Pitesti", "Bucharest")
 VIA_FAGARAS = ("Arad", "Sibiu", "Fagaras", "Bucharest")
