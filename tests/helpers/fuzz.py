@@ -353,7 +353,7 @@ def _read_results(path: Path) -> None:
             number = store.case_id(case)
             store.count(case, range(100))
             store.seeds_done(number, range(100))
-            store.add(number, [fleet_row(99) if is_fleet(case) else row(99)], "another")
+            store.add(number, [fleet_row(99) if is_fleet(case) else row(99)], "a program")
 
 
 def _read_plan(path: Path) -> None:
