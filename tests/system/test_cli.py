@@ -17,6 +17,7 @@ from helpers.pictures import short_episode
 from PIL import Image
 
 import agents.__main__ as program
+from agents.lab.commands.cli import RENAMED_COMMANDS
 from agents.registry import make_agent
 from warehouse_core import Episode
 from warehouse_core.viz.export.gif_writer import GifWriter
@@ -103,6 +104,16 @@ def test_agents_that_the_help_lists_exist() -> None:
         LEAVES["run"].params[0].help.partition(": ")[2].split(", clone:FILE")[0].split(", ")
     ):
         make_agent(name, 1)
+
+
+def test_a_former_command_prints_its_replacement(refused: Refused) -> None:
+    assert refused("mapf", "--seed", 1, code=2) == (
+        "the command 'mapf' no longer exists; use: warehouse plan"
+    )
+    commands = {line.split()[0] for line in LEAVES}
+    assert not commands & set(RENAMED_COMMANDS)
+    replaced = {each.split()[1] for each in RENAMED_COMMANDS.values() if "warehouse" in each[:9]}
+    assert replaced <= commands
 
 
 @pytest.mark.parametrize(

@@ -23,13 +23,36 @@ from agents.lab.commands.run import report_episode, run
 from agents.lab.commands.train import TrainCommand, train
 from agents.lab.console import main as console
 from agents.lab.console import options
+from agents.lab.console.group import CommandGroup
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
 from agents.lab.experiments.sweep import NAMES, sweep
 from agents.lab.reports.report import report
 from warehouse_core import Episode
 
+RENAMED_COMMANDS = {
+    "explore": "warehouse run --agent exploring",
+    "search": "warehouse compare search",
+    "mapf": "warehouse plan",
+    "gap": "warehouse compare backends --robots N",
+    "dataset": "warehouse export NAME",
+    "league": "warehouse plan --moves turn",
+    "pogema": "pytest tests/benchmarks/bench_pogema.py",
+    "compare-agents": "warehouse compare agents",
+    "compare-planners": "warehouse compare planners",
+    "bench": "pytest tests/benchmarks",
+}
+"""Replacement for each former command."""
+
+
+class Commands(CommandGroup):
+    """The commands of ``warehouse``."""
+
+    renamed = RENAMED_COMMANDS
+
+
 app = console.application(
+    cls=Commands,
     name="warehouse",
     help="A grid warehouse for rational agents, with a motion backend you can swap.",
     no_args_is_help=True,

@@ -33,7 +33,7 @@ from warehouse_core.files.atomic import check_suffix
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import Track
-from warehouse_core.wording import counted
+from warehouse_core.wording import counted, seconds_of
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
 if TYPE_CHECKING:
@@ -106,6 +106,25 @@ def slip() -> Demo:
     return Demo(said, [plan_track, _titled(beside, "The same actions, columns 3 and 4 slippery")])
 
 
+def wheels() -> Demo:
+    """The same path of a robot that drives in any direction and of one with two wheels."""
+    from warehouse_physics import RigidBodyMotion, RobotSpec
+
+    titles = {
+        "omnidirectional": "In any direction",
+        "differential": "With two wheels: turns take time and energy",
+    }
+    tracks, said = [], []
+    for kind, title in titles.items():
+        backend = RigidBodyMotion(RobotSpec(drive=kind), path_every=2)
+        episode = drive(WarehouseEnv(HALL, (1, 1), backend=backend), [*"EESSWWN"], kind)
+        track = _titled(track_of_record(episode), title)
+        track.metrics, track.ending = {}, ""
+        tracks.append(track)
+        said.append(f"{kind}: {seconds_of(episode.seconds)} s and {episode.joules:.0f} J")
+    return Demo("; ".join(said), tracks)
+
+
 def pibt() -> Demo:
     """Robots that push others out of their way by PIBT, and the ways of three of them."""
     layout, log = find_layout(DEPOT), PlanLog([0, 1, 2], pushes=True)
@@ -143,6 +162,7 @@ def lanes() -> Demo:
 DEMOS: dict[str, Callable[[], Demo]] = {
     "bump": bump,
     "slip": slip,
+    "wheels": wheels,
     "pibt": pibt,
     "lanes": lanes,
 }
@@ -150,7 +170,7 @@ DEMOS: dict[str, Callable[[], Demo]] = {
 STILLS = ("lanes",)
 """Demonstrations that are one picture."""
 
-BODIES = ("bump", "slip")
+BODIES = ("bump", "slip", "wheels")
 """Demonstrations that need the physics backend."""
 
 

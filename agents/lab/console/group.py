@@ -47,8 +47,13 @@ class CommandOfKinds(TyperCommand):
 class CommandGroup(TyperGroup):
     """A group whose help lists the commands under the title of each ``rich_help_panel``.
 
-    Typer lists them so only by means of Rich, which takes long to import.
+    Typer lists them so only with Rich, which takes long to import.
+
+    Attributes:
+        renamed: replacement for each former command.
     """
+
+    renamed: ClassVar[Mapping[str, str]] = {}
 
     def format_commands(self, ctx: Any, formatter: Any) -> None:
         """Write a section for each title, with the names and summaries of its commands."""
@@ -67,6 +72,10 @@ class CommandGroup(TyperGroup):
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
         """Return the command that the words begin with, and the other words."""
         if args[0] not in self.commands:
+            if args[0] in self.renamed:
+                raise typer.BadParameter(
+                    f"the command {args[0]!r} no longer exists; use: {self.renamed[args[0]]}"
+                )
             allowed = ", ".join(name for name, each in self.commands.items() if not each.hidden)
             raise typer.BadParameter(f"no command is called {args[0]!r}; allowed: {allowed}")
         return super().resolve_command(ctx, args)
