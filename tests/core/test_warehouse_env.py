@@ -7,7 +7,14 @@ from unittest.mock import Mock
 import pytest
 from helpers.traces import TRACES, as_json, assert_as_recorded, env_of, over_traces
 
-from warehouse_core import DEFAULT_LAYOUT, GridMotion, Layout, LayoutError, WarehouseEnv
+from warehouse_core import (
+    DEFAULT_LAYOUT,
+    GridMotion,
+    Layout,
+    LayoutError,
+    WarehouseEnv,
+    WarehouseState,
+)
 
 
 def everything(env: WarehouseEnv) -> tuple[object, ...]:
@@ -52,6 +59,15 @@ def test_a_seed_determines_an_episode_however_often_the_environment_was_used(
         assert used.reset(randomize, seed) == WarehouseEnv(elsewhere).reset(randomize, seed)
 
 
+def test_without_a_seed_the_previous_stations_are_not_drawn_again() -> None:
+    env = WarehouseEnv(["P....D"], (0, 1))
+    for seed in range(30):
+        before = {*env.layout.pickups, *env.layout.dropoffs}
+        random.seed(seed)
+        env.reset(randomize=True)
+        assert before.isdisjoint(env.layout.pickups + env.layout.dropoffs)
+
+
 # The interface.
 
 
@@ -66,6 +82,15 @@ def test_the_constructor_is_as_in_the_chapter() -> None:
         ("view_radius", 2),
     ]
     assert all(p.kind is p.KEYWORD_ONLY for p in parameters if p.name not in positional)
+
+
+def test_the_attributes_are_as_in_the_chapter() -> None:
+    env = WarehouseEnv(["...", ".PD"], (1, 0), 9, 8, 1)
+    assert env.ACTIONS == ["N", "E", "S", "W", "WAIT", "PICK", "DROP"]
+    assert env.MOVE_DELTAS == {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
+    assert (env.grid, env.height, env.width) == (["...", ".PD"], 2, 3)
+    assert (env.start_pos, env.max_steps, env.max_battery, env.view_radius) == ((1, 0), 9, 8, 1)
+    assert env.state == WarehouseState((1, 0), has_item=False, battery=8, steps=0)
 
 
 def test_the_default_grid_is_as_in_the_chapter() -> None:
@@ -163,6 +188,14 @@ def test_a_robot_put_on_another_cell_is_rendered_there() -> None:
     env.step("WAIT")
     assert env.last_motion is not None
     assert env.last_motion.path[0, 1:3].tolist() == [10.5, 1.5]
+
+
+def test_the_state_can_be_replaced() -> None:
+    env = WarehouseEnv(["P.D"], start_pos=(0, 0))
+    env.state = WarehouseState((0, 2), has_item=True, battery=1, steps=7)
+    observation, reward, terminated, truncated, _ = env.step("DROP")
+    assert (reward, terminated, truncated) == (pytest.approx(9.9), True, True)
+    assert (observation["steps"], observation["battery"]) == (8, 0)
 
 
 @pytest.mark.parametrize("cell", [(0, 0), (-1, 5)])

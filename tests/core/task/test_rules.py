@@ -39,6 +39,21 @@ def test_any_other_action_is_a_mistake_that_changes_nothing() -> None:
             assert judge(action, tile, has_item, False) == mistake
 
 
+def test_only_pick_and_drop_change_what_the_robot_holds() -> None:
+    actions = set(range(INVALID + 1)) - {PICK, DROP}
+    for action, tile, has_item, blocked in product(actions, ".PDC", *[(False, True)] * 2):
+        assert judge(action, tile, has_item, blocked)[1:3] == (has_item, False)
+
+
+def test_only_waiting_on_a_charger_charges() -> None:
+    charging = [
+        (action, tile)
+        for action, tile, *rest in product(range(8), "#.PDC", (False, True), (False, True))
+        if judge(action, tile, *rest).charges
+    ]
+    assert charging == [(WAIT, "C")] * 4
+
+
 def test_an_action_is_useful_if_it_moves_waits_picks_or_delivers() -> None:
     sides = (True, False, False, True)
     for tile, has_item in product(".PDC", (False, True)):
