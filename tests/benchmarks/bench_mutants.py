@@ -1,6 +1,7 @@
 """The share of small changes to the code, chosen at random, that make a test fail.
 
-Each change is tried in a copy of the project with the tests in the folder that mirrors its own.
+Each change is tried in a copy of the project with the tests in the folder that mirrors its own, and
+then with the other tests of its package.
 ``MUTANTS`` is the number of changes, ``MUTANTS_SEED`` chooses others, and ``MUTANTS_IN`` limits
 them to files whose path contains one of its words.
 """
@@ -24,7 +25,7 @@ PACKAGES = ("warehouse_core", "warehouse_physics", "agents")
 NUMBER = int(os.environ.get("MUTANTS", 200))
 SEED = int(os.environ.get("MUTANTS_SEED", 0))
 WORDS = os.environ.get("MUTANTS_IN", "/").split()
-SECONDS = 600
+SECONDS = 3600
 """Time after which tests that hang count as failed."""
 
 LEAST_SHARE = 0.85
@@ -100,7 +101,8 @@ def is_noticed(mutant: Mutant, copy: Path) -> bool:
     tests = Path("tests", str(Path(mutant.path).parent).replace("warehouse_", ""))
     while not (ROOT / tests).is_dir():
         tests = tests.parent
-    command = [sys.executable, "-B", "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider", tests]
+    command = [sys.executable, "-B", "-m", "pytest", "-x", "-q", "-p", "no:cacheprovider"]
+    command += [str(tests), str(Path(*tests.parts[:2]))]
     environment = os.environ | {"PYTHONPATH": str(copy)}
     try:
         done = subprocess.run(
