@@ -21,7 +21,7 @@ from agents.lab.experiments.choices import parse_flags, read_plan_file
 from agents.lab.experiments.plan import spread
 from agents.lab.experiments.store import Store
 from agents.lab.grading.archives import members_of, unpack
-from agents.lab.grading.grades import load_grades, save_grades
+from agents.lab.grading.grades import load_days, load_grades, save_grades
 from agents.lab.grading.rubric import MINI_LAB, load_rubric
 from agents.lab.reports.answers import answers
 from agents.lab.reports.examples import find_examples
@@ -267,6 +267,7 @@ def formats() -> dict[str, Format]:
                                lambda path: as_layout(_text(path)), TEXT),
         "rubric": Format((MINI_LAB.read_bytes(), RUBRIC.encode()), load_rubric, TEXT),
         "grades": Format((grades,), _read_grades, TEXT),
+        "late": Format((b"submission,days\nann.py,2\n\"b, ob\",0\n",), load_days, TEXT),
         "archive": Format((_archive(),), _read_archive, (change_places,)),
         "results": Format((_results(),), _read_results, (change_places, change_database)),
     }  # fmt: skip

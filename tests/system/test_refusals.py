@@ -178,6 +178,7 @@ IMPOSSIBLE = {
     "layout --check bad.txt": "bad.txt: row 1, column 2: 'x' is not a tile",
     "grade none.py": "agent file none.py: there is no such file",
     "grade none.zip:Agent": "agent file none.zip: there is no such file",
+    "grade . --trust --late none.csv": "none.csv: No such file or directory",
     "grade waiter.py --rubric none.toml": "none.toml: No such file or directory",
     "grade . -o a.html": "a.html: cannot save as .html; allowed: .csv",
     "grade mine.py -o a.csv": "a.csv: cannot save as .csv; allowed: .json, .html",

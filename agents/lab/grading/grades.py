@@ -10,20 +10,23 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Collection, Iterable, Mapping
+from collections.abc import Callable, Collection, Iterable, Mapping
 from io import StringIO
 from pathlib import Path
 from statistics import mean, median
 
 from agents.errors import GradeError
 from agents.lab.grading.grading import Grade, GradeReport
-from agents.lab.grading.rubric import TAKEN, Rubric
+from agents.lab.grading.rubric import MAX_DAYS, TAKEN, Rubric
 from agents.lab.trials.wording import percent
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.files.reading import read_file
 from warehouse_core.wording import counted, printable, spreadsheet_text
 
-NAME, POINTS, MOST, FAILURE, OUTCOMES, CODE, RUBRIC = TAKEN
+NAME, POINTS, MOST, LATE, FAILURE, OUTCOMES, CODE, RUBRIC = TAKEN
+
+DAYS = "days"
+"""Column of a table of late submissions."""
 
 MAX_BYTES, MAX_COLUMNS = 5_000_000, 1_000
 """Limits on the bytes of a table, enough for ten thousand submissions, and on its columns."""
@@ -40,7 +43,7 @@ GradeRow = dict[str, str]
 def columns_of(rubric: Rubric) -> list[str]:
     """Return the columns of the table of a rubric."""
     names = (each.name for each in rubric.criteria)
-    return [NAME, POINTS, MOST, *names, FAILURE, OUTCOMES, CODE, RUBRIC]
+    return [NAME, POINTS, MOST, *names, LATE, FAILURE, OUTCOMES, CODE, RUBRIC]
 
 
 def row_of(name: str, report: GradeReport) -> GradeRow:
@@ -48,16 +51,17 @@ def row_of(name: str, report: GradeReport) -> GradeRow:
     return {
         NAME: plain(name), POINTS: f"{report.points:g}", MOST: f"{report.max_points:g}",
         **{each.criterion.name: f"{each.points:g}" for each in report.grades},
+        LATE: str(report.late),
         FAILURE: plain("" if report.points else "; ".join(report.remarks)),
         OUTCOMES: report.outcomes, CODE: report.code, RUBRIC: report.rubric,
     }  # fmt: skip
 
 
-def failed_row(name: str, reason: str, rubric: Rubric, code: str = "") -> GradeRow:
+def failed_row(name: str, reason: str, rubric: Rubric, code: str = "", late: int = 0) -> GradeRow:
     """Return the row of a submission that was not graded: no points."""
     failed = GradeReport(
         "", "", rubric.digest, code, tuple(Grade(each, 0.0, "") for each in rubric.criteria),
-        failure=reason, reason="", episodes=0,
+        failure=reason, reason="", episodes=0, late=late,
     )  # fmt: skip
     return row_of(name, failed)
 
@@ -76,12 +80,40 @@ def load_grades(path: Path) -> dict[str, GradeRow]:
     """
     if not path.exists():
         return {}
+    needed = NAME, POINTS, MOST, FAILURE, CODE, RUBRIC
+    return _load_rows(path, needed, "not a table of grades", _check_points, "; use another name")
+
+
+def load_days(path: Path) -> dict[str, int]:
+    """Return the number of days by which each listed submission is late, by name.
+
+    Raises:
+        GradeError: the file is not a CSV table with the columns ``submission`` and ``days``, or a
+            number of days is not a whole number from 0 to ``MAX_DAYS``.
+        OSError: the file is longer than ``MAX_BYTES``, or cannot be read.
+    """
+    rows = _load_rows(path, (NAME, DAYS), "not a table of late submissions", _check_days)
+    return {name: int(row[DAYS]) for name, row in rows.items()}
+
+
+def _load_rows(
+    path: Path,
+    needed: Collection[str],
+    fault: str,
+    check: Callable[[GradeRow], None],
+    advice: str = "",
+) -> dict[str, GradeRow]:
+    """Return the rows of a CSV table by the name of the submission.
+
+    The error of a bad table has the fault, the reason and the advice. It names the line of a row
+    for which ``check`` raises ``ValueError``.
+    """
     data = read_file(path, MAX_BYTES)
     try:
         with StringIO(data.decode("utf-8-sig"), newline="") as file:
             reader = csv.reader(file, strict=True)
             columns: list[str] = next(reader, [])
-            for name in (NAME, POINTS, MOST, FAILURE, CODE, RUBRIC):
+            for name in needed:
                 if name not in columns:
                     raise ValueError(f"the column {name!r} is missing")
             if len(columns) > MAX_COLUMNS:
@@ -89,17 +121,29 @@ def load_grades(path: Path) -> dict[str, GradeRow]:
                 raise ValueError(f"{number} are more than MAX_COLUMNS = {MAX_COLUMNS}")
             rows = {}
             for fields in filter(None, reader):
-                row = dict(zip(columns, fields, strict=False))
-                line = f"line {reader.line_num}"
-                if len(fields) != len(columns):
-                    raise ValueError(f"{line}: {counted(len(fields), 'field')}, not {len(columns)}")
-                if not math.isfinite(float(row[POINTS])):
-                    raise ValueError(f"{line}: {POINTS} is {row[POINTS]}")
+                try:
+                    if len(fields) != len(columns):
+                        raise ValueError(f"{counted(len(fields), 'field')}, not {len(columns)}")
+                    row = dict(zip(columns, fields, strict=True))
+                    check(row)
+                except ValueError as error:
+                    raise ValueError(f"line {reader.line_num}: {error}") from None
                 rows[row[NAME]] = row
             return rows
     except (ValueError, csv.Error) as error:
-        message = f"{path}: it is no table of grades: {error}; use another name"
-        raise GradeError(message) from None
+        raise GradeError(f"{path}: {fault}: {error}{advice}") from None
+
+
+def _check_points(row: GradeRow) -> None:
+    if not math.isfinite(float(row[POINTS])):
+        raise ValueError(f"{POINTS} is {row[POINTS]}")
+
+
+def _check_days(row: GradeRow) -> None:
+    days = row[DAYS]
+    if not (days.isdecimal() and len(days) < 5 and int(days) <= MAX_DAYS):
+        allowed = f"a whole number from 0 to {MAX_DAYS}"
+        raise ValueError(f"{DAYS} is {days[:20]!r}; allowed: {allowed}")
 
 
 def save_grades(path: Path, columns: list[str], rows: Mapping[str, GradeRow]) -> None:

@@ -3,16 +3,19 @@
 The archive of an autograder has this program as it is here, so that agents are graded there as
 here, and the versions of the libraries that it needs.
 
-Source: gradescope-autograders.readthedocs.io, "Technical Details" and "Output format".
+Source: gradescope-autograders.readthedocs.io, "Technical Details", "Output format" and "Submission
+Metadata".
 """
 
 from __future__ import annotations
 
 import json
+import math
 import os
 import re
 import sys
 from collections.abc import Iterator
+from datetime import datetime, timedelta
 from importlib.metadata import PackageNotFoundError, requires, version
 from pathlib import Path
 from typing import Any
@@ -20,12 +23,13 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 
 from agents.errors import GradeError
 from agents.lab.grading.grading import Grade, GradeReport, grade
-from agents.lab.grading.rubric import Rubric, load_rubric
+from agents.lab.grading.rubric import MAX_DAYS, Rubric, load_rubric
 from agents.lab.grading.sandbox import check_trust
 from agents.lab.grading.submissions import submission_at
 from agents.lab.runs.programs import OWN, ROOT
 from warehouse_core.errors import WarehouseError
 from warehouse_core.files.atomic import atomic_path
+from warehouse_core.files.reading import read_file
 
 __all__ = ["results_of"]
 
@@ -59,6 +63,9 @@ ENDED = "The grader was ended before it was done, by a limit on its time or memo
 
 NOBODY = "nobody"
 """User that runs agents where the grader is root, as it is in Gradescope's containers."""
+
+MAX_METADATA = 1_000_000
+"""Limit on the bytes of Gradescope's metadata about a submission, which have about a thousand."""
 
 
 def results_of(report: GradeReport) -> dict[str, Any]:
@@ -168,7 +175,22 @@ def run(root: Path) -> dict[str, Any]:
         submission = submission._replace(shown=str(Path(submission.shown).relative_to(folder)))
     user = NOBODY if os.getuid() == 0 else None
     check_trust(user, is_trusted=False, are_many=False)
-    return results_of(grade(submission, rubric, user))
+    return results_of(grade(submission, rubric, user, late=days_late(root)))
+
+
+def days_late(root: Path) -> int:
+    """Return the days by which Gradescope's metadata say that a submission is late, or 0.
+
+    A day that has begun counts. Missing or unreadable metadata count as on time.
+    """
+    try:
+        metadata: Any = json.loads(read_file(root / "submission_metadata.json", MAX_METADATA))
+        created = datetime.fromisoformat(metadata["created_at"])
+        due = datetime.fromisoformat(metadata["assignment"]["due_date"])
+        days = math.ceil((created - due) / timedelta(days=1))
+    except (OSError, ValueError, LookupError, TypeError, RecursionError):
+        return 0
+    return min(max(days, 0), MAX_DAYS)
 
 
 def main() -> None:

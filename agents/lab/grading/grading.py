@@ -65,6 +65,7 @@ class GradeReport(NamedTuple):
         reason: reason why there are no points at all, or "".
         outcomes: number of episodes with each outcome, in words.
         withheld: points of criteria that are not shown yet.
+        late: days by which the submission is late; ``deducted`` is how many points this costs.
 
     Example:
         >>> from dataclasses import replace
@@ -88,17 +89,22 @@ class GradeReport(NamedTuple):
     episodes: int
     outcomes: str = ""
     withheld: float = 0.0
+    late: int = 0
+    deducted: float = 0.0
 
     @property
     def remarks(self) -> list[str]:
-        """The reason for no points, and what is not shown yet."""
+        """The reason for no points, the points deducted, and those that are not shown yet."""
+        late = f"{counted(self.late, 'day')} late: {self.deducted:g} points deducted"
         withheld = f"{self.withheld:g} more points are not shown yet" if self.withheld else ""
-        return list(filter(None, (self.failure or self.reason, withheld)))
+        return list(
+            filter(None, (self.failure or self.reason, late if self.late else "", withheld))
+        )
 
     @property
     def points(self) -> float:
-        """The sum of the points."""
-        return round(sum(grade.points for grade in self.grades), 2)
+        """The sum of the points, less those deducted because the submission is late."""
+        return max(round(sum(grade.points for grade in self.grades) - self.deducted, 2), 0.0)
 
     @property
     def max_points(self) -> float:
@@ -124,6 +130,7 @@ def grade(
     rubric: Rubric,
     user: str | None = None,
     advance: Callable[[], None] = lambda: None,
+    late: int = 0,
     *,
     make_runner: type[Sandbox | SameProcess] = Sandbox,
 ) -> GradeReport:
@@ -137,6 +144,7 @@ def grade(
         rubric: criteria, cases and limits.
         user: another user as which the agent runs, see ``Sandbox``.
         advance: called after each episode.
+        late: number of days by which the submission is late.
         make_runner: class that runs the episodes, in processes of their own or in this one.
 
     Raises:
@@ -161,10 +169,10 @@ def grade(
         make_runner(unpacked, limits, user, rubric.files) as runner,
     ):
         runs = run_cases(runner, cases, limits.give_up_after, advance)
-    return judge(submission, rubric, runs)
+    return judge(submission, rubric, runs, late)
 
 
-def judge(submission: Submission, rubric: Rubric, runs: Runs) -> GradeReport:
+def judge(submission: Submission, rubric: Rubric, runs: Runs, late: int = 0) -> GradeReport:
     """Return the report of a submission whose episodes were run; see ``grade``."""
     played = (run.agent for run in runs if run.agent and run.case.unit != CALL)
     name = submission.called(next(played, None))
@@ -172,12 +180,13 @@ def judge(submission: Submission, rubric: Rubric, runs: Runs) -> GradeReport:
     for criterion in rubric.criteria:
         grades[criterion.name] = _judge(criterion, runs, grades, name)
     is_loaded = any(run.agent for run in runs)
-    return GradeReport(
+    report = GradeReport(
         printable(name), rubric.title, rubric.digest, submission.digest, tuple(grades.values()),
         failure="" if is_loaded else runs[0].told,
         reason="" if any(each.points for each in grades.values()) else _reason(runs),
-        episodes=len(runs), outcomes=outcomes(runs),
+        episodes=len(runs), outcomes=outcomes(runs), late=late,
     )  # fmt: skip
+    return report._replace(deducted=rubric.late.deducted(late, report.points))
 
 
 def _reason(runs: Runs) -> str:

@@ -12,7 +12,7 @@ from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 from itertools import takewhile
 from pathlib import Path
-from typing import Any
+from typing import Any, NamedTuple
 
 from agents.errors import GradeError
 from agents.lab.grading.cases import Call, CallCase, Case, GradedCase
@@ -33,10 +33,21 @@ EXERCISES = Path(__file__).parents[2] / "handbook" / "exercises"
 SOLUTIONS = EXERCISES / "solutions"
 """Folder of the solutions, which the repository has, and an installed package has not."""
 
-MAX_EPISODES, MAX_COUNT, MAX_SEED = 10_000, 1_000_000, 2**31 - 1
+MAX_EPISODES, MAX_COUNT, MAX_SEED, MAX_DAYS = 10_000, 1_000_000, 2**31 - 1, 3_650
 
-TAKEN = ("submission", "points", "of", "failure", "outcomes", "code", "rubric")
+TAKEN = ("submission", "points", "of", "late", "failure", "outcomes", "code", "rubric")
 """Columns of a table of grades that are not of a criterion."""
+
+
+class LateRule(NamedTuple):
+    """Points deducted for each day, and the number of days after which all points are lost."""
+
+    points: float = 0.0
+    days: int = MAX_DAYS
+
+    def deducted(self, days: int, points: float) -> float:
+        """Return how many of the points are deducted for a delay of some days."""
+        return points if days > self.days else min(days * self.points, points)
 
 
 @dataclass(frozen=True, slots=True)
@@ -58,6 +69,7 @@ class Rubric:
     criteria: tuple[Criterion, ...]
     digest: str
     file: Path
+    late: LateRule
 
     @property
     def points(self) -> float:
@@ -160,8 +172,10 @@ CRITERION: dict[str, CheckValue] = {
 }  # fmt: skip
 NEEDED = ("name", "points", "measure", "cases", "full")
 
+LATE: dict[str, CheckValue] = {"points": Number(0, MAX_COUNT), "days": Whole(0, MAX_DAYS)}
+
 TOP: dict[str, CheckValue] = {"title": text}
-PARTS = ("limits", "cases", "criteria")
+PARTS = ("limits", "late", "cases", "criteria")
 
 
 class _Reader:
@@ -253,6 +267,7 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
     single = {key: value for key, value in values.items() if key not in PARTS}
     top = reader.table(single, TOP | dict.fromkeys(PARTS, text), "")
     limits = AgentLimits(**reader.table(values.get("limits", {}), LIMITS, "[limits]"))
+    late = LateRule(**reader.table(values.get("late", {}), LATE, "[late]"))
     tables = values.get("cases")
     if not isinstance(tables, dict) or not tables:
         raise reader.fail("there are no [cases.NAME]; a rubric needs episodes")
@@ -267,7 +282,7 @@ def _make_rubric(reader: _Reader, values: dict[str, Any], digest: Any) -> Rubric
     for count, row in enumerate(rows, 1):
         criteria.append(_make_criterion(reader, row, count, cases, criteria))
     title = top.get("title", reader.path.stem)
-    return Rubric(title, limits, cases, tuple(criteria), digest.hexdigest(), reader.path)
+    return Rubric(title, limits, cases, tuple(criteria), digest.hexdigest(), reader.path, late)
 
 
 def _make_case(reader: _Reader, name: str, values: Any) -> Case:

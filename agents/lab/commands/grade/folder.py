@@ -6,7 +6,7 @@ Each submission has a row in the table, and on request a page and its results as
 from __future__ import annotations
 
 import json
-from collections.abc import Mapping
+from collections.abc import Collection, Mapping
 from concurrent.futures import Future, as_completed
 from pathlib import Path
 from urllib.parse import quote
@@ -18,6 +18,7 @@ from agents.lab.grading.cases import GradedCase
 from agents.lab.grading.grades import (
     CODE,
     FAILURE,
+    LATE,
     NAME,
     POINTS,
     RUBRIC,
@@ -53,6 +54,7 @@ def grade_folder(
     pages: Path | None,
     user: str | None,
     jobs: int,
+    late: Mapping[str, int] | None = None,
 ) -> dict[str, GradeRow]:
     """Grade the submissions in a folder that have changed, and write the table after each.
 
@@ -64,6 +66,7 @@ def grade_folder(
         pages: folder for the page and the results of each, or ``None``.
         user: user that runs agents, see ``Sandbox``.
         jobs: number of processes.
+        late: number of days by which each late submission is late, by name.
 
     Returns:
         the rows of the table, by the names of the submissions.
@@ -72,13 +75,14 @@ def grade_folder(
 
     ours = [target, *rubric.files, rubric.starter, *([pages] if pages else [])]
     found = list(in_folder(folder, kind, ours))
-    _check_names(folder, [each.name for each in found])
+    _check_names(folder, [each.name for each in found], late or {})
+    days_of = dict.fromkeys((each.name for each in found), 0) | dict(late or {})
     before, rows = load_grades(target), dict[str, GradeRow]()
     waiting = list[Submission]()
     for each in found:
         if isinstance(each, Unusable):
-            rows[each.name] = failed_row(each.name, each.reason, rubric)
-        elif _is_done(each, before, rubric) and (
+            rows[each.name] = failed_row(each.name, each.reason, rubric, late=days_of[each.name])
+        elif _is_done(each, before, rubric, days_of[each.name]) and (
             pages is None or all(path.exists() for path in _files_of(pages, each))
         ):
             rows[each.name] = before[plain(each.name)]
@@ -93,10 +97,13 @@ def grade_folder(
             Processes(max(min(most_jobs(user, jobs), len(waiting)), 1)) as pool,
             progress_bar(len(waiting), "submissions") as advance,
         ):
-            futures = {pool.submit(_grade, each, rubric, user, pages): each for each in waiting}
+            futures = {
+                pool.submit(_grade, each, rubric, user, pages, days_of[each.name]): each
+                for each in waiting
+            }
             for number, future in enumerate(as_completed(futures), 1):
                 each = futures[future]
-                rows[each.name] = _row(future, each, rubric)
+                rows[each.name] = _row(future, each, rubric, days_of[each.name])
                 save_grades(target, columns_of(rubric), rows)
                 advance(number, each.name)
     except KeyboardInterrupt:
@@ -110,36 +117,41 @@ def grade_folder(
     return rows
 
 
-def _check_names(folder: Path, names: list[str]) -> None:
+def _check_names(folder: Path, names: list[str], late: Collection[str]) -> None:
     if not names:
         raise GradeError(f"{folder}: there is no submission in it")
     if INDEX in names:
         raise GradeError(f"{folder / INDEX}: the page of the class has this name; choose another")
+    for name in late:
+        if name not in names:
+            raise GradeError(f"{folder}: --late names {name!r}, but there is no such submission")
 
 
-def _is_done(each: Submission, before: dict[str, GradeRow], rubric: Rubric) -> bool:
+def _is_done(each: Submission, before: dict[str, GradeRow], rubric: Rubric, late: int = 0) -> bool:
     row = before.get(plain(each.name))
     if row is None or not row.keys() >= set(columns_of(rubric)):
         return False
-    return (row[CODE], row[RUBRIC]) == (each.digest, rubric.digest)
+    return (row[CODE], row[RUBRIC], row[LATE]) == (each.digest, rubric.digest, str(late))
 
 
-def _grade(each: Submission, rubric: Rubric, user: str | None, pages: Path | None) -> GradeRow:
+def _grade(
+    each: Submission, rubric: Rubric, user: str | None, pages: Path | None, late: int
+) -> GradeRow:
     """Grade a submission, in a process of its own."""
-    report = grade(each, rubric, user)
+    report = grade(each, rubric, user, late=late)
     for path in [] if pages is None else _files_of(pages, each):
         write_report(path, report.shown())
     return row_of(each.name, report)
 
 
-def _row(future: Future[GradeRow], each: Submission, rubric: Rubric) -> GradeRow:
+def _row(future: Future[GradeRow], each: Submission, rubric: Rubric, late: int = 0) -> GradeRow:
     try:
         return future.result()
     except WorkerError as error:  # an agent has ended the grader
         reason = f"it ended the grader: {error}"
     except AgentError as error:  # an archive that cannot be unpacked
         reason = str(error)
-    return failed_row(each.name, reason, rubric, each.digest)
+    return failed_row(each.name, reason, rubric, each.digest, late)
 
 
 def _best_first(rows: Mapping[str, GradeRow]) -> list[GradeRow]:
@@ -203,7 +215,8 @@ def _write_index(pages: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> P
     from agents.lab.reports.page import write_template
 
     lines = [
-        (_link(pages, row[NAME]), row[NAME], row[POINTS], row[FAILURE]) for row in _best_first(rows)
+        (_link(pages, row[NAME]), row[NAME], row[POINTS], row[LATE], row[FAILURE])
+        for row in _best_first(rows)
     ]
     path, summary = pages / f"{INDEX}{PAGE}", summary_of(rows.values(), rubric)
     write_template(

@@ -15,7 +15,7 @@ from agents.lab.commands.grade.folder import PAGE, RESULTS, grade_folder, write_
 from agents.lab.console import options
 from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.terminal import say
-from agents.lab.grading.grades import save_canvas, save_moodle
+from agents.lab.grading.grades import load_days, save_canvas, save_moodle
 from agents.lab.grading.gradescope import write_autograder
 from agents.lab.grading.grading import GradeReport
 from agents.lab.grading.grading import grade as grade_agent
@@ -57,6 +57,14 @@ def grade(
             "--pages FOLDER",
             "Folder to write the page and the results of each submission to, and a page of the "
             "class.",
+        ),
+    ] = None,
+    late: Annotated[
+        Path | None,
+        option(
+            "--late FILE",
+            "Deduct points for late work: a .csv file with the columns submission and days. The "
+            "table [late] of the rubric has the points for each day.",
         ),
     ] = None,
     moodle: Annotated[
@@ -137,13 +145,18 @@ def grade(
         if pages is not None:
             pages.mkdir(parents=True, exist_ok=True)
         say(check_trust(user, trust, are_many=True))
-        rows = grade_folder(folder, kind, wanted, target, pages, user, jobs or os.cpu_count() or 1)
+        days = load_days(late) if late else None
+        rows = grade_folder(
+            folder, kind, wanted, target, pages, user, jobs or os.cpu_count() or 1, days
+        )
         for path, save_grades in ((moodle, save_moodle), (canvas, save_canvas)):
             if path is not None:
                 save_grades(path, rows, wanted)
                 say(f"saved {path}")
         return
-    for name, value in {"--pages": pages, "--moodle": moodle, "--canvas": canvas}.items():
+    for name, value in {
+        "--pages": pages, "--late": late, "--moodle": moodle, "--canvas": canvas,
+    }.items():  # fmt: skip
         if value is not None:
             raise typer.BadParameter(f"{name} needs a folder of submissions; {agent!r} is none")
     for path in save:

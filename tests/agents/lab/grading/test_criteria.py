@@ -9,7 +9,7 @@ import pytest
 from agents.lab.grading.cases import GradedCase, Run, count_useless
 from agents.lab.grading.criteria import Criterion
 from agents.lab.grading.grading import Grade, GradeReport, judge
-from agents.lab.grading.rubric import Rubric
+from agents.lab.grading.rubric import LateRule, Rubric
 from agents.lab.grading.sandbox import ENDS, FAILS, LOAD, SLOW, AgentFailureError
 from agents.lab.grading.submissions import Submission
 from warehouse_core import EpisodeRecorder, Layout, WarehouseEnv
@@ -32,7 +32,7 @@ def judged(criterion: Criterion, *runs: Run) -> Grade:
 
 def report_of(criteria: Sequence[Criterion], *runs: Run) -> GradeReport:
     numbered = [run._replace(seed=seed) for seed, run in enumerate(runs, 1)]
-    rubric = SimpleNamespace(criteria=criteria, title="A title", digest="r")
+    rubric = SimpleNamespace(criteria=criteria, title="A title", digest="r", late=LateRule())
     submission = Submission("mine", "mine", None, "mine", None, None, "c")
     return judge(submission, cast("Rubric", rubric), numbered)
 

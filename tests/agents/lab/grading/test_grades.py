@@ -12,6 +12,7 @@ from agents.lab.grading.grades import (
     MAX_BYTES,
     POINTS,
     failed_row,
+    load_days,
     load_grades,
     save_canvas,
     save_grades,
@@ -57,7 +58,7 @@ def test_another_file_is_refused_and_stays(tmp_path: Path, text: str, reason: st
     with pytest.raises(GradeError) as caught:
         load_grades(path)
     line = str(caught.value)
-    assert line.startswith(f"{path}: it is no table of grades: ")
+    assert line.startswith(f"{path}: not a table of grades: ")
     assert reason in line
 
 
@@ -70,6 +71,23 @@ def test_a_table_that_is_too_long_or_no_file_is_refused(tmp_path: Path) -> None:
     os.mkfifo(path)
     with pytest.raises(OSError, match="it is a pipe, not a file"):
         load_grades(path)
+
+
+def test_a_table_of_days_is_read_and_another_one_refused(tmp_path: Path) -> None:
+    path = tmp_path / "late.csv"
+    path.write_text("\ufeffsubmission,more,days\nann.py,x,2\n=bob,,0\n", encoding="utf-8")
+    assert load_days(path) == {"ann.py": 2, "=bob": 0}
+    for text, reason in {
+        "submission\nann": "the column 'days' is missing",
+        "submission,days\nann,-1": "line 2: days is '-1'; allowed: a whole number from 0 to 3650",
+        "submission,days\nann,\u00b2": "line 2: days is",
+        "submission,days\nann": "line 2: 1 field, not 2",
+        f"submission,days\nann,{'9' * 5000}": "line 2: days is '99999999999999999999'; allowed",
+    }.items():
+        path.write_text(text, encoding="utf-8")
+        with pytest.raises(GradeError, match="not a table of late submissions") as caught:
+            load_days(path)
+        assert reason in str(caught.value)
 
 
 NAMES = "Ann B_12_assignsubmission_file_", "beebob_34_567_agent.py", "ceecil_LATE_56_7_a b.zip", "d"

@@ -12,10 +12,16 @@ import pytest
 from helpers.submissions import GOOD, RUBRIC, idle, notebook_of, write_rubric
 
 from agents.errors import GradeError
-from agents.lab.grading.gradescope import ENDED, write_autograder
+from agents.lab.grading.gradescope import ENDED, days_late, write_autograder
 from agents.lab.grading.rubric import load_rubric
 
-SHORT = RUBRIC.replace('layout = "trap"', 'layout = "halls/hall.txt"')
+SHORT = RUBRIC.replace("[limits]", "[late]\npoints = 10\n[limits]").replace(
+    'layout = "trap"', 'layout = "halls/hall.txt"'
+)
+METADATA = {
+    "created_at": "2026-11-24T00:00:01.5-07:00",
+    "assignment": {"due_date": "2026-11-22T00:00:00.0-07:00"},
+}
 
 
 @pytest.fixture(scope="module")
@@ -62,8 +68,11 @@ def test_what_it_needs_is_pinned(root: Path) -> None:
 
 def test_submissions_have_results_whatever_happens(root: Path) -> None:
     submit(root, hw_ipynb=notebook_of(GOOD))
+    (root / "submission_metadata.json").write_text(json.dumps(METADATA))
     found = results(root)
-    assert (found["score"], found["extra_data"]["agent"]) == (100, "hw.ipynb:Agent")
+    assert (found["score"], found["extra_data"]["agent"]) == (70, "hw.ipynb:Agent")
+    assert "3 days late: 30 points deducted" in found["output"]
+    (root / "submission_metadata.json").unlink()
     submit(root, agent_py=idle("exit(1)"))
     assert "no points: 10 of 10 episodes failed" in results(root)["output"]
     submit(root, notes_txt="")
@@ -76,6 +85,23 @@ def test_submissions_have_results_whatever_happens(root: Path) -> None:
     rubric.write_text("[")
     assert results(root)["output"].startswith("It cannot be graded: ")
     rubric.write_text(text)
+
+
+@pytest.mark.parametrize(
+    ("text", "days"),
+    [
+        (json.dumps(METADATA), 3),
+        (json.dumps(METADATA | {"created_at": "2026-11-22T00:00:00-07:00"}), 0),
+        (json.dumps(METADATA | {"created_at": "2026-11-22T07:00:01Z"}), 1),
+        (json.dumps(METADATA | {"created_at": "2026-11-01T00:00:00"}), 0),  # without a zone
+        (json.dumps(METADATA | {"assignment": None}), 0),
+        ("[" * 100_000, 0),
+    ],
+)
+def test_a_day_that_has_begun_is_late(tmp_path: Path, text: str, days: int) -> None:
+    (tmp_path / "submission_metadata.json").write_text(text)
+    assert days_late(tmp_path) == days
+    assert days_late(tmp_path / "none") == 0
 
 
 def test_a_layout_that_is_not_beside_the_rubric_is_refused(tmp_path: Path) -> None:

@@ -11,7 +11,7 @@ from agents.errors import GradeError
 from agents.lab.grading.cases import GradedCase
 from agents.lab.grading.criteria import MEASURES, Criterion
 from agents.lab.grading.grading import grade
-from agents.lab.grading.rubric import CASE, LIMITS, MINI_LAB, load_rubric
+from agents.lab.grading.rubric import CASE, LIMITS, MINI_LAB, LateRule, load_rubric
 from agents.lab.grading.sandbox import AgentLimits
 from agents.lab.grading.submissions import find_submission
 from agents.lab.toml_text import MAX_BYTES
@@ -107,3 +107,10 @@ def test_the_rubric_of_the_mini_lab_has_100_points_and_names_every_measure() -> 
     assert rubric.points == 100
     text = MINI_LAB.read_text(encoding="utf-8")
     assert all(f"#   {name} " in text for name in MEASURES)
+
+
+def test_each_day_costs_points_and_after_the_last_day_none_are_left() -> None:
+    rule = LateRule(points=10, days=2)
+    assert [rule.deducted(days, 75) for days in range(4)] == [0, 10, 20, 75]
+    assert rule.deducted(2, 15) == 15
+    assert LateRule().deducted(9, 75) == 0

@@ -168,6 +168,7 @@ def test_an_agent_that_ended_the_grader_has_no_points(rubric: Path) -> None:
     assert row["points"] == "0"
     assert row["failure"] == "it ended the grader: its process was ended by signal 9"
     assert _is_done(submission, {submission.name: row}, asked)
+    assert not _is_done(submission, {submission.name: row}, asked, late=1)
     del row["no way"]  # a criterion
     assert not _is_done(submission, {submission.name: row}, asked)
 
@@ -216,7 +217,7 @@ def test_another_table_is_not_written_over(refused: Refused) -> None:
     write_submissions(Path("all"), "searches")
     Path("other.csv").write_text("a,b\n1,2\n", encoding="utf-8")
     said = refused("grade", "--trust", "all", "-o", "other.csv")
-    assert said.startswith("other.csv: it is no table of grades")
+    assert said.startswith("other.csv: not a table of grades")
     assert Path("other.csv").read_text(encoding="utf-8") == "a,b\n1,2\n"
 
 
@@ -245,7 +246,9 @@ def test_the_files_of_a_class_are_written_and_not_written_over(
     assert Path("a.zip").stat().st_size > 100_000
 
 
-LATER = RUBRIC.replace("points = 20\n", 'points = 20\nvisibility = "after_due_date"\n')
+LATER = RUBRIC.replace("points = 20\n", 'points = 20\nvisibility = "after_due_date"\n').replace(
+    "[limits]", "[late]\npoints = 5\n[limits]"
+)
 
 
 def test_pages_show_what_is_visible_by_then_in_one_file_each(
@@ -255,13 +258,16 @@ def test_pages_show_what_is_visible_by_then_in_one_file_each(
     write_submissions(Path("all"), "none_without_way")
     Path("all", "<b>").mkdir()
     Path("all", "<b>", "agent.py").write_text("", encoding="utf-8")
-    words = ("grade", "--trust", "all", "--rubric", rubric, "--jobs", 1, "--pages", "pages")
+    Path("late.csv").write_text("submission,days\nnone_without_way,2\n")
+    words = ("grade", "--trust", "all", "--rubric", rubric, "--jobs", 1, "--pages", "pages",
+             "--late", "late.csv")  # fmt: skip
     warehouse(*words)
-    assert rows_of("grades.csv")["none_without_way"]["points"] == "70"
+    assert rows_of("grades.csv")["none_without_way"]["points"] == "60"
     page, results = (Path("pages", f"none_without_way{end}") for end in (".html", ".json"))
     text, found = page.read_text(encoding="utf-8"), json.loads(results.read_text())
     assert [test["name"] for test in found["tests"]] == ["delivers", "protocol", "fewest"]
-    assert "70 of 80 points" in text
+    assert "60 of 80 points" in text
+    assert "2 days late: 10 points deducted" in text
     assert "20 more points are not shown yet" in text
     assert "no way" not in text
     assert "<iframe" in text, "the worst episode plays"
@@ -275,9 +281,13 @@ def test_pages_show_what_is_visible_by_then_in_one_file_each(
     assert page.exists()
 
 
-def test_a_name_that_cannot_be_is_refused(refused: Refused, rubric: Path) -> None:
+def test_unknown_late_submissions_and_the_name_of_the_index_are_refused(
+    refused: Refused, rubric: Path
+) -> None:
     write_submissions(Path("all"), "searches")
-    words = "grade", "--trust", "all", "--rubric", rubric
+    Path("late.csv").write_text("submission,days\nsearch,2\n")
+    words = "grade", "--trust", "all", "--rubric", rubric, "--late", "late.csv"
+    assert refused(*words) == "all: --late names 'search', but there is no such submission"
     Path("all", "index").mkdir()
     assert refused(*words).startswith("all/index: the page of the class has this name")
 
