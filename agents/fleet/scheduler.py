@@ -34,8 +34,8 @@ that happens every ``LARGE_EVERY`` steps, and in the others only robots without 
 class RobotStates(NamedTuple):
     """The robots before a step, ``[R]`` each; cells are numbers.
 
-    Robots that drive through have the ``cells`` where they are to stop, see ``Ways``. The ``goals``
-    are cells where robots are to pick or drop, or ``NONE``.
+    The ``cells`` of robots that drive through are the ends of their ``Routes``. The ``goals`` are
+    cells where robots are to pick or drop, or ``NONE``.
     """
 
     cells: Integers
@@ -95,11 +95,11 @@ class Scheduler:
 
         Orders are assigned. A robot does ``PICK`` or ``DROP``, or ``WAIT`` if it moves or waits.
         """
-        ways, count = env.ways, env.settings.robots
+        routes, count = env.routes, env.settings.robots
         robots, goals, stays, actions = self.duties(env)
         shares = shares_cell(robots.cells)
         stay_long = robots.ended | self.chargers.charging(robots.cells)
-        closed = dict.fromkeys([*env.people, *ways.ends[count:], *ways.closed])
+        closed = dict.fromkeys([*env.people, *routes.ends[count:], *routes.closed])
         cells = env.layout.numbers(list(closed))
         hurries = self.chargers.turn != NONE
         aims = self._detours.goals(robots.cells, goals, stay_long, cells)
@@ -116,18 +116,18 @@ class Scheduler:
 
     def duties(self, env: FleetEnv) -> Duties:
         """Return what each robot is to do, as if no other were in its way. Orders are assigned."""
-        ways, count = env.ways, env.settings.robots
+        routes, count = env.routes, env.settings.robots
         dead = [cell for cell, units in zip(env.cells, env.battery, strict=True) if units <= 0]
-        self._close(frozenset(map(env.layout.number, [*ways.closed, *dead])))
-        robots = self._look(env, ways.ends[:count])
+        self._close(frozenset(map(env.layout.number, [*routes.closed, *dead])))
+        robots = self._look(env, routes.ends[:count])
         self._send_to_chargers(robots)
         if env.settings.orders is not None:
             robots = self._give_orders(env, robots)
         self._is_idle = robots.goals == NONE
         at_work = self._are_at_work(robots)
         stays = robots.ended | self.chargers.charging(robots.cells) | at_work
-        stays |= ~np.array(ways.has_room[:count])
-        at_rest = at_work & np.array(ways.at_rest[:count])
+        stays |= ~np.array(routes.has_room[:count])
+        at_rest = at_work & np.array(routes.at_rest[:count])
         actions = np.where(at_rest, np.where(robots.loaded, DROP, PICK), WAIT)
         return Duties(robots, self._goals(robots), stays, actions)
 

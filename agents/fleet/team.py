@@ -221,7 +221,7 @@ class Team:
             self._pilots = [Pilot(agent, site, stream) for agent in self.agents]
         actions = [WAIT] * len(self.agents)
         self.reason = [""] * len(self.agents)
-        at_rest = env.ways.at_rest
+        at_rest = env.routes.at_rest
         for robot, observation in enumerate(env.observations()):
             self.robot, pilot = robot, self._pilots[robot]
             if at_rest[robot]:

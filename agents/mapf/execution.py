@@ -17,7 +17,7 @@ import numpy as np
 
 from agents.errors import PlanError
 from warehouse_core import Cell, Layout, Outcome
-from warehouse_core.motion.base import Ways
+from warehouse_core.motion.base import Routes
 from warehouse_core.wording import listed
 from warehouse_core.world.tables import Integers
 from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, RobotSpec
@@ -99,7 +99,7 @@ def drive_through(
     patience = PATIENCE + sum(stops)
     alone = np.count_nonzero(np.diff(plan, axis=0)) * motion.spec.move_seconds(loaded=False)
     record, moved_at = _Record(motion.spec, len(cells[0])), 0.0
-    while late := _late(motion.ways(), cells[-1]):
+    while late := _late(motion.routes(), cells[-1]):
         if record.add(motion.drive(motion.period)):
             moved_at = record.now
         if record.now > min(moved_at + patience, patience + MAX_SLOWNESS * alone):
@@ -205,9 +205,9 @@ class _Record:
         return Execution(seconds, self._work + idle, self._hits, self._arrivals)
 
 
-def _late(ways: Ways, goals: Sequence[Cell]) -> list[int]:
-    """Return the robots that are not at rest in their last cells; ways may have been cut."""
-    each = enumerate(zip(ways.ends, ways.at_rest, goals, strict=True))
+def _late(routes: Routes, goals: Sequence[Cell]) -> list[int]:
+    """Return the robots that are not at rest in their last cells, as routes may be cut short."""
+    each = enumerate(zip(routes.ends, routes.at_rest, goals, strict=True))
     return [robot for robot, (end, rests, goal) in each if not rests or end != goal]
 
 

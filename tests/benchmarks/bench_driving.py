@@ -206,7 +206,7 @@ def arrivals(ways: list[list[Place]], spec: RobotSpec) -> np.ndarray:
     for cells in joint[1:]:
         motion.extend(cells)
     found, now = np.zeros(len(ways)), 0.0
-    while not all(motion.ways().at_rest):
+    while not all(motion.routes().at_rest):
         for robot, outcome in enumerate(motion.drive(ALONE_SPELL)):
             clock, moved = outcome.path[1:, 0], np.abs(np.diff(outcome.path[:, 1:3], axis=0))
             if len(times := clock[moved.max(axis=1) > MOVES]):
@@ -303,7 +303,7 @@ def test_nobody_is_hit_whatever_fails_or_slips(measured) -> None:
     for seed in range(RANDOM_PLANS):
         crowd = run_of(seed)
         crowd.check()
-        fails = crowd.motion.ways().failed
+        fails = crowd.motion.routes().failed
         robots, failed = robots + len(fails), failed + sum(fails)
     measured(
         f"driving with disturbances, {RANDOM_PLANS:,} random plans",

@@ -80,7 +80,7 @@ class Drive:
             motion.extend(cells)
             if pause:
                 self._go(pause)
-        while not all(motion.ways().at_rest) or not self._paths:
+        while not all(motion.routes().at_rest) or not self._paths:
             self._go(1.0)
             assert len(self._paths) < MAX_SECONDS, "robots do not arrive"
         rows = np.concatenate([self._paths[0][:1], *(each[1:] for each in self._paths)])
@@ -129,19 +129,21 @@ class Failures:
     def come_to_rest(self) -> None:
         """Drive until all robots that have not failed are at rest at different open cells."""
         for _ in range(MAX_REST_SECONDS):
-            ways = self.motion.ways()
-            if all(rests or fails for rests, fails in zip(ways.at_rest, ways.failed, strict=True)):
+            routes = self.motion.routes()
+            if all(
+                rests or fails for rests, fails in zip(routes.at_rest, routes.failed, strict=True)
+            ):
                 break
             self.drive(1.0)
         else:
-            raise AssertionError(f"robots do not arrive: {ways}")
+            raise AssertionError(f"robots do not arrive: {routes}")
         self.drive(2.0)
-        live = [end for end, fails in zip(ways.ends, ways.failed, strict=True) if not fails]
-        assert len({*live, *ways.closed}) == len(live) + len(ways.closed)
-        for robot, (row, col) in enumerate(ways.ends):
+        live = [end for end, fails in zip(routes.ends, routes.failed, strict=True) if not fails]
+        assert len({*live, *routes.closed}) == len(live) + len(routes.closed)
+        for robot, (row, col) in enumerate(routes.ends):
             assert self._layout.is_open((row, col))
-            assert not ways.failed[robot] or (row, col) in ways.closed
-            if not ways.failed[robot]:
+            assert not routes.failed[robot] or (row, col) in routes.closed
+            if not routes.failed[robot]:
                 x, y = self._paths[-1][-1, robot]
                 assert math.dist((x, y), (col + 0.5, row + 0.5)) < 2e-3
 

@@ -118,14 +118,14 @@ def test_robots_that_were_led_and_failed_have_done_the_same_in_the_copy() -> Non
     motion.extend([(2, 2), (3, 3)])
     motion.drive(0.7)
     motion.fail(1)
-    cells = [(1, 2), motion.ways().ends[1]]
+    cells = [(1, 2), motion.routes().ends[1]]
     motion.extend(cells)
     cells[0] = (1, 1)  # a list of the caller's own, which may change
     motion.advance([(0, 1), (0, 1)], [True, False])
     twins = [copy.copy(motion), copy.deepcopy(motion)]
     for twin in (*twins, copy.deepcopy(twins[0])):
-        assert twin.ways() == motion.ways()
-        assert twin.ways().failed == [False, True]
+        assert twin.routes() == motion.routes()
+        assert twin.routes().failed == [False, True]
     then = [pickle.dumps(each.drive(2.0)) for each in (motion, *twins)]
     assert len({*then}) == 1
 
@@ -145,4 +145,4 @@ def test_a_copy_of_a_closed_motion_needs_a_reset_like_its_original() -> None:
     twin = copy.deepcopy(motion)
     assert twin.period == 2.0
     with pytest.raises(RuntimeError, match="needs a reset"):
-        twin.ways()
+        twin.routes()

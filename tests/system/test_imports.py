@@ -18,6 +18,7 @@ MAY_IMPORT = {
     "warehouse_core/errors": "",
     "warehouse_core/extras": "",
     "warehouse_core/registration": "",
+    "warehouse_core/renamed": "",
     "warehouse_core/wording": "",
     "warehouse_core/arguments": "wording",
     "warehouse_core/files": "errors wording",
@@ -30,7 +31,9 @@ MAY_IMPORT = {
     "warehouse_core/render": "arguments errors task world",
     "warehouse_core/warehouse_env": "arguments copies errors motion task wording world",
     "warehouse_core/viz/export": "errors extras render",
-    "warehouse_core/fleet": ("arguments batch copies errors motion orders task wording world"),
+    "warehouse_core/fleet": (
+        "arguments batch copies errors motion orders renamed task wording world"
+    ),
     "warehouse_core/gymnasium_env": (
         "arguments batch copies errors motion registration render task warehouse_env wording world"
     ),

@@ -18,9 +18,10 @@ from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import EndedError, OrderError
 from warehouse_core.fleet.observation import FleetObservation, observation_of
 from warehouse_core.motion.backends import Backend, make_motion
-from warehouse_core.motion.base import BaseMotion, Outcome, Ways, conditions_of, with_defaults
+from warehouse_core.motion.base import BaseMotion, Outcome, Routes, conditions_of, with_defaults
 from warehouse_core.orders.book import NONE, OrderBook
 from warehouse_core.orders.order import Order, OrderArrays, Orders
+from warehouse_core.renamed import Renamed
 from warehouse_core.task.encoding import FleetArrays
 from warehouse_core.wording import brief, counted
 from warehouse_core.world.actions import INVALID
@@ -152,7 +153,7 @@ class FleetEnv(CopiedWhole):
         self.cell_size, self.conditions = motion.cell_size, conditions_of(motion, self.layout)
         self.backend = backend if isinstance(backend, str) else type(motion).__name__
         complete: BaseMotion = with_defaults(motion)
-        self._ways = complete.ways if complete.drives_through else None
+        self._routes = complete.routes if complete.drives_through else None
         self._engine = FleetEngine([self.layout], self.settings, motion)
         self._warn_of_supply()
         self.seed = seed_number(seed)
@@ -318,10 +319,15 @@ class FleetEnv(CopiedWhole):
         return list(self._engine.headings.tolist())
 
     @property
-    def ways(self) -> Ways:
-        """What robots, and then people, have ahead of them: nothing, unless they drive through."""
+    def routes(self) -> Routes:
+        """The routes ahead of the robots, and then of the people.
+
+        A route ends in the cell of its robot unless the motion ``drives_through``.
+        """
         every = [True] * self.settings.bodies
-        return self._ways() if self._ways else Ways(self.cells + self.people, every, every)
+        return self._routes() if self._routes else Routes(self.cells + self.people, every, every)
+
+    ways = Renamed("routes")
 
     @property
     def loaded(self) -> list[bool]:

@@ -186,17 +186,17 @@ class Motion(Protocol):
         """Release resources; safe to call twice."""
 
 
-class Ways(NamedTuple):
-    """The ways that ``R`` robots have ahead of them.
+class Routes(NamedTuple):
+    """The routes of ``R`` robots: the cells that they have yet to drive through.
 
     Attributes:
-        ends: the last cell of each way, where the next move of the robot begins. They are all
-            different, except that two failed robots may stand between the same two cells.
-        has_room: flag of each way that a move may extend now.
-        at_rest: flag of each robot that is at rest at the end of its way, as it has to be to pick,
-            drop or charge.
-        failed: flag of each robot that stays in its place for good.
-        closed: the cells that failed robots are in, or reach into, which nobody can enter.
+        ends: last cell of each route, where the next move of the robot begins. All are different,
+            except that two failed robots may stand between the same two cells.
+        has_room: whether the next move may extend the route.
+        at_rest: whether the robot is at rest at the end of its route. Only then can it pick, drop
+            or charge.
+        failed: whether the robot has stopped for good.
+        closed: cells that nobody can enter because a failed robot occupies at least a part of them.
     """
 
     ends: Sequence[Cell]
@@ -343,10 +343,10 @@ class BaseMotion(Motion):
         cell_steps: calls of ``advance`` in which a robot crosses a cell at top speed.
         cell_joules: joules that a robot should expect to use for a cell; ``None`` for the nominal
             cost.
-        drives_through: ``True`` if robots drive through the cells of paths ahead of them, see
-            ``Ways``. A displacement then does not move a robot from where it is, but appends a cell
-            to the end of its path; if the path has no room for it, the robot waits. A call of
-            ``advance`` may end while robots drive.
+        drives_through: ``True`` if robots drive through the cells of routes ahead of them, see
+            ``Routes``. A displacement then does not move a robot from where it is. It appends a
+            cell to the end of its route; a robot whose route has no room for the cell waits. A call
+            of ``advance`` may end while robots drive.
 
     Example:
         >>> from warehouse_core.motion import BaseMotion
@@ -375,13 +375,13 @@ class BaseMotion(Motion):
             RuntimeError: before ``reset`` or after ``close``.
         """
 
-    def ways(self) -> Ways:
-        """Return the path that each robot has ahead of it, if the motion ``drives_through``.
+    def routes(self) -> Routes:
+        """Return the route ahead of each robot if the motion ``drives_through``.
 
         Raises:
             RuntimeError: before ``reset`` or after ``close``.
         """
-        return Ways((), (), ())
+        return Routes((), (), ())
 
     def fail(self, robot: int) -> None:
         """Let a robot brake and stay where it is for good; without ``drives_through``, do nothing.

@@ -93,10 +93,10 @@ class SeparateMotions(BaseBatchMotion):
             outcomes = self._outcomes[floor] = motion.advance(moves, loads)
             self._cells[floor] = [outcome.cell for outcome in outcomes]
             if motion.drives_through:
-                ways = motion.ways()
-                self._cells[floor] = list(ways.ends)
-                driving += [not rests for rests in ways.at_rest]
-                failed += ways.failed
+                routes = motion.routes()
+                self._cells[floor] = list(routes.ends)
+                driving += [not rests for rests in routes.at_rest]
+                failed += routes.failed
             stopped_by += self._stoppers(targets, self._cells[floor], outcomes)
         each = [outcome[:4] for outcomes in self._outcomes for outcome in outcomes]
         cells, blocked, seconds, joules = zip(*each, strict=True)

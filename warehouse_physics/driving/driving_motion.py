@@ -8,8 +8,9 @@ import numpy as np
 
 from warehouse_core import Cell, Layout, Outcome
 from warehouse_core.arguments import real_number, whole_number
-from warehouse_core.motion.base import Contact, Ways, centre_of, check_moves, check_starts
+from warehouse_core.motion.base import Contact, Routes, centre_of, check_moves, check_starts
 from warehouse_core.motion.traffic import check_joint_step, find_stops
+from warehouse_core.renamed import Renamed
 from warehouse_core.world.tiles import moved
 from warehouse_physics.arena import ITERATIONS
 from warehouse_physics.body_motion import PATH_EVERY, BodyMotion
@@ -68,8 +69,8 @@ class DrivingMotion(BodyMotion):
         >>> env = FleetEnv(robots=2, starts=[(1, 1), (5, 1)], backend=DrivingMotion())
         >>> observations, info = env.reset()
         >>> step = env.step(["E", "E"])
-        >>> env.ways
-        Ways(ends=[(1, 2), (5, 2)], has_room=[True, True], at_rest=[False, False], ...
+        >>> env.routes
+        Routes(ends=[(1, 2), (5, 2)], has_room=[True, True], at_rest=[False, False], ...
     """
 
     BODIES = "_driver"
@@ -127,17 +128,19 @@ class DrivingMotion(BodyMotion):
         self._driver = Driver(arena, self.spec, cells, self.disturbances, drawn)
         self._begin(layout, cells, drawn)
 
-    def ways(self) -> Ways:
-        """Return what each robot has ahead of it; see ``BaseMotion.ways``."""
+    def routes(self) -> Routes:
+        """Return the route ahead of each robot; see ``BaseMotion.routes``."""
         driver = self._driven()
         ends = [driver.ways.end(robot) for robot in range(len(driver.work))]
-        return Ways(
+        return Routes(
             ends,
             ((driver.left() <= self._room) & ~driver.stands).tolist(),
             driver.at_rest().tolist(),
             driver.failed.tolist(),
             sorted(driver.closed),
         )
+
+    ways = Renamed("routes")
 
     def fail(self, robot: int) -> None:
         """Let a robot stay where it is for good; see ``BaseMotion.fail``."""
@@ -159,7 +162,7 @@ class DrivingMotion(BodyMotion):
         assert self._layout is not None
         check_moves(len(driver.work), displacements, loaded)
         self._note_moves(displacements, loaded)
-        ends, room, _, _, closed = self.ways()
+        ends, room, _, _, closed = self.routes()
         wanted = [
             moved(end, displacement) if has_room else end
             for end, displacement, has_room in zip(ends, displacements, room, strict=True)
@@ -194,7 +197,7 @@ class DrivingMotion(BodyMotion):
                 robot closes. Nothing has changed then.
             RuntimeError: as for ``advance``.
         """
-        ends, _, _, failed, closed = self.ways()
+        ends, _, _, failed, closed = self.routes()
         assert self._layout is not None
         check_joint_step(self._layout, ends, cells)
         for robot, (end, cell) in enumerate(zip(ends, cells, strict=True)):

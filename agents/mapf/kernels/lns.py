@@ -16,7 +16,7 @@ from typing import NamedTuple
 from agents.mapf.kernels.buffers import Buffer, Table, buffer, kernel
 from agents.mapf.kernels.places import ACTIONS, FAR, NONE, STAY, Places
 from agents.mapf.kernels.robots import draw, first_random
-from agents.mapf.kernels.space_time_astar import Frontier, Routes, find_route, reserve
+from agents.mapf.kernels.space_time_astar import Frontier, Paths, find_route, reserve
 
 AT_RANDOM, LATE, NEAR = range(3)
 """Kinds of groups."""
@@ -77,14 +77,14 @@ def join(groups: Groups, robot: int, size: int) -> bool:
 
 
 @kernel
-def delay(routes: Routes, fields: Table, robot: int) -> int:
+def delay(routes: Paths, fields: Table, robot: int) -> int:
     """Return by how much the route of a robot is longer than the shortest."""
     left = fields[routes.rows[robot] + routes.places[robot * routes.times]]
     return 0 if left >= FAR else routes.costs[robot] - left
 
 
 @kernel
-def late_robot(routes: Routes, groups: Groups, fields: Table) -> int:
+def late_robot(routes: Paths, groups: Groups, fields: Table) -> int:
     """Return the latest of some robots at random."""
     robots, random = len(routes.costs), groups.random
     latest = draw(random) % robots
@@ -96,7 +96,7 @@ def late_robot(routes: Routes, groups: Groups, fields: Table) -> int:
 
 
 @kernel
-def gather_late(floor: Places, routes: Routes, groups: Groups, fields: Table, size: int) -> None:
+def gather_late(floor: Places, routes: Paths, groups: Groups, fields: Table, size: int) -> None:
     """Gather a late robot and those whom it meets on walks that would bring it there sooner."""
     times, random, near = routes.times, groups.random, floor.near
     robot = late_robot(routes, groups, fields)
@@ -129,7 +129,7 @@ def gather_late(floor: Places, routes: Routes, groups: Groups, fields: Table, si
 
 
 @kernel
-def gather_near(floor: Places, routes: Routes, groups: Groups, size: int) -> None:
+def gather_near(floor: Places, routes: Paths, groups: Groups, size: int) -> None:
     """Gather robots that pass cells at some time, on walks from a cell where one of them is."""
     times, random = routes.times, groups.random
     robot = draw(random) % len(routes.costs)
@@ -153,7 +153,7 @@ def gather_near(floor: Places, routes: Routes, groups: Groups, size: int) -> Non
 
 @kernel
 def gather(
-    floor: Places, routes: Routes, groups: Groups, fields: Table, kind: int, size: int
+    floor: Places, routes: Paths, groups: Groups, fields: Table, kind: int, size: int
 ) -> None:
     """Gather a group of at most so many robots in a random order."""
     members, random, robots = groups.members, groups.random, len(routes.costs)
@@ -175,7 +175,7 @@ def gather(
 
 @kernel
 def plan_anew(
-    floor: Places, routes: Routes, frontier: Frontier, groups: Groups, fields: Table
+    floor: Places, routes: Paths, frontier: Frontier, groups: Groups, fields: Table
 ) -> int:
     """Plan the group anew, one robot after the other; return what is gained, 0 or more."""
     members, saved, times, costs = groups.members, groups.saved, routes.times, routes.costs
@@ -216,7 +216,7 @@ def plan_anew(
 
 @kernel
 def renew(
-    floor: Places, routes: Routes, frontier: Frontier, groups: Groups, fields: Table, robots: Buffer
+    floor: Places, routes: Paths, frontier: Frontier, groups: Groups, fields: Table, robots: Buffer
 ) -> None:
     """Plan some robots anew, each alone."""
     for robot in robots:
@@ -226,7 +226,7 @@ def renew(
 
 @kernel
 def improve(
-    floor: Places, routes: Routes, frontier: Frontier, groups: Groups, fields: Table, trials: int
+    floor: Places, routes: Paths, frontier: Frontier, groups: Groups, fields: Table, trials: int
 ) -> None:
     """Plan so many groups anew."""
     weights = groups.weights
@@ -250,7 +250,7 @@ def improve(
 
 
 def improve_until(
-    floor: Places, routes: Routes, frontier: Frontier, groups: Groups, fields: Table,
+    floor: Places, routes: Paths, frontier: Frontier, groups: Groups, fields: Table,
     deadline: float, trials: float,
 ) -> int:  # fmt: skip
     """Plan so many groups anew, or until the deadline of ``perf_counter``; return their number."""

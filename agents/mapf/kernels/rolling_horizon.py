@@ -16,11 +16,11 @@ from agents.mapf.kernels.pibt import CHOSEN, CLOSED, Pibt
 from agents.mapf.kernels.pibt import choose as choose_by_pibt
 from agents.mapf.kernels.places import ACTIONS, FAR, Places
 from agents.mapf.kernels.robots import NOBODY, UNDECIDED, Robots
-from agents.mapf.kernels.space_time_astar import CLOSED_STEPS, Routes
+from agents.mapf.kernels.space_time_astar import CLOSED_STEPS, Paths
 
 
 @kernel
-def route_cost(floor: Places, routes: Routes, fields: Table, robot: int) -> int:
+def route_cost(floor: Places, routes: Paths, fields: Table, robot: int) -> int:
     """Return the cost of a route: until the robot is at its goal, or plus the distance left."""
     first, row, goal = robot * routes.times, routes.rows[robot], routes.goals[robot]
     cost, place = 0, routes.places[first]
@@ -39,14 +39,14 @@ def route_cost(floor: Places, routes: Routes, fields: Table, robot: int) -> int:
 
 
 @kernel
-def stand_at(routes: Routes, robots: Robots, time: int) -> None:
+def stand_at(routes: Paths, robots: Robots, time: int) -> None:
     """Let robots be where their routes are at a time."""
     for robot in range(len(robots.places)):
         robots.places[robot] = routes.places[robot * routes.times + time]
 
 
 @kernel
-def begin_step(routes: Routes, robots: Robots, time: int) -> None:
+def begin_step(routes: Paths, robots: Robots, time: int) -> None:
     """Let no robot have chosen but those that have to stay, and close cells if it is soon."""
     for robot in range(len(robots.places)):
         place, stays = robots.places[robot], time == 0 and robots.stays[robot] == 1
@@ -57,7 +57,7 @@ def begin_step(routes: Routes, robots: Robots, time: int) -> None:
 
 
 @kernel
-def end_step(routes: Routes, robots: Robots, time: int) -> None:
+def end_step(routes: Paths, robots: Robots, time: int) -> None:
     """Move robots to the places that they have chosen, and write these into their routes."""
     for robot in range(len(robots.places)):
         robots.robot_in[robots.places[robot] % robots.size] = NOBODY
@@ -71,7 +71,7 @@ def end_step(routes: Routes, robots: Robots, time: int) -> None:
 
 @kernel
 def roll_pibt(
-    floor: Places, routes: Routes, robots: Robots, pibt: Pibt, fields: Table, first: int, last: int
+    floor: Places, routes: Paths, robots: Robots, pibt: Pibt, fields: Table, first: int, last: int
 ) -> None:
     """Write the places at the times after ``first`` to ``last``, by a round of PIBT each.
 
@@ -97,7 +97,7 @@ def roll_pibt(
 
 @kernel
 def roll_epibt(
-    floor: Places, routes: Routes, robots: Robots, epibt: Epibt, fields: Table, first: int,
+    floor: Places, routes: Paths, robots: Robots, epibt: Epibt, fields: Table, first: int,
     last: int,
 ) -> None:  # fmt: skip
     """Do as ``roll_pibt`` by a round of EPIBT for each step."""
@@ -110,7 +110,7 @@ def roll_epibt(
 
 @kernel
 def roll_circulation(
-    floor: Places, routes: Routes, robots: Robots, auction: Auction, fields: Table, first: int,
+    floor: Places, routes: Paths, robots: Robots, auction: Auction, fields: Table, first: int,
     last: int,
 ) -> None:  # fmt: skip
     """Do as ``roll_pibt`` by a circulation for each step.
@@ -149,7 +149,7 @@ def lower(order: Buffer, places: Buffer, goals: Buffer, spare: Buffer, size: int
 
 
 @kernel
-def prices(floor: Places, routes: Routes, fields: Table) -> int:
+def prices(floor: Places, routes: Paths, fields: Table) -> int:
     """Write the costs of all routes, and return their sum."""
     total = 0
     for robot in range(len(routes.costs)):

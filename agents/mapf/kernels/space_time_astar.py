@@ -32,7 +32,7 @@ SEEN, SPENT, CAME, TIME = range(KNOWN)
 """Numbers that a search knows of a state."""
 
 
-class Routes(NamedTuple):
+class Paths(NamedTuple):
     """The routes of ``R`` robots through ``T`` times.
 
     Attributes:
@@ -61,6 +61,10 @@ class Routes(NamedTuple):
     is_closed: Buffer
 
 
+Routes = Paths
+"""The former name. Numba cannot load its cache of earlier kernels without it."""
+
+
 class Frontier(NamedTuple):
     """What a search for a route has seen; states are ``(layer * T + time) * places + place``.
 
@@ -80,9 +84,9 @@ class Frontier(NamedTuple):
     below: Table
 
 
-def new_routes(floor: Places, robots: int, times: int, is_open: bool) -> Routes:
+def new_routes(floor: Places, robots: int, times: int, is_open: bool) -> Paths:
     """Return the buffers of routes, with nothing reserved."""
-    return Routes(
+    return Paths(
         times=times, is_open=int(is_open), places=new_table(robots * times),
         reserved=new_table(times * floor.size), costs=buffer(robots),
         goals=buffer(robots), rows=buffer(robots), stays=buffer(robots), closed=buffer(0),
@@ -90,7 +94,7 @@ def new_routes(floor: Places, robots: int, times: int, is_open: bool) -> Routes:
     )  # fmt: skip
 
 
-def new_frontier(floor: Places, routes: Routes) -> Frontier:
+def new_frontier(floor: Places, routes: Paths) -> Frontier:
     """Return the buffers of searches for such routes."""
     states = routes.times * floor.closed * (1 + routes.is_open)
     room = min(2 * states, MAX_ENTRIES) + ACTIONS
@@ -106,14 +110,14 @@ def new_table(size: int) -> Table:
 
 
 @kernel
-def reserve(floor: Places, routes: Routes, robot: int, holder: int) -> None:
+def reserve(floor: Places, routes: Paths, robot: int, holder: int) -> None:
     """Write a number into the cells of the route of a robot: its own plus one, or 0."""
     first, size = robot * routes.times, floor.size
     for time in range(routes.times):
         routes.reserved[time * size + floor.cell[routes.places[first + time]]] = holder
 
 
-def reserve_only(floor: Places, routes: Routes, robots: Integers) -> None:
+def reserve_only(floor: Places, routes: Paths, robots: Integers) -> None:
     """Reserve the routes of some robots, and nothing else."""
     reserved = np.asarray(routes.reserved).reshape(routes.times, floor.size)
     cells = np.asarray(routes.places).reshape(-1, routes.times)[robots] % floor.size
@@ -122,7 +126,7 @@ def reserve_only(floor: Places, routes: Routes, robots: Integers) -> None:
 
 
 @kernel
-def free_from(floor: Places, routes: Routes, cell: int) -> int:
+def free_from(floor: Places, routes: Paths, cell: int) -> int:
     """Return the time from which on nobody else is in a cell."""
     time = routes.times
     while time > 0 and routes.reserved[(time - 1) * floor.size + cell] == 0:
@@ -133,7 +137,7 @@ def free_from(floor: Places, routes: Routes, cell: int) -> int:
 @kernel
 def find_route(
     floor: Places,
-    routes: Routes,
+    routes: Paths,
     frontier: Frontier,
     fields: Table,
     robot: int,

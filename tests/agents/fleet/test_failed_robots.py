@@ -92,15 +92,15 @@ def test_a_battery_that_runs_empty_on_the_way_stops_the_robot_there() -> None:
     env.reset(seed=0)
     env.assign(0, 0)
     while not env.ended[0]:
-        assert env.ways.failed == [False, False]
+        assert env.routes.failed == [False, False]
         env.step(["E", "WAIT"])
     assert (env.battery[0], env.ended[1]) == (0.0, False)
-    assert env.ways.failed == [True, False]
+    assert env.routes.failed == [True, False]
     assert (env.order_of, env.open_orders, env.measures.stranded) == ([None, None], [0], 1)
     env.step(["E", "WAIT"])
     cell = env.cells[0]
     assert 1 <= cell[1] < 7
-    assert cell in env.ways.closed
+    assert cell in env.routes.closed
     env.step(["E", "WAIT"])
     path = env.last_motion[0].path
     assert path[0, 1:3].tolist() == path[-1, 1:3].tolist()

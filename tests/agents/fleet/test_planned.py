@@ -199,7 +199,7 @@ def test_cells_that_people_are_in_or_leave_or_reach_are_closed(backend: str) -> 
         env.step(planned.act(env))
         assert backend == "grid" or not any(outcome.contacts for outcome in env.last_motion)
         planned.act(env)
-        ends = env.ways.ends[3:]
+        ends = env.routes.ends[3:]
         on_the_way += set(env.people) != set(ends)
         cells = {row * ROOM.width + col for row, col in (*env.people, *ends)}
         assert set(planner.seen[-1].closed.tolist()) == cells

@@ -13,7 +13,7 @@ from warehouse_core.motion.backends import (
     make_fleet_motion,
     make_motion,
 )
-from warehouse_core.motion.base import BaseBatchMotion, Conditions, Ways, with_defaults
+from warehouse_core.motion.base import BaseBatchMotion, Conditions, Routes, with_defaults
 from warehouse_core.motion.grid import GridBatch, GridFleetBatch, GridMotion
 from warehouse_core.motion.separate import SeparateMotions
 
@@ -118,7 +118,7 @@ def test_a_motion_with_four_members_has_defaults_for_the_rest() -> None:
     assert (motion.advance, motion.cell_size) == (lone.advance, 1.0)
     assert (motion.conditions, motion.cell_steps, motion.cell_joules) == (Conditions(), 1.0, None)
     assert not motion.drives_through
-    assert motion.ways() == Ways((), (), ())
+    assert motion.routes() == Routes((), (), ())
     assert motion.face([]) is motion.fail(0) is motion.scan(0, 4) is motion.odometry(0) is None
     batch = with_defaults(SimpleNamespace(place=lone.reset, close=lone.close), BaseBatchMotion)
     assert (batch.place, batch.changes_layouts, batch.outcomes(0)) == (lone.reset, False, ())

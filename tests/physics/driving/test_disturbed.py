@@ -29,10 +29,10 @@ EAST, STAY = (0, 1), (0, 0)
 
 def drive(motion: DrivingMotion, moves: list[list[Cell]], seconds: int) -> list[Contact]:
     """Carry out moves, and then wait until all are at rest; return the hits."""
-    count = len(motion.ways().ends)
+    count = len(motion.routes().ends)
     hits: list[Contact] = []
     for step in range(seconds):
-        if step >= len(moves) and all(motion.ways().at_rest):
+        if step >= len(moves) and all(motion.routes().at_rest):
             break
         move = moves[step] if step < len(moves) else [STAY] * count
         for outcome in motion.advance(move, [robot % 2 == 0 for robot in range(count)]):
@@ -63,8 +63,8 @@ def test_a_ring_of_disturbed_robots_turns_without_a_hit(
         motion = DrivingMotion(disturbances=disturbances)
         motion.reset(HALL, RING, seed)
         assert not drive(motion, [ring(0), ring(1)], 25)
-        assert all(motion.ways().at_rest)
-        assert motion.ways().ends == RING[2:] + RING[:2]
+        assert all(motion.routes().at_rest)
+        assert motion.routes().ends == RING[2:] + RING[:2]
 
 
 def test_robots_drive_at_the_share_of_the_speed_that_is_drawn_for_each_cell() -> None:
@@ -85,17 +85,17 @@ def test_a_robot_that_overshoots_its_end_drives_back_to_it(monkeypatch: pytest.M
     beyond = motion.drive(12.0)[0].path[:, 1] - 3.5
     assert 0.01 < beyond.max() < 0.1
     assert abs(beyond[beyond.argmax() :].min()) < 0.01
-    assert motion.ways().at_rest == [True]
+    assert motion.routes().at_rest == [True]
 
 
 def test_a_robot_that_stops_stands_for_its_time_and_drives_on() -> None:
     motion = DrivingMotion(disturbances=Disturbances(stops=(Stop(0, 2.0, 10.0),)))
     motion.reset(HALL, [(0, 1), (0, 0)], 0)
     assert not drive(motion, [[EAST, EAST]] * 3, 8)
-    ways = motion.ways()
-    assert (ways.has_room[0], ways.at_rest[0], ways.failed[0]) == (False, False, False)
+    routes = motion.routes()
+    assert (routes.has_room[0], routes.at_rest[0], routes.failed[0]) == (False, False, False)
     assert not drive(motion, [], 10)
-    assert motion.ways().at_rest == [True, True]
+    assert motion.routes().at_rest == [True, True]
 
 
 @pytest.mark.parametrize("slippery", [frozenset(), frozenset({(0, 1), (0, 2)})])
@@ -107,11 +107,11 @@ def test_robots_behind_one_that_has_failed_go_back_to_cells_of_their_own(
         motion = DrivingMotion(disturbances=Disturbances(slippery=slippery, stops=stops))
         motion.reset(Layout(["........"] * 2), [(0, 2), (0, 1), (0, 0)], 0)
         assert not drive(motion, [[EAST] * 3] * 4, 20)
-        ways = motion.ways()
-        assert ways.failed == [True, False, False]
-        assert ways.at_rest == [False, True, True]
-        assert len(set(ways.ends)) == 3
-        assert not set(ways.ends[1:]) & set(ways.closed)
+        routes = motion.routes()
+        assert routes.failed == [True, False, False]
+        assert routes.at_rest == [False, True, True]
+        assert len(set(routes.ends)) == 3
+        assert not set(routes.ends[1:]) & set(routes.closed)
 
 
 def test_a_robot_on_ice_brakes_for_one_that_waits_in_front_of_it() -> None:
@@ -121,7 +121,7 @@ def test_a_robot_on_ice_brakes_for_one_that_waits_in_front_of_it() -> None:
     motion.reset(Layout(["....."]), [(0, 1), (0, 2), (0, 3)], 0)
     motion.extend([(0, 0), (0, 1), (0, 2)])
     assert not any(outcome.contacts for outcome in motion.drive(60.0))
-    assert motion.ways().at_rest == [True, True, True]
+    assert motion.routes().at_rest == [True, True, True]
 
 
 def test_the_cells_of_a_robot_that_has_failed_are_closed() -> None:
@@ -130,8 +130,8 @@ def test_the_cells_of_a_robot_that_has_failed_are_closed() -> None:
     motion.fail(0)
     outcome = motion.advance([STAY, EAST], [False, False])[1]
     assert outcome.blocked
-    assert motion.ways().closed == [(0, 1)]
-    assert motion.ways().ends == [(0, 1), (0, 0)]
+    assert motion.routes().closed == [(0, 1)]
+    assert motion.routes().ends == [(0, 1), (0, 0)]
 
 
 def test_a_stop_of_a_robot_that_does_not_exist_is_refused() -> None:

@@ -28,7 +28,7 @@ MOVES = list(DISPLACEMENTS[:5])
 def test_robots_come_to_rest_and_go_on_around_those_that_fail(drawn, spec, pauses) -> None:
     layout, plan, loaded, stream = drawn
     crowd = Failures(layout, plan, spec, loaded)
-    robots = range(len(crowd.motion.ways().ends))
+    robots = range(len(crowd.motion.routes().ends))
     for pause in pauses:
         crowd.drive(pause)
         crowd.motion.fail(stream.choice(robots))
@@ -57,9 +57,9 @@ def test_a_robot_that_fails_on_its_way_back_leaves_others_cells_to_them() -> Non
         outcomes += motion.drive(0.02)
         motion.fail(2)
         outcomes += motion.drive(5.0)
-        ways = motion.ways()
-        live = [end for end, fails in zip(ways.ends, ways.failed, strict=True) if not fails]
-        assert len({*live, *ways.closed}) == len(live) + len(ways.closed), at
+        routes = motion.routes()
+        live = [end for end, fails in zip(routes.ends, routes.failed, strict=True) if not fails]
+        assert len({*live, *routes.closed}) == len(live) + len(routes.closed), at
         assert not any(outcome.contacts for outcome in outcomes), at
 
 
@@ -76,7 +76,7 @@ def test_the_closed_cells_are_those_in_which_a_robot_would_be_too_near(back: boo
         motion.drive(at)
         motion.fail(0)
         x = motion.drive(1.2)[0].path[-1, 1]
-        closed = {col for _, col in motion.ways().closed}
+        closed = {col for _, col in motion.routes().closed}
         assert {col for col in range(4) if abs(x - col - 0.5) < apart + 0.01} <= closed
         assert closed <= {col for col in range(4) if abs(x - col - 0.5) < apart + 0.032}
 
@@ -91,8 +91,8 @@ def test_a_failure_in_a_ring_without_room_stops_all_robots(at: float) -> None:
     crowd.motion.fail(0)
     crowd.come_to_rest()
     crowd.check()
-    failed = crowd.motion.ways().failed
-    assert sum(failed) == (8 if len(crowd.motion.ways().closed) > 1 else 1)
+    failed = crowd.motion.routes().failed
+    assert sum(failed) == (8 if len(crowd.motion.routes().closed) > 1 else 1)
 
 
 def test_no_way_is_extended_for_a_robot_that_has_failed_or_into_its_cell() -> None:
@@ -111,4 +111,4 @@ def test_no_way_is_extended_for_a_robot_that_has_failed_or_into_its_cell() -> No
         with pytest.raises(ValueError, match=re.escape(message)):
             motion.extend(cells)
     motion.extend([(0, 0), (0, 2), (0, 4)])
-    assert motion.ways().ends == [(0, 0), (0, 2), (0, 4)]
+    assert motion.routes().ends == [(0, 0), (0, 2), (0, 4)]

@@ -36,10 +36,10 @@ def test_a_robot_picks_and_drops_only_at_rest() -> None:
     was_driving = False
     for side, action, loads in (("W", "PICK", True), ("E", "DROP", False)):
         for _ in range(40):
-            at = env.ways.ends[0]
+            at = env.routes.ends[0]
             goal = (0, 0) if loads else (0, 3)
             env.step([action if at == goal else side])
-            in_goal, rests = env.cells[0] == goal, env.ways.at_rest[0]
+            in_goal, rests = env.cells[0] == goal, env.routes.at_rest[0]
             was_driving |= in_goal and not rests
             assert (env.loaded[0] == loads) == (in_goal and rests)
             if env.loaded[0] == loads:
@@ -54,9 +54,9 @@ def test_a_robot_waits_only_in_steps_at_whose_end_it_rests() -> None:
     env.step(["PICK"])
     rests = 0
     for step in range(36):
-        drives = step >= 6 and env.ways.has_room[0] and env.ways.ends[0] != (0, 4)
+        drives = step >= 6 and env.routes.has_room[0] and env.routes.ends[0] != (0, 4)
         env.step(["E" if drives else "WAIT"])
-        rests += not drives and env.ways.at_rest[0]
+        rests += not drives and env.routes.at_rest[0]
     assert env.cells == [(0, 4)]
     assert (env.measures.distance, env.measures.waits) == (4, rests)
     assert 5 <= rests <= 15  # of 36, of which it picks in 3 and drives in about 20
@@ -70,13 +70,13 @@ def test_a_robot_that_drives_over_a_charger_is_not_charged() -> None:
     env.reset(seed=0)
     units, over = [], 0
     for _ in range(30):
-        env.step(["E" if env.ways.ends[0] != (0, 4) else "WAIT"])
+        env.step(["E" if env.routes.ends[0] != (0, 4) else "WAIT"])
         units.append(env.battery[0])
         over += env.cells[0] == (0, 2)
     assert over >= 2
     assert units == sorted(units, reverse=True)
     for _ in range(30):
-        env.step(["W" if env.ways.ends[0] != (0, 2) else "WAIT"])
+        env.step(["W" if env.routes.ends[0] != (0, 2) else "WAIT"])
     assert env.battery == [100]
 
 

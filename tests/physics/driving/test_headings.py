@@ -27,7 +27,7 @@ def driven(spec: RobotSpec, *steps: list[Cell], seconds: float = 30) -> list[np.
     for cells in steps[1:]:
         motion.extend(cells)
     outcomes = motion.drive(seconds)
-    assert all(motion.ways().at_rest)
+    assert all(motion.routes().at_rest)
     assert not any(outcome.contacts for outcome in outcomes)
     return [outcome.path for outcome in outcomes]
 

@@ -42,19 +42,19 @@ def test_a_joint_step_with_a_conflict_is_refused_and_nothing_changes(
     motion = motion_at((0, 0), (0, 1))
     with pytest.raises(ValueError, match=message):
         motion.extend(cells)
-    assert motion.ways().ends == [(0, 0), (0, 1)]
+    assert motion.routes().ends == [(0, 0), (0, 1)]
     motion.extend([(0, 1), (0, 2)])
-    assert motion.ways().ends == [(0, 1), (0, 2)]
+    assert motion.routes().ends == [(0, 1), (0, 2)]
 
 
 def test_a_joint_step_of_a_plan_needs_no_room() -> None:
     motion = motion_at((0, 0))
     for col in range(1, 5):
-        assert motion.ways().has_room == [col - 1 <= 1.5]  # to stop, and for a second
+        assert motion.routes().has_room == [col - 1 <= 1.5]  # to stop, and for a second
         motion.extend([(0, col)])
-    assert motion.ways()[:3] == ([(0, 4)], [False], [False])
+    assert motion.routes()[:3] == ([(0, 4)], [False], [False])
     assert motion.drive(5.0)[0].cell == (0, 4)
-    assert motion.ways()[:3] == ([(0, 4)], [True], [True])
+    assert motion.routes()[:3] == ([(0, 4)], [True], [True])
 
 
 def test_a_way_that_grows_in_time_leads_round_corners_as_fast_as_a_whole_one() -> None:
@@ -67,14 +67,14 @@ def test_a_way_that_grows_in_time_leads_round_corners_as_fast_as_a_whole_one() -
         whole.extend([cell])
     ahead = cells[1:]
     for _ in range(60):
-        (end,), (has_room,), (is_there,), *_ = growing.ways()
+        (end,), (has_room,), (is_there,), *_ = growing.routes()
         if is_there and not ahead:
             break
         row, col = ahead.pop(0) if has_room and ahead else end
         growing.advance([(row - end[0], col - end[1])], [False])
         whole.drive(0.25)
-        assert whole.ways().at_rest == growing.ways().at_rest or ahead
-    assert whole.ways().at_rest == [True]
+        assert whole.routes().at_rest == growing.routes().at_rest or ahead
+    assert whole.routes().at_rest == [True]
 
 
 def test_the_name_of_the_backend_may_have_the_period_among_the_numbers_of_the_robot() -> None:
@@ -104,7 +104,7 @@ def test_robots_that_cannot_extend_their_ways_are_blocked() -> None:
     motion = motion_at((0, 0), (0, 1), (1, 0))
     outcomes = motion.advance([EAST, WEST, WEST], [False] * 3)
     assert [outcome.blocked for outcome in outcomes] == [True] * 3
-    assert motion.ways().ends == [(0, 0), (0, 1), (1, 0)]
+    assert motion.routes().ends == [(0, 0), (0, 1), (1, 0)]
     outcomes = motion.advance([EAST, EAST, STAY], [False] * 3)
     assert [outcome.blocked for outcome in outcomes] == [False] * 3
 
@@ -168,7 +168,7 @@ def test_a_motion_needs_a_reset_before_it_drives_and_after_it_is_closed() -> Non
     closed.close()
     closed.close()
     calls: list[Callable[[DrivingMotion], object]] = [
-        lambda motion: motion.ways(),
+        lambda motion: motion.routes(),
         lambda motion: motion.extend([(0, 1)]),
         lambda motion: motion.drive(1.0),
         lambda motion: motion.advance([EAST], [False]),
