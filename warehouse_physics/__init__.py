@@ -1,4 +1,25 @@
-"""The physics backend: rigid-body robots behind the same ``step``."""
+"""The physics backend: rigid bodies that carry out the moves of the warehouse.
+
+The rules of the warehouse decide what a move means. A motion backend decides where the robot is
+afterwards, how long the move takes and what it costs. The backends here simulate each robot as a
+round body in pymunk, which is a Python interface to the physics engine Chipmunk. Time advances in
+substeps of 1/60 s, lengths are in metres, x points right (east) and y points down (south).
+
+The files are best read in this order:
+
+1. ``spec.py``: the numbers that describe a robot, such as its mass and the force of its motor.
+2. ``robot.py``: the motor, the floor that drags, and the phases of a drive.
+3. ``profile.py``: the speed to command and the time to brake, so that a robot stops at its target.
+4. ``arena.py``: the space with its walls, and the contacts between bodies.
+5. ``giving_way.py``: how robots that block each other get back to their cells.
+6. ``energy.py``: what a drive takes from the battery.
+7. ``rigid_body_motion.py``: the backend that moves robots cell by cell, from rest to rest.
+8. ``driving/``: the backend whose robots drive through cells without stopping in each.
+9. ``batch/``: many warehouses at once, with one robot in each.
+
+``wheeled_robot.py`` has robots with two driven wheels, and ``disturbances.py`` has floors, motors
+and robots that are not as planned.
+"""
 
 # Check the version first: with a wrong one the other imports may fail for another reason.
 from warehouse_physics import pymunk_version as _checked  # noqa: F401

@@ -1,4 +1,13 @@
-"""A space with walls, in which bodies with numbers move, and the hits between them."""
+"""A pymunk space with walls and numbered robots, and the hits between them.
+
+A robot is a disc, and a wall is a rectangle that never moves. There is no friction between bodies
+and they do not bounce. When two of them begin to touch, Chipmunk calls back before it changes any
+velocity, so that the speed of the impact is still known. ``Arena`` then records a ``Hit`` for each
+robot that takes part, and the run of substeps ends, so that the robots can react.
+
+Nothing looks at the grid to find out whether a robot is blocked. A wall blocks a robot because
+their shapes touch.
+"""
 
 from __future__ import annotations
 
@@ -19,29 +28,30 @@ from warehouse_physics.walls import CellBox
 Position = tuple[float, float]
 
 ROBOT, WALL = 1, 2
-"""Collision types. Chipmunk puts the body of the lower one first in a hit."""
+"""Collision types of shapes. In a hit, Chipmunk passes the body with the lower type first."""
 
 ITERATIONS = 5
-"""Solver rounds in a substep, unless an arena needs more or can do with fewer."""
+"""Default number of solver iterations in a substep. Some arenas need more, others need fewer."""
 
 SLOP = 0.001
-"""Metres that bodies may overlap. Chipmunk's default of 0.1 is meant for pixels."""
+"""Depth in metres to which bodies may overlap. Chipmunk's default of 0.1 is meant for pixels."""
 
 LONE_BIAS = 0.0
-"""Share of an overlap that is left after a second, where each robot is alone. All of it is
-corrected while the robot still brakes; spread over several substeps, as by default, the correction
-would add to the way back."""
+"""Share of an overlap that remains after a second, for robots that are alone in their warehouse.
+With 0 an overlap is corrected at once, while the robot still brakes. By default Chipmunk spreads
+the correction over several substeps, and this would lengthen the drive back."""
 
 
 class Hit(NamedTuple):
-    """The begin of a touch, as one robot feels it.
+    """The beginning of a contact, as seen by one of its robots.
 
     Attributes:
-        other: number of the robot that it touches, or ``None`` for a wall.
-        push: direction ``(x, y)`` of the push on the robot, of length 1.
-        velocity: velocity of the robot right before the hit, in m/s.
-        impulse: impulse in N·s, see ``Contact``; not a number if it was not measured.
-        point: position of the touch in metres; likewise.
+        robot: number of the robot.
+        other: number of the other robot, or ``None`` for a wall.
+        push: direction ``(x, y)`` in which the robot is pushed, as a vector of length 1.
+        velocity: velocity of the robot immediately before the hit, in m/s.
+        impulse: impulse in N·s, see ``Contact``; NaN if it was not measured.
+        point: position of the contact in metres; NaN if it was not measured.
     """
 
     robot: int
@@ -52,15 +62,16 @@ class Hit(NamedTuple):
     point: Position = (math.nan, math.nan)
 
     def contact(self, seconds: float) -> Contact:
-        """Return the record of this hit, which happened at a time."""
+        """Return the record of this hit for an ``Outcome``, ``seconds`` after the action began."""
         name = WALL_CONTACT if self.other is None else robot_contact(self.other)
         return Contact(seconds, self.impulse, self.point, name)
 
 
 class Arena:
-    """A space for the walls and robots of one or more warehouses.
+    """A space with the walls and robots of one or more warehouses.
 
-    ``iterations`` are solver rounds in a substep; ``bodies`` are in the order of their numbers.
+    ``iterations`` is the number of solver iterations in a substep. ``bodies`` has the bodies of the
+    robots in the order of their numbers.
     """
 
     def __init__(self, spec: RobotSpec, iterations: int) -> None:
@@ -76,7 +87,10 @@ class Arena:
     def add_walls(
         self, boxes: Iterable[CellBox], corner: Position = (0.0, 0.0)
     ) -> list[pymunk.Shape]:
-        """Add walls, given as boxes in cells from a corner in metres, and return their shapes."""
+        """Add walls and return their shapes.
+
+        The boxes are in cells, relative to a corner that is given in metres.
+        """
         walls: list[pymunk.Shape] = []
         size, (left_edge, top_edge) = self._spec.cell_size, corner
         for left, top, right, bottom in boxes:
@@ -89,9 +103,10 @@ class Arena:
         return walls
 
     def add_robot(self, body: pymunk.Body, *joined: pymunk.Body | pymunk.Constraint) -> None:
-        """Add the body of the next robot as a disc, and what is joined to it.
+        """Add the next robot as a disc around ``body``, with its other bodies and its joints.
 
-        The order matters: the same robots added in another one move differently in the last bits.
+        The order of the calls matters: robots that are added in another order move differently in
+        the last bits.
         """
         shape = pymunk.Circle(body, self._spec.body_radius)
         shape.collision_type = ROBOT
@@ -101,17 +116,17 @@ class Arena:
         self.space.add(body, shape, *joined)
 
     def scan(self, robot: int, rays: int) -> Floats:
-        """Return how far walls and other robots are from a robot; see ``BaseMotion.scan``."""
+        """Return the distances from a robot to walls and other robots; see ``BaseMotion.scan``."""
         start, distances = self.bodies[robot].position, np.full(rays, SCAN_RANGE)
         own = group_of(robot)
-        for ray, way in enumerate(ways_of(rays)):
-            hit = self.space.segment_query_first(start, start + way, 0.0, own)
+        for number, ray in enumerate(ray_vectors(rays)):
+            hit = self.space.segment_query_first(start, start + ray, 0.0, own)
             if hit is not None:
-                distances[ray] = hit.alpha * SCAN_RANGE
+                distances[number] = hit.alpha * SCAN_RANGE
         return distances
 
     def _note_hits(self, arbiter: pymunk.Arbiter) -> list[Hit]:
-        """Return a hit as each robot in it feels it, before the solver changes any velocity."""
+        """Return a hit for each robot in a contact, before the solver changes any velocity."""
         contacts = arbiter.contact_point_set
         normal, (x, y) = contacts.normal, contacts.points[0].point_a
         robot, other = map(self._numbers.get, arbiter.shapes)
@@ -134,25 +149,27 @@ class Arena:
 
 
 @cache
-def ways_of(rays: int) -> list[pymunk.Vec2d]:
-    """Return the way in metres from the first end of each ray of a scan to its last."""
+def ray_vectors(rays: int) -> list[pymunk.Vec2d]:
+    """Return the vector in metres from the start to the end of each ray of a scan."""
     return [pymunk.Vec2d(SCAN_RANGE, 0.0).rotated(math.tau * ray / rays) for ray in range(rays)]
 
 
 def group_of(robot: int) -> pymunk.ShapeFilter:
-    """Return the group that only this robot is in, whose shapes do not meet each other.
+    """Return a collision filter for a group that contains this robot only.
 
-    A ray from the middle of a robot in its group meets all but this robot.
+    Shapes in the same group do not collide. A ray that starts in the middle of a robot, with the
+    filter of this robot, therefore hits everything except the robot itself.
     """
     return pymunk.ShapeFilter(group=robot + 1)
 
 
 def impulse_of(speed: float, mass: float, other_mass: float | None = None) -> float:
-    """Return the impulse in N·s of a body that hits another one, or a wall, with ``speed``.
+    """Return the impulse in N·s of a body that hits a wall or another body at ``speed`` in m/s.
 
-    They do not bounce, so the hit takes all of that speed from their reduced mass. What the solver
-    counts has more in it: the push of motors, of robots behind them, and after a touch within the
-    last substeps also the impulse of the earlier touch.
+    The bodies do not bounce. A hit therefore removes their whole closing speed, and the impulse is
+    this speed times their reduced mass. The impulse that the solver counts is larger: it includes
+    the push of motors and of robots behind, and the impulse of an earlier contact between the same
+    bodies a few substeps ago.
     """
     reduced = mass if other_mass is None else mass * other_mass / (mass + other_mass)
     return max(reduced * speed, 0.0)

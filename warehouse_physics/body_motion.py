@@ -1,4 +1,4 @@
-"""What all motions of bodies have: a robot, disturbances, and paths."""
+"""Base of the motions of bodies: their robot, their disturbances, and copies of them."""
 
 from __future__ import annotations
 
@@ -19,11 +19,12 @@ from warehouse_physics.profile import Floats
 from warehouse_physics.spec import RobotSpec
 
 PATH_EVERY = 10
-"""Substeps between rows of a path."""
+"""Default number of substeps between two rows of a path."""
 
 
 MOVES = tuple(product(dict.fromkeys(DISPLACEMENTS), (False, True)))
-"""Displacement of a robot, and whether it is loaded; a noted call has the number of one a robot."""
+"""Displacements of a robot, without and with an item. A noted call has one index into this per
+robot."""
 
 _NUMBERS = {move: number for number, move in enumerate(MOVES)}
 
@@ -31,21 +32,21 @@ _NUMBERS = {move: number for number, move in enumerate(MOVES)}
 class BodyMotion(BaseMotion):
     """Base of the motions that move bodies; see ``RigidBodyMotion`` for the arguments.
 
-    A copy, or what a pickle gives, repeats all calls since the reset: a copied space of Chipmunk
-    goes on otherwise than its original.
+    A space of Chipmunk cannot be copied exactly: the copy behaves differently from the original. A
+    copy or an unpickled motion therefore repeats all calls since the reset.
     """
 
     BODIES: ClassVar[str]
-    """Attribute with the bodies, ``None`` before a reset."""
+    """Name of the attribute that has the bodies, which is ``None`` before a reset."""
 
     WORDS = ("drive",)
-    """Settings of ``from_numbers`` that are words."""
+    """Settings of ``from_numbers`` whose values are words."""
 
     NUMBERS: ClassVar[tuple[str, ...]] = ()
-    """Numbers that ``from_numbers`` takes for the motion itself, not for its robots."""
+    """Settings of ``from_numbers`` that belong to the motion itself and not to its robots."""
 
     is_busy = False
-    """True while a call is running that no other may overlap; see ``exclusive``."""
+    """True while a call is running that no other call may overlap; see ``exclusive``."""
 
     def __init__(
         self,
@@ -72,19 +73,19 @@ class BodyMotion(BaseMotion):
 
     @classmethod
     def from_numbers(cls, numbers: Mapping[str, Any]) -> Self:
-        """Return a motion of nominal robots; see ``RobotSpec.from_numbers`` and ``NUMBERS``."""
+        """Return a motion without disturbances; see ``RobotSpec.from_numbers`` and ``NUMBERS``."""
         robot = {name: number for name, number in numbers.items() if name not in cls.NUMBERS}
         own = {name: number for name, number in numbers.items() if name in cls.NUMBERS}
         return cls(RobotSpec.from_numbers(robot, cls.NUMBERS), **own)
 
     def scan(self, robot: int, rays: int) -> Floats:
-        """Return how far walls and other robots are; see ``BaseMotion.scan``."""
+        """Return the distances to walls and other robots; see ``BaseMotion.scan``."""
         robot, rays = self._known(robot), whole_number("rays", rays, 1, MAX_RAYS)
         distances: Floats = getattr(self, self.BODIES).scan(robot, rays)
         return distances
 
     def odometry(self, robot: int) -> Pose | None:
-        """Return where a robot believes to be; see ``BaseMotion.odometry``."""
+        """Return the pose that a robot believes it has; see ``BaseMotion.odometry``."""
         robot = self._known(robot)
         return None if self._odometry is None else self._odometry.poses[robot]
 
@@ -104,20 +105,20 @@ class BodyMotion(BaseMotion):
                 getattr(motion, name)(given)
 
     def _begin(self, layout: Layout, cells: Sequence[Cell], seed: int) -> None:
-        """Note a reset, after which there are no calls yet."""
+        """Note a reset, and forget the calls before it."""
         self._begun, self._calls = (layout, tuple(cells), seed), []
         if error := self.disturbances.odometry:
             starts = (centre_of(cell, self.cell_size) for cell in cells)
             self._odometry = Odometry(starts, error, seed)
 
     def _measured(self, outcomes: list[Outcome]) -> list[Outcome]:
-        """Return outcomes, after the robots have measured their ways in them."""
+        """Return the outcomes, after the odometry of the robots has measured them."""
         if self._odometry is not None:
             self._odometry.measure([outcome.path for outcome in outcomes])
         return outcomes
 
     def _known(self, robot: int) -> int:
-        """Return the number of a robot, checked."""
+        """Return the number of a robot, after a check that it exists."""
         if self._begun is None:
             raise RuntimeError("the motion needs a reset() before it")
         return whole_number("robot", robot, 0, len(self._begun[1]) - 1)
@@ -127,13 +128,13 @@ class BodyMotion(BaseMotion):
         self._calls.append((name, given))
 
     def _note_moves(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> None:
-        """Note a call of ``advance``, in a byte for each robot."""
+        """Note a call of ``advance``, as one byte per robot."""
         moves = zip(displacements, loaded, strict=True)
         self._note("advance", bytes(map(_NUMBERS.__getitem__, moves)))
 
-    def _drawn(self, seed: int | None) -> int:
-        """Return the seed for disturbances, which is drawn if none is given and it matters."""
+    def _random_seed(self, seed: int | None) -> int:
+        """Return the seed for disturbances, which is random if it matters and none is given."""
         if seed is None and self.disturbances.any:
-            # Python's global random numbers, as the chapter does.
+            # Use Python's global random numbers, as the chapter does.
             return random.getrandbits(32)
         return seed or 0

@@ -1,4 +1,4 @@
-"""Disturbances of the nominal physics: off by default, and seeded."""
+"""Disturbances of the nominal physics, which are off by default and depend on a seed."""
 
 from __future__ import annotations
 
@@ -22,15 +22,16 @@ from warehouse_core.wording import brief
 
 @dataclass(frozen=True, slots=True)
 class Stop:
-    """A failure of a robot, which brakes and stands still for some time.
+    """A failure of a robot, which brakes and then stays where it is for some time.
 
     Attributes:
         robot: number of the robot.
         at: seconds from the reset to the failure.
-        seconds: duration of the failure; ``math.inf`` if the robot has died.
+        seconds: duration of the failure; ``math.inf`` if the robot never drives again.
 
     Raises:
-        ValueError: naming the field, its value and what is allowed.
+        ValueError: a field is out of range; the message has the field, its value and what is
+            allowed.
         TypeError: ``robot`` is not an integer.
 
     Example:
@@ -51,25 +52,28 @@ class Stop:
 
 @dataclass(frozen=True, slots=True)
 class Disturbances:
-    """How far the physics departs from the nominal; by default not at all.
+    """Deviations from the nominal physics; by default there are none.
 
-    The drive plans for the nominal physics and corrects itself from its actual position, until its
-    patience ends. The robot then stays where it is, which may be short of its goal.
+    A robot plans its drives for the nominal physics. At rest it compares its position with its
+    target and drives again, until its patience ends. It then stays where it is, possibly short of
+    its goal.
 
     Attributes:
-        actuation_noise: standard deviation of the speed, as a share of the commanded one.
-        slippery: cells whose floor limits the force of the motor by ``grip``.
-        grip: friction coefficient of wheels on slippery floor; about 0.05 on wet ice.
-        motor_strength: actual share of the motor force, 0 to 1.
-        drag_spread: the drag of each cell is drawn within this share of the nominal, below 1.
-        patience: durations of a free move after which no new attempt is made, at least 1; robots
-            that drive through have no such limit.
-        stops: failures of robots; only robots that drive through may have any.
-        odometry: standard deviation of the way that a robot measures, as a share of it; see
-            ``Odometry``. No body feels it.
+        actuation_noise: standard deviation of the actual speed, as a share of the commanded speed.
+        slippery: cells with slippery floor, on which ``grip`` limits the force of the motor.
+        grip: friction coefficient between wheels and slippery floor; about 0.05 on wet ice.
+        motor_strength: actual force of the motor as a share of the nominal force, 0 to 1.
+        drag_spread: largest deviation of the drag of a cell, as a share of the nominal drag and
+            below 1. Each cell has a random drag.
+        patience: time after which a robot makes no new attempt, in durations of a free move, at
+            least 1. It does not apply to ``DrivingMotion``.
+        stops: failures of robots. Only ``DrivingMotion`` supports them.
+        odometry: standard deviation of the measured distance, as a share of the distance; see
+            ``Odometry``. It does not affect how bodies move.
 
     Raises:
-        ValueError: naming the field, its value and what is allowed.
+        ValueError: a field is out of range; the message has the field, its value and what is
+            allowed.
 
     Example:
         >>> from warehouse_core import WarehouseEnv
@@ -110,17 +114,17 @@ class Disturbances:
 
     @property
     def conditions(self) -> Conditions:
-        """Floor and motors, for records."""
+        """The state of floor and motors, for records of episodes."""
         return Conditions(tuple(sorted(self.slippery)), self.motor_strength)
 
     @property
     def any(self) -> bool:
-        """Whether anything departs from the nominal."""
+        """Whether anything differs from the nominal physics."""
         return self.is_felt or self.odometry > 0
 
     @property
     def is_felt(self) -> bool:
-        """Whether bodies move otherwise than nominally."""
+        """Whether bodies move differently than in the nominal physics."""
         return any(
             getattr(self, each.name) != each.default
             for each in fields(self)
@@ -137,7 +141,10 @@ class FloorConditions:
         self.varies = bool(disturbances.drag_spread or disturbances.slippery)
 
     def drag_factor(self, cell: Cell) -> float:
-        """Return the drag of a cell as a share of the nominal; it depends on seed and cell only."""
+        """Return the drag of a cell as a share of the nominal drag.
+
+        It depends only on the seed and the cell.
+        """
         spread = self._disturbances.drag_spread
         return random.Random(f"{self._seed} {cell}").uniform(1 - spread, 1 + spread)
 
@@ -147,12 +154,12 @@ class FloorConditions:
         return min(force, self.grip_force(cell, mass))
 
     def grip_force(self, cell: Cell, mass: float) -> float:
-        """Return the largest force in N that wheels find on a floor; no limit on the usual one."""
+        """Return the largest force in N that wheels can exert, or infinity if nothing slips."""
         is_slippery = cell in self._disturbances.slippery
         return self._disturbances.grip * mass * GRAVITY if is_slippery else math.inf
 
     def speed_factor(self) -> float:
-        """Draw the actual speed of a profile as a share of the commanded one."""
+        """Return a random actual speed, as a share of the commanded speed."""
         noise = self._noise.gauss(0.0, self._disturbances.actuation_noise)
-        # No drive runs backwards, and twice the top speed is still safe to simulate.
+        # No motor runs backwards, and twice the top speed is still safe to simulate.
         return 1.0 + min(max(noise, -1.0), 1.0)

@@ -1,7 +1,7 @@
-"""Robots that one joint each drives, read and commanded as arrays.
+"""Robots with a single drive joint each, which are read and commanded as arrays.
 
-The joint of a robot exerts the sum of its motor and the drag of the floor. Nothing turns the body:
-the motion of a disc without friction does not depend on its heading.
+The joint of a robot exerts the sum of its motor and the drag of the floor. Bodies do not turn: the
+motion of a disc without friction does not depend on its heading.
 
 This is the only module that uses ``pymunk.batch``, which is experimental.
 """
@@ -21,7 +21,10 @@ from warehouse_physics.spec import RobotSpec
 
 
 class DrivenArena(Arena):
-    """An arena with ``N`` such robots; ``max_force`` of their ``drives`` limits the force in N."""
+    """An arena with ``N`` robots that are commanded as arrays.
+
+    The ``max_force`` of each of the ``drives`` limits its force, in N.
+    """
 
     def __init__(self, spec: RobotSpec, iterations: int) -> None:
         super().__init__(spec, iterations)
@@ -40,7 +43,7 @@ class DrivenArena(Arena):
             control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
             drive, *others = joints = self._joints(body, control)
             for joint in joints:
-                # Errors of position are not corrected: a joint is a motor, not a spring.
+                # The joint is a motor and not a spring, so it does not correct errors of position.
                 joint.error_bias = 1.0
             self._panel.add(control)
             self.add_robot(body, *joints)
@@ -49,23 +52,23 @@ class DrivenArena(Arena):
         self._bodies, self._controls = BodyArrays(self.space), BodyArrays(self._panel)
 
     def _joints(self, body: pymunk.Body, control: pymunk.Body) -> list[pymunk.Constraint]:
-        """Return the joints of a robot: one that drives it in any direction."""
+        """Return the joints of a robot, here one joint that drives it in any direction."""
         return [pymunk.PivotJoint(body, control, (0, 0), (0, 0))]
 
     def hold(self, robot: int, force: float) -> None:
-        """Let tyres hold a robot on its line with up to ``force`` N, if it has any."""
+        """Let tyres hold a robot on its line with up to ``force`` N; robots here have no tyres."""
 
     def command(self, velocities: Floats) -> None:
-        """Set the velocities ``[N, 2]`` in m/s for the drives to reach."""
+        """Set the velocities that the drives try to reach, ``[N, 2]`` in m/s."""
         self._controls.write_velocities(velocities)
 
     def look(self) -> tuple[Floats, Floats]:
-        """Return positions ``[N, 2]`` in metres and velocities ``[N, 2]`` in m/s."""
+        """Return the positions ``[N, 2]`` in metres and the velocities ``[N, 2]`` in m/s."""
         return self._bodies.read()
 
 
 class BodyArrays:
-    """Positions and velocities of the ``N`` moving bodies of a space, as they were added.
+    """Positions and velocities of the ``N`` moving bodies of a space, in the order of creation.
 
     No body may be added or removed later.
     """
@@ -79,10 +82,10 @@ class BodyArrays:
         self._given.set_float_buf(self._velocities)
 
     def read(self) -> tuple[Floats, Floats]:
-        """Return positions ``[N, 2]`` in metres and velocities ``[N, 2]`` in m/s."""
+        """Return the positions ``[N, 2]`` in metres and the velocities ``[N, 2]`` in m/s."""
         self._seen.clear()
         get_space_bodies(self._space, BodyFields.POSITION | BodyFields.VELOCITY, self._seen)
-        # Copied because the next read fills the same memory.
+        # A copy is needed because the next read fills the same memory.
         rows = np.frombuffer(self._seen.float_buf()).reshape(-1, 4)[: self._count].copy()
         return rows[:, :2], rows[:, 2:]
 

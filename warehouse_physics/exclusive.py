@@ -1,4 +1,4 @@
-"""Calls of an object that must not overlap."""
+"""Methods of an object that must not run at the same time."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ def exclusive(
 ) -> Callable[Concatenate[Any, Arguments], Returned]:
     """Make a method raise ``RuntimeError`` while an exclusive method of the same object runs.
 
-    That may be in another thread: two steps of one pymunk space at a time end the interpreter. The
-    object has an attribute ``is_busy``, which is false at first.
+    The other call may be in another thread: two simultaneous steps of one pymunk space crash the
+    interpreter. The object needs an attribute ``is_busy``, which is false at first.
     """
 
     @wraps(method)
     def alone(self: Any, /, *args: Arguments.args, **kwargs: Arguments.kwargs) -> Returned:
-        # No other thread and no interrupt comes between this test and the ``try``: Python switches
-        # threads and handles signals at calls and backward jumps only.
+        # Python switches threads and handles signals only at calls and at backward jumps. So
+        # nothing can happen between this test and the ``try``.
         if self.is_busy:
             raise RuntimeError(
                 f"{method.__name__}() while another call of the same motion is running; "

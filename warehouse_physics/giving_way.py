@@ -1,28 +1,30 @@
-"""Giving way: how robots that were stopped get back to their cells.
+"""Giving way: how robots that block each other get back to their cells.
 
-Each robot drives as if it were alone, until it touches something that is in its way; then it
-brakes. A lone robot goes back at once, and so does one that only a wall stopped, if nobody drives
-into its cell. Everybody else is held until all robots are at rest. Then, in one sweep:
+Each robot drives as if it were alone, until it touches something that is in its way. Then it
+brakes. A lone robot drives back at once. So does a robot that was stopped by a wall only, if no
+other robot drives into its cell. All other robots are held until everyone is at rest. They then get
+back in rounds:
 
-1. Who has to go back is known at once: whoever drives to the cell that a stopped robot left, or to
-   the cell that it drove to, is stopped as well, and so are those behind it. So a queue of any
+1. A robot that drives to the cell which a stopped robot left, or to its goal, is stopped too, and
+   so are the robots behind it. It is therefore known at once who has to go back, and a queue of any
    length, a jam and a ring turn back together.
-2. All that are not where they belong drive there in straight lines, at the same time, with speeds
-   and accelerations in proportion to their ways. The way from one robot to another then changes
-   along a straight line too, from what it is to what it will be: in a queue a gap only grows, to
-   the one cell that it becomes.
-3. Round a corner two may come too close, and push. The one ahead, which comes back, pushes its
-   follower where that drives anyway, and bodies without friction slide off each other.
-4. Where all together get stuck, one alone does not: every other time one of them drives, in turn,
-   while the others brake.
-5. A light robot may be caught behind a heavy one that is back and brakes. At the acceleration ``a``
-   of all robots the one with mass ``m`` pushes with ``m * a``, and the one with ``M`` holds with
-   ``M * a``. So after ``STUCK`` rounds the robot that is farthest from its target drives alone, up
-   to ``TRIES`` times, with all the force ``F`` of its motor. It then pushes with ``F - D`` or more,
-   where ``D`` is the drag of a loaded robot. As the motor can drive a loaded robot at ``a``, that
-   is no less than ``M * a``.
+2. All robots that are not at their targets drive there in straight lines and at the same time, with
+   speeds and accelerations in proportion to their distances. The vector from one robot to another
+   then changes along a straight line, from its present value to its final one. In a queue, the gap
+   between two robots only grows, until it is one cell.
+3. Round a corner, two robots may come too close and push each other. The one in front, which comes
+   back, pushes its follower in the direction in which it drives anyway, and bodies without friction
+   slide off each other.
+4. Several robots may get stuck together where one alone would not. So in every second round a
+   single robot drives, each in turn, while the others brake.
+5. A light robot may be trapped behind a heavy one that is at its target and brakes. All robots use
+   the same acceleration ``a``, so the light one of mass ``m`` pushes with ``m * a`` and the heavy
+   one of mass ``M`` resists with ``M * a``. After ``STUCK`` rounds, the robot that is farthest from
+   its target therefore drives alone with the full force ``F`` of its motor, up to ``TRIES`` times.
+   It then pushes with at least ``F - D``, where ``D`` is the drag of a loaded robot. Since the
+   motor can accelerate a loaded robot at ``a``, this is at least ``M * a``.
 
-When all are at rest again this is repeated, until each robot is at its target.
+The rounds are repeated until each robot is at its target.
 """
 
 from __future__ import annotations
@@ -35,14 +37,17 @@ from warehouse_core import Cell
 from warehouse_physics.robot import REST, Robot
 
 STUCK = 20
-"""Rounds after which robots use all their force; nearly all jams end in fewer."""
+"""Rounds after which robots use their full force. Nearly all jams end in fewer rounds."""
 
 TRIES = 8
-"""Most drives in a row of one robot that uses all its force."""
+"""Largest number of consecutive drives of one robot with its full force."""
 
 
 class GivingWay:
-    """Moves on the robots of one action that are held; made after all have begun it."""
+    """The rounds in which the held robots of one action get back.
+
+    It is created after all robots have begun the action.
+    """
 
     def __init__(self, robots: Sequence[Robot]) -> None:
         self._robots, self._rounds = robots, 0
@@ -55,13 +60,17 @@ class GivingWay:
             robot.action.is_followed = robot.action.home in self._drivers
 
     def move_on(self, now: int) -> bool:
-        """Move on when no robot has anything to do at substep ``now``; return whether one has."""
+        """Start the next round at substep ``now``, when no robot has anything to do.
+
+        Returns:
+            True if any robot drives or still moves.
+        """
         moving = [robot for robot in self._robots if robot.is_moving()]
-        for robot in moving:  # pushed by one that it had already touched
+        for robot in moving:  # pushed by a robot that it already touched
             robot.halt(now)
         if moving:
             return True
-        self._tell_all()
+        self._stop_followers()
         away = []
         for robot in self._robots:
             robot.look()
@@ -77,20 +86,20 @@ class GivingWay:
         return bool(away)
 
     def _force_through(self, away: Sequence[Robot], now: int) -> None:
-        """Let the robot that was farthest from its target drive alone with all its force.
+        """Let the robot that is farthest from its target drive alone with its full force.
 
-        It tries both ways around a wall, in turn.
+        It alternates between both paths around a wall.
         """
         for robot in self._robots:
-            robot.brake_as_usual()
+            robot.restore_braking()
         if (self._rounds - STUCK) % TRIES == 0 or self._caught not in away:
-            ways = [math.dist(robot.position, robot.action.target) for robot in away]
-            self._caught = away[ways.index(max(ways))]
+            distances = [math.dist(robot.position, robot.action.target) for robot in away]
+            self._caught = away[distances.index(max(distances))]
         waypoint = self._caught.waypoint(longer_first=bool(self._rounds % 2))
         self._caught.drive(now, waypoint, is_hard=True)
 
-    def _tell_all(self) -> None:
-        """Make all give up that are stopped by those that have."""
+    def _stop_followers(self) -> None:
+        """Make all robots give up that a robot which has given up is in the way of."""
         stopped = [robot for robot in self._robots if robot.action.gave_up]
         while stopped:
             action = stopped.pop().action
@@ -101,7 +110,7 @@ class GivingWay:
                         stopped.append(robot)
 
     def _next_of(self, away: list[Robot]) -> list[Robot]:
-        """Return all robots, or every other time one of them in turn."""
+        """Return all robots, or in every second round one of them, each in turn."""
         turn, is_alone = divmod(self._rounds, 2)
         return [away[turn % len(away)]] if is_alone and away else away
 

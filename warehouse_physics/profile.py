@@ -1,24 +1,31 @@
-"""Velocity profiles: how fast to drive, for how many substeps, and how far that leads.
+"""Velocity profiles: how fast to drive, for how long, and how far a robot gets.
 
-Chipmunk moves positions before it changes velocities, and all formulas here follow from that.
+A motor takes two commands: a velocity, and later 0. It then changes the speed of the body by at
+most a constant amount in each substep. The task of this file is to find the velocity and the two
+times, in whole substeps of ``dt`` seconds, so that the body comes to rest exactly at its target.
+Chipmunk first moves the positions of bodies and then changes their velocities. All formulas follow
+from this order.
 
-*From rest to rest, as two commands: go, then brake.* Let a robot at rest be commanded the speed
-``v`` for ``n`` substeps of ``dt`` and then 0, and let its speed change by at most ``a * dt`` in a
-substep on the way up and ``b * dt`` on the way down. With ``a = b`` the distance lost while it
-speeds up is gained while it slows down: it ends at rest exactly ``n * dt * v`` farther, as long as
-``v <= n * a * dt``. So ``n`` is chosen first, and ``v`` follows.
+*Equal rates.* A robot at rest is commanded the speed ``v`` for ``n`` substeps and then 0. In a
+substep its speed rises by at most ``a * dt`` or falls by at most ``b * dt``. With ``a = b`` the
+distance that is lost while it speeds up is gained while it slows down. It therefore comes to rest
+exactly ``n * dt * v`` from its start, provided that ``v <= n * a * dt``. So ``n`` is chosen first,
+as small as the top speed and the acceleration allow, and ``v`` follows from the distance.
 
-Where the drag of the floor alone exceeds the attainable acceleration, ``b`` is larger and less is
-gained than lost, by nearly ``k * v * v`` with ``k = (1 / a - 1 / b) / 2``. Again ``n`` is chosen
-first, for the highest speed possible; ``v`` is the root of a quadratic equation, and then exact by
-Newton's method, because the distance is linear between speeds of whole substeps.
+*Harder braking.* Where the drag of the floor alone is larger than the attainable acceleration,
+``b`` is larger than ``a``. The robot then loses more than it gains, by nearly ``k * v * v`` with
+``k = (1 / a - 1 / b) / 2``. Again ``n`` is chosen first, for the highest speed possible. ``v`` is
+then the root of a quadratic equation, and Newton's method makes it exact, because the distance is
+linear in ``v`` between the speeds that are reached after whole substeps.
 
-*Substep by substep.* A body moves on with the speed that it has, and then takes the speed that it
-is commanded. So the speeds that are chosen now decide where the bodies are from the end of the next
-substep on, to which all distances of ``stopping_speeds`` are measured.
+*Substep by substep.* Robots that drive through cells get a new command in each substep. In a
+substep a body first moves with the speed that it has and then takes the commanded speed. Speeds
+that are chosen now therefore take effect on positions from the end of the next substep on. The
+distances that ``stopping_speeds`` takes are measured from there.
 
-``plan_profile`` plans for one robot what ``plan_profiles`` does for an array of them: NumPy takes
-ten times as long for a single number, which a lone robot would notice.
+``plan_profile`` does for one robot what ``plan_profiles`` does for an array of robots. Both exist
+because NumPy takes ten times as long for a single number, which would be noticeable with a lone
+robot.
 """
 
 from __future__ import annotations
@@ -33,23 +40,24 @@ Floats = NDArray[np.float64]
 Substeps = NDArray[np.int64]
 
 _SLACK = 1e-4
-"""Part of a substep that is not rounded up to a whole one, because the solver leaves as much of a
-quotient that should be whole. The top speed may be exceeded by as little."""
+"""Part of a substep that is not rounded up to a whole one, because rounding and the solver leave
+about this much of a quotient that should be whole. The top speed may be exceeded by as small a
+share."""
 
 _ROUNDS = 8
-"""Rounds of Newton's method. After 6 the distance is exact but for rounding, at a thousand substeps
-and any rates too."""
+"""Iterations of Newton's method. After 6 the distance is exact except for rounding, even with a
+thousand substeps and with any rates."""
 
 
 class Profile(NamedTuple):
-    """Commanded velocity in m/s, and the numbers of substeps to go and then to brake."""
+    """Commanded velocity ``(x, y)`` in m/s, and the numbers of substeps to drive and to brake."""
 
     velocity: tuple[float, float]
     go: int
     brake: int
 
     def scaled(self, factor: float) -> Profile:
-        """Return the profile with its speed multiplied by a factor."""
+        """Return this profile with the velocity multiplied by a factor."""
         return self._replace(velocity=(factor * self.velocity[0], factor * self.velocity[1]))
 
 
@@ -61,9 +69,10 @@ def plan_profile(
     time_step: float,
     drag: float = 0.0,
 ) -> Profile:
-    """Return the fastest profile from rest at ``start`` to rest at ``target``, in metres.
+    """Return the fastest profile from rest at ``start`` to rest at ``target``, both in metres.
 
-    The robot brakes at ``acceleration``, or at ``drag`` if the floor alone brakes harder.
+    The robot brakes at ``acceleration``, or at ``drag`` if the floor alone brakes harder, both in
+    m/s².
     """
     dx, dy = target[0] - start[0], target[1] - start[1]
     length = math.hypot(dx, dy)
@@ -79,19 +88,23 @@ def plan_profile(
 
 
 def braking(speed: float, deceleration: float, time_step: float) -> int:
-    """Return the substeps until a robot that brakes from ``speed`` stands still."""
+    """Return the substeps that a robot needs to brake from ``speed`` to rest."""
     return max(1, math.ceil(speed / (deceleration * time_step) - _SLACK))
 
 
 def plan_profiles(
-    ways: Floats, top_speed: float, accelerations: Floats, time_step: float, drag: float = 0.0
+    displacements: Floats,
+    top_speed: float,
+    accelerations: Floats,
+    time_step: float,
+    drag: float = 0.0,
 ) -> tuple[Floats, Substeps, Substeps]:
-    """Return the fastest profiles from rest to rest over ``ways``, ``[N, 2]`` in metres.
+    """Return the fastest profiles from rest to rest over ``displacements``, ``[N, 2]`` in metres.
 
     Returns:
         The velocities ``[N, 2]`` in m/s, and the substeps ``[N]`` to go and to brake.
     """
-    lengths = lengths_of(ways)
+    lengths = lengths_of(displacements)
     seconds = np.maximum(lengths / top_speed, np.sqrt(lengths / accelerations))
     go = _whole(seconds / time_step)
     seconds = go * time_step
@@ -101,32 +114,35 @@ def plan_profiles(
         speeds, go[hard] = _hard_stops(lengths[hard], *limits)
         seconds[hard] = lengths[hard] / speeds
     brake = brakings(lengths / seconds, np.maximum(accelerations, drag), time_step)
-    return ways / seconds[:, None], go, brake
+    return displacements / seconds[:, None], go, brake
 
 
 def brakings(speeds: Floats, decelerations: Floats, time_step: float) -> Substeps:
-    """Return the substeps ``[N]`` until robots that brake from ``speeds`` stand still."""
+    """Return the substeps that robots need to brake from ``speeds`` to rest, ``[N]``."""
     return _whole(speeds / (decelerations * time_step))
 
 
 def lengths_of(vectors: Floats) -> Floats:
-    """Return the lengths ``[N]`` of vectors ``[N, 2]``."""
+    """Return the lengths of the vectors ``[N, 2]``, as ``[N]``."""
     return np.hypot(vectors[:, 0], vectors[:, 1])
 
 
 def stopping_distances(speeds: Floats, rates: Floats, time_step: float) -> Floats:
-    """Return how far robots move after they are commanded ``speeds``, if they then brake."""
+    """Return how far robots that are commanded ``speeds`` get if they brake after that, in metres.
+
+    The speeds are in m/s, and they brake at ``rates`` in m/s².
+    """
     return speeds * (speeds + rates * time_step) / (2 * rates)
 
 
 def stopping_speeds(distances: Floats, rates: Floats, time_step: float) -> Floats:
-    """Return the highest speeds from which robots stop within ``distances``; 0 where they cannot.
+    """Return the highest speeds in m/s from which robots stop within ``distances`` in metres.
 
-    They brake at ``rates`` in m/s².
+    They brake at ``rates`` in m/s². The speed is 0 where the distance is 0 or less.
     """
-    ways, half = np.maximum(distances, 0.0), rates * time_step / 2
-    # The last substep may be too short for a whole step of speed, so a way is also not overshot.
-    return np.minimum(np.sqrt(half * half + 2 * rates * ways) - half, ways / time_step)
+    room, half = np.maximum(distances, 0.0), rates * time_step / 2
+    # The second term keeps the last substep from overshooting a very short distance.
+    return np.minimum(np.sqrt(half * half + 2 * rates * room) - half, room / time_step)
 
 
 def _whole(substeps: Floats) -> Substeps:
@@ -134,7 +150,7 @@ def _whole(substeps: Floats) -> Substeps:
 
 
 def _hard_stops(lengths: Any, top: float, rates: Any, drag: float, dt: float) -> tuple[Any, Any]:
-    """Return the speeds and substeps to go of robots that brake at ``drag``, above their rates."""
+    """Return speeds and substeps to drive for robots whose ``drag`` is above their ``rates``."""
     k = (1 / rates - 1 / drag) / 2
     peaks = np.minimum(top, np.sqrt(2 * rates * lengths / (1 + rates / drag)))
     go = _whole((lengths / peaks + k * peaks) / dt)
@@ -148,6 +164,9 @@ def _hard_stops(lengths: Any, top: float, rates: Any, drag: float, dt: float) ->
 
 
 def _lag(speeds: Any, rate: Any, dt: float) -> tuple[Any, Any]:
-    """Return the distance lost while robots reach a speed, and in how many substeps."""
+    """Return the distance that robots lose while they reach a speed, and the substeps for it.
+
+    The loss is relative to robots that have the speed from the beginning.
+    """
     substeps = np.ceil(speeds / (rate * dt) - _SLACK)
     return dt * substeps * (speeds - rate * dt * (substeps - 1) / 2), substeps

@@ -1,4 +1,4 @@
-"""Check the version of pymunk before anything of it is used."""
+"""A check of the version of pymunk, which runs before anything else is imported from it."""
 
 from __future__ import annotations
 
@@ -8,10 +8,10 @@ MIN_VERSION, BELOW_VERSION = (7, 1), (8, 0)
 
 
 def check_version(version: str) -> None:
-    """Raise if this backend does not support a version of pymunk.
+    """Raise an error if this backend does not support a version of pymunk.
 
     Raises:
-        ImportError: naming the version, and those that are supported.
+        ImportError: the version is not supported; the message has the version and what is needed.
     """
     try:
         major, minor = map(int, version.split(".")[:2])

@@ -1,4 +1,4 @@
-"""The physics backend: rigid-body robots that carry out grid moves."""
+"""The physics backend for moves from cell to cell, in which robots stop in each cell."""
 
 from __future__ import annotations
 
@@ -24,37 +24,39 @@ from warehouse_physics.spec import (
 )
 
 BodyRow = tuple[float, float, float, float]
-"""Time in seconds, x, y and heading; see ``Outcome.path``."""
+"""Time in seconds, x and y in metres, and heading in radians; see ``Outcome.path``."""
 
 STAY = (0, 0)
 
 
 class RigidBodyMotion(BodyMotion):
-    """Moves ``R`` robots as discs with mass, driven by finite force, that collide.
+    """Moves ``R`` robots as discs with mass, which motors of finite force drive and which collide.
 
-    Nothing is looked up in the grid: ``cell`` is the cell under the body, and a robot is blocked
-    because Chipmunk reports that it touched something. It then drives back to the middle of its
-    cell; see ``giving_way.py`` for several that are in each other's way. All robots accelerate like
-    the slowest of them, such as a loaded one. Each has its own ``seconds``, until it is at rest.
+    Nothing is looked up in the grid. The ``cell`` of an outcome is the one under the body, and a
+    robot is blocked because Chipmunk reports that it touched something. It then drives back to the
+    middle of its cell. If several robots block each other, they give way as in ``giving_way.py``.
+    All robots accelerate like the slowest one, such as a loaded robot. The ``seconds`` of each
+    robot end when it is at rest.
 
-    Robots with ``turn_seconds`` first turn on the spot, the shorter way round, and drive back
-    backwards. All that move set off together, after the longest turn of any of them, as a robot
-    that follows another, or goes round with others in a ring, needs them to leave at the same time.
-    Those that have less to turn turn more slowly. Robots with differential drive set off together
-    too, but each of them turns as fast as it can and then waits; see ``wheeled_robot.py``.
+    Robots with ``turn_seconds`` first turn on the spot, in the shorter direction, and drive back in
+    reverse. All moving robots set off at the same time, after the longest turn of any of them,
+    because a robot that follows another or is part of a ring needs the others to leave at the same
+    time. Robots that turn less turn more slowly. Robots with differential drive set off together
+    too, but each turns as fast as it can and then waits; see ``wheeled_robot.py``.
 
-    Robots of fleets with headings turn in their cells, while others drive; see ``face``.
+    In a fleet with headings, robots can turn in their cells while others drive; see ``face``.
 
     Args:
         spec: numbers of the robots; ``None`` is the default robot.
-        disturbances: departure of the physics from the nominal; ``None`` is no departure.
-        record_path: record the path of each robot, not only its start and end.
-        path_every: substeps between rows of a path, at least 1.
+        disturbances: deviations from the nominal physics; ``None`` is no deviation.
+        record_path: whether to record the path of each robot, and not only its start and end.
+        path_every: substeps between two rows of a path, at least 1.
 
     Raises:
-        ValueError: ``path_every`` is below 1, or there are stops, which these robots cannot have.
-        TypeError: ``path_every`` is not an integer, ``spec`` no ``RobotSpec``, or ``disturbances``
-            no ``Disturbances``.
+        ValueError: ``path_every`` is below 1, or the disturbances have stops, which only
+            ``DrivingMotion`` supports.
+        TypeError: ``path_every`` is not an integer, ``spec`` not a ``RobotSpec``, or
+            ``disturbances`` not a ``Disturbances``.
 
     Example:
         >>> from warehouse_core import WarehouseEnv
@@ -79,19 +81,21 @@ class RigidBodyMotion(BodyMotion):
         super().__init__(spec, disturbances, record_path=record_path, path_every=path_every)
         if self.disturbances.stops:
             raise ValueError(
-                f"stops is {self.disturbances.stops}; it must be empty for robots that move step "
-                "by step, as only a DrivingMotion carries out stops"
+                f"stops is {self.disturbances.stops}; it must be empty for robots that stop in "
+                "each cell; only DrivingMotion supports stops"
             )
-        self._paces = [self.spec.attainable_acceleration(loaded) for loaded in (False, True)]
+        self._accelerations = [
+            self.spec.attainable_acceleration(loaded) for loaded in (False, True)
+        ]
         self._arena: RobotArena | None = None
         self._facing: Sequence[Cell] = ()
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
-        """Build a new arena with robots at rest; see ``Motion.reset``.
+        """Create a new arena with robots at rest; see ``Motion.reset``.
 
         Raises:
-            ValueError: several robots with a radius above ``MAX_FLEET_RADIUS`` of a cell, or with
-                differential drive above ``MAX_WHEELED_RADIUS``.
+            ValueError: there are several robots and their radius is above ``MAX_FLEET_RADIUS`` of a
+                cell, or with differential drive above ``MAX_WHEELED_RADIUS``.
         """
         check_starts(layout, cells)
         share = MAX_WHEELED_RADIUS if self.spec.is_differential else MAX_FLEET_RADIUS
@@ -101,14 +105,16 @@ class RigidBodyMotion(BodyMotion):
                 f"radius is {self.spec.radius!r}; with cell_size {self.cell_size!r} it must be at "
                 f"most {widest!r} for {len(cells)} robots, which pass each other at corners"
             )
-        drawn = self._drawn(seed)
-        floor = FloorConditions(self.disturbances, drawn) if self.disturbances.is_felt else None
+        random_seed = self._random_seed(seed)
+        floor = (
+            FloorConditions(self.disturbances, random_seed) if self.disturbances.is_felt else None
+        )
         self._arena, self._facing = RobotArena(layout, cells, self.spec, floor), ()
-        self._begin(layout, cells, drawn)
+        self._begin(layout, cells, random_seed)
 
     @exclusive
     def face(self, directions: Sequence[Cell]) -> None:
-        """Let robots turn on the spot in the next ``advance``; see ``BaseMotion.face``."""
+        """Make robots turn on the spot in the next ``advance``; see ``BaseMotion.face``."""
         if self._arena is None:
             raise RuntimeError("face() needs a reset() before it")
         check_directions(len(self._arena.robots), directions)
@@ -117,10 +123,10 @@ class RigidBodyMotion(BodyMotion):
 
     @exclusive
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
-        """Carry out one action for each robot; see ``Motion.advance``.
+        """Carry out one action of each robot; see ``Motion.advance``.
 
         Raises:
-            RuntimeError: before ``reset``, or while another call is running.
+            RuntimeError: it is called before ``reset``, or while another call is running.
         """
         if self._arena is None:
             raise RuntimeError("advance() needs a reset() before it")
@@ -128,9 +134,11 @@ class RigidBodyMotion(BodyMotion):
         check_moves(len(robots), displacements, loaded)
         self._note_moves(displacements, loaded)
         moves = zip(displacements, loaded, strict=True)
-        pace = self._paces[any(load and displacement != STAY for displacement, load in moves)]
+        acceleration = self._accelerations[
+            any(load and displacement != STAY for displacement, load in moves)
+        ]
         turning = max(
-            robot.begin(displacement, load, pace)
+            robot.begin(displacement, load, acceleration)
             for robot, displacement, load in zip(robots, displacements, loaded, strict=True)
         )
         for robot in robots:
@@ -149,11 +157,12 @@ class RigidBodyMotion(BodyMotion):
         """Return a motion for one robot in each of these layouts; see ``BaseMotion.batch``.
 
         Raises:
-            ValueError: no layouts, or this motion has disturbances, which a batch cannot have.
+            ValueError: there are no layouts, or this motion has disturbances, which a batch does
+                not support.
         """
         if self.disturbances.any:
             raise ValueError(
-                f"{self.disturbances} cannot be batched; a batch is nominal, without disturbances"
+                f"{self.disturbances} cannot be batched; a batch does not support disturbances"
             )
         return RigidBodyBatch(self.spec, layouts)
 
@@ -166,7 +175,7 @@ class RigidBodyMotion(BodyMotion):
         now = 0
         robots = arena.robots
         giving_way = GivingWay(robots) if len(robots) > 1 else None
-        # One after the other, in the worst case.
+        # In the worst case, robots drive one after the other.
         limit = MAX_SUBSTEPS + (len(robots) - 1) * MAX_MOVE_SUBSTEPS
         path_every = self._path_every if self._record_path else limit
         while now < limit:
@@ -199,7 +208,7 @@ class RigidBodyMotion(BodyMotion):
             path.append(self._row(seconds, robot))
         rows = np.array(path)
         rows.flags.writeable = False
-        # With recuperation, a push by another robot may give back more than the action costs.
+        # With recuperation, a push by another robot may return more energy than the action costs.
         joules = max(joules_of(self.spec, action.work, seconds), 0.0)
         cell, blocked, contacts = robot.cell, robot.is_blocked(), tuple(action.contacts)
         return Outcome(cell, blocked, seconds, joules, rows, contacts, cut_off)

@@ -1,7 +1,24 @@
 """One robot: a body with mass, the motor that drives it, and the drag of the floor.
 
-The motor is a joint of finite force to a control body whose velocity is written; nothing else is
-ever commanded. Position and velocity of the robot itself are only read.
+*The motor* is a joint between the body and a control body, which has no shape and touches nothing.
+The program writes a velocity to the control body. In each substep the joint pulls the robot towards
+this velocity, with at most ``max_force`` newtons. A robot of mass ``m`` can therefore change its
+speed by at most ``max_force * dt / m`` in a substep. The velocity and the largest force are all
+that is ever commanded. The position and the velocity of the robot itself are only read, so whatever
+the robot does is the result of forces.
+
+*The floor* is a joint to the static body. It pulls the robot towards rest with at most the drag,
+which is ``floor_drag * m * g`` newtons. To speed up at ``a`` m/s² the motor may push with ``m * a``
+plus the drag. To brake at the same rate it needs ``m * a`` less the drag.
+
+*A drive* has two phases. The robot is commanded a velocity for the first (``GO``) and 0 for the
+second (``BRAKE``). ``profile.py`` calculates the velocity and the duration of both phases, so that
+the robot stops at its target. At rest the robot compares its position with the target, and drives
+again if it has not arrived. After a hit with something that is in the way it brakes and gives up.
+Its new target is then the middle of the cell in which it began.
+
+*Work* is counted at the wheels: the kinetic energy that the body has gained plus the drag times the
+distance. See ``energy.py``.
 """
 
 from __future__ import annotations
@@ -22,39 +39,42 @@ from warehouse_physics.profile import braking, plan_profile
 from warehouse_physics.spec import ARRIVED, RobotSpec
 
 TURN_RATE, TURN_ACCELERATION = math.pi, 60.0
-"""Limits of the heading in rad/s and rad/s² for a free move of ``TURN_SECONDS``; a robot that moves
-``k`` times as fast turns ``k`` times as fast. The heading of a disc does not change where it goes.
-"""
+"""Limits of the heading, in rad/s and rad/s², for a robot whose free move takes ``TURN_SECONDS``. A
+robot that moves ``k`` times as fast turns ``k`` times as fast. The heading of a disc does not
+change where it goes."""
 
 TURN_SECONDS = 2.0
-"""Seconds of a free move of the default robot over a cell."""
+"""Seconds that the default robot takes for a free move over one cell."""
 
 AT_REST = 1e-6
-"""Speed in m/s below which a robot stands still; less than the solver may leave after a hit."""
+"""Speed in m/s below which a robot is at rest. After a hit the solver may leave a higher speed, and
+the robot then goes on braking."""
 
 REST, GO, BRAKE, HELD = range(4)
-"""Phases of a drive; a robot that is held waits for others at rest, see ``giving_way.py``."""
+"""Phases of a drive. A held robot waits until all others are at rest; see ``giving_way.py``."""
 
 NEVER = sys.maxsize
-"""The substep at which a robot at rest has something to do."""
+"""End of the phase of a robot that has nothing to do, as a substep that is never reached."""
 
 MAX_SUBSTEPS = 10_000
-"""Substeps after which an action of one robot ends, wherever it is."""
+"""Substeps after which the action of a robot ends, wherever it is."""
 
 
 @dataclass(slots=True)
 class ActionState:
-    """The state of one action.
+    """The state of one action of a robot.
 
     Attributes:
         home: cell in which the action began.
+        goal: cell to which the action leads; ``home`` if the robot stays.
         target: middle of ``goal``, or of ``home`` after the robot gave up, in metres.
-        deadline: substep after which no new attempt is made.
+        deadline: substep after which the robot makes no new attempt.
         gave_up: true if something was in the way.
         is_followed: true if another robot drives to ``home``.
-        has_met: true if the robot touched another one.
-        last_hit: substep of the last hit, or 0.
+        has_met: true if the robot touched another robot.
+        last_hit: substep of the latest hit, or 0.
         rested: substep at which the robot came to rest.
+        contacts: hits so far, as they are reported.
         work: work of the motor so far, in joules.
     """
 
@@ -72,21 +92,21 @@ class ActionState:
 
 
 class Robot:
-    """A robot in an arena, at first at rest in a cell and heading east.
+    """A robot in an arena, which begins at rest in a cell and faces east.
 
     Attributes:
-        position: middle of the body at the last look, in metres.
-        action: action that was begun last.
-        phase: present phase of the drive: ``REST``, ``GO``, ``BRAKE`` or ``HELD``.
+        position: middle of the body when it was last read, in metres.
+        action: latest action.
+        phase: current phase of the drive: ``REST``, ``GO``, ``BRAKE`` or ``HELD``.
         until: substep at which the phase ends, or ``NEVER``.
     """
 
     def __init__(
         self, arena: Arena, spec: RobotSpec, cell: Cell, floor: FloorConditions | None
     ) -> None:
-        self._spec, self._uneven = spec, floor
+        self._spec, self._conditions = spec, floor
         self._lead = spec.time_step / 2
-        self.body = pymunk.Body(1.0, 1.0)  # the load sets its mass and moment
+        self.body = pymunk.Body(1.0, 1.0)  # _load sets its mass and moment
         self.body.position = centre = centre_of(cell, spec.cell_size)
         self._control = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
         self._floor = pymunk.PivotJoint(arena.space.static_body, self.body, (0, 0), (0, 0))
@@ -96,57 +116,60 @@ class Robot:
         self.action = ActionState(cell, cell, centre)
         self._heading = self._turn = 0.0
         self.look()
-        # The present profile: where work was last counted, the kinetic energy there, and the
-        # substeps to brake at its end.
+        # Position and kinetic energy at the last count of work, and substeps to brake after GO.
         self._start, self._energy, self._braking = self.position, 0.0, 0
-        self._on = cell
+        self._floor_cell = cell
         self._load(False, spec.acceleration)
         self._brake(0, 0)
         self.phase, self.until = REST, NEVER
 
     def _drive_joints(self) -> list[pymunk.Constraint]:
-        """Make the joints to the control body: the motor, and the one that turns the body."""
+        """Create the joints to the control body: the motor, and a joint that turns the body."""
         spec = self._spec
         self._motor: pymunk.Constraint = pymunk.PivotJoint(self.body, self._control, (0, 0), (0, 0))
         self._motor.max_bias = 0.0
         self._steering: pymunk.Constraint = pymunk.GearJoint(self.body, self._control, 0.0, 1.0)
         quickness = TURN_SECONDS / spec.move_seconds(loaded=False)
         self._steering.max_bias = TURN_RATE * quickness
-        self._steering.error_bias **= quickness  # the error that is left after a second
+        self._steering.error_bias **= quickness  # share of the error that remains after a second
         self._turn_acceleration = TURN_ACCELERATION * quickness**2
-        if spec.turn_seconds:  # at a constant rate, which is reached in a substep
+        if spec.turn_seconds:  # it turns at a constant rate, which it reaches in one substep
             self._steering.error_bias = 0.0
             self._turn_acceleration = math.pi / spec.turn_seconds / spec.time_step
         return [self._motor, self._steering]
 
     def look(self) -> None:
-        """Read where the middle of the body is, in metres."""
+        """Read the position of the middle of the body, in metres."""
         x, y = self.body.position
         self.position = x, y
 
     @property
     def cell(self) -> Cell:
-        """The cell that the middle of the body was over at the last look."""
+        """The cell under the middle of the body when its position was last read."""
         x, y = self.position
         return math.floor(y / self._spec.cell_size), math.floor(x / self._spec.cell_size)
 
-    def begin(self, displacement: Cell, loaded: bool, pace: float) -> int:
-        """Begin an action: drive to the middle of a cell, or back if something is in the way.
+    def begin(self, displacement: Cell, loaded: bool, acceleration: float) -> int:
+        """Begin an action and return the substeps that the robot has to turn on the spot first.
 
-        It drives with the acceleration ``pace`` in m/s². Return the substeps that it has to turn
-        on the spot before; see ``set_off``.
+        The robot is to drive to the middle of the cell at ``displacement``, or back if something is
+        in the way, and to accelerate at ``acceleration`` m/s². It sets off when ``set_off`` is
+        called.
         """
-        if loaded != self._loaded or pace != self._pace:
-            self._load(loaded, pace)
+        if loaded != self._loaded or acceleration != self._acceleration:
+            self._load(loaded, acceleration)
         self.look()
         home = self.cell
         goal = home[0] + displacement[0], home[1] + displacement[1]
-        deadline = math.inf if self._uneven is None else self._deadline(self._uneven)
+        deadline = math.inf if self._conditions is None else self._deadline(self._conditions)
         self.action = ActionState(home, goal, centre_of(goal, self._spec.cell_size), deadline)
         return self._turn_towards(displacement) if goal != home else 0
 
     def set_off(self, turning: int) -> None:
-        """Drive off after so many substeps, in which it turns on the spot; or stay."""
+        """Turn on the spot for ``turning`` substeps and then drive to the target.
+
+        A robot whose action stays in its cell does neither.
+        """
         if self.action.goal == self.action.home:
             return
         if turning:
@@ -157,9 +180,9 @@ class Robot:
             self.drive(0, self.action.target)
 
     def turn_to(self, direction: Cell) -> None:
-        """Turn on the spot, the shorter way round, in an action that stays in its cell.
+        """Turn on the spot in the shorter direction, in an action that stays in its cell.
 
-        A robot that need not turn before it drives takes as long for it as for a free move.
+        A robot that can drive in any direction without turning takes as long as for a free move.
         """
         spec = self._spec
         substeps = self._turn_towards(direction)
@@ -188,26 +211,30 @@ class Robot:
     def drive(
         self, now: int, waypoint: Position, share: float = 1.0, *, is_hard: bool = False
     ) -> None:
-        """Drive to a position.
+        """Drive to a position in metres.
 
-        The speed and acceleration are a share of the usual ones; or the drive is a hard one, with
-        all the force of the motor.
+        The robot uses a ``share`` of its normal speed and acceleration. With ``is_hard`` it uses
+        the full force of the motor instead.
         """
-        pace = self._spec.greatest_acceleration(self._loaded) if is_hard else self._pace * share
+        acceleration = (
+            self._spec.greatest_acceleration(self._loaded)
+            if is_hard
+            else self._acceleration * share
+        )
         self._start, self._energy = self.position, 0.0
-        profile = plan_profile(self._start, waypoint, *self._spec.limits(pace, share))
-        if self._uneven is not None:
-            profile = profile.scaled(self._uneven.speed_factor())
+        profile = plan_profile(self._start, waypoint, *self._spec.limits(acceleration, share))
+        if self._conditions is not None:
+            profile = profile.scaled(self._conditions.speed_factor())
         self._control.velocity = profile.velocity
-        # The floor brakes too; the motor does the rest, so that the pace is the same both ways
-        # where the floor alone does not brake harder.
-        self._brake_at(pace)
-        self._push(self._mass * pace + self._nominal_drag)
+        # The floor helps to brake. The motor does the rest, so that the robot brakes as fast as it
+        # speeds up, unless the floor alone brakes harder.
+        self._brake_at(acceleration)
+        self._push(self._mass * acceleration + self._nominal_drag)
         self.phase, self.until, self._braking = GO, now + profile.go, profile.brake
 
-    def brake_as_usual(self) -> None:
-        """Brake with the usual force at rest, also after a hard drive."""
-        self._brake_at(self._pace)
+    def restore_braking(self) -> None:
+        """Brake with the normal force again, after a drive with the full force of the motor."""
+        self._brake_at(self._acceleration)
         self._push(self._braking_force)
 
     def rest(self, now: int) -> None:
@@ -215,13 +242,13 @@ class Robot:
         self.phase, self.until, self.action.rested = REST, NEVER, now
 
     def waypoint(self, *, longer_first: bool = False) -> Position:
-        """Return the next position to drive to on the way to the target.
+        """Return the next position to drive to in order to reach the target, in metres.
 
-        That is the target, unless a wall beside its cell could be in the way of a robot that was
-        pushed aside. Then it first drives the shorter way along one axis: it is beside its lane,
-        further from the target than from the middle of the lane, and on the way to that middle it
-        comes closer to no wall. A robot that was pushed further may meet another wall there, which
-        it gets around if it drives the longer way first.
+        This is the target itself, unless the robot was pushed to the side so far that a corner of a
+        wall could be in its way. Then the robot makes two straight drives, each along one axis, and
+        the shorter one comes first. That one leads from the side back to the middle of its lane and
+        brings it no closer to a wall. A robot that was pushed even further may meet another wall on
+        this drive. It gets around that wall if it makes the longer drive first.
         """
         (x, y), (to_x, to_y) = self.position, self.action.target
         half = self._spec.cell_size / 2
@@ -229,15 +256,18 @@ class Robot:
         if aside <= half - self._spec.radius:
             return to_x, to_y
         for corner in product((to_x - half, to_x + half), (to_y - half, to_y + half)):
-            before, after = apart(self.position, corner), apart((to_x, to_y), corner)
+            before, after = offset(self.position, corner), offset((to_x, to_y), corner)
             if comes_closer(before, after, self._spec.radius):
                 along_x = (abs(x - to_x) == aside) != longer_first
                 return (to_x, y) if along_x else (x, to_y)
         return to_x, to_y
 
     def meet(self, now: int, hit: Hit, other: Robot | None) -> None:
-        """Record a hit with a wall or another robot at substep ``now``; give up if hindered."""
-        if hit.impulse > 0:  # not if they touch side on and already part
+        """Record a hit with a wall or another robot at substep ``now``, and react to it.
+
+        The robot gives up if the hit is in its way.
+        """
+        if hit.impulse > 0:  # not if they slide along each other or already separate
             self.action.contacts.append(hit.contact(now * self._spec.time_step))
         self.action.has_met |= other is not None
         self.look()
@@ -254,41 +284,44 @@ class Robot:
             self.halt(now)
 
     def count_push(self, before: pymunk.Vec2d) -> None:
-        """Count the work in a substep, at first at the velocity ``before``, in a touch.
+        """Count the work of the motor in a substep in which the robot touches another one.
 
-        What the touch adds to the energy of the robot, or takes from it, is no work of its motor.
+        ``before`` is its velocity at the start of the substep. Energy that the contact gives to the
+        robot, or takes from it, is not work of its motor.
         """
         impulses: list[pymunk.Vec2d] = []
         self.body.each_arbiter(lambda arbiter: impulses.append(arbiter.total_impulse))
         velocity = self.body.velocity
-        mean = self._driven(before + velocity) / 2
+        mean = self._driving_part(before + velocity) / 2
         self.look()
-        work = self._worked(velocity, self._lead) - sum(each.dot(mean) for each in impulses)
+        work = self._work_since_count(velocity, self._lead) - sum(
+            each.dot(mean) for each in impulses
+        )
         if self.phase == GO:
             self.action.work += spent(work)
         elif self._spec.recuperation:
             self.action.work -= regained(self._spec, work)
 
     def give_up(self) -> None:
-        """Make the cell in which the action began the target."""
+        """Make the middle of the cell in which the action began the target."""
         self.action.gave_up = True
         self.action.target = centre_of(self.action.home, self._spec.cell_size)
 
     def halt(self, now: int) -> None:
-        """Brake at substep ``now`` until it stands still."""
+        """Begin to brake at substep ``now``, until the robot is at rest."""
         self._brake(now, self._braking_from(self.body.velocity.length))
 
     def is_blocked(self) -> bool:
-        """Return whether something stopped it on its way to another cell, at the last look."""
+        """Return whether something has stopped the robot on its drive to another cell."""
         action, cell = self.action, self.cell
         return cell != action.goal != action.home and (action.gave_up or bool(action.contacts))
 
     def is_moving(self) -> bool:
-        """Return whether the body moves, also if another robot pushes it."""
+        """Return whether the body moves, even if only because another robot pushes it."""
         return bool(self.body.velocity.length > AT_REST)
 
     def has_arrived(self) -> bool:
-        """Return whether it was at its target at the last look."""
+        """Return whether the robot was at its target when its position was last read."""
         return math.dist(self.position, self.action.target) <= ARRIVED * self._spec.cell_size
 
     def mass_along(self, normal: Position) -> float:
@@ -296,24 +329,25 @@ class Robot:
         return self._mass
 
     def feel_floor(self) -> None:
-        """Update drag and grip where the floor differs from cell to cell."""
+        """Update the drag and the largest force if the robot has entered another cell."""
         self.look()
         cell = self.cell
-        if self._uneven is not None and cell != self._on:
+        if self._conditions is not None and cell != self._floor_cell:
             count = self._count_work if self.phase == GO else self._count_braking
             count(self.body.velocity, self._lead)
-            self._on = cell
-            self._drag = self._nominal_drag * self._uneven.drag_factor(cell)
+            self._floor_cell = cell
+            self._drag = self._nominal_drag * self._conditions.drag_factor(cell)
             self._floor.max_force = self._drag
             self._push(self._force)
 
     def _is_hindered_by(self, hit: Hit, other: ActionState | None) -> bool:
-        """Return whether a hit is in the way, with a wall or a robot in an action of its own.
+        """Return whether a hit with a wall, or with a robot in the action ``other``, is in the way.
 
-        A wall is, if it reaches into the lane on this side of the goal and pushes against the way
-        rather than across it. Another robot is, if it drives to the same cell or stays there, meets
-        this one head-on, or has to go back to where this one drives. Any other robot was pushed
-        there, and does not stay.
+        A wall is in the way if the contact is within the lane, lies before the middle of the goal,
+        and pushes against the direction of the move more than to its side. Another robot is in the
+        way if it drives to the same goal or stays there, if it comes head-on, or if it has given up
+        and returns to the goal of this robot. Any other robot was only pushed there and will not
+        stay.
         """
         home, goal = self.action.home, self.action.goal
         if self.action.gave_up or goal == home:
@@ -324,7 +358,7 @@ class Robot:
         down, right = goal[0] - home[0], goal[1] - home[1]
         along = hit.push[0] * right + hit.push[1] * down
         across = hit.push[0] * down - hit.push[1] * right
-        x, y = apart(hit.point, self.action.target)
+        x, y = offset(hit.point, self.action.target)
         is_in_lane = abs(x * down - y * right) < self._spec.cell_size / 2
         return is_in_lane and x * right + y * down < 0 and -along > abs(across)
 
@@ -333,18 +367,18 @@ class Robot:
         self._push(self._braking_force)
         self.phase, self.until = BRAKE, now + substeps
 
-    def _brake_at(self, pace: float) -> None:
-        """Let the motor brake at ``pace`` m/s², or less if the floor alone brakes harder."""
-        self._braking_force = max(self._mass * pace - self._nominal_drag, 0.0)
+    def _brake_at(self, acceleration: float) -> None:
+        """Let the motor brake at ``acceleration`` m/s²; it idles if the floor brakes harder."""
+        self._braking_force = max(self._mass * acceleration - self._nominal_drag, 0.0)
 
     def _braking_from(self, speed: float) -> int:
-        deceleration = max(self._pace, self._spec.floor_deceleration)
+        deceleration = max(self._acceleration, self._spec.floor_deceleration)
         return braking(speed, deceleration, self._spec.time_step)
 
     def _turn_towards(self, displacement: Cell) -> int:
-        """Turn the heading the shorter way round; the way back does not turn it.
+        """Turn the heading in the shorter direction, and return the substeps to turn on the spot.
 
-        Return the substeps that this takes on the spot, or 0 if the robot turns while it drives.
+        These are 0 if the robot turns while it drives. Driving back after a hit does not turn it.
         """
         self._turn = math.remainder(math.atan2(*displacement) - self._heading, math.tau)
         if self._turn:
@@ -353,27 +387,31 @@ class Robot:
         return self._spec.turn_substeps(round(abs(self._turn) / (math.pi / 2)))
 
     def _push(self, force: float) -> None:
-        """Let the motor push with up to ``force`` N, or less if motor or floor limit it."""
+        """Let the motor push with ``force`` N, or less where motor or floor limit it."""
         self._force = force
-        if self._uneven is not None:
-            limit = self._uneven.force_limit(self._on, self._spec.motor_force, self._mass)
+        if self._conditions is not None:
+            limit = self._conditions.force_limit(
+                self._floor_cell, self._spec.motor_force, self._mass
+            )
             force = min(force, limit)
         self._motor.max_force = force
 
     def _count_work(self, velocity: pymunk.Vec2d, lead: float) -> None:
-        """Add the work of the motor, which drives, since the last count; see ``_worked``."""
-        self.action.work += spent(self._worked(velocity, lead))
+        """Add the work that the motor has done since the last count."""
+        self.action.work += spent(self._work_since_count(velocity, lead))
 
     def _count_braking(self, velocity: pymunk.Vec2d, lead: float) -> None:
-        """Take off what the motor, which brakes, got back since the last count; see ``_worked``."""
+        """Subtract the energy that the motor has recovered since the last count."""
         if self._spec.recuperation:
-            self.action.work -= regained(self._spec, self._worked(velocity, lead))
+            self.action.work -= regained(self._spec, self._work_since_count(velocity, lead))
 
-    def _worked(self, velocity: pymunk.Vec2d, lead: float) -> float:
-        """Return the work of the motor since the last count: kinetic energy gained, plus drag.
+    def _work_since_count(self, velocity: pymunk.Vec2d, lead: float) -> float:
+        """Return the work of the motor since the last count, in J: kinetic energy gained plus drag.
 
-        Positions move before velocities change. So the way, over which drag is counted, is that
-        of a point ``lead`` seconds ahead of the middle, at ``velocity``.
+        Chipmunk moves positions before it changes velocities, so a position lags half a substep
+        behind the mean of the velocities before and after each substep. The drag is therefore
+        counted over the distance of a point that is ``lead`` seconds ahead of the middle of the
+        body at ``velocity``.
         """
         start, energy = self._start, self._energy
         self._count_from(velocity, lead)
@@ -381,63 +419,64 @@ class Robot:
         return self._energy - energy + drag
 
     def _count_from(self, velocity: pymunk.Vec2d, lead: float) -> None:
-        """Begin to count work at this position and ``velocity``."""
+        """Start a new count of work at the present position and at ``velocity``."""
         (x, y), (right, down) = self.position, velocity
         self._start = x + lead * right, y + lead * down
         self._energy = kinetic(self._mass, right, down)
 
     def _count_impact(self, hit: Hit) -> None:
-        """Add the work up to a hit in this substep, and of the push of the motor in the hit.
+        """Add the work up to a hit in this substep, and the work of the motor during the hit.
 
-        The motor pushes towards the commanded velocity, or against the hit if it holds that, at
-        the mean of the velocities before and after. Its work before that is up to half a substep
-        ago.
+        Before the hit, work is counted up to the middle of the substep. During the hit the motor
+        pushes towards the commanded velocity, or against the hit if the body already has that
+        velocity. The work of this impulse is the impulse times the mean of the velocities before
+        and after.
         """
         self._count_work(hit.velocity, -self._lead)
         after = self.body.velocity
-        aim = self._driven(self._control.velocity - after)
+        aim = self._driving_part(self._control.velocity - after)
         if aim.length < AT_REST:
-            aim = self._driven(-pymunk.Vec2d(*hit.push))
+            aim = self._driving_part(-pymunk.Vec2d(*hit.push))
         forward = aim.normalized().dot(after + hit.velocity) / 2
         self.action.work += spent(self._motor.impulse * forward)
         self._count_from(after, self._lead)
 
-    def _driven(self, vector: pymunk.Vec2d) -> pymunk.Vec2d:
-        """Return the part of a vector in whose direction the motor can push: all of it."""
+    def _driving_part(self, vector: pymunk.Vec2d) -> pymunk.Vec2d:
+        """Return the part of a vector in whose direction the motor can push, here all of it."""
         return vector
 
     def _deadline(self, floor: FloorConditions) -> float:
-        """Return the substep after which no new attempt is made."""
-        way = self._spec.cell_size, 0.0
-        profile = plan_profile((0.0, 0.0), way, *self._spec.limits(self._pace))
+        """Return the substep after which the robot makes no new attempt."""
+        target = self._spec.cell_size, 0.0
+        profile = plan_profile((0.0, 0.0), target, *self._spec.limits(self._acceleration))
         return floor.patience * (profile.go + profile.brake)
 
-    def _load(self, loaded: bool, pace: float) -> None:
-        """Set the load, and the acceleration in m/s² to drive with."""
-        self._loaded, self._pace = loaded, pace
+    def _load(self, loaded: bool, acceleration: float) -> None:
+        """Set whether the robot carries an item, and its acceleration in m/s²."""
+        self._loaded, self._acceleration = loaded, acceleration
         self._drag = self._nominal_drag = self._spec.drag_force(loaded)
         self.body.mass = self._mass = self._spec.total_mass(loaded)
         self.body.moment = pymunk.moment_for_circle(self._mass, 0.0, self._spec.radius)
-        self._brake_at(pace)
-        if self._uneven is not None:
-            self._drag *= self._uneven.drag_factor(self._on)
+        self._brake_at(acceleration)
+        if self._conditions is not None:
+            self._drag *= self._conditions.drag_factor(self._floor_cell)
         self._floor.max_force = self._drag
         self._steering.max_force = self.body.moment * self._turn_acceleration
 
 
-def apart(position: Position, other: Position) -> Position:
-    """Return the way to a position from another."""
+def offset(position: Position, other: Position) -> Position:
+    """Return the vector to ``position`` from ``other``."""
     return position[0] - other[0], position[1] - other[1]
 
 
 def comes_closer(before: Position, after: Position, reach: float) -> bool:
-    """Return whether a straight way comes closer to the origin than ``reach``.
+    """Return whether a straight path comes closer to the origin than ``reach``.
 
-    One that starts closer may lead away from there.
+    A path that starts closer but leads away does not count.
     """
-    way = apart(after, before)
-    towards = -(before[0] * way[0] + before[1] * way[1])
+    path = offset(after, before)
+    towards = -(before[0] * path[0] + before[1] * path[1])
     if towards <= 0:
         return False
-    done = min(1.0, towards / (way[0] ** 2 + way[1] ** 2))
-    return math.hypot(before[0] + done * way[0], before[1] + done * way[1]) < reach
+    done = min(1.0, towards / (path[0] ** 2 + path[1] ** 2))
+    return math.hypot(before[0] + done * path[0], before[1] + done * path[1]) < reach

@@ -27,8 +27,8 @@ class RobotArena(Arena):
         floor: FloorConditions | None = None,
     ) -> None:
         is_lone = len(cells) == 1
-        usual = ITERATIONS if is_lone else iterations_for_jams(spec)
-        super().__init__(spec, max(usual, iterations_for_drag(spec)))
+        iterations = ITERATIONS if is_lone else iterations_for_jams(spec)
+        super().__init__(spec, max(iterations, iterations_for_drag(spec)))
         if is_lone:
             self.space.collision_bias = LONE_BIAS
         self.add_walls(wall_boxes(layout))
@@ -38,10 +38,13 @@ class RobotArena(Arena):
         self._touching: set[tuple[int, int]] = set()  # pairs of robots
 
     def run(self, now: int, until: int) -> int:
-        """Step from substep ``now`` to ``until`` or the first hit; return the last substep done."""
+        """Step from substep ``now`` to ``until`` or to the first hit, and return the last substep.
+
+        Robots that take part in a hit react to it before this returns.
+        """
         hits: list[Hit] = []
         while now < until and not hits:
-            # Robots have to feel each push, and the floor of a cell as soon as they enter it.
+            # Pushes between robots, and floors that differ, have to be looked at in each substep.
             pushed = {each: self.bodies[each].velocity for each in self._pushed()}
             is_watched = bool(pushed) or self._varies
             now, hits = self.stepper.run(now, now + 1 if is_watched else until)
@@ -58,7 +61,7 @@ class RobotArena(Arena):
         return now
 
     def _pushed(self) -> set[int]:
-        """Return the robots that touch others since a hit."""
+        """Return the robots that have hit another robot and still touch it."""
         reach, bodies = 2 * self._spec.body_radius, self.bodies
         self._touching = {
             (one, other)
@@ -73,20 +76,22 @@ class RobotArena(Arena):
 
 
 def iterations_for_jams(spec: RobotSpec) -> int:
-    """Return the solver rounds that several robots of this kind need, 5 for the default one.
+    """Return the solver iterations that several robots of this kind need: 5 for the default robot.
 
-    Robots that push each other converge the more slowly the more their masses differ: with 5 rounds
-    for all, about one of 20,000 robots in jams with heavy loads stays stuck.
+    The solver converges more slowly for robots that push each other the more their masses differ.
+    With 5 iterations for all kinds, about one in 20,000 robots in jams with heavy loads stays
+    stuck.
     """
     return 3 + math.ceil(spec.total_mass(loaded=True) / spec.mass)
 
 
 def iterations_for_drag(spec: RobotSpec) -> int:
-    """Return the solver rounds that a robot of this kind needs for its drag.
+    """Return the solver iterations that a robot of this kind needs in order to overcome its drag.
 
-    The drag of the floor and the motor, which has to overcome it, each grow by what the other did,
-    up to the momentum of the commanded speed in a round. The lowest such speed is the one of a
-    correction over ``ARRIVED``.
+    In each iteration the motor undoes what the drag did in the iteration before, and the other way
+    round. Each of them can grow by at most the momentum of the commanded speed in an iteration, so
+    a low speed needs many iterations. The lowest speed is commanded to correct an error of
+    ``ARRIVED``.
     """
     slowest = math.sqrt(spec.attainable_acceleration(loaded=True) * ARRIVED * spec.cell_size)
     return 3 + math.ceil(spec.floor_deceleration * spec.time_step / slowest)

@@ -1,12 +1,12 @@
-"""Substeps of a space up to the first hit; no error of a callback is lost.
+"""Substeps of a space up to the first hit, without losing errors of callbacks.
 
-Half of the time of ``Space.step`` passes in Python, for objects that were added or removed since
-the last step. Where there are none, Chipmunk's own function is called instead: a private part of
-pymunk, which its versions 7.1 to 7.3 have in the same form. With a later version ``Space.step`` is
-called.
+Half of the time of ``Space.step`` is spent in Python, on objects that were added or removed since
+the last step. If there are none, this module calls Chipmunk's own function instead. That function
+is a private part of pymunk, which is the same in versions 7.1 to 7.3. With later versions
+``Space.step`` is called.
 
-Chipmunk calls Python through cffi, which prints the errors of a callback and drops them. So they
-are kept, and raised after the call.
+Chipmunk calls Python through cffi, which prints the errors of a callback and drops them. So this
+module stores them, and raises them after the call.
 """
 
 from __future__ import annotations
@@ -22,21 +22,21 @@ IS_KNOWN = pymunk.version.startswith(("7.1.", "7.2.", "7.3."))
 
 
 class Hits(list[Any]):
-    """Hits that have begun, each as ``note`` describes it, and the errors of describing them."""
+    """Hits that have begun, as ``note`` describes them, and errors that it raised."""
 
     def __init__(self, note: Callable[[pymunk.Arbiter], Iterable[Any]]) -> None:
         super().__init__()
         self._note = note
 
     def begin(self, arbiter: pymunk.Arbiter, space: pymunk.Space, data: Any) -> None:
-        """Keep a hit before the solver changes any velocity."""
+        """Store a hit before the solver changes any velocity."""
         try:
             self.extend(self._note(arbiter))
         except BaseException as error:
             self.append(error)
 
     def take(self) -> list[Any]:
-        """Return the hits, and forget them; raise the first error among them."""
+        """Return the hits and clear the list, or raise the first error among them."""
         hits = self.copy()
         self.clear()
         for each in hits:
@@ -46,9 +46,9 @@ class Hits(list[Any]):
 
 
 class Stepper:
-    """Steps a space, and notes hits of bodies whose collision types are one of ``pairs``.
+    """Steps a space, and notes when bodies begin to touch whose collision types are in ``pairs``.
 
-    ``note`` is called as two begin to touch, and returns hits, one or more for the touch.
+    ``note`` is called for each new contact and returns one or more hits.
     """
 
     def __init__(
@@ -63,15 +63,17 @@ class Stepper:
             space.on_collision(*pair, begin=self._hits.begin)
 
     def run(self, now: int, until: int) -> tuple[int, list[Any]]:
-        """Step from substep ``now`` to ``until`` or the first hits; return when, and the hits.
+        """Step from substep ``now`` until the first hits; return the last substep and the hits.
+
+        It steps to substep ``until`` if there are no hits.
 
         Raises:
-            BaseException: an error, or an interrupt, while a hit was noted.
+            BaseException: an error or an interrupt occurred while a hit was noted.
         """
         space = self._space
         if not IS_KNOWN or _has_changes(space):
             return self._run(partial(space.step, self._time_step), now, until)
-        # A callback that adds or removes something has to wait, as in a step of pymunk.
+        # As in a step of pymunk, objects that a callback adds or removes have to wait.
         space._locked = True
         try:
             return self._run(partial(lib.cpSpaceStep, space._space, self._time_step), now, until)
@@ -89,7 +91,7 @@ class Stepper:
 
 
 def _has_changes(space: pymunk.Space) -> bool:
-    """Return whether a step of pymunk would do more than call Chipmunk's own."""
+    """Return whether a step of pymunk would do more than to call Chipmunk's step."""
     return bool(
         space._bodies_to_check
         or space._removed_shapes

@@ -1,7 +1,8 @@
 """The walls of a layout as few rectangles, in a fixed order.
 
-One box for each cell would have seams that stop a sliding body, and the order of insertion changes
-results. So wall cells are merged greedily, along rows first and then downward.
+With one box for each cell there would be seams, which stop a body that slides along a wall. The
+order of the boxes affects results. So wall cells are merged greedily, first along rows and then
+downwards.
 """
 
 from __future__ import annotations
@@ -14,7 +15,7 @@ CellBox = tuple[int, int, int, int]
 
 
 def wall_boxes(layout: Layout) -> list[CellBox]:
-    """Return boxes that cover the walls exactly, after four around the edge of the grid."""
+    """Return boxes that cover the walls exactly, after four boxes around the edge of the grid."""
     height, width = layout.height, layout.width
     boxes = [
         (-1, -1, width + 1, 0),

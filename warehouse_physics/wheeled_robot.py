@@ -1,16 +1,17 @@
 """One robot with two driven wheels: force along its heading only, and turns on the spot.
 
-What is simulated: a solid disc with mass and moment of inertia. Its wheels push it along its
-heading, with the motor's force at most, or turn it on the spot, with the same force at the arm of
-the wheels. Against a push from the side the tyres hold it on its line. They slip only on slippery
-floor, along the heading and sideways, each with up to the grip there. The floor drags at the wheels
-in turns too.
+*What is simulated.* The robot is a solid disc with mass and moment of inertia. Its wheels push it
+along its heading with at most the force of the motor, or turn it on the spot with the same force at
+the distance ``wheel_arm`` from the middle. Its tyres hold it on its line against pushes from the
+side. They slip only on slippery floor, where the grip limits the force along the heading and the
+force to the side. In turns the drag of the floor acts at the wheels.
 
-What is not: two motors with errors of their own, casters, tyres that scrub in a turn, and arcs.
-A robot drives straight on or turns on the spot. On its way to another cell it drives forwards; to
-correct itself, and back after a hit, it drives whichever end is nearer first. It turns only where
-it would otherwise miss its target. On the usual floor that is before it sets off to another cell,
-since nothing gets it off its line.
+*What is not simulated.* There are no errors of single motors, no casters, no tyres that scrub in
+turns, and no arcs. A robot drives straight on or turns on the spot. To another cell it drives
+forwards. To correct its position, or to return after a hit, it drives forwards or backwards,
+whichever needs the smaller turn. It turns only where it would otherwise miss its target. On floor
+that is not slippery this happens only before it sets off to another cell, since nothing moves it
+off its line.
 """
 
 from __future__ import annotations
@@ -23,27 +24,27 @@ from warehouse_core import Cell
 from warehouse_physics.arena import Position
 from warehouse_physics.energy import kinetic, regained, spent
 from warehouse_physics.profile import braking
-from warehouse_physics.robot import AT_REST, BRAKE, HELD, REST, Robot, apart
+from warehouse_physics.robot import AT_REST, BRAKE, HELD, REST, Robot, offset
 from warehouse_physics.spec import ARRIVED
 
 TURN = HELD + 1
-"""Phase of a drive in which the robot speeds up to turn, or turns, on the spot."""
+"""Phase in which the robot turns on the spot, before it brakes."""
 
 LINE = 100.0
-"""Cells from the control body to the ends of the lines on which joints hold a robot."""
+"""Distance in cells from the control body to the ends of the lines that guide a robot."""
 
 SIDEWAYS = 1e-5
-"""Least share of a push from the side that counts as along the heading."""
+"""Smallest share of a push from the side that counts as a push along the heading."""
 
 
 class WheeledRobot(Robot):
     """A robot with differential drive; see ``Robot``."""
 
     def _drive_joints(self) -> list[pymunk.Constraint]:
-        """Make the joints to the control body, which moves and turns as commanded.
+        """Create the joints to the control body, which moves and turns as commanded.
 
-        A groove leaves a robot free along a line: across the heading for the wheels that push,
-        along it for the tyres that hold.
+        A groove joint leaves the robot free to move along a line. The wheels push through a groove
+        across the heading, and the tyres hold it with a groove along the heading.
         """
         reach = LINE * self._spec.cell_size
         across, along = (0.0, reach), (reach, 0.0)
@@ -52,24 +53,27 @@ class WheeledRobot(Robot):
             for x, y in (across, along)
         )
         self._motor.max_bias = 0.0
-        # What a hit adds to the way, as the solver corrects an overlap, is gone a substep later.
+        # A robot that the solver moves off its line, to correct an overlap, is back in one substep.
         self._tyres.error_bias = 0.0
         self._steering = pymunk.SimpleMotor(self.body, self._control, 0.0)
         self._turn_acceleration = 0.0
-        # Where work of turns was last counted: metres that a wheel has driven, and kinetic energy.
+        # Metres that a wheel has driven and kinetic energy, at the last count of work in turns.
         self._turned = self._turn_energy = 0.0
         self._leaves, self._is_to_face = 0, False
         self.phase = REST
         return [self._tyres, self._motor, self._steering]
 
-    def begin(self, displacement: Cell, loaded: bool, pace: float) -> int:
+    def begin(self, displacement: Cell, loaded: bool, acceleration: float) -> int:
         """Begin an action; see ``Robot.begin``."""
         self._take_line()
         self._is_to_face = displacement != (0, 0)
-        return super().begin(displacement, loaded, pace)
+        return super().begin(displacement, loaded, acceleration)
 
     def set_off(self, turning: int) -> None:
-        """Turn, wait until so many substeps have passed, and drive off; or stay."""
+        """Turn, wait until substep ``turning``, and then drive to the target.
+
+        A robot whose action stays in its cell does none of this.
+        """
         if self.action.goal != self.action.home:
             self._leaves = turning
             self.action.deadline += turning
@@ -84,7 +88,7 @@ class WheeledRobot(Robot):
         """Start the phase that is due at substep ``now``."""
         rim = abs(self.body.angular_velocity) * self._spec.wheel_arm
         if self.phase == BRAKE and self._spec.recuperation:
-            self.action.work -= regained(self._spec, self._worked_in_turn())
+            self.action.work -= regained(self._spec, self._turn_work_since_count())
         if self.phase == TURN:
             self._brake(now, max(self._braking, self._leaves - now))
         elif self.phase == BRAKE and rim > AT_REST:
@@ -98,7 +102,7 @@ class WheeledRobot(Robot):
     def drive(
         self, now: int, waypoint: Position, share: float = 1.0, *, is_hard: bool = False
     ) -> None:
-        """Drive to a position, or turn on the spot where it would otherwise be missed.
+        """Drive to a position, or first turn on the spot if the robot would otherwise miss it.
 
         See ``Robot.drive`` for ``share`` and ``is_hard``.
         """
@@ -112,30 +116,30 @@ class WheeledRobot(Robot):
             self._brake(now, self._leaves - now)
         else:
             self._is_to_face = False
-            right, down = self._driven(pymunk.Vec2d(*apart(waypoint, self.position)))
+            right, down = self._driving_part(pymunk.Vec2d(*offset(waypoint, self.position)))
             super().drive(
                 now, (self.position[0] + right, self.position[1] + down), share, is_hard=is_hard
             )
 
     def has_arrived(self) -> bool:
-        """Return whether the robot was at its target at the last look."""
-        off = math.dist(self._place(), self.action.target)
+        """Return whether the robot was at its target when its position was last read."""
+        off = math.dist(self._position_on_line(), self.action.target)
         return off <= ARRIVED * self._spec.cell_size
 
     def mass_along(self, normal: Position) -> float:
         """Return the mass in kg with which the robot resists a push along ``normal``.
 
-        Where tyres hold, it can only give way along its heading.
+        Where the tyres hold, the robot can only move along its heading.
         """
         if self._slips:
             return self._mass
-        return mass_on_line(self._mass, self._driven(pymunk.Vec2d(*normal)).length)
+        return mass_on_line(self._mass, self._driving_part(pymunk.Vec2d(*normal)).length)
 
     def feel_floor(self) -> None:
-        """Update drag and grip where the floor differs from cell to cell."""
-        before = self._on
+        """Update drag and grip if the robot has entered another cell."""
+        before = self._floor_cell
         super().feel_floor()
-        if self._on != before:
+        if self._floor_cell != before:
             self._hold()
 
     def _turn_towards(self, displacement: Cell) -> int:
@@ -147,8 +151,8 @@ class WheeledRobot(Robot):
         return profile.go + profile.brake
 
     def _angle_to(self, waypoint: Position) -> float:
-        """Return the radians to turn before driving to a position, or 0 if that is not needed."""
-        right, down = apart(waypoint, self._place())
+        """Return the radians to turn before driving to a position, or 0 if no turn is needed."""
+        right, down = offset(waypoint, self._position_on_line())
         angle = math.remainder(math.atan2(down, right) - self.body.angle, math.tau)
         if self.action.gave_up or not self._is_to_face:
             angle = math.remainder(angle, math.pi)
@@ -159,36 +163,36 @@ class WheeledRobot(Robot):
     def _turn_by(self, now: int, angle: float) -> None:
         spec = self._spec
         profile = spec.turn_profile(angle, self._loaded)
-        if self._uneven is not None:
-            profile = profile.scaled(self._uneven.speed_factor())
+        if self._conditions is not None:
+            profile = profile.scaled(self._conditions.speed_factor())
         self._brake(now, 0)
-        self._worked_in_turn()
+        self._turn_work_since_count()
         self._control.angular_velocity = profile.velocity[0] / spec.wheel_arm
-        pace = spec.turning_acceleration(self._loaded)
-        wanted = min(self._turning_mass * pace + self._nominal_drag, self._limit())
+        acceleration = spec.turning_acceleration(self._loaded)
+        wanted = min(self._turning_mass * acceleration + self._nominal_drag, self._limit())
         self._steering.max_force = spec.wheel_arm * max(wanted - self._drag, 0.0)
         self.phase, self.until, self._braking = TURN, now + profile.go, profile.brake
 
     def _brake(self, now: int, substeps: int) -> None:
         if self.phase == TURN:
-            self.action.work += spent(self._worked_in_turn())
+            self.action.work += spent(self._turn_work_since_count())
         self._control.angular_velocity = 0.0
-        pace = self._spec.turning_acceleration(self._loaded)
-        wanted = max(self._turning_mass * pace - self._nominal_drag, 0.0)
+        acceleration = self._spec.turning_acceleration(self._loaded)
+        wanted = max(self._turning_mass * acceleration - self._nominal_drag, 0.0)
         force = min(wanted, self._limit()) + self._drag
         self._steering.max_force = self._spec.wheel_arm * force
         super()._brake(now, substeps)
 
     def _limit(self) -> float:
-        """Return the largest force in N with which the wheels can push in this cell."""
-        if self._uneven is None:
+        """Return the largest force in N that the wheels can exert in this cell."""
+        if self._conditions is None:
             return math.inf
-        return self._uneven.force_limit(self._on, self._spec.motor_force, self._mass)
+        return self._conditions.force_limit(self._floor_cell, self._spec.motor_force, self._mass)
 
-    def _worked_in_turn(self) -> float:
-        """Return the work of the motors in turns since the last count.
+    def _turn_work_since_count(self) -> float:
+        """Return the work of the motors in turns since the last count, in J.
 
-        Work is counted at the wheels: kinetic energy gained, plus the drag on their way.
+        It is counted at the wheels: kinetic energy gained plus drag times the distance of a wheel.
         """
         start, energy = self._turned, self._turn_energy
         rim = self.body.angular_velocity * self._spec.wheel_arm
@@ -197,50 +201,53 @@ class WheeledRobot(Robot):
         return self._turn_energy - energy + self._drag * abs(self._turned - start)
 
     def _count_from(self, velocity: pymunk.Vec2d, lead: float) -> None:
-        """Begin to count work at this position; sideways ``velocity`` is none of the wheels'."""
-        super()._count_from(self._driven(velocity), lead)
+        """Start a new count of work at the present position and at ``velocity``.
 
-    def _driven(self, vector: pymunk.Vec2d) -> pymunk.Vec2d:
+        The part of the velocity to the side is not due to the wheels and is ignored.
+        """
+        super()._count_from(self._driving_part(velocity), lead)
+
+    def _driving_part(self, vector: pymunk.Vec2d) -> pymunk.Vec2d:
         """Return the part of a vector that is along the heading."""
         heading = pymunk.Vec2d.from_polar(1.0, self.body.angle)
         return heading * heading.dot(vector)
 
-    def _load(self, loaded: bool, pace: float) -> None:
-        """Set the load, and the acceleration in m/s² to drive with."""
+    def _load(self, loaded: bool, acceleration: float) -> None:
+        """Set whether the robot carries an item, and its acceleration in m/s²."""
         self._turning_mass = self._spec.turning_mass(loaded)
-        super()._load(loaded, pace)
+        super()._load(loaded, acceleration)
         self._hold()
 
     def _hold(self) -> None:
-        """Let tyres hold the robot on its line as firmly as the floor here allows.
+        """Make the tyres hold the robot on its line, as firmly as the floor in this cell allows.
 
-        The drag of the floor already resists sideways too.
+        The drag of the floor resists motion to the side too, so it is subtracted.
         """
         force = math.inf
-        if self._uneven is not None:
-            force = max(self._uneven.grip_force(self._on, self._mass) - self._drag, 0.0)
+        if self._conditions is not None:
+            force = max(self._conditions.grip_force(self._floor_cell, self._mass) - self._drag, 0.0)
         self._slips = force < math.inf
         self._tyres.max_force, self._tyres.max_bias = force, 0.0 if self._slips else math.inf
         self._take_line()
 
     def _take_line(self) -> None:
-        """Let the lines of the joints lead through the robot, along its heading and across."""
+        """Move the line of the joints to the present position and heading of the robot."""
         self._control.position, self._control.angle = self.body.position, self.body.angle
 
-    def _place(self) -> Position:
-        """Return where the robot is, on its line where tyres hold.
+    def _position_on_line(self) -> Position:
+        """Return the position of the robot, projected onto its line where the tyres hold.
 
-        The solver moves robots that overlap off their lines, for a substep.
+        The solver moves overlapping robots off their lines for one substep.
         """
         if self._slips:
             return self.position
         line = self._control.position
-        return line + self._driven(self.body.position - line)
+        return line + self._driving_part(self.body.position - line)
 
 
 def mass_on_line(mass: float, share: float) -> float:
-    """Return the mass in kg with which a robot resists a push if it can only move along a line.
+    """Return the mass in kg with which a robot that can only move along a line resists a push.
 
-    The ``share`` of the push is along the line, -1 to 1.
+    ``share`` is the component of the push along the line, -1 to 1.
     """
     return mass / max(share * share, SIDEWAYS**2)

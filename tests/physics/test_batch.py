@@ -102,7 +102,9 @@ def test_a_robot_at_rest_ignores_contacts_while_others_drive() -> None:
 
 def test_only_a_nominal_motion_can_be_batched() -> None:
     disturbed = RigidBodyMotion(disturbances=Disturbances(motor_strength=0.5))
-    with pytest.raises(ValueError, match=r"motor_strength=0\.5.*cannot be batched.*nominal"):
+    with pytest.raises(
+        ValueError, match=r"motor_strength=0\.5.*cannot be batched.*does not support disturbances"
+    ):
         disturbed.batch([HALL])
 
 

@@ -72,7 +72,7 @@ def test_disturbances_of_nominal_size_change_nothing(monkeypatch: pytest.MonkeyP
     plain = wander(motion_with(None))
     monkeypatch.setattr(Disturbances, "is_felt", True)
     motion = motion_with(Disturbances(patience=100))
-    assert motion._arena.robots[0]._uneven is not None
+    assert motion._arena.robots[0]._conditions is not None
     assert wander(motion) == plain
 
 

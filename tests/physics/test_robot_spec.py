@@ -23,7 +23,9 @@ def test_a_differential_drive_has_a_track_and_no_turn_seconds() -> None:
             ValueError, match=r"^track is .*; it must be at least 0\.1 and at most 1"
         ):
             RobotSpec(track=track)
-    with pytest.raises(ValueError, match=r"^time_step is .*; the loaded robot would take .* 2000$"):
+    with pytest.raises(
+        ValueError, match=r"^time_step is .*; the loaded robot would need .* at most 2000$"
+    ):
         RobotSpec(drive="differential", track=0.1, motor_force=10.4)
 
 
@@ -56,7 +58,9 @@ def test_a_motor_too_weak_for_the_loaded_robot_raises() -> None:
     "changes", [{"time_step": 1e-4}, {"top_speed": 0.01}, {"turn_seconds": 16}]
 )
 def test_a_move_of_thousands_of_substeps_raises(changes: dict[str, float]) -> None:
-    with pytest.raises(ValueError, match=r"^time_step is .*; the loaded robot would take .* 2000$"):
+    with pytest.raises(
+        ValueError, match=r"^time_step is .*; the loaded robot would need .* at most 2000$"
+    ):
         RobotSpec(**changes)
 
 

@@ -1,4 +1,4 @@
-"""Many warehouses, one robot in each, in one pymunk space."""
+"""Many warehouses in one pymunk space, with one robot in each."""
 
 from warehouse_physics.batch.rigid_body_batch import RigidBodyBatch
 

@@ -1,4 +1,4 @@
-"""The physics backend for a batch: one rigid-body robot in each of ``B`` warehouses."""
+"""The physics backend for a batch: ``B`` warehouses with one rigid-body robot each."""
 
 from __future__ import annotations
 
@@ -20,19 +20,20 @@ from warehouse_physics.exclusive import exclusive
 from warehouse_physics.spec import RobotSpec
 
 ROWS_OF_A_SPACE = 256
-"""Rows whose robots are in one space; with thousands a substep takes longer for each of them."""
+"""Number of robots in one space. With thousands of them, a substep takes longer for each robot."""
 
-_WAYS = np.array([(right, down) for down, right in DISPLACEMENTS], np.float64)
+_DISPLACEMENTS = np.array([(right, down) for down, right in DISPLACEMENTS], np.float64)
 
 
 class RigidBodyBatch(BaseBatchMotion):
     """Moves one robot in each of ``B`` layouts as a disc with mass; see ``BatchMotion``.
 
-    Up to ``ROWS_OF_A_SPACE`` robots are in one space, too far apart to touch. An action takes as
-    many substeps as the slowest of them needs; each has ``seconds`` and ``joules`` of its own.
+    Up to ``ROWS_OF_A_SPACE`` robots share a space and are too far apart to touch. An action takes
+    as many substeps as the slowest robot needs, but each robot has its own ``seconds`` and
+    ``joules``.
 
     Raises:
-        ValueError: no layouts.
+        ValueError: there are no layouts.
 
     Example:
         >>> import numpy as np
@@ -67,8 +68,8 @@ class RigidBodyBatch(BaseBatchMotion):
 
     def __getstate__(self) -> None:
         raise TypeError(
-            "a batch of bodies can be neither copied nor pickled; make another one, reset it with "
-            "the same seeds and take the same actions"
+            "a batch of bodies can be neither copied nor pickled; create another one, reset it "
+            "with the same seeds and repeat the actions"
         )
 
     @exclusive
@@ -77,8 +78,8 @@ class RigidBodyBatch(BaseBatchMotion):
     ) -> None:
         """Put some of the robots at rest in a cell; see ``BatchMotion.place``.
 
-        Here and in the other calls, cells that are not open, rows that do not exist or are given
-        twice, and another number of anything are refused before anything has changed.
+        All calls check their arguments before they change anything. They refuse cells that are not
+        open, rows that do not exist or are given twice, and arrays of the wrong length.
         """
         parts = self._in_use("place")
         rows = self._checked_rows(rows)
@@ -91,7 +92,7 @@ class RigidBodyBatch(BaseBatchMotion):
 
     @exclusive
     def change(self, floors: Integers, layouts: Sequence[Layout]) -> None:
-        """Replace the layouts of some floors; see ``BaseBatchMotion.change``."""
+        """Replace the layouts of some warehouses; see ``BaseBatchMotion.change``."""
         parts = self._in_use("change")
         rows = self._checked_rows(floors).tolist()
         for row, layout in zip(rows, layouts, strict=True):
@@ -108,20 +109,20 @@ class RigidBodyBatch(BaseBatchMotion):
 
     @exclusive
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
-        """Carry out one action for each robot; see ``BatchMotion.advance``.
+        """Carry out one action of each robot; see ``BatchMotion.advance``.
 
         Raises:
-            RuntimeError: before every row has been placed, after ``close``, or while another call
-                is running.
+            RuntimeError: it is called before every row was placed, after ``close``, or while
+                another call is running.
         """
         parts = self._in_use("advance")
         if not self._is_placed.all():
             missing = int(np.argmin(self._is_placed))
             raise RuntimeError(f"advance() needs a place() of every row; row {missing} had none")
-        actions = _checked("actions", actions, len(self._layouts), below=len(_WAYS))
+        actions = _checked("actions", actions, len(self._layouts), below=len(_DISPLACEMENTS))
         loaded = _checked("loaded", loaded, len(self._layouts), kinds="b")
         for robots, rows in zip(parts, self._slices, strict=True):
-            robots.drive(_WAYS[actions[rows]], loaded[rows])
+            robots.drive(_DISPLACEMENTS[actions[rows]], loaded[rows])
         substeps = np.concatenate([robots.substeps for robots in parts])
         seconds = np.where(substeps > 0, substeps * self.spec.time_step, self.spec.dwell)
         work = np.concatenate([robots.work for robots in parts])
@@ -140,7 +141,7 @@ class RigidBodyBatch(BaseBatchMotion):
         return self._parts
 
     def _start(self, row: int, cell: int) -> tuple[float, float]:
-        """Return the position of the middle of a cell in metres."""
+        """Return the position of the middle of a cell, in metres."""
         layout = self._layouts[row]
         place = layout.cell(cell)
         check_open(layout, place, f"the robot of row {row}:")
@@ -156,7 +157,10 @@ class RigidBodyBatch(BaseBatchMotion):
 def _checked(
     name: str, values: Any, length: int | None = None, below: float = math.inf, kinds: str = "iu"
 ) -> Any:
-    """Return ``values`` as an array ``[length]`` of one of the dtype ``kinds``, from 0 on."""
+    """Return ``values`` as an array ``[length]``, after a check of its shape, dtype and range.
+
+    The dtype has to be one of ``kinds``, and the values at least 0 and less than ``below``.
+    """
     array = np.asarray(values)
     if array.ndim != 1 or length not in (None, len(array)):
         wanted = "one for each row" if length is None else f"({length},)"

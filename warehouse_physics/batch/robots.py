@@ -1,7 +1,7 @@
-"""``B`` robots as arrays: the drive of ``robot.py`` for lone robots on an even floor.
+"""``B`` robots as arrays, which drive like a lone robot in ``robot.py`` on an even floor.
 
-A drive goes, brakes and rests; after a hit that is in the way it brakes and goes back. Nothing
-pushes a lone robot aside, so its way back is straight.
+A robot drives, brakes and rests. After a hit that is in its way it brakes and drives back. Nothing
+pushes a lone robot to the side, so it drives back in a straight line.
 """
 
 from __future__ import annotations
@@ -22,9 +22,9 @@ from warehouse_physics.spec import ARRIVED, RobotSpec
 
 
 def turns_of(spec: RobotSpec) -> tuple[Substeps, Floats]:
-    """Return the substeps of turns and the work of the motors in joules, ``[2, 4]`` each.
+    """Return the substeps of turns, and the work of the motors in J, ``[2, 4]`` each.
 
-    Rows are without and with a load, columns are quarter turns to the right.
+    Rows are without and with an item. Columns are the numbers of quarter turns to the right.
     """
     substeps, work = np.zeros((2, 4), np.int64), np.zeros((2, 4))
     for load, quarters in product((0, 1), (1, 2, 3)):
@@ -36,12 +36,12 @@ def turns_of(spec: RobotSpec) -> tuple[Substeps, Floats]:
 
 
 class BatchRobots:
-    """Drives the ``B`` robots of an arena by one action at a time.
+    """Drives the ``B`` robots of an arena, one action at a time.
 
     Attributes:
         gave_up: ``[B]`` bool, true if a wall was in the way.
         work: ``[B]`` joules, work of each motor in the action.
-        substeps: ``[B]`` substeps until each robot was at rest.
+        substeps: ``[B]``, substeps until each robot was at rest.
     """
 
     def __init__(self, spec: RobotSpec, arena: Warehouses) -> None:
@@ -51,10 +51,10 @@ class BatchRobots:
         self._masses = np.array([spec.total_mass(load) for load in loads])
         self._drags = np.array([spec.drag_force(load) for load in loads])
         self._lead = spec.time_step / 2
-        self._paces = np.array([spec.attainable_acceleration(load) for load in loads])
-        self._decelerations = np.maximum(self._paces, spec.floor_deceleration)
-        # The floor helps to brake; it brakes alone where its drag exceeds the force needed.
-        self._going_forces = self._masses * self._paces
+        self._accelerations = np.array([spec.attainable_acceleration(load) for load in loads])
+        self._decelerations = np.maximum(self._accelerations, spec.floor_deceleration)
+        # The floor helps to brake. Where its drag exceeds the force needed, it brakes alone.
+        self._going_forces = self._masses * self._accelerations
         self._braking_forces = np.maximum(self._going_forces, self._drags)
         self._turning, self._turn_work = turns_of(spec)
         self._headings = np.zeros(robots, np.intp)  # quarter turns from east
@@ -70,27 +70,27 @@ class BatchRobots:
         self.substeps: Substeps = np.zeros(robots, np.int64)
 
     def place(self, row: int, position: Position) -> None:
-        """Put a robot at rest at a position, heading east, for a new episode."""
+        """Put a robot at rest at a position, facing east, for a new episode."""
         self.arena.place(row, position)
         self._headings[row] = 0
 
     def cells(self) -> NDArray[np.intp]:
-        """Return the cells ``[B, 2]`` under the robots, column before row."""
+        """Return the cells under the robots, ``[B, 2]`` with columns before rows."""
         self._look()
         return np.floor(self._positions / self._spec.cell_size).astype(np.intp)
 
-    def drive(self, ways: Floats, loaded: Flags) -> None:
+    def drive(self, displacements: Floats, loaded: Flags) -> None:
         """Drive each robot to the middle of a cell, or back if a wall is in the way.
 
-        ``ways`` are ``[B, 2]`` cells to go, columns before rows.
+        ``displacements`` are in cells, ``[B, 2]`` with columns before rows.
         """
         self._load(loaded)
-        self._home, self._ways = self.cells(), ways
-        self._target = (self._home + ways + 0.5) * self._spec.cell_size
+        self._home, self._displacements = self.cells(), displacements
+        self._target = (self._home + displacements + 0.5) * self._spec.cell_size
         self._commands[:], self.gave_up[:], self.work[:] = 0.0, False, 0.0
         now = 0
         self._rest(slice(None), now)
-        moving = np.flatnonzero(ways.any(axis=1))
+        moving = np.flatnonzero(displacements.any(axis=1))
         turning = self._turn(moving)
         self._go(moving[turning == 0], now)
         self._brake(moving[turning > 0], now, turning[turning > 0])
@@ -104,8 +104,8 @@ class BatchRobots:
         self.substeps[self._until < NEVER] = now
 
     def _turn(self, rows: Integers) -> Substeps:
-        """Turn robots into their ways; return the substeps that each does so on the spot."""
-        right, down = self._ways[rows].astype(np.intp).T
+        """Turn robots towards their displacements, and return the substeps of each on the spot."""
+        right, down = self._displacements[rows].astype(np.intp).T
         headings = down % 4 + 2 * (right < 0)
         turns = self._loaded[rows], (headings - self._headings[rows]) % 4
         self._headings[rows] = headings
@@ -137,9 +137,9 @@ class BatchRobots:
             self._go(braked[~arrived], now)
 
     def _meet(self, hits: Sequence[Hit], now: int) -> None:
-        """Brake and drive back where a hit at substep ``now`` is in the way.
+        """Make robots brake and drive back if a hit at substep ``now`` is in their way.
 
-        A robot at rest has ended its action, even while others still drive.
+        A robot at rest has already ended its action, even while others still drive.
         """
         rows = np.array([hit.robot for hit in hits])
         pushes = np.array([hit.push for hit in hits])
@@ -149,8 +149,8 @@ class BatchRobots:
         others = rows[~is_going]
         self._count_braking(others, velocities[~is_going], -self._lead)
         self._count_from(others, self._velocities[others], self._lead)
-        along = (pushes * self._ways[rows]).sum(axis=1)
-        across = (pushes * self._ways[rows][:, ::-1] * (1, -1)).sum(axis=1)
+        along = (pushes * self._displacements[rows]).sum(axis=1)
+        across = (pushes * self._displacements[rows][:, ::-1] * (1, -1)).sum(axis=1)
         is_hindered = (-along > abs(across)) & (self._phase[rows] != REST)
         rows = rows[is_hindered]
         self.gave_up[rows] = True
@@ -162,9 +162,9 @@ class BatchRobots:
             return
         self._start[rows] = start = self._positions[rows]
         self._energy[rows] = 0.0
-        pace = self._paces[self._loaded[rows]]
-        ways = self._target[rows] - start
-        velocities, go, brake = plan_profiles(ways, *self._spec.limits(pace))
+        acceleration = self._accelerations[self._loaded[rows]]
+        displacements = self._target[rows] - start
+        velocities, go, brake = plan_profiles(displacements, *self._spec.limits(acceleration))
         self._commands[rows] = velocities
         self._push(rows, self._going_forces)
         self._phase[rows], self._until[rows], self._braking[rows] = GO, now + go, brake
@@ -185,7 +185,7 @@ class BatchRobots:
         self._loaded = loaded.astype(np.intp)
 
     def _push(self, rows: Integers, forces: Floats) -> None:
-        """Limit the drives to ``forces``, in N for each load."""
+        """Limit the forces of the drives, where ``forces`` has the N without and with an item."""
         wanted = forces[self._loaded[rows]]
         changed = wanted != self._force[rows]
         if changed.any():
@@ -194,16 +194,19 @@ class BatchRobots:
                 self.arena.drives[row].max_force = force
 
     def _count_work(self, rows: Integers, velocities: Floats, lead: float) -> None:
-        """Add the work of motors that drive since the last count; see ``_worked``."""
-        self.work[rows] += spent(self._worked(rows, velocities, lead))
+        """Add the work that the motors have done since the last count."""
+        self.work[rows] += spent(self._work_since_count(rows, velocities, lead))
 
     def _count_braking(self, rows: Integers, velocities: Floats, lead: float) -> None:
-        """Take off what motors that brake got back since the last count; see ``_worked``."""
+        """Subtract the energy that the motors have recovered since the last count."""
         if self._spec.recuperation:
-            self.work[rows] -= regained(self._spec, self._worked(rows, velocities, lead))
+            self.work[rows] -= regained(self._spec, self._work_since_count(rows, velocities, lead))
 
-    def _worked(self, rows: Integers, velocities: Floats, lead: float) -> Floats:
-        """Return the work of motors since the last count: kinetic energy gained, plus drag."""
+    def _work_since_count(self, rows: Integers, velocities: Floats, lead: float) -> Floats:
+        """Return the work of motors since the last count, in J: kinetic energy gained plus drag.
+
+        See ``Robot._work_since_count`` for ``lead``.
+        """
         starts, energies = self._start[rows], self._energy[rows]
         self._count_from(rows, velocities, lead)
         drags = self._drags[self._loaded[rows]] * lengths_of(self._start[rows] - starts)
@@ -211,14 +214,14 @@ class BatchRobots:
         return worked
 
     def _count_from(self, rows: Integers, velocities: Floats, lead: float) -> None:
-        """Begin to count work at these positions and ``velocities``."""
+        """Start a new count of work at the present positions and at ``velocities``."""
         self._start[rows] = self._positions[rows] + lead * velocities
         self._energy[rows] = kinetic(self._masses[self._loaded[rows]], *velocities.T)
 
     def _count_impact(self, rows: Integers, before: Floats) -> None:
-        """Add the work up to hits in this substep, and of the pushes of the motors in them.
+        """Add the work up to hits in this substep, and the work of the motors during the hits.
 
-        The joint that drives a robot exerts the push of its motor less the drag of the floor.
+        The joint that drives a robot exerts the push of its motor minus the drag of the floor.
         """
         self._count_work(rows, before, -self._lead)
         after = self._velocities[rows]

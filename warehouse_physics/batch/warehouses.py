@@ -1,7 +1,7 @@
-"""Many warehouses side by side in one pymunk space, with one robot in each.
+"""Many warehouses next to each other in one pymunk space, with one robot in each.
 
-A robot is driven by one joint instead of the three in ``robot.py``, with the same motion for a
-lone robot, so that a batch reports no headings.
+One joint drives a robot here instead of the three in ``robot.py``. A lone robot moves in the same
+way with both, except that bodies here have no heading.
 """
 
 from __future__ import annotations
@@ -20,15 +20,16 @@ from warehouse_physics.spec import RobotSpec
 from warehouse_physics.walls import CellBox, wall_boxes
 
 ITERATIONS = 3
-"""Solver rounds in a substep. With 2, a robot off its line may stop a substep later after a hit
-than with the three joints and 5 rounds of ``robot.py``; with 3 or more it does not."""
+"""Solver iterations in a substep. With 2, a robot that is off its line may stop a substep later
+after a hit than with the three joints and 5 iterations of ``robot.py``. With 3 or more it does not.
+"""
 
 SPACING = 3
-"""Cells between two layouts: the walls around each, and one more."""
+"""Cells between two layouts: the wall around each of them, and one more cell."""
 
 
 class Warehouses(DrivenArena):
-    """``B`` warehouses in one space; positions are relative to the corner of each."""
+    """``B`` warehouses in one space. Positions are relative to the corner of each warehouse."""
 
     def __init__(self, spec: RobotSpec, layouts: Sequence[Layout], corners: Floats) -> None:
         super().__init__(spec, ITERATIONS)
@@ -41,14 +42,14 @@ class Warehouses(DrivenArena):
     def place(self, row: int, position: Position) -> None:
         """Put a robot at rest at a position, for a new episode.
 
-        The command of its drive need not change, since every action writes it.
+        The command of its drive need not be reset, since every action writes it.
         """
         body, (left, top) = self.bodies[row], self._corners[row].tolist()
         body.position = left + position[0], top + position[1]
         body.velocity = (0.0, 0.0)
 
     def change_walls(self, rows: Sequence[int], layouts: Sequence[Layout]) -> None:
-        """Replace the walls of some rows; their robots must be placed before they move."""
+        """Replace the walls of some rows; their robots have to be placed before they move."""
         known: dict[int, list[CellBox]] = {}
         for row, layout in zip(rows, layouts, strict=True):
             # Layouts with the same walls share this array; see ``Layout.with_stations``.
@@ -60,23 +61,24 @@ class Warehouses(DrivenArena):
             self._walls[row] = self.add_walls(known[key], (left, top))
 
     def look(self) -> tuple[Floats, Floats]:
-        """Return positions ``[B, 2]`` in metres and velocities ``[B, 2]`` in m/s."""
+        """Return the positions ``[B, 2]`` in metres and the velocities ``[B, 2]`` in m/s."""
         positions, velocities = super().look()
         return positions - self._corners, velocities
 
     def _note_hits(self, arbiter: pymunk.Arbiter) -> list[Hit]:
-        """Return a hit of a wall without impulse and point.
+        """Return a hit with a wall, without its impulse and its point.
 
-        They would take a tenth of the time of a batch, which does not record contacts.
+        Calculating them would take a tenth of the time of a batch, which does not record contacts.
         """
         row = self._numbers[arbiter.shapes[0]]
         return [Hit(row, None, -arbiter.normal, self.bodies[row].velocity)]
 
 
 def corners_of(layouts: Sequence[Layout], cell_size: float) -> Floats:
-    """Return the position in the space of the corner of each layout, ``[B, 2]`` in metres.
+    """Return the position of the corner of each layout in the space, ``[B, 2]`` in metres.
 
-    Layouts are in rows and columns, not in one line, to keep the numbers small and so exact.
+    The layouts are arranged in a grid and not in one line, because smaller coordinates are more
+    exact.
     """
     columns = math.isqrt(len(layouts) - 1) + 1
     width = max(layout.width for layout in layouts) + SPACING

@@ -122,11 +122,11 @@ class DrivingMotion(BodyMotion):
         arena = kind(self.spec, ITERATIONS)
         arena.add_walls(wall_boxes(layout))
         arena.add_robots(centre_of(cell, self.cell_size) for cell in cells)
-        drawn = self._drawn(seed)
+        random_seed = self._random_seed(seed)
         # What robots that brake get back beyond what a call costs pays for their next calls.
         self._surplus = np.zeros(len(cells))
-        self._driver = Driver(arena, self.spec, cells, self.disturbances, drawn)
-        self._begin(layout, cells, drawn)
+        self._driver = Driver(arena, self.spec, cells, self.disturbances, random_seed)
+        self._begin(layout, cells, random_seed)
 
     def routes(self) -> Routes:
         """Return the route ahead of each robot; see ``BaseMotion.routes``."""
