@@ -1,7 +1,7 @@
-"""A grid warehouse for rational agents, with a motion backend that can be swapped."""
+"""A grid warehouse for rational agents, with interchangeable motion backends."""
 
-import warehouse_core.registration  # tells Gymnasium the names of environments
-import warehouse_core.viz.notebooks  # noqa: F401 - says what notebooks show
+import warehouse_core.registration  # registers the environments with Gymnasium
+import warehouse_core.viz.notebooks  # noqa: F401 - defines how notebooks show things
 from warehouse_core.batch import BatchEnv
 from warehouse_core.batch.fleet_settings import Battery, People
 from warehouse_core.errors import BackendError, LayoutError, OrderError, RecordError, WarehouseError

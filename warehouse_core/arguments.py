@@ -1,7 +1,8 @@
 """Checks of arguments; each error names the argument, its value and what is allowed.
 
-A check returns the value in its plain form, an ``int`` for what has ``__index__``, which is to be
-kept in place of what was given: that one may change, or calculate otherwise.
+A check returns the value as a plain Python object, such as an ``int`` for any object with
+``__index__``. Callers keep the returned value instead of the given one, which may be mutable or
+follow other rules of arithmetic.
 """
 
 from __future__ import annotations
@@ -19,16 +20,16 @@ MAX_STEPS = 2**31 - 1
 """Limit on the steps of an episode, and on battery units, in int32 arrays."""
 
 MAX_BUDGET = 2**63 - 1
-"""Limit on the same of a lone ``WarehouseEnv``, which counts in Python's integers."""
+"""The same limit for a single ``WarehouseEnv``, which counts with Python's integers."""
 
 MAX_VIEW_RADIUS = 1000
-"""Limit on the cells that a robot sees in each direction; a window has four million then."""
+"""Limit on the cells that a robot sees in each direction. Its view then has 4 million cells."""
 
 MAX_ENVS = 2**20
 """Limit on the warehouses of a batch."""
 
 MAX_SEED = 2**512 - 1
-"""Limit on seeds: numbers of any common digest, which a record can hold."""
+"""Limit on seeds, which is large enough for any common digest. Records can store such seeds."""
 
 Kind = TypeVar("Kind")
 
@@ -39,11 +40,11 @@ def whole_number(
     """Return an argument as an ``int``.
 
     Raises:
-        TypeError: it is not an integer; ``True`` and ``False`` are none either.
+        TypeError: it is not an integer; ``True`` and ``False`` do not count as integers.
         ValueError: it is less than ``minimum`` or more than ``maximum``.
     """
     try:
-        if type(value) is int:  # as usual, and faster than the rest
+        if type(value) is int:  # the common case, and the fastest
             number = value
         elif isinstance(value, (bool, np.bool_)):
             raise TypeError
@@ -61,7 +62,7 @@ def whole_number(
 def seed_number(seed: SupportsIndex | None, name: str = "seed") -> int | None:
     """Return a seed as an ``int``, 0 to ``MAX_SEED``, or ``None``.
 
-    Negative seeds are refused, as Python's ``random`` draws the same from -7 as from 7.
+    Negative seeds are refused because Python's ``random`` treats -7 like 7.
 
     Raises:
         TypeError: it is not an integer.
@@ -79,9 +80,10 @@ def real_number(
     above: bool = False,
     finite: bool = True,
 ) -> float:
-    """Return an argument as a ``float``; with ``above`` it must exceed ``minimum``.
+    """Return an argument as a ``float``.
 
-    Infinity is allowed only without ``finite``.
+    With ``above``, the number must be greater than ``minimum``. Infinity is allowed only if
+    ``finite`` is false.
 
     Raises:
         ValueError: it is not a number, not finite or out of range.
@@ -101,7 +103,7 @@ def real_number(
 
 
 def flag(name: str, value: bool) -> bool:
-    """Return an argument that must be true or false as a ``bool``.
+    """Return an argument as a ``bool``; it must be true or false.
 
     Raises:
         TypeError: it is neither.
@@ -112,10 +114,12 @@ def flag(name: str, value: bool) -> bool:
 
 
 def one_of(name: str, value: Any, allowed: Iterable[str | None]) -> Any:
-    """Return an argument that must be one of some words, or ``None`` if that is among them.
+    """Return an argument that must be one of the allowed words.
+
+    ``None`` is accepted if it is among them.
 
     Raises:
-        ValueError: it is something else; the message lists what is allowed.
+        ValueError: it is something else; the message lists the allowed words.
     """
     words = [*allowed]
     if not (value is None or isinstance(value, str)) or value not in words:
@@ -124,10 +128,10 @@ def one_of(name: str, value: Any, allowed: Iterable[str | None]) -> Any:
 
 
 def instance_of(name: str, value: Any, kind: type[Kind]) -> Kind:
-    """Return an argument that must be of a class.
+    """Return an argument that must be an instance of a class.
 
     Raises:
-        TypeError: it is not.
+        TypeError: it is not an instance of ``kind``.
     """
     if not isinstance(value, kind):
         raise TypeError(f"{name} is {brief(value)}; it must be a {kind.__name__}")
@@ -135,10 +139,10 @@ def instance_of(name: str, value: Any, kind: type[Kind]) -> Kind:
 
 
 def with_methods(name: str, value: Kind, *methods: str) -> Kind:
-    """Return an argument that may be of any class with some methods.
+    """Return an argument that must be an object with these methods.
 
     Raises:
-        TypeError: it lacks one of them.
+        TypeError: it lacks one of the methods, or is a class.
     """
     if isinstance(value, type) or not all(callable(getattr(value, each, None)) for each in methods):
         needed = listed(methods)
@@ -147,10 +151,10 @@ def with_methods(name: str, value: Kind, *methods: str) -> Kind:
 
 
 def sequence_of(name: str, value: Any, kind: type[Kind]) -> tuple[Kind, ...]:
-    """Return an argument that must be a sequence of instances of a class as a tuple.
+    """Return an argument as a tuple; it must be a sequence of instances of a class.
 
     Raises:
-        TypeError: it is not.
+        TypeError: it is not such a sequence.
     """
     is_sequence = isinstance(value, Sequence) and not isinstance(value, (str, bytes, range))
     if not is_sequence or not all(isinstance(each, kind) for each in value):
@@ -159,10 +163,10 @@ def sequence_of(name: str, value: Any, kind: type[Kind]) -> tuple[Kind, ...]:
 
 
 def as_cell(name: str, value: tuple[int, int], parts: str = "(row, column)") -> tuple[int, int]:
-    """Return an argument as a cell, or another pair, of two ``int``.
+    """Return an argument as a cell or another pair of two ``int``.
 
     Raises:
-        TypeError: it is not one; the message names its ``parts``.
+        TypeError: it is not a pair of integers; the message names its ``parts``.
     """
     try:
         if type(value) is not tuple and not isinstance(value, (np.ndarray, Sequence)):
@@ -174,6 +178,6 @@ def as_cell(name: str, value: tuple[int, int], parts: str = "(row, column)") -> 
 
 
 def settle(record: object, **values: object) -> None:
-    """Put checked values in the fields of a frozen dataclass, in place of those given."""
+    """Replace the fields of a frozen dataclass with checked values."""
     for name, value in values.items():
         object.__setattr__(record, name, value)

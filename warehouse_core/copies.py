@@ -7,9 +7,9 @@ from typing import Self
 
 
 class CopiedWhole:
-    """Base of environments, of which ``copy.copy`` makes a deep copy.
+    """A base class of environments for which ``copy.copy`` makes a deep copy.
 
-    Two environments that share a motion would move each other's robots.
+    With a shallow copy, two environments would share a motion and move each other's robots.
     """
 
     def __copy__(self) -> Self:

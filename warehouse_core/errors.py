@@ -1,18 +1,19 @@
-"""The errors that a caller may expect; any other exception is a bug.
+"""The errors that callers can expect. Any other exception is a bug.
 
 ::
 
     WarehouseError
-    |-- LayoutError     (ValueError)    a layout, a cell in it, or a map file
-    |-- OrderError      (ValueError)    an order of a fleet, or a file of orders
-    |-- BackendError    (ValueError)    a motion backend by name
-    |-- RecordError     (ValueError)    a file that is not a readable record
-    |-- FormatError     (ValueError)    a file format for a picture or an animation
-    |-- EndedError      (RuntimeError)  a step when there is no episode
+    |-- LayoutError     (ValueError)    an invalid layout, cell or map file
+    |-- OrderError      (ValueError)    an invalid order or file of orders
+    |-- BackendError    (ValueError)    an unknown or unusable motion backend
+    |-- RecordError     (ValueError)    an unreadable record
+    |-- FormatError     (ValueError)    an unusable file format of a picture or animation
+    |-- EndedError      (RuntimeError)  a step outside an episode
     +-- NoDisplayError  (RuntimeError)  a window without a display
 
-Errors of agents and experiments are children too (``agents/errors.py``). Arguments of a wrong type
-or out of range raise plain ``TypeError`` and ``ValueError``.
+The errors of agents and experiments in ``agents/errors.py`` are also children of
+``WarehouseError``. Arguments of the wrong type raise a plain ``TypeError``, and arguments out of
+range a plain ``ValueError``.
 """
 
 __all__ = [
@@ -103,7 +104,7 @@ class FormatError(WarehouseError, ValueError):
 
 
 class EndedError(WarehouseError, RuntimeError):
-    """A step before the first reset, or after the end of an episode without autoreset.
+    """A step before the first reset, or after the end of an episode without automatic reset.
 
     Example:
         >>> from warehouse_core import BatchEnv

@@ -1,7 +1,7 @@
-"""Commands that install what an optional part needs.
+"""Commands that install the requirements of an optional part.
 
-They name the requirements, not this distribution: it is on no package index, where anybody could
-take its name.
+The commands name the requirements and not this distribution. It is on no package index, so anybody
+could register its name there.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ DISTRIBUTION = "warehouse-lab"
 
 
 def install_command(extra: str) -> str:
-    """Return the command that installs the requirements of an extra of this distribution."""
+    """Return the command that installs the requirements of an extra."""
     from importlib.metadata import requires
 
     return pip_install(requirements_of(extra, requires(DISTRIBUTION) or []))
@@ -29,7 +29,7 @@ def requirements_of(extra: str, requires: Iterable[str]) -> list[str]:
 
     Args:
         extra: name of the extra.
-        requires: requirements as in the metadata of a distribution: ``name>=1; extra == 'video'``.
+        requires: requirements in the form of package metadata: ``name>=1; extra == 'video'``.
     """
     parts = (each.partition(";") for each in requires)
     marker = re.compile(rf"""extra == ['"]{re.escape(extra)}['"]""")

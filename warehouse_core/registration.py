@@ -1,7 +1,8 @@
-"""Names of environments by which ``gymnasium.make`` finds them.
+"""Registration of the environments with Gymnasium, so that ``gymnasium.make`` finds them.
 
-Gymnasium reads no entry points since 1.0, and this package does not import it, which takes longer
-than all else. So the names are registered when Gymnasium is there, now or later.
+Since version 1.0 Gymnasium does not read entry points. This package does not import Gymnasium,
+because that takes longer than all its other imports together. It registers the names at once if
+Gymnasium has been imported already, and otherwise right after Gymnasium is imported.
 """
 
 from __future__ import annotations
@@ -16,13 +17,13 @@ ID = "Warehouse-v0"
 """Name under which ``gymnasium.make`` finds the environment."""
 
 GOAL_ID = "WarehouseGoal-v0"
-"""Name of its form with goals."""
+"""Name of the environment with goals."""
 
 GYMNASIUM, PLACE = "gymnasium", "warehouse_core.gymnasium_env"
 
 
 def register(gymnasium: ModuleType) -> None:
-    """Tell Gymnasium the names; no environment is imported before it is made."""
+    """Register the names with Gymnasium; an environment is imported when it is first made."""
     gymnasium.register(
         ID,
         entry_point=f"{PLACE}:WarehouseGymnasiumEnv",
@@ -32,12 +33,12 @@ def register(gymnasium: ModuleType) -> None:
 
 
 class AfterGymnasium:
-    """A finder of modules that registers the names when Gymnasium has been imported."""
+    """A finder of modules that registers the names once Gymnasium has been imported."""
 
     def find_spec(
         self, name: str, path: Sequence[str] | None, target: ModuleType | None = None
     ) -> ModuleSpec | None:
-        """Find Gymnasium as all others do, and let its import end with the registration."""
+        """Return the ordinary spec of Gymnasium, whose loader registers the names at the end."""
         if name != GYMNASIUM:
             return None
         sys.meta_path.remove(self)

@@ -70,7 +70,7 @@ class WarehouseEnv(CopiedWhole):
         grid: strings of equal length with the characters ``#.PDC``, or a ``Layout``; ``None`` is
             the chapter's grid of 7 x 12 cells.
         start_pos: (row, column) of the robot after ``reset()`` without ``randomize``; ``None`` is
-            the layout's ``usual_start()``.
+            the layout's ``default_start()``.
         max_steps: number of steps after which the episode is truncated, 1 to ``MAX_BUDGET``.
         battery: units in a full battery, 1 to ``MAX_BUDGET``.
         view_radius: number of cells that the robot sees in each direction, 0 to
@@ -221,7 +221,7 @@ class WarehouseEnv(CopiedWhole):
         Args:
             layout: layout, which may have any size.
             start_pos: (row, column) of the start of this episode; ``None`` is the layout's
-                ``usual_start()``.
+                ``default_start()``.
             seed: seed of the motion backend's random numbers.
 
         Returns:
@@ -319,7 +319,7 @@ class WarehouseEnv(CopiedWhole):
     def _start_in(layout: Layout, start_pos: Cell | None) -> Cell:
         """Return the start as a cell; raise an error if the cell is not open."""
         if start_pos is None:
-            return layout.usual_start()
+            return layout.default_start()
         start = as_cell("start_pos", start_pos)
         check_open(layout, start, "start_pos")
         return start

@@ -1,4 +1,4 @@
-"""Text for sentences: counts, lists, and text that can be shown."""
+"""Parts of sentences: counts, lists, and text that is safe to show."""
 
 from __future__ import annotations
 
@@ -6,54 +6,58 @@ import reprlib
 from collections.abc import Iterable
 
 FORMULA = ("=", "+", "-", "@", "\t", "\r")
-"""First characters of cells that a spreadsheet would run; texts may come from strangers."""
+"""First characters that make a spreadsheet run a cell as a formula.
+
+The texts may come from strangers.
+"""
 
 
 def counted(number: int, noun: str) -> str:
-    """Return a number of things, ``1 failure`` or ``1,239 failures``."""
+    """Return a number with its noun, such as ``1 failure`` or ``1,239 failures``."""
     return f"{number:,} {noun}{'' if number == 1 else 's'}"
 
 
 def listed(parts: Iterable[object], word: str = "and") -> str:
-    """Return parts as a list, ``a, b and c``."""
+    """Return parts as a list in words, such as ``a, b and c``."""
     *others, last = map(str, parts)
     return f"{', '.join(others)} {word} {last}" if others else last
 
 
 def seconds_of(time: float, digits: int = 1) -> str:
-    """Return a time in seconds with some decimals: of whole milliseconds, halves are rounded up.
+    """Return a time in seconds with some decimals, with halves rounded up.
 
-    The same time is a sum in one place and measured in another; the last bits of both differ.
-    ``scale.js`` of the player has this rule too.
+    The time is rounded to milliseconds first. One place may add up the same time that another place
+    measures, and the results then differ in their last bits. The player's ``scale.js`` follows the
+    same rule.
     """
     return f"{round(time, 3) + 1e-9:.{digits}f}"
 
 
 def brief(value: object, most: int = 30) -> str:
-    """Return a short ``repr`` of any value, even of one that has none, as a very large number.
+    """Return a short ``repr`` of any value, even if it has no ``repr``, like a very large number.
 
-    Texts have at most ``most`` characters, lists and the like a few times as many.
+    A text is cut to ``most`` characters, and a list or another container to a few times as many.
     """
     short = reprlib.Repr()
     short.maxstring = short.maxother = most
     short.maxlong = max(most, short.maxlong)
     try:
         return short.repr(value)[: 10 * most]
-    except Exception:  # that of a user's class may raise anything
+    except Exception:  # the ``repr`` of a user's class may raise anything
         return f"<{type(value).__name__}>"
 
 
 def printable(text: str) -> str:
-    r"""Return text in one line of visible characters, as a terminal, a page or an SVG may show it.
+    r"""Return text as one line of visible characters, for a terminal, a page or an SVG.
 
-    Blanks and line ends become spaces, and every other invisible character its escape in Python,
-    such as ``\x1b``, so that different names stay different.
+    Whitespace becomes spaces. Every other invisible character becomes its Python escape, such as
+    ``\x1b``, so that different names stay different.
     """
     return text if text.isprintable() else "".join(map(_visible, text))
 
 
 def spreadsheet_text(text: str) -> str:
-    """Return text that a spreadsheet shows, and does not run as a formula."""
+    """Return text that a spreadsheet shows and does not run as a formula."""
     return f"'{text}" if text.startswith(FORMULA) else text
 
 

@@ -68,13 +68,13 @@ class Single:
         self, layout: Layout, randomize: bool | str, start: Cell | None = None, **limits: Any
     ):
         self.layout, self.randomize = layout, randomize
-        self.usual = start or layout.usual_start()
-        self.env = WarehouseEnv(layout, self.usual, **limits)
+        self.default_start = start or layout.default_start()
+        self.env = WarehouseEnv(layout, self.default_start, **limits)
         self.ended = False
 
     def begin(self, seed: int | None = None) -> None:
         """Start an episode."""
-        layout, start = self.layout, self.usual
+        layout, start = self.layout, self.default_start
         if seed is not None:
             self.stream = np.random.default_rng(seed)
         if self.randomize:

@@ -65,7 +65,7 @@ class Placing:
 def _fixed(layout: Layout, settings: FleetSettings) -> list[int]:
     """Return the numbers of the starts that are not drawn."""
     if settings.starts is None:
-        return [layout.number(layout.usual_start())] if settings.robots == 1 else []
+        return [layout.number(layout.default_start())] if settings.robots == 1 else []
     cells = [as_cell(f"the start of robot {robot}", it) for robot, it in enumerate(settings.starts)]
     check_starts(layout, cells)
     return list(map(layout.number, cells))

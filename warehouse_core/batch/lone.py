@@ -154,7 +154,7 @@ def _given_starts(rows: int, start_pos: Any) -> tuple[Any, Sequence[Any]]:
 def _start_in(layout: Layout, start_pos: Any, name: str = "start_pos") -> int:
     """Return the number of a start in a layout; ``None`` is the usual one."""
     if start_pos is None:
-        return layout.number(layout.usual_start())
+        return layout.number(layout.default_start())
     cell = as_cell(name, start_pos)
     check_open(layout, cell, name)
     return layout.number(cell)

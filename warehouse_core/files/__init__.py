@@ -1,4 +1,4 @@
-"""Files written atomically, and arrays in files that are not trusted."""
+"""Atomic writing of files, and safe reading of arrays from untrusted files."""
 
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.files.npz import read_arrays, write_arrays

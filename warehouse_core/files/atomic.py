@@ -1,4 +1,4 @@
-"""Atomic writes: a file appears complete or not at all."""
+"""Atomic writes: a file either appears complete or does not appear."""
 
 from __future__ import annotations
 
@@ -10,14 +10,14 @@ from tempfile import TemporaryDirectory
 from warehouse_core.errors import FormatError
 
 PART = ".part"
-"""Suffix of the folder of a file that is being written."""
+"""Suffix of the temporary folder in which a file is written."""
 
 
 def check_target(target: Path) -> None:
-    """Raise if no file can be written to a path.
+    """Raise an error if no file can be written to a path.
 
     Raises:
-        OSError: it is a folder, or its folder does not exist.
+        OSError: the path is a folder, or its parent folder does not exist.
     """
     if target.is_dir():
         raise IsADirectoryError(f"{target} is a folder, not a file")
@@ -29,7 +29,7 @@ def check_suffix(path: Path, allowed: Collection[str]) -> str:
     """Return the suffix of ``path`` in lower case.
 
     Raises:
-        FormatError: it is not in ``allowed``.
+        FormatError: the suffix is not in ``allowed``.
     """
     suffix = path.suffix.lower()
     if suffix not in allowed:
@@ -40,23 +40,24 @@ def check_suffix(path: Path, allowed: Collection[str]) -> str:
 
 @contextmanager
 def atomic_path(path: str | Path) -> Iterator[Path]:
-    """Yield a path to write to; move that file to ``path`` when the block succeeds.
+    """Yield a temporary path to write to, and move the file to ``path`` when the block succeeds.
 
-    It is named like ``path``, because writers choose their format by the suffix. It is in a new
-    folder beside ``path`` that only this user can enter, so that no other program writes or links
-    there. On any error it is removed, and an existing file at ``path`` is left unchanged.
+    The temporary file has the name of ``path``, because writers choose their format by the suffix.
+    It lies in a new folder next to ``path`` that only this user can enter, so that no other program
+    can write or link there. If the block fails, the temporary file is removed and an existing file
+    at ``path`` stays unchanged.
 
     Raises:
-        OSError: the folder does not exist or cannot be written; an error of writing, also one in
-            the block, names ``path``.
+        OSError: the folder does not exist or cannot be written to. Errors of writing inside the
+            block name ``path`` too.
 
     Example:
         >>> from pathlib import Path
         >>> from warehouse_core.files import atomic_path
         >>> with atomic_path("notes.txt") as path:
-        ...     count = path.write_text("whole, or not there")
+        ...     count = path.write_text("complete, or not there")
         >>> Path("notes.txt").read_text()
-        'whole, or not there'
+        'complete, or not there'
     """
     target = Path(path)
     check_target(target)
@@ -66,7 +67,7 @@ def atomic_path(path: str | Path) -> Iterator[Path]:
             yield part
             part.replace(target)
     except OSError as error:
-        # A full disk names no file, and the names in the new folder say nothing to a user.
+        # The error of a full disk names no file, and names in the new folder would confuse users.
         if error.strerror and (error.filename is None or PART in str(error.filename)):
             raise OSError(error.errno, error.strerror, str(target)) from error
         raise

@@ -1,6 +1,6 @@
-"""JSON text that a stranger may have written, in files and as headers among arrays.
+"""JSON text from untrusted sources: in files, and as headers next to arrays.
 
-Its limits are checked before it is parsed.
+Limits on its size are checked before it is parsed.
 """
 
 from __future__ import annotations
@@ -22,25 +22,28 @@ MAX_BYTES = 8 * 2**20
 """Limit on the bytes of a text."""
 
 MAX_ITEMS = 1_000_000
-"""Limit on the commas and opening brackets of a text, inside its strings too.
+"""Limit on the commas and opening brackets of a text, including those in its strings.
 
-Each stands for a value at most, and a value takes up to a hundred bytes of memory.
+Their number bounds the number of values, and a value takes up to a hundred bytes of memory.
 """
 
 MAX_DEPTH = 20
-"""Limit on the brackets that are open at a time."""
+"""Limit on the depth of nested brackets."""
 
 _NO_BRACKETS = re.compile(r'"(?:[^"\\]++|\\.?)*+"?|[^][{}"]++', re.DOTALL)
-"""Strings, and all else that is no bracket. A string may lack its end: each is looked at once."""
+"""Strings and other text without brackets.
+
+A string without an end matches too, so that each character is read only once.
+"""
 
 
 def parse_object(
     data: bytes, max_bytes: int = MAX_BYTES, max_items: int = MAX_ITEMS
 ) -> dict[str, Any]:
-    """Return the JSON object that is written in UTF-8.
+    """Return the JSON object in a UTF-8 text.
 
     Raises:
-        ValueError: a limit is exceeded, or the text is another value or no JSON.
+        ValueError: the text exceeds a limit, is not JSON, or is a JSON value that is not an object.
     """
     if len(data) > max_bytes:
         raise ValueError(f"{len(data):,} bytes of JSON are more than MAX_BYTES = {max_bytes}")
@@ -54,7 +57,7 @@ def parse_object(
         raise ValueError(f"{depth:,} open brackets are more than MAX_DEPTH = {MAX_DEPTH}")
     try:
         value = json.loads(text)
-    except ValueError as error:  # also of a number of too many digits
+    except ValueError as error:  # also raised for numbers with too many digits
         raise ValueError(f"not JSON: {error}") from error
     if not isinstance(value, dict):
         raise ValueError(f"a JSON {type(value).__name__} where there must be an object")
@@ -77,15 +80,15 @@ def pack_header(header: dict[str, Any]) -> NDArray[np.uint8]:
 
 
 def unpack_header(data: NDArray[np.uint8], name: str, allowed: Collection[str]) -> dict[str, Any]:
-    """Undo ``pack_header``.
+    """Return the header that ``pack_header`` has packed.
 
     Args:
         data: bytes of the header.
         name: value that its ``format`` must have.
-        allowed: the other keys that it may have.
+        allowed: other keys that the header may have.
 
     Raises:
-        RecordError: the data are no JSON object within the limits, the ``format`` is another, or
+        RecordError: the data are not a JSON object within the limits, the ``format`` differs, or
             a key is unknown.
     """
     try:

@@ -1,7 +1,7 @@
-"""Named arrays in one ``.npz`` file, which is not trusted when it is read.
+"""Named arrays in an ``.npz`` file, which may come from an untrusted source.
 
-Nothing is unpickled, and sizes are checked before memory is allocated: a damaged or hostile file
-raises ``RecordError``. The files are plain ``numpy.savez_compressed`` files.
+Reading unpickles nothing and checks all sizes before it allocates memory. A damaged or hostile file
+raises ``RecordError``. The files are ordinary files of ``numpy.savez_compressed``.
 """
 
 from __future__ import annotations
@@ -23,7 +23,7 @@ from warehouse_core.files.reading import open_file
 from warehouse_core.wording import listed
 
 MAX_BYTES = 64 * 1024 * 1024
-"""Limit on the uncompressed size of all arrays together, for writing and reading."""
+"""Limit on the total uncompressed size of the arrays, for both writing and reading."""
 
 Arrays = dict[str, NDArray[Any]]
 Schema = Mapping[str, tuple[str, int]]
@@ -32,14 +32,14 @@ Schema = Mapping[str, tuple[str, int]]
 _END_RECORD = struct.Struct("<4s4H2LH")
 _ZIP64_LOCATOR_SIZE = 20
 _MAX_ENTRY_SIZE = 256
-"""Limit on the directory entry of an array: 46 bytes, its name, and some spare."""
+"""Limit on the bytes of an array's directory entry: 46 bytes, its name, and some reserve."""
 
 
 def write_arrays(path: str | Path, arrays: Arrays, schema: Schema) -> None:
     """Write arrays to ``path``, atomically.
 
     Raises:
-        RecordError: they take more than ``MAX_BYTES``.
+        RecordError: the arrays take more than ``MAX_BYTES``.
         OSError: the file cannot be written.
 
     Example:
@@ -56,14 +56,14 @@ def write_arrays(path: str | Path, arrays: Arrays, schema: Schema) -> None:
 
 
 def read_arrays(path: str | Path, *schemas: Schema) -> Arrays:
-    """Read exactly the arrays of one of ``schemas`` from ``path``, read-only.
+    """Return the arrays in a file, read-only; they must be exactly those of one schema.
 
     Args:
-        path: File to read.
-        schemas: Allowed schemas, each with another number of arrays.
+        path: file to read.
+        schemas: allowed schemas, each with a different number of arrays.
 
     Raises:
-        RecordError: the file is damaged or differs from its schema.
+        RecordError: the file is damaged or fits none of the schemas.
         OSError: the file cannot be opened.
 
     Example:
@@ -88,10 +88,10 @@ def read_arrays(path: str | Path, *schemas: Schema) -> Arrays:
 
 
 def _check_directory(file: IO[bytes], counts: Sequence[int]) -> int:
-    """Return the number of entries in the directory, before zipfile reads it into memory.
+    """Return the number of entries in the directory, checked before zipfile reads the directory.
 
     Raises:
-        RecordError: the file has no directory, or it has another number than one of ``counts``.
+        RecordError: the file has no directory, or its number of entries is not one of ``counts``.
     """
     file.seek(0, 2)
     size = file.tell()
@@ -105,7 +105,7 @@ def _check_directory(file: IO[bytes], counts: Sequence[int]) -> int:
         raise RecordError("not an .npz file")
     if entries not in counts:
         raise RecordError(f"{entries} arrays; there must be {listed(counts, 'or')}")
-    # zipfile reads as many entries as fit into the directory, whatever their stated number.
+    # zipfile reads all entries that fit into the directory, whatever number the file states.
     if directory_size > entries * _MAX_ENTRY_SIZE:
         raise RecordError(f"its directory of {directory_size} bytes is too large")
     return int(entries)
@@ -134,7 +134,7 @@ def _read_one(
             raise RecordError(f"array {name}: not of .npy version 1.0")
         try:
             shape, fortran_order, stored = np.lib.format.read_array_header_1_0(file)
-        except Exception as error:  # the header is Python text, which can raise many types
+        except Exception as error:  # the header is Python source, whose errors are of many types
             raise RecordError(f"array {name}: damaged header") from error
         if stored != np.dtype(dtype) or len(shape) != dimensions or fortran_order:
             raise RecordError(
@@ -145,5 +145,5 @@ def _read_one(
         if size != entry.file_size - file.tell():
             raise RecordError(f"array {name} claims {size} bytes, which it does not have")
         data = file.read(size)
-        file.read(1)  # zipfile compares the checksum only when the end is read
+        file.read(1)  # zipfile checks the checksum only when the end has been read
     return np.frombuffer(data, dtype=stored).reshape(shape)

@@ -1,4 +1,4 @@
-"""Files that a stranger may have written: opened only if they are files, and read up to a limit."""
+"""Reading of untrusted files: only regular files are opened, and only up to a limit is read."""
 
 from __future__ import annotations
 
@@ -9,9 +9,9 @@ from pathlib import Path
 
 
 def not_a_file(path: Path) -> str | None:
-    """Return what a path is if it exists and is not a file, in words; otherwise ``None``.
+    """Return a message if a path exists and is not a regular file; otherwise ``None``.
 
-    Reading a pipe may wait for ever, and a device may have no end.
+    Reading from a pipe may block forever, and a device may have no end.
     """
     if not path.exists() or path.is_file():
         return None
@@ -21,15 +21,15 @@ def not_a_file(path: Path) -> str | None:
 
 
 _WITHOUT_WAITING = getattr(os, "O_NONBLOCK", 0)
-"""Flag of a pipe that has taken the file's place meanwhile; Windows has none."""
+"""Flag that keeps ``open`` from blocking if a pipe has replaced the file; 0 on Windows."""
 
 
 def open_file(path: str | os.PathLike[str]) -> BufferedReader:
-    """Open a file for reading bytes.
+    """Open a regular file for reading bytes.
 
     Raises:
-        OSError: there is no such file, it cannot be opened, or it is a folder, a pipe, a socket or
-            a device.
+        OSError: the file does not exist, cannot be opened, or is a folder, a pipe, a socket or a
+            device.
     """
     if (kind := not_a_file(Path(path))) is not None:
         raise OSError(errno.EISDIR if Path(path).is_dir() else errno.EINVAL, kind, str(path))
@@ -37,10 +37,10 @@ def open_file(path: str | os.PathLike[str]) -> BufferedReader:
 
 
 def read_file(path: str | os.PathLike[str], max_bytes: int) -> bytes:
-    """Return the content of a file that is not longer than a limit.
+    """Return the content of a file of at most ``max_bytes`` bytes.
 
     Raises:
-        OSError: it is longer, or as for ``open_file``.
+        OSError: the file is longer, or ``open_file`` fails.
     """
     with open_file(path) as file:
         data = file.read(max_bytes + 1)

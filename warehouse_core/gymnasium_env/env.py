@@ -268,7 +268,7 @@ class WarehouseGymnasiumEnv(CopiedWhole, Limited, gymnasium.Env[Any, Any]):
         if given is None and drawn.start and has_start(layout, drawn):
             return layout, None, drawn
         start = self._start if given is None else as_cell("start_pos", given)
-        start = start or layout.usual_start()
+        start = start or layout.default_start()
         check_open(layout, start, "start_pos")
         return layout, start, drawn
 

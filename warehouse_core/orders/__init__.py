@@ -1,4 +1,4 @@
-"""Orders: what they are, where they come from, files of them, and what becomes of them."""
+"""Orders: their definition, sources, files, and progress during an episode."""
 
 from warehouse_core.orders.files import load_orders, save_orders
 from warehouse_core.orders.order import Order, OrderQueue, OrderStream

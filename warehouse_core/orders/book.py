@@ -1,4 +1,4 @@
-"""The orders of one fleet during an episode: which are waiting, and which robot has which."""
+"""The orders of a fleet during an episode, with the robot that has each of them."""
 
 from __future__ import annotations
 
@@ -15,25 +15,32 @@ from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Integers
 
 NONE = -1
-"""No order, robot or step."""
+"""Value of an order, robot or step that does not exist."""
 
 NEVER = np.iinfo(np.int64).max
 
 
 class OrderBook:
-    """``K`` orders of ``R`` robots.
+    """``K`` orders of ``R`` robots, and their progress.
 
-    An order that has been released and not taken *waits*: for one robot, or, if it is open, for
-    whoever picks it first. A robot has at most one order, which it is to take or carries. A queue
-    keeps as many as the first ``orders`` released and not delivered; ``more`` returns its next.
+    A released order *waits* until its item is picked up. It waits for one robot or, if it is
+    *open*, for the first robot that picks it. A robot has at most one order, whose item it is to
+    pick up or carries.
+
+    Args:
+        orders: orders of the episode, or the first ones of a queue.
+        robots: number of robots ``R``.
+        layout: layout of the floor.
+        more: function that returns the next orders of a queue. The queue keeps as many orders in
+            progress as ``orders`` has.
 
     Attributes:
         order_of: ``[R]`` the order of each robot, or ``NONE``.
         lost: number of orders that will never be delivered, see ``lose``.
-        taken_by, taken, delivered: ``[K]`` robot and steps, or ``NONE``.
+        taken_by, taken, delivered: ``[K]`` robots and steps, or ``NONE``.
         waiting_at: number of open orders at each cell.
-        changed: robots whose order has changed, and cells whose number of open orders has; the
-            reader clears both.
+        changed: robots whose order has changed, and cells whose number of open orders has changed.
+            The reader clears both sets.
     """
 
     def __init__(
@@ -64,12 +71,12 @@ class OrderBook:
 
     @property
     def is_done(self) -> bool:
-        """Whether each item is delivered or lost."""
+        """Whether every order has been delivered or lost."""
         return self._deliveries + self.lost == len(self.orders.released)
 
     @property
     def open_orders(self) -> list[int]:
-        """The open orders, in order of release."""
+        """The numbers of the open orders, in order of release."""
         return list(np.flatnonzero(self._is_open).tolist())
 
     @property
@@ -79,11 +86,11 @@ class OrderBook:
 
     @property
     def has_open_orders(self) -> bool:
-        """Whether an open order waits."""
+        """Whether there is an open order."""
         return bool(self._is_open.any())
 
     def release(self, step: int) -> None:
-        """Let all orders appear that are released up to this step."""
+        """Release all orders that are due for release at this step or before."""
         first = self._released
         while self.next_release <= step:
             order = self._released
@@ -98,9 +105,10 @@ class OrderBook:
             self._take_reserved(robot)
 
     def take(self, robot: int, cell: int, step: int) -> bool:
-        """Give a robot at ``cell`` its order, or else the open one there that is due first.
+        """Let a robot pick up an item at ``cell``, and return whether it has done so.
 
-        A robot that takes another order gives its own back. Return whether it has taken one.
+        It picks the item of its own order if that waits here, otherwise the item of the open order
+        here that is due first. In the second case it gives its own order back.
         """
         order = int(self.order_of[robot])
         if order == NONE or self.orders.pickup[order] != cell:
@@ -117,7 +125,7 @@ class OrderBook:
         return True
 
     def deliver(self, robot: int, step: int) -> int:
-        """Book the delivery of what a robot carries, and return the order."""
+        """Record the delivery of the item that a robot carries, and return its order."""
         order = int(self.order_of[robot])
         self.delivered[order] = step
         self._deliveries += 1
@@ -126,13 +134,14 @@ class OrderBook:
         return order
 
     def assign(self, robot: int, order: int | None) -> None:
-        """Let an order wait for one robot only; ``None`` gives back the order that it had.
+        """Assign an order to a robot, and give back the order that the robot had.
 
-        A robot that has given back its order gets, without another one, the one due first of those
-        that only it may take.
+        With ``None`` it only gives its order back. A robot without an order then gets the first due
+        of the orders that only it may take.
 
         Raises:
-            OrderError: the robot carries an item, or the order does not wait, or for another robot.
+            OrderError: the robot carries an item, or the order does not wait, or it waits for
+                another robot.
         """
         had = int(self.order_of[robot])
         if had != NONE and self.taken[had] != NONE:
@@ -152,13 +161,18 @@ class OrderBook:
         self._take_reserved(robot)
 
     def lose(self, robots: Integers, cells: Integers) -> list[int]:
-        """Let the orders be lost that some robots, which cannot drive any more, hold or block.
+        """Give up the orders that robots which can no longer drive hold or block.
 
-        They carry the item, are the only ones that may take it, or stand in the ``cells``, one of
-        which is where it is to be picked or dropped. Who is free again gets its next order.
+        An order is lost if one of the ``robots`` carries its item or is the only one that may take
+        it, or if its dropoff, or the pickup where its item still waits, is one of the ``cells``.
+        Other robots that had a lost order get their next one.
+
+        Args:
+            robots: robots that can no longer drive.
+            cells: cells that they block.
 
         Returns:
-            The other robots that carried an item of these orders, and do not any more.
+            The other robots, which have lost the items that they carried.
         """
         known, freed = self.released_orders, list[int]()
         is_taken = self.taken[: self._released] != NONE
@@ -182,7 +196,7 @@ class OrderBook:
         return freed
 
     def dispatch(self, robots: Integers, cells: Integers) -> None:
-        """Assign the oldest open orders, each to the nearest of some robots without an order."""
+        """Assign the oldest open orders, each to the nearest of these robots without an order."""
         rows, cols = self._layout.places(cells).T
         free = np.ones(len(robots), np.bool_)
         for order in self.open_orders[: len(robots)]:
@@ -193,7 +207,7 @@ class OrderBook:
             self.assign(int(robots[nearest]), order)
 
     def records(self) -> list[Order]:
-        """Return the orders that have been released, in order of release."""
+        """Return the released orders with their progress, in order of release."""
         return [self._record(order) for order in range(self._released)]
 
     def _record(self, order: int) -> Order:
@@ -204,7 +218,7 @@ class OrderBook:
         return Order(released, due, *ends, robot, taken_by, taken, delivered)
 
     def _grow(self, orders: OrderArrays) -> None:
-        """Add orders that are not released yet."""
+        """Add orders that have not been released yet."""
         pairs = zip(self.orders, orders, strict=True)
         self.orders = OrderArrays(*(np.concatenate(pair) for pair in pairs))
         unknown = np.full(len(orders.released), NONE)
@@ -216,7 +230,7 @@ class OrderBook:
         )
 
     def _offer(self, order: int) -> None:
-        """Let an order wait for all, or among those that only one robot may take."""
+        """Let an order wait for all robots, or for the only one that may take it."""
         robot, due = int(self.orders.robot[order]), int(self.orders.due[order])
         cell = int(self.orders.pickup[order])
         if robot == OPEN:
@@ -227,26 +241,26 @@ class OrderBook:
             heappush(self._reserved[robot], (due, order))
 
     def _take_reserved(self, robot: int) -> None:
-        """Give a robot without an order the one due first among those that only it may take."""
+        """Give a robot without an order the first due of those that only it may take."""
         if self.order_of[robot] == NONE and self._reserved[robot]:
             self._give(robot, heappop(self._reserved[robot])[1])
 
     def _due_first(self, cell: int) -> int:
         """Return the open order at a cell that is due first, or ``NONE``."""
-        # Orders that were closed since they were pushed are still in the heap.
+        # The heap still has orders that have been taken since they were pushed.
         waiting = self._due_at[cell]
         while waiting and not self._is_open[waiting[0][1]]:
             heappop(waiting)
         return waiting[0][1] if waiting else NONE
 
     def _waits_for(self, robot: int, order: int) -> bool:
-        """Whether a robot that has another order, or none, may have this one."""
+        """Return whether an order, which the robot does not have, may be assigned to it."""
         if not 0 <= order < self._released or self.taken[order] != NONE or self._is_lost[order]:
             return False
         return bool(self._is_open[order]) or int(self.orders.robot[order]) == robot
 
     def _withdraw(self, order: int) -> None:
-        """Take an order from those that wait without a robot, before a robot gets it."""
+        """Remove an order from those that wait without a robot."""
         if self._is_open[order]:
             self._is_open[order] = False  # ``_due_first`` drops it from the heap later
             self._count(int(self.orders.pickup[order]), -1)

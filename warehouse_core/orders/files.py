@@ -1,7 +1,7 @@
-"""Files of orders: comma-separated values with a header.
+"""Files of orders as comma-separated values with a header line.
 
 The columns are ``released``, ``due``, ``pickup_row``, ``pickup_col``, ``dropoff_row``,
-``dropoff_col`` and ``robot``, which is empty for an open order. Lines are counted from 1.
+``dropoff_col`` and ``robot``, which is empty for an open order. Errors count lines from 1.
 """
 
 from __future__ import annotations
@@ -27,10 +27,10 @@ COLUMNS = (
 
 
 def load_orders(path: str | Path) -> list[Order]:
-    """Read orders from a file.
+    """Return the orders in a file.
 
     Raises:
-        OrderError: the file has another format, or more than ``MAX_ORDERS`` lines; the message
+        OrderError: the file has a different format, or more than ``MAX_ORDERS`` lines; the message
             names file, line and column.
         OSError: the file cannot be read.
 
@@ -51,7 +51,7 @@ def load_orders(path: str | Path) -> list[Order]:
 
 
 def save_orders(path: str | Path, orders: Iterable[Order]) -> None:
-    """Write orders to a file, whole or not at all; what has become of them is not written.
+    """Write orders to a file, atomically and without their progress.
 
     Raises:
         OSError: the file cannot be written.

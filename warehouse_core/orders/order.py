@@ -1,7 +1,7 @@
-"""Orders, and the streams that they are drawn from.
+"""Orders, and the random streams that produce them.
 
-An *order* is one item to be brought from a pickup to a dropoff. Times are in steps; in a step that
-takes its nominal second a rate of 0.1 orders a step is 360 an hour.
+An *order* asks for one item to be moved from a pickup to a dropoff. Times are in steps. A step
+nominally takes a second, so a rate of 0.1 orders per step is 360 orders per hour.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ MAX_ORDERS = 1_000_000
 """Limit on the orders of an episode."""
 
 OPEN = -1
-"""The robot of an order that any robot may take."""
+"""Value of ``robot`` in ``OrderArrays`` for orders that any robot may take."""
 
 
 class Order(NamedTuple):
-    """One item to be brought from a pickup to a dropoff, and what has become of it.
+    """An order to move one item from a pickup to a dropoff, and its progress.
 
     Attributes:
-        released: step at which it appears.
-        due: step by which it must be delivered to be on time, at least ``released``.
+        released: step at which the order appears.
+        due: last step at which a delivery is on time; at least ``released``.
         pickup: open cell where the item waits.
-        dropoff: another open cell, where it is due.
-        robot: the only robot that may take it; ``None`` leaves the order open to all.
-        taken_by: the robot that has taken it, or ``None``.
-        taken: step at which it was taken, or ``None``.
-        delivered: step at which it was delivered, or ``None``.
+        dropoff: another open cell, where the item is to be delivered.
+        robot: the only robot that may take the order; ``None`` if any robot may.
+        taken_by: robot that has picked up the item, or ``None``.
+        taken: step at which the item was picked up, or ``None``.
+        delivered: step at which the item was delivered, or ``None``.
 
     Example:
         >>> from warehouse_core import Order
@@ -55,21 +55,21 @@ class Order(NamedTuple):
 
 @dataclass(frozen=True)
 class OrderStream:
-    """A Poisson process of orders between the pickups and dropoffs of a layout.
+    """A random stream of orders: a Poisson process between the stations of a layout.
 
-    Several streams follow one another in time: each lasts until the next one starts.
+    Several streams can follow one another. Each lasts until the next one starts.
 
     Args:
-        rate: mean number of orders released in a step, finite and at least 0.
-        due: fewest and most steps from release to due time, drawn uniformly.
-        pickup_weights: weight of each pickup of the layout in the draws, in row-major order;
-            ``None`` draws all equally often.
-        dropoff_weights: the same for the dropoffs.
+        rate: mean number of orders per step, finite and at least 0.
+        due: fewest and most steps from release to due time; the number is uniformly distributed.
+        pickup_weights: relative frequency of each pickup of the layout, in row-major order;
+            ``None`` makes all equally frequent.
+        dropoff_weights: relative frequency of each dropoff, likewise.
         start: first step of this stream.
 
     Raises:
-        ValueError: a value that is not allowed.
-        TypeError: a value of another type.
+        ValueError: a value is not allowed.
+        TypeError: a value has the wrong type.
 
     Example:
         >>> from warehouse_core import FleetEnv, OrderStream
@@ -91,17 +91,17 @@ class OrderStream:
 
 @dataclass(frozen=True)
 class OrderQueue:
-    """A constant number of orders: when one is delivered, another is released.
+    """A constant number of orders in progress: each delivery releases another order.
 
     Args:
-        size: number of orders that are released and not delivered, 1 to ``MAX_ORDERS``.
-        due: fewest and most steps from release to due time, drawn uniformly.
-        pickup_weights: the same as in ``OrderStream``.
-        dropoff_weights: the same for the dropoffs.
+        size: number of released and undelivered orders, 1 to ``MAX_ORDERS``.
+        due: fewest and most steps from release to due time; the number is uniformly distributed.
+        pickup_weights: relative frequency of each pickup, as in ``OrderStream``.
+        dropoff_weights: relative frequency of each dropoff, likewise.
 
     Raises:
-        ValueError: a value that is not allowed.
-        TypeError: a value of another type.
+        ValueError: a value is not allowed.
+        TypeError: a value has the wrong type.
 
     Example:
         >>> from warehouse_core import FleetEnv, OrderQueue, shelf_layout
@@ -122,7 +122,7 @@ class OrderQueue:
 
 
 Orders = float | OrderStream | OrderQueue | Sequence[OrderStream] | Sequence[Order]
-"""Forms in which a fleet accepts its orders; a number is the rate of an ``OrderStream``."""
+"""Types of orders that a fleet accepts; a number is the rate of an ``OrderStream``."""
 
 
 class OrderArrays(NamedTuple):
@@ -136,7 +136,7 @@ class OrderArrays(NamedTuple):
 
 
 def _settle_draws(orders: OrderStream | OrderQueue) -> None:
-    """Check due times and weights, and put them in their plain form."""
+    """Check the due times and weights, and store them as plain Python values."""
     fewest, most = as_cell("due", orders.due, "(fewest, most)")
     if not 0 <= fewest <= most <= MAX_STEPS:
         raise ValueError(

@@ -1,4 +1,4 @@
-"""Where the orders of an episode come from: a list, or streams that they are drawn from."""
+"""Sources of the orders of an episode: a list, random streams, or a queue."""
 
 from __future__ import annotations
 
@@ -24,12 +24,12 @@ from warehouse_core.world.tiles import CHARGER, Cell
 
 
 class ListedOrders:
-    """Orders that are known in advance, the same in every episode.
+    """A list of orders that is the same in every episode.
 
-    What has become of them is ignored.
+    The progress that is recorded in the orders is ignored.
 
     Raises:
-        OrderError: an order that cannot be carried out, named by its number from 0.
+        OrderError: an order cannot be carried out; the message gives its number, counted from 0.
     """
 
     ends = True
@@ -42,19 +42,19 @@ class ListedOrders:
         self._arrays = OrderArrays(*np.array(rows, np.intp).T)
 
     def draw(self, stream: np.random.Generator) -> OrderArrays:
-        """Return the orders; no random number is drawn."""
+        """Return the orders, which are not random."""
         return self._arrays
 
 
 class DrawnOrders:
-    """Orders drawn for each episode from one stream or more, in order of their starts.
+    """Random orders of each episode, from one or more streams in the order of their starts.
 
-    Only orders that are released before the last of the ``steps`` of an episode are drawn.
+    All orders are released before the end of an episode of ``steps`` steps.
 
     Raises:
-        LayoutError: a layout without a pickup or a dropoff.
-        OrderError: streams out of order, weights that do not fit the layout, or a rate that leads
-            to more than ``MAX_ORDERS``.
+        LayoutError: the layout has no pickup or no dropoff.
+        OrderError: the streams are out of order, their weights do not fit the layout, or the rate
+            leads to more than ``MAX_ORDERS`` orders.
     """
 
     ends = False
@@ -78,9 +78,9 @@ class DrawnOrders:
         self._tasks = _Tasks(streams, layout)
 
     def draw(self, stream: np.random.Generator) -> OrderArrays:
-        """Return the orders of one episode."""
+        """Return random orders for one episode."""
         # Given their number, the times of a Poisson process are independent and uniform.
-        counts = stream.poisson(self._means).astype(np.intp)  # 32 bits in a browser
+        counts = stream.poisson(self._means).astype(np.intp)  # it has 32 bits in a browser
         phase = np.repeat(np.arange(len(self._means)), counts)
         released = np.sort(stream.integers(self._starts[phase], self._ends[phase]))
         due, pickup, dropoff = self._tasks.draw(phase, stream)
@@ -88,11 +88,11 @@ class DrawnOrders:
 
 
 class QueuedOrders:
-    """Orders of which a constant number is released and not delivered.
+    """Random orders, of which a constant number is in progress.
 
     Raises:
-        LayoutError: a layout without a pickup or a dropoff.
-        OrderError: weights that do not fit the layout.
+        LayoutError: the layout has no pickup or no dropoff.
+        OrderError: the weights do not fit the layout.
     """
 
     ends = False
@@ -101,14 +101,14 @@ class QueuedOrders:
         self.size, self._tasks = queue.size, _Tasks([queue], layout)
 
     def draw(self, stream: np.random.Generator) -> OrderArrays:
-        """Return the next ``size`` orders, released at step 0; times count from the release."""
+        """Return the next ``size`` random orders, with due times as if released at step 0."""
         phase = np.zeros(self.size, np.intp)
         due, pickup, dropoff = self._tasks.draw(phase, stream)
         return OrderArrays(phase, due, pickup, dropoff, np.full(self.size, OPEN))
 
 
 class _Tasks:
-    """Due times, pickups and dropoffs as the streams, or the queue, draw them."""
+    """Random due times, pickups and dropoffs of the streams or the queue."""
 
     def __init__(self, kinds: Sequence[OrderStream | OrderQueue], layout: Layout) -> None:
         self._due = np.array([kind.due for kind in kinds])
@@ -118,7 +118,12 @@ class _Tasks:
         self._dropoffs = _Stations("dropoff", layout.dropoffs, dropoffs, layout)
 
     def draw(self, phase: Integers, stream: np.random.Generator) -> tuple[Integers, ...]:
-        """Return steps until they are due, pickups and dropoffs of orders of these streams."""
+        """Return the steps to the due time, pickups and dropoffs of random orders.
+
+        Args:
+            phase: ``[K]`` number of the stream of each order.
+            stream: random numbers.
+        """
         fewest, most = self._due[phase].T
         due = stream.integers(fewest, most, endpoint=True)
         pickups = self._pickups.draw(phase, stream.random(len(phase)))
@@ -126,7 +131,7 @@ class _Tasks:
 
 
 class _Stations:
-    """The pickups or the dropoffs of a layout, drawn by the weights of ``streams`` streams."""
+    """The pickups or the dropoffs of a layout, with their weights in each stream."""
 
     def __init__(
         self,
@@ -147,20 +152,20 @@ class _Stations:
         shares = np.array(
             [np.ones(len(cells)) if each is None else each for each in weights], np.float64
         )
-        # One line from 0 to the number of streams: each stream has the part from i to i + 1.
+        # The weights of stream i divide the interval from i to i + 1.
         sums = np.cumsum(shares, axis=1)
         sums /= sums[:, -1:]
         self._sums = (sums + np.arange(len(sums))[:, None]).ravel()
 
     def draw(self, phase: Integers, uniforms: NDArray[np.float64]) -> NDArray[np.intp]:
-        """Return a cell for each phase and uniform random number."""
+        """Return a random cell for each stream number, given a uniform random number each."""
         place = np.searchsorted(self._sums, phase + uniforms, side="right")
         cells: NDArray[np.intp] = self._cells[place % len(self._cells)]
         return cells
 
 
 def _row(name: str, order: Order, layout: Layout, robots: int) -> tuple[int, int, int, int, int]:
-    """Return an order as a row of ``OrderArrays``, or raise if it cannot be carried out."""
+    """Return an order as a row of ``OrderArrays``, or raise if nobody can carry it out."""
     pickup = _station(f"{name}: pickup", order.pickup, layout)
     dropoff = _station(f"{name}: dropoff", order.dropoff, layout)
     if pickup == dropoff:
@@ -179,7 +184,7 @@ def _row(name: str, order: Order, layout: Layout, robots: int) -> tuple[int, int
 
 
 def _station(name: str, place: Cell, layout: Layout) -> int:
-    """Return a cell that can be a station as its number."""
+    """Return the number of a cell, which must be able to be a station."""
     row, col = cell = as_cell(name, place)
     try:
         check_open(layout, cell, name)

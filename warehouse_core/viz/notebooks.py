@@ -52,7 +52,7 @@ def fleet_picture(env: FleetEnv) -> bytes:
     if env._started:
         return layout_picture(layout, zip(env.cells, env.loaded, strict=True), env.people)
     if starts is None:
-        starts = (layout.usual_start(),) if env.settings.robots == 1 else ()
+        starts = (layout.default_start(),) if env.settings.robots == 1 else ()
     return layout_picture(layout, [(cell, False) for cell in starts])
 
 

@@ -1,4 +1,4 @@
-"""The world of a robot: tiles, actions, layouts, their generators and their files.
+"""The world of a robot: tiles, actions, and layouts with their generators and files.
 
 Example:
     >>> from warehouse_core.world import DEFAULT_LAYOUT, Cell

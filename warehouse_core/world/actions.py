@@ -1,4 +1,4 @@
-"""The seven actions, as words, as indices and as displacements."""
+"""The seven actions as words, indices and displacements."""
 
 from __future__ import annotations
 
@@ -14,23 +14,24 @@ ACTIONS = ("N", "E", "S", "W", "WAIT", "PICK", "DROP")
 WAIT, PICK, DROP = (ACTIONS.index(word) for word in ("WAIT", "PICK", "DROP"))
 
 INVALID = len(ACTIONS)
-"""The index for any word or integer that is not an action."""
+"""Index of every word or integer that is not an action."""
 
 DISPLACEMENTS: tuple[Cell, ...] = tuple(
     MOVE_DELTAS.get(word, (0, 0)) for word in (*ACTIONS, "INVALID")
 )
-"""Rows and columns by which each action moves a robot, by index, ``INVALID`` last."""
+"""Rows and columns by which each action moves a robot, by index; ``INVALID`` is the last."""
 
 _INDEX_OF_WORD = {word: index for index, word in enumerate(ACTIONS)}
 
 
 def action_index(action: str | SupportsIndex, index_of: Mapping[str, int] = _INDEX_OF_WORD) -> int:
-    """Return the index of an action given as a word (any case) or an integer (NumPy included).
+    """Return the index of an action given as a word in any case or as an integer.
 
-    An unknown word or an integer out of range is ``INVALID``: it costs a step, as in the chapter.
+    The index of an unknown word or an integer out of range is ``INVALID``. Such an action costs a
+    step, as in the chapter.
 
     Args:
-        action: the word or integer.
+        action: word or integer; NumPy's integers are accepted.
         index_of: index of each allowed word, in order from 0.
 
     Raises:
@@ -38,7 +39,7 @@ def action_index(action: str | SupportsIndex, index_of: Mapping[str, int] = _IND
     """
     if isinstance(action, str):
         index = index_of.get(action)
-        if index is None:  # some letters outside ASCII have an upper case inside it
+        if index is None:  # some letters outside ASCII have an upper case in ASCII
             return index_of.get(action.upper() if action.isascii() else "", INVALID)
         return index
     try:
@@ -52,7 +53,7 @@ def action_index(action: str | SupportsIndex, index_of: Mapping[str, int] = _IND
 
 
 def valid_action(action: Any, count: int = INVALID) -> int:
-    """Return the index of one of ``count`` actions given as an integer, which must be in range.
+    """Return an action given as an integer, which must be less than ``count``, as an ``int``.
 
     Raises:
         ValueError: it is out of range.

@@ -1,7 +1,7 @@
-"""What a notebook shows for the last value of a cell.
+"""The form in which a notebook shows the value of a cell.
 
-Classes that a notebook shows call ``display``; ``viz/notebooks.py``, which stands above them, says
-what it returns for each.
+Classes that notebooks can show call ``display``. The module ``viz/notebooks.py``, which may import
+all of them, registers an implementation for each class.
 """
 
 from __future__ import annotations
@@ -13,4 +13,4 @@ from typing import Any
 @singledispatch
 def display(value: object) -> Any:
     """Return the HTML or the bytes of a PNG that a notebook shows for a value."""
-    raise TypeError(f"notebooks show no {type(value).__name__}")
+    raise TypeError(f"notebooks cannot show {type(value).__name__}")

@@ -1,4 +1,4 @@
-"""Distances around walls, from every cell to the nearest of some cells."""
+"""Distances around walls from every cell to the nearest of a set of cells."""
 
 from __future__ import annotations
 
@@ -13,24 +13,24 @@ from warehouse_core.world.tables import Integers
 from warehouse_core.world.tiles import Cell
 
 Distances = NDArray[np.float64]
-"""``[H, W]`` moves N, E, S or W; infinite for walls and cells without a path."""
+"""``[H, W]`` numbers of moves N, E, S or W; infinite for walls and for cells without a path."""
 
 
 def distances(layout: Layout, cells: Collection[Cell]) -> Distances:
-    """Return the number of moves from each cell to the nearest of ``cells``, which are open."""
+    """Return the number of moves from each cell to the nearest of ``cells``, all of them open."""
     return _nearest(layout, cells)[0]
 
 
 def nearest(layout: Layout, cells: Collection[Cell]) -> NDArray[np.intp]:
-    """Return the nearest of ``cells`` by moves, ``[H, W]`` numbers of cells; -1 without a path.
+    """Return the nearest of ``cells`` for each cell, ``[H, W]`` cell numbers; -1 without a path.
 
-    Of cells that are equally near it is the first in row-major order.
+    Ties are broken in favour of the first cell in row-major order.
     """
     return _nearest(layout, cells)[1]
 
 
 def _nearest(layout: Layout, cells: Collection[Cell]) -> tuple[Distances, NDArray[np.intp]]:
-    """Return for each cell the moves to the nearest of ``cells``, and which one that is."""
+    """Return the moves from each cell to the nearest of ``cells``, and the number of that cell."""
     for cell in cells:
         check_open(layout, cell, "cell")
     moves = np.full(layout.height * layout.width, np.inf)
@@ -39,8 +39,8 @@ def _nearest(layout: Layout, cells: Collection[Cell]) -> tuple[Distances, NDArra
         numbers = np.unique(layout.numbers(cells))
         count, scale = len(layout.open_cells), len(numbers) + 1
         starts, ends = _moves(layout)
-        # A root leads to the cells with costs 1, 2, ... and a move costs more than these differ:
-        # so ties are broken by the order of the cells, not by the version of SciPy.
+        # A root node has edges of costs 1, 2, ... to the cells, and a move costs more than the
+        # largest difference of these. So the order of the cells breaks ties in every SciPy version.
         costs = np.append(np.full(len(starts), scale), np.arange(1, scale)).astype(np.float64)
         starts = np.append(starts, np.full(len(numbers), count))
         ends = np.append(ends, np.searchsorted(layout.open_cells, numbers))
@@ -54,16 +54,16 @@ def _nearest(layout: Layout, cells: Collection[Cell]) -> tuple[Distances, NDArra
 
 
 def _moves(layout: Layout) -> tuple[Integers, Integers]:
-    """Return where the moves between open cells start and end, ``[E]`` each, in order of starts.
+    """Return the starts and the ends of all moves between open cells, ``[E]`` each, by start.
 
-    Cells are numbered as in ``open_cells``.
+    A cell is given by its index in ``open_cells``.
     """
-    # A closed column on the right and a closed row above and below make tests for the edge
-    # unnecessary: left of the first column is the closed column of the row above.
+    # With a closed column on the right and closed rows above and below, no test for the edge is
+    # needed: the cell to the left of the first column is in the closed column of the row above.
     padded = layout.width + 1
     places = layout.open_cells + layout.open_cells // layout.width + padded
     numbers = np.full((layout.height + 2) * padded, -1)
     numbers[places] = np.arange(len(places))
-    beside = np.stack([numbers[places + step] for step in (-padded, -1, 1, padded)], axis=1)
-    starts, sides = np.nonzero(beside >= 0)
-    return starts, beside[starts, sides]
+    neighbours = np.stack([numbers[places + step] for step in (-padded, -1, 1, padded)], axis=1)
+    starts, sides = np.nonzero(neighbours >= 0)
+    return starts, neighbours[starts, sides]

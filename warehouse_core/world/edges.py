@@ -1,7 +1,7 @@
-"""Edges with costs between numbered nodes, and the cheapest ways along them.
+"""Graphs of numbered nodes and edges with costs, and their cheapest paths.
 
-SciPy finds the ways where it is installed. Where it is not, as in a browser, NumPy finds the same
-costs bit for bit, more slowly.
+SciPy finds the paths if it is installed. Otherwise, as in a browser, NumPy computes exactly the
+same costs, but more slowly.
 """
 
 from __future__ import annotations
@@ -15,29 +15,29 @@ from numpy.typing import NDArray
 
 from warehouse_core.world.tables import Integers
 
-if TYPE_CHECKING:  # SciPy is imported where it is used: loading it takes long
+if TYPE_CHECKING:  # SciPy is imported where it is used, because loading it takes long
     from scipy.sparse import csr_array
 
 Floats = NDArray[np.float64]
 
 
 class Edges:
-    """Directed edges between ``N`` nodes, at most one from each node to each other.
+    """Directed edges between ``N`` nodes, at most one between two nodes in each direction.
 
     Args:
-        starts: ``[E]`` node that each edge leads from.
-        ends: ``[E]`` node that each edge leads to.
-        costs: ``[E]`` costs above 0.
-        nodes: ``N``.
+        starts: ``[E]`` first node of each edge.
+        ends: ``[E]`` last node of each edge.
+        costs: ``[E]`` cost of each edge, above 0.
+        nodes: number of nodes ``N``.
     """
 
     def __init__(self, starts: Integers, ends: Integers, costs: Floats, nodes: int) -> None:
         self._starts, self._ends, self._costs, self._nodes = starts, ends, costs, nodes
 
     def cheapest(self, sources: Sequence[int]) -> Floats:
-        """Return the cost of the cheapest way to each node from any of ``sources``, ``[N]``.
+        """Return the cost of the cheapest path to each node from any of ``sources``, ``[N]``.
 
-        The cost is infinite for nodes that no way leads to.
+        The cost of unreachable nodes is infinite.
         """
         try:
             from scipy.sparse.csgraph import dijkstra
@@ -49,9 +49,9 @@ class Edges:
         return costs
 
     def parts(self) -> Integers:
-        """Return a number for each node, equal for nodes that edges connect, ``[N]``.
+        """Return the number of the connected component of each node, ``[N]``.
 
-        Every edge has to have one that leads back.
+        Every edge must have an edge in the other direction.
         """
         try:
             from scipy.sparse.csgraph import connected_components
@@ -61,7 +61,7 @@ class Edges:
         return found
 
     def _spread(self, values: Floats, costs: Floats | float) -> Floats:
-        """Lower the values of nodes along the edges until none exceeds a start's and its cost."""
+        """Lower the values until no edge's end exceeds its start by more than the edge's cost."""
         costs = np.broadcast_to(costs, self._starts.shape)
         active = np.arange(len(self._starts))
         while len(active):

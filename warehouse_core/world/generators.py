@@ -1,7 +1,7 @@
 """Layout generators.
 
-In every generated layout each open cell can be reached from every other, so that the item can be
-delivered wherever pickup, dropoff and robot are placed.
+In every generated layout each open cell is reachable from every other. So the item can always be
+delivered, wherever the pickup, the dropoff and the robot are placed.
 """
 
 from __future__ import annotations
@@ -18,24 +18,24 @@ from warehouse_core.world.layout import CHAPTER_START, MAX_CELLS, Layout, check_
 from warehouse_core.world.tiles import EMPTY, WALL, Cell
 
 MAX_DENSITY = 0.4
-"""Limit for ``random_layout``; walls that keep a grid connected can hardly be denser."""
+"""Limit for ``random_layout``. Walls can hardly be denser without disconnecting open cells."""
 
 KIVA_PARKING = ".SS.SS."
-"""A row of the blocks at both sides of ``kiva_warehouse``; robots start at ``S``."""
+"""A row of the parking blocks at both sides of ``kiva_warehouse``; robots start at ``S``."""
 
 MIN_OPEN = 4
-"""Fewest open cells: a pickup, a dropoff, and the two that ``reset(randomize=True)`` draws next."""
+"""Fewest open cells: a pickup, a dropoff, and two cells for their next random places."""
 
 
 def random_layout(height: int, width: int, density: float, seed: int) -> Layout:
-    """Return random walls inside a border, with one pickup and one dropoff.
+    """Return a layout of random walls inside a border, with one pickup and one dropoff.
 
     Args:
         height: rows, border included, at least 4.
         width: columns, border included, at least 4.
-        density: share of the cells inside the border that are walls, 0 to ``MAX_DENSITY``. A
-            very small or very dense layout may have a few walls fewer, if any more would
-            disconnect open cells.
+        density: share of walls in the cells inside the border, 0 to ``MAX_DENSITY``. A very small
+            or very dense layout may have a few walls fewer, because more walls would disconnect
+            open cells.
         seed: seed of the random numbers.
 
     Raises:
@@ -74,9 +74,10 @@ def random_layout(height: int, width: int, density: float, seed: int) -> Layout:
 
 
 def maze_layout(height: int, width: int, seed: int) -> Layout:
-    """Return a perfect maze: between any two open cells leads exactly one way, one cell wide.
+    """Return a perfect maze, in which exactly one path connects any two open cells.
 
-    It has no stations. A random walk that turns back where it is stuck cuts the ways.
+    All paths are one cell wide. The maze has no stations. It is made by a random walk that goes
+    back whenever it is stuck.
 
     Args:
         height: rows, border included, odd and at least 5.
@@ -109,21 +110,21 @@ def maze_layout(height: int, width: int, seed: int) -> Layout:
     tiles = [[WALL] * width for _ in range(height)]
     row, col = CHAPTER_START
     tiles[row][col] = EMPTY
-    way = [CHAPTER_START]
-    while way:
-        row, col = way[-1]
-        ways = [
+    path = [CHAPTER_START]
+    while path:
+        row, col = path[-1]
+        choices = [
             (down, right)
             for down, right in _RING[::2]
             if 0 < row + 2 * down < height and 0 < col + 2 * right < width
             and tiles[row + 2 * down][col + 2 * right] == WALL
         ]  # fmt: skip
-        if not ways:
-            way.pop()
+        if not choices:
+            path.pop()
             continue
-        down, right = stream.choice(ways)
+        down, right = stream.choice(choices)
         tiles[row + down][col + right] = tiles[row + 2 * down][col + 2 * right] = EMPTY
-        way.append((row + 2 * down, col + 2 * right))
+        path.append((row + 2 * down, col + 2 * right))
     return Layout(["".join(row) for row in tiles])
 
 
@@ -141,8 +142,8 @@ def shelf_layout(
 ) -> Layout:
     """Return a warehouse of shelf blocks with aisles between and around them.
 
-    Several stations of a kind are spread evenly, and no two of a kind are neighbours. None is in
-    the way of a robot that passes.
+    Several stations of the same kind are spread evenly and are never neighbours. Robots can drive
+    around every station.
 
     Args:
         shelf_rows: blocks from top to bottom, at least 1.
@@ -150,10 +151,10 @@ def shelf_layout(
         shelf_length: cells of a block from left to right, at least 1.
         shelf_depth: cells of a block from top to bottom, at least 1.
         aisle: cells between blocks and along the border, at least 1.
-        seed: chooses among the places that the stations and the chargers may have.
-        pickups: number of pickups, which are above shelves; at least 1.
-        dropoffs: number of dropoffs, which are on the bottom aisle; at least 1.
-        chargers: number of chargers, which are along the left and the right border.
+        seed: seed of the random places of stations and chargers.
+        pickups: number of pickups, at least 1. They are above shelves.
+        dropoffs: number of dropoffs, at least 1. They are on the bottom aisle.
+        chargers: number of chargers. They are along the left and the right border.
 
     Raises:
         LayoutError: a size or a number that is not allowed, or more than ``MAX_CELLS`` cells.
@@ -179,16 +180,16 @@ def shelf_layout(
     }
     stream = random.Random(seed_number(seed))
     layout = _blocks(sizes)
-    beside_shelf = [
+    above_shelf = [
         (row, col)
         for row, col in map(layout.open_cell, range(len(layout.open_cells)))
         if row < layout.height - 2 and layout.rows[row + 1][col] == WALL
     ]
     bottom = [(layout.height - 2, col) for col in range(1, layout.width - 1)]
-    # Neither the usual start nor the bottom aisle; pickups are never on the border.
+    # These exclude the default start and the bottom aisle; pickups are never at the border.
     sides = [(row, col) for col in (1, layout.width - 2) for row in range(2, layout.height - 2)]
     return layout.with_tiles(
-        _spread("pickups", pickups, 1, beside_shelf, stream),
+        _spread("pickups", pickups, 1, above_shelf, stream),
         _spread("dropoffs", dropoffs, 1, bottom, stream),
         _spread("chargers", chargers, 0, sides, stream),
     )
@@ -197,7 +198,7 @@ def shelf_layout(
 def _spread(
     name: str, count: int, least: int, cells: list[Cell], stream: random.Random
 ) -> list[Cell]:
-    """Return ``count`` of the cells at even distances, the first of them drawn at random."""
+    """Return ``count`` of the cells at even distances, the first of them chosen at random."""
     most, count = max(1, len(cells) // 2), whole_number(name, count)
     if not least <= count <= most:
         raise LayoutError(
@@ -210,15 +211,15 @@ def _spread(
 def benchmark_warehouse(columns: int, rows: int, length: int, depth: int, aisle: int) -> Layout:
     """Return the benchmark map ``warehouse-C-R-L-W-A``, without stations.
 
-    It is ``C(L + A) - A + 5C + 2`` cells wide and ``R(W + A) + A + 2`` high. The ``5C`` are two
-    open margins, ``5C // 2`` cells on the left and the rest on the right.
+    It is ``C(L + A) - A + 5C + 2`` cells wide and ``R(W + A) + A + 2`` high. Of the ``5C`` columns
+    of open margin, ``5C // 2`` are on the left and the others on the right.
 
     Args:
         columns: ``C``, shelf blocks from left to right, at least 1.
         rows: ``R``, shelf blocks from top to bottom, at least 1.
         length: ``L``, cells of a block from left to right, at least 1.
         depth: ``W``, cells of a block from top to bottom, at least 1.
-        aisle: ``A``, cells between blocks, and along the top and the bottom border, at least 1.
+        aisle: ``A``, cells between blocks and along the top and bottom borders, at least 1.
 
     Raises:
         LayoutError: a size that is not allowed, or more than ``MAX_CELLS`` cells.
@@ -240,10 +241,10 @@ def benchmark_warehouse(columns: int, rows: int, length: int, depth: int, aisle:
 def kiva_warehouse(
     rows: int = 8, columns: int = 3, length: int = 10
 ) -> tuple[Layout, NDArray[np.intp], NDArray[np.intp]]:
-    """Return a warehouse of the shape that papers on lifelong runs use, without stations.
+    """Return the warehouse of papers on lifelong path finding, without stations.
 
-    It is ``columns * (length + 1) + 13`` cells wide and ``4 * rows + 1`` high, without a border:
-    usually 33 x 46, with 192 starts and 480 goals.
+    It is ``columns * (length + 1) + 13`` cells wide and ``4 * rows + 1`` high and has no border.
+    By default it has 33 x 46 cells, 192 starts and 480 goals.
 
     Args:
         rows: shelves from top to bottom, at least 1.
@@ -251,8 +252,8 @@ def kiva_warehouse(
         length: cells of a shelf from left to right, at least 1.
 
     Returns:
-        The layout, and as ``row * W + col`` the starts, in blocks of parking places at both sides,
-        and the goals, above and below shelves.
+        The layout, the starts and the goals. Starts and goals are cell numbers ``row * W + col``.
+        The starts are in parking blocks at both sides, and the goals above and below shelves.
 
     Raises:
         LayoutError: a size that is not allowed, or more than ``MAX_CELLS`` cells.
@@ -263,8 +264,8 @@ def kiva_warehouse(
     rows, columns, length = _checked_sizes(sizes)
     width = columns * (length + 1) - 1 + 2 * len(KIVA_PARKING)
     check_size(4 * rows + 1, width)
-    beside, shelves = (".".join([tile * length] * columns) for tile in "G#")
-    lines = [f"{KIVA_PARKING}{inside}{KIVA_PARKING}" for inside in (beside, shelves, beside)]
+    goals, shelves = (".".join([tile * length] * columns) for tile in "G#")
+    lines = [f"{KIVA_PARKING}{inside}{KIVA_PARKING}" for inside in (goals, shelves, goals)]
     aisle = EMPTY * width
     text = [aisle, *[*lines, aisle] * rows]
     marks = np.array([list(line) for line in text]).ravel()
@@ -273,7 +274,7 @@ def kiva_warehouse(
 
 
 def _checked_sizes(sizes: dict[str, int]) -> list[int]:
-    """Return sizes, given by their names, each 1 to ``MAX_CELLS``."""
+    """Return the checked values of named sizes, each 1 to ``MAX_CELLS``."""
     try:
         return [whole_number(name, size, 1, MAX_CELLS) for name, size in sizes.items()]
     except ValueError as error:
@@ -281,10 +282,12 @@ def _checked_sizes(sizes: dict[str, int]) -> list[int]:
 
 
 def _blocks(sizes: dict[str, int], sides: tuple[int, int] | None = None) -> Layout:
-    """Return blocks of walls with aisles between them, and so many open columns at both sides.
+    """Return blocks of walls with aisles between them.
 
-    Without ``sides`` an aisle is there too. The sizes are rows and columns of blocks, length and
-    depth of a block, and width of an aisle, by the names to use in errors.
+    Args:
+        sizes: rows and columns of blocks, length and depth of a block, and width of an aisle, by
+            the names that errors use.
+        sides: numbers of open columns on the left and the right; ``None`` for the aisle's width.
     """
     rows, columns, length, depth, aisle = _checked_sizes(sizes)
     left, right = sides or (aisle, aisle)
@@ -299,7 +302,7 @@ def _blocks(sizes: dict[str, int], sides: tuple[int, int] | None = None) -> Layo
 
 
 def _scatter_walls(tiles: list[list[str]], density: float, stream: random.Random) -> None:
-    """Add walls one by one in random order, skipping those that would disconnect open cells."""
+    """Add walls one by one in random order, except those that would disconnect open cells."""
     height, width = len(tiles), len(tiles[0])
     candidates = [(r, c) for r in range(1, height - 1) for c in range(1, width - 1)]
     wanted = min(round(density * len(candidates)), len(candidates) - MIN_OPEN)
@@ -324,11 +327,11 @@ _RING = ((-1, 0), (-1, 1), (0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1))
 
 
 def _joins_neighbours(tiles: list[list[str]], row: int, col: int) -> bool:
-    """Return whether the open neighbours of a cell may be disconnected without it.
+    """Return whether a wall in a cell might disconnect its open neighbours.
 
-    They stay connected if one unbroken arc of open cells, among the eight around the cell, joins
-    them all. That looks no further than the ring, so a wall takes the same time in any layout; a
-    cell whose neighbours are joined only by a longer way stays open, although it need not.
+    The neighbours stay connected if they all lie on one unbroken arc of open cells in the ring of
+    eight cells around the cell. The test reads only this ring, so it takes the same time in any
+    layout. It also keeps a cell open if only a longer path would connect its neighbours.
     """
     ring = [tiles[row + down][col + right] == EMPTY for down, right in _RING]
     arcs = 0

@@ -18,6 +18,7 @@ from numpy.typing import NDArray
 from warehouse_core.errors import LayoutError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.files.reading import read_file
+from warehouse_core.renamed import Renamed
 from warehouse_core.wording import brief
 from warehouse_core.world.display import display
 from warehouse_core.world.tiles import (
@@ -38,13 +39,13 @@ CHAPTER_START: Cell = (1, 1)
 """Default start of a robot."""
 
 MAX_CELLS = 16_000_000
-"""Limit on the cells of a layout; longer text is rejected before it is parsed."""
+"""Limit on the cells of a layout. Longer text is rejected before it is parsed."""
 
 MAX_FILE = 2 * MAX_CELLS + 3
-"""Limit on the bytes of a file: a line end for each cell, and a byte-order mark."""
+"""Limit on the bytes of a file, in which every cell may have a line end, and a byte-order mark."""
 
 MAX_ROWS = 100_000
-"""Limit on the rows of a layout: each is a string of its own, however short."""
+"""Limit on the rows of a layout, each of which takes memory for a string."""
 
 
 @dataclass(frozen=True, slots=True, init=False)
@@ -56,11 +57,11 @@ class Layout:
             ``C`` charger.
 
     Raises:
-        LayoutError: no rows, a ragged row, an unknown character, more than ``MAX_CELLS`` cells, or
-            more than ``MAX_ROWS`` rows.
+        LayoutError: there are no rows, rows of different lengths, an unknown character, more than
+            ``MAX_CELLS`` cells, or more than ``MAX_ROWS`` rows.
         TypeError: ``rows`` is not a sequence of strings.
 
-    Source: the chapter's exercise. All other fields are computed from ``rows``.
+    All other fields are computed from ``rows``. Source: the chapter's exercise.
 
     Example:
         >>> from warehouse_core import Layout
@@ -76,7 +77,7 @@ class Layout:
     dropoffs: tuple[Cell, ...] = field(init=False, compare=False)
     chargers: tuple[Cell, ...] = field(init=False, compare=False)
     open_cells: NDArray[np.intp] = field(init=False, compare=False)
-    """Numbers of all cells that are not walls, in ascending order, read-only."""
+    """Numbers of all cells that are not walls, in ascending order and read-only."""
 
     def __init__(self, rows: Sequence[str]) -> None:
         checked = _checked_rows(rows)
@@ -103,12 +104,14 @@ class Layout:
 
     @classmethod
     def from_text(cls, text: str) -> Layout:
-        """Read a layout from lines of tiles; common indentation and outer blank lines are dropped.
+        """Return the layout in lines of tiles.
+
+        Common indentation and blank lines around the layout are ignored.
 
         Raises:
-            LayoutError: as for the class.
+            LayoutError: the text is not a valid layout, see the class.
         """
-        # In a layout of one column there is a line end for each cell.
+        # In a layout of one column each cell has a line end.
         if len(text) > 2 * MAX_CELLS:
             raise LayoutError(f"layout text is longer than MAX_CELLS = {MAX_CELLS} cells allow")
         _check_rows(text.count("\n"))
@@ -117,10 +120,10 @@ class Layout:
 
     @classmethod
     def load(cls, path: str | os.PathLike[str]) -> Layout:
-        """Read a layout from a UTF-8 text file.
+        """Return the layout in a UTF-8 text file.
 
         Raises:
-            LayoutError: as for the class, with the file's name in front.
+            LayoutError: the text is not a valid layout; the message starts with the file's name.
             OSError: the file cannot be read.
         """
         data = read_file(path, MAX_FILE)
@@ -136,7 +139,7 @@ class Layout:
         with atomic_path(path) as part:
             part.write_text(f"{self}\n", encoding="utf-8", newline="\n")
 
-    _repr_png_ = display  # which notebooks call
+    _repr_png_ = display  # called by notebooks
 
     def __str__(self) -> str:
         return "\n".join(self.rows)
@@ -145,16 +148,16 @@ class Layout:
         return f"<Layout {self.summary()}>"
 
     def summary(self) -> str:
-        """Return size and stations, ``7 x 12, pickup (1, 3), dropoff (5, 6)`` or ``2 dropoffs``.
+        """Return size, stations and chargers in words.
 
-        Chargers are named if there are any.
+        Examples: ``7 x 12, pickup (1, 3), dropoff (5, 6)``; ``9 x 9, no pickups, 2 dropoffs``.
         """
         pickups, dropoffs = _counted("pickup", self.pickups), _counted("dropoff", self.dropoffs)
         chargers = f", {_counted('charger', self.chargers)}" if self.chargers else ""
         return f"{self.height} x {self.width}, {pickups}, {dropoffs}{chargers}"
 
     def __deepcopy__(self, memo: object) -> Layout:
-        return self  # immutable; a copied array would be writable
+        return self  # layouts are immutable, and a copied array would be writable
 
     def __reduce__(self) -> tuple[type[Layout], tuple[tuple[str, ...]]]:
         return Layout, (self.rows,)
@@ -169,7 +172,7 @@ class Layout:
         return tuple(self.is_open(moved(cell, delta)) for delta in MOVE_DELTAS.values())
 
     def open_cell(self, rank: int) -> Cell:
-        """Return the open cell with a rank, counted from 0 in row-major order."""
+        """Return an open cell by its index among the open cells, from 0 in row-major order."""
         return self.cell(self.open_cells[rank])
 
     def number(self, cell: Cell) -> int:
@@ -178,7 +181,7 @@ class Layout:
         return row * self.width + col
 
     def cell(self, number: SupportsIndex) -> Cell:
-        """Return the cell with a number."""
+        """Return the cell with the number ``row * W + col``."""
         return divmod(int(number), self.width)
 
     def numbers(self, cells: Iterable[Cell]) -> NDArray[np.intp]:
@@ -192,10 +195,10 @@ class Layout:
         return [divmod(number, width) for number in np.asarray(numbers).tolist()]
 
     def places(self, numbers: NDArray[np.integer]) -> NDArray[np.intp]:
-        """Return row and column of the cells with the numbers ``[...]``, ``[..., 2]``."""
+        """Return the rows and columns ``[..., 2]`` of the cells with the numbers ``[...]``."""
         return np.stack(np.divmod(numbers, self.width), axis=-1)
 
-    def usual_start(self) -> Cell:
+    def default_start(self) -> Cell:
         """Return the chapter's start if it is open, otherwise the first open cell.
 
         Raises:
@@ -207,13 +210,15 @@ class Layout:
             raise LayoutError("the layout has no open cell; a robot needs one to start on")
         return self.open_cell(0)
 
+    usual_start = Renamed("default_start")
+
     def ranks(self, cells: Iterable[Cell]) -> list[int]:
         """Return the indices of open cells among the open cells."""
         numbers = self.numbers(cells)
         return np.searchsorted(self.open_cells, numbers).tolist() if len(numbers) else []
 
     def describe(self, cell: Cell) -> str:
-        """Describe what is at ``cell``, on or off the grid, for an error message."""
+        """Return a description of a cell for error messages; it may be off the grid."""
         row, col = cell
         if not (0 <= row < self.height and 0 <= col < self.width):
             return (
@@ -223,7 +228,7 @@ class Layout:
         return f"row {row}, column {col} is {TILES[self.rows[row][col]]}"
 
     def reachable_from(self, cell: Cell) -> set[Cell]:
-        """Return every cell that a robot at ``cell`` can drive to, ``cell`` included."""
+        """Return all cells that are reachable from ``cell``, including ``cell``."""
         reached, frontier = {cell}, [cell]
         while frontier:
             here = frontier.pop()
@@ -235,32 +240,32 @@ class Layout:
         return reached
 
     def with_stations(self, pickup: Cell | None, dropoff: Cell | None) -> Layout:
-        """Return the same walls and chargers with these stations in place of all others.
+        """Return a layout with the same walls and chargers, and only these stations.
 
         Raises:
-            LayoutError: as for ``with_tiles``.
+            LayoutError: a cell is not open, or both stations are in the same cell.
         """
         pickups, dropoffs = (() if cell is None else (cell,) for cell in (pickup, dropoff))
         return self._with((pickups, dropoffs, self.chargers))
 
     def with_chargers(self, cells: Iterable[Cell]) -> Layout:
-        """Return the same walls and stations with these chargers in place of all others.
+        """Return a layout with the same walls and stations, and only these chargers.
 
         Raises:
-            LayoutError: as for ``with_tiles``.
+            LayoutError: a cell is not open, or is a station.
         """
         return self.with_tiles(self.pickups, self.dropoffs, cells)
 
     def with_tiles(
         self, pickups: Iterable[Cell], dropoffs: Iterable[Cell], chargers: Iterable[Cell]
     ) -> Layout:
-        """Return the same walls with these stations and chargers in place of all others.
+        """Return a layout with the same walls, and only these stations and chargers.
 
-        Both layouts share ``open_cells`` (the same object), so that a cache that depends on the
-        walls alone can be kept.
+        Both layouts share the array ``open_cells``, so that a cache that depends only on the walls
+        stays valid.
 
         Raises:
-            LayoutError: one of the cells is not open, or is given for two tiles.
+            LayoutError: a cell is not open, or is given for two tiles.
         """
         return self._with(tuple(tuple(sorted(set(c))) for c in (pickups, dropoffs, chargers)))
 
@@ -274,7 +279,7 @@ class Layout:
                 if (present := rows[row][col]) != EMPTY:
                     raise LayoutError(
                         f"row {row}, column {col} is to be {TILES[present]} and {TILES[tile]}; "
-                        "a cell has one tile"
+                        "a cell has only one tile"
                     )
                 rows[row] = f"{rows[row][:col]}{tile}{rows[row][col + 1 :]}"
         layout = object.__new__(Layout)
@@ -289,7 +294,7 @@ def _counted(name: str, cells: tuple[Cell, ...]) -> str:
 
 
 def check_open(layout: Layout, cell: Cell, name: str) -> None:
-    """Raise ``LayoutError``, with ``name``, if a cell is off the grid or a wall."""
+    """Raise ``LayoutError`` that starts with ``name`` if a cell is off the grid or a wall."""
     if not layout.is_open(cell):
         raise LayoutError(f"{name} {layout.describe(cell)}; it must be an open cell")
 
@@ -343,4 +348,4 @@ DEFAULT_LAYOUT = Layout.from_text(
     ############
     """
 )
-"""The chapter's warehouse, 7 x 12."""
+"""The chapter's warehouse, 7 x 12 cells."""

@@ -1,8 +1,8 @@
-"""Layout files: MovingAI's ``.map``, or lines of tiles in a file of any other suffix.
+"""Layout files: MovingAI's format in ``.map`` files, lines of tiles in all others.
 
-Errors in a ``.map`` give a line and a column, counted from 1, as editors do. Robots drive on land:
-MovingAI's swamp can be entered from land and becomes floor; its water can only be entered from
-water and becomes a wall.
+Errors in a ``.map`` give a line and a column, both counted from 1 as in editors. Robots drive on
+land. Swamp can be entered from land, so it becomes floor. Water can only be entered from water, so
+it becomes a wall.
 
 Source: https://movingai.com/benchmarks/formats.html
 """
@@ -32,7 +32,7 @@ from warehouse_core.world.tiles import EMPTY, NO_STATIONS, WALL
 SUFFIX = ".map"
 
 MAX_BLANKS = 16
-"""Limit on the bytes after the last column of a row, line end included."""
+"""Limit on the bytes after the last column of a row, including the line end."""
 
 TERRAIN = {".": EMPTY, "G": EMPTY, "S": EMPTY, "@": WALL, "O": WALL, "T": WALL, "W": WALL}
 
@@ -46,7 +46,7 @@ _TO_MAP = NO_STATIONS | str.maketrans({WALL: "@"})
 
 
 def load_layout(path: str | os.PathLike[str]) -> Layout:
-    """Read a layout in the format that the suffix of the file stands for.
+    """Return the layout in a file, whose suffix determines the format.
 
     Raises:
         LayoutError: the file is not a layout; the message starts with its name.
@@ -63,7 +63,9 @@ def load_layout(path: str | os.PathLike[str]) -> Layout:
 
 
 def save_layout(layout: Layout, path: str | Path) -> None:
-    """Write a layout in the format of the suffix; a ``.map`` has floor for its ``P``, ``D``, ``C``.
+    """Write a layout to a file, whose suffix determines the format.
+
+    A ``.map`` has no stations and chargers; they become floor.
 
     Raises:
         OSError: the file cannot be written.
@@ -86,16 +88,13 @@ def save_layout(layout: Layout, path: str | Path) -> None:
 
 
 def load_map(path: str | os.PathLike[str]) -> Layout:
-    """Read a ``.map``, which has no stations.
+    """Return the layout in a ``.map`` file, which has no stations.
 
-    A map that is too large is rejected by its header. Of any other map at most ``MAX_BLANKS`` bytes
-    a row are read in addition to its cells.
-
-    Args:
-        path: the file.
+    A map that is too large is rejected after reading its header. At most ``MAX_BLANKS`` bytes are
+    read per row in addition to its cells.
 
     Raises:
-        LayoutError: the file is not such a map, or too large; the message starts with its name.
+        LayoutError: the file is not a map or is too large; the message starts with its name.
         OSError: the file cannot be read.
 
     Example:
@@ -113,7 +112,7 @@ def load_map(path: str | os.PathLike[str]) -> Layout:
 
 
 def save_map(layout: Layout, path: str | Path) -> None:
-    """Write a layout as a ``.map``, atomically, its stations and chargers as floor.
+    """Write a layout to a ``.map`` file, atomically; stations and chargers become floor.
 
     Raises:
         OSError: the file cannot be written.
@@ -140,7 +139,7 @@ def save_map(layout: Layout, path: str | Path) -> None:
 
 
 def _read_header(file: BufferedReader) -> tuple[int, int]:
-    """Return height and width, which a file may give in either order."""
+    """Return the height and width in a header, which may have them in either order."""
     expect_line(read_line(file, 1), 1, "type octile")
     sizes: dict[str, int] = {}
     for number in (2, 3):
@@ -185,7 +184,7 @@ def _read_rows(file: BufferedReader, height: int, width: int) -> Iterator[str]:
 
 
 def _check_end(file: BufferedReader, height: int) -> None:
-    """Raise if more rows follow than the header says; empty lines may follow."""
+    """Raise ``LayoutError`` if anything but a few empty lines follows the last row."""
     for number in range(height + 5, height + 5 + MAX_BLANKS):
         data = file.readline(MAX_LINE)
         if not data:

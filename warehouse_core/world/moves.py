@@ -1,14 +1,15 @@
-"""How the robots of a fleet move: in four directions, or forward with turns on the spot.
+"""Kinds of moves of a fleet: in four directions, or forward with turns on the spot.
 
 | moves       | actions                                        |
 | ----------- | ---------------------------------------------- |
 | ``compass`` | the seven of ``ACTIONS``                       |
 | ``turn``    | FORWARD, RIGHT, LEFT, WAIT, PICK, DROP         |
 
-With ``turn``, each robot has a *heading*, 0 to 3 for N, E, S and W, at first east. FORWARD moves it
-to the cell that it heads for; RIGHT and LEFT turn it by a quarter in its cell. Each action counts
-as one of ``ACTIONS``: FORWARD as the move in the direction of the heading, and a turn as a move in
-its new direction, except that the robot stays in its cell and nothing blocks it.
+With ``turn``, each robot has a *heading*, 0 to 3 for N, E, S and W. It starts with heading east.
+FORWARD moves the robot to the next cell in the direction of its heading. RIGHT and LEFT turn it by
+90 degrees in its cell. Each action counts as one of ``ACTIONS``. FORWARD counts as the move in the
+direction of the heading. A turn counts as a move in the new direction, except that the robot stays
+in its cell and nothing blocks it.
 
 FORWARD, RIGHT, LEFT and WAIT have the same indices as in the League of Robot Runners.
 """
@@ -26,10 +27,10 @@ MOVES = (COMPASS, TURN)
 """Allowed values of ``moves``."""
 
 HEADINGS = ACTIONS[:WAIT]
-"""Words of the headings."""
+"""Names of the headings."""
 
 EAST = HEADINGS.index("E")
-"""Heading of a robot at the start."""
+"""Initial heading of a robot."""
 
 FORWARD, RIGHT, LEFT = range(3)
 """Indices of the moves of a robot with a heading."""
@@ -38,11 +39,11 @@ TURN_ACTIONS = ("FORWARD", "RIGHT", "LEFT", *ACTIONS[WAIT:])
 
 
 class ActionSet:
-    """The actions of a robot.
+    """The actions of a robot, as words and indices.
 
     Attributes:
         words: word of each action.
-        wait, pick, drop: indices of three of them.
+        wait, pick, drop: indices of these three actions.
     """
 
     def __init__(self, words: tuple[str, ...]) -> None:
@@ -68,7 +69,7 @@ HEADING_AFTER = np.array(
         for heading in range(WAIT)
     ]
 )
-"""Heading after each action, by the heading before it."""
+"""``[heading, action]``, the heading of a robot after each action."""
 
 COUNTS_AS = np.array(
     [
@@ -79,4 +80,4 @@ COUNTS_AS = np.array(
         for heading in range(WAIT)
     ]
 )
-"""Index in ``ACTIONS`` of what each action counts as, by the heading before it."""
+"""``[heading, action]``, the index in ``ACTIONS`` as which each action counts."""

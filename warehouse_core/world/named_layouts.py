@@ -1,4 +1,4 @@
-"""Layouts by name, so that a demonstration can be repeated: ``warehouse run --layout trap``."""
+"""Layouts with names, for repeatable demonstrations such as ``warehouse run --layout trap``."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from warehouse_core.world.layout import DEFAULT_LAYOUT, Layout
 from warehouse_core.world.map_files import load_layout
 
 GivenLayout = Layout | Sequence[str] | str | os.PathLike[str]
-"""A layout, its rows, its text, its name or the path of its file; all but the path work as JSON."""
+"""A layout, its rows, its text, its name or the path of its file."""
 
 TEXTS = {
     "corridor": """
@@ -93,7 +93,7 @@ TEXTS = {
 DEFAULT, BAY, SHELVES, DEPOT = "default", "bay", "shelves", "depot"
 
 NAMES = (DEFAULT, *TEXTS, SHELVES, DEPOT)
-"""Names of all layouts: the chapter's, seven that each show one thing, and two of shelves.
+"""Names of all layouts: the chapter's, seven demonstrations, and two with shelves.
 
 The depot has room for a fleet of about eight robots.
 """
@@ -104,7 +104,7 @@ def named_layout(name: str) -> Layout:
     """Return a layout by name.
 
     Raises:
-        LayoutError: no layout has the name; the message lists all names.
+        LayoutError: no layout has this name; the message lists all names.
     """
     if name == DEFAULT:
         return DEFAULT_LAYOUT
@@ -119,10 +119,10 @@ def named_layout(name: str) -> Layout:
 
 
 def find_layout(name: str | os.PathLike[str]) -> Layout:
-    """Return the layout in a file, or the named one if there is no such file.
+    """Return the layout in a file, or the layout with this name if there is no such file.
 
     Raises:
-        LayoutError: the file is not a layout, or no layout has the name.
+        LayoutError: the file is not a layout, or no layout has this name.
         OSError: the file cannot be read.
     """
     path = Path(name)
@@ -134,14 +134,14 @@ def find_layout(name: str | os.PathLike[str]) -> Layout:
 
 
 def as_layout(layout: GivenLayout | None) -> Layout:
-    """Return a layout given in any of these forms; ``None`` is the chapter's.
+    """Return a layout given in any form of ``GivenLayout``; ``None`` is the chapter's layout.
 
-    A string is text if it has several lines or consists of tiles alone, otherwise it is a path or a
-    name, see ``find_layout``.
+    A string of several lines, or of tiles only, is the text of a layout. Any other string is a path
+    or a name, see ``find_layout``.
 
     Raises:
-        LayoutError: it is not a layout, or its file is not or cannot be read.
-        TypeError: it is of another type.
+        LayoutError: the value or its file is not a layout, or the file cannot be read.
+        TypeError: the value has another type.
     """
     if layout is None:
         return DEFAULT_LAYOUT

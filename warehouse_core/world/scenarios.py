@@ -1,7 +1,7 @@
-"""Scenario files in MovingAI's format ``.scen``: pathfinding problems on a map.
+"""Scenario files in MovingAI's ``.scen`` format: pathfinding problems on a map.
 
-``x`` is the column and ``y`` the row, both counted from 0 with row 0 at the top: ``x, y`` is the
-cell ``(y, x)``. Errors give a line and a column of the file, counted from 1, as editors do.
+In a file ``x`` is the column and ``y`` the row, both counted from 0 at the top left. So ``x, y`` is
+the cell ``(y, x)``. Errors give a line and a column of the file, counted from 1 as in editors.
 
 Source: https://movingai.com/benchmarks/formats.html.
 """
@@ -27,7 +27,7 @@ from warehouse_core.world.text_lines import (
 from warehouse_core.world.tiles import Cell
 
 MAX_SCENARIOS = 100_000
-"""Limit on the lines of a file after its first."""
+"""Limit on the lines of a file after the first line."""
 
 _LENGTH = re.compile(r"[0-9]+(\.[0-9]*)?([eE][+-]?[0-9]+)?")
 
@@ -36,10 +36,10 @@ class Scenario(NamedTuple):
     """A pathfinding problem on a map of ``width`` columns and ``height`` rows.
 
     Attributes:
-        bucket: number of a group of scenarios of about equal difficulty.
-        map_name: file name of the map, as given in the scenario.
-        octile_length: length in cells of a shortest path that may use diagonal moves;
-            ``distances`` gives the length without them.
+        bucket: number of the group of scenarios with about the same difficulty.
+        map_name: file name of the map, as written in the scenario.
+        octile_length: length in cells of a shortest path with diagonal moves; ``distances``
+            returns lengths without them.
     """
 
     bucket: int
@@ -57,13 +57,14 @@ _FIELDS = (
 
 
 def load_scenarios(path: str | Path) -> list[Scenario]:
-    """Read a ``.scen``: ``version 1``, then scenarios of 9 columns separated by tabs or spaces.
+    """Return the scenarios in a ``.scen`` file.
 
-    ``check_scenarios`` checks whether they fit a layout.
+    The first line is ``version 1``. Each other line is a scenario of 9 columns, separated by tabs
+    or spaces. Use ``check_scenarios`` to check whether scenarios fit a layout.
 
     Raises:
-        LayoutError: the file has another format, or more than ``MAX_SCENARIOS`` lines; the message
-            starts with the file's name.
+        LayoutError: the file has a different format, or more than ``MAX_SCENARIOS`` lines; the
+            message starts with the file's name.
         OSError: the file cannot be read.
     """
     with opened(path) as file:
@@ -73,11 +74,11 @@ def load_scenarios(path: str | Path) -> list[Scenario]:
 
 
 def check_scenarios(layout: Layout, scenarios: Sequence[Scenario]) -> None:
-    """Raise if scenarios do not fit a layout.
+    """Raise an error if scenarios do not fit a layout.
 
     Raises:
-        LayoutError: a size is not the layout's, or a start or goal is off the grid or a wall;
-            scenarios are counted from 1, rows and columns from 0.
+        LayoutError: the size of a scenario differs from the layout's, or a start or goal is off the
+            grid or a wall. The message counts scenarios from 1, and rows and columns from 0.
     """
     for number, scenario in enumerate(scenarios, 1):
         if (scenario.height, scenario.width) != (layout.height, layout.width):
@@ -116,6 +117,6 @@ def _scenario(line: str, number: int) -> Scenario:
 
 
 def _column(line: str, field: int) -> int:
-    """Return the column where a field starts, or the one after the line."""
+    """Return the column where a field starts, or the column after the line."""
     starts = [word.start() for word in re.finditer(r"\S+", line)]
     return [*starts, len(line)][min(field, len(starts))] + 1

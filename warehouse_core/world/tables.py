@@ -1,8 +1,8 @@
-"""Lookup tables for the layouts of a batch: for every cell, what depends on its layout alone.
+"""Lookup tables of a batch: everything about a cell that depends only on its layout.
 
-``N`` is the number of cells in all layouts together. A cell is numbered ``base + row * W + col``,
-where ``base`` is the number of the first cell of its layout, so that a batch reads all its rows by
-one ``take``.
+``N`` is the number of cells in all layouts together. The number of a cell is
+``base + row * W + col``, where ``base`` is the number of the first cell of its layout. So a batch
+reads the values of all its rows with a single ``take``.
 """
 
 from __future__ import annotations
@@ -26,15 +26,15 @@ MAX_TABLE_BYTES = 2**30
 
 
 class LayoutSet:
-    """The layouts of ``B`` rows, with equal layouts stored once.
+    """The layouts of ``B`` rows; equal layouts are stored only once.
 
-    Rows may change to ``others``, or to any other layout. Pickups and dropoffs are removed from all
-    layouts that are to be ``bare``.
+    Rows can change to ``others``, which are stored in advance, or to any other layout. With
+    ``bare``, the pickups and dropoffs of all layouts are removed.
 
     Attributes:
-        kinds: the different layouts.
+        kinds: different layouts.
         kind: ``[B]`` intp, index into ``kinds`` for each row.
-        base: ``[B]`` intp, the number of the first cell of each row's layout.
+        base: ``[B]`` intp, number of the first cell of each row's layout.
         width: ``[B]`` intp, columns of each row's layout.
     """
 
@@ -55,19 +55,19 @@ class LayoutSet:
         return [self.kinds[kind] for kind in self.kind]
 
     def change(self, rows: Integers, layouts: Sequence[Layout]) -> None:
-        """Give some rows other layouts; ``kind``, ``base`` and ``width`` change in place."""
+        """Replace the layouts of some rows; ``kind``, ``base`` and ``width`` change in place."""
         kinds = self._numbers_of(layouts)
         self.kind[rows] = kinds
         self.base[rows], self.width[rows] = self._bases[kinds], self._widths[kinds]
 
     def of_rows(self, values: ArrayLike) -> NDArray[np.intp]:
-        """Return for each row the value of its layout."""
+        """Return the value of each row's layout, given a value for each of ``kinds``."""
         return np.asarray(values, np.intp)[self.kind]
 
     def _numbers_of(self, layouts: Sequence[Layout]) -> NDArray[np.intp]:
-        """Return the numbers of layouts among the kinds, to which new ones are added."""
+        """Return the indices of layouts in ``kinds``, after adding new layouts to it."""
         numbers = self._numbers
-        # By identity first: hashing a layout takes time proportional to its cells.
+        # Hashing takes time proportional to the cells, so identical objects are hashed once.
         by_id = {id(layout): layout for layout in layouts}
         known = {key: numbers.setdefault(each, len(numbers)) for key, each in by_id.items()}
         if len(self.kinds) < len(numbers):
@@ -78,14 +78,14 @@ class LayoutSet:
 
 
 def _without_stations(layouts: Sequence[Layout]) -> list[Layout]:
-    """Return the layouts without pickups and dropoffs; what was one object stays one."""
+    """Return the layouts without pickups and dropoffs; identical objects stay identical."""
     bare = {id(layout): layout for layout in layouts}
     bare = {key: layout.with_stations(None, None) for key, layout in bare.items()}
     return [bare[id(layout)] for layout in layouts]
 
 
 def size_of(layout: Layout) -> int:
-    """Return the number of cells of a layout, walls included."""
+    """Return the number of cells of a layout, including walls."""
     return layout.height * layout.width
 
 
@@ -95,11 +95,11 @@ def tiles_table(layouts: Sequence[Layout]) -> NDArray[np.uint8]:
 
 
 def places_table(layouts: Sequence[Layout]) -> NDArray[np.int32]:
-    """Return row and column of every cell in its layout, ``[N, 2]``."""
+    """Return the row and column of every cell in its layout, ``[N, 2]``."""
     places = [
         np.indices((layout.height, layout.width), np.int32).reshape(2, -1).T for layout in layouts
     ]
-    # Row and column side by side in memory; otherwise each take would copy the whole table.
+    # Rows and columns alternate in memory; otherwise each take would copy the whole table.
     return np.ascontiguousarray(np.concatenate(places))
 
 
@@ -109,12 +109,12 @@ def sides_table(layouts: Sequence[Layout]) -> NDArray[np.bool_]:
 
 
 def windows_bytes(layouts: Sequence[Layout], radius: int) -> int:
-    """Return the size of ``windows_table``."""
+    """Return the size of ``windows_table`` in bytes."""
     return sum(map(size_of, layouts)) * (2 * radius + 1) ** 2
 
 
 def windows_table(layouts: Sequence[Layout], radius: int) -> NDArray[np.uint8]:
-    """Return the window around every cell, without the robot, as ``[N, K * K]`` codes.
+    """Return the window around every cell, without the robot, as codes ``[N, K * K]``.
 
     Raises:
         LayoutError: the table would be larger than ``MAX_TABLE_BYTES``.

@@ -1,6 +1,6 @@
-"""Lines of a third-party text file, read in bounded memory, with errors that give the place.
+"""Lines of an untrusted text file, read in bounded memory, with errors that name the place.
 
-Lines and columns are counted from 1, as editors do; columns are bytes.
+Lines and columns are counted from 1, as in editors. A column is a byte.
 """
 
 from __future__ import annotations
@@ -22,7 +22,7 @@ _WHOLE = re.compile(r"[0-9]+")
 
 @contextmanager
 def opened(path: str | os.PathLike[str]) -> Iterator[BufferedReader]:
-    """Open a file; each ``LayoutError`` then starts with its name."""
+    """Open a file, and put its name in front of every ``LayoutError`` of the block."""
     with open_file(path) as file:
         try:
             yield file
@@ -36,10 +36,10 @@ def error_at(line: int, column: int, message: str) -> LayoutError:
 
 
 def read_line(file: BufferedReader, number: int) -> str:
-    """Read a line without its trailing blanks, line end and byte-order mark.
+    """Return the next line without its trailing blanks, line end and byte-order mark.
 
     Raises:
-        LayoutError: it is longer than ``MAX_LINE``, or not UTF-8.
+        LayoutError: the line is longer than ``MAX_LINE``, or not UTF-8.
     """
     return _decoded(file.readline(MAX_LINE + 1), number)
 
@@ -47,11 +47,16 @@ def read_line(file: BufferedReader, number: int) -> str:
 def read_lines(
     file: BufferedReader, number: int, limit: str, most: int
 ) -> Iterator[tuple[int, str]]:
-    """Yield number and text of each line from ``number`` on that is not blank.
+    """Yield the number and text of each line that is not blank.
+
+    Args:
+        file: file to read.
+        number: number of the next line.
+        limit: name of the limit, for the error message.
+        most: limit on the number of lines, including blank lines.
 
     Raises:
-        LayoutError: there are more than ``most`` lines, blank ones included, the error naming the
-            ``limit``; or as for ``read_line``.
+        LayoutError: there are more than ``most`` lines, or ``read_line`` fails.
     """
     end = number + most
     while data := file.readline(MAX_LINE + 1):
@@ -73,14 +78,14 @@ def _decoded(data: bytes, number: int) -> str:
 
 
 def expect_line(line: str, number: int, *wanted: str) -> None:
-    """Raise ``LayoutError`` if a line, with single spaces, is none of ``wanted``."""
+    """Raise ``LayoutError`` unless a line, with single spaces, is one of ``wanted``."""
     if " ".join(line.split()) not in wanted:
         allowed = " or ".join(map(repr, wanted))
         raise error_at(number, 1, f"{line!r} is not allowed; it must be {allowed}")
 
 
 def whole_number_at(text: str, name: str, minimum: int, line: int, column: int) -> int:
-    """Return the whole number at a place, at least ``minimum``; raise ``LayoutError`` otherwise."""
+    """Return a whole number, or raise ``LayoutError`` if it is invalid or below ``minimum``."""
     if not _WHOLE.fullmatch(text) or int(text) < minimum:
         raise error_at(
             line, column, f"{name} is {text!r}; it must be a whole number, at least {minimum}"

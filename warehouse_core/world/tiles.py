@@ -1,6 +1,6 @@
-"""Cells, tiles, and the characters and codes that represent tiles.
+"""Cells and tiles, with the characters and codes of tiles.
 
-A *cell* is ``(row, col)``, both counted from 0; row 0 is the top row.
+A *cell* is ``(row, col)``, both counted from 0. Row 0 is the top row.
 """
 
 from __future__ import annotations
@@ -19,7 +19,7 @@ TILES = {
 ALLOWED_TILES = ", ".join(f"{tile} ({name})" for tile, name in TILES.items())
 
 NO_STATIONS = str.maketrans(dict.fromkeys((PICKUP, DROPOFF, CHARGER), EMPTY))
-"""Table for ``str.translate`` that puts floor in place of stations and chargers."""
+"""Table for ``str.translate`` that replaces stations and chargers with floor."""
 
 MOVE_DELTAS: dict[str, Cell] = {"N": (-1, 0), "E": (0, 1), "S": (1, 0), "W": (0, -1)}
 
@@ -30,19 +30,19 @@ def moved(cell: Cell, delta: Cell) -> Cell:
 
 
 def manhattan_distance(a: Cell, b: Cell) -> int:
-    """Return ``|row_a - row_b| + |col_a - col_b|``: the steps between two cells without walls."""
+    """Return ``|row_a - row_b| + |col_a - col_b|``, the moves between two cells without walls."""
     return abs(a[0] - b[0]) + abs(a[1] - b[1])
 
 
 def runs_of(tile: str, row: str) -> list[tuple[int, int]]:
-    """Return ``(first, end)`` columns of each run of ``tile`` in a row, ``end`` excluded."""
+    """Return the columns ``(first, end)`` of each run of ``tile`` in a row, excluding ``end``."""
     return [run.span() for run in re.finditer(re.escape(tile) + "+", row)]
 
 
 ROBOT_EMPTY, ROBOT_LOADED = "R", "r"
 
 OTHER_EMPTY, OTHER_LOADED, PERSON = "O", "o", "H"
-"""Characters of the other robots and the people that a robot of a fleet sees."""
+"""Characters of other robots and of people in the view of a robot."""
 
 CELL_CODES = {
     character: code
@@ -53,7 +53,7 @@ CELL_CODES = {
         )
     )
 }  # fmt: skip
-"""The code of each character of a window in an array; others and people have the largest."""
+"""Code of each character in the array of a view; other robots and people have the largest."""
 
 CODE_OF_BYTE = bytes(CELL_CODES.get(chr(byte), 255) for byte in range(256))
-"""The same codes as a table for ``bytes.translate``."""
+"""Table of the same codes for ``bytes.translate``."""

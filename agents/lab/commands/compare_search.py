@@ -77,7 +77,7 @@ def choose_ends(
         goal = goal or layout.pickups[0]
         check_open(layout, goal, "goal")
         return start or farthest_from(goal, layout), goal
-    usual, count = layout.usual_start(), len(layout.open_cells)
+    usual, count = layout.default_start(), len(layout.open_cells)
     # Three, because one of them may be the given end.
     ranks = random.Random(seed).sample(range(count), min(count, 3))
     cells = [layout.open_cell(rank) for rank in ranks]

@@ -57,7 +57,7 @@ CORRIDOR = Layout(["P...D"])
 
 def walk(agent: PPOAgent, layout: Layout, steps: int, start: Cell | None = None) -> list[str]:
     """Return the actions of an agent from a start, by default the layout's usual one."""
-    env = WarehouseEnv(layout, start or layout.usual_start())
+    env = WarehouseEnv(layout, start or layout.default_start())
     observation, actions = env.reset(), []
     agent.reset()
     for _ in range(steps):

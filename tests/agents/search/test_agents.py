@@ -24,7 +24,7 @@ CUT_OFF = Layout(["#######", "#P.#.D#", "#######"])
 
 
 def run(agent: Any, layout: Layout, seed: int = 0, **options: Any) -> Episode:
-    env = WarehouseEnv(layout, layout.usual_start(), **options)
+    env = WarehouseEnv(layout, layout.default_start(), **options)
     return record_episode(env, agent, seed=seed)
 
 

@@ -17,7 +17,7 @@ def explored(
     layout: Layout = DETOUR, randomize: bool = False, **options: Any
 ) -> tuple[Episode, list[Insight]]:
     options.setdefault("view_radius", 1)
-    start = (3, 3) if layout is DETOUR else layout.usual_start()
+    start = (3, 3) if layout is DETOUR else layout.default_start()
     return recorded(WarehouseEnv(layout, start, **options), randomize=randomize)
 
 

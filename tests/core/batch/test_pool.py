@@ -26,7 +26,7 @@ class FromPool(Single):
         if seed is not None:
             self.stream = np.random.default_rng(seed)
         self.layout = POOL[int(self.stream.random() * len(POOL))]
-        self.usual = self.layout.usual_start()
+        self.default_start = self.layout.default_start()
         self.drawn[self.layout] += 1
         super().begin()
 

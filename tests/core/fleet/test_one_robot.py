@@ -13,7 +13,7 @@ def test_it_equals_random_episodes_with_chargers(backend: str) -> None:
     assert random_lone_steps_equal(600, seed=1, backend=backend) > 6
 
 
-def test_the_usual_start_is_that_of_a_lone_robot() -> None:
+def test_the_default_start_equals_the_start_of_a_lone_robot() -> None:
     fleet: Any = FleetEnv(["#####", "#P..#", "#..D#", "#####"], 1)
     fleet.reset(seed=3)
-    assert fleet.cells == [fleet.layout.usual_start()]
+    assert fleet.cells == [fleet.layout.default_start()]

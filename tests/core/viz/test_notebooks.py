@@ -112,5 +112,5 @@ def test_robots_whose_starts_are_known_are_there_before_the_reset() -> None:
 
 
 def test_nothing_else_is_shown() -> None:
-    with pytest.raises(TypeError, match="notebooks show no int"):
+    with pytest.raises(TypeError, match="notebooks cannot show int"):
         display(1)

@@ -76,11 +76,11 @@ def test_a_cell_is_described_by_its_place_and_its_tile() -> None:
         check_open(layout, (0, 0), "start")
 
 
-def test_the_usual_start_is_the_chapters_or_the_first_open_cell() -> None:
-    assert DEFAULT_LAYOUT.usual_start() == (1, 1)
-    assert Layout(["#P", "D#"]).usual_start() == (0, 1)
+def test_the_default_start_is_the_chapters_or_the_first_open_cell() -> None:
+    assert DEFAULT_LAYOUT.default_start() == (1, 1)
+    assert Layout(["#P", "D#"]).default_start() == (0, 1)
     with pytest.raises(LayoutError, match="no open cell"):
-        Layout(["##"]).usual_start()
+        Layout(["##"]).default_start()
 
 
 @pytest.mark.parametrize(
