@@ -13,8 +13,8 @@ The battery pays for the work at the wheels, divided by the efficiency of the dr
 the computer, whose ``idle_power`` is drawn all the time.
 
 The same law holds for the two wheels of a differential drive while they turn the robot on the spot.
-Distance and speed are then those of a wheel, and the mass is the one that the wheels feel in a
-turn.
+The distance and the speed are then measured at a wheel, and the mass is the one that the wheels
+feel in a turn.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Giving way: how robots that block each other get back to their cells.
+"""How robots that block each other give way and get back to their cells.
 
 Each robot drives as if it were alone, until it touches something that is in its way. Then it
 brakes. A lone robot drives back at once. So does a robot that was stopped by a wall only, if no

@@ -39,17 +39,17 @@ class RigidBodyMotion(BodyMotion):
     robot end when it is at rest.
 
     Robots with ``turn_seconds`` first turn on the spot, in the shorter direction, and drive back in
-    reverse. All moving robots set off at the same time, after the longest turn of any of them,
-    because a robot that follows another or is part of a ring needs the others to leave at the same
-    time. Robots that turn less turn more slowly. Robots with differential drive set off together
-    too, but each turns as fast as it can and then waits; see ``wheeled_robot.py``.
+    reverse. All moving robots set off at the same time, after the longest turn of any of them. A
+    robot that follows another, or is part of a ring, needs the others to leave at the same time.
+    Robots that turn less turn more slowly. Robots with differential drive set off together too, but
+    each turns as fast as it can and then waits; see ``wheeled_robot.py``.
 
     In a fleet with headings, robots can turn in their cells while others drive; see ``face``.
 
     Args:
         spec: numbers of the robots; ``None`` is the default robot.
         disturbances: deviations from the nominal physics; ``None`` is no deviation.
-        record_path: whether to record the path of each robot, and not only its start and end.
+        record_path: true to record the path of each robot, and not only its start and end.
         path_every: substeps between two rows of a path, at least 1.
 
     Raises:

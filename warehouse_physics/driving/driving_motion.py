@@ -1,4 +1,4 @@
-"""The driving backend: robots of a fleet that drive through the cells of their ways."""
+"""The driving backend: robots of a fleet that drive through the cells of their routes."""
 
 from __future__ import annotations
 
@@ -26,42 +26,42 @@ from warehouse_physics.spec import RobotSpec
 from warehouse_physics.walls import wall_boxes
 
 MAX_CALL_SUBSTEPS = 100_000
-"""Limit on the substeps of a call, nearly half an hour of 1/60 s; its paths take memory."""
+"""Largest number of substeps of a call, nearly half an hour at 1/60 s; its paths take memory."""
 
 
 class DrivingMotion(BodyMotion):
-    """Moves ``R`` robots as bodies that drive through the cells of their ways.
+    """Moves ``R`` robots as bodies that drive through the cells of their routes.
 
-    Each robot has a way ahead of it, and a displacement appends a cell to its end, which robots
-    enter in the order in which it was appended to their ways; see ``Dependencies``. A robot stops
-    where its way turns back or ends, or where it has to wait for another one, and with
-    ``turn_seconds`` where its way turns, to turn on the spot. A call lasts ``period`` seconds,
-    whatever the robots do; those that drive at its end drive on in the next. ``extend`` and
-    ``drive`` do the two parts of it for a plan that is known.
+    Each robot has a route ahead of it, and a displacement appends a cell to its end. Robots pass
+    each cell in the order in which it was appended to their routes; see ``Dependencies``. A robot
+    stops where its route ends or turns back, where it has to wait for another robot, and with
+    ``turn_seconds`` at each corner, to turn on the spot. A call lasts ``period`` seconds, whatever
+    the robots do. Robots that are driving at its end drive on in the next call. For a plan that is
+    already known, ``extend`` and ``drive`` do the two parts of a call.
 
     The ``cell`` of an outcome is the one under the body, and its ``contacts`` are hits of the body.
-    ``blocked`` belongs to the plan: it means that the way was not extended by a displacement for
-    which it had room. A body cannot report that. It is a cell or more behind the end of its way, so
-    it meets nothing there at the time of the refusal, and once on the way it is stopped by no wall
-    and keeps clear of its leaders. So the table of ``motion/traffic.py`` decides, for the ends of
-    the ways as if the robots stood there, and nobody can enter a cell that a failed robot closes.
+    ``blocked`` belongs to the plan: it means that a route had room for a displacement but was not
+    extended by it. A body cannot report this. It is a cell or more behind the end of its route, so
+    it touches nothing there at the time of the refusal. Later, no wall stops it on its route, and
+    it keeps away from its leaders. The table of ``motion/traffic.py`` decides instead, as if the
+    robots were at the ends of their routes. No robot can enter a cell that a failed robot closes.
 
     Args:
         spec: numbers of the robots; ``None`` is the default robot.
-        disturbances: departure of the physics from the nominal; ``None`` is no departure.
-        period: duration of a call in seconds; ``None`` is the time for a cell at top speed. With
-            shorter calls ways grow sooner than they are driven, and robots know of corners before
-            they have to brake there. Picking and dropping take ``dwell`` even then.
-        record_path: record the path of each robot, not only its start and end.
-        path_every: substeps between rows of a path, at least 1.
+        disturbances: deviations from the nominal physics; ``None`` is no deviation.
+        period: duration of a call in seconds; ``None`` is the time for one cell at top speed. With
+            shorter calls, routes grow further ahead of the robots, so that robots learn of corners
+            before they have to brake there. Picking and dropping take ``dwell`` even then.
+        record_path: true to record the path of each robot, and not only its start and end.
+        path_every: substeps between two rows of a path, at least 1.
 
     Attributes:
-        cell_steps: calls in which a robot crosses a cell at top speed.
+        cell_steps: number of calls in which a robot crosses one cell at top speed.
 
     Raises:
-        ValueError: ``period`` is not above 0 or too long, or the robots are too wide to follow each
-            other.
-        TypeError: ``spec`` is no ``RobotSpec``, or ``disturbances`` no ``Disturbances``.
+        ValueError: ``period`` is not above 0 or is too long, or the robots are too wide to follow
+            each other.
+        TypeError: ``spec`` is not a ``RobotSpec``, or ``disturbances`` not a ``Disturbances``.
 
     Example:
         >>> from warehouse_core import FleetEnv
@@ -88,18 +88,20 @@ class DrivingMotion(BodyMotion):
     ) -> None:
         super().__init__(spec, disturbances, record_path=record_path, path_every=path_every)
         corner_distance(self.spec)
-        usual = self.cell_size / self.spec.top_speed
-        # It does not stop in each cell, but speeds up again and again.
+        cell_seconds = self.cell_size / self.spec.top_speed
+        # A robot does not stop in each cell, but it speeds up again now and then.
         work = kinetic(self.spec.mass, self.spec.top_speed, 0.0)
         work += self.spec.drag_force(loaded=False) * self.cell_size
-        self.cell_joules = joules_of(self.spec, work, usual)
-        self._substeps = self._substeps_in("period", usual if period is None else period)
+        self.cell_joules = joules_of(self.spec, work, cell_seconds)
+        self._substeps = self._substeps_in("period", cell_seconds if period is None else period)
         self.period = self._substeps * self.spec.time_step
-        self.cell_steps = usual / self.period
-        # With less ahead of it, a robot would have to brake before the end of the next call.
-        self._room = (self.period + self.spec.top_speed / (2 * self.spec.acceleration)) / usual
-        # In short calls a robot may know in time of a corner that it can turn while it drives, and
-        # goes on in the next calls with what it picks or drops.
+        self.cell_steps = cell_seconds / self.period
+        # With a shorter route ahead, a robot would have to brake before the end of the next call.
+        self._room = (
+            self.period + self.spec.top_speed / (2 * self.spec.acceleration)
+        ) / cell_seconds
+        # With short calls, a robot may learn of a corner in time to turn while it drives. Picking
+        # and dropping then take longer than one call.
         self._handling = 0
         if self.cell_steps > 1:
             self._room += 0.0 if self.spec.turns_on_the_spot else CORNER
@@ -108,10 +110,10 @@ class DrivingMotion(BodyMotion):
         self._driver: Driver | None = None
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
-        """Build a new arena with robots at rest; see ``Motion.reset``.
+        """Create a new arena with robots at rest; see ``Motion.reset``.
 
         Raises:
-            ValueError: a stop of a robot that does not exist.
+            ValueError: a stop in the disturbances names a robot that does not exist.
         """
         check_starts(layout, cells)
         for stop in self.disturbances.stops:
@@ -123,18 +125,18 @@ class DrivingMotion(BodyMotion):
         arena.add_walls(wall_boxes(layout))
         arena.add_robots(centre_of(cell, self.cell_size) for cell in cells)
         random_seed = self._random_seed(seed)
-        # What robots that brake get back beyond what a call costs pays for their next calls.
+        # Energy that is recovered beyond the cost of a call pays for the next calls.
         self._surplus = np.zeros(len(cells))
         self._driver = Driver(arena, self.spec, cells, self.disturbances, random_seed)
         self._begin(layout, cells, random_seed)
 
     def routes(self) -> Routes:
         """Return the route ahead of each robot; see ``BaseMotion.routes``."""
-        driver = self._driven()
-        ends = [driver.ways.end(robot) for robot in range(len(driver.work))]
+        driver = self._driver_in_use()
+        ends = [driver.routes.end(robot) for robot in range(len(driver.work))]
         return Routes(
             ends,
-            ((driver.left() <= self._room) & ~driver.stands).tolist(),
+            ((driver.remaining() <= self._room) & ~driver.stopped).tolist(),
             driver.at_rest().tolist(),
             driver.failed.tolist(),
             sorted(driver.closed),
@@ -143,22 +145,22 @@ class DrivingMotion(BodyMotion):
     ways = Renamed("routes")
 
     def fail(self, robot: int) -> None:
-        """Let a robot stay where it is for good; see ``BaseMotion.fail``."""
-        driver = self._driven()
+        """Make a robot stay where it is for good; see ``BaseMotion.fail``."""
+        driver = self._driver_in_use()
         robot = whole_number("robot", robot, 0, len(driver.work) - 1)
         driver.fail(robot)
         self._note("fail", robot)
 
     @exclusive
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
-        """Extend the ways by displacements, and drive for a period; see ``Motion.advance``.
+        """Extend the routes by displacements, and drive for one period; see ``Motion.advance``.
 
-        A way that is long enough has no room and is not extended.
+        A route that is long enough has no room and is not extended.
 
         Raises:
-            RuntimeError: before ``reset``, or while another call is running.
+            RuntimeError: it is called before ``reset``, or while another call is running.
         """
-        driver = self._driven()
+        driver = self._driver_in_use()
         assert self._layout is not None
         check_moves(len(driver.work), displacements, loaded)
         self._note_moves(displacements, loaded)
@@ -186,15 +188,15 @@ class DrivingMotion(BodyMotion):
 
     @exclusive
     def extend(self, cells: Sequence[Cell]) -> None:
-        """Extend the ways by a joint step of a plan, whether they have room or not.
+        """Extend the routes by a joint step of a plan, whether they have room or not.
 
         Args:
-            cells: next cell of each robot, or the end of its way if it waits.
+            cells: next cell of each robot, or the end of its route if it waits.
 
         Raises:
-            ValueError: another number of cells than robots, or robots cannot make this step, as
-                ``check_joint_step`` says; or one has failed, or is to enter a cell that a failed
-                robot closes. Nothing has changed then.
+            ValueError: there is not one cell per robot, robots cannot make this step (see
+                ``check_joint_step``), or a robot that moves has failed or would enter a cell that a
+                failed robot closes. The routes are then unchanged.
             RuntimeError: as for ``advance``.
         """
         ends, _, _, failed, closed = self.routes()
@@ -204,19 +206,19 @@ class DrivingMotion(BodyMotion):
             if cell != end and (failed[robot] or cell in closed):
                 why = "it has failed" if failed[robot] else "a robot that has failed closes it"
                 raise ValueError(f"robot {robot} cannot go from {end} to {cell}; {why}")
-        self._driven().extend(cells)
+        self._driver_in_use().extend(cells)
         self._note("extend", list(cells))
 
     @exclusive
     def drive(self, seconds: float) -> list[Outcome]:
-        """Drive for some time, rounded to substeps, and return what each robot did.
+        """Drive for some seconds, rounded to substeps, and return the outcome of each robot.
 
         Raises:
-            ValueError: ``seconds`` is not above 0 or too long.
+            ValueError: ``seconds`` is not above 0 or is too long.
             RuntimeError: as for ``advance``.
         """
         substeps = self._substeps_in("seconds", seconds)
-        self._driven()
+        self._driver_in_use()
         self._note("drive", seconds)
         return self._drive(substeps)
 
@@ -225,7 +227,7 @@ class DrivingMotion(BodyMotion):
         self._driver = self._begun = None
 
     def _drive(self, substeps: int) -> list[Outcome]:
-        driver, dt = self._driven(), self.spec.time_step
+        driver, dt = self._driver_in_use(), self.spec.time_step
         before, paths = driver.joules(), [driver.rows(0.0)]
         contacts: list[list[Contact]] = [[] for _ in before]
         for substep in range(1, substeps + 1):
@@ -252,7 +254,7 @@ class DrivingMotion(BodyMotion):
         dt = self.spec.time_step
         return max(1, round(real_number(name, seconds, 0, MAX_CALL_SUBSTEPS * dt, above=True) / dt))
 
-    def _driven(self) -> Driver:
+    def _driver_in_use(self) -> Driver:
         if self._driver is None:
             raise RuntimeError("the motion needs a reset() before it")
         return self._driver

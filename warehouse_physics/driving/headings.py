@@ -1,4 +1,4 @@
-"""Where robots face while they drive, and who of them has to turn on the spot first."""
+"""The headings of robots that drive through, and which of them have to turn on the spot."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ from warehouse_physics.spec import RobotSpec
 
 
 class Headings:
-    """The headings of ``R`` robots, which turn at a constant rate, the shorter way round.
+    """The headings of ``R`` robots, which turn at a constant rate in the shorter direction.
 
-    A robot with ``turn_seconds`` turns ``on_the_spot`` before it drives. Any other turns while it
-    drives, as in ``robot.py``, which makes no difference to where it goes.
+    A robot with ``turn_seconds`` turns on the spot before it drives. Any other robot turns while it
+    drives, as in ``robot.py``, and this does not affect its trajectory.
 
     Attributes:
         on_the_spot: true if robots stop to turn.
-        angles: ``[R]`` radians; at first all face east.
+        angles: ``[R]`` radians; all robots face east at first.
         work: ``[R]`` joules, work of the motors in turns so far.
     """
 
@@ -33,25 +33,30 @@ class Headings:
         self.angles, self._left, self.work = np.zeros((3, robots))
 
     def face(self, robot: int, direction: Floats, goes_back: bool = False) -> None:
-        """Let a robot turn towards ``(x, y)``, ``[2]``, perhaps to go back to where it was."""
+        """Make a robot turn towards the direction ``(x, y)``, ``[2]``.
+
+        ``goes_back`` makes a difference for robots with wheels only.
+        """
         wanted = math.atan2(direction[1], direction[0])
         self._left[robot] = math.remainder(wanted - self.angles[robot], math.tau)
 
-    def turn(self, stands: Flags) -> Flags:
-        """Turn robots for a substep; return who has stopped, or turns on the spot, ``[R]``.
+    def turn(self, stopped: Flags) -> Flags:
+        """Turn robots for one substep, and return which of them must not drive in it, ``[R]``.
 
-        Robots that ``stands`` marks have stopped, and do not turn.
+        These are the robots marked in ``stopped``, which do not turn either, and those that turn on
+        the spot.
         """
         turned = np.minimum(np.maximum(self._left, -self._most), self._most)
-        turned[stands] = 0.0
+        turned[stopped] = 0.0
         self.angles += turned
         self._left -= turned
         is_turning: Flags = turned != 0
-        return stands | (self.on_the_spot & is_turning)
+        return stopped | (self.on_the_spot & is_turning)
 
     def steer(self, aside: Floats, speeds: Floats) -> Floats:
-        """Return the speeds at which robots get back to their lines, of those wanted, ``[R]``.
+        """Return the speeds at which robots can get back to their lines, ``[R]`` m/s.
 
-        Their ``speeds`` along the lines do not matter here.
+        Robots here move in any direction, so these are the wanted speeds ``aside``. Robots with
+        wheels are limited by their ``speeds`` along the lines.
         """
         return aside

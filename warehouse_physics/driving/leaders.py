@@ -1,13 +1,14 @@
-"""The robots that others have to wait for, or may follow, on their ways.
+"""The robots that others have to wait for or may follow, and the speeds at which they do.
 
-A robot may come to the middle of a cell when its *leader* there, the robot that is in that cell
-before it, is so far beyond the middle that the two are apart. Until then it stops in the cell
-before, or follows its leader at a distance that is measured along the way through the shared cell.
+The *leader* of a robot in a cell is the robot that passes the cell before it. A robot may come to
+the middle of the cell when its leader there is so far beyond the middle that the two do not touch.
+Until then it stops in the cell before, or follows its leader. The distance to the leader is
+measured along the routes of both robots through the shared cell.
 
-Distances along ways are what two robots have between them in rows and columns, also where robots
-cut corners. With ``d`` between them along a way that turns, two robots are at least
-``sqrt(1 / 2) * d`` apart. For robots with a radius of up to 0.35 of a cell, a distance of just less
-than a cell is enough there, which lets all robots of a queue or of a ring move at the same time.
+This distance equals the sum of the distances in rows and columns, even where robots cut corners. If
+it is ``d`` along a route that turns, the two robots are at least ``sqrt(1 / 2) * d`` apart. For
+robots with a radius of up to 0.35 of a cell, slightly less than one cell is therefore enough. This
+lets all robots of a queue or a ring move at the same time.
 """
 
 from __future__ import annotations
@@ -25,21 +26,23 @@ from warehouse_physics.profile import Floats, stopping_distances, stopping_speed
 from warehouse_physics.spec import RobotSpec
 
 NOWHERE = 2**40
-"""Number in place of a node where a robot has to wait: so far away that nobody gets there."""
+"""Number that stands for no node. It is so large that no robot gets there."""
 
 CLEARANCE = 0.01
-"""Share of a cell that is left between robots that follow each other straight on."""
+"""Gap between robots that follow each other straight on, as a share of a cell."""
 
 MAX_LEADERS = 50
-"""Most leaders of a robot. Only robots that can hardly brake, on ice, would look for more."""
+"""Largest number of leaders of a robot. Only robots that hardly brake, on ice, look for more."""
 
 MAX_ROUNDS = 100
-"""Most rounds in which robots that follow each other in a chain agree on speeds; few are needed."""
+"""Largest number of rounds in which the robots of a chain adapt their speeds to each other. Few are
+needed."""
 
 
 BEFORE, BEYOND = 0.5, 0.3
-"""Shares of a cell. A leader that goes on straight until it is ``BEFORE`` the middle of a cell, and
-turns there, has to be followed at the distance of corners when it is ``BEYOND`` the middle."""
+"""Shares of a cell. A leader may drive straight on until it is ``BEFORE`` short of the middle of a
+cell, and turn there. When it is ``BEYOND`` the middle, it must be followed at the distance for
+corners."""
 
 
 def corner_distance(spec: RobotSpec) -> float:
@@ -60,26 +63,26 @@ def corner_distance(spec: RobotSpec) -> float:
 def straight_distance(spec: RobotSpec) -> float:
     """Return the distance in metres at which robots follow each other straight on.
 
-    The one in front may cut its next corner, unless it turns on the spot: it is then nearer than
-    along its way.
+    The robot in front may cut its next corner, unless it turns on the spot. It is then closer than
+    the distance along its route.
     """
     needed = 2 * spec.radius / spec.cell_size + CLEARANCE
     if spec.turns_on_the_spot:
         return spec.cell_size * needed
     beyond = max(needed - (1 - CORNER), 0.0) / CORNER
-    # With c for CORNER, it has gone 1 - c + u - u * u / (4 * c) away after 1 - c + u along its way.
+    # With c = CORNER: after 1 - c + u along its route it is 1 - c + u - u * u / (4 * c) away.
     return spec.cell_size * (needed + CORNER * (2 * (1 - math.sqrt(1 - beyond)) - beyond))
 
 
 class RoutePlaces(NamedTuple):
-    """Where ``R`` robots are on their ways, ``[R]`` each.
+    """The places of ``R`` robots on their routes, ``[R]`` each.
 
     Attributes:
-        done: metres of its way that a robot has driven, measured along its leg.
-        aside: metres that it is off the line of its leg.
-        closing: m/s at which it gets back to that line.
-        speeds: m/s, present speeds, where it is not known which speeds robots get; leaders may then
-            brake as hard as they can.
+        done: metres of its route that a robot has driven, measured along its leg.
+        aside: metres from the robot to the line of its leg.
+        closing: m/s at which it approaches that line.
+        speeds: m/s, present speeds, if the next speeds are uncertain. It is then assumed that
+            leaders may brake as hard as they can. ``None`` if robots drive exactly as commanded.
     """
 
     done: Floats
@@ -89,56 +92,56 @@ class RoutePlaces(NamedTuple):
 
 
 class Leaders:
-    """The next cells on the ways of ``R`` robots where they have leaders, ``[R, K]`` of them.
+    """The next cells on the routes of ``R`` robots in which they have leaders, at most ``K`` each.
 
-    Below, ``passed`` is the length of way that each robot has left behind, ``[R]`` metres: less
-    than it has driven while it is off the line of its leg.
+    In the methods, ``passed`` is the length of the route that each robot has left behind, ``[R]``
+    in metres. It is less than the length driven while the robot is off the line of its leg.
 
     Attributes:
-        nodes: ``[R, K]`` numbers of these cells on the way, or ``NOWHERE``.
-        apart: metres beyond the middle of a cell where a robot has left it.
+        nodes: ``[R, K]``, numbers of these cells in the route, or ``NOWHERE``.
+        apart: metres beyond the middle of a cell at which a robot has left it.
     """
 
-    def __init__(self, spec: RobotSpec, ways: Dependencies, limits: Limits) -> None:
+    def __init__(self, spec: RobotSpec, routes: Dependencies, limits: Limits) -> None:
         self._size, self._dt = spec.cell_size, spec.time_step
-        self._ways, self._limits = ways, limits
+        self._routes, self._limits = routes, limits
         self._on_the_spot = spec.turns_on_the_spot
         self.apart = straight_distance(spec)
         self._apart_at_corners = corner_distance(spec)
         self._most = min(1 + math.ceil(limits.reach / self._size), MAX_LEADERS)
         shape = len(limits.loaded), self._most
         self.nodes = np.full(shape, NOWHERE)
-        self._looked = [0] * shape[0]  # up to which nodes of the ways
+        self._looked = [0] * shape[0]  # last node of each route at which leaders were looked for
         self._leaders = np.zeros(shape, np.intp)
         self._leaving = np.zeros(shape, np.int64)
-        # Distances to leaders that are before the middles of the cells, and beyond them.
+        # Distances to keep to leaders, before and beyond the middle of the cell.
         self._nearest, self._farthest = np.zeros((2, *shape))
 
     def find(self, robot: int, passed: Floats) -> None:
-        """Find the next cells where a robot has leaders, as far as there is space for them."""
-        slot, last = int((self.nodes[robot] != NOWHERE).sum()), self._ways.last(robot)
+        """Find the next cells in which a robot has leaders, as far as there is space for them."""
+        slot, last = int((self.nodes[robot] != NOWHERE).sum()), self._routes.last(robot)
         number = self._looked[robot]
         while number < last and slot < self._most:
             number += 1
-            for leader, leaving in self._ways.node(robot, number).after:
+            for leader, leaving in self._routes.node(robot, number).after:
                 if self._has_left(passed, leader, leaving):
                     continue
                 if slot == self.nodes.shape[1]:
                     self._widen()
                 self.nodes[robot, slot] = number
                 self._leaders[robot, slot], self._leaving[robot, slot] = leader, leaving
-                self._keep_apart(robot, slot, self._ways.move(robot, number))
+                self._keep_apart(robot, slot, self._routes.move(robot, number))
                 slot += 1
         self._looked[robot] = number
 
-    def find_anew(self, robot: int, passed: Floats) -> None:
-        """Find the next cells of a robot where it has leaders after its way has changed."""
+    def find_again(self, robot: int, passed: Floats) -> None:
+        """Find the next cells in which a robot has leaders, after its route has changed."""
         self.nodes[robot] = NOWHERE
-        self._looked[robot] = max(self._ways.first(robot), int(passed[robot] // self._size) - 1)
+        self._looked[robot] = max(self._routes.first(robot), int(passed[robot] // self._size) - 1)
         self.find(robot, passed)
 
     def turn(self, robot: int, node: int, move: Cell) -> None:
-        """Look at the leaders that a robot has in a cell from where it turns by a displacement."""
+        """Update the distances to the leaders in a cell from which a robot turns by ``move``."""
         for slot in (self.nodes[robot] == node).nonzero()[0].tolist():
             self._keep_apart(robot, slot, move)
 
@@ -157,25 +160,26 @@ class Leaders:
             self.find(robot, passed)
 
     def leave(self, ends: Integers, passed: Floats, speeds: Floats) -> Flags:
-        """Return whether leaders leave the nodes ``ends`` to robots, ``[R]``.
+        """Return whether the leaders of each robot leave its node in ``ends`` in any case, ``[R]``.
 
-        Leaders drive along their ways at ``speeds``, ``[R]`` m/s, and brake as hard as they can.
+        The leaders drive along their routes at ``speeds``, ``[R]`` m/s, and may brake as hard as
+        they can.
         """
         beyond = (passed + self._stops(speeds))[self._leaders] - self._leaving * self._size
         is_free = (self.nodes > ends[:, None]) | (beyond >= self.apart)
         return np.asarray(is_free.all(axis=1))
 
     def slow_down(self, speeds: Floats, places: RoutePlaces, downs: Floats) -> None:
-        """Lower the speeds of robots, ``[R]`` in place, so that none comes too close to a leader.
+        """Lower ``speeds`` in place, so that no robot comes too close to a leader.
 
         Args:
-            speeds: ``[R]`` m/s, speeds that they would have without leaders.
-            places: places of the robots when they get their speeds.
-            downs: ``[R]`` m/s², rate at which each can brake.
+            speeds: ``[R]`` m/s, speeds that the robots would have without leaders.
+            places: places of the robots when they get these speeds.
+            downs: ``[R]`` m/s², rate at which each robot can brake.
         """
         to_nodes = self.nodes * self._size - places.done[:, None]
         before = stopping_speeds(to_nodes - self._size, downs[:, None], self._dt)
-        # Robots that can still stop before all cells with leaders need not look at the leaders.
+        # Robots that can still stop before all cells with leaders need not consider the leaders.
         rows = np.flatnonzero((before < speeds[:, None]).any(axis=1))
         if not len(rows):
             return
@@ -189,7 +193,7 @@ class Leaders:
         own_aside = closing[rows, None]
         for _ in range(MAX_ROUNDS):
             along = speeds if now is None else now
-            # A leader that turns gets back to its line, but may do so more slowly than it brakes.
+            # A leader that turns approaches its line, but perhaps more slowly than it brakes.
             stops = np.minimum(
                 self._stops(along) + places.aside, self._stops(along + places.closing)
             )
@@ -207,35 +211,40 @@ class Leaders:
             speeds[rows] = slower
 
     def _stops(self, speeds: Floats) -> Floats:
-        """Return how far robots move that brake as hard as they can from speeds, ``[R]``."""
-        found: Floats = np.sign(speeds) * stopping_distances(
+        """Return how far robots get if they brake as hard as they can, ``[R]`` metres.
+
+        ``speeds`` are their speeds in m/s before that, ``[R]``.
+        """
+        distances: Floats = np.sign(speeds) * stopping_distances(
             np.abs(speeds), self._limits.hardest, self._dt
         )
-        return found
+        return distances
 
     def _beyond(self, rows: Integers, passed: Floats) -> Floats:
-        """Return how far beyond the middles of cells robots may come, ``[N, K]`` metres.
+        """Return how far beyond the middle of each cell robots may come, ``[N, K]`` metres.
 
-        Their leaders are ``passed`` beyond them, ``[N, K]`` metres.
+        Their leaders are ``passed`` metres beyond the middle, ``[N, K]``.
         """
         nearest, farthest = self._nearest[rows], self._farthest[rows]
         share = (passed / self._size + BEFORE) / (BEFORE + BEYOND)
-        found: Floats = passed - nearest - (farthest - nearest) * np.clip(share, 0.0, 1.0)
-        return found
+        beyond: Floats = passed - nearest - (farthest - nearest) * np.clip(share, 0.0, 1.0)
+        return beyond
 
     def _keep_apart(self, robot: int, slot: int, move: Cell) -> None:
-        """Set the distances to a leader of a robot that drives in the direction of ``move``."""
+        """Set the distances to a leader, for a robot that drives in the direction ``move``."""
         leader, leaving = int(self._leaders[robot, slot]), int(self._leaving[robot, slot])
-        ways, first = self._ways, self._ways.first(leader)
-        goes_on = leaving < ways.last(leader) and ways.move(leader, leaving + 1) == move
-        came_along = first < leaving and ways.move(leader, leaving) == move
-        came_along &= not self._on_the_spot  # who stops there is not followed closely
+        routes, first = self._routes, self._routes.first(leader)
+        goes_on = leaving < routes.last(leader) and routes.move(leader, leaving + 1) == move
+        came_along = first < leaving and routes.move(leader, leaving) == move
+        came_along &= (
+            not self._on_the_spot
+        )  # a leader that stops there must not be followed closely
         straight, corner = self.apart, self._apart_at_corners
         self._nearest[robot, slot] = straight if goes_on or came_along else corner
         self._farthest[robot, slot] = straight if goes_on else corner
 
     def _widen(self) -> None:
-        """Add a column, as a robot has several leaders in one cell."""
+        """Add a column, because a robot has several leaders in one cell."""
         by_one = (0, 0), (0, 1)
         self.nodes = np.pad(self.nodes, by_one, constant_values=NOWHERE)
         self._leaders, self._leaving = (

@@ -12,37 +12,39 @@ from warehouse_physics.profile import Floats, stopping_distances
 from warehouse_physics.spec import RobotSpec
 
 CORNER = 0.5
-"""Share of a cell before a corner where robots begin to turn into their next leg: they brake in the
-old direction while they speed up in the new one. So they cut the corner from the edge of its cell
-to the next edge, and stay half a cell away from the wall that they turn round.
-"""
+"""Distance before the middle of a corner at which robots begin to turn, as a share of a cell. From
+there they brake in the old direction while they speed up in the new one. They cut the corner from
+one edge of its cell to the next, and stay half a cell away from the wall around which they turn."""
 
 CAREFUL_CORNER = 0.2
-"""Share that robots cut which drive otherwise than they are commanded."""
+"""The same distance for robots that do not drive exactly as commanded."""
 
 SIGMAS = 3.0
-"""Standard deviations of the actual speed for which robots that brake have force to spare."""
+"""Number of standard deviations of the actual speed for which robots can still brake in time."""
 
 MIN_RATE = 1e-3
-"""m/s² with which every robot counts, so that those that cannot move at all have finite ways."""
+"""Smallest rate in m/s² that is assumed. It keeps distances finite for robots that cannot move."""
 
 
 class Limits:
-    """What limits each robot, as arrays ``[R]``, where it is known beforehand.
+    """The limits of each robot that are known in advance, as arrays ``[R]``.
 
     Attributes:
-        slips: bool, true if the floor is slippery, or will be before the robot could stop.
+        loaded: bool, true if the robot carries an item.
+        slips: bool, true if the floor is slippery here, or within the distance that the robot needs
+            to stop.
         masses: kg.
         drags: N, nominal drag of the floor.
-        ups: m/s², rate at which a robot speeds up.
+        ups: m/s², rate at which the robot speeds up.
         downs: m/s², rate at which it can always brake.
-        hardest: m/s², highest rate at which it brakes.
-        corner_rates: m/s², rate at which it changes speed in either direction at a corner.
-        usual_reach: metres within which all robots stop on the usual floor.
+        hardest: m/s², highest rate at which it may brake.
+        corner_rates: m/s², rate at which it changes its speed in each direction at a corner.
+        normal_reach: metres within which all robots stop on floor that is not slippery.
         reach: metres within which all robots stop on slippery floor.
-        corner: metres before a corner where robots begin to turn.
-        corner_speeds: m/s, highest speed at which it may begin to turn.
-        spare: metres before a corner where it would come to rest, as it is so fast.
+        corner: metres before a corner at which robots begin to turn.
+        corner_speeds: m/s, highest speed at which a robot may begin to turn.
+        spare: metres left to a corner if a robot brakes from that speed where it could begin to
+            turn.
     """
 
     def __init__(self, spec: RobotSpec, robots: int, disturbances: Disturbances) -> None:
@@ -54,7 +56,7 @@ class Limits:
         self._hardest = np.minimum(
             spec.acceleration, (motor[0] + self._drags * (1 + spread)) / self._masses
         )
-        # One row is for the usual floor, and one for slippery floor; columns are loads.
+        # The first row is for normal floor and the second for slippery floor. Columns are loads.
         motor[1] = np.minimum(motor[1], disturbances.grip * self._masses * GRAVITY)
         most = min(spec.acceleration, spec.top_speed / spec.time_step)
         self._reserve = (1 + SIGMAS * disturbances.actuation_noise) ** 2
@@ -63,7 +65,7 @@ class Limits:
         self._ups = np.clip((motor - self._drags) / self._masses, MIN_RATE, most)
         slowest = (motor + self._drags * (1 - spread)) / self._masses
         self._downs = np.clip(slowest, MIN_RATE, spec.acceleration) / self._reserve
-        self.usual_reach, self.reach = spec.top_speed**2 / (2 * self._downs.min(axis=1))
+        self.normal_reach, self.reach = spec.top_speed**2 / (2 * self._downs.min(axis=1))
         self.slips, self.loaded = np.zeros((2, robots), np.bool_)
         self.load(self.loaded)
 
@@ -76,7 +78,7 @@ class Limits:
         self.slip(self.slips)
 
     def slip(self, slips: np.ndarray) -> None:
-        """Set which robots are to expect slippery floor, ``[R]`` bool."""
+        """Set which robots have to expect slippery floor, ``[R]`` bool."""
         self.slips = slips
         index = slips.astype(np.intp), self.loaded.astype(np.intp)
         self.ups, self.downs = self._ups[index], self._downs[index]

@@ -1,4 +1,4 @@
-"""What the motors of ``R`` robots make of commands, on floors and with noise as they really are."""
+"""What motors make of commanded speeds, given the actual floor and noise."""
 
 from __future__ import annotations
 
@@ -18,20 +18,21 @@ MIN_SPEED = 0.01
 """Speed in m/s below which robots do not measure how exactly they drive."""
 
 MAX_EXCESS = 2.0
-"""Highest ratio of the speed to the commanded one: ``speed_factor`` draws none above it."""
+"""Largest ratio of the actual speed to the commanded one, as in ``speed_factor``."""
 
 
 class Motors:
     """The motors of the robots of an arena.
 
-    Each limits its force by motor, floor and drag of the cell under the robot. For each cell that a
-    robot enters, the share of the commanded speed that it really drives is drawn anew.
+    The force of each motor is limited by its strength, and by the grip and the drag of the cell
+    under the robot. When a robot enters a cell, the ratio of its actual to its commanded speed
+    becomes a new random number.
 
     Attributes:
         drags: ``[R]`` N, drag of the cells under the robots.
         pushes: ``[R]`` N, largest forces of the motors in these cells.
-        factors: ``[R]`` actual speeds as shares of the commanded ones.
-        is_exact: true if robots drive as they are commanded.
+        factors: ``[R]``, ratios of the actual speeds to the commanded ones.
+        is_exact: true if robots drive exactly as commanded.
     """
 
     def __init__(
@@ -54,7 +55,7 @@ class Motors:
         self._commands, self._expected = np.zeros((2, robots))
 
     def load(self) -> None:
-        """Give bodies the masses of their loads, and motors the forces that these need."""
+        """Set the masses of the bodies and the forces of the motors for the present loads."""
         for body, mass in zip(self._arena.bodies, self._limits.masses.tolist(), strict=True):
             if body.mass != mass:
                 body.mass = mass
@@ -62,7 +63,7 @@ class Motors:
             self._limit(robot)
 
     def feel(self, positions: Floats) -> list[int]:
-        """Return which robots have entered other cells, at positions ``[R, 2]`` in metres."""
+        """Return the robots that have entered another cell, at positions ``[R, 2]`` in metres."""
         if self.is_exact:
             return []
         cells = np.floor(positions[:, ::-1] / self._spec.cell_size).astype(np.intp)
@@ -76,30 +77,35 @@ class Motors:
         return entered
 
     def turn(self, robot: int, speed: float) -> None:
-        """Forget what a robot was commanded, which drives at ``speed`` m/s in its new direction."""
+        """Forget the command of a robot that turns into its next leg.
+
+        ``speed`` is its speed in the new direction, in m/s.
+        """
         self._commands[robot] = self._expected[robot] = speed
 
     def excess(self, speeds: Floats) -> Floats:
-        """Return how many times faster than commanded robots drive, ``[R]`` and at least 1."""
+        """Return how many times faster than commanded the robots drive, ``[R]`` and at least 1."""
         slowest = np.maximum(np.maximum(self._commands, self._expected), MIN_SPEED)
         return np.minimum(np.maximum(speeds / slowest, 1.0), MAX_EXCESS)
 
     def fastest(self, speeds: Floats, ups: Floats) -> Floats:
-        """Return the highest speeds that robots may be commanded next, ``[R]`` m/s.
+        """Return the highest speeds that may be commanded next, ``[R]`` m/s.
 
-        They drive at ``speeds`` now, and speed up at the rates ``ups`` in m/s².
+        The robots drive at ``speeds`` in m/s now, and speed up at the rates ``ups`` in m/s².
         """
         gained = ups * self._spec.time_step
-        if not self.is_exact:  # what is commanded may be more than what is driven
+        if not self.is_exact:  # the commanded speed may be above the actual one
             commands = np.minimum(self._commands, MAX_EXCESS * (speeds + gained))
             speeds = np.maximum(speeds, commands)
         faster = speeds + gained
-        if not self.is_exact:  # one that drives back faster than commanded has to be able to brake
+        if (
+            not self.is_exact
+        ):  # a robot that drives back faster than commanded must be able to brake
             faster = np.where(speeds < 0, np.maximum(faster, 0.0), faster)
         return np.minimum(faster, self._spec.top_speed)
 
     def command(self, velocities: Floats, speeds: Floats, before: Floats, turns: Flags) -> Floats:
-        """Set the forces of the motors, and return the velocities that they hold, ``[R, 2]`` m/s.
+        """Set the forces of the motors, and return the velocities to aim for, ``[R, 2]`` m/s.
 
         Args:
             velocities: ``[R, 2]`` m/s, commanded velocities.
@@ -119,7 +125,7 @@ class Motors:
         return velocities * self.factors[:, None]
 
     def _limit(self, robot: int) -> None:
-        """Set the largest net forces with which a robot speeds up and brakes."""
+        """Set the largest net forces with which a robot speeds up and brakes, in N."""
         limits, spec = self._limits, self._spec
         mass, drag = float(limits.masses[robot]), float(limits.drags[robot])
         self.drags[robot] = drag = drag * float(self._drag_factors[robot])

@@ -9,7 +9,7 @@ from helpers.driving import resolved
 
 from warehouse_core import Cell, Layout, random_layout
 from warehouse_physics import Disturbances, RobotSpec
-from warehouse_physics.driving.dependencies import HISTORY, Dependencies, Visit, WayCell
+from warehouse_physics.driving.dependencies import HISTORY, Dependencies, RouteCell, Visit
 from warehouse_physics.driving.leaders import NOWHERE, Leaders
 from warehouse_physics.driving.limits import Limits
 
@@ -32,9 +32,9 @@ def build(plan: Plan) -> Dependencies:
     return found
 
 
-def nodes_of(plan: Plan) -> list[list[WayCell]]:
+def nodes_of(plan: Plan) -> list[list[RouteCell]]:
     """Return the nodes of each robot, from the order in which robots enter each cell."""
-    ways: list[list[WayCell]] = [[] for _ in plan[0]]
+    ways: list[list[RouteCell]] = [[] for _ in plan[0]]
     entries: dict[Cell, list[Visit]] = {}
     for step, cells in enumerate(plan):
         for robot, cell in enumerate(cells):
@@ -42,7 +42,7 @@ def nodes_of(plan: Plan) -> list[list[WayCell]]:
                 continue
             earlier = entries.setdefault(cell, [])
             others = earlier and earlier[-1].robot != robot
-            ways[robot].append(WayCell(cell, (earlier[-1],) if others else ()))
+            ways[robot].append(RouteCell(cell, (earlier[-1],) if others else ()))
             earlier.append(Visit(robot, len(ways[robot]) - 1))
     return ways
 
@@ -81,9 +81,9 @@ def test_a_cell_whose_last_visit_is_forgotten_has_no_order_any_more() -> None:
     found = build(long_row)
     found.forget(0, HISTORY + 1)
     found.extend([(0, HISTORY + 1), (0, 0)])
-    assert found.node(1, 1) == WayCell((0, 0))
+    assert found.node(1, 1) == RouteCell((0, 0))
     found.extend([(0, HISTORY + 1), (0, 1)])
-    assert found.node(1, 2) == WayCell((0, 1), (Visit(0, 1),))
+    assert found.node(1, 2) == RouteCell((0, 1), (Visit(0, 1),))
 
 
 def test_a_cell_is_entered_after_its_robot_and_one_that_reaches_into_it_and_goes_back() -> None:

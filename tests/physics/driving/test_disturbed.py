@@ -18,7 +18,7 @@ def test_stops_are_a_sequence_of_stops_for_robots_that_drive_through() -> None:
     for wrong in (stop, [(0, 1.0, 2.0)]):
         with pytest.raises(ValueError, match="a sequence of Stop"):
             Disturbances(stops=wrong)  # type: ignore[arg-type]
-    with pytest.raises(ValueError, match="only a DrivingMotion carries out stops"):
+    with pytest.raises(ValueError, match="only DrivingMotion supports stops"):
         RigidBodyMotion(disturbances=Disturbances(stops=(stop,)))
 
 

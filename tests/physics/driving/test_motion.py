@@ -185,7 +185,7 @@ def test_cells_that_robots_have_passed_are_forgotten() -> None:
     for step in range(1, HISTORY + 12):
         motion.extend([ring[step % 4], ring[(step + 1) % 4]])
         motion.drive(2.0)
-        kept = max(kept, *(len(list(motion._driver.ways.nodes(robot, 0))) for robot in (0, 1)))
+        kept = max(kept, *(len(list(motion._driver.routes.nodes(robot, 0))) for robot in (0, 1)))
     assert kept <= HISTORY + 3
 
 
