@@ -67,7 +67,7 @@ class PlanError(WarehouseError, ValueError):
         >>> Problem(Graph(Layout([".#."])), starts=[0], goals=[2])
         Traceback (most recent call last):
             ...
-        agents.errors.PlanError: robot 0: no way leads from (0, 0) to (0, 2)
+        agents.errors.PlanError: robot 0: no path exists from (0, 0) to (0, 2)
     """
 
 

@@ -35,7 +35,7 @@ class PlanLog:
             # A robot that cannot go on as planned waits.
             is_planned = ahead[:1] == [chosen[robot]]
             ways[robot] = [int(cells[robot]), *(ahead if is_planned else [int(chosen[robot])])]
-            wishes[robot] = graph.way(ways[robot][-1], int(goals[robot]))
+            wishes[robot] = graph.path(ways[robot][-1], int(goals[robot]))
         places, wished = (
             {robot: graph.layout.cells(way) for robot, way in kind.items()}
             for kind in (ways, wishes)

@@ -1,5 +1,5 @@
-"""Planners of several robots: the way of each, so that no two meet.
+"""Multi-agent path finding (MAPF): planners that find paths without conflicts for many robots.
 
-The words are from multi-agent path finding (MAPF): see Stern et al. (2019),
-Multi-agent pathfinding: definitions, variants, and benchmarks.
+The terms follow Stern et al. (2019), Multi-agent pathfinding: definitions, variants, and
+benchmarks.
 """

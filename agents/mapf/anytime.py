@@ -1,11 +1,16 @@
-"""The best plan in the time that there is: LaCAM, guidance or proofs, and refinement.
+"""Anytime planning: the best plan within a time limit, from LaCAM, guidance, proofs and LNS.
 
-On crowded floors the first plan decides. There LaCAM is run again with costs of moves that follow
-from the traffic of its last plans, so that robots keep out of one another's way: on den312d with
-1,000 robots that brings the cost from 5.6 to 3.3 times its lower bound in four seconds. Windows
-first, and then LaCAM, brought 5.1; refinement alone 5.5. In narrow mazes guidance often leads to no
-plan soon, but the makespan of LaCAM's own plans differs by a factor of 2 to 3 from seed to seed.
-Robots with headings get the turns that a plan without them needs, and that plan is refined.
+Each problem gets the methods that suit its size and density. LaCAM always makes the first plan.
+
+On crowded floors, the first plan decides the quality. LaCAM is therefore run again with costs of
+moves learned from the traffic of its previous plans, so that robots avoid one another. On den312d
+with 1,000 robots, this lowers the cost from 5.6 to 3.3 times its lower bound in four seconds. A
+windowed planner followed by LaCAM reached 5.1 times the bound, and refinement alone 5.5. In narrow
+mazes, guidance often finds no plan quickly; there, LaCAM is run with other seeds, because its
+makespan differs by a factor of 2 to 3 between seeds.
+
+For small teams, CBS and LaCAM* may prove that a plan is optimal. For robots with headings, turns
+are added to a plan without headings. Finally LNS refines the plan.
 
 Source: Chen, Harabor, Li and Stuckey (2024), Traffic flow optimisation for lifelong multi-agent
 path finding, AAAI, for guidance by traffic.
@@ -32,45 +37,45 @@ from warehouse_core.world.moves import HEADINGS
 __all__ = ["solve_anytime"]
 
 SMALL_TEAM = 8
-"""Most robots for which CBS and LaCAM* may prove that a plan is the best."""
+"""Largest team for which CBS and LaCAM* try to prove that a plan is optimal."""
 
 PROOF_SHARE = 0.4
-"""Most of the time that each of the two takes."""
+"""Largest share of the time for each of these two."""
 
 ROUNDS = 100
-"""Rounds of LaCAM* for each trial, where the number of trials is limited."""
+"""Rounds of LaCAM* for each trial if the number of trials is limited."""
 
 CROWDED = 1.3
-"""Cost over the lower bound from which on a floor is crowded."""
+"""Ratio of cost to lower bound above which a floor counts as crowded."""
 
 OTHERS = 8
-"""Other first plans that are tried on a crowded floor, with guidance or another seed."""
+"""Number of other first plans on a crowded floor, made with guidance or another seed."""
 
 OTHERS_SHARE = 0.4
-"""Most of the time that they take, an eighth of it each."""
+"""Largest share of the time for all of these plans. Each gets an eighth of it."""
 
 PATIENCE = 40
-"""Rounds for each step of the first plan after which another is given up, if it is not for time."""
+"""Limit on the rounds for another first plan, for each step of the first one."""
 
 PLAIN_SHARE = 0.4
-"""Time for a plan without headings, to which turns are added."""
+"""Share of the time for a plan without headings, to which turns are added."""
 
 MAX_STATES = 100_000_000
-"""Cells times steps of a plan up to which it is refined; each takes 16 bytes."""
+"""Limit on cells times steps of a plan that is refined. Each takes 16 bytes of memory."""
 
 
 def solve_anytime(problem: Problem, seconds: float, seed: int = 0, trials: float = inf) -> Plan:
-    """Return the best plan that is found in so many seconds by the clock.
+    """Return the best plan that is found within a time limit.
 
     Args:
         problem: problem to solve.
-        seconds: limit of time.
+        seconds: time limit by the clock.
         seed: seed of random tie-breaks and of groups.
-        trials: groups that are planned anew, after which the plan is good enough. The same number
-            gives the same plan, if the time is long enough.
+        trials: groups that are replanned, after which the plan counts as good enough. The same
+            number gives the same plan if the time suffices.
 
     Raises:
-        PlanError: there is no plan, or none was found in time.
+        PlanError: no plan exists, or none was found in time.
 
     Example:
         >>> from agents.mapf.anytime import solve_anytime
@@ -106,15 +111,15 @@ def solve_anytime(problem: Problem, seconds: float, seed: int = 0, trials: float
 
 
 def can_refine(problem: Problem, plan: Plan) -> bool:
-    """Return whether robots move in a plan, and it is not too long to be refined."""
+    """Return whether a plan has moves and is short enough to be refined."""
     places = problem.graph.size * (1 if problem.headings is None else len(HEADINGS))
     return 0 < plan.makespan * places < MAX_STATES
 
 
 def _solve_with_turns(problem: Problem, seconds: float, seed: int, trials: float) -> Plan:
-    """Return the best plan of robots with headings; see ``solve_anytime``.
+    """Return the best plan for robots with headings; see ``solve_anytime``.
 
-    What is refined is the best plan without headings, to which turns are added.
+    The starting point of the refinement is the best plan without headings, with turns added.
     """
     deadline = perf_counter() + seconds
     plan = lacam(problem, seconds, seed)
@@ -127,19 +132,19 @@ def _solve_with_turns(problem: Problem, seconds: float, seed: int, trials: float
     if problem.robots <= SMALL_TEAM:
         search = LaCAM(problem, seed)
         search.search(perf_counter() + PROOF_SHARE * seconds, ROUNDS * trials)
-        found = search.plan() or plan
+        better = search.plan() or plan
         if search.is_done:
-            return found
-        plan = min(plan, found, key=lambda each: each.sum_of_costs)
+            return better
+        plan = min(plan, better, key=lambda each: each.sum_of_costs)
     refinement = Refinement(problem, plan, seed)
     refinement.run(deadline, trials)
     return refinement.plan()
 
 
 def _others(problem: Problem, first: Plan, seed: int, deadline: float) -> Iterator[Plan]:
-    """Yield plans that LaCAM makes with guidance by the last one.
+    """Yield plans of LaCAM, each guided by the traffic of the previous one.
 
-    After guidance that leads to no plan soon, one is made without it, with another seed.
+    If guidance finds no plan quickly, the next plan is made without it and with another seed.
     """
     last: Plan | None = first
     learned = Traffic(problem.graph.layout)

@@ -1,8 +1,8 @@
-"""Task assignment: which robot goes for which order.
+"""Task assignment: the choice of a robot for each order.
 
 Each function takes ``Tasks`` of ``N`` robots and ``K`` orders and returns ``[N]`` intp: the column
-of the order of each robot, or ``NONE``. No order is given to two robots, and none to a robot that
-cannot reach it.
+of the order of each robot, or ``NONE``. No order is assigned to two robots, and no robot gets an
+order that it cannot reach.
 
 Example:
     >>> from agents.mapf.assignment import ASSIGNMENTS
@@ -12,6 +12,7 @@ Example:
 
 from __future__ import annotations
 
+import warnings
 from collections.abc import Callable
 from typing import NamedTuple
 
@@ -23,131 +24,142 @@ from warehouse_core.world.tables import Integers
 __all__ = ["ASSIGNMENTS", "Tasks"]
 
 NONE = -1
-"""Number in place of an order, robot, charger or cell where there is none."""
+"""Marks a missing order, robot, charger or cell."""
 
 OUT_OF_REACH = 1e9
-"""Cost in place of an infinite one, which ``linear_sum_assignment`` does not take."""
+"""Finite stand-in for an infinite cost, which ``linear_sum_assignment`` does not accept."""
 
 STRETCH = 1.15
-"""Steps that a robot among others takes for each step of the shortest way."""
+"""Ratio of the expected steps of a robot in traffic to the steps of its shortest path."""
 
 HANDLING = 2
-"""Steps of picking and dropping."""
+"""Steps for picking and dropping."""
 
 URGENT, LATE = 30.0, 15.0
-"""Detour in steps that an order without spare time is worth; detour that a late order costs."""
+"""Detour in steps that an order without spare time is worth, and detour that a late order costs."""
 
 KEEP = 3.0
-"""Steps by which another order must be better before a robot leaves the order it goes for.
+"""Steps by which another order must be better before a robot gives up its current one.
 
-Without it, robots would change orders at every tie.
+Without this margin, robots would switch orders at every tie.
 """
 
 SPARE = 40.0
-"""Spare steps of an order with which it is worth ``exp(-1)`` of ``URGENT``."""
+"""Spare time in steps at which the urgency of an order has decayed to ``exp(-1)`` of ``URGENT``."""
 
 
 class Tasks(NamedTuple):
     """Robots that wait for an order and orders that wait for a robot.
 
     Attributes:
-        ways: ``[N, K]``, the time of each robot to the pickup of each order, infinite where it
-            cannot or must not take the order. A unit of time is a cell at top speed, on the grid a
-            step.
+        times: ``[N, K]``, the travel time of each robot to the pickup of each order. It is infinite
+            if the robot cannot or must not take the order. The unit is the time for one cell at top
+            speed, which is one step on the grid.
         trips: ``[K]``, the times from pickup to dropoff.
-        due: ``[K]``, the time by which each is due. Orders are in order of release.
+        due: ``[K]``, the deadline of each order. Orders are sorted by release.
         now: present time.
-        held: ``[N]``, the order that each robot goes for already, or ``NONE``.
+        held: ``[N]``, the order that each robot is already on its way to, or ``NONE``.
 
     Example:
         >>> import numpy as np
         >>> from agents.mapf.assignment import ASSIGNMENTS, NONE, Tasks
-        >>> ways, trips = np.array([[2.0, 9.0], [3.0, 5.0]]), np.array([4.0, 4.0])
-        >>> tasks = Tasks(ways, trips, due=np.array([90, 20]), now=0, held=np.array([NONE, NONE]))
+        >>> times, trips = np.array([[2.0, 9.0], [3.0, 5.0]]), np.array([4.0, 4.0])
+        >>> tasks = Tasks(times, trips, due=np.array([90, 20]), now=0, held=np.array([NONE, NONE]))
         >>> ASSIGNMENTS["hungarian"](tasks)
         array([0, 1])
     """
 
-    ways: NDArray[np.floating]
+    times: NDArray[np.floating]
     trips: NDArray[np.floating]
     due: NDArray[np.floating]
     now: float
     held: Integers
+
+    @property
+    def ways(self) -> NDArray[np.floating]:
+        """The former name of ``times``, which warns."""
+        # A ``Renamed`` cannot be assigned in the body of a named tuple.
+        warnings.warn(
+            "Tasks.ways has been renamed to times; the former name will be removed",
+            DeprecationWarning,
+            stacklevel=2,
+        )
+        return self.times
 
 
 Assignment = Callable[[Tasks], NDArray[np.intp]]
 
 
 def first_in_first_out(tasks: Tasks) -> NDArray[np.intp]:
-    """Give the oldest orders away, each to the robot nearest to it that has none."""
-    ways = np.array(tasks.ways, np.float64)
-    found = np.full(len(ways), NONE)
-    for order in range(ways.shape[1]):
-        if not (found == NONE).any():
+    """Assign the orders from the oldest on, each to the nearest robot that has none."""
+    times = np.array(tasks.times, np.float64)
+    assigned = np.full(len(times), NONE)
+    for order in range(times.shape[1]):
+        if not (assigned == NONE).any():
             break
-        robot = int(ways[:, order].argmin())
-        if np.isfinite(ways[robot, order]):
-            found[robot], ways[robot] = order, np.inf
-    return found
+        robot = int(times[:, order].argmin())
+        if np.isfinite(times[robot, order]):
+            assigned[robot], times[robot] = order, np.inf
+    return assigned
 
 
 def nearest_first(tasks: Tasks) -> NDArray[np.intp]:
-    """Give the nearest pair of robot and order to each other, then the nearest of the rest.
+    """Assign the nearest pair of robot and order, then repeat with the rest.
 
-    Pairs that are nearest to each other are taken at once, which has the same result.
+    Pairs that are nearest to each other are assigned at the same time, with the same result.
     """
-    ways = np.array(tasks.ways, np.float64)
-    found = np.full(len(ways), NONE)
-    while np.isfinite(ways).any():
-        order_of, robot_of = ways.argmin(axis=1), ways.argmin(axis=0)
-        robots = np.flatnonzero(robot_of[order_of] == np.arange(len(ways)))
-        robots = robots[np.isfinite(ways[robots, order_of[robots]])]
-        found[robots] = order_of[robots]
-        ways[robots], ways[:, found[robots]] = np.inf, np.inf
-    return found
+    times = np.array(tasks.times, np.float64)
+    assigned = np.full(len(times), NONE)
+    while np.isfinite(times).any():
+        order_of, robot_of = times.argmin(axis=1), times.argmin(axis=0)
+        robots = np.flatnonzero(robot_of[order_of] == np.arange(len(times)))
+        robots = robots[np.isfinite(times[robots, order_of[robots]])]
+        assigned[robots] = order_of[robots]
+        times[robots], times[:, assigned[robots]] = np.inf, np.inf
+    return assigned
 
 
 def hungarian(tasks: Tasks) -> NDArray[np.intp]:
-    """Give away as many orders as can be, so that the sum of the ways is least.
+    """Assign as many orders as possible with the smallest sum of travel times.
 
     Source: Kuhn (1955), The Hungarian method for the assignment problem. SciPy's solver follows
     Crouse (2016), On implementing 2D rectangular assignment algorithms.
     """
-    return _cheapest(tasks, tasks.ways)
+    return _cheapest(tasks, tasks.times)
 
 
 def urgent(tasks: Tasks) -> NDArray[np.intp]:
-    """Return ``hungarian`` where an order that is soon due seems nearer than it is.
+    """Assign orders as ``hungarian`` does, but let orders that are soon due seem nearer.
 
-    What it seems nearer by grows as its spare time gets less, to ``URGENT`` steps. An order which a
-    robot cannot deliver in time any more seems farther to it, by ``LATE`` steps.
+    The less spare time an order has, the nearer it seems, by up to ``URGENT`` steps. An order that
+    a robot can no longer deliver in time seems ``LATE`` steps farther away.
     """
-    needed = STRETCH * (tasks.ways + tasks.trips) + HANDLING
+    needed = STRETCH * (tasks.times + tasks.trips) + HANDLING
     spare = tasks.due - tasks.now - needed
-    # Versions of NumPy differ in the last bit of an exponential, which would decide between ties.
+    # Versions of NumPy differ in the last bit of an exponential, which could decide a tie.
     near = np.round(np.exp(-np.maximum(spare, 0) / SPARE), 6)
     worth = np.where(spare < 0, -LATE, URGENT * near)
-    return _cheapest(tasks, tasks.ways - worth)
+    return _cheapest(tasks, tasks.times - worth)
 
 
 def _cheapest(tasks: Tasks, costs: NDArray[np.floating]) -> NDArray[np.intp]:
-    found = np.full(len(costs), NONE)
+    assigned = np.full(len(costs), NONE)
     reachable = np.isfinite(costs)
     costs = np.where(reachable, costs, OUT_OF_REACH)
     held = np.flatnonzero(tasks.held != NONE)
     costs[held, tasks.held[held]] -= KEEP
     robots, orders = cheapest_matching(costs)
     given = reachable[robots, orders]
-    found[robots[given]] = orders[given]
-    return found
+    assigned[robots[given]] = orders[given]
+    return assigned
 
 
 def cheapest_matching(costs: NDArray[np.floating]) -> tuple[Integers, Integers]:
     """Return the rows and the columns of a matching with the least sum of costs.
 
-    As many are matched as there are rows or columns, whichever are fewer; rows ascend. SciPy finds
-    the matching where it is installed. Where it is not, as in a browser, the same steps in Python
-    find the same one, ties included.
+    The matching has as many pairs as there are rows or columns, whichever are fewer, and its rows
+    ascend. If SciPy is not installed, as in a browser, the same algorithm in Python finds the same
+    matching, ties included.
 
     Args:
         costs: ``[N, M]`` finite costs.
@@ -165,7 +177,7 @@ def cheapest_matching(costs: NDArray[np.floating]) -> tuple[Integers, Integers]:
 
 
 def _match(costs: NDArray[np.floating]) -> Integers:
-    """Return the column of each row, ``[N]``; there are no more rows than columns.
+    """Return the column of each row, ``[N]``, for at most as many rows as columns.
 
     Each row in turn takes a column along a cheapest augmenting path.
 
@@ -187,7 +199,7 @@ def _match(costs: NDArray[np.floating]) -> Integers:
             lowest = shortest[remaining].min()
             nearest = np.flatnonzero(shortest[remaining] == lowest)
             free = nearest[row_of[remaining[nearest]] == NONE]
-            # Of equally near columns the last that is free is taken, else the first.
+            # Among equally near columns, take the last one that is free, else the first one.
             index = free[-1] if len(free) else nearest[0]
             column, remaining[index] = remaining[index], remaining[-1]
             remaining = remaining[:-1]

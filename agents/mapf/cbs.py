@@ -1,21 +1,24 @@
-"""Conflict-based search: optimal plans, by a tree of constraints on single robots.
+"""CBS, conflict-based search: optimal plans from a tree of constraints on single robots.
 
-The root has a cheapest way of each robot. A node with a conflict asks for a statement on one of its
-two robots, such as whether it is in a cell at a time. In the one child it is not; in the other it
-is, and other robots keep out of its way. Only robots whose ways this forbids are planned again.
-The children share no plan, and together they have all plans of their parent (*disjoint splitting*).
-The cheapest leaf is first; if its ways have no conflict they are an optimal plan.
+The root of the tree has a cheapest path for each robot. A node with a conflict is split by a
+question about one of its two robots, such as whether it is in a cell at a time. In one child the
+robot must not be there. In the other child it must be there, and all other robots have to keep
+away. Only robots whose paths the new constraint forbids are replanned. The children have no plan in
+common, and together they have all plans of their parent (*disjoint splitting*). The cheapest leaf
+is expanded first. If its paths have no conflict, they are an optimal plan.
 
-Two robots *clash* if each pair of their cheapest ways has a conflict, as in corridors, rectangles
-and at goals. Then the one is asked whether it arrives late, and if not, the other does; by how much
-is found before, so that a long corridor takes two children, both of which cost more. Pairs that
-share no robot bound the cost below a node. Other conflicts are asked for in the order of the number
-of cells that one of the robots could have been in at the time, fewest first; who rests in its goal
-is asked whether it has arrived.
+Two robots *clash* if every pair of their cheapest paths has a conflict, as in corridors, in
+rectangles and at goals. The question is then whether the first robot arrives late; if it does not,
+the second one does. Their delays are computed in advance, so that a long corridor needs only two
+children, and both cost more than their parent. Pairs of clashing robots with no robot in common
+give a lower bound on the cost below a node.
+
+Other conflicts are ordered by the number of cells that one of the robots could have been in at the
+time, fewest first. If a robot rests at its goal, the question is whether it has arrived.
 
 Sources: Sharon et al. (2015), Conflict-based search for optimal multi-agent pathfinding, Artificial
-Intelligence 219. Boyarski et al. (2015), ICBS, IJCAI: which conflict comes first; bypasses. Felner
-et al. (2018), Adding heuristics to conflict-based search, ICAPS. Li et al. (2019), Disjoint
+Intelligence 219. Boyarski et al. (2015), ICBS, IJCAI, for the choice of conflicts and for bypasses.
+Felner et al. (2018), Adding heuristics to conflict-based search, ICAPS. Li et al. (2019), Disjoint
 splitting for multi-agent path finding with conflict-based search, ICAPS. Li et al. (2021), Pairwise
 symmetry reasoning for multi-agent path finding search, Artificial Intelligence 301.
 """
@@ -34,7 +37,7 @@ from agents.errors import PlanError
 from agents.mapf.cell_sets import CellSets, bits_of
 from agents.mapf.clash import delays_of
 from agents.mapf.problem import Plan, Problem
-from agents.mapf.route import Route, TracedWay
+from agents.mapf.route import Route, TracedPath
 from agents.mapf.rules import Constraint, Rules
 from warehouse_core.wording import counted
 
@@ -44,25 +47,25 @@ Pair = tuple[int, int]
 """Numbers of two robots, the smaller first."""
 
 ROUND = 16
-"""Horizons are multiples of this, so that traces seldom have to be made again."""
+"""Step between possible horizons. Rounded horizons seldom change, so that traces can be reused."""
 
-NO_PLAN = "there is no plan: some robot has no way that keeps clear of the others"
+NO_PLAN = "there is no plan: some robot has no path that avoids the others"
 
 MAX_BYTES = 500_000_000
-"""Memory that layers and traces take, about, before they are forgotten."""
+"""Approximate memory for layers and traces, beyond which they are dropped."""
 
 LEAST_KEPT = 4
-"""Number of layers and traces per robot that are not forgotten at once in any case."""
+"""Number of layers and traces per robot that are always kept at first."""
 
 
 class Conflict(NamedTuple):
-    """Two robots in one cell, two that change places, or two that clash.
+    """Two robots in one cell, two robots that swap cells, or two robots that clash.
 
     Attributes:
-        robots: the two.
+        robots: the two robots.
         time: number of the joint step.
         cell: cell of the first robot after the step; ``None`` for a clash.
-        before: cell of the first robot before the step, if they change places.
+        before: cell of the first robot before the step if the two swap cells.
     """
 
     robots: Pair
@@ -77,37 +80,37 @@ class ConflictNode:
 
     Attributes:
         parent: parent of the node; the root has none.
-        constraints: constraints that hold in the node and not in its parent.
-        routes: route of each robot.
-        ways: way of each robot, one of its route.
-        conflicts: conflicts of the ways by pair.
+        constraints: constraints of the node that its parent does not have.
+        routes: route of each robot, the set of paths that the constraints allow.
+        paths: chosen path of each robot.
+        conflicts: conflicts of the paths by pair.
         split: conflict for which the node has children; ``None`` for leaves.
     """
 
     parent: ConflictNode | None
     constraints: tuple[Constraint, ...]
     routes: list[Route]
-    ways: list[TracedWay]
+    paths: list[TracedPath]
     conflicts: dict[Pair, list[Conflict]]
     split: Conflict | None = None
 
     @property
     def cost(self) -> int:
-        """The sum of the costs of the ways."""
-        return sum(way.cost for way in self.ways)
+        """The sum of the costs of the chosen paths."""
+        return sum(path.cost for path in self.paths)
 
     @property
     def least(self) -> int:
-        """The sum of the costs of the cheapest ways."""
+        """The sum of the costs of the cheapest paths."""
         return sum(route.cost for route in self.routes)
 
 
 class ConflictTree:
-    """The conflict tree of a problem; the cost of a way is its number of steps.
+    """The conflict tree of a problem, where the cost of a path is its number of steps.
 
     Args:
         problem: problem to solve.
-        w: number that the cost of a robot's way is at most times the cost of its cheapest.
+        w: factor by which the path of a robot may cost more than its cheapest path.
 
     Raises:
         PlanError: the robots have headings.
@@ -115,7 +118,7 @@ class ConflictTree:
     Attributes:
         problem: problem to solve.
         nodes: all nodes so far, the root first.
-        solution: node whose ways are the plan, once there is one.
+        solution: node whose paths are the plan, once there is one.
     """
 
     def __init__(self, problem: Problem, w: float = 1.0) -> None:
@@ -126,19 +129,19 @@ class ConflictTree:
         self._starts = [self._sets.bits[cell] for cell in problem.starts]
         self._goals = [self._sets.bits[cell] for cell in problem.goals]
         self._delays: dict[tuple[Route, Route], Pair | None] = {}
-        self._kept: list[Route | TracedWay] = []
+        self._kept: list[Route | TracedPath] = []
         self._most_kept: float = inf
 
     def solve(self, seconds: float) -> Plan:
         """Return a plan.
 
         Raises:
-            PlanError: none was found in time; without a plan the tree need not have an end.
+            PlanError: no plan was found in time. If no plan exists, the tree may be infinite.
         """
         self._deadline = perf_counter() + seconds
         try:
             self.solution, bound = self._grow()
-            return Plan.of([way.cells for way in self.solution.ways], bound)
+            return Plan.of([path.cells for path in self.solution.paths], bound)
         except TimeoutError:
             nodes = counted(len(self.nodes), "node")
             raise PlanError(f"no plan in {seconds:g} s and {nodes} of the conflict tree") from None
@@ -153,7 +156,7 @@ class ConflictTree:
                 return node, bound
             delays = self._late(node)
             lowest = node.least + separate_delays(delays)
-            # A node whose bound turns out to be higher waits for its turn.
+            # A node whose bound turns out to be higher goes back into the queue.
             grown = [node] if lowest > bound else self._split(node, delays, node.cost)
             for each in grown:
                 key = max(bound, lowest, each.cost), len(each.conflicts), next(numbers)
@@ -161,20 +164,20 @@ class ConflictTree:
         raise PlanError(NO_PLAN)
 
     def _root(self) -> ConflictNode:
-        """Return the root, with which the tree begins anew."""
+        """Return the root, with which the tree starts again."""
         node = ConflictNode(None, (), [], [], {})
         for robot in range(self.problem.robots):
             node.routes.append(self._route(robot, node))
-            node.ways.append(self._way(robot, node))
+            node.paths.append(self._path(robot, node))
         self._find_conflicts(node, set(range(self.problem.robots)))
-        most = self._sets.bytes * _horizon(way.cost for way in node.ways)
+        most = self._sets.bytes * _horizon(path.cost for path in node.paths)
         self._most_kept = max(MAX_BYTES // most, LEAST_KEPT * self.problem.robots)
         self.nodes = [node]
         return node
 
     def _late(self, node: ConflictNode) -> dict[Pair, Pair]:
         """Return the delays of each pair that clashes; see ``delays_of``."""
-        found = {}
+        clashes = {}
         for pair in node.conflicts:
             self._look_at_clock()
             one, other = routes = node.routes[pair[0]], node.routes[pair[1]]
@@ -182,47 +185,47 @@ class ConflictTree:
                 self._delays[routes] = delays_of(self._sets, one, other)
             delays = self._delays[routes]
             if delays is not None:
-                found[pair] = delays
-        return found
+                clashes[pair] = delays
+        return clashes
 
     def _split(
         self, node: ConflictNode, delays: dict[Pair, Pair], most: float
     ) -> list[ConflictNode]:
-        """Return the children of a node, or the node itself with other ways: a bypass.
+        """Return the children of a node, or the node itself with other paths (a *bypass*).
 
-        A child that has fewer conflicts at a cost of at most ``most``, and no higher bound, takes
-        the place of its parent.
+        A child replaces the paths of its parent if it has fewer conflicts, no higher bound, and a
+        cost of at most ``most``.
         """
         conflict, statement, follows = self._question(node, delays)
-        found = []
+        children = []
         for constraints in ((statement,), (statement._replace(holds=True), *follows)):
             child = self._child(node, constraints)
             if child is None:
                 continue
             is_quieter = len(child.conflicts) < len(node.conflicts)
             if is_quieter and child.least == node.least and child.cost <= most:
-                node.ways, node.conflicts = child.ways, child.conflicts
+                node.paths, node.conflicts = child.paths, child.conflicts
                 return [node]
-            found.append(child)
+            children.append(child)
         node.split = conflict
-        self.nodes += found
-        return found
+        self.nodes += children
+        return children
 
     def _question(
         self, node: ConflictNode, delays: dict[Pair, Pair]
     ) -> tuple[Conflict, Constraint, list[Constraint]]:
-        """Return the conflict to split, the statement that decides it, and what follows from it."""
+        """Return the conflict to split, the constraint that decides it, and implied constraints."""
         if delays:
             pair = max(delays, key=lambda each: min(delays[each]))
             late = [
                 Constraint(robot, node.routes[robot].cost + delay - 1, None)
                 for robot, delay in zip(pair, delays[pair], strict=True)
             ]
-            if delays[pair][0] < delays[pair][1]:  # the one that would be later is asked
+            if delays[pair][0] < delays[pair][1]:  # ask the robot that would be later
                 late.reverse()
             return Conflict(pair, late[0].time, None), late[0], late[1:]
         conflict = min(
-            (each for found in node.conflicts.values() for each in found),
+            (each for conflicts in node.conflicts.values() for each in conflicts),
             key=lambda each: (_resting(node, each) is None, min(_widths(node, each)), each.time),
         )
         _, time, cell, before = conflict
@@ -230,7 +233,7 @@ class ConflictTree:
         if robot is not None:
             return conflict, Constraint(robot, time, None), []
         one, other = _widths(node, conflict)
-        if one >= other:  # the robot that has more cells to choose from is asked
+        if one >= other:  # ask the robot that has more cells to choose from
             return conflict, Constraint(conflict.robots[0], time, cell, before), []
         cell, before = (cell, None) if before is None else (before, cell)
         return conflict, Constraint(conflict.robots[1], time, cell, before), []
@@ -238,8 +241,8 @@ class ConflictTree:
     def _child(
         self, node: ConflictNode, constraints: tuple[Constraint, ...]
     ) -> ConflictNode | None:
-        """Return the node in which some more constraints hold, or ``None`` if it has no plan."""
-        child = ConflictNode(node, constraints, [*node.routes], [*node.ways], node.conflicts)
+        """Return the child with some more constraints, or ``None`` if it has no plan."""
+        child = ConflictNode(node, constraints, [*node.routes], [*node.paths], node.conflicts)
         robots = dict.fromkeys([rule.robot for rule in constraints])
         robots |= dict.fromkeys(self._others(child, constraints[0]))
         for robot in robots:
@@ -250,34 +253,34 @@ class ConflictTree:
         new = {rule.robot for rule in constraints if not rule.holds}
         for robot in robots:
             route = child.routes[robot]
-            if robot in new or not route.allows(child.ways[robot], self._slack(route)):
-                child.ways[robot] = self._way(robot, child)
+            if robot in new or not route.allows(child.paths[robot], self._slack(route)):
+                child.paths[robot] = self._path(robot, child)
                 changed.add(robot)
         self._find_conflicts(child, changed)
         return child
 
     def _others(self, node: ConflictNode, constraint: Constraint) -> Iterator[int]:
-        """Return the other robots whose cheapest ways, or whose way, a constraint forbids."""
+        """Yield the other robots whose cheapest or chosen paths a positive constraint forbids."""
         if not constraint.holds:
             return
         rules, bits = Rules(), self._sets.bits
         rules.add(self._sets, constraint, False, self._goals[constraint.robot])
-        for robot, (route, way) in enumerate(zip(node.routes, node.ways, strict=True)):
+        for robot, (route, path) in enumerate(zip(node.routes, node.paths, strict=True)):
             if robot == constraint.robot:
                 continue
-            end = max(route.cost, way.cost) + 1  # from then on it is in its own goal
+            end = max(route.cost, path.cost) + 1  # from then on it rests at its own goal
             closed = [*rules.closed.items()]
             for begin, cells in rules.ends.items():
                 closed += [(time, cells) for time in range(begin, end)]
             for time, barred in rules.into.items():
                 for cell, before in barred.items():
-                    if before & (route.layer(time - 1) | bits[way.at(time - 1)]):
+                    if before & (route.layer(time - 1) | bits[path.at(time - 1)]):
                         closed.append((time, cell))
-            if any(cells & (route.layer(time) | bits[way.at(time)]) for time, cells in closed):
+            if any(cells & (route.layer(time) | bits[path.at(time)]) for time, cells in closed):
                 yield robot
 
     def _route(self, robot: int, node: ConflictNode | None) -> Route:
-        """Return the route of a robot by the constraints of a node and of those above it."""
+        """Return the route of a robot under the constraints of a node and of its ancestors."""
         self._look_at_clock()
         rules = Rules()
         while node is not None:
@@ -289,42 +292,46 @@ class ConflictTree:
         self._keep(route)
         return route
 
-    def _way(self, robot: int, node: ConflictNode) -> TracedWay:
-        """Return a way of a robot with few conflicts with the others that have one."""
-        route, others = node.routes[robot], node.ways[:robot] + node.ways[robot + 1 :]
+    def _path(self, robot: int, node: ConflictNode) -> TracedPath:
+        """Return a path of a robot that has few conflicts with the paths of the others."""
+        route, others = node.routes[robot], node.paths[:robot] + node.paths[robot + 1 :]
         slack = self._slack(route)
-        horizon = _horizon([*(way.cost for way in others), route.cost + slack])
-        way = route.quietest(others, horizon, slack)
-        self._keep(way)
-        return way
+        horizon = _horizon([*(path.cost for path in others), route.cost + slack])
+        path = route.quietest(others, horizon, slack)
+        self._keep(path)
+        return path
 
     def _slack(self, route: Route) -> int:
         return int(self.w * route.cost) - route.cost
 
     def _find_conflicts(self, node: ConflictNode, changed: set[int]) -> None:
-        """Take over the conflicts of the ways of robots that have changed."""
-        horizon = _horizon(way.cost for way in node.ways)
-        traces = [way.trace(self._sets, horizon) for way in node.ways]
+        """Update the conflicts of the robots whose paths have changed."""
+        horizon = _horizon(path.cost for path in node.paths)
+        traces = [path.trace(self._sets, horizon) for path in node.paths]
         node.conflicts = {
-            pair: found for pair, found in node.conflicts.items() if changed.isdisjoint(pair)
+            pair: conflicts
+            for pair, conflicts in node.conflicts.items()
+            if changed.isdisjoint(pair)
         }
         layer = 8 * self._sets.bytes
         for robot in sorted(changed):
             self._look_at_clock()
-            near = traces[robot] | traces[robot] << layer  # who swaps enters where it was before
+            near = (
+                traces[robot] | traces[robot] << layer
+            )  # in a swap, the other robot enters the cell that this one leaves
             for other, trace in enumerate(traces):
                 if near & trace and other != robot:
                     pair = (robot, other) if robot < other else (other, robot)
-                    found = _conflicts(pair, node.ways[pair[0]], traces, layer)
-                    if found:
-                        node.conflicts[pair] = found
+                    conflicts = _conflicts(pair, node.paths[pair[0]], traces, layer)
+                    if conflicts:
+                        node.conflicts[pair] = conflicts
 
     def _look_at_clock(self) -> None:
         if perf_counter() > self._deadline:
             raise TimeoutError
 
-    def _keep(self, thing: Route | TracedWay) -> None:
-        """Take over a route or a way that keeps sets, and let all forget them now and then."""
+    def _keep(self, thing: Route | TracedPath) -> None:
+        """Register a route or path that caches sets, and clear all caches now and then."""
         self._kept.append(thing)
         if len(self._kept) % self._most_kept == 0:
             for each in self._kept:
@@ -348,12 +355,12 @@ def solve_cbs(problem: Problem, seconds: float) -> Plan:
 
 
 def _horizon(times: Iterable[int]) -> int:
-    """Return a time after some times."""
+    """Return a rounded time that is later than all the given times."""
     return (max(times, default=0) // ROUND + 1) * ROUND
 
 
 def _widths(node: ConflictNode, conflict: Conflict) -> list[int]:
-    """Return how many cells the cheapest ways of both robots have where they are in conflict."""
+    """Return the number of cells that the cheapest paths of each robot have at a conflict."""
     times = range(conflict.time - (conflict.before is not None), conflict.time + 1)
     return [
         max(node.routes[robot].layer(time).bit_count() for time in times)
@@ -362,13 +369,13 @@ def _widths(node: ConflictNode, conflict: Conflict) -> list[int]:
 
 
 def _resting(node: ConflictNode, conflict: Conflict) -> int | None:
-    """Return the robot that is in conflict where it has arrived, or ``None``."""
-    arrived = [robot for robot in conflict.robots if conflict.time >= node.ways[robot].cost]
+    """Return the robot that has arrived at its goal where a conflict occurs, or ``None``."""
+    arrived = [robot for robot in conflict.robots if conflict.time >= node.paths[robot].cost]
     return arrived[0] if arrived and conflict.before is None else None
 
 
 def separate_delays(delays: dict[Pair, Pair]) -> int:
-    """Return what pairs of robots cost more, where no robot is in two; dear pairs come first."""
+    """Return the extra cost of pairs that have no robot in common, chosen from the costliest on."""
     paired, total = set[int](), 0
     for pair, both in sorted(delays.items(), key=lambda each: -min(each[1])):
         if paired.isdisjoint(pair):
@@ -377,24 +384,24 @@ def separate_delays(delays: dict[Pair, Pair]) -> int:
     return total
 
 
-def _conflicts(pair: Pair, one: TracedWay, traces: Sequence[int], layer: int) -> list[Conflict]:
+def _conflicts(pair: Pair, one: TracedPath, traces: Sequence[int], layer: int) -> list[Conflict]:
     """Return all conflicts of two robots.
 
     Args:
         pair: numbers of the robots.
-        one: way of the first robot.
+        one: path of the first robot.
         traces: traces of all robots.
         layer: number of bits of a trace for each time.
     """
     ours, theirs = (traces[robot] for robot in pair)
     times = _times(ours & theirs, layer)
-    found = [Conflict(pair, time, one.at(time)) for time in times]
+    conflicts = [Conflict(pair, time, one.at(time)) for time in times]
     left, entered = ours & theirs >> layer, theirs & ours >> layer
     if left and entered:
         for time in set(_times(left, layer)).intersection(_times(entered, layer)):
             if one.at(time) != one.at(time + 1):
-                found.append(Conflict(pair, time + 1, one.at(time + 1), one.at(time)))
-    return found
+                conflicts.append(Conflict(pair, time + 1, one.at(time + 1), one.at(time)))
+    return conflicts
 
 
 def _times(trace: int, layer: int) -> list[int]:

@@ -1,4 +1,7 @@
-"""Sets of cells as whole numbers, one bit a cell: one operation moves a robot in all its cells."""
+"""Sets of cells as whole numbers with one bit for each cell.
+
+One bit operation moves a robot from all cells that it may be in.
+"""
 
 from __future__ import annotations
 
@@ -13,10 +16,10 @@ class CellSets:
     A column of wall is added on the right, so that no move leads from one row into the next.
 
     Attributes:
-        bits: set of each cell alone, by the number of the cell.
+        bits: set with only this cell, for each cell number.
         open: set of all open cells.
         row: distance between the bits of a cell and of the cell below it.
-        bytes: number of bytes that a set takes at most.
+        bytes: largest number of bytes of a set.
     """
 
     def __init__(self, graph: Graph) -> None:
@@ -29,23 +32,23 @@ class CellSets:
 
     def of(self, cells: Iterable[int]) -> int:
         """Return the set of some cells."""
-        found = 0
+        union = 0
         for cell in cells:
-            found |= self.bits[cell]
-        return found
+            union |= self.bits[cell]
+        return union
 
     def cell(self, bit: int) -> int:
-        """Return the number of the only cell of a set."""
+        """Return the number of the only cell in a set."""
         place = bit.bit_length() - 1
         return place - place // self.row
 
     def spread(self, cells: int) -> int:
-        """Return where a robot in one of some cells can be after a step."""
+        """Return the cells that a robot in one of some cells can reach in a step."""
         row = self.row
         return (cells | cells << 1 | cells >> 1 | cells << row | cells >> row) & self.open
 
     def beside(self, bit: int) -> list[int]:
-        """Return where a robot in the only cell of a set can be after a step, each cell alone."""
+        """Return the cells that a robot in a cell can reach in a step, each as a set of its own."""
         key = bit.bit_length()
         if key not in self._beside:
             self._beside[key] = list(bits_of(self.spread(bit)))
@@ -53,7 +56,7 @@ class CellSets:
 
 
 def bits_of(cells: int) -> Iterator[int]:
-    """Return the cells of a set, each as a set of its own."""
+    """Yield the cells of a set, each as a set of its own."""
     while cells:
         bit = cells & -cells
         yield bit

@@ -1,6 +1,6 @@
-"""Circulations: joint steps in which all robots choose at once, for floors that are nearly full.
+"""Circulation: a planner that chooses the moves of all robots together, for very dense floors.
 
-See ``kernels/auction.py``.
+See ``kernels/auction.py`` for the algorithm and its sources.
 """
 
 from __future__ import annotations
@@ -26,38 +26,39 @@ from warehouse_core.world.tables import Integers
 __all__ = ["Circulation"]
 
 WINDOW = 6
-"""Default steps that each sample looks ahead."""
+"""Default number of steps that each sample looks ahead."""
 
 MAX_WINDOW = 1000
-"""Limit on the steps of a sample, each of which has a random number."""
+"""Limit on the steps of a sample, each of which needs a random number."""
 
 PATIENCE = 200
-"""Default steps without a goal after which a robot counts twice as much."""
+"""Default number of steps without a goal after which a robot's weight has doubled."""
 
 MAX_PATIENCE = 10_000
-"""Limit on patience, a factor of gains and costs, whose sums are numbers of 64 bits."""
+"""Limit on patience. It is a factor of gains and costs, whose sums must fit 64 bits."""
 
 MOST_PATIENCES = 100
-"""Most times that a robot counts by its patience, which bounds the time of an auction."""
+"""Limit on the weight of a robot in units of patience, which bounds the time of an auction."""
 
 URGENCY = 8
-"""Factor of the gains of urgent robots."""
+"""Factor on the gains of urgent robots."""
 
 
 class Circulation(PlacePlanner):
-    """A planner by circulations, for robots with and without headings.
+    """Planner that moves robots, with or without headings, in circulations.
 
-    The default plans a step at a time. With more samples, each step is the first of the best of
-    several random plans. After the first step, one of these goes on with the last plan.
+    By default it plans one step at a time. With more samples, it compares several random plans in
+    each step and takes the first step of the best one. From the second step on, one of the samples
+    continues the previous plan.
 
     Args:
-        graph: floor; with lanes as costs more robots reach their goals, see ``lanes.py``.
+        graph: floor. With lanes as costs, robots reach more goals; see ``lanes.py``.
         seed: seed of random tie-breaks.
-        samples: plans that are compared in each step.
-        window: steps of each of them, at most ``MAX_WINDOW``.
+        samples: number of plans that are compared in each step.
+        window: number of steps of each plan, at most ``MAX_WINDOW``.
         seconds: time in each step after which no more plans are made.
-        patience: steps without a goal after which a robot counts twice as much, thrice after as
-            many again, and so on.
+        patience: number of steps without a goal after which a robot's weight has doubled. The
+            weight continues to grow at this rate.
 
     Example:
         >>> from agents.mapf.circulation import Circulation
@@ -90,18 +91,18 @@ class Circulation(PlacePlanner):
         self.reset()
 
     def reset(self) -> None:
-        """Forget the last episode, and begin again with the random numbers of the seed."""
+        """Forget the last episode, and restart the random numbers from the seed."""
         super().reset()
         self._outward = dead_ends(self.graph)
 
     def _choose(self, situation: Situation, places: Integers | None) -> Integers:
-        """Return the next place of each robot, given its present one if it has a heading."""
+        """Return the next place of each robot; ``places`` are given for robots with headings."""
         deadline = perf_counter() + self.seconds
         places = situation.cells if places is None else places
         self._read(situation, places)
         best, made = None, 0
         while made < self.samples and (made == 0 or perf_counter() < deadline):
-            draws = self._drawn(is_first=made == 0)
+            draws = self._random_draws(is_first=made == 0)
             total = self._foresee(draws)
             made += 1
             if best is None or total < best:
@@ -114,11 +115,11 @@ class Circulation(PlacePlanner):
         return self._places.copy()
 
     def _foresee(self, draws: NDArray[np.int64]) -> int:
-        """Take a step for each draw, and return what robots have yet to gain after the last."""
+        """Simulate one step for each seed, and return what robots have yet to gain then."""
         return foresee(self._robots, self._auction, self._fields.table, buffer_of(draws))
 
     def _begin(self, robots: int, has_headings: bool) -> None:
-        """Begin an episode of so many robots."""
+        """Begin an episode of the given number of robots."""
         graph = self.graph
         flat = graph.with_costs(graph.costs) if graph.turn_cost else graph
         self._fields = HeadedFields(graph) if has_headings else Fields(flat, graph)
@@ -129,14 +130,14 @@ class Circulation(PlacePlanner):
         self._places, self._aims = np.full((2, robots), NONE)
         self._draws = np.empty(0, np.int64)
 
-    def _drawn(self, *, is_first: bool) -> NDArray[np.int64]:
-        """Return the draws of a sample: the first goes on with the last plan."""
+    def _random_draws(self, *, is_first: bool) -> NDArray[np.int64]:
+        """Return the random seeds of the steps of a sample, which may continue the last plan."""
         window = self.window if self.samples > 1 else 1
         kept = self._draws[1:] if is_first else self._draws[:0]
         return np.append(kept, self._random.integers(1, 2**31, window - len(kept)))
 
     def _read(self, situation: Situation, places: Integers) -> None:
-        """Take over a situation: robots, their moves, goals and weights."""
+        """Load a situation into the buffers: robots, their moves, goals and weights."""
         cells, goals, stays, closed, urgent = situation
         self._memory.order(cells, goals, urgent)
         weights = np.minimum(self.patience + self._memory.ages, MOST_PATIENCES * self.patience)
@@ -158,17 +159,17 @@ class Circulation(PlacePlanner):
 
 
 def auction_on(fields: Fields, robots: int, unit: int) -> Auction:
-    """Return the buffers of robots on a floor; see ``Auction``."""
+    """Return the buffers of an auction on a floor; see ``Auction``."""
     graph, has_headings = fields.graph, isinstance(fields, HeadedFields)
     beside, step = graph.neighbours[:, :WAIT], fields.step
-    if graph.costs is not None:  # the cheapest move is to gain something too
+    if graph.costs is not None:  # so that even the cheapest move has a gain
         cheapest = graph.costs[beside != CLOSED].min(initial=1.0) * step
         step = max(1, int(cheapest))
     return auction_of(beside, robots, step, has_headings, unit)
 
 
 def kept_aims(size: int, cells: Integers, aims: Integers) -> Integers:
-    """Return where robots have moves to, without those whose way others will not clear, ``[R]``."""
+    """Return the cells to which robots have moves, without permanently blocked ones, ``[R]``."""
     robot_in, aims = robots_in(size, cells), aims.copy()
     while True:
         before = robot_in[aims]
@@ -179,9 +180,10 @@ def kept_aims(size: int, cells: Integers, aims: Integers) -> Integers:
 
 
 def outward_cells(graph: Graph) -> Integers:
-    """Return for each cell in a dead end the next on the way out of it, else ``NONE``, ``[size]``.
+    """Return for each cell in a dead end the next cell on the way out, else ``NONE``, ``[size]``.
 
-    A dead end is what is left of a tree of cells, beyond the first cell that has another way.
+    Dead ends are found by removing cells with one neighbour repeatedly. A dead end reaches up to
+    the first cell that has another exit.
     """
     beside = graph.neighbours[:, :WAIT]
     degree, outward = (beside != CLOSED).sum(axis=1), np.full(graph.size, NONE)
@@ -198,7 +200,7 @@ def outward_cells(graph: Graph) -> Integers:
 
 
 def dead_ends(graph: Graph) -> Integers:
-    """Return ``outward_cells``, but no dead ends where all ways end in one another, ``[size]``."""
+    """Return ``outward_cells`` without dead ends that lead only into one another, ``[size]``."""
     outward, beside = outward_cells(graph), graph.neighbours[:, :WAIT]
     mouths = np.where(outward == NONE, np.arange(len(outward)), outward)
     while (outward[mouths] != NONE).any():
@@ -208,11 +210,11 @@ def dead_ends(graph: Graph) -> Integers:
 
 
 def waits_for_exits(outward: Integers, cells: Integers, goals: Integers) -> NDArray[np.bool_]:
-    """Return which robots wait until others have come out of the dead ends of their goals, ``[R]``.
+    """Return whether each robot waits until others have left the dead end of its goal, ``[R]``.
 
-    Whoever waits at the mouth of a dead end, or heads for its end, keeps others from coming out. So
-    a robot goes nowhere, and gives way, while others that go elsewhere are between it and its goal.
-    ``outward`` is from ``dead_ends``.
+    A robot that waits at the mouth of a dead end, or enters it, would keep the others from coming
+    out. It therefore has no goal, and gives way, while robots with other goals are between it and
+    its goal. ``outward`` comes from ``dead_ends``.
     """
     robot_in, waits = robots_in(len(outward), cells), np.zeros(len(cells), np.bool_)
     goes = goals != cells

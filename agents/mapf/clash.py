@@ -1,11 +1,11 @@
-"""Clashes: two robots each pair of whose cheapest ways has a conflict.
+"""Clashes: two robots whose cheapest paths always have a conflict, whichever paths they choose.
 
-The cells of the one at a time are a set for each cell of the other. This finds rectangles, targets
-and corridors without looking for them.
+For each cell of one robot at a time, the search keeps the set of cells of the other robot. It
+detects the symmetries of rectangles, targets and corridors without testing for each of them.
 
 Sources: Li et al. (2021), Pairwise symmetry reasoning for multi-agent path finding search,
 Artificial Intelligence 301. Sharon et al. (2013), The increasing cost tree search, Artificial
-Intelligence 195: pairs of multi-valued decision diagrams.
+Intelligence 195, for pairs of multi-valued decision diagrams.
 """
 
 from __future__ import annotations
@@ -14,24 +14,24 @@ from agents.mapf.cell_sets import CellSets, bits_of
 from agents.mapf.route import Route
 
 MAX_CELLS = 10_000
-"""Number of cells of a robot, counted at each time, up to which two robots are compared.
+"""Limit on the cells of a robot, summed over all times, for a comparison of two robots.
 
-Beyond it they count as robots without a clash, which weakens the bound but never makes it wrong.
+Beyond it, the two count as robots without a clash. This weakens the bound but keeps it valid.
 """
 
 MAX_DELAY = 64
-"""Largest delay of a robot that is tried out."""
+"""Largest delay of a robot that is tested."""
 
 
 def delays_of(sets: CellSets, one: Route, other: Route) -> tuple[int, int] | None:
-    """Return the delays of two robots, one of which has at least its own in every plan.
+    """Return delays of two robots, such that in every plan one of them is at least that late.
 
-    Both are 1 or more; ``None`` stands for robots without a clash.
+    Both are 1 or more. ``None`` means that the robots do not clash.
     """
     known: dict[tuple[int, int], bool] = {}
 
     def clash(our: int, their: int) -> bool:
-        """Return whether the robots clash even if each is late by less than that."""
+        """Return whether the robots clash even if each may be late by less than its delay."""
         if max(our, their) > MAX_DELAY:
             return False
         if (our, their) not in known:
@@ -52,9 +52,9 @@ def delays_of(sets: CellSets, one: Route, other: Route) -> tuple[int, int] | Non
 
 
 def _clash(sets: CellSets, ours: list[int], theirs: list[int]) -> bool:
-    """Return whether no two ways through layers keep clear of each other."""
+    """Return whether every two paths through layers have a conflict."""
     if sum(map(int.bit_count, ours)) > sum(map(int.bit_count, theirs)):
-        ours, theirs = theirs, ours  # the fewer cells are looked at one by one
+        ours, theirs = theirs, ours  # enumerate the cells of the robot that has fewer
     end = max(len(ours), len(theirs))
     ours, theirs = ours + ours[-1:] * (end - len(ours)), theirs + theirs[-1:] * (end - len(theirs))
     near = [
@@ -78,23 +78,23 @@ def _clash(sets: CellSets, ours: list[int], theirs: list[int]) -> bool:
 
 
 def _after(sets: CellSets, with_us: dict[int, int], our: int, their: int) -> dict[int, int]:
-    """Return the cells of the other robot for each cell of the one, a step later.
+    """Return the cells of the other robot for each cell of this one, a step later.
 
     Args:
         sets: sets of the floor.
-        with_us: cells of the other robot for each cell of the one, before the step.
-        our: cells that the one robot may be in after the step.
-        their: cells that the other may be in after it.
+        with_us: cells of the other robot for each cell of this one, before the step.
+        our: cells that this robot may be in after the step.
+        their: cells that the other robot may be in after the step.
     """
-    found: dict[int, int] = {}
+    after: dict[int, int] = {}
     for before, cells in with_us.items():
         reached = sets.spread(cells) & their
         for cell in sets.beside(before):
             if cell & our:
                 there = reached & ~cell
-                # They must not change places: nobody comes from there to where the one was.
+                # They must not swap cells: the other must not come from this robot's new cell.
                 if there & before and cell & cells and not sets.spread(before) & cells & ~cell:
                     there ^= before
                 if there:
-                    found[cell] = found.get(cell, 0) | there
-    return found
+                    after[cell] = after.get(cell, 0) | there
+    return after

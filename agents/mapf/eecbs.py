@@ -1,10 +1,11 @@
-"""EECBS: plans that cost at most ``w`` times the optimum, with the bound that proves it.
+"""EECBS, explicit estimation CBS: plans that cost at most ``w`` times the optimum, with a proof.
 
-Each way costs at most ``w`` times the cheapest of its route, and has the fewest conflicts of all
-such ways. Of the nodes whose expected cost, once their conflicts are gone, is at most ``w`` times
-the least one, that with the fewest conflicts is next; how much a conflict costs is learned from
-each node and its best child. A node that costs more than ``w`` times the lowest bound of all leaves
-gives way to the one of least expected cost, and that to the one of the lowest bound.
+Each robot's path costs at most ``w`` times its cheapest path, and has the fewest conflicts among
+these (focal search). In the tree, each node has an estimate of its cost once its conflicts are
+resolved. The cost of a conflict is learned from each node and its best child. The next node is the
+one with the fewest conflicts among those with an estimate of at most ``w`` times the smallest
+estimate. If this node costs more than ``w`` times the lowest bound of all leaves, the node with the
+smallest estimate takes its place, and failing that, the node with the lowest bound.
 
 Source: Li, Ruml and Koenig (2021), EECBS: a bounded-suboptimal search for multi-agent path finding,
 AAAI.
@@ -22,12 +23,12 @@ from warehouse_core.arguments import real_number
 __all__ = ["solve_eecbs"]
 
 W = 1.2
-"""Default number that the cost is at most times the optimum."""
+"""Default limit on the ratio of the cost to the optimum."""
 
 
 @dataclass(eq=False)
 class Leaf:
-    """A leaf of the tree, with a bound on the costs of the plans below it."""
+    """A leaf of the tree, with a lower bound on the costs of the plans below it."""
 
     node: ConflictNode
     bound: int
@@ -37,7 +38,7 @@ class Leaf:
 
 
 class ExplicitTree(ConflictTree):
-    """A conflict tree in which the next node is chosen by expected costs, too."""
+    """A conflict tree whose next node is chosen with estimated costs."""
 
     def _grow(self) -> tuple[ConflictNode, int]:
         self._spent = self._removed = 0
@@ -62,7 +63,7 @@ class ExplicitTree(ConflictTree):
         raise PlanError(NO_PLAN)
 
     def _choose(self, leaves: list[Leaf], bound: int) -> Leaf:
-        """Return the leaf to look at next; its cost is at most ``w`` times the lowest bound."""
+        """Return the next leaf to expand; its cost is at most ``w`` times the lowest bound."""
         price = self._spent / max(self._removed, 1)
         costs = [leaf.cost + price * leaf.conflicts for leaf in leaves]
         most = self.w * min(costs)
@@ -76,7 +77,7 @@ class ExplicitTree(ConflictTree):
         return min(leaves, key=lambda leaf: (leaf.bound, leaf.conflicts))
 
     def _learn(self, leaf: Leaf, child: Leaf) -> None:
-        """Add what a step down the tree has cost, and how many conflicts it has removed."""
+        """Record the cost of one step down the tree and the number of conflicts that it removed."""
         self._spent += child.cost - leaf.cost
         self._removed += leaf.conflicts - child.conflicts
 

@@ -1,8 +1,8 @@
-"""The execution of a joint plan by bodies: driven through, or joint step by joint step.
+"""Execution of a joint plan by physical bodies: driven through, or one joint step after another.
 
-A plan says in which step each robot is where; bodies need times of their own. Driven through, they
-pass each cell in the order of the plan, and wait for nothing else. Joint step by joint step, all
-wait until the last has come to rest after a step.
+A plan says in which step each robot is in which cell, but bodies need different times for their
+moves. When bodies drive through, they pass each cell in the order of the plan and wait for nothing
+else. In joint steps, all bodies wait after each step until the last one has come to rest.
 """
 
 from __future__ import annotations
@@ -27,33 +27,33 @@ from warehouse_physics.spec import ARRIVED
 __all__ = ["Execution", "drive_steps", "drive_through"]
 
 PATIENCE = 10.0
-"""Seconds without stops in which nobody moves, after which nobody will."""
+"""Seconds without any movement after which the robots count as deadlocked, apart from stops."""
 
 MAX_SLOWNESS = 10
-"""Factor on the time of robots that drive one after the other, after which a plan has failed."""
+"""Limit on the time, as a multiple of the time of robots that drive one after another."""
 
 MAX_TRIES = 10
-"""Attempts at a joint step from which disturbances keep robots."""
+"""Attempts at a joint step that disturbances make fail."""
 
 RESTS = 1e-5
-"""Metres in which a robot may move from row to row of its path and is still said to rest."""
+"""Metres between two rows of its path up to which a robot counts as being at rest."""
 
 
 class Execution(NamedTuple):
-    """What the execution of a plan by ``R`` bodies took.
+    """Time, energy and hits of a plan that ``R`` bodies have carried out.
 
     Attributes:
         seconds: time until all bodies are at rest in their last cells.
         joules: energy of all bodies until then.
-        hits: number of hits; a hit between two robots counts for each of them.
-        arrivals: ``[R]``, seconds until each is at rest in its last cell for good.
+        hits: number of hits. A hit between two robots counts for both.
+        arrivals: ``[R]``, seconds until each body is at rest in its last cell for good.
 
     Example:
         >>> from agents.mapf.execution import drive_through
         >>> from agents.mapf.problem import Plan
         >>> from warehouse_core import Layout
-        >>> found = drive_through(Layout(["..."]), Plan.of([[0, 1, 2]]).cells)
-        >>> round(found.seconds, 1), found.hits
+        >>> execution = drive_through(Layout(["..."]), Plan.of([[0, 1, 2]]).cells)
+        >>> round(execution.seconds, 1), execution.hits
         (3.0, 0)
     """
 
@@ -69,17 +69,17 @@ def drive_through(
     spec: RobotSpec | None = None,
     disturbances: Disturbances | None = None,
 ) -> Execution:
-    """Let bodies drive through the cells of a joint plan.
+    """Let bodies drive through the cells of a joint plan, and return the execution.
 
     Args:
-        layout: floor on which the plan was made.
+        layout: floor for which the plan was made.
         plan: ``[T + 1, R]``, the ``cells`` of a ``Plan`` or of a ``LifelongRun``.
         spec: robot to use; ``None`` is the default robot.
         disturbances: departures from nominal physics.
 
     Raises:
-        PlanError: nobody moves any more before all have arrived; the message names robots.
-        LayoutError: a robot starts in a wall, or where another does.
+        PlanError: all robots have stopped before all have arrived. The message names robots.
+        LayoutError: a robot starts in a wall or in the cell of another robot.
         ValueError: a joint step has a conflict, or the robots are too wide to follow each other.
 
     Example:
@@ -113,12 +113,12 @@ def drive_steps(
     spec: RobotSpec | None = None,
     disturbances: Disturbances | None = None,
 ) -> Execution:
-    """Let bodies carry out a joint plan step by step; see ``drive_through``.
+    """Let bodies carry out a joint plan step by step; see ``drive_through`` for the arguments.
 
-    Robots that disturbances keep from their cells try again, while the others wait.
+    If disturbances keep robots from their cells, these robots try again while the others wait.
 
     Raises:
-        PlanError: robots cannot carry out a step; the message names them.
+        PlanError: robots cannot carry out a step. The message names them.
         LayoutError: as for ``drive_through``.
         ValueError: a robot is to move by more than a cell.
 
@@ -148,17 +148,17 @@ def drive_steps(
 
 @lru_cache(maxsize=16)
 def corner_steps(spec: RobotSpec) -> float:
-    """Return by how many steps of a cell a corner delays a robot that drives through.
+    """Return the delay of a robot that drives round a corner, in steps of a cell.
 
-    It is measured: bodies drive round a corner and straight on, without and with an item, of which
-    the mean is taken.
+    The delay is measured with bodies that drive round a corner or straight on. The result is the
+    mean of the delays without and with an item.
     """
     loads = [spec, replace(spec, mass=spec.total_mass(loaded=True), payload_mass=0.0)]
     return float(np.mean([_corner_steps(each) for each in loads]))
 
 
 def _corner_steps(spec: RobotSpec) -> float:
-    """Return by how many steps a corner delays a robot without an item."""
+    """Return the delay at a corner, in steps, of a robot without an item."""
     braking = spec.top_speed**2 / (2 * spec.attainable_acceleration(loaded=False))
     length = 1 + math.ceil(braking / spec.cell_size)  # where it drives at top speed
     width = 2 * length + 1
@@ -173,33 +173,33 @@ def _corner_steps(spec: RobotSpec) -> float:
 
 
 EXECUTIONS = {"joint steps": drive_steps, "driven through": drive_through}
-"""Ways to execute a plan, by name."""
+"""Functions that execute a plan, by name."""
 
 
 class _Record:
-    """What bodies have done so far, outcome by outcome."""
+    """Accumulated results of an execution, outcome by outcome."""
 
     def __init__(self, spec: RobotSpec, robots: int) -> None:
         self._spec, self._arrivals = spec, np.zeros(robots)
         self.now, self._work, self._hits = 0.0, 0.0, 0
 
     def add(self, outcomes: Sequence[Outcome]) -> bool:
-        """Add what each robot did next, and return whether any of them has got anywhere."""
+        """Add the next outcome of each robot, and return whether any robot has made progress."""
         has_moved = False
         for robot, outcome in enumerate(outcomes):
             path = outcome.path
             moves = np.flatnonzero(np.abs(np.diff(path[:, 1:3], axis=0)).max(axis=1) > RESTS)
             if len(moves):
                 self._arrivals[robot] = self.now + path[moves[-1] + 1, 0]
-            way = np.abs(path[-1, 1:3] - path[0, 1:3]).max()
-            has_moved |= bool(way > ARRIVED * self._spec.cell_size)
+            distance = np.abs(path[-1, 1:3] - path[0, 1:3]).max()
+            has_moved |= bool(distance > ARRIVED * self._spec.cell_size)
             self._work += outcome.joules - self._spec.idle_power * outcome.seconds
             self._hits += len(outcome.contacts)
         self.now += max(outcome.seconds for outcome in outcomes)
         return has_moved
 
     def execution(self) -> Execution:
-        """Return all of it; the computers of all robots run until the last has arrived."""
+        """Return the whole execution. All robots draw idle power until the last one has arrived."""
         seconds = float(self._arrivals.max())
         idle = self._spec.idle_power * seconds * len(self._arrivals)
         return Execution(seconds, self._work + idle, self._hits, self._arrivals)

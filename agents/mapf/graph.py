@@ -1,8 +1,8 @@
 """The open cells of a layout as a graph, and the distances in it.
 
-Cells are numbers, ``row * W + col``, as in the arrays of a fleet. Where turns have a cost,
-distances are between *places*: a robot in a cell that faces north, east, south or west, 0 to 3, is
-in the place ``heading * H * W + cell``. Otherwise places are cells.
+Cells are numbered ``row * W + col``, as in the arrays of a fleet. If turns have a cost, distances
+are between *places*. A robot in a cell that faces north, east, south or west (0 to 3) is in the
+place ``heading * H * W + cell``. Otherwise places are cells.
 """
 
 from __future__ import annotations
@@ -25,6 +25,7 @@ from agents.mapf.kernels.buffers import (
 )
 from agents.mapf.kernels.places import FAR, NONE, Places, measure
 from warehouse_core.arguments import instance_of, real_number
+from warehouse_core.renamed import Renamed
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.edges import Edges
 from warehouse_core.world.layout import Layout
@@ -38,19 +39,19 @@ MOVES = range(WAIT)
 """The actions that move a robot: N, E, S, W."""
 
 EAST = 1
-"""The heading of robots at first."""
+"""Initial heading of robots."""
 
 CLOSED = -1
-"""Stands for a neighbour that is a wall or off the layout."""
+"""Marks a neighbour that is a wall or outside the layout."""
 
 PARTS = 10
-"""Parts of a step in which ``Fields`` counts costs of lanes and turns."""
+"""Units per step in which ``Fields`` counts the costs of lanes and turns."""
 
 MAX_BYTES = 1_000_000_000
-"""Memory of kept distance fields; those used least recently are dropped beyond it."""
+"""Memory for distance fields, beyond which the least recently used ones are dropped."""
 
 MAX_PRICE = 100_000
-"""Highest cost of a step, in tenths, for which compiled code measures distances."""
+"""Highest cost of a step, in tenths of a step, for which compiled code measures distances."""
 
 NO_ROW = -1
 """Row of a goal that has no field in ``Fields``."""
@@ -61,18 +62,18 @@ class Graph:
 
     Args:
         layout: any layout.
-        costs: ``[H * W, 4]`` costs above 0 of the moves N, E, S and W from each cell; ``None`` is
-            1 each. See ``lanes.py``.
-        turn_cost: cost of a quarter turn before a move; a half turn costs twice as much.
+        costs: ``[H * W, 4]``, costs above 0 of the moves N, E, S and W from each cell. With
+            ``None`` each move costs 1. See ``lanes.py``.
+        turn_cost: cost of a quarter turn before a move. A half turn costs twice as much.
 
     Raises:
-        ValueError: ``turn_cost`` is below 0 or no number.
+        ValueError: ``turn_cost`` is negative or not a number.
 
     Attributes:
         size: ``H * W``.
         turns: ``[4, 5]`` float32, cost of turning from each heading before moving N, E, S or W, or
             waiting.
-        closed: cells that no way leads through; see ``close``.
+        closed: cells that no path may use; see ``close``.
         neighbours: ``[H * W, 5]`` int32, the cell that N, E, S, W and waiting lead to, or
             ``CLOSED``.
 
@@ -80,7 +81,7 @@ class Graph:
         >>> from agents.mapf.graph import Graph
         >>> from warehouse_core import Layout
         >>> graph = Graph(Layout(["..#", "..."]))
-        >>> int(graph.distances(5)[0]), graph.way(0, 5)
+        >>> int(graph.distances(5)[0]), graph.path(0, 5)
         (3, [0, 1, 4, 5])
     """
 
@@ -104,7 +105,7 @@ class Graph:
         self._fields: OrderedDict[int, Costs] = OrderedDict()
 
     def with_turns(self, turn_cost: float) -> Graph:
-        """Return the graph with a cost of turns, or itself if that is 0.
+        """Return the graph with a cost of turns, or the graph itself if this cost is 0.
 
         Raises:
             ValueError: as for a ``Graph``.
@@ -113,19 +114,19 @@ class Graph:
         return Graph(self.layout, self.costs, turn_cost) if turn_cost else self
 
     def with_costs(self, costs: Costs | None = None, turn_cost: float = 0.0) -> Graph:
-        """Return a graph of the same cells, closed ones too, with other costs of moves."""
-        found = Graph(self.layout, costs, turn_cost)
-        found.close(self.closed)
-        return found
+        """Return a graph with the same open and closed cells and other costs of moves."""
+        result = Graph(self.layout, costs, turn_cost)
+        result.close(self.closed)
+        return result
 
     @property
     def places(self) -> int:
-        """The number of places: ``H * W``, or four times that where turns have a cost."""
+        """Number of places: ``H * W``, or four times as many if turns have a cost."""
         return WAIT * self.size if self.turn_cost else self.size
 
     def places_at(self, cells: Integers, headings: Integers) -> Integers:
         """Return the places that N, E, S, W and waiting lead to from ``[R]`` places, ``[R, 5]``."""
-        near: Integers = self.neighbours[cells]  # CLOSED leads to a place that is not used
+        near: Integers = self.neighbours[cells]  # CLOSED gives a place that is never used
         if self.turn_cost:
             near = near + self.size * np.arange(WAIT + 1)
             near[:, WAIT] = headings * self.size + cells
@@ -137,22 +138,23 @@ class Graph:
         return np.where(moves.any(axis=1), moves.argmax(axis=1), headings)
 
     def close(self, cells: frozenset[int]) -> None:
-        """Close some cells to all ways from now on, and open the cells that were closed before."""
+        """Close these cells to all paths, and reopen the cells that were closed before."""
         self.closed = cells
         self._fields.clear()
         self.__dict__.pop("_edges", None)
 
     def closed_with(self, cells: Integers) -> Integers:
-        """Return 1 for cells that are closed and those given, 0 for the others, ``[size]``."""
-        found = np.zeros(self.size, np.intp)
-        found[[*self.closed, *cells.tolist()]] = 1
-        return found
+        """Return 1 for closed cells and the given cells, 0 for all others, ``[size]``."""
+        result = np.zeros(self.size, np.intp)
+        result[[*self.closed, *cells.tolist()]] = 1
+        return result
 
     def distances(self, goal: int, keep: bool = True) -> Costs:
-        """Return the cost of the cheapest way from each place to a goal, ``[places]`` float32.
+        """Return the cost of the cheapest path from each place to a goal, ``[places]`` float32.
 
-        The cost is infinite for walls and cells without a way. Callers must not change a field: it
-        is kept for later calls, unless ``keep`` is false or others have filled ``MAX_BYTES`` since.
+        The cost is infinite for walls and for cells from which the goal is unreachable. Callers
+        must not change the field, because it is cached for later calls. It is not cached if
+        ``keep`` is false, and it is dropped when other fields fill ``MAX_BYTES``.
         """
         field = self._fields.get(goal)
         if field is None:
@@ -167,12 +169,12 @@ class Graph:
             self._fields.move_to_end(goal)
         return field
 
-    def way(self, cell: int, goal: int) -> list[int]:
-        """Return the cells of a cheapest way, both ends included; only the first if there is none.
+    def path(self, cell: int, goal: int) -> list[int]:
+        """Return the cells of a cheapest path with both ends, or only the first if none exists.
 
-        At first a robot faces in the direction of the way.
+        The robot initially faces in the direction of the path.
         """
-        field, way = self.distances(goal), [cell]
+        field, path = self.distances(goal), [cell]
         heading = int(field[cell :: self.size].argmin())
         while np.isfinite(field[cell]) and cell != goal:
             reached = self.neighbours[cell, :WAIT]
@@ -180,27 +182,26 @@ class Graph:
             places = self.places_at(np.array([cell]), np.array([heading]))[0, :WAIT]
             heading = int(np.where(reached == CLOSED, np.inf, field[places] + costs).argmin())
             cell = int(reached[heading])
-            way.append(cell)
-        return way
+            path.append(cell)
+        return path
+
+    way = Renamed("path")
 
     @cached_property
     def parts(self) -> Integers:
-        """Return a number for each place, equal for places between which a way leads, ``[places]``.
-
-        Cells that are closed are not taken into account.
-        """
+        """Number of the connected part of each place, ``[places]``, ignoring closed cells."""
         return self._edges.parts()
 
     @cached_property
     def _edges(self) -> Edges:
-        """The moves, from where they lead to where they start, so that goals are sources."""
+        """The moves in reverse direction, so that goals are sources."""
         start, action = np.nonzero(self.neighbours[:, :WAIT] != CLOSED)
         end = self.neighbours[start, action]
         if self.closed:
             is_open = ~np.isin(end, list(self.closed))
             start, action, end = start[is_open], action[is_open], end[is_open]
         costs = np.ones(len(start)) if self.costs is None else self.costs[start, action]
-        if self.turn_cost:  # a robot moves as it faces, or turns
+        if self.turn_cost:  # a robot moves straight ahead or turns
             start, end = action * self.size + start, action * self.size + end
             stands = np.add.outer(self.size * np.arange(WAIT), self.layout.open_cells)
             for turned in (np.roll(stands, 1, axis=0), np.roll(stands, -1, axis=0)):
@@ -210,16 +211,16 @@ class Graph:
 
 
 def robots_in(size: int, cells: Integers) -> Integers:
-    """Return the robot in each of so many cells, or ``NONE``, given the cells of robots."""
-    found = np.full(size, NONE)
-    found[cells] = np.arange(len(cells))
-    return found
+    """Return the robot in each of ``size`` cells, or ``NONE``, given the cells of the robots."""
+    result = np.full(size, NONE)
+    result[cells] = np.arange(len(cells))
+    return result
 
 
 def in_parts(graph: Graph) -> Graph:
-    """Return a graph whose costs are whole numbers of parts of a step, one or more if not 0.
+    """Return a graph whose costs are multiples of ``1 / PARTS``, at least one part if not 0.
 
-    Distances are of these, so that no step shortens a distance by more than it costs.
+    Distances then use the same units, so that no step shortens a distance by more than its cost.
     """
 
     def rounded(costs: Any) -> Any:
@@ -230,19 +231,20 @@ def in_parts(graph: Graph) -> Graph:
 
 
 class Fields:
-    """The distance fields of the goals that many robots have now, as rows of a matrix.
+    """The distance fields of the current goals of many robots, as rows of a matrix.
 
-    Distances are whole numbers of steps, or of a tenth of a step where moves or turns have costs,
-    which are rounded to tenths. ``FAR`` stands for longer ways, and for none. Rows of goals that
-    nobody has are used again once all rows take ``MAX_BYTES``.
+    Distances are whole numbers of steps. If moves or turns have costs, they are whole numbers of
+    tenths of a step, and costs are rounded to tenths. ``FAR`` stands for unreachable goals and for
+    longer distances. When all rows together take ``MAX_BYTES``, rows of goals that no robot has are
+    reused.
 
     Args:
         graph: floor.
-        followed: graph whose closed cells are to be closed; ``None`` is the floor itself.
+        followed: graph whose closed cells are closed here too; ``None`` is the floor itself.
 
     Attributes:
         step: distance of a step without lanes and turns: 1 or ``PARTS``.
-        matrix: ``[n, places]`` int32, a row for each goal.
+        matrix: ``[n, places]`` int32, one row for each goal.
     """
 
     def __init__(self, graph: Graph, followed: Graph | None = None) -> None:
@@ -258,11 +260,11 @@ class Fields:
 
     @property
     def table(self) -> Table:
-        """All rows after one another, as kernels read them, until the next call of ``rows``."""
+        """All rows as one flat table for kernels, valid until the next call of ``rows``."""
         return table_of(self.matrix)
 
     def rows(self, goals: Integers) -> Integers:
-        """Return the row of ``matrix`` of each goal; it holds until the next call."""
+        """Return the row of ``matrix`` of each goal, valid until the next call."""
         if self._closed != self._followed.closed:
             self._closed = self._followed.closed
             for graph in (self.graph, self._rounded):
@@ -281,7 +283,7 @@ class Fields:
         return self._row_of[goals]
 
     def distances(self, goals: Integers, places: Integers) -> NDArray[np.int64]:
-        """Return the distance of each place from a goal; all are of the same length."""
+        """Return the distance of each place from its goal; both arguments have the same length."""
         rows = self.rows(goals)
         return self.matrix[rows, places].astype(np.int64)
 
@@ -294,14 +296,14 @@ class Fields:
             field[:] = self._distances(goal)
 
     def _distances(self, goal: int) -> Integers:
-        """Return the distances of all places from a goal, as SciPy finds them."""
+        """Return the distances of all places from a goal, computed with SciPy."""
         distances = self._rounded.distances(goal, keep=False) * self.step
-        found: Integers = np.minimum(np.rint(distances), FAR).astype(np.int32)
-        return found
+        result: Integers = np.minimum(np.rint(distances), FAR).astype(np.int32)
+        return result
 
     @property
     def _is_compiled(self) -> bool:
-        """Whether compiled code measures distances."""
+        """True if compiled code measures distances."""
         return IS_COMPILED and self._leads_back and not self._closed and self._is_cheap
 
     @cached_property
@@ -312,14 +314,14 @@ class Fields:
     def near(self) -> Integers:
         """Place that each action leads to from each place, ``[places, 5]``, or ``places``.
 
-        No action leads into a cell that is closed.
+        No action leads into a closed cell.
         """
         graph, (here, facing) = self._rounded, self._stands
         reached = graph.neighbours[here]
-        found = np.where(reached == CLOSED, graph.places, graph.places_at(here, facing))
-        found[np.isin(reached, list(graph.closed))] = graph.places
-        found[:, WAIT] = np.arange(graph.places)
-        return found
+        result = np.where(reached == CLOSED, graph.places, graph.places_at(here, facing))
+        result[np.isin(reached, list(graph.closed))] = graph.places
+        result[:, WAIT] = np.arange(graph.places)
+        return result
 
     @cached_property
     def prices(self) -> Integers:
@@ -329,12 +331,12 @@ class Fields:
         if graph.costs is not None:
             costs[:, :WAIT] = graph.costs
         price = costs[here] + graph.turns[facing]
-        found: Integers = np.minimum(np.rint(price * self.step), FAR).astype(np.int64)
-        return found
+        result: Integers = np.minimum(np.rint(price * self.step), FAR).astype(np.int64)
+        return result
 
     @cached_property
     def floor(self) -> Places:
-        """``near`` and ``prices`` for kernels."""
+        """The arrays ``near`` and ``prices`` in the form that kernels use."""
         size, places = self.graph.size, self.graph.places
         beside = self.near[:size, :WAIT]
         is_open = beside != places
@@ -354,12 +356,12 @@ class Fields:
 
     @cached_property
     def _buckets(self) -> tuple[Buffer, Buffer, Buffer]:
-        """Buffers in which ``measure`` keeps cells."""
+        """Buffers for the buckets of ``measure``."""
         price, room = int(self.prices.max()), WAIT * (self.graph.places + 1)
         return buffer(price + 1, NONE), buffer(room), buffer(room)
 
     def _free_rows(self, goals: Integers, number: int) -> None:
-        """Free so many rows, of old goals if all rows take ``MAX_BYTES``, else new ones."""
+        """Free ``number`` rows: rows of old goals if all rows take ``MAX_BYTES``, else new rows."""
         row_bytes = self.matrix.shape[1] * self.matrix.itemsize
         if self._used * row_bytes >= MAX_BYTES:
             is_old = self._row_of != NO_ROW

@@ -1,4 +1,4 @@
-"""Distance fields of robots with headings, which drive forward and turn on the spot."""
+"""Distance fields for robots with headings, which drive forward and turn on the spot."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from warehouse_core.world.moves import FORWARD, LEFT, RIGHT
 from warehouse_core.world.tables import Integers
 
 SQUARE = 4
-"""Cells across a square of cells whose distances are measured next to one another.
+"""Side of a square of cells whose distances are close together in memory.
 
-A robot asks for distances ahead and to its sides, which are in fewer lines of the cache so.
+A robot reads the distances ahead and to its sides, which then share fewer cache lines.
 """
 
 
 class HeadedFields(Fields):
-    """Distances between places of which each move and each quarter turn is a step.
+    """Distances between places, where each move and each quarter turn takes a step.
 
     The actions of ``near`` and ``prices`` are ``FORWARD``, ``RIGHT``, ``LEFT``, one that leads
     nowhere, and waiting.
 
     Args:
-        graph: floor; turns take a step each, whatever its ``turn_cost`` is.
+        graph: floor. A turn takes one step, whatever its ``turn_cost`` is.
     """
 
     def __init__(self, graph: Graph) -> None:
@@ -47,25 +47,25 @@ class HeadedFields(Fields):
     def near(self) -> Integers:
         """Place that each action leads to from each place, ``[places, 5]``, or ``places``."""
         graph, places = self._rounded, np.arange(self._rounded.places).reshape(WAIT, -1)
-        found = np.full((*places.shape, ACTIONS), graph.places)
+        result = np.full((*places.shape, ACTIONS), graph.places)
         ahead = graph.neighbours[:, :WAIT].T
         is_shut = (ahead == CLOSED) | np.isin(ahead, list(graph.closed))
-        found[..., FORWARD] = np.where(is_shut, graph.places, ahead + places[:, :1])
-        found[..., RIGHT], found[..., LEFT] = (
+        result[..., FORWARD] = np.where(is_shut, graph.places, ahead + places[:, :1])
+        result[..., RIGHT], result[..., LEFT] = (
             np.roll(places, -1, axis=0),
             np.roll(places, 1, axis=0),
         )
-        found[..., STAY] = places
-        return found.reshape(-1, ACTIONS)
+        result[..., STAY] = places
+        return result.reshape(-1, ACTIONS)
 
     @cached_property
     def prices(self) -> Integers:
         """Costs of the steps of ``near``, ``[places, 5]``."""
         graph = self._rounded
-        found = np.full((WAIT, graph.size, ACTIONS), self.step)
+        result = np.full((WAIT, graph.size, ACTIONS), self.step)
         if graph.costs is not None:
-            found[..., FORWARD] = np.rint(graph.costs.T * self.step)
-        return found.reshape(-1, ACTIONS)
+            result[..., FORWARD] = np.rint(graph.costs.T * self.step)
+        return result.reshape(-1, ACTIONS)
 
     def _measure(self, goal: int, field: NDArray[np.int32]) -> None:
         """Write the distances of all places from a goal into a field."""
@@ -78,7 +78,7 @@ class HeadedFields(Fields):
 
     @cached_property
     def _turning(self) -> Turning:
-        """The steps of ``near``, from where they lead."""
+        """The steps of ``near`` in reverse direction."""
         (here, facing), ahead = self._stands, self.near[:, FORWARD]
         places = self._columns[here] * WAIT + facing
         moves = np.flatnonzero(ahead != self.graph.places)

@@ -1,11 +1,12 @@
-"""LaCAM and LaCAM*: search over configurations, the places of all robots at once.
+"""LaCAM and LaCAM*: lazy constraints addition search over the places of all robots at once.
 
-The search is complete: it ends with a plan, or with the proof that there is none. The first plan
-comes soon; LaCAM* goes on until the time is up or the plan is proved to be the cheapest. See
-``kernels/lacam.py`` for the search itself, and its source.
+The search is complete: it ends with a plan or with the proof that none exists. LaCAM returns the
+first plan, which it finds quickly. LaCAM* continues until the time is up or the plan is proved to
+be optimal. See ``kernels/lacam.py`` for the search itself and its source.
 
-The first plan of robots with headings is one without headings, to which turns are added: there is
-one exactly if there is one with headings. LaCAM* begins with it, and searches with headings.
+For robots with headings, the first plan is made without headings and turns are added to it. Such a
+plan exists exactly if there is a plan with headings. LaCAM* starts from this plan and searches with
+headings.
 """
 
 from __future__ import annotations
@@ -36,14 +37,14 @@ DECISIONS = 10_000
 """Decisions of robots between two looks at the clock."""
 
 MAX_NUMBERS = 150_000_000
-"""Places in configurations beyond which the search ends; each takes 16 bytes."""
+"""Limit on the places in all configurations, after which the search ends. Each takes 16 bytes."""
 
 
 def lacam(problem: Problem, seconds: float, seed: int = 0) -> Plan:
-    """Return the first plan of LaCAM, which need not be good.
+    """Return the first plan of LaCAM, which may be far from optimal.
 
     Raises:
-        PlanError: there is none, or none was found in time.
+        PlanError: no plan exists, or none was found in time.
 
     Example:
         >>> from agents.mapf.graph import Graph
@@ -58,14 +59,14 @@ def lacam(problem: Problem, seconds: float, seed: int = 0) -> Plan:
 
 
 def lacam_star(problem: Problem, seconds: float, seed: int = 0) -> Plan:
-    """Return the best plan of LaCAM* when the time is up, or when it is proved to be the best.
+    """Return the best plan that LaCAM* finds in time, which may be proved to be optimal.
 
-    The best plan has the least sum of step costs, which is the number of robots, in each step, that
-    are not at their goals before and after it. This sum is the ``bound`` of the plan then: no plan
-    has a smaller sum of costs.
+    The search minimizes the sum of the step costs. The cost of a step is the number of robots that
+    are not at their goals both before and after it. If the optimum is proved, this sum is the
+    ``bound`` of the plan, because no plan has a smaller sum of costs.
 
     Raises:
-        PlanError: there is none, or none was found in time.
+        PlanError: no plan exists, or none was found in time.
 
     Example:
         >>> from agents.mapf.graph import Graph
@@ -81,16 +82,16 @@ def lacam_star(problem: Problem, seconds: float, seed: int = 0) -> Plan:
 
 
 class LaCAM:
-    """A search for plans of a problem, which can pause and go on.
+    """A search for plans of a problem that can pause and continue.
 
     Args:
-        problem: problem to solve. Costs of moves guide the robots, and plans cost their steps.
+        problem: problem to solve. The costs of moves guide the robots, but plans cost their steps.
         seed: seed of random tie-breaks.
 
     Attributes:
-        is_done: true if all is tried, so that the plan is the best, or there is none.
+        is_done: true if the search is complete, so that the plan is optimal or none exists.
         steps: distances in steps.
-        lower_bound: sum of the fewest steps from starts to goals.
+        lower_bound: sum of the shortest distances from starts to goals, in steps.
     """
 
     def __init__(self, problem: Problem, seed: int = 0) -> None:
@@ -121,10 +122,10 @@ class LaCAM:
         kernels.add(search, robots, self._floor, self._steps, NONE, first)
 
     def run(self, seconds: float, *, goes_on: bool = True) -> Plan:
-        """Return the best plan that is found in so many seconds by the clock, or the first.
+        """Return the best plan that is found within a time limit, or the first one.
 
         Raises:
-            PlanError: there is none, or none was found in time.
+            PlanError: no plan exists, or none was found in time.
         """
         self.search(perf_counter() + seconds, goes_on=goes_on)
         plan = self.plan()
@@ -137,9 +138,9 @@ class LaCAM:
         return plan
 
     def search(self, deadline: float, rounds: float = inf, *, goes_on: bool = True) -> None:
-        """Search until the deadline of ``perf_counter``, or for so many rounds of PIBT or EPIBT.
+        """Search until a ``perf_counter`` deadline, or for this many rounds of PIBT or EPIBT.
 
-        Without ``goes_on`` the search pauses as soon as there is a plan.
+        Without ``goes_on`` the search pauses as soon as it has a plan.
         """
         robots = self.problem.robots
         if self._plain is not None and self._search.counts[kernels.BEST] == NONE:
@@ -177,13 +178,15 @@ class LaCAM:
         while node != NONE:
             places.append(search.places[node * robots : (node + 1) * robots])
             node = int(search.parent[node])
-        way = np.array(places[::-1], np.int64).reshape(len(places), robots)
-        return self.problem.plan_of(way, int(search.cost[best]) if self.is_done else None)
+        places_by_step = np.array(places[::-1], np.int64).reshape(len(places), robots)
+        return self.problem.plan_of(
+            places_by_step, int(search.cost[best]) if self.is_done else None
+        )
 
-    def _begin_with(self, way: Integers) -> None:
-        """Take over a plan, its places ``[T + 1, R]``, and go on from the starts."""
+    def _begin_with(self, places_by_step: Integers) -> None:
+        """Add the configurations of a plan, ``[T + 1, R]`` places, and restart from the first."""
         node, robots, floor = 0, self._robots, self._floor
-        for places in way[1:]:
+        for places in places_by_step[1:]:
             if kernels.is_full(self._search):
                 self._search = kernels.enlarged_search(self._search)
             robots.chosen[:] = buffer_of(places)

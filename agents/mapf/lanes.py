@@ -1,7 +1,7 @@
-"""Lanes: costs of moves that keep robots out of one another's way.
+"""Lanes, or highways: costs of moves that make robots avoid one another.
 
-A move against its lane is allowed but costs more, so every cell that could be reached still can be.
-See ``traffic.py`` for lanes that are learned.
+Moves against a lane are allowed but cost more, so that every reachable cell stays reachable. See
+``traffic.py`` for lanes that are learned.
 
 Source: Cohen, Uras and Koenig (2015), Feasibility study: using highways for bounded-suboptimal
 multi-agent path finding, SoCS.
@@ -24,8 +24,8 @@ WRONG_WAY = 5.0
 def lane_costs(layout: Layout, wrong_way: float = WRONG_WAY) -> Costs:
     """Return the costs of the moves N, E, S and W from each cell, ``[H * W, 4]``, for a ``Graph``.
 
-    Moves cost ``wrong_way`` west in an even row, east in an odd one, north in an even column, south
-    in an odd one; other moves cost 1.
+    These moves are against a lane and cost ``wrong_way``: west in an even row, east in an odd row,
+    north in an even column, and south in an odd column. All other moves cost 1.
 
     Example:
         >>> from agents.mapf.graph import Graph

@@ -1,4 +1,4 @@
-"""Lifelong runs: robots that get a new goal whenever they reach theirs."""
+"""Lifelong runs, in which each robot gets a new goal whenever it reaches the current one."""
 
 from __future__ import annotations
 
@@ -17,7 +17,7 @@ from warehouse_core.world.tables import Integers
 __all__ = ["LifelongRun", "run_lifelong"]
 
 NewGoals = Callable[[Integers, Integers], Integers]
-"""Function that returns new goals, ``[R]``, from the cells after a step and the goals so far.
+"""Function that returns new goals, ``[R]``, from the cells after a step and the current goals.
 
 It must not change these arrays.
 """
@@ -25,9 +25,9 @@ It must not change these arrays.
 
 @dataclass(frozen=True, eq=False)
 class LifelongRun:
-    """Record of a lifelong run: ``[T + 1, R]`` cells and goals of the robots.
+    """Record of a lifelong run: the cells and goals of the robots, each ``[T + 1, R]``.
 
-    The seconds, ``[T]``, are processor time of the planner.
+    The array ``seconds``, ``[T]``, has the processor time of the planner in each step.
 
     Example:
         >>> from agents.mapf.graph import Graph
@@ -51,7 +51,7 @@ class LifelongRun:
 
     @property
     def throughput(self) -> float:
-        """The number of goals that were reached in a step, on average."""
+        """The mean number of goals that were reached in a step."""
         return self.reached / len(self.seconds)
 
 
@@ -66,20 +66,20 @@ def run_lifelong(
     *,
     has_headings: bool = False,
 ) -> LifelongRun:
-    """Reset a planner and let it lead robots to goals that are drawn anew when they are reached.
+    """Run a planner with random goals, each of which is replaced when a robot reaches it.
 
-    Each robot has random numbers of its own, so that its ``n``-th goal is the same for all
+    Each robot has a random number stream of its own, so that its ``n``-th goal is the same for all
     planners.
 
     Args:
         graph: floor.
-        planner: any planner.
+        planner: any planner; it is reset first.
         robots: ``R``.
         steps: ``T``.
         seed: seed of starts and goals.
-        starts: cells that starts are drawn from; ``None`` is all open cells.
-        goals: cells that goals are drawn from; ``None`` is all open cells.
-        has_headings: let robots drive forward and turn, at first heading east.
+        starts: cells from which the starts are sampled; ``None`` is all open cells.
+        goals: cells from which the goals are sampled; ``None`` is all open cells.
+        has_headings: true if robots drive forward and turn, initially heading east.
 
     Raises:
         PlanError: there are fewer cells to start from than robots, or fewer than two goals.
@@ -112,10 +112,10 @@ def run_lifelong(
         return wanted
 
     headings = np.full(robots, EAST) if has_headings else NO_CELLS
-    return lead(planner, cells, wanted, new_goals, steps, headings, graph.size)
+    return run_with_goals(planner, cells, wanted, new_goals, steps, headings, graph.size)
 
 
-def lead(
+def run_with_goals(
     planner: Planner,
     cells: Integers,
     goals: Integers,
@@ -124,12 +124,13 @@ def lead(
     headings: Integers = NO_CELLS,
     size: int = 0,
 ) -> LifelongRun:
-    """Reset a planner and let it lead robots from their first cells to goals that change.
+    """Reset a planner and run it from the first cells of the robots, with goals that change.
 
-    Where robots have headings, ``size`` is the number of cells, and the planner knows headings.
+    If robots have headings, ``size`` is the number of cells, and the planner has to support
+    headings.
     """
     nobody = np.zeros(len(cells), np.bool_)
-    ways, all_goals, seconds = [cells], [goals], []
+    all_cells, all_goals, seconds = [cells], [goals], []
     planner.reset()
     for _ in range(steps):
         start = time.process_time()
@@ -139,6 +140,6 @@ def lead(
             headings, cells = np.divmod(cells, size)
         seconds.append(time.process_time() - start)
         goals = new_goals(cells, goals)
-        ways.append(cells)
+        all_cells.append(cells)
         all_goals.append(goals)
-    return LifelongRun(np.array(ways), np.array(all_goals), np.array(seconds))
+    return LifelongRun(np.array(all_cells), np.array(all_goals), np.array(seconds))

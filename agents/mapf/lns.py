@@ -1,4 +1,4 @@
-"""Refinement of a plan by large-neighbourhood search; see ``kernels/lns.py``."""
+"""LNS, large neighborhood search: refinement of a plan; see ``kernels/lns.py``."""
 
 from __future__ import annotations
 
@@ -14,15 +14,15 @@ from agents.mapf.kernels.space_time_astar import new_frontier, new_routes, reser
 from agents.mapf.problem import Plan, Problem
 
 SLACK = 8
-"""Steps that a robot may arrive after the last one so far."""
+"""Number of steps by which a robot may arrive later than the last robot of the first plan."""
 
 
 class Refinement:
-    """Makes a plan cheaper by planning groups of robots anew; it is never worse.
+    """Refinement of a plan by replanning groups of robots; the plan never becomes worse.
 
     Args:
         problem: problem that the plan solves.
-        plan: any plan without conflicts, which solves the problem.
+        plan: any plan without conflicts that solves the problem.
         seed: seed of the groups.
         steps: distances in steps, if they are known.
     """
@@ -48,11 +48,11 @@ class Refinement:
         self._groups = new_groups(robots, times, seed)
 
     def run(self, deadline: float, trials: float = inf) -> int:
-        """Try groups until the deadline of ``perf_counter``, or so many; return their number."""
+        """Replan ``trials`` groups or stop at a ``perf_counter`` deadline; return the number."""
         search = self._floor, self._routes, self._frontier, self._groups, self._fields
         return improve_until(*search, deadline, trials)
 
     def plan(self) -> Plan:
-        """Return the plan so far."""
+        """Return the current plan."""
         places = np.asarray(self._routes.places, np.int64).reshape(len(self._routes.costs), -1).T
         return self._problem.plan_of(places[: max(self._routes.costs, default=0) + 1])

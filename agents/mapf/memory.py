@@ -1,4 +1,4 @@
-"""What a planner remembers of robots from one joint step to the next."""
+"""Headings and ages of robots, which a planner remembers from one joint step to the next."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from warehouse_core.world.tables import Integers
 
 
 class Memory:
-    """The headings and ages of ``R`` robots; an age is the steps since a robot was at its goal.
+    """The headings and ages of ``R`` robots; an age is the number of steps since the last goal.
 
     Args:
         graph: floor.
         ranks: ``[R]`` different numbers from 0 to 1, which order robots of equal age.
 
     Attributes:
-        goals: ``[R]``, the goals of the last step.
-        ages: ``[R]``, the ages of the robots in it.
+        goals: ``[R]``, the goals in the previous step.
+        ages: ``[R]``, the ages of the robots in that step.
     """
 
     def __init__(self, graph: Graph, ranks: NDArray[np.float64]) -> None:
@@ -28,7 +28,7 @@ class Memory:
         self._cells, self._headings = np.full(robots, NONE), np.full(robots, EAST)
 
     def places(self, cells: Integers) -> Integers:
-        """Return the places of the robots; they face where they last moved, at first east."""
+        """Return the places of the robots, which face where they last moved, and east at first."""
         if not self._graph.turn_cost:
             return cells
         before = np.where(self._cells == NONE, cells, self._cells)
@@ -37,7 +37,7 @@ class Memory:
         return self._headings * self._graph.size + cells
 
     def order(self, cells: Integers, goals: Integers, urgent: Integers) -> Integers:
-        """Return the robots by falling priority, which is their age; urgent robots are first."""
+        """Return the robots by decreasing priority: urgent robots first, then the oldest."""
         is_there = (cells == goals) | (cells == self.goals)
         self.ages, self.goals = np.where(is_there, 0, self.ages + 1), goals.copy()
         priorities = self.ages + self._ranks

@@ -1,4 +1,4 @@
-"""PIBT: priority inheritance with backtracking, and swaps; see ``kernels/pibt.py``."""
+"""PIBT, priority inheritance with backtracking, with swaps; see ``kernels/pibt.py``."""
 
 from __future__ import annotations
 
@@ -31,22 +31,22 @@ __all__ = ["PIBT", "pibt"]
 
 
 class PIBT(PlacePlanner):
-    """A planner by PIBT.
+    """Planner that moves robots with PIBT.
 
-    The priority of a robot is the number of steps since it was at a goal of its own; urgent robots
-    go before all others. Choices that are equally good are ordered by whether somebody is in the
-    cell, and then by chance.
+    The priority of a robot is the number of steps since it was at a goal of its own. Urgent robots
+    go before all others. Choices that are equally near the goal are ordered by whether a robot is
+    in the cell, and then at random.
 
     Args:
         graph: floor.
         seed: seed of random tie-breaks.
-        turn_cost: cost of a quarter turn in steps. Robots face where they last moved, at first
-            east. 0 leaves the graph as it is. For a robot that drives through, a turn costs the
-            time to brake, turn and speed up, divided by the time of a cell.
+        turn_cost: cost of a quarter turn in steps. Robots face where they last moved, and east at
+            first. With 0 the graph is used as it is. For a robot that drives through, a turn costs
+            the time to brake, turn and speed up, divided by the time for a cell.
 
     Attributes:
         fields: distances to the robots' goals.
-        pushers: ``[R]`` robot that made each robot choose before its turn in the last step, or
+        pushers: ``[R]``, robot that made each robot choose before its turn in the last step, or
             ``NOBODY``.
 
     Example:
@@ -69,12 +69,12 @@ class PIBT(PlacePlanner):
         self.reset()
 
     def reset(self) -> None:
-        """Forget the last episode, and begin again with the random numbers of the seed."""
+        """Forget the last episode, and restart the random numbers from the seed."""
         super().reset()
         self.pushers = np.empty(0, np.intp)
 
     def _begin(self, robots: int, has_headings: bool) -> None:
-        """Begin an episode of so many robots."""
+        """Begin an episode of the given number of robots."""
         self._memory = Memory(self.graph, np.random.default_rng(self.seed).random(robots))
         self._robots = robots_of(self.graph.size, robots, self.seed)
         self._pibt = pibt_of(self.graph.size, robots)
@@ -107,10 +107,10 @@ class PIBT(PlacePlanner):
     def _keys(
         self, rows: Integers, places: Integers, goals: Integers, robot_in: Integers
     ) -> NDArray[Any]:
-        """Return the keys of the choices of all robots, ``[R, 5]``; low ones are tried first.
+        """Return the keys of the choices of all robots, ``[R, 5]``; low keys are tried first.
 
-        The keys are as in ``kernels.pibt.sort_choices``. NumPy is faster than plain Python if
-        there are more than a few robots.
+        They equal the keys in ``kernels.pibt.sort_choices``. With more than a few robots, NumPy is
+        faster than plain Python.
         """
         near = self.fields.near[places]
         is_step, number = near != self.graph.places, np.arange(len(places), dtype=np.int64)
@@ -129,7 +129,7 @@ class PIBT(PlacePlanner):
         return keys
 
     def _sort_choices(self, near: Integers, keys: NDArray[Any]) -> None:
-        """Sort the choices of all robots by their keys; closed cells have the highest."""
+        """Sort the choices of all robots by their keys; closed cells have the highest key."""
         pibt, best = self._pibt, np.argsort(keys, axis=1, kind="stable")
         pibt.choices[:] = buffer_of(np.take_along_axis(near, best, 1))
         pibt.options[:] = buffer_of((near != self.graph.places).sum(axis=1))
@@ -137,10 +137,10 @@ class PIBT(PlacePlanner):
 
 
 def pibt(problem: Problem, seconds: float, seed: int = 0) -> Plan:
-    """Return the steps until PIBT has led all robots to their goals at once.
+    """Return the plan that results when PIBT moves all robots until all are at their goals.
 
     Raises:
-        PlanError: it did not in time; there may be a plan.
+        PlanError: this did not happen in time, although a plan may exist.
 
     Example:
         >>> from agents.mapf.graph import Graph

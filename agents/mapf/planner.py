@@ -1,4 +1,4 @@
-"""Planners for robots whose goals change: they choose the next cell of each, step by step."""
+"""Planners for robots whose goals change: they choose the next cell of each robot, step by step."""
 
 from __future__ import annotations
 
@@ -19,7 +19,7 @@ from warehouse_core.world.tables import Integers
 __all__ = ["Planner", "Situation"]
 
 SIDES = ("north", "east", "south", "west")
-"""Headings in words."""
+"""Names of the headings."""
 
 NO_CELLS = np.empty(0, np.intp)
 
@@ -29,12 +29,12 @@ class Situation(NamedTuple):
 
     Attributes:
         cells: ``[R]``, cells of the robots, all different.
-        goals: ``[R]``, cells to go to; several robots may have one goal. A robot that is to go
-            nowhere has its own cell as goal, and gives way.
-        stays: ``[R]``, true for robots that stay where they are in this step, because they pick,
-            drop or charge, or have an empty battery.
-        closed: cells that nobody can enter in this step, such as cells of people.
-        urgent: robots that should go before all others, as those whose batteries are low.
+        goals: ``[R]``, goal cells; several robots may have the same goal. A robot without a task
+            has its own cell as its goal, and gives way.
+        stays: ``[R]``, true for robots that cannot move in this step, because they pick, drop or
+            charge, or have a flat battery.
+        closed: cells that no robot can enter in this step, such as cells of people.
+        urgent: robots that should go before all others, such as robots with a low battery.
 
     Example:
         >>> import numpy as np
@@ -57,16 +57,16 @@ class Situation(NamedTuple):
 
 @runtime_checkable
 class Planner(Protocol):
-    """Chooses the next cells of robots; each planner is made for one ``Graph``.
+    """Interface of planners that choose the next cells of robots on one ``Graph``.
 
-    A class of a user needs no more than these two methods. It may also have
+    A class needs only these two methods. It may also have:
 
-    - ``next_places(situation, headings)``, for robots with headings; see ``PlacePlanner``,
-    - ``graph``, whose costs its robots follow; cells that nobody can enter are closed there,
-    - ``plan_of(robot)``, the cells of a robot after each of the next steps, of which the first is
-      the cell just chosen,
-    - ``pushers``, ``[R]``, the robot that made each robot choose before its turn in the last step,
-      or ``NOBODY``.
+        - ``next_places(situation, headings)``, for robots with headings; see ``PlacePlanner``,
+        - ``graph``, whose costs the robots follow, and in which cells can be closed,
+        - ``plan_of(robot)``, the cells of a robot after each of the next steps, starting with the
+          cell just chosen,
+        - ``pushers``, ``[R]``, the robot that made each robot choose before its turn in the last
+          step, or ``NOBODY``.
 
     Example:
         >>> from agents.mapf.graph import Graph
@@ -84,8 +84,8 @@ class Planner(Protocol):
     def next_cells(self, situation: Situation) -> Integers:
         """Return the cell of each robot after the next joint step, ``[R]``.
 
-        The step has no conflict: no two robots in one cell, no two that change places, nobody in
-        a closed cell. Each cell is the robot's own or one beside it.
+        The step must have no conflict: no two robots may be in one cell or swap cells, and no robot
+        may enter a closed cell. Each cell is the robot's own cell or a neighbour of it.
         """
 
 
@@ -95,16 +95,16 @@ def knows_headings(planner: Planner) -> bool:
 
 
 def next_steps(planner: Planner, situation: Situation, headings: Integers) -> Integers:
-    """Return what a planner chooses: places of robots with headings, or cells if there are none."""
+    """Return the choice of a planner: places for robots with headings, otherwise cells."""
     if len(headings):
         return cast(PlacePlanner, planner).next_places(situation, headings)
     return planner.next_cells(situation)
 
 
 class PlacePlanner(ABC):
-    """Base of planners that choose places, with headings and without.
+    """Base class of planners that choose places, with or without headings.
 
-    A subclass chooses places in ``_choose``, after it has begun an episode in ``_begin``.
+    A subclass prepares an episode in ``_begin`` and chooses places in ``_choose``.
 
     Attributes:
         graph: graph whose costs the robots follow.
@@ -115,7 +115,7 @@ class PlacePlanner(ABC):
     knows_headings = True
 
     def reset(self) -> None:
-        """Forget the last episode, and begin again with the random numbers of the seed."""
+        """Forget the last episode, and restart the random numbers from the seed."""
         self._begun_for = 0, False
 
     def next_cells(self, situation: Situation) -> Integers:
@@ -125,8 +125,8 @@ class PlacePlanner(ABC):
     def next_places(self, situation: Situation, headings: Integers) -> Integers:
         """Return the place of each robot after the next joint step, ``[R]``.
 
-        A place is ``heading * H * W + cell``. A robot moves to the cell that it heads for, or it
-        keeps its cell and turns by a quarter at most; what ``next_cells`` says holds for the cells.
+        A place is ``heading * H * W + cell``. A robot moves to the cell ahead, or it keeps its cell
+        and turns by at most a quarter. The cells satisfy the same conditions as in ``next_cells``.
 
         Args:
             situation: situation of the robots, as for ``next_cells``.
@@ -135,7 +135,7 @@ class PlacePlanner(ABC):
         return self._next(situation, headings * self.graph.size + situation.cells)
 
     def _next(self, situation: Situation, places: Integers | None) -> Integers:
-        """Return the next place of each robot, given its present one if it has a heading."""
+        """Return the next place of each robot; ``places`` are given for robots with headings."""
         if not len(situation.cells):
             return situation.cells
         episode = len(situation.cells), places is not None
@@ -146,48 +146,49 @@ class PlacePlanner(ABC):
 
     @abstractmethod
     def _begin(self, robots: int, has_headings: bool) -> None:
-        """Begin an episode of so many robots."""
+        """Begin an episode of the given number of robots."""
 
     @abstractmethod
     def _choose(self, situation: Situation, places: Integers | None) -> Integers:
-        """Return the next place of each robot, given its present one if it has a heading."""
+        """Return the next place of each robot; ``places`` are given for robots with headings."""
 
 
 def solve_by_steps(planner: Planner, problem: Problem, seconds: float) -> Plan:
-    """Return the steps until a planner has led all robots to their goals at once.
+    """Return the plan that results when a planner moves all robots until all are at their goals.
 
     Raises:
-        PlanError: it did not in so many seconds by the clock; there may be a plan. Or the robots
-            have headings, and the planner does not know headings.
+        PlanError: this did not happen within the time limit by the clock, although a plan may
+            exist. Or the robots have headings, which the planner does not support.
     """
     deadline, size = time.perf_counter() + seconds, problem.graph.size
     places, goals = problem.places, np.array(problem.goals)
-    nobody, way = np.zeros(len(places), np.bool_), [places]
+    nobody, steps = np.zeros(len(places), np.bool_), [places]
     if not knows_headings(planner):
         problem.refuse_headings(f"planner {type(planner).__name__}")
     planner.reset()
     while (places % size != goals).any():
         if time.perf_counter() > deadline:
-            raise PlanError(f"no plan after {seconds:g} s and {counted(len(way) - 1, 'step')}")
+            raise PlanError(f"no plan after {seconds:g} s and {counted(len(steps) - 1, 'step')}")
         headings, cells = np.divmod(places, size)
         situation = Situation(cells, goals, nobody, NO_CELLS)
         places = next_steps(planner, situation, NO_CELLS if problem.headings is None else headings)
-        way.append(places)
-    return problem.plan_of(np.array(way))
+        steps.append(places)
+    return problem.plan_of(np.array(steps))
 
 
 def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
-    """Return the next cells that a planner has chosen in a situation, checked.
+    """Return the next cells that a planner has chosen in a situation, after checking them.
 
     Robots that share a cell, as bodies may after a disturbance, stay there.
 
     Raises:
-        PlanError: it is no cell for each robot, or a robot jumps, moves though it stays, enters a
-            closed cell, or meets another; the message names robots and cells.
+        PlanError: the result is not a cell for each robot. Or a robot jumps, moves although it must
+            stay, enters a closed cell, or collides with another robot. The message names robots and
+            cells.
     """
     cells, stays = situation.cells, situation.stays
-    found = np.asarray(chosen)
-    if found.shape != cells.shape or found.dtype.kind not in "iu":
+    checked = np.asarray(chosen)
+    if checked.shape != cells.shape or checked.dtype.kind not in "iu":
         raise PlanError(
             f"the planner returned {brief(chosen)}; needed: a cell number for each of "
             f"{len(cells)} robots"
@@ -196,58 +197,58 @@ def check_step(graph: Graph, situation: Situation, chosen: object) -> Integers:
     def place(cell: np.integer) -> str:
         return str(graph.layout.cell(cell))
 
-    is_near = (graph.neighbours[cells] == found[:, None]).any(axis=1) & (found != CLOSED)
-    moves = found != cells
+    is_near = (graph.neighbours[cells] == checked[:, None]).any(axis=1) & (checked != CLOSED)
+    moves = checked != cells
     for is_wrong, why in (
-        (~is_near, "which is not an open cell beside it"),
-        (moves & stays, "but it stays in this step"),
+        (~is_near, "which is not an open cell next to it"),
+        (moves & stays, "but it has to stay in this step"),
     ):
         for robot in np.flatnonzero(is_wrong)[:1]:
-            way = f"from {place(cells[robot])} to {place(found[robot])}"
-            raise PlanError(f"robot {robot} is to go {way}, {why}")
+            move = f"from {place(cells[robot])} to {place(checked[robot])}"
+            raise PlanError(f"robot {robot} is to go {move}, {why}")
     is_closed = np.zeros(graph.size, np.bool_)
     is_closed[situation.closed] = True
-    for robot in np.flatnonzero(moves & is_closed[found])[:1]:
-        raise PlanError(f"robot {robot} is to enter {place(found[robot])}, which is closed")
-    by_cell = np.argsort(found, kind="stable")
+    for robot in np.flatnonzero(moves & is_closed[checked])[:1]:
+        raise PlanError(f"robot {robot} is to enter {place(checked[robot])}, which is closed")
+    by_cell = np.argsort(checked, kind="stable")
     first, second = by_cell[:-1], by_cell[1:]
-    meets = (found[first] == found[second]) & (moves[first] | moves[second])
+    meets = (checked[first] == checked[second]) & (moves[first] | moves[second])
     for one, other in zip(first[meets][:1], second[meets][:1], strict=True):
-        raise PlanError(f"robots {one} and {other} are both to be in {place(found[one])}")
+        raise PlanError(f"robots {one} and {other} are both to be in {place(checked[one])}")
     robot_in = robots_in(graph.size, cells)
-    other_in = robot_in[found]
-    swaps = moves & (other_in >= 0) & (found[other_in] == cells)
+    other_in = robot_in[checked]
+    swaps = moves & (other_in >= 0) & (checked[other_in] == cells)
     for one in np.flatnonzero(swaps)[:1]:
         raise PlanError(
             f"robots {one} and {other_in[one]} are to change places, {place(cells[one])} and "
-            f"{place(found[one])}"
+            f"{place(checked[one])}"
         )
-    return found
+    return checked
 
 
 def check_turns(graph: Graph, situation: Situation, headings: Integers, chosen: object) -> Integers:
-    """Return the next places that a planner has chosen for robots with headings, checked.
+    """Return the next places that a planner has chosen for robots with headings, once checked.
 
     Raises:
-        PlanError: as for ``check_step``, or a robot moves where it does not head, turns round, or
-            turns though it stays; the message names it.
+        PlanError: as for ``check_step``. Or a robot moves in a direction that it does not face,
+            turns by more than a quarter, or turns although it must stay. The message names it.
     """
     cells = situation.cells
-    found = np.asarray(chosen)
-    if found.shape != cells.shape or found.dtype.kind not in "iu":
+    checked = np.asarray(chosen)
+    if checked.shape != cells.shape or checked.dtype.kind not in "iu":
         raise PlanError(
             f"the planner returned {brief(chosen)}; needed: a place for each of {len(cells)} robots"
         )
-    turned, to = np.divmod(found, graph.size)
-    is_place = (found >= 0) & (turned < len(HEADINGS))
+    turned, to = np.divmod(checked, graph.size)
+    is_place = (checked >= 0) & (turned < len(HEADINGS))
     ahead = graph.neighbours[cells, headings]
     quarters = (turned - headings) % len(HEADINGS)
     is_move = (to == ahead) & (quarters == 0) & ~situation.stays
     is_turn = (to == cells) & np.where(situation.stays, quarters == 0, quarters != 2)
     for robot in np.flatnonzero(~is_place | ~(is_move | is_turn))[:1]:
         here, there = (str(graph.layout.cell(each[robot])) for each in (cells, to))
-        way = f"robot {robot} heads {SIDES[headings[robot]]} at {here} and is to be at {there}"
+        state = f"robot {robot} heads {SIDES[headings[robot]]} at {here} and is to be at {there}"
         is_known = is_place[robot]
-        raise PlanError(f"{way}, heading {SIDES[turned[robot]] if is_known else turned[robot]}")
+        raise PlanError(f"{state}, heading {SIDES[turned[robot]] if is_known else turned[robot]}")
     check_step(graph, situation, to)
-    return found
+    return checked

@@ -1,9 +1,9 @@
-"""A problem of several robots, and the plans that solve it.
+"""Problems of multi-agent path finding, and the plans that solve them.
 
-``R`` is the number of robots and ``T`` the number of joint steps. In a joint step every robot moves
-to a neighbour of its cell or waits. Robots with headings move to the cell that they head for, turn
-by a quarter in their cell, or wait. No two robots may be in one cell, nor change places; following
-is allowed, and so are rings, in which three or more robots move into one another's cells.
+``R`` is the number of robots and ``T`` the number of joint steps. In a joint step, every robot
+moves to a neighbour of its cell or waits. A robot with a heading moves to the cell ahead, turns by
+a quarter in its cell, or waits. Two robots must not be in one cell, nor swap cells. A robot may
+follow another one into the cell that it leaves, and three or more robots may rotate in a ring.
 
 Example:
     >>> from agents.mapf.lacam import lacam
@@ -30,20 +30,19 @@ __all__ = ["Plan", "Problem", "Solver"]
 
 @dataclass(frozen=True, eq=False)
 class Problem:
-    """Robots that are to go from ``[R]`` starts to ``[R]`` goals, and to stay there.
+    """Robots that have to move from ``[R]`` starts to ``[R]`` goals and stay there.
 
     Args:
         graph: floor.
-        starts: ``[R]``, cells of the robots at first.
-        goals: ``[R]``, cells to go to; there robots may head anywhere.
-        headings: ``[R]``, where robots head at first, 0 to 3 for N, E, S and W: they drive forward
-            and turn on the spot then. ``None`` is for robots that move in four directions.
+        starts: ``[R]``, initial cells of the robots.
+        goals: ``[R]``, goal cells, in which the robots may have any heading.
+        headings: ``[R]``, initial headings, 0 to 3 for N, E, S and W, of robots that drive forward
+            and turn on the spot. ``None`` is for robots that move in four directions.
 
     Raises:
-        PlanError: turns have a cost in the graph, or ``headings`` are no number 0 to 3 for each
-            robot. Or no plan can exist, as can be seen at once: a start or a goal is no open cell,
-            two robots have the same, or no way leads from a start to its goal; the message says
-            which.
+        PlanError: turns have a cost in the graph, or ``headings`` is not one number from 0 to 3 for
+            each robot. Or it is certain that no plan exists: a start or a goal is not an open cell,
+            two robots have the same one, or a goal is unreachable. The message says which.
 
     Example:
         >>> from agents.mapf.graph import Graph
@@ -65,7 +64,7 @@ class Problem:
     def __post_init__(self) -> None:
         if self.graph.turn_cost:
             raise PlanError(
-                f"turn_cost is {self.graph.turn_cost!r}; in a problem turns cost nothing"
+                f"turn_cost of the graph is {self.graph.turn_cost!r}; in a problem it must be 0"
             )
         if len(self.starts) != len(self.goals):
             raise PlanError(
@@ -78,44 +77,44 @@ class Problem:
         for robot, (start, goal) in enumerate(zip(self.starts, self.goals, strict=True)):
             if parts[start] != parts[goal]:
                 raise PlanError(
-                    f"robot {robot}: no way leads from {self._cell(start)} to {self._cell(goal)}"
+                    f"robot {robot}: no path exists from {self._cell(start)} to {self._cell(goal)}"
                 )
 
     @property
     def robots(self) -> int:
-        """``R``."""
+        """The number of robots, ``R``."""
         return len(self.starts)
 
     @cached_property
     def fewest_steps(self) -> Integers:
-        """``[R]``, the fewest steps from each start to its goal."""
+        """``[R]``, the length of the shortest path from each start to its goal, in steps."""
         fields = self.fields(self.graph.with_costs())
         return fields.distances(np.array(self.goals, np.intp), self.places)
 
     @property
     def lower_bound(self) -> int:
-        """The sum of the fewest steps from starts to goals; no plan has a lower sum of costs."""
+        """Sum of the shortest path lengths, below the sum of costs of every plan."""
         return int(self.fewest_steps.sum())
 
     @property
     def places(self) -> Integers:
-        """``[R]``, places of the robots at first; see ``places_of``."""
+        """``[R]``, initial places of the robots; see ``places_of``."""
         headings = None if self.headings is None else np.array(self.headings, np.intp)
         return places_of(self.graph, np.array(self.starts, np.intp), headings)
 
     def fields(self, graph: Graph) -> Fields:
-        """Return distances of these robots on a graph."""
+        """Return the distance fields of these robots on a graph."""
         return Fields(graph) if self.headings is None else HeadedFields(graph)
 
     def plan_of(self, places: Integers, bound: int | None = None) -> Plan:
-        """Return the plan of which ``[T + 1, R]`` places and the bound are given."""
+        """Return the plan with the given ``[T + 1, R]`` places and bound."""
         headings, cells = np.divmod(places, self.graph.size)
         return Plan(cells, bound, None if self.headings is None else headings)
 
     def refuse_headings(self, solver: str) -> None:
-        """Raise ``PlanError`` if robots have headings, which a solver does not know."""
+        """Raise ``PlanError`` if robots have headings, which a solver does not support."""
         if self.headings is not None:
-            raise PlanError(f"{solver} does not know headings, which the robots have")
+            raise PlanError(f"{solver} does not support headings, which the robots have")
 
     def _check_headings(self) -> None:
         if self.headings is None:
@@ -132,7 +131,7 @@ class Problem:
         layout, first = self.graph.layout, dict[int, int]()
         for robot, cell in enumerate(cells):
             if not 0 <= cell < self.graph.size or not layout.is_open(self._cell(cell)):
-                raise PlanError(f"robot {robot}: its {name} {self._cell(cell)} is no open cell")
+                raise PlanError(f"robot {robot}: its {name} {self._cell(cell)} is not an open cell")
             if first.setdefault(cell, robot) != robot:
                 raise PlanError(
                     f"robots {first[cell]} and {robot} have the same {name} {self._cell(cell)}"
@@ -146,10 +145,10 @@ class Problem:
 class Plan:
     """Cells of the robots before each joint step and after the last, ``[T + 1, R]``.
 
-    ``headings`` has the headings of the robots at the same times, ``[T + 1, R]``; it is ``None``
-    where robots move in four directions. ``bound`` is the lower bound on the sum of costs of all
-    plans that the solver has proved, or ``None`` if it has proved none; an optimal plan has its own
-    cost there.
+    ``headings`` has the headings of the robots at the same times, ``[T + 1, R]``, or is ``None`` if
+    robots move in four directions. ``bound`` is a lower bound on the sum of costs of all plans that
+    the solver has proved, or ``None``. For a plan that is proved to be optimal, it equals the sum
+    of costs.
 
     Example:
         >>> from agents.mapf.problem import Plan
@@ -163,11 +162,11 @@ class Plan:
     headings: Integers | None = None
 
     @classmethod
-    def of(cls, ways: Sequence[Sequence[int]], bound: int | None = None) -> Plan:
-        """Return the plan of ways of any lengths; each robot stays in its last cell."""
-        steps = max(map(len, ways), default=1)
-        cells = [[*way, *[way[-1]] * (steps - len(way))] for way in ways]
-        return cls(np.array(cells, np.int64).reshape(len(ways), steps).T, bound)
+    def of(cls, paths: Sequence[Sequence[int]], bound: int | None = None) -> Plan:
+        """Return the plan with these paths of any length; each robot stays in its last cell."""
+        steps = max(map(len, paths), default=1)
+        cells = [[*path, *[path[-1]] * (steps - len(path))] for path in paths]
+        return cls(np.array(cells, np.int64).reshape(len(paths), steps).T, bound)
 
     def places(self, graph: Graph) -> Integers:
         """Return the places of the robots on a graph, ``[T + 1, R]``; see ``places_of``."""
@@ -175,19 +174,19 @@ class Plan:
 
     @property
     def makespan(self) -> int:
-        """``T``, the number of joint steps."""
+        """The number of joint steps, ``T``."""
         return len(self.cells) - 1
 
     @property
     def costs(self) -> Integers:
-        """``[R]``, the steps until each robot is in its last cell for good."""
+        """``[R]``, the number of steps until each robot is in its last cell for good."""
         is_there = (self.cells == self.cells[-1])[::-1]
         stays = np.where(is_there.all(axis=0), len(is_there), is_there.argmin(axis=0))
         return len(is_there) - stays
 
     @property
     def sum_of_costs(self) -> int:
-        """The sum of ``costs``, which optimal planners make as small as can be."""
+        """The sum of ``costs``, which optimal planners minimize."""
         return int(self.costs.sum())
 
 
@@ -197,7 +196,7 @@ def places_of(graph: Graph, cells: Integers, headings: Integers | None) -> Integ
 
 
 Solver = Callable[[Problem, float], Plan]
-"""Function that returns a plan for a problem within so many seconds by the clock.
+"""Function that returns a plan for a problem within a time limit in seconds by the clock.
 
-It raises ``PlanError`` if there is no plan, or if it found none in time.
+It raises ``PlanError`` if no plan exists, or if it found none in time.
 """

@@ -1,6 +1,7 @@
-"""Routes: all ways of one robot that keep its rules and cost little, as sets of cells by time.
+"""Routes: all short enough paths of one robot that satisfy its constraints.
 
-The layers of the cheapest ways are a *multi-valued decision diagram* (MDD).
+A route is stored as layers, one set of cells for each time. The layers of the cheapest paths are a
+*multi-valued decision diagram* (MDD).
 
 Source: Sharon et al. (2013), The increasing cost tree search, Artificial Intelligence 195.
 """
@@ -13,12 +14,12 @@ from agents.mapf.cell_sets import CellSets, bits_of
 from agents.mapf.rules import Rules, step
 
 
-class TracedWay:
-    """A way of a robot, which stays in the last cell.
+class TracedPath:
+    """A path of a robot, which stays in the last cell.
 
     Attributes:
         cells: cell at each time.
-        cost: cost of the way, the time of arrival.
+        cost: cost of the path, which is the time of arrival.
     """
 
     def __init__(self, cells: list[int]) -> None:
@@ -30,7 +31,7 @@ class TracedWay:
         return self.cells[min(time, self.cost)]
 
     def trace(self, sets: CellSets, horizon: int) -> int:
-        """Return the sets of the cells at all times up to a horizon, one after the other."""
+        """Return the sets of the cells at all times up to a horizon, joined to one number."""
         if self._horizon != horizon:
             alone = [sets.bits[cell].to_bytes(sets.bytes, "little") for cell in self.cells]
             alone += alone[-1:] * (horizon + 1 - len(alone))
@@ -38,16 +39,16 @@ class TracedWay:
         return self._trace
 
     def forget(self) -> None:
-        """Forget the trace; it is made again when it is asked for."""
+        """Drop the cached trace; it is computed again when needed."""
         self._horizon = self._trace = 0
 
 
 class Route:
-    """The ways of a robot from its start to its goal.
+    """The paths of a robot from its start to its goal that satisfy its rules.
 
     Attributes:
-        rules: rules that they keep.
-        cost: cost of the cheapest way; -1 if there is none.
+        rules: rules that the paths satisfy.
+        cost: cost of the cheapest path, or -1 if no path exists.
     """
 
     def __init__(self, sets: CellSets, rules: Rules, start: int, goal: int) -> None:
@@ -57,11 +58,11 @@ class Route:
         self._layers = {0: self._backward(cheapest)}
 
     def forget(self) -> None:
-        """Forget all layers; they are made again when they are asked for."""
+        """Drop all cached layers; they are computed again when needed."""
         self._layers.clear()
 
     def layers(self, slack: int = 0) -> list[int]:
-        """Return the cells of all ways that cost at most ``slack`` more than the cheapest."""
+        """Return the cells of all paths that cost at most ``slack`` over the cheapest, by time."""
         slack = int(min(slack, self.rules.most - self.cost))
         if slack not in self._layers:
             last = self.cost + slack if slack else None
@@ -69,22 +70,22 @@ class Route:
         return self._layers[slack]
 
     def layer(self, time: int) -> int:
-        """Return the cells of the cheapest ways at a time."""
+        """Return the cells of the cheapest paths at a time."""
         return self.layers()[min(time, self.cost)]
 
-    def allows(self, way: TracedWay, slack: int) -> bool:
-        """Return whether a way keeps the rules and costs at most ``slack`` more than the least."""
-        bits, layers = [self._sets.bits[cell] for cell in way.cells], self.layers(slack)
-        return self.cost <= way.cost < len(layers) and all(
+    def allows(self, path: TracedPath, slack: int) -> bool:
+        """Return whether a path satisfies the rules at a cost of at most ``slack`` extra."""
+        bits, layers = [self._sets.bits[cell] for cell in path.cells], self.layers(slack)
+        return self.cost <= path.cost < len(layers) and all(
             cell & layers[time] and (not time or bits[time - 1] & self._before(time, cell))
             for time, cell in enumerate(bits)
         )
 
-    def quietest(self, others: Sequence[TracedWay], horizon: int, slack: int) -> TracedWay:
-        """Return the way with the fewest conflicts, at most ``slack`` dearer than the cheapest.
+    def quietest(self, others: Sequence[TracedPath], horizon: int, slack: int) -> TracedPath:
+        """Return the path with the fewest conflicts, at most ``slack`` dearer than the cheapest.
 
         Args:
-            others: ways of the other robots.
+            others: paths of the other robots.
             horizon: time after which all of them stay where they are.
             slack: see above.
         """
@@ -98,7 +99,7 @@ class Route:
         for time in range(1, len(layers)):
             allowed, busy, left = layers[time], taken[time], taken[time - 1]
             if time == self.cost - 1:
-                allowed &= ~self._goal  # who waits there has arrived before
+                allowed &= ~self._goal  # a robot that waits there has arrived earlier
             new, swap = [0] * (len(counts[-1]) + 2), dict[int, int]()
             for number, cells in enumerate(counts[-1]):
                 reached = step(sets, cells, self.rules.into.get(time)) & allowed
@@ -112,16 +113,16 @@ class Route:
                 new[number + 1] |= reached & busy
             counts.append(_firsts(new))
             swaps.append(swap)
-        return self._way(counts, swaps, taken)
+        return self._path(counts, swaps, taken)
 
-    def _way(
+    def _path(
         self, counts: list[list[int]], swaps: list[dict[int, int]], taken: list[int]
-    ) -> TracedWay:
-        """Return the cheapest of the ways with the fewest conflicts.
+    ) -> TracedPath:
+        """Return the cheapest of the paths with the fewest conflicts.
 
         Args:
             counts: cells that are reached, by time and number of conflicts.
-            swaps: cells before each cell that is reached by changing places, by time.
+            swaps: previous cells of each cell that is reached by a swap, by time.
             taken: cells of the other robots, by time.
         """
         passed = [time for time, busy in enumerate(taken) if busy & self._goal]
@@ -131,36 +132,36 @@ class Route:
             for number, cells in enumerate(counts[time])
             if cells & self._goal
         )
-        cell, way = self._goal, [self._goal]
+        cell, path = self._goal, [self._goal]
         for time in range(end, 0, -1):
             number -= bool(cell & taken[time])
             before, swap = self._before(time, cell), swaps[time].get(cell, 0)
             count = counts[time - 1]
-            found = before & ~swap & count[number] if number < len(count) else 0
-            if not found:
+            previous = before & ~swap & count[number] if number < len(count) else 0
+            if not previous:
                 number -= 1
-                found = before & swap & count[number]
-            cell = found & -found
-            way.append(cell)
-        return TracedWay([self._sets.cell(cell) for cell in reversed(way)])
+                previous = before & swap & count[number]
+            cell = previous & -previous
+            path.append(cell)
+        return TracedPath([self._sets.cell(cell) for cell in reversed(path)])
 
     def _before(self, time: int, cell: int) -> int:
         """Return the cells from which the robot may reach a cell at a time."""
         return self._sets.spread(cell) & ~self.rules.into.get(time, {}).get(cell, 0)
 
     def _swaps(
-        self, others: Sequence[TracedWay], time: int, cells: int, reached: int
+        self, others: Sequence[TracedPath], time: int, cells: int, reached: int
     ) -> Iterator[tuple[int, int]]:
-        """Return the moves, cell and cell before, that another robot makes the other way round."""
+        """Yield the moves, as cell and previous cell, that another robot makes in reverse."""
         sets = self._sets
-        moves = {(way.cells[time], way.cells[time - 1]) for way in others if time <= way.cost}
+        moves = {(path.cells[time], path.cells[time - 1]) for path in others if time <= path.cost}
         for before in bits_of(cells):
             for cell in bits_of(sets.spread(before) & reached & ~before):
                 if (sets.cell(before), sets.cell(cell)) in moves:
                     yield cell, before
 
     def _forward(self, last: int | None = None) -> list[int]:
-        """Return the cells that are reached by time, up to a last time or the first arrival."""
+        """Return the reachable cells at each time, up to a last time or the first arrival."""
         sets, rules, goal = self._sets, self.rules, self._goal
         first, time, cells, closed = rules.arrival(goal), 0, self._start, rules.ends.get(0, 0)
         layers = [cells]
@@ -168,7 +169,7 @@ class Route:
             if last is None and cells & goal and time >= first:
                 if time == 0:
                     return layers
-                before = layers[-2] & ~goal  # who waits there has arrived before
+                before = layers[-2] & ~goal  # a robot that waits there has arrived earlier
                 if step(sets, before, rules.into.get(time)) & goal:
                     return [*layers[:-2], before, cells]
             if last is None and (
@@ -182,7 +183,7 @@ class Route:
         return layers
 
     def _backward(self, layers: list[int]) -> list[int]:
-        """Return layers with only the cells from which the goal is reached in time."""
+        """Return layers with only the cells from which the goal can be reached in time."""
         layers = [*layers[:-1], self._goal] if layers else []
         for time in range(len(layers) - 1, 0, -1):
             layers[time - 1] &= step(self._sets, layers[time], self.rules.out_of.get(time))
@@ -190,7 +191,7 @@ class Route:
 
 
 def _firsts(sets: list[int]) -> list[int]:
-    """Return sets without the cells that are in one before, up to the last with any."""
+    """Return sets without the cells of earlier sets, up to the last set that has any."""
     seen = 0
     for number, cells in enumerate(sets):
         sets[number] = cells & ~seen

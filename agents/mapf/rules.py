@@ -1,4 +1,4 @@
-"""Rules: what one robot must do and must not do, by all constraints of a node of a search."""
+"""Rules: what one robot must and must not do under all constraints of a node of CBS."""
 
 from __future__ import annotations
 
@@ -9,18 +9,19 @@ from typing import NamedTuple
 from agents.mapf.cell_sets import CellSets
 
 Moves = dict[int, dict[int, int]]
-"""Cells that no move joins to a cell in a step, by time and cell."""
+"""Forbidden moves by time and cell: the cells that must not be combined with this cell."""
 
 
 class Constraint(NamedTuple):
-    """A statement on a robot's way, and whether it holds.
+    """A statement about a robot's path, and whether it must be true or false.
 
     Attributes:
         robot: number of the robot.
         time: number of the joint step.
         cell: cell of the robot after the step; ``None`` states that it has arrived by then.
-        before: cell of the robot before the step; ``None`` states nothing on it.
-        holds: true if the statement is; then other robots keep out of the way.
+        before: cell of the robot before the step; ``None`` states nothing about it.
+        holds: true for a positive constraint, with which other robots have to keep away; false for
+            a negative one.
     """
 
     robot: int
@@ -31,15 +32,15 @@ class Constraint(NamedTuple):
 
 
 class Rules:
-    """The rules of a robot, which is in its start at the time 0 and stays in its goal at last.
+    """The rules of a robot, which is at its start at the time 0 and finally stays at its goal.
 
     Attributes:
-        least: time before which the robot has not arrived for good.
-        most: time by which the robot has arrived for good.
-        closed: cells in which the robot is not at a time.
-        ends: cells in which the robot is not from a time on.
-        into: cells from which the robot does not reach a cell, by time of arrival.
-        out_of: cells that the robot does not reach from a cell, by time of arrival.
+        least: earliest time at which the robot may have arrived for good.
+        most: latest time at which the robot may have arrived for good.
+        closed: cells in which the robot must not be at a time.
+        ends: cells in which the robot must not be from a time on.
+        into: cells from which the robot must not enter a cell, by time of arrival.
+        out_of: cells that the robot must not enter from a cell, by time of arrival.
         latest: time after which the rules do not change.
     """
 
@@ -51,11 +52,11 @@ class Rules:
         self.out_of: Moves = {}
 
     def add(self, sets: CellSets, rule: Constraint, is_own: bool, goal: int) -> None:
-        """Add what follows for the robot from a constraint.
+        """Add the consequences of a constraint for the robot.
 
         Args:
             sets: sets of the floor.
-            rule: constraint on this robot, or one that holds for another robot.
+            rule: constraint on this robot, or a positive constraint on another robot.
             is_own: true for a constraint on this robot.
             goal: goal of the constraint's robot.
         """
@@ -82,17 +83,17 @@ class Rules:
                 self.closed[when] |= sets.open ^ cell if must else cell
 
     def arrival(self, goal: int) -> int:
-        """Return the first time from which on the robot can stay in its goal."""
+        """Return the first time from which the robot can stay at its goal."""
         return max([self.least, *(time + 1 for time, each in self.closed.items() if each & goal)])
 
 
 def step(sets: CellSets, cells: int, barred: dict[int, int] | None) -> int:
-    """Return where a robot can be after a step, or, with ``out_of``, where it was before.
+    """Return the cells of a robot after a step or, given ``out_of`` moves, before the step.
 
     Args:
         sets: sets of the floor.
-        cells: cells of the robot, one of which it is in.
-        barred: moves that are not allowed in the step.
+        cells: cells in one of which the robot is.
+        barred: moves that are forbidden in the step.
     """
     reached = sets.spread(cells)
     for cell, others in barred.items() if barred else ():

@@ -1,4 +1,4 @@
-"""A limit on the time that a block of code takes."""
+"""A limit on the run time of a block of code."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ NO_THREADS = "threads cannot be started or interrupted here, so planners have no
 
 
 class Watcher:
-    """One thread that watches the blocks of all others; starting a thread for each is slow."""
+    """One thread that watches the blocks of all other threads, as starting threads is slow."""
 
     def __init__(self) -> None:
         self._lock, self._ends = threading.Lock(), dict[int, float]()
@@ -24,16 +24,16 @@ class Watcher:
 
     @contextmanager
     def time_limit(self, seconds: float) -> Iterator[None]:
-        """Raise ``TimeoutError`` in the block once it has taken so many seconds by the clock.
+        """Raise ``TimeoutError`` in the block when it has run for this many seconds by the clock.
 
-        It is raised between two instructions of Python, so that one call of compiled code may take
-        longer. Any thread may use it. Where threads cannot be started or interrupted, as in
-        a browser, there is no limit, and a warning says so once.
+        The error is raised between two Python instructions, so that a call of compiled code may
+        exceed the limit. Any thread may use it. If threads cannot be started or interrupted, as in
+        a browser, no limit applies, and a warning says so once.
         """
         here = threading.get_ident()
         with self._lock:
             self._ends[here] = time.monotonic() + seconds
-            # The first time, and in a process that was forked.
+            # Needed for the first block, and in a forked process.
             if self._can_start and not self._thread.is_alive():
                 self._start()
         try:

@@ -1,6 +1,6 @@
-"""Costs of moves that are learned from the traffic of trials, and keep robots out of others' way.
+"""Guidance learned from traffic: costs of moves that make robots avoid one another.
 
-A move against the traffic is allowed but costs more, as one against a lane does.
+Moves against the traffic are allowed but cost more, as moves against a lane do.
 
 Sources: Zhang, Jiang, Bhatt, Nikolaidis and Li (2024), Guidance graph optimization for lifelong
 multi-agent path finding, IJCAI. Chen, Harabor, Li and Stuckey (2024), Traffic flow optimisation for
@@ -33,29 +33,29 @@ FIRST_WRONG_WAY = 1.5
 """Cost of a move against its lane in the first trial of learned costs."""
 
 MOVE_COST, OPPOSED_COST, WAIT_COST = 2.0, 10.0, 2.0
-"""Costs that traffic adds to a move, per step and occurrence: the same move, the opposite move, a
-robot that waits in the cell to which it leads. Robots that meet head-on lose most.
+"""Costs that traffic adds to a move, per step and occurrence.
+
+They apply to the same move, to the opposite move, and to a robot that waits in the cell to which
+the move leads. Robots that meet head-on lose most time.
 """
 
 FIRST_DIRECTED = 3.0
 """Cost of a move against its lane in the first trial of directed costs, at most ``wrong_way``."""
 
 MIN_SHARE = 0.15
-"""Smallest weight of the last trial in the mean traffic, so that late trials still count."""
+"""Smallest weight of the latest trial in the mean traffic, so that late trials still count."""
 
 FEW = 0.003
-"""Moves a step between two cells which, if they are so few, hardly make a direction."""
+"""Moves per step between two cells below which they hardly define a direction."""
 
 TRIAL_SEED = 1_000_000
-"""Seed of the first trial, which no episode shares."""
+"""Seed of the first trial, which no episode uses."""
 
 MAX_TRIALS = 1000
 """Limit on the number of trials."""
 
 DIRECTED_WRONG_WAY, DIRECTED_TRIALS, DIRECTED_STEPS = 9.0, 24, 600
-"""Default cost of a move against all traffic, default number of trials of directed costs, and steps
-of each of them.
-"""
+"""Defaults of directed costs: cost of a move against all traffic, trials, and steps of a trial."""
 
 Shares = NDArray[np.float64]
 
@@ -69,12 +69,12 @@ def learned_costs(
     starts: Integers | None = None,
     goals: Integers | None = None,
 ) -> Costs:
-    """Return costs of moves that were learned from the traffic of trial runs, as ``lane_costs``.
+    """Return costs of moves learned from the traffic of trial runs, in the form of ``lane_costs``.
 
-    In each trial PIBT leads robots by the costs so far, beginning with faint lanes. The
-    costs then follow from the mean traffic of the trials: most where robots would meet head-on.
-    The first trial has the seed, and the next trials have the next seeds; see ``run_lifelong`` for
-    the other arguments and for errors.
+    In each trial, PIBT moves the robots with the current costs, which are weak lanes at first. The
+    new costs follow from the mean traffic of the trials, and are highest where robots would meet
+    head-on. The first trial has the given seed, and each next trial the next seed. See
+    ``run_lifelong`` for the other arguments and for errors.
 
     Example:
         >>> from agents.mapf.traffic import learned_costs
@@ -92,18 +92,18 @@ def directed_costs(
     trials: int = DIRECTED_TRIALS,
     trial_seed: int = TRIAL_SEED,
 ) -> Costs:
-    """Return costs of moves that make a crowded floor one-way, as ``lane_costs``.
+    """Return costs of moves that make a crowded floor one-way, in the form of ``lane_costs``.
 
-    In trials robots with headings are led in circulations by the costs so far, beginning with
-    lanes. A move then costs the more, the larger the share of the opposite move in all moves
-    between the two cells is. The costs are found once in a process, and are not to be changed.
+    In each trial, circulations move robots with headings with the current costs, which are lanes at
+    first. The cost of a move then grows with the share of the opposite move in all moves between
+    the two cells. The result is cached for the process and must not be changed.
 
     Args:
-        layout: floor; robots go to its stations, see ``station_goals``.
+        layout: floor; robots drive between its stations, see ``station_goals``.
         robots: number of robots.
         wrong_way: cost of a move against all traffic, 1 or more; with the traffic a move costs 1.
         trials: number of trials, at most ``MAX_TRIALS``.
-        trial_seed: seed of the first trial; the next trials have the next seeds.
+        trial_seed: seed of the first trial; each next trial has the next seed.
 
     Raises:
         PlanError: as for ``run_lifelong``.
@@ -126,7 +126,7 @@ def directed_costs(
 
 @lru_cache(maxsize=16)
 def directions(layout: Layout, robots: int, wrong_way: float, trials: int, seed: int) -> Costs:
-    """Return what ``directed_costs`` does, which has checked the arguments."""
+    """Return the result of ``directed_costs`` for arguments that have been checked."""
     if len(layout.open_cells) < 2:
         trials = 0  # nobody can move
     costs = Directions(layout, wrong_way).learned(
@@ -138,7 +138,7 @@ def directions(layout: Layout, robots: int, wrong_way: float, trials: int, seed:
 
 
 def station_goals(layout: Layout) -> Integers | None:
-    """Return pickups and dropoffs, as often that each makes half of the goals, or ``None``."""
+    """Return pickups and dropoffs, repeated so that each kind is half of the goals, or ``None``."""
     pickups, dropoffs = (layout.numbers(cells) for cells in (layout.pickups, layout.dropoffs))
     goals = np.concatenate(
         [np.tile(pickups, max(len(dropoffs), 1)), np.tile(dropoffs, max(len(pickups), 1))]
@@ -147,7 +147,7 @@ def station_goals(layout: Layout) -> Integers | None:
 
 
 class Traffic:
-    """Costs of moves that follow from the mean traffic of trials, at first lanes.
+    """Costs of moves that follow from the mean traffic of trials, and are lanes at first.
 
     Attributes:
         costs: ``[H * W, 4]``, see ``lane_costs``.
@@ -162,9 +162,9 @@ class Traffic:
         self, make: Callable[[Graph, int], Planner], robots: int, trials: int, steps: int,
         seed: int, **others: Any,
     ) -> Costs:  # fmt: skip
-        """Return the costs after so many trials; see ``run_lifelong`` for ``others``.
+        """Return the costs after some trials; see ``run_lifelong`` for ``others``.
 
-        The planner of a trial is made from the graph with the costs so far and the seed.
+        The planner of each trial is made from its seed and a graph with the current costs.
         """
         for trial in range(seed, seed + trials):
             graph = Graph(self._graph.layout, self.costs)
@@ -173,7 +173,7 @@ class Traffic:
         return self.costs
 
     def add(self, cells: Integers) -> None:
-        """Take over the cells of robots before each step of a trial and after the last."""
+        """Add a trial, given the cells of its robots before each step and after the last."""
         self._trials += 1
         share = max(1 / self._trials, MIN_SHARE)
         self._mean += (traffic(self._graph, cells) - self._mean) * share
@@ -184,31 +184,32 @@ class Traffic:
         self.costs = np.round(self._priced(there, back, waiting), 1).astype(np.float32)
 
     def _priced(self, there: Shares, back: Shares, waiting: Shares) -> Shares:
-        """Return the costs of moves, ``[H * W, 4]``, as all arguments.
+        """Return the costs of moves; the result and all arguments are ``[H * W, 4]``.
 
         Args:
-            there: number of times that each move is made in a step.
-            back: number of times that the opposite move is made.
-            waiting: number of times that a robot waits in the cell where the move leads.
+            there: number of times per step that each move is made.
+            back: number of times per step that the opposite move is made.
+            waiting: number of times per step that a robot waits in the cell to which the move
+                leads.
         """
         return self._lanes + (MOVE_COST * there + (OPPOSED_COST * back + WAIT_COST * waiting))
 
 
 class Directions(Traffic):
-    """Costs of moves that are high where most robots move the other way, at first lanes."""
+    """Costs of moves that are high where most robots move in the opposite direction."""
 
     def __init__(self, layout: Layout, wrong_way: float) -> None:
         super().__init__(layout, min(wrong_way, FIRST_DIRECTED))
         self._against = wrong_way - 1
 
     def _priced(self, there: Shares, back: Shares, waiting: Shares) -> Shares:
-        """Return the costs of moves: 1 with all traffic, 1 and ``_against`` against all of it."""
+        """Return the costs of moves: 1 with all traffic, ``1 + _against`` against all traffic."""
         share = (back + FEW / 2) / (there + back + FEW)
         return 1 + self._against * share**2
 
 
 def traffic(graph: Graph, cells: Integers) -> NDArray[np.float64]:
-    """Return how often in a step each move was made, and waiting, ``[H * W, 5]``.
+    """Return how often in a step each move and waiting occurred, ``[H * W, 5]``.
 
     ``cells`` has the cells of the robots before each step and after the last, ``[T + 1, R]``.
     """

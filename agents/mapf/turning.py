@@ -1,4 +1,4 @@
-"""Plans of robots with headings, made from plans of robots that move in four directions."""
+"""Plans for robots with headings, made from plans for robots that move in four directions."""
 
 from __future__ import annotations
 
@@ -13,11 +13,10 @@ from warehouse_core.world.tables import Integers
 
 
 def with_turns(problem: Problem, plan: Plan) -> Plan:
-    """Return the plan of robots with headings that a plan without headings becomes.
+    """Return the plan for robots with headings that follows from a plan without headings.
 
-    Each robot passes the cells of the plan, and each cell sees the robots in the order of the plan,
-    so that none get in each other's way and all arrive. Apart from that, each robot turns and moves
-    as soon as it can.
+    Each robot passes the cells of the given plan, and the robots pass each cell in the order of the
+    given plan, so that all arrive. Apart from that, each robot turns and moves as soon as possible.
     """
     graph, cells = problem.graph, plan.cells
     robots = cells.shape[1]
@@ -27,7 +26,7 @@ def with_turns(problem: Problem, plan: Plan) -> Plan:
     before = visits_before(cells[0], to, time)
     move, end = np.searchsorted(mover, [np.arange(robots), np.arange(1, robots + 1)])
     cell, headings = cells[0].copy(), np.array(problem.headings, np.intp)
-    left = np.zeros(graph.size, np.intp)  # visits of each cell that are over
+    left = np.zeros(graph.size, np.intp)  # finished visits of each cell
     robot_in = robots_in(graph.size, cell)
     all_cells, all_headings = [cell.copy()], [headings.copy()]
     while (active := np.flatnonzero(move < end)).size:
@@ -35,7 +34,7 @@ def with_turns(problem: Problem, plan: Plan) -> Plan:
         ready = active[quarters == 0]
         goes = np.zeros(robots, np.bool_)
         goes[ready] = True
-        while True:  # robots that follow others, or one another in a ring, go at once or not at all
+        while True:  # robots in a chain or a ring move at the same time or not at all
             ahead = to[move[ready]]
             missing, front = before[move[ready]] - left[ahead], robot_in[ahead]
             is_free = (missing == 0) | ((missing == 1) & (front != NOBODY) & goes[front])
@@ -56,7 +55,7 @@ def with_turns(problem: Problem, plan: Plan) -> Plan:
 
 
 def visits_before(starts: Integers, to: Integers, time: Integers) -> Integers:
-    """Return how often cells are visited before each move enters them, starts included."""
+    """Return the number of visits to each entered cell before the move, including starts."""
     cell = np.concatenate([starts, to])
     when = np.concatenate([np.full(len(starts), -1), time])
     order = np.lexsort((when, cell))

@@ -1,14 +1,14 @@
-"""Lifelong planning in windows: a plan of the next steps that is always free of conflicts.
+"""Rolling horizon: lifelong planning in windows, with plans that are always free of conflicts.
 
-In each step a round of PIBT continues the plan of the step before. The plan is then improved group
-by group; see ``kernels/lns.py``. In every fifth step a plan made anew takes its place if that is
-cheaper. Robots with headings have rounds of EPIBT, and on floors that are nearly full circulations
-can take the place of both; see ``kernels/rolling_horizon.py``. Next goals are not known: a robot
-that has arrived gives way.
+In each step, a round of PIBT continues the plan of the previous step. LNS then improves the plan;
+see ``kernels/lns.py``. In every fifth step a new plan takes its place if that is cheaper. Robots
+with headings use rounds of EPIBT. On floors that are nearly full, circulations can replace both;
+see ``kernels/rolling_horizon.py``. Next goals are unknown, so that a robot that has arrived gives
+way.
 
-Sources: Li et al. (2021), Lifelong multi-agent path finding in large-scale warehouses, AAAI: the
-rolling horizon. Li et al. (2021), Anytime multi-agent path finding via large neighborhood search,
-IJCAI: groups that are planned anew.
+Sources: Li et al. (2021), Lifelong multi-agent path finding in large-scale warehouses, AAAI, for
+the rolling horizon. Li et al. (2021), Anytime multi-agent path finding via large neighborhood
+search, IJCAI, for the improvement.
 """
 
 from __future__ import annotations
@@ -53,37 +53,38 @@ from warehouse_core.world.tables import Integers
 __all__ = ["WindowedPlanner"]
 
 WINDOW = 15
-"""Default steps that are planned ahead."""
+"""Default number of steps that are planned ahead."""
 
 GROUPS = 20
-"""Default groups of robots that are planned anew in a step."""
+"""Default number of groups of robots that are replanned in a step."""
 
 FRESH = 5
-"""Steps after which a plan made anew may take the place of the one that goes on."""
+"""Number of steps after which a new plan may replace the current one."""
 
 MAX_WINDOW = 10_000
 """Limit on the steps of a window, each of which takes memory for all cells."""
 
 MAX_STATES = 2**31
-"""States of a search in a window, which are numbers of 32 bits; each takes up to 24 bytes."""
+"""Limit on the states of a search in a window. They have 32-bit numbers and take up to 24 bytes."""
 
 SHARED = ("goals", "rows", "stays", "is_closed")
-"""Buffers of the robots that their routes use too."""
+"""Buffers of the robots that their paths share."""
 
 
 class WindowedPlanner(PlacePlanner):
-    """Plans the next steps of all robots, refines the plan, and takes the first step.
+    """Planner that plans the next steps of all robots, improves the plan, and takes its first step.
 
     Args:
-        graph: floor; with lanes as costs more robots reach their goals, see ``lanes.py``.
-        window: steps that are planned ahead.
-        groups: groups of robots that are planned anew in each step, and kept if no worse.
-        seconds: time in each step after which no more groups are planned anew.
-        seed: seed of the order in groups.
-        circulates: true if plans are continued and made anew by circulations, by which more goals
-            are reached on floors that are nearly full. Robots give way then while others have to
-            come out of the dead ends where their goals are.
-        turn_cost: see ``PIBT``; turns of robots with headings take steps, and cost nothing more.
+        graph: floor. With lanes as costs, robots reach more goals; see ``lanes.py``.
+        window: number of steps that are planned ahead.
+        groups: number of groups of robots that are replanned in each step. A result is kept if it
+            is no worse.
+        seconds: time in each step after which no more groups are replanned.
+        seed: seed of the random choices.
+        circulates: true if circulations make and continue the plans, so that robots reach more
+            goals on floors that are nearly full. Robots then give way while others have to leave
+            the dead ends where their goals are.
+        turn_cost: see ``PIBT``. Turns of robots with headings take steps, and have no other cost.
 
     Example:
         >>> from agents.mapf.graph import Graph
@@ -122,14 +123,14 @@ class WindowedPlanner(PlacePlanner):
         self._memory = Memory(self.graph, np.empty(0))
 
     def plan_of(self, robot: int) -> list[int]:
-        """Return the cells of a robot from the end of the step just chosen on; see ``Planner``."""
+        """Return the cells of a robot after the step just chosen and after each later step."""
         if robot >= len(self._memory.goals):
             return []
-        found: list[int] = (self._places[robot, 1:] % self.graph.size).tolist()
-        return found
+        cells: list[int] = (self._places[robot, 1:] % self.graph.size).tolist()
+        return cells
 
     def _choose(self, situation: Situation, places: Integers | None) -> Integers:
-        """Return the next place of each robot, given its present one if it has a heading."""
+        """Return the next place of each robot; ``places`` are given for robots with headings."""
         deadline = perf_counter() + self.seconds
         self._here = self._memory.places(situation.cells) if places is None else places
         self._read(situation)
@@ -138,7 +139,7 @@ class WindowedPlanner(PlacePlanner):
         return self._places[:, 1].astype(situation.cells.dtype)
 
     def _begin(self, robots: int, has_headings: bool) -> None:
-        """Make the buffers for so many robots."""
+        """Make the buffers for the given number of robots."""
         self._fields = HeadedFields(self.graph) if has_headings else Fields(self.graph)
         floor, times = self._fields.floor, self.window + 1
         self._robots = robots_of(self.graph.size, robots, self.seed)
@@ -156,26 +157,26 @@ class WindowedPlanner(PlacePlanner):
     def _make_round(
         self, robots: int, has_headings: bool
     ) -> tuple[Callable[..., None], Auction | Epibt | Pibt]:
-        """Return the kernel of the rounds, and what its algorithm knows of robots.
+        """Return the kernel for a round and the state of its algorithm.
 
         All these kernels have the same arguments.
         """
         if self.circulates:
             self._outward = dead_ends(self.graph)
-            self._robots.random[0] = 1  # whatever the seed is
+            self._robots.random[0] = 1  # the same random numbers for every seed
             return roll_circulation, auction_on(self._fields, robots, 1)
         if has_headings:
             return roll_epibt, epibt_of(self.graph.neighbours[:, :WAIT], robots)
         return roll_pibt, pibt_of(self.graph.size, robots)
 
     def _read(self, situation: Situation) -> None:
-        """Take over a situation: robots, goals and priorities."""
+        """Load a situation into the buffers: robots, goals and priorities."""
         graph, cells, goals = self._fields.graph, situation.cells, situation.goals
         if self.circulates:
             goals = np.where(waits_for_exits(self._outward, cells, goals), cells, goals)
         rows = self._fields.rows(goals)
         is_away = self._fields.matrix[rows, self._here] == FAR
-        if is_away.any():  # a goal that no way leads to is as none
+        if is_away.any():  # an unreachable goal is treated as no goal
             goals = np.where(is_away, cells, goals)
             rows = self._fields.rows(goals)
         self._table = self._fields.table
@@ -189,7 +190,7 @@ class WindowedPlanner(PlacePlanner):
         self._routes = self._routes._replace(closed=buffer_of(np.array(passing, np.intp)))
 
     def _continue(self, situation: Situation) -> None:
-        """Continue the last plan, or make a new one if that is better."""
+        """Continue the last plan, or replace it with a new one if that is better."""
         floor, routes, table = self._fields.floor, self._routes, self._table
         last, places = self.window, self._places
         holds = self._mend(situation)
@@ -212,7 +213,7 @@ class WindowedPlanner(PlacePlanner):
                 prices(floor, routes, table)
 
     def _roll(self, first: int) -> None:
-        """Write the places at the times after ``first``."""
+        """Write the places at all times after ``first``."""
         self._robots.order[:] = self._order
         self._roll_by(
             self._fields.floor, self._routes, self._robots, self._round, self._table, first,
@@ -220,10 +221,10 @@ class WindowedPlanner(PlacePlanner):
         )  # fmt: skip
 
     def _mend(self, situation: Situation) -> bool:
-        """Move the plan on by a step, with new ways for robots that cannot go on as planned.
+        """Shift the plan by a step, and replan robots that can no longer follow it.
 
         Returns:
-            False if there was no plan, or one of these has no way.
+            False if no plan exists yet, or a robot has no path.
         """
         places, size = self._places, self.graph.size
         if places[0, 0] == NONE:
@@ -238,7 +239,7 @@ class WindowedPlanner(PlacePlanner):
             return True
         places[:, 0] = self._here
         robot_in = robots_in(size, self._here % size)
-        # Whoever was to enter the cell of one of these cannot go on either.
+        # A robot that was to enter the cell of one of these cannot continue either.
         follows = robot_in[there % size]
         while True:
             more = ~is_lost & (follows != NONE) & is_lost[follows] & (there != self._here)
@@ -255,7 +256,7 @@ class WindowedPlanner(PlacePlanner):
         return True
 
     def _refine(self, deadline: float) -> None:
-        """Plan groups anew until they or the time are over."""
+        """Replan robots with new goals, and then groups, until all are done or time is up."""
         floor, routes = self._fields.floor, self._routes
         reserve_only(floor, routes, np.arange(len(self._places)))
         anew = buffer_of(np.flatnonzero(self._has_new_goal))

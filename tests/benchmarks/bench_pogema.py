@@ -29,7 +29,7 @@ import pytest
 from agents.lab.commands.planners.runs import attempt, make_stepper
 from agents.mapf.graph import Graph
 from agents.mapf.kernels.buffers import IS_COMPILED
-from agents.mapf.lifelong import lead
+from agents.mapf.lifelong import run_with_goals
 from agents.mapf.problem import Problem
 from warehouse_core import Layout
 from warehouse_core.world.generators import kiva_warehouse
@@ -190,7 +190,7 @@ def draw_ends(layout: Layout, seed: int, robots: int) -> tuple[list[int], list[i
 
 
 def new_goals_of(one: Episode) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-    """Return a function that draws the goals of a lifelong episode; see ``lead``.
+    """Return a function that draws the goals of a lifelong episode; see ``run_with_goals``.
 
     Each robot has random numbers of its own. In the warehouse a goal may come twice: pogema
     compares it without the border of its map with the robot's cell, which has the border.
@@ -273,7 +273,9 @@ def test_lifelong_windows(place: Place, measured) -> None:
         # Pickups tell planners that learn where goals are; paths lead through them.
         layout = one.layout.with_tiles(one.layout.cells(one.targets), [], [])
         stepper = make_stepper(planner, 0, layout, len(one.starts), SECONDS)
-        run = lead(stepper, np.array(one.starts), np.array(one.goals), new_goals_of(one), STEPS)
+        run = run_with_goals(
+            stepper, np.array(one.starts), np.array(one.goals), new_goals_of(one), STEPS
+        )
         rates.append(run.reached / STEPS)
         took.append(float(run.seconds.sum()))
     theirs = published("lifelong", place)

@@ -1,5 +1,6 @@
-"""The inner loops of planners: functions on flat buffers that run as they are, or compiled.
+"""Inner loops of the planners: functions on flat buffers that run as plain Python or compiled.
 
-A kernel allocates nothing and looks at no clock. Whoever calls it makes the buffers, enlarges them,
-and decides when it goes on. See ``buffers.py`` for how the same source is compiled.
+A kernel allocates no memory and never looks at the clock. Its caller makes the buffers, enlarges
+them when they are full, and decides when to continue. See ``buffers.py`` for how Numba compiles the
+same source.
 """

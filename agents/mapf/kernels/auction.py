@@ -1,19 +1,20 @@
-"""One joint step as a circulation: all robots choose at once who goes where.
+"""Circulation: one auction in each step decides the moves of all robots together.
 
-In a step the robots move in chains, each of which ends in an empty cell, and in rings. Here they
-are chosen together, so that the sum of what all robots gain is most: robots are matched to the
-cells in which and beside which they are, by an auction. Where two would change places, one of the
-two moves is forbidden, and the auction is held again. On floors that are nearly full, where robots
-that choose one after the other soon block one another, more robots reach their goals so.
+In a step, robots move in chains that end in an empty cell, or in closed rings. An auction matches
+each robot to its own cell or a neighbouring cell so that the total gain of all robots is nearly as
+large as possible. If two robots would swap cells, one of the two moves is forbidden and the auction
+is repeated. On floors that are nearly full, robots that choose one after the other soon block one
+another; with circulations, more of them reach their goals.
 
-A robot gains the logarithm of the distances before and after, so that those near their goals go
-first, times its weight. A robot that has a move goes on with it until it is made: it turns, and
-waits for those before it to turn, and nobody else can have the two cells. A robot without one turns
-to where it would like to go.
+The gain of a robot is its weight times the difference between the logarithms of the distances
+before and after the move. Robots near their goals therefore go first. A robot that has been given a
+move keeps it until the move is made. It first turns, and waits for the robots ahead to turn; no
+other robot can take its two cells meanwhile. A robot without a move turns to the heading that it
+would prefer.
 
 Sources: Bertsekas (1988), The auction algorithm: a distributed relaxation method for the assignment
-problem, Annals of Operations Research 14. One-step plans as flows are of Yu and LaValle (2013),
-Planning optimal paths for multiple robots on graphs, ICRA.
+problem, Annals of Operations Research 14. Yu and LaValle (2013), Planning optimal paths for
+multiple robots on graphs, ICRA, describe one-step plans as flows.
 """
 
 from __future__ import annotations
@@ -28,51 +29,48 @@ from agents.mapf.kernels.robots import NOBODY, UNDECIDED, Robots, draw
 from warehouse_core.world.tables import Integers
 
 WORTH, MAX_DISTANCE, PARTS = 1 << 16, 20_000, 8
-"""Gain of a robot of weight 1 that halves its distance, the steps that all longer distances count
-as, and the parts of a step by which distances differ.
-"""
+"""Gain for halving the distance at weight 1, cap on distances in steps, and resolution per step."""
 
 CHANCE, CHANCES = 4, 128
-"""Chance adds a fourth of a gain at most, or takes it, and there are so many amounts of each."""
+"""Random noise changes a gain by at most 1/4, up or down, in 128 levels each."""
 
 RAISE, ARRIVAL = WORTH // 1000, WORTH * 2
-"""Least by which a price rises, and what a robot gains beside by arriving, for a weight of 1."""
+"""Smallest rise of a price, and the extra gain of a robot that arrives, both for a weight of 1."""
 
 ALONE, LEAST = 1 << 44, -(1 << 62)
-"""Most by which a price rises at once, which is more than any gain, and less than any value."""
+"""Largest rise of a price at once, above any gain, and a number that is below any value."""
 
 AUCTIONS = 7
-"""Auctions in a step, after which robots that would change places stay."""
+"""Most auctions in a step. After the last one, robots that would swap cells stay."""
 
 AGAINST = 5
-"""Pairs of moves of which one pair has the move forbidden that gains more, and the others the one
-that gains less.
-"""
+"""The move with the larger gain is forbidden once in this many swaps, else the smaller one."""
 
 
 class Auction(NamedTuple):
-    """What a circulation knows of ``R`` robots; all buffers are ``[R]`` but for those that say so.
+    """State of a circulation of ``R`` robots. Buffers are ``[R]`` unless stated otherwise.
 
     Attributes:
         step: distance of a step.
         has_headings: 1 if robots drive forward and turn.
-        unit: weight of a robot that counts once.
+        unit: weight of an ordinary robot.
         ahead: ``[size * 4]``, cell that a move N, E, S or W leads to, or ``NONE``.
-        worth: ``[MAX_DISTANCE * PARTS + 1]``, what a robot gains by its way from each distance.
+        worth: ``[MAX_DISTANCE * PARTS + 1]``, what a robot gains on its path from each distance.
         here: places before the first step.
-        aims: cells to which robots have moves then, or ``NONE``.
-        rests: 1 for robots that go nowhere then.
+        aims: cells to which robots have moves before the first step, or ``NONE``.
+        rests: 1 for robots that have no reason to move before the first step.
         targets: cells to which robots have moves, or ``NONE``.
-        is_there: 1 for robots that go nowhere, as those that were at their goals.
+        is_there: 1 for robots that have no reason to move, such as those that have reached their
+            goals.
         weights: factors of gains.
         is_claimed: ``[size]``, 1 for cells that no robot without a move can have.
         options: ``[R * 5]``, cells that the moves and staying lead to, or ``NONE``.
-        gains: ``[R * 5]``, what is gained by each.
+        gains: ``[R * 5]``, gain of each option.
         actions: action of each robot.
-        wanted: heading to which each turns if it has no move, or ``NONE``.
+        wanted: heading to which each robot turns if it has no move, or ``NONE``.
         moves: 1 for robots that move in this step.
         prices: ``[size]``, prices of cells.
-        holder: ``[size]``, robot that has bid most for each cell, or ``NOBODY``.
+        holder: ``[size]``, robot with the highest bid for each cell, or ``NOBODY``.
     """
 
     step: int
@@ -97,7 +95,7 @@ class Auction(NamedTuple):
 
 
 def auction_of(ahead: Integers, robots: int, step: int, has_headings: bool, unit: int) -> Auction:
-    """Return the buffers of robots, which count once each; ``ahead`` is ``[size, 4]``."""
+    """Return the buffers for robots of weight 1; ``ahead`` is ``[size, 4]``."""
     size, worth = len(ahead), WORTH * np.log2(np.arange(MAX_DISTANCE * PARTS + 1) / PARTS + 1)
     return Auction(
         step=step, has_headings=int(has_headings), unit=unit,
@@ -114,7 +112,7 @@ def auction_of(ahead: Integers, robots: int, step: int, has_headings: bool, unit
 def loss(
     robots: Robots, auction: Auction, fields: Table, robot: int, cell: int, heading: int
 ) -> int:
-    """Return what a robot has yet to gain in a cell, by its distance from the goal."""
+    """Return what a robot has yet to gain when it is in a cell, from its distance to the goal."""
     if auction.is_there[robot]:
         return 0
     left = fields[robots.rows[robot] + heading * robots.size + cell]
@@ -124,7 +122,7 @@ def loss(
 
 @kernel
 def claim(robots: Robots, auction: Auction) -> None:
-    """Claim the cells of robots that have moves or are fixed, and where they go."""
+    """Claim the cells of robots that have moves or must stay, and the targets of these moves."""
     for cell in range(robots.size):
         auction.is_claimed[cell] = robots.is_closed[cell]
     for robot in range(len(robots.places)):
@@ -136,7 +134,7 @@ def claim(robots: Robots, auction: Auction) -> None:
 
 @kernel
 def offer(robots: Robots, auction: Auction, fields: Table, robot: int, is_fixed: bool) -> None:
-    """Write the options of a robot without a move, what it gains by each, and where it turns."""
+    """Write the options of a robot without a move, their gains, and the heading it prefers."""
     cell, heading = robots.places[robot] % robots.size, robots.places[robot] // robots.size
     first, most, lost = robot * ACTIONS, 0, loss(robots, auction, fields, robot, cell, heading)
     auction.options[first + STAY], auction.gains[first + STAY] = cell, 0
@@ -158,11 +156,11 @@ def offer(robots: Robots, auction: Auction, fields: Table, robot: int, is_fixed:
 
 @kernel
 def hold_auction(robots: Robots, auction: Auction) -> None:
-    """Match robots without a move to cells, so that nearly as much is gained as can be.
+    """Match robots without a move to cells so that the total gain is nearly the largest possible.
 
-    Robots that gain nothing by a move begin with their own cells. The others bid for the cell that
-    is best for them at its price, which rises to where the second best is as good. Whoever had the
-    cell bids again.
+    A robot that gains nothing by a move keeps its own cell at first. Each other robot bids for its
+    best cell at the current prices. The price then rises until the second-best cell is as good. A
+    robot that is outbid bids again.
     """
     options, gains, prices, holder = auction.options, auction.gains, auction.prices, auction.holder
     stack, count = robots.stack, 0
@@ -204,9 +202,9 @@ def hold_auction(robots: Robots, auction: Auction) -> None:
 
 @kernel
 def part(robots: Robots, auction: Auction, is_last: bool) -> bool:
-    """Part robots that would change places, and return whether there are any.
+    """Prevent pairs of robots from swapping cells, and return whether there were any.
 
-    They stay if there is no other auction, and else one of them may not move there.
+    Both robots stay after the last auction. Before that, one of the two moves is forbidden.
     """
     is_found = False
     for robot in range(len(robots.places)):
@@ -230,7 +228,7 @@ def part(robots: Robots, auction: Auction, is_last: bool) -> bool:
 
 @kernel
 def turn_to(robots: Robots, auction: Auction, robot: int, to: int) -> bool:
-    """Turn a robot by a quarter to a heading, and return whether it had to turn."""
+    """Turn a robot by a quarter towards a heading, and return whether it had to turn."""
     cell, heading = robots.places[robot] % robots.size, robots.places[robot] // robots.size
     turn = (to - heading) & 3
     if not auction.has_headings or turn == 0:
@@ -241,7 +239,7 @@ def turn_to(robots: Robots, auction: Auction, robot: int, to: int) -> bool:
 
 @kernel
 def advance(robots: Robots, auction: Auction) -> None:
-    """Let robots turn, and let those move that head for cells which are or become empty."""
+    """Turn robots, and move those whose target cells are empty or become empty."""
     size, moves, robot_in = robots.size, auction.moves, robots.robot_in
     for robot in range(len(robots.places)):
         moves[robot] = 0
@@ -249,10 +247,10 @@ def advance(robots: Robots, auction: Auction) -> None:
             if auction.wanted[robot] != NONE:
                 turn_to(robots, auction, robot, auction.wanted[robot])
             continue
-        first, way = robots.places[robot] % size * STAY, 0
-        while auction.ahead[first + way] != auction.targets[robot]:
-            way += 1
-        moves[robot] = 0 if turn_to(robots, auction, robot, way) else 1
+        first, action = robots.places[robot] % size * STAY, 0
+        while auction.ahead[first + action] != auction.targets[robot]:
+            action += 1
+        moves[robot] = 0 if turn_to(robots, auction, robot, action) else 1
     is_changed = True
     while is_changed:
         is_changed = False
@@ -273,7 +271,7 @@ def advance(robots: Robots, auction: Auction) -> None:
 
 @kernel
 def choose(robots: Robots, auction: Auction, fields: Table) -> None:
-    """Choose the next places of all robots and move them there; those that have chosen stay."""
+    """Choose the next places of all robots and move them there; robots that have chosen stay."""
     claim(robots, auction)
     for robot in range(len(robots.places)):
         if auction.targets[robot] == NONE:
@@ -294,7 +292,7 @@ def choose(robots: Robots, auction: Auction, fields: Table) -> None:
 
 @kernel
 def stand(robots: Robots, auction: Auction) -> None:
-    """Let all robots be where they are before the first step."""
+    """Reset all robots to their state before the first step."""
     for cell in range(robots.size):
         robots.robot_in[cell] = NOBODY
     for robot in range(len(robots.places)):
@@ -305,9 +303,9 @@ def stand(robots: Robots, auction: Auction) -> None:
 
 @kernel
 def foresee(robots: Robots, auction: Auction, fields: Table, draws: Buffer) -> int:
-    """Take a step for each draw, and return what robots have yet to gain after the last.
+    """Simulate one step for each seed in ``draws``, and return what robots have yet to gain then.
 
-    The first numbers of the random numbers of each step are the draws.
+    Each entry of ``draws`` is the state of the random numbers at the start of its step.
     """
     total = 0
     stand(robots, auction)

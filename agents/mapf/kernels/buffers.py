@@ -1,9 +1,9 @@
-"""Flat buffers, and functions on them that Numba compiles where it is installed.
+"""Flat buffers, and the functions on them that Numba compiles if it is installed.
 
-With Numba, buffers are arrays, and kernels are compiled for exactly these types when they are
-first needed, and kept for other processes. Without it, buffers are lists, which plain Python reads
-faster. Kernels have whole numbers only, so that both give the same results bit for bit.
-``WAREHOUSE_FAST=0`` in the environment leaves Numba out.
+With Numba, buffers are arrays. Kernels are compiled for exactly these types when they are first
+needed, and cached on disk for other processes. Without Numba, buffers are lists, because plain
+Python reads lists faster than arrays. Kernels use whole numbers only, so that both give the same
+results bit for bit. ``WAREHOUSE_FAST=0`` in the environment disables Numba.
 """
 
 from __future__ import annotations
@@ -22,16 +22,16 @@ IS_COMPILED = os.environ.get("WAREHOUSE_FAST") != "0" and find_spec("numba") is 
 """True if kernels are compiled."""
 
 Buffer: TypeAlias = list[int]
-"""Buffer of numbers of 64 bits: a list, or an array where kernels are compiled."""
+"""Buffer of 64-bit numbers: a list, or an array if kernels are compiled."""
 
 Table: TypeAlias = memoryview
-"""Large buffer of numbers of 32 bits: a view of an array, or the array itself if compiled."""
+"""Large buffer of 32-bit numbers: a view of an array, or the array itself if compiled."""
 
 Kernel = TypeVar("Kernel", bound=Callable[..., Any])
 
 
 def buffer(size: int, value: int = 0) -> Buffer:
-    """Return a buffer of equal numbers."""
+    """Return a buffer filled with one number."""
     return cast(Buffer, np.full(size, value, np.int64)) if IS_COMPILED else [value] * size
 
 
@@ -57,7 +57,7 @@ def enlarged(old: Buffer, size: int, value: int = 0) -> Buffer:
 
 
 class CompiledKernel:
-    """A kernel that Numba compiles when it is first called, and those that it calls with it."""
+    """A kernel that Numba compiles on its first call, together with the kernels that it calls."""
 
     def __init__(self, function: Callable[..., Any]) -> None:
         self._function = function
@@ -65,17 +65,17 @@ class CompiledKernel:
 
     @cached_property
     def compiled(self) -> Any:
-        """Compile the kernel for the types that its annotations name, unless it is done."""
+        """The kernel, compiled for the types in its annotations."""
         numba: Any = import_module("numba")
         hints = get_type_hints(self._function)
         result = _type_of(hints.pop("return"))
         types = result(*map(_type_of, hints.values()))
-        # Kernels allocate nothing, and without counts of references they are several times as fast.
+        # Kernels allocate nothing, and are several times as fast without reference counting.
         return numba.njit(types, cache=True, error_model="numpy", _nrt=False)(self._function)
 
     @property
     def _numba_type_(self) -> Any:
-        """Numba's type of this kernel where another calls it."""
+        """Numba's type of this kernel when another kernel calls it."""
         types: Any = import_module("numba").types
         return types.Dispatcher(self.compiled)
 
@@ -85,15 +85,15 @@ class CompiledKernel:
 
 
 def kernel(function: Kernel) -> Kernel:
-    """Return a function on buffers, tables and whole numbers, to be compiled if Numba is there.
+    """Return a function on buffers, tables and whole numbers, compiled if Numba is installed.
 
-    Its annotations are the types that it is compiled for; named tuples of these are allowed too.
+    Its annotations are the types that it is compiled for. Named tuples of these types are allowed.
     """
     return cast(Kernel, CompiledKernel(function)) if IS_COMPILED else function
 
 
 def prepare(*kernels: Callable[..., Any]) -> None:
-    """Compile kernels now, so that the first call takes no longer than others."""
+    """Compile kernels now, so that the first call takes no longer than later ones."""
     for each in kernels:
         if isinstance(each, CompiledKernel):
             each.compiled  # noqa: B018

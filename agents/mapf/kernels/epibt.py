@@ -1,11 +1,13 @@
-"""One joint step by EPIBT: each robot chooses its next few actions, in the order of priorities.
+"""EPIBT, enhanced PIBT: each robot chooses its next few actions, in order of priority.
 
 An *operation* is a sequence of actions, one for each step of a window. A robot takes the best
-operation whose way meets no robot that has chosen. Those that have not chosen are expected to do
-the rest of what they chose in the step before, and then to wait. Whoever of them it meets it
-pushes: they choose next, one after the other, and if one finds no way, the robot tries its next
-operation, and those pushed before are as they were. With windows, a robot that has to turn before
-it leaves a cell can be pushed out of it.
+operation whose path does not collide with a robot that has already chosen. A robot that has not
+chosen yet is expected to complete its operation from the previous step and then to wait. If the
+path collides with such a robot, the first robot pushes it: the pushed robot chooses next. If a
+pushed robot finds no path, the choices since the push are undone and the first robot tries its next
+operation.
+
+With windows, a robot that has to turn before it leaves a cell can still be pushed out of it.
 
 Source: Yukhnevich and Andreychuk (2025), Enhancing PIBT via multi-action operations.
 """
@@ -25,51 +27,55 @@ from warehouse_core.world.moves import LEFT, RIGHT
 from warehouse_core.world.tables import Integers
 
 BLOCKED, IN_VAIN = -2, -3
-"""Stand for what nobody can be pushed out of, and for a robot that was pushed in vain."""
+"""Results of ``meets``: the obstacle cannot be pushed, or this robot was already pushed in vain."""
 
 FREE, CHOOSING, CHOSEN = range(3)
-"""States of a robot: it has not chosen; it chooses, or pushes others; it has its way."""
+"""States of a robot: it has not chosen, it is choosing or pushing others, or it has chosen."""
 
 MAX_VISITS = 8
-"""Most times that a robot is pushed in a step, which bounds the time that it takes."""
+"""Limit on how often a robot is pushed in one step, which bounds the computing time."""
 
 USED = 1 << 62
-"""Key of an operation that leads into a wall, or has been tried."""
+"""Key of an operation that leads into a wall or has been tried."""
 
 END_WEIGHT, CHANCE_KEYS = 4, CHANCE_KEY + 1
-"""Weight of the distance at the end of the window against those before; keys by chance."""
+"""Weight of the distance at the end of the window, and number of random values in a key."""
 
 OPERATION_STEPS = 3
-"""Steps for which robots choose their actions in a round."""
+"""Length of an operation in steps."""
 
 
 class Epibt(NamedTuple):
-    """What EPIBT knows of ``R`` robots; all buffers are ``[R]`` but for those that say so.
+    """State of EPIBT for ``R`` robots. The shape of a buffer is ``[R]`` unless stated otherwise.
+
+    Operations that begin with the same actions share a *prefix*, so that each prefix is simulated
+    only once.
 
     Attributes:
         window: steps of an operation, ``W``.
         ahead: ``[size * 4]``, cell that a move N, E, S or W leads to, or ``NONE``.
-        operations: ``[N * W]``, actions of each operation; the first one waits.
-        parents: ``[M]``, for each beginning of an operation the one that is an action shorter; the
-            first one has no action, and the last ``N`` are the operations.
-        actions: ``[M]``, last action of each beginning.
-        within: ``[W * N]``, for each step of the window the beginning of each operation up to it.
-        cells: ``[M]``, cell that each beginning leads a robot to, or ``NONE``.
-        headings: ``[M]``, heading in which it gets there.
-        passed: ``[M]``, sum of its distances from the goal after each action up to there.
-        ways: ``[R * W]``, places after each step of the window.
-        kept: ``[R * W]``, places after each step if they go on as expected.
+        operations: ``[N * W]``, actions of each operation. The first operation waits.
+        parents: ``[M]``, for each prefix, the prefix that is one action shorter. The first prefix
+            is empty, and the last ``N`` are the whole operations.
+        actions: ``[M]``, last action of each prefix.
+        within: ``[W * N]``, for each step of the window, the prefix of each operation up to it.
+        cells: ``[M]``, cell in which each prefix ends, or ``NONE``.
+        headings: ``[M]``, heading in which each prefix ends.
+        passed: ``[M]``, sum of the distances from the goal after each action of the prefix.
+        paths: ``[R * W]``, chosen places after each step of the window.
+        kept: ``[R * W]``, expected places after each step of the window.
         states: ``FREE``, ``CHOOSING`` or ``CHOSEN``.
-        visits: number of times that each has begun to choose in this step.
-        pushed: robot that each has pushed last in vain, or ``NOBODY``.
-        pushed_at: step of the window in which it would have met that one.
-        met_at: ``[1]``, step of the window in which a way has met a robot.
-        keys: ``[R * N]``, keys of the operations of robots in the stack, the least is the best.
-        marks: length of the trail when each began its operation.
-        trail: robots that have chosen in this turn, and number of them at the end, ``[R + 1]``.
-        holder: ``[W * size]``, robot whose way is in each cell after each step, or ``NOBODY``;
-            those that are ``FREE`` have none.
-        expected: ``[W * size]``, robot that is expected in each cell, likewise.
+        visits: number of times that each robot has begun to choose in this step.
+        pushed: robot that each robot has last pushed in vain, or ``NOBODY``.
+        pushed_at: step of the window in which these two would have collided.
+        met_at: ``[1]``, step of the window of the collision that ``meets`` found.
+        keys: ``[R * N]``, keys of the operations of the robots in the stack. The least key is best.
+        marks: length of the trail when each robot began its operation.
+        trail: ``[R + 1]``, robots that have chosen in this turn. The last entry is their number.
+        holder: ``[W * size]``, robot whose chosen path has each cell after each step, or
+            ``NOBODY``. Robots that are ``FREE`` hold no cells.
+        expected: ``[W * size]``, robot that is expected in each cell after each step, or
+            ``NOBODY``.
     """
 
     window: int
@@ -81,7 +87,7 @@ class Epibt(NamedTuple):
     cells: Buffer
     headings: Buffer
     passed: Buffer
-    ways: Buffer
+    paths: Buffer
     kept: Buffer
     states: Buffer
     visits: Buffer
@@ -96,7 +102,7 @@ class Epibt(NamedTuple):
 
 
 def epibt_of(ahead: Integers, robots: int) -> Epibt:
-    """Return the buffers of EPIBT; see ``Epibt`` for ``ahead``, ``[size, 4]``."""
+    """Return the buffers of EPIBT; ``ahead`` is ``[size, 4]`` and described in ``Epibt``."""
     operations = turning_operations(OPERATION_STEPS)
     (size, _), (count, window) = ahead.shape, operations.shape
     parents, actions, within = beginnings(operations)
@@ -105,7 +111,7 @@ def epibt_of(ahead: Integers, robots: int) -> Epibt:
         window=window, ahead=table_of(ahead.astype(np.int32)), operations=buffer_of(operations),
         parents=buffer_of(np.array(parents)), actions=buffer_of(np.array(actions)),
         within=buffer_of(np.array(within)), cells=buffer(number), headings=buffer(number),
-        passed=buffer(number), ways=buffer(robots * window, NONE), kept=buffer(robots * window),
+        passed=buffer(number), paths=buffer(robots * window, NONE), kept=buffer(robots * window),
         states=buffer(robots), visits=buffer(robots), pushed=buffer(robots),
         pushed_at=buffer(robots), met_at=buffer(1), keys=buffer(robots * count),
         marks=buffer(robots), trail=buffer(robots + 1), holder=buffer(window * size, NOBODY),
@@ -114,84 +120,85 @@ def epibt_of(ahead: Integers, robots: int) -> Epibt:
 
 
 def turning_operations(window: int) -> Integers:
-    """Return sequences of moves, turns and waits through a window, the one of waits first.
+    """Return all useful sequences of moves, turns and waits through a window, ``[N, window]``.
 
-    The actions are ``FORWARD``, ``RIGHT``, ``LEFT`` and ``STAY``. Of several sequences that lead
-    through the same cells to the same heading, the one with the fewest turns is left, and of these
-    the one that turns first.
+    The actions are ``FORWARD``, ``RIGHT``, ``LEFT`` and ``STAY``. The first sequence only waits. If
+    several sequences lead through the same cells to the same heading, the result has only the one
+    with the fewest turns, and among equals the one that turns first.
     """
-    found: dict[tuple[object, ...], tuple[int, ...]] = {}
+    result: dict[tuple[object, ...], tuple[int, ...]] = {}
     every = product((FORWARD, RIGHT, LEFT, STAY), repeat=window)
     for actions in sorted(every, key=lambda each: (each.count(RIGHT) + each.count(LEFT), each)):
-        place, heading, way = 0j, 1 + 0j, list[object]()
+        place, heading, cells_passed = 0j, 1 + 0j, list[object]()
         for action in actions:
             heading *= {RIGHT: 1j, LEFT: -1j}.get(action, 1)
             place += heading * (action == FORWARD)
-            way.append(place)
-        found.setdefault((*way, heading), actions)
-    return np.array(sorted(found.values(), key=lambda each: each != (STAY,) * window))
+            cells_passed.append(place)
+        result.setdefault((*cells_passed, heading), actions)
+    return np.array(sorted(result.values(), key=lambda each: each != (STAY,) * window))
 
 
 def beginnings(operations: Integers) -> tuple[list[int], list[int], list[int]]:
     """Return ``parents``, ``actions`` and ``within`` of an ``Epibt`` for operations, ``[N, W]``."""
-    found: dict[tuple[int, ...], int] = {(): 0}
+    result: dict[tuple[int, ...], int] = {(): 0}
     within = [
-        found.setdefault(tuple(actions), len(found))
+        result.setdefault(tuple(actions), len(result))
         for length in range(1, operations.shape[1] + 1)
         for actions in operations[:, :length].tolist()
     ]
-    parents = [found[actions[:-1]] for actions in found]
-    return parents, [STAY, *(actions[-1] for actions in found if actions)], within
+    parents = [result[actions[:-1]] for actions in result]
+    return parents, [STAY, *(actions[-1] for actions in result if actions)], within
 
 
 @kernel
 def hold(robots: Robots, epibt: Epibt, robot: int) -> None:
-    """Enter the way of a robot."""
+    """Reserve the cells of the chosen path of a robot."""
     for time in range(epibt.window):
-        cell = epibt.ways[robot * epibt.window + time] % robots.size
+        cell = epibt.paths[robot * epibt.window + time] % robots.size
         epibt.holder[time * robots.size + cell] = robot
 
 
 @kernel
 def release(robots: Robots, epibt: Epibt, robot: int) -> None:
-    """Remove the way of a robot."""
+    """Free the cells of the chosen path of a robot."""
     for time in range(epibt.window):
-        cell = epibt.ways[robot * epibt.window + time] % robots.size
+        cell = epibt.paths[robot * epibt.window + time] % robots.size
         epibt.holder[time * robots.size + cell] = NOBODY
 
 
 @kernel
 def go_on(robots: Robots, epibt: Epibt, robot: int) -> None:
-    """Let a robot choose what is expected of it."""
+    """Make a robot choose the path that is expected of it."""
     for at in range(robot * epibt.window, (robot + 1) * epibt.window):
-        epibt.ways[at] = epibt.kept[at]
+        epibt.paths[at] = epibt.kept[at]
     epibt.states[robot] = CHOSEN
     hold(robots, epibt, robot)
 
 
 @kernel
 def keep(robots: Robots, epibt: Epibt, robot: int, waits: bool) -> None:
-    """Expect a robot to do the rest of its way and then wait, or to wait only."""
+    """Expect a robot to complete its path and then wait, or only to wait if ``waits``."""
     first, place = robot * epibt.window, robots.places[robot]
     for at in range(first, first + epibt.window):
         if not waits and at + 1 < first + epibt.window:
-            place = epibt.ways[at + 1]
+            place = epibt.paths[at + 1]
         epibt.kept[at] = place
 
 
 @kernel
 def misses(robots: Robots, epibt: Epibt, robot: int) -> int:
-    """Return a robot that cannot go on as expected since it meets another, or ``NOBODY``.
+    """Return a robot whose expected path is impossible because of a collision, or ``NOBODY``.
 
-    It is the robot given, or the one that enters a cell in which this one waits.
+    The result is the given robot, or another robot that would enter a cell in which the given one
+    waits.
     """
     size, before, moves = robots.size, robots.places[robot] % robots.size, False
-    found = NOBODY
+    result = NOBODY
     for time in range(epibt.window):
         cell = epibt.kept[robot * epibt.window + time] % size
         other = epibt.expected[time * size + cell]
         if other != robot:
-            found = other
+            result = other
         if cell != before:
             moves = True
             there = robots.robot_in[cell] if time == 0 else epibt.expected[(time - 1) * size + cell]
@@ -199,14 +206,14 @@ def misses(robots: Robots, epibt: Epibt, robot: int) -> int:
             if is_swap or robots.is_closed[cell]:
                 return robot
         before = cell
-    return robot if found != NOBODY and moves else found
+    return robot if result != NOBODY and moves else result
 
 
 @kernel
 def expect(robots: Robots, epibt: Epibt) -> None:
-    """Set what is expected of all robots, so that no two meet."""
+    """Set the expected paths of all robots so that no two of them collide."""
     for robot in range(len(robots.places)):
-        is_lost = epibt.ways[robot * epibt.window] != robots.places[robot]
+        is_lost = epibt.paths[robot * epibt.window] != robots.places[robot]
         keep(robots, epibt, robot, is_lost or epibt.states[robot] == CHOSEN)
     is_changed = True
     while is_changed:
@@ -226,7 +233,7 @@ def expect(robots: Robots, epibt: Epibt) -> None:
 
 @kernel
 def who(robots: Robots, epibt: Epibt, time: int, cell: int, robot: int) -> int:
-    """Return who but a robot is in a cell after a step of the window, or before the first."""
+    """Return the other robot in a cell after a step of the window, or before its first step."""
     if time < 0:
         return robots.robot_in[cell]
     at = time * robots.size + cell
@@ -239,7 +246,7 @@ def who(robots: Robots, epibt: Epibt, time: int, cell: int, robot: int) -> int:
 
 @kernel
 def undo(robots: Robots, epibt: Epibt, mark: int) -> None:
-    """Let robots that have chosen since the trail had a length be free again."""
+    """Free the robots that have chosen since the trail had the length ``mark``."""
     last = len(epibt.trail) - 1
     while epibt.trail[last] > mark:
         epibt.trail[last] -= 1
@@ -250,7 +257,7 @@ def undo(robots: Robots, epibt: Epibt, mark: int) -> None:
 
 @kernel
 def entered(epibt: Epibt, cell: int, heading: int, action: int) -> int:
-    """Return the cell in which a robot is after an action, or ``NONE`` if a wall is there."""
+    """Return the cell of a robot after an action, or ``NONE`` if the action leads into a wall."""
     if action == STAY:
         return cell
     return epibt.ahead[cell * STAY + heading] if action == FORWARD else cell
@@ -266,18 +273,18 @@ def turned(heading: int, action: int) -> int:
 
 @kernel
 def follow(robots: Robots, epibt: Epibt, robot: int, operation: int) -> None:
-    """Write the places of an operation into the route of a robot; they must not be walls."""
+    """Write the places of an operation into the path of a robot; none may be a wall."""
     cell, heading = robots.places[robot] % robots.size, robots.places[robot] // robots.size
     for time in range(epibt.window):
         action = epibt.operations[operation * epibt.window + time]
         cell = entered(epibt, cell, heading, action)
         heading = turned(heading, action)
-        epibt.ways[robot * epibt.window + time] = heading * robots.size + cell
+        epibt.paths[robot * epibt.window + time] = heading * robots.size + cell
 
 
 @kernel
 def weigh(robots: Robots, epibt: Epibt, fields: Table, robot: int, depth: int) -> None:
-    """Write the keys of all operations of a robot, which begin with the same actions in part."""
+    """Write the keys of all operations of a robot, with one calculation for each shared prefix."""
     count, number = len(epibt.operations) // epibt.window, len(epibt.parents)
     cells, headings, passed, row = epibt.cells, epibt.headings, epibt.passed, robots.rows[robot]
     bits, place = mix(robots.random[0] + robot * SPREAD), robots.places[robot]
@@ -297,14 +304,14 @@ def weigh(robots: Robots, epibt: Epibt, fields: Table, robot: int, depth: int) -
         key = USED
         if cell != NONE:
             key = (passed[parent] + END_WEIGHT * left) * CHANCE_KEYS
-            if operation > 0:  # waiting is best where nothing else brings a robot nearer
+            if operation > 0:  # prefer waiting if no operation leads nearer
                 key += 1 + (bits + operation * 5) % CHANCE_KEY
         epibt.keys[depth * count + operation] = key
 
 
 @kernel
 def begin(robots: Robots, epibt: Epibt, fields: Table, robot: int, depth: int) -> None:
-    """Let a robot begin to choose, with as many in the stack."""
+    """Start the choice of a robot while ``depth`` robots are in the stack."""
     epibt.states[robot], epibt.pushed[robot] = CHOOSING, NOBODY
     epibt.visits[robot] += 1
     weigh(robots, epibt, fields, robot, depth)
@@ -326,7 +333,7 @@ def next_operation(epibt: Epibt, depth: int) -> int:
 
 @kernel
 def shut(epibt: Epibt, depth: int, operation: int, time: int) -> None:
-    """Let a robot try no operation that is the same as one up to a step of the window."""
+    """Rule out all operations that equal the given one up to a step of the window."""
     count = len(epibt.operations) // epibt.window
     for other in range(count):
         if epibt.within[time * count + other] == epibt.within[time * count + operation]:
@@ -335,14 +342,15 @@ def shut(epibt: Epibt, depth: int, operation: int, time: int) -> None:
 
 @kernel
 def meets(robots: Robots, epibt: Epibt, robot: int) -> int:
-    """Return the first robot that the way of a robot meets, ``NOBODY``, or ``BLOCKED``.
+    """Return the first robot that the path of a robot collides with, ``NOBODY``, or ``BLOCKED``.
 
-    Robots that are not free, or have chosen too often, and closed cells block the way. It is
-    ``IN_VAIN`` if a robot that was pushed in vain would be met as early or later.
+    ``BLOCKED`` stands for closed cells and for robots that are not free or were pushed too often.
+    The result is ``IN_VAIN`` if pushing the same robot has failed before and the collision is not
+    later than the one before.
     """
-    found, before = NOBODY, robots.places[robot] % robots.size
+    result, before = NOBODY, robots.places[robot] % robots.size
     for time in range(epibt.window):
-        cell = epibt.ways[robot * epibt.window + time] % robots.size
+        cell = epibt.paths[robot * epibt.window + time] % robots.size
         other, opposite = who(robots, epibt, time, cell, robot), NOBODY
         if cell != before:
             if robots.is_closed[cell]:
@@ -357,24 +365,24 @@ def meets(robots: Robots, epibt: Epibt, robot: int) -> int:
             if epibt.states[one] != FREE or epibt.visits[one] >= MAX_VISITS:
                 epibt.met_at[0] = time
                 return BLOCKED
-            if found == NOBODY:
-                found, epibt.met_at[0] = one, time
+            if result == NOBODY:
+                result, epibt.met_at[0] = one, time
         before = cell
-    is_vain = found == epibt.pushed[robot] and epibt.met_at[0] <= epibt.pushed_at[robot]
-    return IN_VAIN if found != NOBODY and is_vain else found
+    is_vain = result == epibt.pushed[robot] and epibt.met_at[0] <= epibt.pushed_at[robot]
+    return IN_VAIN if result != NOBODY and is_vain else result
 
 
 @kernel
 def push(robots: Robots, epibt: Epibt, fields: Table, robot: int) -> bool:
-    """Let a free robot choose, and those that it pushes; return whether it has found a way.
+    """Let a free robot choose, with all robots that it pushes; return whether it has found a path.
 
-    Those that have chosen are on the trail then. Otherwise all are as they were.
+    On success, the robots that have chosen are on the trail. Otherwise nothing has changed.
     """
     last, depth, other = len(epibt.trail) - 1, 0, IN_VAIN
     epibt.trail[last] = 0
     begin(robots, epibt, fields, robot, depth)
     while True:
-        if other < NOBODY:  # the operation does not do, or there is none yet
+        if other < NOBODY:  # the operation is not possible, or there is none yet
             operation = next_operation(epibt, depth)
             if operation == NONE:
                 epibt.states[robot] = FREE
@@ -415,12 +423,12 @@ def push(robots: Robots, epibt: Epibt, fields: Table, robot: int) -> bool:
 
 @kernel
 def choose(robots: Robots, epibt: Epibt, fields: Table) -> bool:
-    """Choose the next places of all undecided robots, in one round of EPIBT.
+    """Choose the next places of all undecided robots in one round of EPIBT.
 
-    The others are expected to wait after this step.
+    All other robots are expected to wait after this step.
 
     Returns:
-        False if an undecided robot finds no way out of a cell that one of the others enters.
+        False if an undecided robot cannot leave a cell that one of the other robots enters.
     """
     count, window, chosen = len(robots.order), epibt.window, robots.chosen
     draw(robots.random)
@@ -433,9 +441,9 @@ def choose(robots: Robots, epibt: Epibt, fields: Table) -> bool:
     for robot in range(count):
         if epibt.states[robot] == CHOSEN:
             for at in range(robot * window, (robot + 1) * window):
-                epibt.ways[at] = chosen[robot]
+                epibt.paths[at] = chosen[robot]
             hold(robots, epibt, robot)
-    for turn in range(2):  # those who cannot go on as expected choose first
+    for turn in range(2):  # robots that cannot do what is expected of them choose first
         for at in range(count):
             robot = robots.order[at]
             is_held = epibt.holder[epibt.kept[robot * window] % robots.size] != NOBODY
@@ -446,9 +454,9 @@ def choose(robots: Robots, epibt: Epibt, fields: Table) -> bool:
             if is_held:
                 for other in range(count):
                     if epibt.states[other] == FREE:
-                        epibt.ways[other * window] = NONE  # nothing is expected of it any more
+                        epibt.paths[other * window] = NONE  # no path is expected of it any more
                 return False
             go_on(robots, epibt, robot)
     for robot in range(count):
-        chosen[robot] = epibt.ways[robot * window]
+        chosen[robot] = epibt.paths[robot * window]
     return True

@@ -1,13 +1,17 @@
-"""LaCAM*: an anytime search over configurations, the places of all robots at once.
+"""LaCAM*: lazy constraints addition search over configurations, the places of all robots at once.
 
-The search is depth-first. Each configuration has a tree of constraints, who must go where next,
-of which each visit tries one more; a round of PIBT chooses the places of the others, or a round of
-EPIBT where robots have headings. The tree is not stored: its nodes in breadth-first order are
-numbers in mixed radix, whose digits are the steps of the first robots by priority. Its last level
-has every joint step. Routes to configurations that are reached again become shorter, so that in the
-end the plan is the cheapest, or it is proved that there is none.
+The search is depth-first. Each configuration has a tree of constraints, which say which robot must
+go where next. Each visit to a configuration tries one more constraint. A round of PIBT then chooses
+the places of the other robots, or a round of EPIBT if the robots have headings.
 
-The cost of a joint step is the number of robots that are not at their goals before and after it.
+The constraint tree is not stored. Its nodes in breadth-first order are numbers in mixed radix,
+whose digits are the steps of the robots of highest priority. The deepest level contains every joint
+step. When the search reaches a known configuration again, it updates the costs of all
+configurations that become cheaper. The search therefore ends with an optimal plan, or with the
+proof that no plan exists.
+
+The cost of a joint step is the number of robots that are not at their goals both before and after
+it.
 
 Source: Okumura (2023), Improving LaCAM for scalable eventually optimal multi-agent pathfinding,
 IJCAI.
@@ -27,34 +31,36 @@ from agents.mapf.kernels.places import ACTIONS, NONE, Places, measure
 from agents.mapf.kernels.robots import NOBODY, UNDECIDED, Robots, draw
 
 SPENT, FULL, DONE, FOUND = 0, 1, 2, 3
-"""Why a search returns: its rounds are over, a buffer is full, all is tried, there is a plan."""
+"""Why a search returns: no rounds left, a buffer is full, the search is complete, a plan exists."""
 
 RESTART = 1000
-"""The first configuration is visited again at one in so many that are reached again."""
+"""Once in this many times, reaching a known configuration revisits the first one instead."""
 
 
 class Search(NamedTuple):
-    """What is known of ``N`` configurations, of which there is room for more.
+    """Search graph with ``N`` configurations of ``R`` robots and ``E`` edges, with spare capacity.
 
     Attributes:
         places: ``[N * R]``, the places of the robots.
-        orders: ``[N * R]``, robots by falling priority.
-        parent: ``[N]``, the configuration before on the cheapest way, or ``NONE``.
-        cost: ``[N]``, cost of that way.
-        left: ``[N]``, sum of the distances that are left.
-        tried: ``[N]``, constraints that were tried.
-        edges: ``[N]``, first of the edges that lead on, or ``NONE``.
+        orders: ``[N * R]``, robots by decreasing priority.
+        parent: ``[N]``, previous configuration on the cheapest path, or ``NONE``.
+        cost: ``[N]``, cost of that path.
+        left: ``[N]``, sum of the robots' remaining distances (the heuristic).
+        tried: ``[N]``, number of constraints that were tried.
+        edges: ``[N]``, first outgoing edge, or ``NONE``.
         edge_to: ``[E]``, configuration that an edge leads to.
         edge_next: ``[E]``, next edge from the same configuration.
-        table: hash table of the configurations plus one; 0 is free. Its size is a power of 2.
+        table: hash table of configuration numbers plus one; 0 is a free slot. Its size is a power
+            of 2.
         opened: stack of configurations to visit.
-        entries: ``[N]``, how often each is in the stack.
-        queue: ``[N + 1]``, configurations whose ways have become cheaper.
-        is_queued: ``[N]``, 1 for those in the queue.
-        ranks: ``[R]``, robots by falling length of their ways.
-        rows: ``[R]``, as in ``Robots``, of distances in steps.
-        counts: ``[5]``: configurations, edges, height of the stack, last configuration of the
-            best plan or ``NONE``, and 1 if the search goes on after the first plan.
+        entries: ``[N]``, number of times that each configuration is in the stack.
+        queue: ``[N + 1]``, configurations whose paths have become cheaper.
+        is_queued: ``[N]``, 1 for the configurations in the queue.
+        ranks: ``[R]``, robots by decreasing length of their paths.
+        rows: ``[R]``, as in ``Robots``, for distances in steps.
+        counts: ``[5]``: number of configurations, number of edges, height of the stack, last
+            configuration of the best plan or ``NONE``, and 1 if the search continues after the
+            first plan.
     """
 
     places: Buffer
@@ -77,17 +83,17 @@ class Search(NamedTuple):
 
 
 NODES, EDGES, HEIGHT, BEST, ANYTIME = range(5)
-"""Places in ``counts``."""
+"""Indices of ``counts``."""
 
 ROOM = 64
-"""Configurations for which there is room at first."""
+"""Capacity in configurations at the start."""
 
 PER_NODE = ("parent", "cost", "left", "tried", "edges", "entries", "queue", "is_queued")
-"""Buffers with a number for each configuration."""
+"""Buffers with one number for each configuration."""
 
 
 def new_search(robots: int) -> Search:
-    """Return the buffers of a search that knows nothing yet."""
+    """Return the empty buffers of a search."""
     search = Search(
         places=buffer(ROOM * robots), orders=buffer(ROOM * robots), parent=buffer(ROOM),
         cost=buffer(ROOM), left=buffer(ROOM), tried=buffer(ROOM), edges=buffer(ROOM),
@@ -100,7 +106,7 @@ def new_search(robots: int) -> Search:
 
 
 def enlarged_search(search: Search) -> Search:
-    """Return a search with twice the room where it is short of it."""
+    """Return a search in which every buffer that is nearly full has twice the capacity."""
     counts, short = search.counts, list[str]()
     if counts[NODES] == len(search.parent):
         short += [*PER_NODE, "places", "orders"]
@@ -118,7 +124,7 @@ def enlarged_search(search: Search) -> Search:
 
 @kernel
 def is_full(search: Search) -> bool:
-    """Return whether there is no room for another configuration, or another edge."""
+    """Return whether the buffers lack room for another configuration or another edge."""
     counts = search.counts
     is_short = counts[NODES] == len(search.parent) or counts[EDGES] == len(search.edge_to)
     # Each configuration that becomes cheaper is opened again.
@@ -127,9 +133,9 @@ def is_full(search: Search) -> bool:
 
 @kernel
 def slot_of(search: Search, places: Buffer, first: int) -> int:
-    """Return where a configuration is in the hash table, or the free slot where it would be.
+    """Return the slot of a configuration in the hash table, or the free slot that it would get.
 
-    Its places are those from ``first`` in a buffer.
+    The places of the configuration begin at index ``first`` of a buffer.
     """
     count, table, known = len(search.ranks), search.table, search.places
     mask, key = len(table) - 1, 0
@@ -149,14 +155,14 @@ def slot_of(search: Search, places: Buffer, first: int) -> int:
 
 @kernel
 def fill_table(search: Search) -> None:
-    """Write all configurations into the hash table, which is empty."""
+    """Write all configurations into the empty hash table."""
     for node in range(search.counts[NODES]):
         search.table[slot_of(search, search.places, node * len(search.ranks))] = node + 1
 
 
 @kernel
 def step_cost(search: Search, robots: Robots, floor: Places, node: int, after: int) -> int:
-    """Return the cost of a joint step."""
+    """Return the cost of the joint step from a configuration to another."""
     count, places, cost = len(robots.goals), search.places, 0
     for robot in range(count):
         goal = robots.goals[robot]
@@ -167,7 +173,7 @@ def step_cost(search: Search, robots: Robots, floor: Places, node: int, after: i
 
 @kernel
 def push(search: Search, node: int) -> None:
-    """Put a configuration on the stack of those to visit."""
+    """Push a configuration onto the stack of configurations to visit."""
     search.opened[search.counts[HEIGHT]] = node
     search.counts[HEIGHT] += 1
     search.entries[node] += 1
@@ -175,14 +181,14 @@ def push(search: Search, node: int) -> None:
 
 @kernel
 def pop(search: Search) -> None:
-    """Take the last configuration from the stack."""
+    """Pop the last configuration from the stack."""
     search.counts[HEIGHT] -= 1
     search.entries[search.opened[search.counts[HEIGHT]]] -= 1
 
 
 @kernel
 def add_edge(search: Search, node: int, after: int) -> None:
-    """Add an edge from a configuration to another."""
+    """Add an edge between two configurations."""
     edge = search.counts[EDGES]
     search.edge_to[edge], search.edge_next[edge] = after, search.edges[node]
     search.edges[node] = edge
@@ -191,7 +197,7 @@ def add_edge(search: Search, node: int, after: int) -> None:
 
 @kernel
 def add(search: Search, robots: Robots, floor: Places, steps: Table, parent: int, slot: int) -> int:
-    """Add the configuration that robots have chosen, and open it; return its number."""
+    """Add the configuration that the robots have chosen, push it, and return its number."""
     counts, goals, chosen = search.counts, robots.goals, robots.chosen
     count, node, size = len(goals), counts[NODES], floor.size
     first, at, left = node * count, node * count, 0
@@ -199,7 +205,7 @@ def add(search: Search, robots: Robots, floor: Places, steps: Table, parent: int
     for robot in range(count):
         search.places[first + robot] = chosen[robot]
         left += steps[search.rows[robot] + chosen[robot]]
-    # Robots keep their order until they reach their goals, and are the last from then on.
+    # Robots keep their order until they reach their goals. From then on they come last.
     for number in range(count):
         robot = search.ranks[number] if parent == NONE else search.orders[parent * count + number]
         if chosen[robot] % size != goals[robot]:
@@ -222,7 +228,7 @@ def add(search: Search, robots: Robots, floor: Places, steps: Table, parent: int
 
 @kernel
 def load(search: Search, robots: Robots, pibt: Pibt, node: int) -> None:
-    """Let robots stand as in a configuration, with nothing chosen."""
+    """Place the robots as in a configuration, with nothing chosen."""
     count, size = len(robots.goals), robots.size
     for robot in range(count):
         robots.robot_in[robots.places[robot] % size] = NOBODY
@@ -237,19 +243,19 @@ def load(search: Search, robots: Robots, pibt: Pibt, node: int) -> None:
 
 @kernel
 def options(floor: Places, place: int) -> int:
-    """Return the number of steps that a robot can take from a place; one of them is waiting."""
-    found = 0
+    """Return the number of steps, including waiting, that a robot can take from a place."""
+    number = 0
     for action in range(ACTIONS):
-        found += floor.near[place * ACTIONS + action] != floor.closed
-    return found
+        number += floor.near[place * ACTIONS + action] != floor.closed
+    return number
 
 
 @kernel
 def constrain(search: Search, robots: Robots, pibt: Pibt, floor: Places, node: int) -> int:
-    """Let the first robots take the steps of the next constraint of a configuration.
+    """Move the first robots as the next constraint of a configuration demands.
 
     Returns:
-        1 if they can, 0 if they cannot, ``NONE`` if all constraints were tried.
+        1 if they can move this way, 0 if they cannot, and ``NONE`` if all constraints were tried.
     """
     number, size, near = search.tried[node], floor.size, floor.near
     depth, block = 0, 1
@@ -280,7 +286,7 @@ def constrain(search: Search, robots: Robots, pibt: Pibt, floor: Places, node: i
 
 @kernel
 def reach_again(search: Search, robots: Robots, floor: Places, node: int, after: int) -> None:
-    """Take over an edge between known configurations, and what becomes cheaper by it."""
+    """Add an edge between known configurations, and update all costs that become lower."""
     cost = search.cost
     edge = search.edges[node]
     while edge != NONE:
@@ -298,14 +304,14 @@ def reach_again(search: Search, robots: Robots, floor: Places, node: int, after:
         edge = search.edges[here]
         while edge != NONE:
             to = search.edge_to[edge]
-            if cost[here] + 1 <= cost[to]:  # no step is free but that from the goal to itself
+            if cost[here] + 1 <= cost[to]:  # only waiting at the goal is free
                 total = cost[here] + step_cost(search, robots, floor, here, to)
                 if total < cost[to]:
                     cost[to], search.parent[to] = total, here
                     if not search.is_queued[to]:
                         search.queue[last], search.is_queued[to] = to, 1
                         last = (last + 1) % room
-                    if not search.entries[to]:  # it was left because it was too expensive
+                    if not search.entries[to]:  # it was dropped when it was too expensive
                         push(search, to)
             edge = search.edge_next[edge]
 
@@ -315,16 +321,16 @@ def explore(
     search: Search, robots: Robots, pibt: Pibt, epibt: Epibt, floor: Places, fields: Table,
     steps: Table, rounds: int,
 ) -> int:  # fmt: skip
-    """Search on for some rounds of PIBT or EPIBT.
+    """Continue the search for at most ``rounds`` rounds of PIBT or EPIBT.
 
     Args:
         search: known configurations.
-        robots: robots of any configuration.
-        pibt: buffers of PIBT, whose ``is_taken`` is used with headings too.
-        epibt: buffers of EPIBT if the robots have headings, else of no use.
+        robots: buffers of the robots, in any configuration.
+        pibt: buffers of PIBT. Robots with headings use its ``is_taken`` too.
+        epibt: buffers of EPIBT, which are unused if the robots have no headings.
         floor: floor of the robots.
         fields: distances that guide the robots.
-        steps: distances in steps, which bound the costs.
+        steps: distances in steps, which are lower bounds on the costs.
         rounds: rounds after which the search pauses.
 
     Returns:
@@ -341,7 +347,7 @@ def explore(
         if best != NONE and cost[node] + left[node] >= cost[best]:
             pop(search)
             continue
-        if left[node] == 0:  # with headings there are several such configurations
+        if left[node] == 0:  # with headings several configurations have all robots at their goals
             counts[BEST] = node
             if counts[ANYTIME] == 0:
                 return FOUND
@@ -374,8 +380,9 @@ def explore(
 
 
 def prepare_solvers() -> None:
-    """Compile the kernels of LaCAM, LaCAM* and refinement; what is compiled is kept.
+    """Compile the kernels of LaCAM, LaCAM* and LNS, and cache the result on disk.
 
-    That takes some seconds once on a machine, which must not count against a limit of time.
+    The first compilation on a machine takes some seconds, which must not count against a time
+    limit.
     """
     prepare(measure, add, explore, fill_table, improve)

@@ -1,11 +1,12 @@
-"""Large-neighbourhood search: groups of robots are planned anew, and what is no worse is kept.
+"""LNS, large neighborhood search: replan a group of robots, and keep the result if it is no worse.
 
-Groups are robots at random, robots in the way of one that is late, or robots that are near one
-another. Kinds and sizes of groups that gained more for the work are drawn more often.
+A neighborhood is a group of random robots, of robots that delay a late one, or of robots that are
+near one another. Kinds and sizes of groups that saved more cost per unit of work are chosen more
+often (adaptive LNS).
 
 Sources: Li, Chen, Harabor, Stuckey and Koenig (2021), Anytime multi-agent path finding via large
-neighborhood search, IJCAI. Ropke and Pisinger (2006), An adaptive large neighborhood search
-heuristic, Transportation Science 40, for the weights.
+neighborhood search, IJCAI. The weights follow Ropke and Pisinger (2006), An adaptive large
+neighborhood search heuristic, Transportation Science 40.
 """
 
 from __future__ import annotations
@@ -19,33 +20,33 @@ from agents.mapf.kernels.robots import draw, first_random
 from agents.mapf.kernels.space_time_astar import Frontier, Paths, find_route, reserve
 
 AT_RANDOM, LATE, NEAR = range(3)
-"""Kinds of groups."""
+"""Kinds of groups: random robots, a late robot and those that delay it, or robots nearby."""
 
 KINDS, SIZES = 3, 4
-"""Numbers of kinds and of sizes; the sizes are powers of 2, from 2 on."""
+"""Numbers of kinds and of sizes. The sizes are the powers of 2 from 2 to 16."""
 
 PORTION = 10
-"""Groups between two looks at the clock."""
+"""Number of groups that are replanned between two looks at the clock."""
 
 MOST = 16
-"""Most robots in a group."""
+"""Largest size of a group."""
 
 WEIGHT, MOST_WEIGHT = 1 << 18, 1 << 26
-"""Weight of each kind and size at first, and at most; their sum times chance fits 64 bits."""
+"""Initial and largest weight of a kind and size. Their sum times 32 random bits fits 64 bits."""
 
 SHARE, FLOOR_SHARE = 10, 20
-"""Each result changes a weight by a tenth, and no weight is below a twentieth of the largest."""
+"""Each result changes a weight by 1/10, and no weight falls below 1/20 of the largest."""
 
 
 class Groups(NamedTuple):
-    """Buffers of the search.
+    """Buffers of the search, for ``R`` robots and paths of ``T`` times.
 
     Attributes:
-        members: ``[MOST + 1]``, the robots of a group; the last entry is their number.
+        members: ``[MOST + 1]``, the robots of a group. The last entry is their number.
         is_in: ``[R]``, 1 for robots in the group.
-        saved: ``[MOST * T]``, their places before.
-        costs: ``[MOST]``, costs of their new routes.
-        weights: ``[KINDS * SIZES]``.
+        saved: ``[MOST * T]``, the previous paths of the group.
+        costs: ``[MOST]``, costs of the new paths of the group.
+        weights: ``[KINDS * SIZES]``, probability weight of each kind and size.
         random: ``[1]``, state of the random numbers, not 0.
     """
 
@@ -68,7 +69,7 @@ def new_groups(robots: int, times: int, seed: int | None) -> Groups:
 
 @kernel
 def join(groups: Groups, robot: int, size: int) -> bool:
-    """Add a robot to the group, unless it is in; return whether the group has its size."""
+    """Add a robot to the group unless it is a member; return whether the group is complete."""
     if groups.members[MOST] < size and groups.is_in[robot] == 0:
         groups.members[groups.members[MOST]] = robot
         groups.members[MOST] += 1
@@ -78,14 +79,14 @@ def join(groups: Groups, robot: int, size: int) -> bool:
 
 @kernel
 def delay(routes: Paths, fields: Table, robot: int) -> int:
-    """Return by how much the route of a robot is longer than the shortest."""
+    """Return how much more the path of a robot costs than its cheapest path."""
     left = fields[routes.rows[robot] + routes.places[robot * routes.times]]
     return 0 if left >= FAR else routes.costs[robot] - left
 
 
 @kernel
 def late_robot(routes: Paths, groups: Groups, fields: Table) -> int:
-    """Return the latest of some robots at random."""
+    """Return the most delayed of eight random robots."""
     robots, random = len(routes.costs), groups.random
     latest = draw(random) % robots
     for _ in range(7):
@@ -97,7 +98,7 @@ def late_robot(routes: Paths, groups: Groups, fields: Table) -> int:
 
 @kernel
 def gather_late(floor: Places, routes: Paths, groups: Groups, fields: Table, size: int) -> None:
-    """Gather a late robot and those whom it meets on walks that would bring it there sooner."""
+    """Gather a late robot and robots that block random walks which would bring it there sooner."""
     times, random, near = routes.times, groups.random, floor.near
     robot = late_robot(routes, groups, fields)
     goal_row, cost = routes.rows[robot], routes.costs[robot]
@@ -130,7 +131,7 @@ def gather_late(floor: Places, routes: Paths, groups: Groups, fields: Table, siz
 
 @kernel
 def gather_near(floor: Places, routes: Paths, groups: Groups, size: int) -> None:
-    """Gather robots that pass cells at some time, on walks from a cell where one of them is."""
+    """Gather robots that pass near a random place of one robot at about the same time."""
     times, random = routes.times, groups.random
     robot = draw(random) % len(routes.costs)
     join(groups, robot, size)
@@ -155,7 +156,7 @@ def gather_near(floor: Places, routes: Paths, groups: Groups, size: int) -> None
 def gather(
     floor: Places, routes: Paths, groups: Groups, fields: Table, kind: int, size: int
 ) -> None:
-    """Gather a group of at most so many robots in a random order."""
+    """Gather a group of at most ``size`` robots, in random order."""
     members, random, robots = groups.members, groups.random, len(routes.costs)
     members[MOST] = 0
     size = min(size, robots)
@@ -177,7 +178,7 @@ def gather(
 def plan_anew(
     floor: Places, routes: Paths, frontier: Frontier, groups: Groups, fields: Table
 ) -> int:
-    """Plan the group anew, one robot after the other; return what is gained, 0 or more."""
+    """Replan the robots of the group one after the other, and return the cost saved, 0 or more."""
     members, saved, times, costs = groups.members, groups.saved, routes.times, routes.costs
     number, left, least, done = members[MOST], 0, 0, 0
     for at in range(number):
@@ -218,7 +219,7 @@ def plan_anew(
 def renew(
     floor: Places, routes: Paths, frontier: Frontier, groups: Groups, fields: Table, robots: Buffer
 ) -> None:
-    """Plan some robots anew, each alone."""
+    """Replan some robots, each as a group of its own."""
     for robot in robots:
         groups.members[0], groups.members[MOST] = robot, 1
         plan_anew(floor, routes, frontier, groups, fields)
@@ -228,7 +229,7 @@ def renew(
 def improve(
     floor: Places, routes: Paths, frontier: Frontier, groups: Groups, fields: Table, trials: int
 ) -> None:
-    """Plan so many groups anew."""
+    """Choose and replan ``trials`` groups."""
     weights = groups.weights
     for _ in range(trials):
         most = 0
@@ -238,9 +239,9 @@ def improve(
         for arm in range(KINDS * SIZES):
             weights[arm] = max(weights[arm], most // FLOOR_SHARE + 1)
             whole += weights[arm]
-        drawn, arm = draw(groups.random) * whole >> 32, 0
-        while drawn >= weights[arm]:
-            drawn -= weights[arm]
+        chance, arm = draw(groups.random) * whole >> 32, 0
+        while chance >= weights[arm]:
+            chance -= weights[arm]
             arm += 1
         gather(floor, routes, groups, fields, arm % KINDS, 2 << arm // KINDS)
         before = frontier.serial[1]
@@ -253,7 +254,7 @@ def improve_until(
     floor: Places, routes: Paths, frontier: Frontier, groups: Groups, fields: Table,
     deadline: float, trials: float,
 ) -> int:  # fmt: skip
-    """Plan so many groups anew, or until the deadline of ``perf_counter``; return their number."""
+    """Replan ``trials`` groups or stop at a ``perf_counter`` deadline; return the number."""
     tried = 0
     while tried < trials and perf_counter() < deadline:
         number = int(min(PORTION, trials - tried))

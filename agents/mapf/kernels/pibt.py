@@ -1,12 +1,15 @@
-"""One joint step by PIBT: each robot chooses its next place, in the order of priorities.
+"""PIBT, priority inheritance with backtracking: in each step the robots choose cells by priority.
 
-A robot that wants the cell of another gives it its priority: the other chooses next, and if it
-finds no cell it stays, and the first tries its next choice. Two robots that meet head-on where
-neither can pass *swap*: one backs off to where two ways lead on, and pulls the other after it.
+A robot chooses the cell nearest to its goal. If a robot of lower priority is in that cell, this
+robot inherits the priority and chooses next. If it finds no free cell, it stays, and the first
+robot tries its next choice (backtracking).
+
+Two robots that meet head-on in a corridor *swap*. One of them backs off to a junction and pulls the
+other robot after it, so that they can pass each other there.
 
 Sources: Okumura, Machida, Défago and Tamura (2022), Priority inheritance with backtracking for
-iterative multi-agent path finding, Artificial Intelligence 310. Swaps: Okumura (2023), Improving
-LaCAM for scalable eventually optimal multi-agent pathfinding, IJCAI.
+iterative multi-agent path finding, Artificial Intelligence 310. The swap operation comes from
+Okumura (2023), Improving LaCAM for scalable eventually optimal multi-agent pathfinding, IJCAI.
 """
 
 from __future__ import annotations
@@ -18,31 +21,32 @@ from agents.mapf.kernels.places import ACTIONS, FAR, STAY, Places
 from agents.mapf.kernels.robots import NOBODY, SPREAD, UNDECIDED, Robots, draw, mix
 
 CHOSEN, CLOSED = 1, 2
-"""Marks of a cell that is somebody's next, and of one that only who is in it can have."""
+"""Marks in ``is_taken``: a robot has chosen this cell, or only the robot inside may keep it."""
 
 WAIT_KEY, OCCUPIED_KEY, CHANCE_KEY = 20, 20, 7
-"""Keys of a choice in fortieths of a step: waiting, somebody in the cell, and the most of chance.
+"""Penalties in the key of a choice: for waiting, for an occupied cell, and the largest random one.
 
-Together they are less than two steps, so that no robot waits behind one that it could push.
+The unit is 1/40 of a step. Together they are less than two steps. A larger sum would make a robot
+wait behind another robot that it could push.
 """
 
 STEP_KEY = 40
-"""A step in the units of these keys."""
+"""Length of one step in the unit of the keys."""
 
 
 class Pibt(NamedTuple):
-    """What PIBT knows of ``R`` robots; all buffers are ``[R]`` but for those that say so.
+    """State of PIBT for ``R`` robots. The shape of a buffer is ``[R]`` unless stated otherwise.
 
     Attributes:
-        pushers: robot that made each choose before its turn, or ``NOBODY``.
-        is_taken: ``[size]``, ``CHOSEN``, ``CLOSED``, or 0.
-        choices: ``[R * 5]``, places that each can go to, the best first.
-        options: number of these.
-        tried: number of choices that each has tried.
-        partner: robot that each swaps with, or ``NOBODY``.
-        keys: ``[5]``, used while choices are sorted.
-        is_sorted: ``[1]``, 1 if all choices are in order before a round.
-        is_final: ``[1]``, 1 if robots stay at their goals for good; others leave them again.
+        pushers: robot that made each robot choose before its turn, or ``NOBODY``.
+        is_taken: ``[size]``, ``CHOSEN``, ``CLOSED``, or 0 for each cell.
+        choices: ``[R * 5]``, places that each robot can go to, best first.
+        options: number of these choices.
+        tried: number of choices that each robot has tried.
+        partner: robot that each robot swaps with, or ``NOBODY``.
+        keys: ``[5]``, sort keys of the choices of one robot.
+        is_sorted: ``[1]``, 1 if all choices are sorted before a round.
+        is_final: ``[1]``, 1 if robots stay at their goals for good, 0 if they leave them again.
     """
 
     pushers: Buffer
@@ -57,7 +61,7 @@ class Pibt(NamedTuple):
 
 
 def pibt_of(size: int, robots: int, is_final: bool = False) -> Pibt:
-    """Return the buffers of PIBT on so many cells, with nothing taken."""
+    """Return the buffers of PIBT for the given numbers of cells and robots, with no cell taken."""
     return Pibt(
         pushers=buffer(robots, NOBODY), is_taken=buffer(size), choices=buffer(robots * ACTIONS),
         options=buffer(robots), tried=buffer(robots), partner=buffer(robots),
@@ -67,7 +71,7 @@ def pibt_of(size: int, robots: int, is_final: bool = False) -> Pibt:
 
 @kernel
 def sort_choices(floor: Places, robots: Robots, pibt: Pibt, fields: Table, robot: int) -> None:
-    """Write the places that a robot can go to into its choices, the best first."""
+    """Write the places that a robot can go to into its choices, best first."""
     size, near, price, closed = floor.size, floor.near, floor.price, floor.closed
     robot_in, choices, keys = robots.robot_in, pibt.choices, pibt.keys
     place, row, first = robots.places[robot], robots.rows[robot], robot * ACTIONS
@@ -98,9 +102,9 @@ def sort_choices(floor: Places, robots: Robots, pibt: Pibt, fields: Table, robot
 
 @kernel
 def exits(floor: Places, robots: Robots, cell: int, behind: int) -> int:
-    """Return the other ways on from a cell: their number times ``size``, plus the last of them.
+    """Return the exits of a cell other than ``behind``: their number times ``size`` plus the last.
 
-    Dead ends in which a robot has its goal are none.
+    A dead end does not count as an exit if a robot is there that has its goal there.
     """
     size, near, degree, robot_in = floor.size, floor.near, floor.degree, robots.robot_in
     number, last = 0, 0
@@ -118,16 +122,16 @@ def exits(floor: Places, robots: Robots, cell: int, behind: int) -> int:
 
 @kernel
 def has_room(floor: Places, robots: Robots, behind: int, ahead: int, crowd: int) -> bool:
-    """Return whether so many robots can be pushed on to ``ahead`` and beyond it."""
+    """Return whether ``crowd`` robots can be pushed into the cells from ``ahead`` on."""
     start, cells = ahead, 0
     while True:
         cells += 1
         crowd += robots.robot_in[ahead] != NOBODY
-        found = exits(floor, robots, ahead, behind)
-        if found < floor.size:
+        onward = exits(floor, robots, ahead, behind)
+        if onward < floor.size:
             return crowd <= cells
-        behind, ahead = ahead, found % floor.size
-        if found >= 2 * floor.size or ahead == start:
+        behind, ahead = ahead, onward % floor.size
+        if onward >= 2 * floor.size or ahead == start:
             return True
 
 
@@ -142,7 +146,7 @@ def needs_swap(
     behind: int,
     ahead: int,
 ) -> bool:
-    """Return whether two robots have to change places, since pushing on leads nowhere."""
+    """Return whether two robots must swap because pushing on would not let them pass each other."""
     push, pull = robots.rows[pusher], robots.rows[puller]
     is_dead_end, comes_out, crowd = False, False, 0
     while fields[push + ahead] < fields[push + behind]:
@@ -151,15 +155,15 @@ def needs_swap(
             row, crowd = robots.rows[other], crowd + 1
             is_back = fields[row + behind] < fields[row + ahead]
             comes_out = comes_out or is_back or robots.goals[other] == ahead
-        found = exits(floor, robots, ahead, behind)
-        if found >= 2 * floor.size:
+        onward = exits(floor, robots, ahead, behind)
+        if onward >= 2 * floor.size:
             return False
-        if found < floor.size:
+        if onward < floor.size:
             is_dead_end = True
             break
-        behind, ahead = ahead, found - floor.size
+        behind, ahead = ahead, onward - floor.size
     is_back = fields[pull + behind] < fields[pull + ahead]
-    if pibt.is_final[0] == 0:  # the pusher leaves its goal again, and only has to get there
+    if pibt.is_final[0] == 0:  # the pusher only has to reach its goal, as it leaves it again
         comes_out = comes_out or (is_back and robots.goals[pusher] != robots.goals[puller])
         return comes_out and (is_dead_end or not has_room(floor, robots, behind, ahead, crowd))
     return is_back and (is_dead_end or behind == robots.goals[pusher])
@@ -167,31 +171,31 @@ def needs_swap(
 
 @kernel
 def can_swap(floor: Places, robots: Robots, behind: int, ahead: int) -> bool:
-    """Return whether the way from ``behind`` by ``ahead`` leads to where two ways lead on."""
+    """Return whether the corridor from ``behind`` through ``ahead`` leads to a junction."""
     start = behind
     while ahead != start:
-        found = exits(floor, robots, ahead, behind)
-        if found >= 2 * floor.size:
+        onward = exits(floor, robots, ahead, behind)
+        if onward >= 2 * floor.size:
             return True
-        if found < floor.size:
+        if onward < floor.size:
             return False
-        behind, ahead = ahead, found - floor.size
+        behind, ahead = ahead, onward - floor.size
     return False
 
 
 @kernel
 def swap_partner(floor: Places, robots: Robots, pibt: Pibt, fields: Table, robot: int) -> int:
-    """Return the undecided robot that has to pass a robot, or ``NOBODY``.
+    """Return the undecided robot that a robot has to swap with, or ``NOBODY``.
 
-    It is the one ahead, or, to clear the way for it, one beside that wants to go on as this does.
-    Robots with headings do not swap.
+    This is the robot ahead. It can also be a neighbour that wants to go the same way and can only
+    pass if this robot backs off. Robots with headings do not swap.
     """
     size, near, robot_in, row = floor.size, floor.near, robots.robot_in, robots.rows[robot]
     here, ahead = robots.places[robot] % size, pibt.choices[robot * ACTIONS] % size
     if ahead == here or floor.closed != size:
         return NOBODY
     if floor.through[ahead] > 2 and fields[row + ahead] < fields[row + here]:
-        return NOBODY  # they can pass each other there, which is found sooner so
+        return NOBODY  # they can pass each other there; this test is cheaper
     other = robot_in[ahead]
     if (
         other != NOBODY
@@ -216,7 +220,7 @@ def swap_partner(floor: Places, robots: Robots, pibt: Pibt, fields: Table, robot
 
 @kernel
 def begin(floor: Places, robots: Robots, pibt: Pibt, fields: Table, robot: int) -> None:
-    """Let a robot begin to choose: the best place first, or the worst if it backs off."""
+    """Start the choice of a robot. It tries its best place first, or its worst one to back off."""
     if pibt.is_sorted[0] == 0:
         sort_choices(floor, robots, pibt, fields, robot)
     pibt.tried[robot] = 0
@@ -232,7 +236,7 @@ def begin(floor: Places, robots: Robots, pibt: Pibt, fields: Table, robot: int) 
 
 @kernel
 def pull(floor: Places, robots: Robots, pibt: Pibt, robot: int) -> None:
-    """Let the robot that swaps with one that backs off follow it, if both can."""
+    """Move the swap partner of a robot that backs off into the cell that it leaves, if possible."""
     partner, here = pibt.partner[robot], robots.places[robot] % floor.size
     if partner == NOBODY or pibt.tried[robot] != 1 or robots.chosen[partner] != UNDECIDED:
         return
@@ -247,14 +251,14 @@ def pull(floor: Places, robots: Robots, pibt: Pibt, robot: int) -> None:
 
 @kernel
 def choose(floor: Places, robots: Robots, pibt: Pibt, fields: Table) -> bool:
-    """Choose the next places of all undecided robots, in one round of PIBT.
+    """Choose the next places of all undecided robots in one round of PIBT.
 
-    The round is a loop with a stack, since chains of thousands of robots that push each other
-    would exceed Python's limit on recursion.
+    The round is a loop with an explicit stack, because chains of thousands of robots that push each
+    other would exceed Python's recursion limit.
 
     Returns:
-        True if each robot has a cell of its own. It is false only if the cell of an undecided
-        robot was taken before.
+        True if each robot has a cell of its own. False occurs only if the cell of an undecided
+        robot was taken before the round.
     """
     size, places, chosen, is_taken = floor.size, robots.places, robots.chosen, pibt.is_taken
     robot_in, choices, options, tried = robots.robot_in, pibt.choices, pibt.options, pibt.tried
@@ -279,7 +283,7 @@ def choose(floor: Places, robots: Robots, pibt: Pibt, fields: Table) -> bool:
                     and chosen[other] != UNDECIDED
                     and chosen[other] % size == here
                 ):
-                    continue  # somebody else will be there, or they would change places
+                    continue  # another robot takes the cell, or the two would swap cells
                 chosen[robot], is_taken[cell], is_found = place, CHOSEN, True
             if is_found and other not in (NOBODY, robot) and chosen[other] == UNDECIDED:
                 robots.stack[depth] = robot
@@ -288,13 +292,13 @@ def choose(floor: Places, robots: Robots, pibt: Pibt, fields: Table) -> bool:
                 robot = other
                 begin(floor, robots, pibt, fields, robot)
                 continue
-            if is_found:  # the cell will be free, so all who pushed get theirs
+            if is_found:  # the cell will be free, so all robots that pushed get their choices
                 pull(floor, robots, pibt, robot)
                 while depth > 0:
                     depth -= 1
                     pull(floor, robots, pibt, robots.stack[depth])
                 break
-            # Nothing is left to try: it stays, and who pushed it tries another cell.
+            # No choice is left. The robot stays, and the robot that pushed it tries another cell.
             chosen[robot] = places[robot]
             pibt.pushers[robot] = NOBODY
             is_complete = is_complete and (depth > 0 or is_taken[here] != CHOSEN)

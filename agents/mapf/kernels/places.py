@@ -1,7 +1,7 @@
 """The places of a floor, the steps between them, and distance fields.
 
-Places are numbers as in ``graph.py``: cells, or four times as many where robots have headings. The
-cell of a place is its remainder by the number of cells.
+Places are numbered as in ``graph.py``: a place is a cell, or a cell with one of four headings. The
+cell of a place is ``place % size``.
 """
 
 from __future__ import annotations
@@ -11,20 +11,21 @@ from typing import NamedTuple
 from agents.mapf.kernels.buffers import Buffer, Table, kernel
 
 STAY = 4
-"""Number of the action that stays; there are ``ACTIONS`` actions, N, E, S, W and this."""
+"""Index of the waiting action. The ``ACTIONS`` actions are N, E, S, W and this one."""
 
 ACTIONS = 5
 
 FORWARD, TURNS = 0, 3
-"""Number of the move of a robot with a heading, and number of no action: the numbers between them
-turn it to the right and to the left.
+"""Actions of a robot with a heading: moving forward, and the end of the range of actions.
+
+The numbers between them are a turn to the right and a turn to the left.
 """
 
 NONE = -1
-"""Number in place of an entry, a configuration or a cost where there is none."""
+"""Marks a missing entry, configuration or cost."""
 
 FAR = 1 << 30
-"""Distance of a place that no way leads from."""
+"""Distance of a place from which the goal is unreachable."""
 
 
 class Places(NamedTuple):
@@ -32,13 +33,13 @@ class Places(NamedTuple):
 
     Attributes:
         size: number of cells.
-        closed: number of places, which stands for where no step leads.
+        closed: number of places, which also marks a step that leads nowhere.
         near: ``[places * 5]``, place that each action leads to from each place, or ``closed``. With
             headings the actions are ``FORWARD``, two turns, one that leads nowhere, and ``STAY``.
         price: ``[places * 5]``, cost of each of these steps.
         cell: ``[places]``, cell of each place.
-        degree: ``[size]``, cells beside each cell.
-        through: ``[size]``, cells beside each cell that are no dead ends.
+        degree: ``[size]``, number of neighbours of each cell.
+        through: ``[size]``, number of neighbours of each cell that are not dead ends.
         step: cost of a step without lanes and turns, 1 or more.
     """
 
@@ -56,16 +57,18 @@ class Places(NamedTuple):
 def measure(
     floor: Places, goal: int, field: Table, heads: Buffer, entries: Buffer, below: Buffer
 ) -> None:
-    """Write the cost of the cheapest way from each place to a goal into a field.
+    """Write the cost of the cheapest path from each place to a goal into a field.
+
+    The search is Dijkstra's with buckets in place of a heap (Dial, 1969).
 
     Args:
         floor: floor whose places are cells.
         goal: cell that has the distance 0.
         field: ``[places]``, all ``FAR`` before.
-        heads: last entry of each bucket, one more than the highest price, all ``NONE``. The
-            buckets are used in turn, as Dial (1969) does.
+        heads: last entry of each bucket, all ``NONE`` before. There is one bucket more than the
+            highest price, and the buckets are used cyclically.
         entries: ``[places * 4 + 4]``, places in buckets.
-        below: ``[places * 4 + 4]``, entry before each in its bucket, or ``NONE``.
+        below: ``[places * 4 + 4]``, previous entry in the same bucket, or ``NONE``.
     """
     near, price, span = floor.near, floor.price, len(heads)
     field[goal], entries[0], below[0], heads[0] = 0, goal, NONE, 0
@@ -78,10 +81,10 @@ def measure(
         heads[distance % span], place = below[entry], entries[entry]
         waiting -= 1
         if field[place] != distance:
-            continue  # a cheaper way was found since
+            continue  # a cheaper path has been found since
         for number in range(STAY):
             before = near[place * ACTIONS + number]
-            step = before * ACTIONS + (number ^ 2)  # back again
+            step = before * ACTIONS + (number ^ 2)  # the opposite move
             if before == floor.closed or near[step] != place:
                 continue
             reached = distance + price[step]
@@ -93,18 +96,18 @@ def measure(
 
 
 class Turning(NamedTuple):
-    """Steps that lead to the places of robots with headings, and what ``measure_turning`` uses.
+    """Reverse steps between the places of robots with headings, and buffers of ``measure_turning``.
 
-    The place of a robot is ``4 * n + heading`` here, where the open cells have numbers ``n``.
+    The place of a robot is ``4 * n + heading`` here, where ``n`` numbers the open cells.
 
     Attributes:
         turn: cost of a quarter turn.
         behind: ``[places]``, place from which a move leads to each place, or ``NONE``.
         price: ``[places]``, cost of that move.
-        heads: last entry of each bucket, one more than the highest price, all ``NONE``. The
-            buckets are used in turn, as Dial (1969) does.
+        heads: last entry of each bucket, all ``NONE`` between searches. There is one bucket more
+            than the highest price, and the buckets are used cyclically.
         entries: ``[places * 4]``, places in buckets.
-        below: ``[places * 4]``, entry before each in its bucket, or ``NONE``.
+        below: ``[places * 4]``, previous entry in the same bucket, or ``NONE``.
     """
 
     turn: int
@@ -117,12 +120,12 @@ class Turning(NamedTuple):
 
 @kernel
 def measure_turning(turning: Turning, goal: int, field: Table) -> None:
-    """Write the cost of the cheapest way from each place to a goal into a field.
+    """Write the cost of the cheapest path from each place to a goal into a field.
 
     Args:
         turning: steps between places.
-        goal: number of an open cell, all places of which have the distance 0.
-        field: ``[places]``, of any numbers before.
+        goal: number of an open cell. All of its places have the distance 0.
+        field: ``[places]``, overwritten.
     """
     behind, price, heads = turning.behind, turning.price, turning.heads
     entries, below = turning.entries, turning.below
@@ -143,7 +146,7 @@ def measure_turning(turning: Turning, goal: int, field: Table) -> None:
         heads[bucket], place = below[entry], entries[entry]
         waiting -= 1
         if field[place] != distance:
-            continue  # a cheaper way was found since
+            continue  # a cheaper path has been found since
         for number in range(TURNS):
             if number == FORWARD:
                 before, cost = behind[place], price[place]

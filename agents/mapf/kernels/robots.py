@@ -1,6 +1,6 @@
-"""The robots of a round, in which each chooses its next place; PIBT, EPIBT and circulations.
+"""The robots of a round of PIBT, EPIBT or circulation, in which each chooses its next place.
 
-Places are numbers as in ``graph.py``; the cell of a place is its remainder by ``size``.
+Places are numbered as in ``graph.py``. The cell of a place is ``place % size``.
 """
 
 from __future__ import annotations
@@ -12,30 +12,30 @@ import numpy as np
 from agents.mapf.kernels.buffers import Buffer, buffer, kernel
 
 NOBODY = -1
-"""Number in place of a robot where there is none."""
+"""Marks a missing robot."""
 
 UNDECIDED = -1
 """Next place of a robot that has not chosen yet."""
 
 SPREAD = 0x9E3779B9
-"""Multiplier of the number of a robot, so that each has another chance."""
+"""Multiplier of a robot's number, which gives each robot other random bits."""
 
 
 class Robots(NamedTuple):
-    """Robots in a round; all buffers are ``[R]`` but for those that say so.
+    """Robots in a round. The shape of a buffer is ``[R]`` unless stated otherwise.
 
     Attributes:
         size: number of cells.
         places: present places.
         goals: goal cells.
         rows: index of the distance field of each goal in the table of fields.
-        order: robots by falling priority.
+        order: robots by decreasing priority.
         stays: 1 for robots that have to stay in the first step of a plan.
-        chosen: next places, or ``UNDECIDED``. Robots with a next place before a round keep it.
-        stack: robots that wait for one that they push, or that have yet to choose.
+        chosen: next places, or ``UNDECIDED``. A robot with a next place before a round keeps it.
+        stack: robots that wait for a robot they push, or that have yet to choose.
         robot_in: ``[size]``, robot in each cell, or ``NOBODY``.
-        is_closed: ``[size]``, 1 for cells that nobody can enter.
-        random: ``[1]``, state of the random numbers, not 0; each round draws one or more.
+        is_closed: ``[size]``, 1 for cells that no robot can enter.
+        random: ``[1]``, state of the random numbers, not 0. Each round uses one or more of them.
     """
 
     size: int
@@ -52,7 +52,7 @@ class Robots(NamedTuple):
 
 
 def robots_of(size: int, robots: int, seed: int | None) -> Robots:
-    """Return the buffers of robots on so many cells, with nobody in them."""
+    """Return the buffers of robots for the given number of cells, with nobody in them."""
     return Robots(
         size=size, places=buffer(robots), goals=buffer(robots), rows=buffer(robots),
         order=buffer(robots), stays=buffer(robots), chosen=buffer(robots, UNDECIDED),
@@ -62,13 +62,13 @@ def robots_of(size: int, robots: int, seed: int | None) -> Robots:
 
 
 def first_random(seed: int | None) -> Buffer:
-    """Return the state of the random numbers of a seed."""
+    """Return the initial state of the random numbers for a seed."""
     return buffer(1, int(np.random.default_rng(seed).integers(1, 1 << 32)))
 
 
 @kernel
 def draw(random: Buffer) -> int:
-    """Return the next random number of 32 bits, by Marsaglia's xorshift (2003)."""
+    """Return the next 32-bit random number of Marsaglia's xorshift (2003)."""
     x = random[0]
     x ^= (x << 13) & 0xFFFFFFFF
     x ^= x >> 17
@@ -79,7 +79,7 @@ def draw(random: Buffer) -> int:
 
 @kernel
 def mix(number: int) -> int:
-    """Return 32 bits that look like chance, and that a number decides; arrays are taken too."""
+    """Return 32 pseudo-random bits that are a function of a number or an array of numbers."""
     number = ((number ^ (number >> 16)) * 0x45D9F3B) & 0xFFFFFFFF
     number = ((number ^ (number >> 16)) * 0x45D9F3B) & 0xFFFFFFFF
     return number ^ (number >> 16)

@@ -1,8 +1,8 @@
-"""Routes of all robots through a window: a round of PIBT, EPIBT or circulation for each step.
+"""Rolling horizon: paths of all robots through a window, with a round for each step.
 
-A robot that reaches its goal gives way from then on, since its next goal is not known. All three
-kinds of rounds have the same arguments: the robots, what the algorithm knows of them, the distance
-fields, and the times between which the places are written.
+Each round runs PIBT, EPIBT or a circulation. A robot that reaches its goal gives way from
+then on, since its next goal is unknown. All three functions take the same arguments: the robots,
+the state of the algorithm, the distance fields, and the first and last time.
 """
 
 from __future__ import annotations
@@ -21,7 +21,7 @@ from agents.mapf.kernels.space_time_astar import CLOSED_STEPS, Paths
 
 @kernel
 def route_cost(floor: Places, routes: Paths, fields: Table, robot: int) -> int:
-    """Return the cost of a route: until the robot is at its goal, or plus the distance left."""
+    """Return the cost of a path up to the goal; if it ends elsewhere, add the distance left."""
     first, row, goal = robot * routes.times, routes.rows[robot], routes.goals[robot]
     cost, place = 0, routes.places[first]
     if fields[row + place] >= FAR:
@@ -40,14 +40,14 @@ def route_cost(floor: Places, routes: Paths, fields: Table, robot: int) -> int:
 
 @kernel
 def stand_at(routes: Paths, robots: Robots, time: int) -> None:
-    """Let robots be where their routes are at a time."""
+    """Place the robots where their paths are at a time."""
     for robot in range(len(robots.places)):
         robots.places[robot] = routes.places[robot * routes.times + time]
 
 
 @kernel
 def begin_step(routes: Paths, robots: Robots, time: int) -> None:
-    """Let no robot have chosen but those that have to stay, and close cells if it is soon."""
+    """Reset the choices of the robots before a step, and close cells early in the window."""
     for robot in range(len(robots.places)):
         place, stays = robots.places[robot], time == 0 and robots.stays[robot] == 1
         robots.robot_in[place % robots.size] = robot
@@ -58,7 +58,7 @@ def begin_step(routes: Paths, robots: Robots, time: int) -> None:
 
 @kernel
 def end_step(routes: Paths, robots: Robots, time: int) -> None:
-    """Move robots to the places that they have chosen, and write these into their routes."""
+    """Move robots to the places that they have chosen, and write these into their paths."""
     for robot in range(len(robots.places)):
         robots.robot_in[robots.places[robot] % robots.size] = NOBODY
     for robot in range(len(robots.places)):
@@ -73,10 +73,10 @@ def end_step(routes: Paths, robots: Robots, time: int) -> None:
 def roll_pibt(
     floor: Places, routes: Paths, robots: Robots, pibt: Pibt, fields: Table, first: int, last: int
 ) -> None:
-    """Write the places at the times after ``first`` to ``last``, by a round of PIBT each.
+    """Write the places at the times ``first + 1`` to ``last``, with a round of PIBT for each step.
 
-    The robots that stay do so in the step from the time 0. The order of the robots is that at the
-    time ``first``.
+    Robots that have to stay do so in the step from time 0. The initial order of the robots is their
+    order at the time ``first``.
     """
     stand_at(routes, robots, first)
     for time in range(first, last):
@@ -100,7 +100,7 @@ def roll_epibt(
     floor: Places, routes: Paths, robots: Robots, epibt: Epibt, fields: Table, first: int,
     last: int,
 ) -> None:  # fmt: skip
-    """Do as ``roll_pibt`` by a round of EPIBT for each step."""
+    """Do the same as ``roll_pibt`` with a round of EPIBT for each step."""
     stand_at(routes, robots, first)
     for time in range(first, last):
         begin_step(routes, robots, time)
@@ -113,9 +113,9 @@ def roll_circulation(
     floor: Places, routes: Paths, robots: Robots, auction: Auction, fields: Table, first: int,
     last: int,
 ) -> None:  # fmt: skip
-    """Do as ``roll_pibt`` by a circulation for each step.
+    """Do the same as ``roll_pibt`` with a circulation for each step.
 
-    A robot that has been at its goal until the time ``first`` goes nowhere from then on.
+    A robot that has been at its goal by the time ``first`` has no reason to move from then on.
     """
     stand_at(routes, robots, first)
     for robot in range(len(robots.places)):
@@ -134,7 +134,7 @@ def roll_circulation(
 
 @kernel
 def lower(order: Buffer, places: Buffer, goals: Buffer, spare: Buffer, size: int) -> None:
-    """Put the robots that are at their goals last, else in the order of before."""
+    """Move the robots that are at their goals to the end of the order, keeping it otherwise."""
     count, rest = 0, 0
     for at in range(len(order)):
         robot = order[at]
@@ -150,7 +150,7 @@ def lower(order: Buffer, places: Buffer, goals: Buffer, spare: Buffer, size: int
 
 @kernel
 def prices(floor: Places, routes: Paths, fields: Table) -> int:
-    """Write the costs of all routes, and return their sum."""
+    """Write the costs of all paths, and return their sum."""
     total = 0
     for robot in range(len(routes.costs)):
         routes.costs[robot] = route_cost(floor, routes, fields, robot)

@@ -1,11 +1,11 @@
-"""Space-time A*: the cheapest route of one robot, around the routes that others have.
+"""Space-time A*: the cheapest path of one robot that avoids the reserved paths of the others.
 
-A *state* is a place at a time. Where routes are open-ended, states have a second layer, for robots
-that have been at their goals: from then on no step costs anything. Of equally good states the last
-is expanded first.
+A *state* is a place at a time. For open-ended paths, each state exists in a second layer for a
+robot that has already reached its goal. Steps in this layer cost nothing. Among equally good
+states, the one added last is expanded first.
 
-Sources: Silver (2005), Cooperative pathfinding, AIIDE: space-time A*. Dial (1969), Algorithm 360:
-buckets in place of a heap.
+Sources: Silver (2005), Cooperative pathfinding, AIIDE, for space-time A*. Dial (1969), Algorithm
+360, for buckets in place of a heap.
 """
 
 from __future__ import annotations
@@ -19,34 +19,34 @@ from agents.mapf.kernels.places import ACTIONS, FAR, NONE, STAY, Places
 from warehouse_core.world.tables import Integers
 
 CLOSED_STEPS = 5
-"""Steps for which closed cells are expected to stay closed."""
+"""Number of steps for which closed cells are expected to stay closed."""
 
 BUCKETS = 4_000
-"""Costs above the least possible one that a route may have."""
+"""Range of costs, from the lower bound up, that a path may have."""
 
 MAX_ENTRIES = 4_000_000
-"""States that a search may put into buckets."""
+"""Most states that a search may put into buckets."""
 
 KNOWN = 4
 SEEN, SPENT, CAME, TIME = range(KNOWN)
-"""Numbers that a search knows of a state."""
+"""Fields of the record that a search keeps for each state."""
 
 
 class Paths(NamedTuple):
-    """The routes of ``R`` robots through ``T`` times.
+    """The paths of ``R`` robots through ``T`` times.
 
     Attributes:
         times: ``T``.
-        is_open: 1 if routes may end before the goal, at the price of the distance left; 0 if each
+        is_open: 1 if paths may end before the goal, at the cost of the distance left; 0 if each
             robot has to be at its goal in the end.
         places: ``[R * T]``, the place of each robot at each time.
         reserved: ``[T * size]``, the robot in each cell at each time plus one, or 0.
-        costs: ``[R]``, the cost of each route.
+        costs: ``[R]``, the cost of each path.
         goals: ``[R]``, goal cells.
         rows: ``[R]``, index of the distance field of each goal in the table of fields.
         stays: ``[R]``, 1 for robots that have to stay in the first step.
-        closed: cells that nobody can enter in the first ``CLOSED_STEPS`` steps.
-        is_closed: ``[size]``, 1 for these.
+        closed: cells that no robot can enter in the first ``CLOSED_STEPS`` steps.
+        is_closed: ``[size]``, 1 for these cells.
     """
 
     times: int
@@ -62,19 +62,20 @@ class Paths(NamedTuple):
 
 
 Routes = Paths
-"""The former name. Numba cannot load its cache of earlier kernels without it."""
+"""Former name of ``Paths``, without which Numba cannot load its cache of earlier kernels."""
 
 
 class Frontier(NamedTuple):
-    """What a search for a route has seen; states are ``(layer * T + time) * places + place``.
+    """Records of a search for a path. State numbers are ``(layer * T + time) * places + place``.
 
     Attributes:
-        serial: ``[2]``, the number of the search, and the states that all have expanded.
-        known: ``[states * 4]``, of each state: number of the last search that has seen it, cost of
-            the route there, state before it, and its time. They are used together.
+        serial: ``[2]``, number of the current search, and number of states expanded in all
+            searches.
+        known: ``[states * 4]``, for each state: number of the last search that has seen it, cost of
+            the path to it, previous state, and its time. They are used together.
         heads: ``[BUCKETS]``, last entry of each bucket, or ``NONE``.
         entries: states in buckets.
-        below: entry before each in its bucket, or ``NONE``.
+        below: previous entry in the same bucket, or ``NONE``.
     """
 
     serial: Buffer
@@ -85,7 +86,7 @@ class Frontier(NamedTuple):
 
 
 def new_routes(floor: Places, robots: int, times: int, is_open: bool) -> Paths:
-    """Return the buffers of routes, with nothing reserved."""
+    """Return the buffers of paths, with nothing reserved."""
     return Paths(
         times=times, is_open=int(is_open), places=new_table(robots * times),
         reserved=new_table(times * floor.size), costs=buffer(robots),
@@ -95,7 +96,7 @@ def new_routes(floor: Places, robots: int, times: int, is_open: bool) -> Paths:
 
 
 def new_frontier(floor: Places, routes: Paths) -> Frontier:
-    """Return the buffers of searches for such routes."""
+    """Return the buffers for searches of such paths."""
     states = routes.times * floor.closed * (1 + routes.is_open)
     room = min(2 * states, MAX_ENTRIES) + ACTIONS
     return Frontier(
@@ -111,14 +112,14 @@ def new_table(size: int) -> Table:
 
 @kernel
 def reserve(floor: Places, routes: Paths, robot: int, holder: int) -> None:
-    """Write a number into the cells of the route of a robot: its own plus one, or 0."""
+    """Write a number into the reserved cells of a robot's path: the robot's own plus one, or 0."""
     first, size = robot * routes.times, floor.size
     for time in range(routes.times):
         routes.reserved[time * size + floor.cell[routes.places[first + time]]] = holder
 
 
 def reserve_only(floor: Places, routes: Paths, robots: Integers) -> None:
-    """Reserve the routes of some robots, and nothing else."""
+    """Reserve the paths of some robots, and nothing else."""
     reserved = np.asarray(routes.reserved).reshape(routes.times, floor.size)
     cells = np.asarray(routes.places).reshape(-1, routes.times)[robots] % floor.size
     reserved[:] = 0
@@ -127,7 +128,7 @@ def reserve_only(floor: Places, routes: Paths, robots: Integers) -> None:
 
 @kernel
 def free_from(floor: Places, routes: Paths, cell: int) -> int:
-    """Return the time from which on nobody else is in a cell."""
+    """Return the time from which no other robot is in a cell any more."""
     time = routes.times
     while time > 0 and routes.reserved[(time - 1) * floor.size + cell] == 0:
         time -= 1
@@ -144,19 +145,19 @@ def find_route(
     most: int,
     turn: int,
 ) -> int:
-    """Write the cheapest route of a robot among the reservations of others into its places.
+    """Write the cheapest path of a robot that avoids all reserved cells into ``routes``.
 
     Args:
         floor: floor of the robots.
-        routes: routes of all; nothing is reserved for this robot.
+        routes: paths of all robots; nothing is reserved for this robot.
         frontier: buffers of the search.
         fields: table of distance fields.
         robot: robot whose first place is known.
-        most: most that the route may cost.
-        turn: number by which the order of equally good steps is turned.
+        most: highest cost that the path may have.
+        turn: number of positions by which the order of equally good steps is rotated.
 
     Returns:
-        The cost, or ``NONE`` if there is no such route.
+        The cost, or ``NONE`` if there is no such path.
     """
     size, closed, near, price = floor.size, floor.closed, floor.near, floor.price
     times, reserved, known, cells = routes.times, routes.reserved, frontier.known, floor.cell
@@ -174,7 +175,7 @@ def find_route(
     if last < 0:
         return NONE
     frontier.serial[0] += 1
-    serial, count, bucket, found = frontier.serial[0], 1, 0, NONE
+    serial, count, bucket, last_state = frontier.serial[0], 1, 0, NONE
     entries[0], below[0], heads[0] = base + start, NONE, 0
     first = KNOWN * (base + start)
     known[first + SEEN], known[first + SPENT] = serial, 0
@@ -191,9 +192,9 @@ def find_route(
         cell = cells[place]
         left = 0 if has_arrived else fields[row + place]
         if max(cost + left, free) != least + bucket:
-            continue  # a cheaper way there was found since
+            continue  # a cheaper path there has been found since
         if time == times - 1 if routes.is_open == 1 else cell == goal and cost >= free:
-            found = state
+            last_state = state
             break
         if time == times - 1 or count + ACTIONS > len(entries):
             continue
@@ -201,7 +202,7 @@ def find_route(
         after = (time + 1) * size
         must_stay = time == 0 and routes.stays[robot] == 1
         for number in range(ACTIONS):
-            # Waiting is seen first, and so expanded last, but by a robot that has arrived.
+            # Waiting is added first, and so expanded last, except at the goal.
             action = STAY if number == 0 else (number + turn) & 3
             if has_arrived:
                 action = STAY if number == STAY else number
@@ -217,7 +218,7 @@ def find_route(
                 continue
             other = reserved[time * size + there]
             if other != 0 and other == reserved[after + cell]:
-                continue  # they would change places
+                continue  # the two would swap cells
             reached, total, left = (time + 1) * closed + to, cost, 0
             if has_arrived:
                 reached += later
@@ -238,10 +239,10 @@ def find_route(
             count += 1
     for level in range(last + 1):
         heads[level] = NONE
-    if found == NONE:
+    if last_state == NONE:
         return NONE
     total, end = least + bucket, times
-    state = found
+    state = last_state
     while state != NONE:
         time = known[KNOWN * state + TIME]
         place = state - time * closed - (later if state >= later else 0)

@@ -59,8 +59,8 @@ def test_the_wish_of_a_robot_is_the_cheapest_way_to_its_goal() -> None:
         {0: [(2, 2), (2, 3), (1, 3), (0, 3), (0, 2), (0, 1), (0, 0)]},
         {},
     )
-    assert graph.way(3, 3) == [3]
-    assert Graph(Layout(["..#.."])).way(0, 4) == [0]
+    assert graph.path(3, 3) == [3]
+    assert Graph(Layout(["..#.."])).path(0, 4) == [0]
 
 
 def test_a_robot_that_waits_against_its_plan_has_no_longer_one() -> None:

@@ -68,17 +68,17 @@ def test_nearest_first_takes_one_nearest_pair_after_the_other() -> None:
         assert ASSIGNMENTS["nearest"](tasks(ways.tolist())).tolist() == expected.tolist()
 
 
-def test_as_many_orders_as_can_be_are_given_away_before_ways_count() -> None:
+def test_as_many_orders_as_can_be_are_given_away_before_times_count() -> None:
     assert ASSIGNMENTS["hungarian"](tasks([[1, 500], [2, FAR]])).tolist() == [1, 0]
 
 
 @pytest.mark.parametrize("name", REASSIGNING)
 def test_a_robot_keeps_its_order_unless_another_is_clearly_better(name: str) -> None:
-    ways = tasks([[9, 9 - KEEP + 0.5], [FAR, FAR]])
-    assert ASSIGNMENTS[name](ways).tolist() == [1, NONE]
-    held = ways._replace(held=np.array([0, NONE]))
+    near = tasks([[9, 9 - KEEP + 0.5], [FAR, FAR]])
+    assert ASSIGNMENTS[name](near).tolist() == [1, NONE]
+    held = near._replace(held=np.array([0, NONE]))
     assert ASSIGNMENTS[name](held).tolist() == [0, NONE]
-    better = held._replace(ways=ways.ways - [[0, 1], [0, 1]])
+    better = held._replace(times=near.times - [[0, 1], [0, 1]])
     assert ASSIGNMENTS[name](better).tolist() == [1, NONE]
 
 
@@ -109,3 +109,9 @@ def test_without_scipy_the_same_rows_and_columns_match_ties_included(
     monkeypatch.setitem(sys.modules, "scipy.optimize", None)
     for costs, pairs in zip(drawn, expected, strict=True):
         assert np.array_equal(cheapest_matching(costs.astype(np.float64)), pairs)
+
+
+def test_the_former_name_of_the_times_works_and_warns() -> None:
+    near = tasks([[1, 2]])
+    with pytest.warns(DeprecationWarning, match=r"^Tasks\.ways has been renamed to times"):
+        assert near.ways is near.times

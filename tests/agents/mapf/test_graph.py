@@ -195,10 +195,10 @@ def test_distances_are_those_of_another_algorithm(turn_cost: float, seed: int) -
 
 
 def test_a_cheapest_way_has_the_fewest_turns() -> None:
-    way = Graph(HALL, turn_cost=0.1).way(0, 35)
+    way = Graph(HALL, turn_cost=0.1).path(0, 35)
     assert len(way) == 11
     assert corners(way) == 1
-    assert Graph(Layout([".#."]), turn_cost=1).way(0, 2) == [0]
+    assert Graph(Layout([".#."]), turn_cost=1).path(0, 2) == [0]
 
 
 def corners(way: list[int]) -> int:
@@ -238,5 +238,12 @@ def test_names_of_planners_may_give_the_cost_of_turns() -> None:
 
 
 def test_problems_with_costs_of_turns_are_refused() -> None:
-    with pytest.raises(PlanError, match=r"^turn_cost is 2.0; in a problem turns cost nothing"):
+    with pytest.raises(
+        PlanError, match=r"^turn_cost of the graph is 2.0; in a problem it must be 0"
+    ):
         Problem(Graph(HALL, turn_cost=2), [0], [1])
+
+
+def test_the_former_name_of_a_path_works_and_warns() -> None:
+    with pytest.warns(DeprecationWarning, match=r"^Graph\.way has been renamed to path"):
+        assert Graph(Layout(["..."])).way(0, 2) == [0, 1, 2]

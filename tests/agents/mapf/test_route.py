@@ -4,7 +4,7 @@ import random
 
 from agents.mapf.cell_sets import CellSets, bits_of
 from agents.mapf.graph import WAIT, Graph
-from agents.mapf.route import Route, TracedWay
+from agents.mapf.route import Route, TracedPath
 from agents.mapf.rules import Constraint, Rules
 from warehouse_core import Layout
 
@@ -45,7 +45,7 @@ def keeps(way: list[int], rule: Constraint, is_own: bool, goal: int) -> bool:
     return move[1] != cell and move[0] != before and move != (cell, before)
 
 
-def conflicts(way: list[int], others: list[TracedWay]) -> int:
+def conflicts(way: list[int], others: list[TracedPath]) -> int:
     """Return the times at which a way is in another's cell, and at which it changes places."""
     count = 0
     for time in range(1, HORIZON + 1):
@@ -99,8 +99,8 @@ def test_routes_and_quiet_ways_are_those_of_all_ways() -> None:
         for time, cells in enumerate(route.layers(SLACK)):
             assert all(SETS.bits[at(way, time)] & cells for way in near), (start, goal, given)
         for way in kept:
-            assert route.allows(TracedWay(way), SLACK) == (way in near)
-        others = [TracedWay(stream.choice(kept)), TracedWay(stream.choice(kept)[::-1])]
+            assert route.allows(TracedPath(way), SLACK) == (way in near)
+        others = [TracedPath(stream.choice(kept)), TracedPath(stream.choice(kept)[::-1])]
         found = route.quietest(others, HORIZON, SLACK)
         assert found.cells in near
         choice = [way for way in near if cost == 0 or at(way, cost - 1) != goal]

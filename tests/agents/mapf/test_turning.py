@@ -95,7 +95,7 @@ def test_planners_of_steps_solve_problems_of_robots_with_headings(make) -> None:
 )
 def test_who_does_not_know_headings_says_so(solve, name: str) -> None:
     problem = Problem(Graph(Layout(["..."])), [0], [2], headings=[1])
-    with pytest.raises(PlanError, match=f"^{name} does not know headings"):
+    with pytest.raises(PlanError, match=f"^{name} does not support headings"):
         solve(problem, HOUR)
 
 
