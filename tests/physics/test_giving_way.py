@@ -20,7 +20,7 @@ from warehouse_physics.robot_arena import RobotArena
 
 SPEC = RobotSpec()
 
-MOVES = 1_500
+MOVES = 800
 """Robot moves in jams; the benchmarks make more."""
 
 

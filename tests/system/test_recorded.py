@@ -372,7 +372,7 @@ def shifts() -> Lines:
             continue
         agent = make_fleet_agent(name, "urgent", 1, layout, 8)
         env = FleetEnv(
-            layout, 8, orders=OrderStream(0.5, due=(20, 60)), max_steps=60, battery=90,
+            layout, 8, orders=OrderStream(0.5, due=(20, 60)), max_steps=90, battery=90,
             people=1, moves=moves, dispatch=False, seed=5,
         )  # fmt: skip
         episode = record_fleet_episode(env, agent, seed=5)

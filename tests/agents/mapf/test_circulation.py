@@ -27,14 +27,13 @@ MAKERS = [
 ]
 
 
-@pytest.mark.parametrize("make", MAKERS)
-@pytest.mark.parametrize("empty", [30, 4])
+@pytest.mark.parametrize(("make", "empty"), [*zip(MAKERS, (4, 30, 30), strict=True)])
 def test_steps_follow_the_rules_with_headings_and_without(
     make: Callable[[Graph], PlacePlanner], empty: int
 ) -> None:
     robots = len(FULL.open_cells) - empty
     assert check_headed_planner(make, FULL, robots) > 5
-    assert check_planner(make, random_problem(FULL, robots, seed=3), 30, seed=4) > 20
+    assert check_planner(make, random_problem(FULL, robots, seed=3), 20, seed=4) > 20
 
 
 def test_robots_on_a_full_ring_turn_and_go_round_together() -> None:
@@ -52,9 +51,9 @@ def test_robots_on_a_full_ring_turn_and_go_round_together() -> None:
 
 
 def test_on_full_floors_circulations_reach_what_others_do_not() -> None:
-    graph = Graph(random_layout(14, 14, 0.1, seed=1))
+    graph = Graph(random_layout(10, 10, 0.1, seed=1))
     one_by_one, together, circulating = (
-        run_lifelong(graph, planner, 126, 10, seed=1, has_headings=True).reached
+        run_lifelong(graph, planner, 58, 10, seed=1, has_headings=True).reached
         for planner in (
             WindowedPlanner(graph, 4, 0),
             Circulation(graph),

@@ -21,8 +21,7 @@ Make = Callable[[Graph], PlacePlanner]
 WINDOWS = [partial(WindowedPlanner, window=8, groups=groups) for groups in (0, 12)]
 
 
-@pytest.mark.parametrize("make", WINDOWS)
-@pytest.mark.parametrize("robots", [12, 50])
+@pytest.mark.parametrize(("make", "robots"), [*zip(WINDOWS, (50, 12), strict=True)])
 def test_steps_of_robots_with_headings_follow_the_rules(make: Make, robots: int) -> None:
     assert check_headed_planner(make, random_layout(14, 14, 0.2, seed=2), robots) > robots / 3
 
@@ -56,8 +55,7 @@ def test_a_robot_that_heads_the_wrong_way_is_pushed_out_of_the_way() -> None:
     raise AssertionError("they are still in each other's way")
 
 
-@pytest.mark.parametrize("make", [Circulation, WindowedPlanner])
-@pytest.mark.parametrize("backend", ["grid", "physics"])
+@pytest.mark.parametrize(("make", "backend"), [(Circulation, "physics"), (WindowedPlanner, "grid")])
 def test_a_fleet_with_headings_delivers(make: Make, backend: str) -> None:
     layout = shelf_layout(aisle=2, pickups=4, chargers=2)
     env = FleetEnv(
