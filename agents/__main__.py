@@ -12,7 +12,7 @@ from types import FrameType
 from typing import Any
 
 AGAIN_SECONDS = 0.05
-"""Time after which an interrupt comes again that came at a wrong moment."""
+"""Time after which an interrupt is sent again if it came while it could not be handled."""
 
 INITIALISING = {
     ExtensionFileLoader.create_module.__code__,
@@ -22,7 +22,7 @@ INITIALISING = {
 
 
 def main() -> None:
-    """Run the command line; an interrupt at any time is one line."""
+    """Run the command line; an interrupt at any time prints one line."""
     sys.unraisablehook = interrupt_again_if_ignored
     if signal.getsignal(signal.SIGINT) is signal.default_int_handler:
         signal.signal(signal.SIGINT, interrupt)
@@ -35,14 +35,14 @@ def main() -> None:
         sys.exit(130)
     finally:
         if signal.getsignal(signal.SIGINT) is interrupt:
-            # All is done and said; an interrupt while Python ends would be a traceback.
+            # The command is done: an interrupt while Python ends would print a traceback.
             signal.signal(signal.SIGINT, signal.SIG_DFL)
 
 
 def interrupt(number: int, frame: FrameType | None) -> None:
-    """Raise ``KeyboardInterrupt``, as Python does, but not while a compiled module is initialised.
+    """Raise ``KeyboardInterrupt`` as Python does, except while a compiled module is initialised.
 
-    Such a module turns it into another error, and may be left in a state in which Python crashes.
+    The module would turn the interrupt into another error, and Python might crash later.
     """
     while frame is not None:
         if frame.f_code in INITIALISING:
@@ -53,9 +53,9 @@ def interrupt(number: int, frame: FrameType | None) -> None:
 
 
 def interrupt_again_if_ignored(ignored: Any) -> None:
-    """Send an interrupt again that came in a destructor or a weakref callback.
+    """Send an interrupt again if it came in a destructor or a weakref callback.
 
-    Python prints errors that are raised there, and ignores them: the program would go on.
+    Python prints errors that are raised there and ignores them, so the program would continue.
     """
     if ignored.exc_type is KeyboardInterrupt:
         interrupt_again()
@@ -64,8 +64,8 @@ def interrupt_again_if_ignored(ignored: Any) -> None:
 
 
 def interrupt_again() -> None:
-    """Interrupt this process a little later."""
-    # To the process, as this thread may wait; Windows knows only signals to the caller.
+    """Interrupt this process after ``AGAIN_SECONDS``."""
+    # To the process, because this thread may be blocked. Windows can only signal the caller.
     send = signal.raise_signal if os.name == "nt" else partial(os.kill, os.getpid())
     Timer(AGAIN_SECONDS, send, [signal.SIGINT]).start()
 

@@ -1,4 +1,4 @@
-"""The errors of agents and experiments that a user may expect.
+"""Errors of agents and experiments that a user can cause.
 
 ::
 
@@ -34,7 +34,7 @@ __all__ = [
 
 
 class AgentError(WarehouseError, ValueError):
-    """No agent has that name, or its file, class or model is not one of an agent.
+    """An agent that does not exist or cannot be made; the message says why.
 
     Example:
         >>> from agents.registry import make_agent
@@ -46,7 +46,7 @@ class AgentError(WarehouseError, ValueError):
 
 
 class ParameterError(WarehouseError, ValueError):
-    """An unknown parameter of an experiment, or a value that it does not allow.
+    """An unknown parameter of an experiment, or a value that is not allowed.
 
     Example:
         >>> from agents.lab.experiments.plan import make_plan
@@ -58,7 +58,7 @@ class ParameterError(WarehouseError, ValueError):
 
 
 class PlanError(WarehouseError, ValueError):
-    """A problem of several robots that has no plan, or for which none was found in time.
+    """A problem with several robots that has no plan, or for which no plan was found in time.
 
     Example:
         >>> from agents.mapf.graph import Graph
@@ -72,7 +72,7 @@ class PlanError(WarehouseError, ValueError):
 
 
 class EpisodeError(WarehouseError):
-    """An episode that could not be run to its end; ``episode`` is its record so far, if any.
+    """An episode that failed; ``episode`` is its record so far, or ``None``.
 
     Example:
         >>> from agents.lab.runs.run import run
@@ -120,7 +120,7 @@ class EpisodeInterrupted(KeyboardInterrupt):
 
 
 class StoreError(WarehouseError):
-    """A file of results that cannot be used or written; the message says which and why.
+    """A file of results that cannot be read or written; the message says why.
 
     Example:
         >>> from agents.lab.experiments.store import Store
@@ -132,7 +132,7 @@ class StoreError(WarehouseError):
 
 
 class GradeError(WarehouseError):
-    """A rubric that cannot be used, or something that grading needs; the message says which.
+    """A rubric that cannot be used, or a condition of grading that is not met.
 
     Example:
         >>> from pathlib import Path
@@ -146,7 +146,7 @@ class GradeError(WarehouseError):
 
 
 class WorkerError(WarehouseError):
-    """A process on this machine that ended before its work was done.
+    """A worker process that ended before its work was done.
 
     Example:
         >>> import os
@@ -160,16 +160,16 @@ class WorkerError(WarehouseError):
 
 
 class PyodideError(WarehouseError):
-    """A file of Pyodide that cannot be read, or is one of another version; the message says why."""
+    """A file of Pyodide that cannot be read, or belongs to another version."""
 
 
 def reason_of(error: BaseException, file: Path | None = None) -> str:
-    """Return the message of an exception and the last place that it names, in ``file`` if given."""
+    """Return the class, the message and the last line of an exception, in ``file`` if given."""
     frames = frames_in(file, error)
     where = "".join(f" ({Path(each.filename).name}, line {each.lineno})" for each in frames[-1:])
     try:
         text = f": {error}" if str(error) else ""
-    except Exception:  # the exception of a user may itself be broken
+    except Exception:  # a user's exception may itself be broken
         text = ""
     return f"{type(error).__name__}{text}{where}"
 
@@ -184,7 +184,7 @@ def frames_in(file: Path | None, error: BaseException) -> list[traceback.FrameSu
 
 
 def file_of(thing: object) -> Path | None:
-    """Return the file that the class of an object is defined in; ``None`` in a session."""
+    """Return the file that defines the class of an object, or ``None`` if it has no file."""
     try:
         return Path(inspect.getfile(type(thing)))
     except (OSError, TypeError):

@@ -1,4 +1,4 @@
-"""Agents by name: a built-in agent, a trained one from its file, or a class of the user.
+"""Agents and planners by name: built-in ones, trained ones from files, and users' classes.
 
 Example:
     >>> from agents.registry import AGENTS, PLANNERS
@@ -72,7 +72,7 @@ AGENTS: dict[str, Callable[..., Agent]] = {
     "exploring": ExploringAgent,
     **{name: partial(SearchAgent, algorithm=name) for name in ALGORITHMS},
 }
-"""Agents of a lone robot, by name."""
+"""Agents for one robot, by name."""
 
 PLANNERS: dict[str, Callable[..., Planner]] = {
     "pibt": PIBT,
@@ -86,24 +86,27 @@ PLANNERS: dict[str, Callable[..., Planner]] = {
     "circulation-lanes": Guided(Circulation, on_lanes),
     "circulation-directed": Guided(Circulation, on_directed),
 }
-"""Planners of the robots of a fleet, by name."""
+"""Planners for the robots of a fleet, by name."""
 
 TRAINED: dict[str, Callable[..., Agent]] = {
     "clone": CloneAgent.load,
     "ppo": PPOAgent.load,
     "q": load_agent,
 }
-"""Functions that load an agent of ``warehouse train``, by the word before the colon."""
+"""Functions that load an agent trained by ``warehouse train``, by the word before the colon."""
 
 FIXED = ("seed", "layout", "graph", "algorithm")
-"""Arguments that a name does not give: parts of the episode, and what the name itself says."""
+"""Arguments that cannot follow a name, because the episode or the name itself determines them."""
 
 
 class Sort(NamedTuple):
-    """What is made by name: agents or planners.
+    """A sort of objects that are made by name: agents, planners or backends.
 
-    What is loaded from files is in ``trained``. A class of a user must have all methods of one set
-    in ``methods``.
+    Attributes:
+        word: name of the sort in messages.
+        known: built-in classes and functions, by name.
+        trained: functions that load an object from a file, by the word before the colon.
+        methods: sets of methods; a user's class must have all methods of one set.
     """
 
     word: str
@@ -118,18 +121,18 @@ BACKEND = Sort("backend", {}, {}, [("reset", "advance", "close")])
 
 
 def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT) -> Agent:
-    """Return an agent by name.
+    """Return the agent with a name.
 
     Args:
-        name: one of ``AGENTS``, or ``file.py:Class`` or ``package.module:Class``, or ``file.py``
-            with one such class, or one of ``TRAINED``, a colon and a file. Arguments may follow, as
+        name: one of ``AGENTS``; ``file.py:Class``, ``package.module:Class``, or ``file.py`` with
+            exactly one agent; or one of ``TRAINED``, a colon and a file. Arguments may follow, as
             in ``greedy:memory=20,escape_steps=0`` or ``ppo:model.npz:revisit=4``.
-        seed: passed to the agent if it takes a ``seed``. The global streams of Python and NumPy are
-            seeded with it too, if the agent is a user's class, which may draw from them.
+        seed: passed to the agent if it takes a ``seed``. For a user's class, the global random
+            generators of Python and NumPy are seeded too, because the class may use them.
         layout: passed to the agent if it takes a ``layout``.
 
     Raises:
-        AgentError: there is no such agent, or it does not take the arguments; the message says why.
+        AgentError: there is no such agent, or it does not take the arguments.
 
     Example:
         >>> from agents.registry import make_agent
@@ -142,10 +145,10 @@ def make_agent(name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYO
 def make_team(
     name: str, robots: int, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT
 ) -> Team:
-    """Return an agent by name for each robot of a fleet, each with a seed of its own.
+    """Return a team with one agent for each robot of a fleet, each with a seed of its own.
 
-    The agents get the walls of the layout; they observe which stations are theirs. Names and errors
-    are those that ``make_agent`` has.
+    The agents get the layout without stations, because they observe the stations of their orders.
+    Names and errors are the same as for ``make_agent``.
 
     Example:
         >>> from agents.registry import make_team
@@ -162,15 +165,15 @@ def make_team(
 def make_planner(
     name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT, robots: int | None = None
 ) -> Planner | FleetAgent:
-    """Return a planner of the robots of a fleet, or an agent that directs them, by name.
+    """Return the planner with a name, or a user's agent that controls all robots of a fleet.
 
-    Names are as for ``make_agent``, but with ``PLANNERS`` and without trained ones. A class of a
-    user that has ``next_cells`` is a ``Planner``, one that has ``act`` a ``FleetAgent``. Besides
-    seed and layout it gets ``robots`` if it takes them and the name does not give them, and if it
-    takes a ``graph`` the graph of the layout, where ways lead around chargers.
+    Names have the same form as for ``make_agent``, with ``PLANNERS`` in place of ``AGENTS`` and
+    without trained planners. A user's class with ``next_cells`` is a ``Planner``, and one with
+    ``act`` is a ``FleetAgent``. It may take ``seed``, ``layout`` and ``robots``, and a ``graph`` of
+    the layout, in which paths avoid chargers.
 
     Raises:
-        AgentError: as ``make_agent``.
+        AgentError: see ``make_agent``.
 
     Example:
         >>> from agents.registry import make_planner
@@ -182,11 +185,11 @@ def make_planner(
 
 
 def make_solver(name: str, known: Mapping[str, Solver], seed: int = 0) -> Solver | None:
-    """Return a solver of whole problems by name, or ``None`` if the name is of something else.
+    """Return the solver of whole problems with a name, or ``None`` if there is no such solver.
 
     Args:
         name: one of ``known``, or ``file.py:function`` or ``package.module:function``. Arguments
-            behind the problem and the seconds may follow, as in ``ecbs:w=1.2``.
+            may follow the name, as in ``ecbs:w=1.2``.
         known: solvers by name.
         seed: passed to the solver if it takes a ``seed``.
 
@@ -214,16 +217,17 @@ def make_solver(name: str, known: Mapping[str, Solver], seed: int = 0) -> Solver
 
 
 def make_backend(name: str) -> Backend:
-    """Return a backend by name, for an environment.
+    """Return the backend with a name, as environments take it.
 
-    Only commands call it, with what their user has typed: the name in a record runs no code.
+    Only commands call this function, with a name that their user typed. The names in records never
+    run code.
 
     Args:
-        name: name of an installed backend, which stays as it is, or a class of a user as
-            ``make_agent`` takes it, which is made. Arguments may follow.
+        name: name of an installed backend, which is returned unchanged, or a user's class as in
+            ``make_agent``, which is instantiated. Arguments may follow.
 
     Raises:
-        AgentError: there is no such class, it cannot be made, or it is no motion.
+        AgentError: there is no such class, it cannot be instantiated, or it is not a ``Motion``.
 
     Example:
         >>> from agents.registry import make_backend
@@ -247,13 +251,19 @@ def make_fleet_agent(
     robots: int | None = None,
     **options: Any,
 ) -> FleetAgent:
-    """Return an agent that directs all robots of a fleet, by the names of its parts.
+    """Return an agent that controls all robots of a fleet, from the names of its parts.
 
-    ``make_planner`` makes the planner, for which ``PlannedFleet`` takes the options. An agent that
-    directs all robots assigns orders itself; for others ``None`` is ``DEFAULT_ASSIGNMENT``.
+    Args:
+        planner: name for ``make_planner``.
+        assignment: one of ``ASSIGNMENTS``; ``None`` is ``DEFAULT_ASSIGNMENT``. A user's class with
+            ``act`` assigns orders itself and must be given ``None``.
+        seed: see ``make_planner``.
+        layout: see ``make_planner``.
+        robots: see ``make_planner``.
+        options: further arguments of ``PlannedFleet``.
 
     Raises:
-        AgentError: as ``make_planner``, or an assignment that does not exist or is not used.
+        AgentError: see ``make_planner``; or the assignment does not exist or cannot be used.
 
     Example:
         >>> from agents.registry import make_fleet_agent
@@ -270,7 +280,7 @@ def make_fleet_agent(
     if isinstance(made, Planner):
         return PlannedFleet(made, assignment or DEFAULT_ASSIGNMENT, **options)
     if options.get("log"):
-        raise AgentError(f"planner {planner!r} has act(), so its plans are not known")
+        raise AgentError(f"planner {planner!r} has act(), so it has no plans to show")
     if assignment is not None:
         raise AgentError(
             f"planner {planner!r} has act(), so it assigns orders itself; leave out "
@@ -282,7 +292,7 @@ def make_fleet_agent(
 def _make(
     sort: Sort, name: str, seeds: Sequence[int | None], layout: Layout, robots: int | None = None
 ) -> list[Any]:
-    """Return one by name for each seed."""
+    """Return an object with a name for each seed."""
     word, colon, rest = name.partition(":")
     if colon and word in sort.trained:
         return [_load_trained(sort, word, rest, seed, layout) for seed in seeds]
@@ -294,7 +304,7 @@ def _make(
     given = _options(f"{sort.word} {source!r}", kind, options)
     try:
         return [kind(**(_wanted(kind, seed, layout, robots) | given)) for seed in seeds]
-    except (Exception, SystemExit) as error:  # the code of a user may raise anything
+    except (Exception, SystemExit) as error:  # a user's code may raise anything
         if source in sort.known:
             raise AgentError(f"{sort.word} {name!r}: {error}") from error
         reason = reason_of(error, agent_file(name))
@@ -302,7 +312,7 @@ def _make(
 
 
 def _split(name: str) -> tuple[str, str]:
-    """Return the name of an agent without its arguments, and these."""
+    """Return the name of an agent without its arguments, and its arguments."""
     source, _, options = name.rpartition(":")
     return (source, options) if "=" in options else (name, "")
 
@@ -333,7 +343,7 @@ def is_own_code(name: str) -> bool:
 
 
 def agent_file(name: str) -> Path | None:
-    """Return the file that an agent is read from, or ``None`` if its name has no file."""
+    """Return the file in the name of an agent, or ``None`` if it has none."""
     word, colon, rest = name.partition(":")
     if colon and word in TRAINED:
         return Path(_split_trained(rest)[0])
@@ -342,7 +352,7 @@ def agent_file(name: str) -> Path | None:
 
 
 def agent_module(name: str) -> str | None:
-    """Return the module that an agent of a user is imported from, ``None`` for all others."""
+    """Return the module from which a user's agent is imported, or ``None`` for other agents."""
     source, _ = _split_class(_split(name)[0])
     if not source or source.endswith(".py") or not is_own_code(name):
         return None
@@ -352,7 +362,7 @@ def agent_module(name: str) -> str | None:
 def _wanted(
     make: Callable[..., Any], seed: int | None, layout: Layout, robots: int | None = None
 ) -> dict[str, Any]:
-    """Return the arguments that ``make`` takes, out of seed, layout, graph and robots."""
+    """Return the arguments for ``make``: seed, layout, graph and robots, if it takes them."""
     taken = inspect.signature(make).parameters.keys()
     parts: dict[str, Any] = {"seed": seed, "layout": layout}
     if robots is not None:
@@ -363,7 +373,7 @@ def _wanted(
 
 
 def _split_trained(rest: str) -> tuple[str, str]:
-    """Return the file of a trained agent and its arguments; a file may have ``:`` and ``=``."""
+    """Return the file of a trained agent and its arguments; a file may contain ``:`` and ``=``."""
     file, _, options = rest.rpartition(":")
     return (file, options) if re.match(r"[a-z_]+=", options) else (rest, "")
 
@@ -410,7 +420,7 @@ def _load_class(sort: Sort, name: str) -> type[Any]:
 
 
 def _load_function(name: str) -> Callable[..., Any] | None:
-    """Return the function of a user that a name stands for; ``None`` if it is none."""
+    """Return the user's function with a name, or ``None`` if there is no such function."""
     source, function = _split_class(name)
     if source is None or function is None:
         return None
@@ -419,7 +429,7 @@ def _load_function(name: str) -> Callable[..., Any] | None:
 
 
 def _split_class(name: str) -> tuple[str | None, str | None]:
-    """Return the file or module of a class and its name, ``None`` for what is not given."""
+    """Return the file or module of a class, and its name; each is ``None`` if it is missing."""
     if name.endswith(".py"):
         return name, None
     source, colon, class_name = name.rpartition(":")
@@ -427,7 +437,7 @@ def _split_class(name: str) -> tuple[str | None, str | None]:
 
 
 def _missing(sort: Sort, kind: type[Any]) -> list[list[str]]:
-    """Return the methods that a class does not have of each set."""
+    """Return, for each set of methods, the methods that a class lacks."""
     return [
         [each for each in names if not callable(getattr(kind, each, None))]
         for names in sort.methods
@@ -435,7 +445,7 @@ def _missing(sort: Sort, kind: type[Any]) -> list[list[str]]:
 
 
 def _only_class(sort: Sort, source: str, module: ModuleType) -> type[Any]:
-    """Return the only class that a module defines with the methods that are needed."""
+    """Return the only class in a module that has the needed methods."""
     own = [
         each
         for each in vars(module).values()
@@ -461,14 +471,14 @@ def _load_module(source: str) -> ModuleType:
             raise AgentError(
                 f"cannot import agent module {source!r}: {error}{_hint(Path.cwd())}"
             ) from error
-        except (Exception, SystemExit) as error:  # too many parts, or the code of a user
+        except (Exception, SystemExit) as error:  # too many parts, or an error in a user's code
             raise AgentError(
                 f"cannot import agent module {source!r}: {reason_of(error)}"
             ) from error
     path = Path(source)
     if not path.is_file():
         raise AgentError(f"agent file {source}: {not_a_file(path) or 'there is no such file'}")
-    # The name must differ from those of modules that can be imported.
+    # No module that can be imported has this name, because of its spaces.
     spec = importlib.util.spec_from_file_location(f"agent file {path.stem}", path)
     assert spec is not None, "a .py file always has a spec"
     assert spec.loader is not None, "a .py file always has a loader"
@@ -492,9 +502,9 @@ def _load_module(source: str) -> ModuleType:
 def _modules_of(folder: Path) -> Iterator[None]:
     """Allow imports from a folder, as Python does for a script in it.
 
-    What was imported from there is forgotten afterwards: it is read each time, as the agent is, and
-    another folder may have modules of the same names. For imports in functions the folder stays the
-    last that is searched.
+    Modules imported from the folder are forgotten afterwards, so that they are read again next
+    time, as the agent is. Another folder may also have modules of the same names. The folder
+    remains the last one that is searched, because functions may import modules later.
     """
     before = sys.modules.copy()
     sys.path.insert(0, str(folder))
@@ -509,7 +519,7 @@ def _modules_of(folder: Path) -> Iterator[None]:
 
 
 def _hint(folder: Path) -> str:
-    """Return what to do if a folder has a module with the name of this package."""
+    """Return advice if a module in a folder has the name of this package, or ""."""
     own = [name for name in ("agents.py", "agents") if (folder / name).exists()]
     if not own or Path(__file__).parent == folder / "agents":
         return ""

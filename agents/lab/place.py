@@ -1,4 +1,4 @@
-"""Where episodes take place: the walls, and what of stations and start is drawn at random."""
+"""Where episodes take place: the layout, and which of stations and start are random."""
 
 from __future__ import annotations
 
@@ -7,25 +7,26 @@ from typing import NamedTuple
 
 from warehouse_core import Cell, Layout, LayoutError
 from warehouse_core.task.starts import START, STATIONS, empty_cells
+from warehouse_core.wording import counted
 
 RANDOM = "random"
-"""Name in place of a layout's: another layout for each seed."""
+"""Name that stands for a different random layout for each seed."""
 
 
 class Stations(StrEnum):
-    """Where pickup and dropoff come from."""
+    """Source of pickup and dropoff: drawn at random, or kept from the layout."""
 
     DRAWN = "drawn"
     KEPT = "kept"
 
 
 class Place(NamedTuple):
-    """Where episodes take place.
+    """Layout, start and stations of episodes.
 
     Attributes:
-        layout: walls, and stations if these are kept.
-        start_pos: start, ``None`` for a random one.
-        randomize: choice of what is drawn, see ``WarehouseEnv.reset``.
+        layout: layout; its stations count only if they are kept.
+        start_pos: start cell, or ``None`` for a random one.
+        randomize: choice of the random parts, see ``WarehouseEnv.reset``.
     """
 
     layout: Layout
@@ -34,30 +35,34 @@ class Place(NamedTuple):
 
     @property
     def stations(self) -> Stations:
-        """Where pickup and dropoff come from."""
+        """Source of pickup and dropoff."""
         return Stations.DRAWN if self.randomize in (True, STATIONS) else Stations.KEPT
 
 
-def usual_stations(layout: Layout, *, is_default: bool) -> Stations:
-    """Return what is done with the stations of a layout if nothing is said.
+def default_stations(layout: Layout, *, is_default: bool) -> Stations:
+    """Return the source of the stations if the user does not choose one.
 
-    They are kept if it has any, but in the default layout they are drawn, as in the chapter.
+    Stations of a layout are kept if it has any. In the default layout they are drawn at random, as
+    in the chapter.
     """
     has_own = layout.pickups + layout.dropoffs and not is_default
     return Stations.KEPT if has_own else Stations.DRAWN
 
 
 def check_stations(layout: Layout, stations: Stations, name: object, to_draw: str) -> None:
-    """Raise ``LayoutError`` if a layout has no station of a kind to keep, or no room to draw them.
+    """Raise ``LayoutError`` if stations to keep, or empty cells to draw them in, are missing.
 
-    The message has the name of the layout, and the words by which a user lets them be drawn.
+    Args:
+        layout: layout to check.
+        stations: source of its stations.
+        name: name of the layout in the message.
+        to_draw: setting that makes stations random, for the message.
     """
     if stations is Stations.DRAWN:
         empty = len(empty_cells(layout))
         if empty < 2:
             raise LayoutError(
-                f"{name}: pickup and dropoff are drawn from the empty cells; allowed: two or more, "
-                f"and there are {empty}"
+                f"{name}: it has {counted(empty, 'empty cell')}; random stations need two or more"
             )
         return
     for kind, cells in (("pickup P", layout.pickups), ("dropoff D", layout.dropoffs)):
@@ -66,7 +71,7 @@ def check_stations(layout: Layout, stations: Stations, name: object, to_draw: st
 
 
 def what_to_draw(stations: Stations, start: Cell | None = None) -> bool | str:
-    """Return the ``randomize`` of ``WarehouseEnv.reset``; a ``start`` that is given stays."""
+    """Return the argument ``randomize`` of ``WarehouseEnv.reset`` that keeps a given ``start``."""
     if stations is Stations.DRAWN:
         return True if start is None else STATIONS
     return START if start is None else False

@@ -1,6 +1,6 @@
-"""TOML that a stranger may have written: its limits are checked before it is parsed.
+"""TOML from untrusted files: limits are checked before the text is parsed.
 
-The time and the memory to parse a key grow with the square of its depth.
+The time and memory to parse a key grow with the square of its depth.
 """
 
 from __future__ import annotations
@@ -13,19 +13,19 @@ MAX_BYTES = 100_000
 """Limit on the bytes of a file."""
 
 MAX_LINE = 2_000
-"""Limit on the bytes of a line, in which a key must end."""
+"""Limit on the bytes of a line, and therefore on the length of a key."""
 
 MAX_DEPTH = 10
-"""Limit on the parts of a key, ``robot.mass`` has two; a name may have as many dots in a row."""
+"""Limit on the parts of a key, such as two in ``robot.mass``, and of dotted names in texts."""
 
 _DEEP = re.compile(rf"""(?<![\w-])((?:[\w-]++|"[^"]*+"|'[^']*+')[ \t]*+\.[ \t]*+){{{MAX_DEPTH}}}""")
 
 
 def parse_toml(data: bytes) -> dict[str, Any]:
-    """Return the table that is written in UTF-8.
+    """Return the table in a TOML text, encoded in UTF-8.
 
     Raises:
-        ValueError: a limit is exceeded, or the text is no TOML.
+        ValueError: a limit is exceeded, or the text is not TOML.
     """
     for number, line in enumerate(data.split(b"\n"), start=1):
         if len(line) > MAX_LINE:

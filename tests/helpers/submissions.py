@@ -48,7 +48,7 @@ full = 1
 zero = 0
 
 [[criteria]]
-name = "no way"
+name = "stays calm"
 points = 20
 measure = "calm_without_way"
 cases = ["closed"]
@@ -200,7 +200,7 @@ SUBMISSIONS = {
     "no_class": Expected("def act():\n    pass\n", 0, "there are: none", False),
     "two_classes": Expected(f"{GOOD}\nclass Other(Agent):\n    pass\n", 0, "Agent, Other", False),
     "wants_the_map": Expected(
-        good("__init__(self, layout)", "pass"), 0, "gets observations", False
+        good("__init__(self, layout)", "pass"), 0, "graded agents get only observations", False
     ),
     # Hostile.
     "loops": Expected(idle("while True: pass"), 0, "no answer within 0.5 s"),

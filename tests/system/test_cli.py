@@ -177,7 +177,7 @@ def test_without_a_display_a_command_names_the_file_of_what_it_would_show(
     code, out, err = warehouse(*line.split())
     assert (code, err) == (0, "")
     assert out.splitlines()[-2:] == [
-        "there is no display to open a window on, so the replay goes to a file",
+        "there is no display for a window, so the replay is saved to a file",
         f"saved {file}",
     ]
     assert names(tmp_path) == [file]

@@ -76,8 +76,8 @@ UNKNOWN = {
 """Values of options that name nothing, and what is said of them."""
 
 MALFORMED = {
-    "--goal": {"1,2,3": "--goal is '1,2,3'; it must be ROW,COL as in 1,2"},
-    "--start": {"1": "--start is '1'; it must be ROW,COL as in 1,2"},
+    "--goal": {"1,2,3": "--goal is '1,2,3'; it must be ROW,COL, as in 1,2"},
+    "--start": {"1": "--start is '1'; it must be ROW,COL, as in 1,2"},
 }
 PLANS = "--show-plans needs a planner; add --planner NAME"
 ROBOTS = "it must be numbers of robots, 0..7, as in 0,3, or pushes"
@@ -90,8 +90,8 @@ UNUSED = "describes random layouts; add --layout random"
 WAREHOUSE = "is not a warehouse; allowed: five whole numbers C-R-L-W-A, such as 10-20-10-2-1"
 
 WRONG = {
-    "fleet --orders 0.2": "0.2: unknown format of orders; allowed: .csv",
-    "fleet --orders orders.csv --order-rate 1": "--order-rate does not go with --orders",
+    "fleet --orders 0.2": "0.2: orders cannot be read from this format; allowed: .csv",
+    "fleet --orders orders.csv --order-rate 1": "--order-rate cannot be combined with --orders",
     "fleet --battery 0": f"--battery is '0'; {BATTERY}",
     "fleet --battery 5kg": f"--battery is '5kg'; {BATTERY}",
     "fleet --battery 9999999999": f"--battery is '9999999999'; {BATTERY}",
@@ -99,7 +99,7 @@ WRONG = {
     "fleet --planner pibt --show-plans 8": f"--show-plans is '8'; {ROBOTS}",
     "fleet --planner pibt --show-plans 0,": f"--show-plans is '0,'; {ROBOTS}",
     "fleet --people 100000": "robots and people is 100008; it must be at most",
-    "fleet --agent bfs --planner a.py:A": "--planner does not go with --agent",
+    "fleet --agent bfs --planner a.py:A": "--planner cannot be combined with --agent",
     "fleet --assignment urgent": "--assignment needs a planner",
     "plan --plan-seconds 0": f"--plan-seconds is 0; {TIME}",
     "compare backends --robots 2 --order-rate 0": "--order-rate is 0; allowed: a number above 0",
@@ -114,7 +114,7 @@ WRONG = {
     "compare search --weights much": f"--weights has 'much'; {WEIGHT}",
     "compare search --weights 1,2,3,4,5,6,7": "--weights has 7 weights; at most 6",
     "compare search --heuristic luck": "no heuristic is called 'luck'; allowed: manhattan",
-    "compare search --jobs 3": "--jobs does not go with 'compare search'",
+    "compare search --jobs 3": "--jobs cannot be combined with 'compare search'",
     "compare agents -o a.png -o b.png": "'compare agents' saves one figure",
     "compare agents x.scen": "'x.scen' is one argument too many for 'compare agents'",
     "compare agents --backend grid --backend physics": "--backend is given 2 times",
@@ -125,20 +125,20 @@ WRONG = {
     "compare agents --layout random --density 0.1:x": f"--density is '0.1:x'; {DENSITY}",
     "train ppo --layout random --density 0.1:0.2:0.3": DENSITY,
     "compare agents --layout random --start 1,1": "--start does not go with --layout random",
-    "train ppo --layout random --robots 2": "--layout random does not go with --robots",
-    "train q --layout random": "--layout random does not go with train q",
-    "train q --from greedy": "--from does not go with 'train q'",
-    "train clone --robots 2": "--robots does not go with 'train clone'",
+    "train ppo --layout random --robots 2": "--layout random cannot be combined with --robots",
+    "train q --layout random": "--layout random cannot be combined with 'train q'",
+    "train q --from greedy": "--from cannot be combined with 'train q'",
+    "train clone --robots 2": "--robots cannot be combined with 'train clone'",
     "train dog": "KIND is 'dog'; allowed: q, ppo, clone",
-    "demo --save a.gif": "--save needs a demo; allowed: bump",
+    "demo --save a.gif": "--save needs a demonstration; allowed: bump",
     "demo ballet": "no demo is called 'ballet'; allowed: bump",
     "grade . --save a.csv --save b.csv": "--save takes one .csv file for a folder",
-    "grade mine.py --pages pages": "--pages needs a folder of submissions; 'mine.py' is none",
+    "grade mine.py --pages pages": "--pages needs a folder of submissions; 'mine.py' is not",
 }
 """Command lines that are wrong usage, and what is said of them."""
 
 IMPOSSIBLE = {
-    "run --layout tiny.txt": "tiny.txt: pickup and dropoff are drawn from the empty cells; ",
+    "run --layout tiny.txt": "tiny.txt: it has 1 empty cell; random stations need two or more",
     "fleet --robots 5000": "5000 robots and 0 people have no room",
     "fleet --orders nowhere.csv": "nowhere.csv: No such file",
     "fleet --orders orders.csv": "orders.csv: line 2, column 6: dropoff_col is 'x'",
@@ -182,9 +182,9 @@ IMPOSSIBLE = {
     "grade waiter.py --rubric none.toml": "none.toml: No such file or directory",
     "grade . -o a.html": "a.html: cannot save as .html; allowed: .csv",
     "grade mine.py -o a.csv": "a.csv: cannot save as .csv; allowed: .json, .html",
-    "grade inner --trust": "inner: there is no submission in it",
-    "grade astar": "'astar' plans on the map, which a graded agent does not get; allowed: random",
-    "grade nobody": "'nobody' is no agent; allowed: random, reflex, model, goal, utility",
+    "grade inner --trust": "inner: it contains no submissions",
+    "grade astar": "'astar' needs the map, which graded agents do not get; allowed: random",
+    "grade nobody": "'nobody' is not an agent; allowed: random, reflex, model, goal, utility",
     "report r.sqlite": "r.sqlite: there is no such file",
     "report r.sqlite -o r.sqlite": "r.sqlite: cannot save as .sqlite; allowed: .html",
     "report r.html": "r.html: this is the file of results; the page needs another name",
@@ -339,7 +339,7 @@ def test_what_a_command_does_not_have_is_wrong_usage(refused: Refused, name: str
     arguments = [each for each in LEAVES[name].params if each.param_type_name == "argument"]
     extra = ["much"] * (1 + len(arguments) - len(ARGUMENTS.get(name, ())))
     if all(each.nargs == 1 for each in arguments):
-        assert refused(*words, *extra, code=2).startswith("'much' is one argument too many; see: ")
+        assert refused(*words, *extra, code=2).startswith("'much' is an unexpected argument; see: ")
     values = [each for each in LEAVES[name].params if not getattr(each, "is_flag", True)]
     for parameter in values[:1]:
         option = parameter.opts[0]

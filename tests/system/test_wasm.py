@@ -78,14 +78,16 @@ START = {
 
 def test_the_page_runs_and_grades_as_cpython_does(playground: Playground, tmp_path: Path) -> None:
     playground.press("run")
-    assert playground.text("told") == answered(tmp_path, {"do": "run", "start": START})["told"]
+    assert (
+        playground.text("summary") == answered(tmp_path, {"do": "run", "start": START})["summary"]
+    )
     playground.wait_for_player()
     playground.press("step")
     playground.press("step")
-    assert playground.text("told").startswith("2 steps")
+    assert playground.text("summary").startswith("2 steps")
     playground.press("grade")
     grade = answered(tmp_path, {"do": "grade", "code": CODE, "exercise": "mini_lab"})
-    assert playground.text("told") == grade["told"]
+    assert playground.text("summary") == grade["summary"]
     assert playground.page.locator("[data-part=grades] tr").count() == len(grade["grades"])
     assert playground.errors == []
 
@@ -96,10 +98,10 @@ def test_an_exercise_is_chosen_and_graded_and_code_of_the_other_is_kept(
     playground.page.select_option("[data-part=exercise]", "exercise-02")
     assert "def distance" in playground.page.input_value("[data-part=code]")
     playground.press("grade")
-    assert "of 100 points" in playground.text("told")
+    assert "of 100 points" in playground.text("summary")
     playground.type((SOLUTIONS / "exercise-02.py").read_text(encoding="utf-8"))
     playground.press("grade")
-    assert playground.text("told").startswith("100 of 100 points")
+    assert playground.text("summary").startswith("100 of 100 points")
     playground.page.set_viewport_size({"width": 360, "height": 800})
     assert playground.page.evaluate("document.documentElement.scrollWidth") == 360
     playground.page.set_viewport_size({"width": 1366, "height": 768})
@@ -151,5 +153,5 @@ def test_a_painted_layout_is_that_of_the_episode(playground: Playground) -> None
     assert cell.get_attribute("data-tile") == "#"
     playground.type(CODE)
     playground.press("run")
-    assert "unreachable" in playground.text("told") or "no path" in playground.text("told")
+    assert "unreachable" in playground.text("summary") or "no path" in playground.text("summary")
     assert playground.page.input_value("[data-part=layout]") == "painted"

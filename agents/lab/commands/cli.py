@@ -54,7 +54,7 @@ class Commands(CommandGroup):
 app = console.application(
     cls=Commands,
     name="warehouse",
-    help="A grid warehouse for rational agents, with a motion backend you can swap.",
+    help="Simulate warehouse robots on a grid or with rigid bodies, and compare their agents.",
     no_args_is_help=True,
 )
 
@@ -100,7 +100,7 @@ GROUPS: dict[str, dict[str, Callable[..., None]]] = {
     },
     "Files": {"layout": layout, "export": export},
 }
-"""The commands by the title under which the help lists them."""
+"""Commands, by the title under which the help lists them."""
 
 CLASSES = {"compare": CompareCommand, "train": TrainCommand}
 """The commands whose help depends on their first argument."""
@@ -127,7 +127,7 @@ def before_a_command(
         options.option("--version", "Print the version.", callback=_print_version, is_eager=True),
     ] = False,
 ) -> None:
-    """Take the options before a command."""
+    """Handle the options before a command."""
 
 
 def main() -> None:

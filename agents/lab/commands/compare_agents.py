@@ -15,7 +15,7 @@ from agents.lab.console.output import save_picture
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place
-from agents.lab.console.watch import slow_steps_told
+from agents.lab.console.watch import slow_steps_reported
 from agents.lab.place import Stations, what_to_draw
 from agents.lab.trials.scores import EXPLANATION, MEASURES, Measure, Scores
 from agents.lab.trials.task import Task
@@ -117,7 +117,7 @@ def evaluate_watched(name: str, shown: str, task: Task, seeds: Sequence[int]) ->
         return make_agent(name, seed, task.layout_for(seed))
 
     try:
-        return task.evaluate(make, track(seeds, shown), name, slow_steps_told)
+        return task.evaluate(make, track(seeds, shown), name, slow_steps_reported)
     except EpisodeInterrupted as error:
         raise typer.Abort from error
 

@@ -1,4 +1,4 @@
-"""Short demonstrations of continuous motion and of fleets: one command and one picture each."""
+"""The command ``warehouse demo``: short demonstrations of rigid bodies and fleets."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from agents.fleet.planned import PlannedFleet
 from agents.lab.console import options
 from agents.lab.console.output import Film, save_picture, show_or_save, unused
 from agents.lab.console.terminal import say
-from agents.lab.console.watch import slow_steps_told
+from agents.lab.console.watch import slow_steps_reported
 from agents.lab.runs.run import run
 from agents.mapf.graph import Graph
 from agents.mapf.lanes import lane_costs
@@ -45,27 +45,26 @@ SLOW_MOTION = 0.025
 
 HALL = Layout(["#######", "#.....#", "#.....#", "#.....#", "#######"])
 
-
 SHELF_ROWS, SHELF_COLUMNS, SHELF, MARGIN = 5, 2, 8, 2
-"""Rows and columns of shelves, their length, and the cells at both sides of them."""
+"""Rows and columns of shelves, their length, and the free cells on both sides of them."""
 
 STATIONS = "PD.."
-"""Tiles along shelves, again and again."""
+"""Tiles along shelves, repeated."""
 
 ROBOTS, RATE, STEPS, BATTERY = 60, 6.0, 300, 10_000
-"""Orders arrive faster than they can be delivered, and nobody has to charge."""
+"""Settings with which orders arrive faster than they are delivered, and no robot has to charge."""
 
 
 class Demo(NamedTuple):
-    """A demonstration: a sentence, and tracks to show side by side or what draws a picture.
+    """A demonstration: a sentence, and either a replay or a picture.
 
     Attributes:
-        said: sentence computed from the results.
-        tracks: tracks of a replay.
-        draw: function that draws a picture.
+        result: sentence about the result.
+        tracks: tracks of a replay, shown side by side.
+        draw: function that draws a picture, or ``None``.
     """
 
-    said: str
+    result: str
     tracks: Sequence[Track] = ()
     draw: Callable[[], SceneFigure] | None = None
 
@@ -79,18 +78,18 @@ def bump() -> Demo:
     contact = episode.motions[0].contacts[0]
     step = RobotSpec().time_step
     force = contact.impulse / step
-    said = (
-        f"{contact.impulse:.1f} N·s at {contact.seconds:.2f} s: {force:.0f} N on average over "
-        f"the {1000 * step:.1f} ms of the substep"
+    result = (
+        f"impulse of {contact.impulse:.1f} N·s at {contact.seconds:.2f} s: {force:.0f} N on "
+        f"average during the substep of {1000 * step:.1f} ms"
     )
     title = f"A bump in slow motion: {contact.impulse:.0f} N·s, {force:.0f} N"
     track = track_of_record(episode, frame_seconds=SLOW_MOTION)
     track.metrics, track.ending = {}, ""
-    return Demo(said, [_titled(track, title)])
+    return Demo(result, [_titled(track, title)])
 
 
 def slip() -> Demo:
-    """The actions planned on the grid fail on a slippery floor."""
+    """Actions that were planned on the grid fail on a slippery floor."""
     from warehouse_physics import Disturbances, RigidBodyMotion
 
     planned = record_episode(WarehouseEnv(CORRIDOR), GreedyAgent(seed=0), randomize=False)
@@ -98,54 +97,59 @@ def slip() -> Demo:
     env = WarehouseEnv(CORRIDOR, backend=RigidBodyMotion(disturbances=disturbances))
     plan = [str(action) for action in planned.actions]
     slipped = drive(env, plan, "the same actions", seed=0)
-    beside = track_of_record(slipped)
+    slipped_track = track_of_record(slipped)
     ended = f"the item is at {slipped.cells[-1]}"
-    beside.ending, beside.frames[-1].caption = "not delivered", ended
-    said = f"the plan delivers in {planned.steps} steps on the grid; on the slippery floor {ended}"
-    plan_track = _titled(track_of_record(planned), "The plan, on the grid")
-    return Demo(said, [plan_track, _titled(beside, "The same actions, columns 3 and 4 slippery")])
+    slipped_track.ending, slipped_track.frames[-1].caption = "not delivered", ended
+    result = (
+        f"the plan delivers in {planned.steps} steps on the grid; on the slippery floor {ended}"
+    )
+    plan_track = _titled(track_of_record(planned), "The plan on the grid")
+    return Demo(
+        result,
+        [plan_track, _titled(slipped_track, "The same actions with columns 3 and 4 slippery")],
+    )
 
 
 def wheels() -> Demo:
-    """The same path of a robot that drives in any direction and of one with two wheels."""
+    """A robot that moves in any direction and one with two wheels drive along the same path."""
     from warehouse_physics import RigidBodyMotion, RobotSpec
 
     titles = {
-        "omnidirectional": "In any direction",
-        "differential": "With two wheels: turns take time and energy",
+        "omnidirectional": "Moving in any direction",
+        "differential": "Two wheels: turns take time and energy",
     }
-    tracks, said = [], []
+    tracks, results = [], []
     for kind, title in titles.items():
         backend = RigidBodyMotion(RobotSpec(drive=kind), path_every=2)
         episode = drive(WarehouseEnv(HALL, (1, 1), backend=backend), [*"EESSWWN"], kind)
         track = _titled(track_of_record(episode), title)
         track.metrics, track.ending = {}, ""
         tracks.append(track)
-        said.append(f"{kind}: {seconds_of(episode.seconds)} s and {episode.joules:.0f} J")
-    return Demo("; ".join(said), tracks)
+        results.append(f"{kind}: {seconds_of(episode.seconds)} s and {episode.joules:.0f} J")
+    return Demo("; ".join(results), tracks)
 
 
 def pibt() -> Demo:
-    """Robots that push others out of their way by PIBT, and the ways of three of them."""
+    """Robots planned by PIBT push others aside; three robots show their plans."""
     layout, log = find_layout(DEPOT), PlanLog([0, 1, 2], pushes=True)
     fleet = PlannedFleet(PIBT(Graph(layout)), "hungarian", log=log)
-    episode = lead(fleet, "PIBT", layout, 30, 1.0, 60)
+    episode = run_shift(fleet, "PIBT", layout, 30, 1.0, 60)
     pushes = sum(len(plans.pushers) for plans in log.plans)
-    said = f"{counted(episode.robots, 'robot')} push {pushes} times in {episode.steps} steps"
+    result = f"{counted(episode.robots, 'robot')} push {pushes} times in {episode.steps} steps"
     track = track_of_record(episode, plans=log.plans)
     track.metrics, track.orders = {}, None
-    return Demo(said, [_titled(track, f"PIBT: {said}; arrows show who pushes whom")])
+    return Demo(result, [_titled(track, f"PIBT: {result}; arrows show who pushes whom")])
 
 
 def lanes() -> Demo:
-    """Where robots are held up, without lanes and with."""
+    """Maps show where robots are held up, with and without one-way lanes."""
     layout, episodes = crowded_floor(), {}
     for name, costs in (("Without lanes", None), ("With lanes", lane_costs(layout))):
         fleet = PlannedFleet(PIBT(Graph(layout, costs), seed=1), "hungarian")
-        episodes[name] = lead(fleet, name, layout, ROBOTS, RATE, STEPS)
+        episodes[name] = run_shift(fleet, name, layout, ROBOTS, RATE, STEPS)
     without, with_lanes = (episode.measures.per_hour for episode in episodes.values())
-    said = (
-        f"{without:,.0f} deliveries an hour without lanes, {with_lanes:,.0f} with: "
+    result = (
+        f"{without:,.0f} deliveries an hour without lanes, {with_lanes:,.0f} with lanes: "
         f"{with_lanes / without - 1:+.0%}"
     )
 
@@ -153,10 +157,10 @@ def lanes() -> Demo:
         from warehouse_core.viz.axes.congestion import congestion_picture
         from warehouse_core.viz.figure import make_figure
 
-        title = f"{ROBOTS} robots led by PIBT, the same orders"
+        title = f"{ROBOTS} robots planned by PIBT, with the same orders"
         return congestion_picture(episodes, title, make_figure)
 
-    return Demo(said, draw=draw)
+    return Demo(result, draw=draw)
 
 
 DEMOS: dict[str, Callable[[], Demo]] = {
@@ -168,7 +172,7 @@ DEMOS: dict[str, Callable[[], Demo]] = {
 }
 
 STILLS = ("lanes",)
-"""Demonstrations that are one picture."""
+"""Demonstrations that are a picture."""
 
 BODIES = ("bump", "slip", "wheels")
 """Demonstrations that need the physics backend."""
@@ -181,7 +185,10 @@ def drive(
     *,
     seed: int | None = None,
 ) -> Episode:
-    """Carry out actions from the start until they or the episode end."""
+    """Carry out actions from the start, and return the record.
+
+    Actions after the end of the episode are ignored.
+    """
     env.reset(seed=seed)
     recorder = EpisodeRecorder(env, seed=seed, agent=name)
     for action in actions:
@@ -192,7 +199,7 @@ def drive(
 
 
 def crowded_floor() -> Layout:
-    """Return rows of shelves between single aisles, with stations above and below them."""
+    """Return a layout with rows of shelves, aisles of one cell, and stations along the shelves."""
     tiles, ends = cycle(STATIONS), "." * MARGIN
 
     def row_of(tile: str) -> str:
@@ -203,28 +210,38 @@ def crowded_floor() -> Layout:
     return Layout([row_of("."), *(row for block in blocks for row in block)])
 
 
-def lead(
+def run_shift(
     fleet: PlannedFleet, name: str, layout: Layout, robots: int, rate: float, steps: int
 ) -> Episode:
-    """Let a planner lead robots whose batteries last, with orders at a rate, and one seed."""
+    """Return the record of a shift with seed 1, in which no robot has to charge.
+
+    Args:
+        fleet: planner with its assignment.
+        name: name in the record.
+        layout: layout.
+        robots: number of robots.
+        rate: orders that arrive in a step on average.
+        steps: length of the shift.
+    """
     env = FleetEnv(
         layout, robots, orders=OrderStream(rate), max_steps=steps, battery=BATTERY, dispatch=False
     )
-    return run(env, fleet, 1, slow_steps_told(fleet, name), name=name)
+    return run(env, fleet, 1, slow_steps_reported(fleet, name), name=name)
 
 
 def demo(
     name: Annotated[
-        str | None, typer.Argument(metavar="NAME", help=f"One of {', '.join(DEMOS)}.")
+        str | None,
+        typer.Argument(metavar="NAME", help=f"Name of a demonstration: {', '.join(DEMOS)}."),
     ] = None,
     *,
     save: options.SaveReplay,
     show: options.Show = None,
 ) -> None:
-    """Show bodies and planners at work.
+    """Show demonstrations of bodies and fleets.
 
-    Without a name it lists the demonstrations. The demonstration lanes is a
-    picture, which is saved as .svg or .png.
+    Without a name, the command lists the demonstrations. The demonstration
+    "lanes" is a picture, which is saved as .svg or .png.
 
     Example: warehouse demo bump --save bump.gif
     """
@@ -233,7 +250,7 @@ def demo(
             say(f"{each:<10}{(make.__doc__ or '').strip()}")
         return
     if name is None or name not in DEMOS:
-        given = "--save needs a demo" if name is None else f"no demo is called {name!r}"
+        given = "--save needs a demonstration" if name is None else f"no demo is called {name!r}"
         raise typer.BadParameter(f"{given}; allowed: {', '.join(DEMOS)}")
     if name in STILLS:
         for path in save:
@@ -241,7 +258,7 @@ def demo(
     if name in BODIES:
         load_backend("physics")
     shown = DEMOS[name]()
-    say(shown.said)
+    say(shown.result)
     if shown.draw is None:
         show_or_save(Film(lambda: shown.tracks), save, show, f"demo-{name}.gif")
         return

@@ -26,9 +26,9 @@ def export(
         list[str],
         typer.Argument(
             metavar="[FILE] TARGET",
-            help="Results of 'warehouse sweep' as .csv; an episode .npz as .mcap (needs the extra "
-            "'mcap'). Without FILE the name of a new dataset of Minari and its version, such as "
-            "warehouse/astar-v0 (needs the extra 'minari').",
+            help="Results of 'warehouse sweep' are exported as .csv, an episode (.npz) as .mcap "
+            "(needs the extra 'mcap'). Without FILE, TARGET is the name and version of a new "
+            "Minari dataset, such as warehouse/astar-v0 (needs the extra 'minari').",
         ),
     ],
     agent: options.AgentOption = "greedy",
@@ -42,18 +42,20 @@ def export(
 ) -> None:
     """Write data for other programs.
 
-    In a table each line is an episode: its settings, its outcome and the program that ran it, a
-    column each. A recording has the layout, the poses of all robots and people, contacts and
-    energy over time; Foxglove shows it in its 3D panel.
+    In a .csv table, each line is an episode with its settings, its outcome and the program that
+    ran it. A recording (.mcap) has the layout, and over time the poses of robots and people,
+    contacts and energy. Foxglove shows it in its 3D panel.
 
-    A dataset has whole episodes of an agent for offline learning, in the
-    folder MINARI_DATASETS_PATH or in ~/.minari/datasets. The options are for
-    datasets.
+    A Minari dataset has whole episodes of an agent, for offline learning. It
+    is written to the folder MINARI_DATASETS_PATH, or else to
+    ~/.minari/datasets. All options belong to datasets.
 
     Example: warehouse export results.sqlite results.csv
     """
     if len(files) > 2:
-        raise typer.BadParameter(f"{files[2]!r} is one argument too many; see: warehouse export -h")
+        raise typer.BadParameter(
+            f"{files[2]!r} is an unexpected argument; see: warehouse export -h"
+        )
     if len(files) == 2:
         save_file(*map(Path, files))
         return
@@ -73,7 +75,10 @@ def export(
 
 
 def save_file(source: Path, target: Path) -> None:
-    """Write an episode as a recording, or results as a table, whole or not at all."""
+    """Write an episode as a recording, or results as a table.
+
+    After an error there is no incomplete file.
+    """
     if source.suffix.lower() == RECORD_SUFFIX:
         check_suffix(target, (MCAP,))
         save_recording(target, Episode.load(source))

@@ -24,7 +24,7 @@ SHELVES: dict[str, float] = {
 }  # fmt: skip
 
 BENCHMARK = re.compile("-".join([r"(\d{1,9})"] * 5), re.ASCII)
-"""Sizes of a warehouse of MovingAI's; those with more digits are always too large."""
+"""Sizes of a MovingAI warehouse; numbers with more digits are always too large."""
 
 
 def layout(
@@ -32,31 +32,34 @@ def layout(
         list[str] | None,
         typer.Argument(
             metavar="[LAYOUT]...",
-            help="A file (.txt, or .map in MovingAI's format), a name, or a generator: "
-            f"random: with {', '.join(RANDOM)}; shelves: with {', '.join(SHELVES)}; or MovingAI's "
-            "warehouse:C-R-L-W-A with C x R blocks of L x W cells and aisles of A. "
-            "Default: all layouts that have a name.",
+            help="A file (.txt, or .map in MovingAI's format), a name, or a generator. Generators: "
+            f"random: with {', '.join(RANDOM)}; shelves: with {', '.join(SHELVES)}; and "
+            "warehouse:C-R-L-W-A, as in MovingAI's benchmark, with C x R blocks of L x W cells and "
+            "aisles of A cells. Default: all layouts that have a name.",
             show_default=False,
         ),
     ] = None,
     check: Annotated[
         bool,
-        option("--check", "Check that items can be delivered and chargers reached, in one line."),
+        option(
+            "--check",
+            "Check that items can be delivered and chargers can be reached, and print one line.",
+        ),
     ] = False,
     save: Annotated[
         Path | None,
-        option("--save -o FILE", f"{SAVE} A .map has MovingAI's format, without P, D and C."),
+        option("--save -o FILE", f"{SAVE} A .map file has MovingAI's format, without P, D and C."),
     ] = None,
 ) -> None:
     """Print, check, make or convert layouts.
 
-    A layout consists of rows of # walls, . floor, P pickups, D dropoffs and C chargers. Every
-    open cell of a generated layout can be reached.
+    In a layout, # is a wall, . is floor, P is a pickup, D is a dropoff and C is a charger. All
+    open cells of a generated layout are connected.
 
     Example: warehouse layout shelves:rows=3,aisle=2,chargers=4 -o shelves.txt
     """
     if save is not None and (not layouts or len(layouts) > 1):
-        raise typer.BadParameter("--save takes one layout")
+        raise typer.BadParameter("--save needs exactly one layout")
     for name in layouts or NAMES:
         floor = make_layout(name)
         if check:
@@ -71,10 +74,10 @@ def layout(
 
 
 def make_layout(text: str) -> Layout:
-    """Return the layout that a file, a name or a generator with arguments stands for.
+    """Return the layout of a file, a name, or a generator with arguments.
 
     Raises:
-        LayoutError: it is not a layout.
+        LayoutError: the text or the file does not describe a layout.
         OSError: the file cannot be read.
     """
     kind, colon, given = text.partition(":")
@@ -110,28 +113,28 @@ GENERATORS: dict[str, Callable[[str], Layout]] = {
     "shelves": _shelves,
     "warehouse": _warehouse,
 }
-"""Generators of layouts by name; each is given the text after the colon."""
+"""Generators of layouts by name, called with the text after the colon."""
 
 
-def _arguments(kind: str, given: str, usual: Mapping[str, float]) -> dict[str, Any]:
-    """Return the arguments in a text such as ``rows=3,aisle=2``, after the defaults."""
-    values: dict[str, Any] = dict(usual)
+def _arguments(kind: str, given: str, defaults: Mapping[str, float]) -> dict[str, Any]:
+    """Return the defaults, updated with the arguments in a text such as ``rows=3,aisle=2``."""
+    values: dict[str, Any] = dict(defaults)
     for part in filter(None, given.split(",")):
         name, _, text = part.partition("=")
         number = re.fullmatch(r"\d{1,9}" if name != "density" else r"\d{0,9}\.?\d{1,9}", text)
-        if name not in usual or number is None:
+        if name not in defaults or number is None:
             raise LayoutError(
-                f"{kind} has {part!r}; it must be NAME=NUMBER; allowed: {', '.join(usual)}"
+                f"{kind} has {part!r}; it must be NAME=NUMBER; allowed: {', '.join(defaults)}"
             )
         values[name] = float(text) if name == "density" else int(text)
     return values
 
 
 def check_layout(layout: Layout, name: str) -> str:
-    """Return a description of a layout in which items can be delivered.
+    """Return one line that describes a layout in which items can be delivered.
 
     Raises:
-        LayoutError: they cannot, or a station or charger cannot be reached.
+        LayoutError: there is no pickup or no dropoff, or a station or charger cannot be reached.
     """
     for kind, stations in (("pickup P", layout.pickups), ("dropoff D", layout.dropoffs)):
         if not stations:

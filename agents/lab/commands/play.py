@@ -1,4 +1,4 @@
-"""Drive the robot by hand, in a window."""
+"""The command ``warehouse play``: a window in which keys drive the robot."""
 
 from __future__ import annotations
 
@@ -31,14 +31,19 @@ FRAME_MS = 40
 """Milliseconds between the frames of a continuous motion."""
 
 AGAIN, QUIT = ("enter", "return"), ("q", "escape")
-HELP = "arrows or NESW move, P picks, D drops, space waits, Enter starts another, Q quits"
+HELP = "Arrows or NESW move, P picks, D drops, space waits, Enter starts another game, Q quits"
 
 
 class KeyDriver:
     """A window in which keys drive the robot of an environment.
 
-    The seed is the first episode's; each further one adds 1. ``games`` has the records of all
-    episodes, the last of which may be unfinished.
+    Args:
+        env: environment of the robot.
+        seed: seed of the first game; each further game adds 1.
+        place: layout, start and stations.
+
+    Attributes:
+        games: records of all games, the last of which may be unfinished.
     """
 
     def __init__(self, env: WarehouseEnv, seed: int, place: Place) -> None:
@@ -58,11 +63,11 @@ class KeyDriver:
 
     @property
     def episode(self) -> Episode:
-        """The record of the current episode so far."""
+        """Record of the current game so far."""
         return self.games[-1]
 
     def press(self, key: str) -> None:
-        """Carry out a key; after the end of an episode the keys of actions do nothing."""
+        """Carry out a key; after the end of a game, keys that stand for actions are ignored."""
         key = key if key == " " else key.lower()
         if key in QUIT:
             import matplotlib.pyplot as plt
@@ -84,7 +89,7 @@ class KeyDriver:
         self.games.append(self._recorder.episode)
 
     def _show(self) -> None:
-        """Show the latest step: at once on the grid, frame by frame if the motion is continuous."""
+        """Show the latest step: one frame on the grid, several if the motion is continuous."""
         track = self._track = track_of_record(self.episode)
         track.frames[0].caption = HELP
         if self._recorder.ended:
@@ -95,7 +100,7 @@ class KeyDriver:
         self._timer.start()
 
     def _glide(self) -> None:
-        """Show the next frame, and stop the timer at the last."""
+        """Show the next frame, and stop the timer at the last frame."""
         last = len(self._track) - 1
         self._frame = min(self._frame + 1, last)
         self._scene.show(self._frame, self._track)
@@ -109,7 +114,7 @@ class KeyDriver:
 
 
 def report_game(games: Sequence[Episode], place: Place) -> None:
-    """Print the outcome of the last of some games, and its number."""
+    """Print the number and the outcome of the last game."""
     say(f"game {len(games)}")
     report_episode(games[-1], place.stations)
 
@@ -127,8 +132,8 @@ def play(
 ) -> None:
     """Drive the robot yourself, in a window.
 
-    Arrows or NESW move, P picks, D drops, space waits, Enter starts another game. Each game is
-    saved; the names of the files of further games have a number.
+    Arrows or NESW move, P picks, D drops, space waits, and Enter starts another game. Each game
+    is saved; from the second game on, the names of its files have a number.
 
     Example: warehouse play --backend physics --save games.npz
     """
@@ -137,7 +142,7 @@ def play(
         place.layout, place.start_pos, max_steps, battery, backend=make_backend(backend)
     )
     if not has_display():
-        raise NoDisplayError("play needs a window, and there is no display here")
+        raise NoDisplayError("'warehouse play' needs a window, but there is no display")
     driver = KeyDriver(env, draw_seed() if seed is None else seed, place)
     import matplotlib.pyplot as plt
 

@@ -1,4 +1,4 @@
-"""The command ``warehouse playground``: a page on which agents are written, run and graded."""
+"""The command ``warehouse playground``: a page for writing, running and grading agents."""
 
 from __future__ import annotations
 
@@ -16,21 +16,21 @@ from agents.lab.playground.runtime import FILES, SERVER, VERSION
 def playground(
     save: Annotated[
         Path,
-        option("--save -o FOLDER", f"{SAVE} Here: the folder of the page, made if it is missing."),
+        option("--save -o FOLDER", f"{SAVE} Here: a folder, created if it is missing."),
     ] = Path("playground"),
     pyodide: Annotated[
         str,
         option(
             "--pyodide PLACE",
-            f"Folder or address of the files of Pyodide {VERSION}.",
+            f"Folder or address of Pyodide {VERSION}, which runs Python in browsers.",
         ),
     ] = SERVER,
 ) -> None:
-    """Write a page that runs agents in browsers.
+    """Write a web page that runs agents.
 
-    On it agents are written, run, step by step if need be, and graded.
-    Nothing has to be installed where it is read: Python runs in the browser.
-    The folder needs a server, but no network. Try it with
+    On this page, students write agents, run them, step through episodes and
+    grade them. They install nothing, because Python runs in the browser. The
+    folder needs a web server, but no network. To try it:
     python -m http.server -d playground
 
     Example: warehouse playground -o page/

@@ -1,4 +1,4 @@
-"""The command ``warehouse race``: agents on one floor and one clock, side by side."""
+"""The command ``warehouse race``: agents side by side, in the same layout and on one clock."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place
-from agents.lab.console.watch import slow_steps_told
+from agents.lab.console.watch import slow_steps_reported
 from agents.lab.runs.run import run
 from agents.lab.trials.task import Task
 from agents.learning.q_learning import QAgent, QTable, learn
@@ -37,21 +37,21 @@ from warehouse_core.world.actions import WAIT, action_index
 from warehouse_core.world.named_layouts import BAY
 
 LEARNER = "q"
-"""Name of the agent that learns on the floor, before the race, by Q-learning."""
+"""Name of the agent that learns the layout by Q-learning before the race."""
 
 RACERS = ("greedy:escape_steps=0", "greedy", "exploring", LEARNER, "astar")
-"""Names of the agents that race if none are given."""
+"""Names of the agents that race by default."""
 
 TITLES = AGENTS | {LEARNER: "Q-learning"}
 
 PRACTICE, MAX_PRACTICE = 500, 500_000
-"""Steps for each open cell of the floor in which the learner practises, and most steps at all."""
+"""Steps of practice for each open cell of the layout, and the limit on all steps of practice."""
 
 BATTERY = 200
 """Steps that a full battery lasts."""
 
 CIRCLES = 3
-"""Visits of a cell with the same load from which on a robot goes in circles."""
+"""Visits of a cell with the same load from which a robot is said to go in circles."""
 
 
 def race(
@@ -59,7 +59,7 @@ def race(
         list[str] | None,
         option(
             "--agent NAME",
-            f"{options.AGENT} May be repeated; {LEARNER} without a file learns on the floor "
+            f"{options.AGENT} {options.MAY_BE_REPEATED} {LEARNER} without a file learns the layout "
             f"before the race. Default: {', '.join(RACERS)}.",
             show_default=False,
         ),
@@ -73,11 +73,12 @@ def race(
     show: options.Show = None,
     speed: options.Speed = 1.0,
 ) -> None:
-    """Let agents race on the same floor.
+    """Let agents race in the same layout.
 
-    All start at once, from the same cell, each on a floor of its own. The
-    replay shows them on one clock, and tells who goes in circles, who waits
-    and who has arrived. Best on a page: --save race.html.
+    All agents start from the same cell at the same time, each in its own copy
+    of the layout. The replay shows them on one clock, and says which of them
+    wait, go in circles or have arrived. It is best watched as a page:
+    --save race.html.
 
     Example: warehouse race --agent greedy --agent astar --save race.html
     """
@@ -94,30 +95,30 @@ def race(
 
 
 def run_racer(name: str, task: Task, seed: int) -> Episode:
-    """Run an agent by its name, and return the record."""
+    """Return the record of an episode of the agent with a name."""
     with closing(task.make_env(seed)) as env:
         if name == LEARNER:
-            env.reset(task.randomize, seed)  # puts the stations where they will be in the race
+            env.reset(task.randomize, seed)  # places the stations as in the race
             racer: Agent = practised(env.layout, seed)
         else:
             racer = make_agent(name, seed, task.layout_for(seed))
         try:
-            watch = slow_steps_told(racer, name)
+            watch = slow_steps_reported(racer, name)
             return run(env, racer, seed, watch, name=name, randomize=task.randomize)
         except EpisodeInterrupted as error:
             raise typer.Abort from error
 
 
-def practised(floor: Layout, seed: int) -> QAgent:
-    """Return an agent that has learned on the grid to deliver from anywhere on a floor."""
-    table, steps = QTable(), min(PRACTICE * len(floor.open_cells), MAX_PRACTICE)
-    for _ in learn(table, WarehouseEnv(floor, None), steps, seed, START):
+def practised(layout: Layout, seed: int) -> QAgent:
+    """Return an agent that has learned on the grid to deliver from any cell of a layout."""
+    table, steps = QTable(), min(PRACTICE * len(layout.open_cells), MAX_PRACTICE)
+    for _ in learn(table, WarehouseEnv(layout, None), steps, seed, START):
         pass
     return QAgent(table, seed)
 
 
 def tracks_of(records: Mapping[str, Episode]) -> list[Track]:
-    """Return the tracks of records under their titles, without charts."""
+    """Return the tracks of records, with their titles and without charts."""
     tracks = []
     for title, record in records.items():
         track, states = track_of_record(record), ["", *states_of(record)]
@@ -130,7 +131,7 @@ def tracks_of(records: Mapping[str, Episode]) -> list[Track]:
 
 
 def states_of(record: Episode) -> Iterator[str]:
-    """Yield for each step in a word or two what a robot that has not arrived is doing."""
+    """Yield for each step, in two or three words, what the robot is doing."""
     states = list(zip(record.cells, record.loaded, strict=True))
     visits = Counter(states[:1])
     for action, (before, here) in zip(record.actions, pairwise(states), strict=True):

@@ -1,4 +1,4 @@
-"""Run episodes from random starts, print their outcomes and replay the first."""
+"""The command ``warehouse run``: episodes of one robot, their outcomes and a replay."""
 
 from __future__ import annotations
 
@@ -14,7 +14,7 @@ from agents.lab.console import options
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place
-from agents.lab.console.watch import slow_steps_told
+from agents.lab.console.watch import slow_steps_reported
 from agents.lab.runs.run import draw_seed
 from agents.lab.runs.run import run as run_agent
 from agents.registry import make_agent, make_backend
@@ -42,19 +42,19 @@ def run_episode(
     """Run one episode, by default from a random start, and return its record.
 
     Args:
-        agent: name of an agent, see ``agents/registry.py``.
-        backend: name of a motion backend, see ``make_backend`` there.
-        layout: ``None`` for the built-in one.
-        seed: seed of the start, the backend and the agent; ``None`` is a random one, which the
+        agent: name of an agent, see ``agents.registry.make_agent``.
+        backend: name of a motion backend, see ``agents.registry.make_backend``.
+        layout: layout; ``None`` is the default layout.
+        seed: seed of the start, the backend and the agent. ``None`` is a random seed, which the
             record keeps.
         battery: units of a full battery, at least 1.
-        max_steps: most steps of the episode, at least 1.
+        max_steps: maximum steps of the episode, at least 1.
         view_radius: cells seen in each direction.
-        start_pos: start if none is drawn; ``None`` is the usual one.
-        randomize: choice of what is drawn, see ``WarehouseEnv.reset``.
+        start_pos: start cell if it is not random; ``None`` is the default start.
+        randomize: choice of the random parts, see ``WarehouseEnv.reset``.
 
     Raises:
-        ValueError: an unknown name or a number out of range.
+        ValueError: a name is unknown, or a number is out of range.
         EpisodeError: the agent failed.
         EpisodeInterrupted: Ctrl-C was pressed during the episode.
 
@@ -69,7 +69,7 @@ def run_episode(
 
 
 class Case(NamedTuple):
-    """An agent and its environment; the fields are arguments of ``run_episode``."""
+    """An agent and its environment, with the arguments of ``run_episode`` as fields."""
 
     agent: str
     backend: str
@@ -85,7 +85,7 @@ class Case(NamedTuple):
         randomize: bool | str,
         notice: Callable[[Agent], None] = lambda agent: None,
     ) -> Episode:
-        """Run the episode of a seed; ``notice`` is given the agent before it acts."""
+        """Run the episode of a seed; ``notice`` is called with the agent before it acts."""
         env = WarehouseEnv(
             self.layout,
             start_pos,
@@ -97,12 +97,12 @@ class Case(NamedTuple):
         with closing(env):
             acting = make_agent(self.agent, seed, self.layout)
             notice(acting)
-            watch = slow_steps_told(acting, self.agent)
+            watch = slow_steps_reported(acting, self.agent)
             return run_agent(env, acting, seed, watch, name=self.agent, randomize=randomize)
 
 
 def report_episode(episode: Episode, stations: str = "") -> None:
-    """Print the outcome of an episode, and whether its stations are drawn or kept."""
+    """Print the outcome of an episode, and whether its stations were drawn or kept."""
     settings = episode.settings
     source = f", stations {stations}" if stations else ""
     say(f"{episode.agent} on the {settings.backend} backend, seed {episode.seed}{source}")
@@ -133,9 +133,9 @@ def run(
 ) -> None:
     """Run episodes of one robot and replay one.
 
-    Several episodes are printed with a line each and a summary, and replayed
-    only with --save or --show. The replay of the agent "exploring" shows what
-    it believes, next to the world.
+    Several episodes are printed with one line each and a summary; the first
+    is replayed if you give --save or --show. The replay of the agent
+    "exploring" shows the map that it has in mind next to the real one.
 
     Example: warehouse run --agent astar --seed 12 --save replay.gif
     """
@@ -169,7 +169,7 @@ def run(
     if episodes == 1:
         finish(run_seed(first), show)
         return
-    finished = [run_and_tell(run_seed, each) for each in range(first, first + episodes)]
+    finished = [run_and_report(run_seed, each) for each in range(first, first + episodes)]
     report_summary(finished)
     del beliefs[1:]
     if save or show:
@@ -177,18 +177,18 @@ def run(
 
 
 Belief = tuple[ExploringAgent, "list[Insight]"]
-"""An exploring agent and what it knew in each step."""
+"""An exploring agent, and what it knew in each step."""
 
 
-def run_and_tell(run_seed: Callable[[int], Episode], seed: int) -> Episode:
-    """Run the episode of a seed and print it as a line."""
+def run_and_report(run_seed: Callable[[int], Episode], seed: int) -> Episode:
+    """Run the episode of a seed, and print its outcome as one line."""
     episode = run_seed(seed)
     say(f"seed {seed}: {diagnose(episode).sentence}; total reward {episode.total_reward:.2f}")
     return episode
 
 
 def report_summary(episodes: Sequence[Episode]) -> None:
-    """Print how many of several episodes were delivered, and their means."""
+    """Print how many of several episodes delivered, and their mean reward and length."""
     delivered = sum(episode.outcome == DELIVERED for episode in episodes)
     reward = fmean(episode.total_reward for episode in episodes)
     steps = fmean(episode.steps for episode in episodes)
@@ -201,7 +201,11 @@ def report_summary(episodes: Sequence[Episode]) -> None:
 def report_belief(
     episode: Episode, agent: ExploringAgent, history: list[Insight]
 ) -> Callable[[], Sequence[Track]] | None:
-    """Print how much an exploring agent saw, and return what makes the tracks of its belief."""
+    """Print how much an exploring agent saw, and return a function that makes its replay.
+
+    Returns:
+        the function, or ``None`` if the episode ended with an error.
+    """
     from agents.search.belief_replay import belief_tracks
 
     seen, cells = sum(len(insight.seen) for insight in history), episode.layout

@@ -1,4 +1,4 @@
-"""The command ``warehouse train``."""
+"""The command ``warehouse train``: agents that learn by reward or by imitation."""
 
 from __future__ import annotations
 
@@ -49,29 +49,29 @@ if TYPE_CHECKING:
     from agents.learning.ppo_training import PPOLearner
 
 LIBRARIES = ("torch", "stable_baselines3", "sb3_contrib")
-"""Libraries that training of networks needs."""
+"""Libraries that the training of networks needs."""
 
 MODEL_SUFFIX, CURVE_SUFFIX, POINTS_SUFFIX = ".npz", ".png", ".csv"
 CHECKPOINT_SUFFIX = ".checkpoint"
 
 VERSIONS = ("numpy", "stable_baselines3", "sb3_contrib", "torch", "warehouse-lab")
-"""Distributions on whose versions the result of a training depends."""
+"""Distributions whose versions affect the result of a training."""
 
 Writer = Callable[[Path], None]
 
 KNOWS_THE_MAP = "astar"
-"""Teacher that needs no search in each step, and accepts each first move of a shortest path."""
+"""Teacher that need not search in each step, and accepts the first move of any shortest path."""
 
 VARIED = VariedLayouts()
 
 
 class Kind(NamedTuple):
-    """A kind of training: its name in messages, its defaults and the options it does not take.
+    """A kind of training, with its defaults and the options that it does not take.
 
     Attributes:
         name: name in messages and pictures.
-        steps: minimum training steps.
-        limit: steps of an episode and of a battery.
+        steps: default number of training steps, a minimum.
+        limit: default of the maximum steps of an episode, and of the steps that a battery lasts.
         others: options that belong to other kinds.
     """
 
@@ -92,19 +92,20 @@ KINDS = {
 
 
 COMMON = {"steps", "seed", "layout", "battery", "max_steps", "resume"}
-"""Options of all kinds, without the file."""
+"""Options of all kinds, except for the file that is saved."""
 
 OWN = {"teacher", "robots", "order_rate", "size", "density", "layouts"}
+"""Options of some kinds only."""
 
 
 class TrainCommand(CommandOfKinds):
-    """The command, whose help knows which options a kind takes."""
+    """The command ``warehouse train``, whose help lists the options of a kind."""
 
     argument = "kind"
     names: ClassVar = {name: COMMON | OWN - {*each.others} for name, each in KINDS.items()}
 
 
-def usual_of(field: str) -> str:
+def defaults_of(field: str) -> str:
     """Return the defaults of all kinds for a field of ``Kind``, in words."""
     names: dict[int, list[str]] = {}
     for name, kind in KINDS.items():
@@ -118,35 +119,43 @@ def train(
         str,
         typer.Argument(
             metavar="KIND",
-            help="q: a table by Q-learning; ppo: a network by PPO; clone: a network by imitation "
-            "(DAgger), which sees a map of where it has been.",
+            help="Kind of training. q: a table by Q-learning; ppo: a network by PPO; clone: a "
+            "network by imitation (DAgger), whose input includes a map of the visited cells.",
         ),
     ],
     steps: Annotated[
         int | None,
-        option("--steps N", f"Minimum training steps. Default: {usual_of('steps')}.", Whole(1)),
+        option(
+            "--steps N",
+            f"Minimum number of training steps. Default: {defaults_of('steps')}.",
+            Whole(1),
+        ),
     ] = None,
     seed: Annotated[int, option("--seed N", options.SEED, Whole(0, 2**32 - 1))] = 1,
     layout: random_layouts.LayoutOrRandom = None,
     battery: Annotated[
-        int | None, options.parameter_option("battery", more=f"Default: {usual_of('limit')}.")
+        int | None, options.parameter_option("battery", more=f"Default: {defaults_of('limit')}.")
     ] = None,
     max_steps: Annotated[
-        int | None, options.parameter_option("max_steps", more=f"Default: {usual_of('limit')}.")
+        int | None, options.parameter_option("max_steps", more=f"Default: {defaults_of('limit')}.")
     ] = None,
     robots: Annotated[
         int,
-        option("--robots -r N", f"{options.ROBOTS} Several have orders; for ppo.", Whole(1, 1000)),
+        option(
+            "--robots -r N",
+            f"{options.ROBOTS} Several robots have orders. Only for ppo.",
+            Whole(1, 1000),
+        ),
     ] = 1,
     order_rate: options.OrderRate = 0.2,
     teacher: Annotated[
-        str, option("--from NAME", "Teacher of a clone, an agent by name.")
+        str, option("--from NAME", "Name of the agent that teaches the clone.")
     ] = KNOWS_THE_MAP,
     size: Annotated[
         str | None,
         option(
             "--size HxW",
-            f"{random_layouts.SIZE} For clone the largest, by default "
+            f"{random_layouts.SIZE} For clone: the maximum size. Default: "
             f"{VARIED.height}x{VARIED.width}.",
             check_size,
         ),
@@ -155,41 +164,42 @@ def train(
     layouts: random_layouts.Pool = None,
     save: Annotated[
         Path | None,
-        option("--save -o FILE", f"{options.SAVE} The agent, as .npz. Default: KIND.npz."),
+        option("--save -o FILE", f"{options.SAVE} The agent is saved as .npz. Default: KIND.npz."),
     ] = None,
     resume: Annotated[
         bool,
         option(
             "--resume",
-            "Go on from the checkpoint of an interrupted training, given the same options as then.",
+            "Continue an interrupted training from its checkpoint. Repeat the other options.",
         ),
     ] = False,
 ) -> None:
     """Train an agent by reward or by imitation.
 
-    Writes the agent (.npz) for "warehouse run --agent KIND:FILE", its learning
-    curve (.png), the points of the curve (.csv), with ppo a model of
-    Stable-Baselines3 (.zip), and at each exam a .checkpoint for --resume. The
-    .zip and the .checkpoint hold pickled Python: load only files that you
-    trust.
+    The command writes the agent (.npz) for "warehouse run --agent KIND:FILE",
+    its learning curve (.png), and the points of the curve (.csv). ppo also
+    writes a model for Stable-Baselines3 (.zip). Each exam writes a .checkpoint
+    for --resume. The .zip and the .checkpoint contain pickled Python: load
+    only files that you trust.
 
-    With --layout random each episode is in one of many random layouts; exams
-    are in others. The help of the options says which of them need a kind.
+    With --layout random, each episode is in one of many random layouts, and
+    exams are in other layouts. "warehouse train KIND -h" lists the options of
+    a kind.
 
     Example: warehouse train ppo --steps 2000000 -o ppo.npz
     """
     if kind not in KINDS:
         raise typer.BadParameter(f"KIND is {brief(kind)}; allowed: {', '.join(KINDS)}")
-    usual = KINDS[kind]
-    refuse(context, usual.others, f"train {kind}")
-    steps, limit = steps or usual.steps, max_steps or usual.limit
-    battery = battery or usual.limit
+    chosen = KINDS[kind]
+    refuse(context, chosen.others, f"train {kind}")
+    steps, limit = steps or chosen.steps, max_steps or chosen.limit
+    battery = battery or chosen.limit
     target = save or Path(f"{kind}.npz")
     is_random = random_layouts.are_wanted(layout, size=size, density=density, layouts=layouts)
     if is_random and (kind == "q" or robots > 1):
         raise typer.BadParameter(
-            "--layout random does not go with "
-            f"{'train q' if kind == 'q' else '--robots: it is for one robot'}"
+            "--layout random cannot be combined with "
+            + ("'train q'" if kind == "q" else "--robots: random layouts have one robot")
         )
     task: Task | FleetTask
     if robots > 1:
@@ -205,14 +215,14 @@ def train(
     check_agent_file(target)
     if isinstance(task, Task) and isinstance(task.layout, RandomLayouts):
         task = task._replace(layout=task.layout.without([*EXAM_SEEDS, *FINAL_SEEDS]))
-    name = usual.name if kind != "clone" else f"clone of {teacher}"
+    name = chosen.name if kind != "clone" else f"clone of {teacher}"
     training = Training(name, task, steps, seed, target)
     learner, writers = LEARNERS[kind](task, steps, seed, teacher)
     training.run(learner, writers, resume=resume)
     if kind == "ppo" and is_random:
         say(
-            f"ppo:{target}:revisit=4 avoids cells where it has been, which ends circles; compare "
-            f"with 'warehouse compare agents --layout random --agent ppo:{target}:revisit=4'"
+            f"ppo:{target}:revisit=4 avoids visited cells and therefore leaves loops; to compare "
+            f"it: warehouse compare agents --layout random --agent ppo:{target}:revisit=4"
         )
 
 
@@ -232,12 +242,12 @@ def _clone(task: Any, steps: int, seed: int, teacher: str) -> tuple[Learner, dic
 
 
 LEARNERS = {"q": _q, "ppo": _ppo, "clone": _clone}
-"""Functions that return the learner of a kind, and what writes its files by suffix."""
+"""Functions that return the learner of a kind, and the functions that write its files by suffix."""
 
 
 def make_learner(task: Task | FleetTask, steps: int, seed: int) -> PPOLearner:
-    """Return a learner for a task; an ``AgentError`` says how to install what is missing."""
-    with needed_libraries("training by PPO"):
+    """Return a PPO learner for a task; if a library is missing, ``AgentError`` has the command."""
+    with needed_libraries("training with PPO"):
         from agents.learning.ppo_training import ENVS, FOR_RANDOM_LAYOUTS, PPOLearner
     differs = FOR_RANDOM_LAYOUTS if isinstance(task.layout, RandomLayouts) else {}
     return PPOLearner(task.make_batch(ENVS), steps, seed, **differs)
@@ -245,7 +255,7 @@ def make_learner(task: Task | FleetTask, steps: int, seed: int) -> PPOLearner:
 
 @contextmanager
 def needed_libraries(what: str) -> Iterator[None]:
-    """Raise an ``AgentError`` that says how to install a library that an import has missed."""
+    """Raise ``AgentError`` with the command to install a library if its import fails."""
     try:
         yield
     except ImportError as error:
@@ -257,12 +267,12 @@ def needed_libraries(what: str) -> Iterator[None]:
 
 
 def make_clone_learner(teacher: str, task: Task, steps: int, seed: int) -> CloneLearner:
-    """Return a learner from a teacher; an ``AgentError`` says how to install what is missing."""
+    """Return a learner that imitates a teacher; see ``make_learner``."""
     from agents.learning.teachers import AgentTeacher, ShortestWays
 
     make = partial(make_agent, teacher, seed)
-    make(task.layout_for(0))  # a wrong name is an error before the training
-    with needed_libraries("imitation"):
+    make(task.layout_for(0))  # a wrong name raises here, before the training
+    with needed_libraries("training by imitation"):
         from agents.learning.clone_training import ENVS, CloneLearner
     batch = task.make_batch(ENVS)
     knows = teacher == KNOWS_THE_MAP
@@ -272,7 +282,7 @@ def make_clone_learner(teacher: str, task: Task, steps: int, seed: int) -> Clone
 
 
 def check_agent_file(path: Path) -> None:
-    """Raise ``FormatError`` unless a file is one of an agent."""
+    """Raise ``FormatError`` unless a file has the suffix of agents."""
     if path.suffix != MODEL_SUFFIX:
         raise FormatError(
             f"{path}: cannot save as {path.suffix or 'a file without a suffix'}; "
@@ -282,7 +292,7 @@ def check_agent_file(path: Path) -> None:
 
 @dataclass
 class Progress:
-    """What is known of a training that is under way."""
+    """State of a training: its exams, its steps and the seconds that it took so far."""
 
     examiner: Examiner
     steps: int = 0
@@ -291,9 +301,9 @@ class Progress:
 
 @dataclass(frozen=True)
 class Training:
-    """A training with a progress bar, and the files and the table that it results in.
+    """A training with its progress bar, its files and the table of its result.
 
-    Each file has the name of the agent's file, ``output``, and a suffix of its own.
+    The files are named after the agent's file, ``output``, with different suffixes.
     """
 
     name: str
@@ -305,8 +315,11 @@ class Training:
     def run(self, learner: Learner, writers: Mapping[str, Writer], *, resume: bool) -> None:
         """Train an agent, write its files by suffix, and compare it with the greedy agent.
 
-        An interrupt ends the training; if there has been an examination by then, the files are
-        written all the same. A file that cannot be written is an ``OSError`` before the training.
+        An interrupt ends the training. If there has been an exam by then, the files are written
+        nevertheless.
+
+        Raises:
+            OSError: a file cannot be written. This is checked before the training.
         """
         for suffix in (*writers, CURVE_SUFFIX, POINTS_SUFFIX, CHECKPOINT_SUFFIX):
             check_target(self.output.with_suffix(suffix))
@@ -322,7 +335,7 @@ class Training:
                 if progress.examiner.points:
                     self._checkpoint(learner, progress)
                     self._save(progress, greedy, writers)
-                    say("the same command with --resume goes on from here")
+                    say("to continue, run the same command with --resume")
                 raise
             self._save(progress, greedy, writers)
         scores = self.task.evaluate(make_agent, final)
@@ -330,13 +343,13 @@ class Training:
         if isinstance(self.task.layout, RandomLayouts):
             table = table._replace(
                 title=self.task.layout.name,
-                caption=f"{len(final):,} layouts, none of them in the training, the same for each",
+                caption=f"the same {len(final):,} layouts for both, none of them from the training",
             )
         print_table(table)
 
     @property
     def options(self) -> dict[str, Any]:
-        """All that a training follows from, to the last bit of its result."""
+        """Everything that determines the result of a training, bit by bit."""
         layout = self.task.layout
         return {
             "training": self.name,
@@ -350,7 +363,7 @@ class Training:
     def _restored(self, learner: Learner) -> Progress | None:
         path = self.output.with_suffix(CHECKPOINT_SUFFIX)
         if not path.exists():
-            say(f"{path} does not exist; the training begins", error=True)
+            say(f"{path} does not exist; the training starts from the beginning", error=True)
             return None
         progress: Progress = load_checkpoint(path, self.options, learner)
         say(f"resumed after {progress.steps:,} of {self.steps:,} steps")
@@ -361,7 +374,7 @@ class Training:
         save_checkpoint(path, self.options, learner, progress)
 
     def _train(self, learner: Learner, progress: Progress, check: CheckInterrupt) -> MakeAgent:
-        """Train to the end, or to an interrupt that comes to ``check``; a checkpoint each exam."""
+        """Train until the end, or until ``check`` raises; write a checkpoint at each exam."""
         from agents.lab.console.progress import progress_bar
 
         examiner, started = progress.examiner, time.perf_counter() - progress.seconds
@@ -389,7 +402,7 @@ class Training:
             from agents.lab.training.curve import save_learning_curve
 
             is_random = isinstance(self.task.layout, RandomLayouts)
-            unseen = " in layouts that are not in the training" if is_random else ""
+            unseen = " in unseen layouts" if is_random else ""
             title = f"Learning to deliver{unseen}: {self.name}, seed {self.seed}"
             save_learning_curve(path, self.name, title, points, greedy)
 
@@ -404,7 +417,7 @@ class Training:
 
 
 def installed_versions() -> dict[str, str]:
-    """Return the versions on which the result of a training depends, by distribution."""
+    """Return the versions that affect the result of a training, by distribution."""
     from importlib.metadata import PackageNotFoundError, version  # takes long to import
 
     found = {}
@@ -415,7 +428,7 @@ def installed_versions() -> dict[str, str]:
 
 
 def greedy_scores(task: Task | FleetTask, seeds: Iterable[int]) -> Scores | FleetScores:
-    """Return the scores of the greedy agent; the robots of a fleet give way to one another."""
+    """Return the scores of the greedy agent, whose robots give way to one another in a fleet."""
     if isinstance(task, FleetTask):
         make = partial(make_team, "greedy", task.robots, layout=task.layout)
         return task.evaluate_fleet(make, seeds)
@@ -433,10 +446,10 @@ def comparison_table(scores: Mapping[str, Scores | FleetScores]) -> TextTable:
         return TextTable(
             ("", *scores),
             [
-                ("delivered an hour", *(mean(one.per_hour, "") for one in fleets)),
+                ("deliveries an hour", *(mean(one.per_hour, "") for one in fleets)),
                 ("steps blocked by others", *(share(one.blocked) for one in fleets)),
             ],
-            f"{len(fleets[0].rows):,} episodes of {fleets[0].robots} robots, the same for each",
+            f"The same {len(fleets[0].rows):,} episodes of {fleets[0].robots} robots for all",
         )
     each = [one for one in scores.values() if isinstance(one, Scores)]
     by_all = np.all([one.delivered for one in each], axis=0)
@@ -445,9 +458,9 @@ def comparison_table(scores: Mapping[str, Scores | FleetScores]) -> TextTable:
         [
             ("delivered", *(f"{one.delivered.mean():.1%}" for one in each)),
             ("steps to deliver", *(_mean_length(one, one.delivered) for one in each)),
-            ("  where all deliver", *(_mean_length(one, by_all) for one in each)),
+            ("  if all deliver", *(_mean_length(one, by_all) for one in each)),
         ],
-        f"{len(each[0].rows):,} random starts, the same for each",
+        f"The same {len(each[0].rows):,} random starts for all",
     )
 
 

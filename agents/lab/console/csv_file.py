@@ -12,9 +12,10 @@ from warehouse_core.wording import printable, spreadsheet_text
 
 
 def write_csv(path: Path, header: Sequence[str], lines: Iterable[Sequence[object]]) -> None:
-    """Write lines below a header, whole or not at all.
+    """Write lines below a header; after an error there is no incomplete file.
 
-    ``None`` and NaN are empty fields. A spreadsheet shows every text, and runs none as a formula.
+    ``None`` and NaN become empty fields. Texts are escaped so that no spreadsheet runs one as a
+    formula.
     """
     with atomic_path(path) as part, part.open("w", encoding="utf-8", newline="") as file:
         writer = csv.writer(file, lineterminator="\n")

@@ -1,4 +1,4 @@
-"""Groups of commands: how their help lists them, and how a missing or unknown one is found."""
+"""Groups of commands: the lists in their help, and errors for unknown commands."""
 
 from __future__ import annotations
 
@@ -11,28 +11,28 @@ from typer.core import TyperCommand, TyperGroup
 HELP = "-h", "--help"
 
 SHOWN = "kinds"
-"""Key of the kinds in the memory of a command line."""
+"""Key under which the context of a command line keeps the kinds that the user typed."""
 
 
 class CommandOfKinds(TyperCommand):
-    """A command whose argument is a kind, and whose help after it lists the options of the kind.
+    """A command with a kind as argument, whose help after a kind lists only its options.
 
     Attributes:
         argument: name of the argument.
-        names: names of the options of each kind, without the file.
+        names: names of the options of each kind, except for the file that is saved.
     """
 
     argument = ""
     names: ClassVar[Mapping[str, Collection[str]]] = {}
 
     def parse_args(self, ctx: Any, args: list[str]) -> list[str]:
-        """Keep the kind for the help, which is shown before arguments are known."""
+        """Remember the kind for the help, which is printed before arguments are parsed."""
         ctx.meta[SHOWN] = [word for word in args if word in self.names]
         return super().parse_args(ctx, args)
 
     def format_options(self, ctx: Any, formatter: Any) -> None:
-        """Write the options of the kind, or all of them without one."""
-        kinds = ctx.meta.get(SHOWN)  # none where help is made without a command line
+        """Write the options of the kind, or all options if no kind is given."""
+        kinds = ctx.meta.get(SHOWN)  # None if help is made without a command line
         shown = {*self.names[kinds[0]], self.argument, "save"} if kinds else None
         hidden: list[Any] = [
             each for each in self.params if shown is not None and each.name not in shown
@@ -45,9 +45,9 @@ class CommandOfKinds(TyperCommand):
 
 
 class CommandGroup(TyperGroup):
-    """A group whose help lists the commands under the title of each ``rich_help_panel``.
+    """A group whose help lists commands under the titles given as ``rich_help_panel``.
 
-    Typer lists them so only with Rich, which takes long to import.
+    Typer does this only with Rich, which takes long to import.
 
     Attributes:
         renamed: replacement for each former command.
@@ -70,7 +70,7 @@ class CommandGroup(TyperGroup):
                 formatter.write_dl(rows)
 
     def resolve_command(self, ctx: Any, args: list[str]) -> Any:
-        """Return the command that the words begin with, and the other words."""
+        """Return the command named by the first word, and the remaining words."""
         if args[0] not in self.commands:
             if args[0] in self.renamed:
                 raise typer.BadParameter(

@@ -1,4 +1,4 @@
-"""Run a command-line application; errors become exit codes."""
+"""Run a command-line application, and turn errors into messages and exit codes."""
 
 from __future__ import annotations
 
@@ -26,13 +26,13 @@ SENTENCES = (
     (r"Option '(\S+)' requires an argument\.", r"\1 needs a value after it"),
     (r"Option '(\S+)' does not take a value\.", r"\1 takes no value"),
     (r"Missing argument '(.+)'\.", r"\1 is missing"),
-    (r"Got unexpected extra argument\S* \((.+)\)", r"'\1' is one argument too many"),
+    (r"Got unexpected extra argument\S* \((.+)\)", r"'\1' is an unexpected argument"),
 )
-"""Patterns of Typer's sentences on wrong usage, and the sentences printed for them."""
+"""Patterns of Typer's messages about wrong usage, and the sentences printed in their place."""
 
 
 def application(**settings: Any) -> typer.Typer:
-    """Return an application whose help is plain text, since Rich takes long to import."""
+    """Return an application whose help is plain text, because Rich takes long to import."""
     return typer.Typer(
         cls=settings.pop("cls", CommandGroup),
         add_completion=False,
@@ -43,15 +43,19 @@ def application(**settings: Any) -> typer.Typer:
 
 
 def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:
-    """Run a command line and exit: 0 done, 1 error, 2 wrong usage, 130 interrupted."""
+    """Run a command line and exit.
+
+    The exit code is 0 after success, 1 after an error, 2 after wrong usage, and 130 after an
+    interrupt.
+    """
     try:
         command = typer.main.get_command(app)
         code = command.main(arguments, standalone_mode=False)
-        if code == INTERRUPTED:  # an interrupt, which Typer has caught
+        if code == INTERRUPTED:  # Typer has caught an interrupt
             _fail("interrupted", INTERRUPTED)
     except TyperException as error:
         code = error.exit_code
-        if error.message.startswith("Usage:"):  # the whole help, where a command is missing
+        if error.message.startswith("Usage:"):  # the whole help, because a command is missing
             say(error.message, error=True)
         else:
             _fail(_misused(error), code)
@@ -68,8 +72,8 @@ def _fail(message: str, code: int) -> int:
 
 
 def _misused(error: TyperException) -> str:
-    """Return what is wrong with the words of a command line, and where they are explained."""
-    if isinstance(error, typer.BadParameter) and error.message:  # of this program's own checks
+    """Return what is wrong with a command line, and the command that prints its help."""
+    if isinstance(error, typer.BadParameter) and error.message:  # from this program's own checks
         return error.message
     message = error.format_message()
     for pattern, sentence in SENTENCES:
@@ -82,7 +86,7 @@ def _misused(error: TyperException) -> str:
 
 def _describe(error: Exception) -> str:
     if isinstance(error, BrokenPipeError):
-        # The reader of standard output is gone; prevent another error when Python flushes it.
+        # Nobody reads standard output any more: prevent another error when Python flushes it.
         os.dup2(os.open(os.devnull, os.O_WRONLY), sys.stdout.fileno())
     if isinstance(error, OSError) and error.strerror:
         return f"{error.filename}: {error.strerror}" if error.filename else error.strerror

@@ -1,4 +1,4 @@
-"""The options of commands: how one is declared, and those that several commands share."""
+"""Options of commands: how to declare one, and those that several commands share."""
 
 from __future__ import annotations
 
@@ -19,24 +19,24 @@ from warehouse_core.world.named_layouts import NAMES
 RECORD_SUFFIX = ".npz"
 
 PICTURES = (".svg", ".png")
-"""Suffixes of pictures that do not move."""
+"""Suffixes of still pictures."""
 
 MANY: dict[str, Any] = {"default_factory": list, "show_default": False}
 """Settings of an option that may be given more than once, or not at all."""
 
 
 class Reader:
-    """Reads the text of an option as a number or a choice, by a check as of plan files.
+    """Parser of the text of an option, with the same checks as in files of experiment plans.
 
     Attributes:
-        check: Check of the value.
+        check: check of the value.
     """
 
     def __init__(self, name: str, check: CheckValue) -> None:
         self.name, self.check = name, check
 
     def __call__(self, text: Any) -> Any:
-        """Return the value in a text, or a default."""
+        """Return the checked value of a text, or of a default that is not text."""
         value = text
         for kind in (int, float) if isinstance(text, str) else ():
             try:
@@ -53,13 +53,13 @@ class Reader:
 def option(words: str, help_text: str, check: CheckValue | None = None, **settings: Any) -> Any:
     """Return an option.
 
-    The first sentence of the description is the same in all commands that have the option; further
-    ones say what is particular to a command.
+    The first sentence of its description is the same in all commands that have the option. Further
+    sentences say what is special in this command.
 
     Args:
         words: names of the option and its metavar, as in ``"--count -c N"``.
         help_text: description.
-        check: check of a value that is not just text.
+        check: check of the value; ``None`` leaves it as text.
         settings: further arguments of ``typer.Option``.
     """
     names = [word for word in words.split() if word.startswith("-")]
@@ -69,27 +69,27 @@ def option(words: str, help_text: str, check: CheckValue | None = None, **settin
 
 
 def parameter_option(name: str, metavar: str = "N", more: str = "") -> Any:
-    """Return the option of a parameter of plan files, with its check and its description."""
+    """Return the option for a parameter of experiments, with its check and its description."""
     parameter = PARAMETERS[name]
     words = f"--{name.replace('_', '-')} {metavar}"
     return option(words, f"{parameter.help} {more}".strip(), parameter.check)
 
 
 def given(context: typer.Context) -> set[str]:
-    """Return the names of the parameters that are on the command line."""
+    """Return the names of the parameters that the user typed on the command line."""
     sources = {name: context.get_parameter_source(name) for name in context.params}
     return {name for name, source in sources.items() if source and source.name == "COMMANDLINE"}
 
 
 def refuse(context: typer.Context, names: Iterable[str], command: str) -> None:
-    """Raise ``typer.BadParameter`` if a command line has one of some options."""
+    """Raise ``typer.BadParameter`` if the user typed one of the named options."""
     for parameter in context.command.params:
         if parameter.name in given(context).intersection(names):
-            raise typer.BadParameter(f"{parameter.opts[0]} does not go with '{command}'")
+            raise typer.BadParameter(f"{parameter.opts[0]} cannot be combined with '{command}'")
 
 
 def one_of(kind: type[StrEnum]) -> CheckValue:
-    """Return a check for the words of an enumeration."""
+    """Return a check that a value is one of the words of an enumeration."""
 
     def check(value: Any) -> StrEnum:
         try:
@@ -101,7 +101,7 @@ def one_of(kind: type[StrEnum]) -> CheckValue:
 
 
 def writable(*suffixes: str, replays: bool = False) -> Callable[[Any], Any]:
-    """Return a callback that refuses a file that cannot be written before the command runs.
+    """Return a callback that, before the command runs, refuses files that cannot be written.
 
     Args:
         suffixes: suffixes that are allowed.
@@ -116,7 +116,7 @@ def writable(*suffixes: str, replays: bool = False) -> Callable[[Any], Any]:
 
                 allowed = *FORMATS, *suffixes
             if check_suffix(target, allowed) == ".mp4":
-                ffmpeg()  # what it needs is missed here, and not after the episode
+                ffmpeg()  # if it is missing, fail here and not after the episode
             check_target(target)
         return given
 
@@ -124,24 +124,24 @@ def writable(*suffixes: str, replays: bool = False) -> Callable[[Any], Any]:
 
 
 AGENT = (
-    "Agent by name: random, reflex, model, goal, utility, greedy, exploring, bfs, ucs, astar, "
+    "Name of the agent: random, reflex, model, goal, utility, greedy, exploring, bfs, ucs, astar, "
     "weighted-astar, greedy-best-first, clone:FILE, ppo:FILE, q:FILE, or your own as file.py or "
-    "file.py:Class; arguments may follow, as in greedy:memory=20."
+    "file.py:Class. Arguments may follow the name, as in greedy:memory=20."
 )
 AgentOption = Annotated[str, option("--agent NAME", AGENT)]
 
-LAYOUT = f"Layout: a file, or one of {', '.join(NAMES)}."
+LAYOUT = f"Layout of the warehouse: a file, or one of {', '.join(NAMES)}."
 FleetLayout = Annotated[Path, option("--layout FILE", LAYOUT)]
 LayoutOption = Annotated[
-    Path | None, option("--layout FILE", f"{LAYOUT} Default: default, of the chapter.")
+    Path | None, option("--layout FILE", f"{LAYOUT} Default: default, the layout of the chapter.")
 ]
 
 StationsOption = Annotated[
     Stations | None,
     option(
         f"--stations {'|'.join(Stations)}",
-        "Draw pickup and dropoff, or keep those of the layout. "
-        "Default: kept in a file that has any, drawn otherwise.",
+        "Place pickup and dropoff at random (drawn), or keep the stations of the layout (kept). "
+        "Default: kept if the layout is a file with stations, otherwise drawn.",
         one_of(Stations),
         show_default=False,
     ),
@@ -155,51 +155,59 @@ SeedOption = Annotated[
     int | None, option("--seed N", f"{SEED} Default: a random one.", Whole(0, MAX_SEED))
 ]
 MAX_EPISODES = 100_000
-EPISODES = "Episodes of each setting, with one seed after the other."
+EPISODES = "Number of episodes, with successive seeds."
 Episodes = Annotated[int, option("--episodes -n N", EPISODES, Whole(1, MAX_EPISODES))]
 BatteryOption = Annotated[int, parameter_option("battery")]
 MaxSteps = Annotated[int, parameter_option("max_steps")]
 ViewRadius = Annotated[int, parameter_option("view_radius")]
 
 BACKEND = (
-    "Name of the motion backend. Allowed: grid, physics, {}or your own as file.py:Class; numbers "
-    "and the drive of the robot may follow, as in physics:top_speed=2,drive=differential."
+    "Name of the motion backend. Allowed: grid, physics, {}or your own as file.py:Class. Settings "
+    "of the robot may follow, as in physics:top_speed=2,drive=differential."
 )
 InstalledBackend = Annotated[
     str,
     option(
         "--backend NAME",
-        "Name of the motion backend. Allowed: grid, physics, or another that is installed.",
+        "Name of the motion backend. Allowed: grid, physics, or another one that is installed.",
     ),
 ]
 BackendOption = Annotated[str, option("--backend NAME", BACKEND.format(""))]
 FleetBackend = Annotated[
     str,
-    option("--backend NAME", BACKEND.format("driving (through cells as a plan says), ")),
+    option(
+        "--backend NAME",
+        BACKEND.format("driving (robots follow a plan without stopping in each cell), "),
+    ),
 ]
 
-MOVES = "compass: robots move N, E, S or W; turn: they drive forward, and turn on the spot."
+MOVES = "How robots move. compass: N, E, S or W; turn: forward, with turns on the spot."
 ROBOTS = PARAMETERS["robots"].help
 RobotsOption = Annotated[int, parameter_option("robots", "-r N")]
-PLANNER = f"Planner by name: {', '.join(PLANNERS)}, clone:FILE, or your own as file.py:Class."
+PLANNER = f"Name of the planner: {', '.join(PLANNERS)}, or your own as file.py:Class."
 AssignmentOption = Annotated[str | None, option("--assignment NAME", PARAMETERS["assignment"].help)]
 PLAN_SECONDS = (
-    "Seconds for a plan, or for a step of one; if it takes longer, it is cut off, and all robots "
-    "wait."
+    "Limit on the seconds of a plan, or of a step of a plan. After this time planning is stopped, "
+    "and all robots wait."
 )
 PlanSeconds = Annotated[float, option("--plan-seconds S", PLAN_SECONDS, Number(0.001, MAX_VALUE))]
 OrderRate = Annotated[float, parameter_option("order_rate", "X")]
 FleetBattery = Annotated[
-    str, option("--battery N", f"{PARAMETERS['battery'].help} Or joules, as in 30000joules.")
+    str,
+    option(
+        "--battery N",
+        f"{PARAMETERS['battery'].help} A capacity in joules is written as in 30000joules.",
+    ),
 ]
 
 SAVE = "Save to this file."
-REPLAY = f"{SAVE} A replay as .gif, .mp4, .html, .svg or .png"
+MAY_BE_REPEATED = "May be repeated."
+REPLAY = f"{SAVE} A replay is saved as .gif, .mp4, .html, .svg or .png"
 Save = Annotated[
     list[Path],
     option(
         "--save -o FILE",
-        f"{REPLAY}, the record as .npz; may be repeated.",
+        f"{REPLAY}, a record as .npz. {MAY_BE_REPEATED}",
         callback=writable(RECORD_SUFFIX, replays=True),
         **MANY,
     ),
@@ -208,17 +216,24 @@ SaveReplay = Annotated[
     list[Path],
     option(
         "--save -o FILE",
-        f"{REPLAY}; may be repeated.",
+        f"{REPLAY}. {MAY_BE_REPEATED}",
         callback=writable(replays=True),
         **MANY,
     ),
 ]
 Show = Annotated[
     bool | None,
-    option("--show/--no-show", "Open a window, or do not. Default: open one if nothing is saved."),
+    option(
+        "--show/--no-show", "Show the replay in a window. Default: yes, unless --save is given."
+    ),
 ]
 Speed = Annotated[
-    float, option("--speed X", "Factor on the playing speed, 0.01 to 100.", Number(0.01, 100))
+    float,
+    option(
+        "--speed X",
+        "Speed of the replay as a multiple of the default, from 0.01 to 100.",
+        Number(0.01, 100),
+    ),
 ]
 Jobs = Annotated[
     int | None,

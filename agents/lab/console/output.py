@@ -1,4 +1,4 @@
-"""Show a replay or write it to files."""
+"""Show a replay in a window, or write it to files."""
 
 from __future__ import annotations
 
@@ -28,9 +28,15 @@ PAGE_SUFFIX, DRAWING_SUFFIX = ".html", ".svg"
 
 @dataclass(frozen=True, slots=True)
 class Film:
-    """What a command shows. A window or a picture needs Matplotlib, a page or an animation not.
+    """Replay that a command shows or saves.
 
-    ``tracks`` makes the tracks when they are needed; their titles are the default of a page's.
+    Windows, GIFs, videos and PNGs need Matplotlib; pages and SVG animations do not.
+
+    Attributes:
+        tracks: function that makes the tracks when they are needed.
+        title: title of a page; "" makes one of the titles of the tracks.
+        record: record that is saved as ``.npz``, or ``None``.
+        speed: multiple of the default speed.
     """
 
     tracks: Callable[[], Sequence[Track]]
@@ -45,7 +51,10 @@ class Film:
         return replay_of_tracks(*self.tracks(), speed=self.speed, window=window)
 
     def save(self, target: Path) -> None:
-        """Write the record, a page or a picture, by the suffix, whole or not at all."""
+        """Write the record, a page or a picture, depending on the suffix.
+
+        After an error there is no incomplete file.
+        """
         suffix = target.suffix.lower()
         if suffix == RECORD_SUFFIX and self.record is not None:
             self.record.save(target)
@@ -68,13 +77,19 @@ def replay_or_save(
     plans: Sequence[StepPlans] = (),
     make_tracks: Callable[[], Sequence[Track]] | None = None,
 ) -> None:
-    """Show or save an episode as ``show_or_save`` does; ``.npz`` is its record.
+    """Show an episode or save it, as ``show_or_save`` does; a ``.npz`` file has its record.
 
-    ``make_tracks`` returns the tracks to show, by default the one of the record with ``plans``.
+    Args:
+        episode: record of the episode.
+        targets: files to write.
+        show: true to open a window; ``None`` opens one if there are no ``targets``.
+        speed: multiple of the default speed.
+        plans: plans of a fleet to draw.
+        make_tracks: function that returns the tracks; by default the track of the record.
     """
     seed = "unseeded" if episode.seed is None else episode.seed
     name = re.sub(r"[^\w-]+", "_", f"replay-{episode.agent}-{episode.backend}-{seed}")
-    # Drawing each frame of a whole shift takes minutes; a page does not.
+    # It takes minutes to draw each frame of a whole shift as a GIF, but not to write a page.
     suffix = PAGE_SUFFIX if episode.is_fleet else ".gif"
     film = Film(
         make_tracks or (lambda: [track_of_record(episode, plans=plans)]),
@@ -85,10 +100,11 @@ def replay_or_save(
 
 
 def show_or_save(film: Film, targets: Sequence[Path], show: bool | None, fallback: str) -> None:
-    """Write ``targets``, then open a window if ``show``, or if it is None and there are none.
+    """Write ``targets``, then open a window if ``show`` is true.
 
-    If no window can be opened and nothing was written, write the replay to ``fallback``, with a
-    number if there is such a file.
+    If ``show`` is ``None``, a window opens if there are no targets. If there is neither a display
+    nor a target, the replay is written to ``fallback``; if this file exists, its name gets a
+    number.
     """
     for target in targets:
         film.save(target)
@@ -99,14 +115,14 @@ def show_or_save(film: Film, targets: Sequence[Path], show: bool | None, fallbac
         say("space pauses, left and right step, q closes the window")
         replay.show()
         return
-    consequence = "" if targets else ", so the replay goes to a file"
-    say(f"there is no display to open a window on{consequence}")
+    consequence = "" if targets else ", so the replay is saved to a file"
+    say(f"there is no display for a window{consequence}")
     if not targets:
         film.save(unused(Path(fallback)))
 
 
 def save_picture(figure: SceneFigure, path: Path) -> None:
-    """Write a figure as ``.svg`` or ``.png``, whole or not at all."""
+    """Write a figure as ``.svg`` or ``.png``; after an error there is no incomplete file."""
     from warehouse_core.viz.figure import save_svg
 
     with atomic_path(path) as part:
@@ -117,7 +133,7 @@ def save_picture(figure: SceneFigure, path: Path) -> None:
 
 
 def unused(path: Path) -> Path:
-    """Return a path to which nothing has been written: ``path``, or that with a number."""
+    """Return a path at which no file exists: ``path``, or ``path`` with a number."""
     number, first = 1, path
     while path.exists():
         number += 1

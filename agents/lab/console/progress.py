@@ -1,4 +1,4 @@
-"""The progress of long commands on standard error: a bar, or a line a minute without a terminal."""
+"""Progress of long commands on standard error: a bar, or one line a minute without a terminal."""
 
 from __future__ import annotations
 
@@ -23,14 +23,19 @@ from warehouse_core.viz.export import has_live_terminal
 from warehouse_core.wording import printable
 
 LINE_SECONDS = 60.0
-"""Time between two lines where no bar can be drawn."""
+"""Time between two lines of progress, used if no bar can be drawn."""
 
 Item = TypeVar("Item")
 
 
 @contextmanager
 def progress_bar(total: int, label: str = "") -> Iterator[Callable[..., None]]:
-    """Yield what shows, while the block runs, how much is completed, and news."""
+    """Yield a function that shows how much is completed while the block runs, and some news.
+
+    Args:
+        total: amount of work.
+        label: text before the bar.
+    """
     columns = (
         TextColumn("{task.description}", markup=False),  # it may be the name of an agent
         BarColumn(),
@@ -40,7 +45,7 @@ def progress_bar(total: int, label: str = "") -> Iterator[Callable[..., None]]:
         TextColumn("{task.fields[news]}"),
     )
     console = Console(stderr=True)
-    # Before 14.3 Rich writes a line end even for a disabled bar.
+    # Before version 14.3, Rich writes a line end even for a disabled bar.
     if not (has_live_terminal() and console.is_terminal):
         yield _lines(total, label)
         return
@@ -54,7 +59,7 @@ def progress_bar(total: int, label: str = "") -> Iterator[Callable[..., None]]:
 
 
 def _lines(total: int, label: str) -> Callable[..., None]:
-    """Return what prints a line if the last one is ``LINE_SECONDS`` old."""
+    """Return a function that prints a line if the previous line is ``LINE_SECONDS`` old."""
     started = shown = time.monotonic()
 
     def advance(completed: int, news: str = "") -> None:
@@ -71,7 +76,7 @@ def _lines(total: int, label: str) -> Callable[..., None]:
 
 
 def track(items: Sequence[Item], label: str) -> Iterator[Item]:
-    """Yield ``items`` and show a bar of how many are done."""
+    """Yield ``items``, and show in a bar how many of them are done."""
     with progress_bar(len(items), label) as advance:
         for number, item in enumerate(items, start=1):
             yield item

@@ -9,7 +9,7 @@ from agents.lab.console.terminal import printable_lines, say
 
 
 class TextTable(NamedTuple):
-    """A table of texts, with lines above and below it; the first cell of a row is its name."""
+    """A table of texts, with a title above and a caption below; each row begins with its name."""
 
     header: tuple[str, ...]
     rows: list[tuple[str, ...]]
@@ -18,7 +18,7 @@ class TextTable(NamedTuple):
 
 
 def print_table(table: TextTable) -> None:
-    """Print a table; one that is wider than the terminal is printed as a list for each row."""
+    """Print a table, or one list for each row if the table is wider than the terminal."""
     import rich.table  # here, because it takes long to import
     from rich.console import Console
 
@@ -28,7 +28,7 @@ def print_table(table: TextTable) -> None:
         printable_lines(table.title),
         printable_lines(table.caption),
     )
-    # Without markup: names and messages may have square brackets.
+    # Without markup, because names and messages may have square brackets.
     console = Console(markup=False, highlight=False)
     drawn = rich.table.Table(title=table.title or None, caption=table.caption or None)
     columns = list(zip(table.header, *table.rows, strict=True))
@@ -54,10 +54,10 @@ def print_table(table: TextTable) -> None:
 
 
 def _widths(columns: Sequence[Sequence[str]], room: int) -> list[int]:
-    """Return widths of columns that break no word; empty if there is not enough room for all.
+    """Return widths of columns at which no word is broken, or [] if the room is too small.
 
-    The room that is left goes to the cells of the first columns first, which have the names, and
-    then to titles.
+    Room that is left over is given to cells before titles, and to the first columns before others,
+    because they have the names.
     """
     from rich.cells import cell_len
 

@@ -1,4 +1,4 @@
-"""What commands print."""
+"""Text and warnings that commands print."""
 
 from __future__ import annotations
 
@@ -11,13 +11,16 @@ import typer
 from warehouse_core.wording import printable
 
 MAX_LENGTH = 2000
-"""Characters of an error message, which may quote a value as long as a file."""
+"""Limit on the characters of an error message, which may quote a value as long as a file."""
 
 
 def say(text: object, *, error: bool = False, bold: bool = False) -> None:
-    """Print text; names in it may have any characters, and the terminal is not given its own.
+    """Print text, with control characters shown as escapes.
 
-    It is on standard error if it is an ``error``, and ``bold`` if the stream is a terminal.
+    Args:
+        text: text to print, which may contain names from strangers.
+        error: print on standard error.
+        bold: print in bold if the stream is a terminal.
     """
     lines = printable_lines(str(text))
     typer.echo(typer.style(lines, bold=True) if bold else lines, err=error)
@@ -34,7 +37,7 @@ def print_error(message: str) -> None:
 
 @contextmanager
 def warnings_printed() -> Iterator[None]:
-    """Print each warning of a block once, as a line."""
+    """Print each distinct warning that is given inside the block, on one line each."""
     with warnings.catch_warnings(record=True) as found:
         warnings.simplefilter("always")
         try:
@@ -45,5 +48,5 @@ def warnings_printed() -> Iterator[None]:
 
 
 def printable_lines(text: str) -> str:
-    """Return ``printable`` lines of text."""
+    """Return text with each line made ``printable``."""
     return "\n".join(map(printable, text.split("\n")))

@@ -1,6 +1,6 @@
-"""What the texts of options mean: layouts, places, cells, batteries and times.
+"""Values from the texts of options: layouts, places, cells, batteries and times.
 
-A text of another form is a ``typer.BadParameter``.
+A text that cannot be parsed raises ``typer.BadParameter``.
 """
 
 from __future__ import annotations
@@ -10,7 +10,7 @@ from pathlib import Path
 
 import typer
 
-from agents.lab.place import Place, Stations, check_stations, usual_stations, what_to_draw
+from agents.lab.place import Place, Stations, check_stations, default_stations, what_to_draw
 from warehouse_core import DEFAULT_LAYOUT, Cell, Layout
 from warehouse_core.arguments import MAX_STEPS
 from warehouse_core.batch.fleet_settings import JOULES, STEPS
@@ -20,42 +20,48 @@ from warehouse_core.world.named_layouts import find_layout
 
 
 def load_layout(path: Path | None) -> Layout:
-    """Return the layout in a file or of a name, or the chapter's without one."""
+    """Return the layout with a name or in a file, or by default the layout of the chapter."""
     return DEFAULT_LAYOUT if path is None else find_layout(path)
 
 
 def load_place(path: Path | None, stations: Stations | None, start: str | None) -> Place:
-    """Return where episodes take place, by default in the chapter's layout.
+    """Return where episodes take place, by default in the layout of the chapter.
 
-    Without a choice the stations of a file that has any are kept, and others are drawn. A start
-    that is not given is drawn. A layout in which no episode can take place is a ``LayoutError``.
+    Args:
+        path: name or file of a layout.
+        stations: source of the stations; ``None`` keeps the stations of a file that has any,
+            and draws others at random.
+        start: cell as ``ROW,COL``; ``None`` is a random cell.
+
+    Raises:
+        LayoutError: no episode can take place in the layout.
     """
     layout, cell = load_layout(path), parse_cell(start, "--start")
     if cell is not None:
         check_open(layout, cell, "--start")
-    chosen = stations or usual_stations(layout, is_default=layout is DEFAULT_LAYOUT)
+    chosen = stations or default_stations(layout, is_default=layout is DEFAULT_LAYOUT)
     check_stations(layout, chosen, path, "--stations drawn")
     return Place(layout, cell, what_to_draw(chosen, cell))
 
 
 def parse_cell(text: str | None, option: str) -> Cell | None:
-    """Return the cell in a text ``ROW,COL``, or ``None`` without a text."""
+    """Return the cell that a text ``ROW,COL`` names, or ``None`` for ``None``."""
     if text is None:
         return None
     cell = re.fullmatch(r"\s*(-?[0-9]{1,9})\s*,\s*(-?[0-9]{1,9})\s*", text)
     if cell is None:
-        raise typer.BadParameter(f"{option} is {text!r}; it must be ROW,COL as in 1,2")
+        raise typer.BadParameter(f"{option} is {text!r}; it must be ROW,COL, as in 1,2")
     return int(cell[1]), int(cell[2])
 
 
 def parse_due(text: str) -> tuple[int, int]:
-    """Return the fewest and most steps in a text ``FEWEST:MOST`` that ``due_times`` allows."""
+    """Return the fewest and most steps of a text ``FEWEST:MOST``, checked by ``due_times``."""
     fewest, most = map(int, text.split(":"))
     return fewest, most
 
 
 def parse_battery(text: str) -> Battery:
-    """Return the battery in a text such as ``400``, ``400steps`` or ``20000joules``."""
+    """Return the battery for a text such as ``400``, ``400steps`` or ``20000joules``."""
     battery = re.fullmatch(rf"([0-9]{{1,12}}) ?({STEPS}|{JOULES})?", text)
     if battery is None or not 1 <= int(battery[1]) <= MAX_STEPS:
         raise typer.BadParameter(
@@ -65,7 +71,7 @@ def parse_battery(text: str) -> Battery:
 
 
 def parse_sizes(text: str) -> list[int]:
-    """Return the fleet sizes in a text such as ``32,64``, in ascending order."""
+    """Return the fleet sizes from a text such as ``32,64``, in ascending order."""
     parts = [part.strip() for part in text.split(",")]
     for part in parts:
         if not (part.isascii() and part.isdecimal() and len(part) < 10 and int(part) > 0):

@@ -1,4 +1,4 @@
-"""Reports of an agent that takes long."""
+"""Reports of steps in which an agent takes a long time."""
 
 from __future__ import annotations
 
@@ -15,20 +15,20 @@ from agents.lab.console.terminal import print_error
 from agents.lab.runs.run import Watch, Whereabouts, own_code
 
 SLOW_SECONDS, LOOK_SECONDS = 5.0, 0.5
-"""Seconds of a step before it is reported, and seconds between the checks."""
+"""Seconds after which a step is reported, and seconds between two checks."""
 
 
-def slow_steps_told(agent: object, name: str) -> Watch:
-    """Return what reports on standard error each step of an agent that takes long, and its line."""
+def slow_steps_reported(agent: object, name: str) -> Watch:
+    """Return a watch that prints each slow step of an agent, and the line of code it is in."""
     file = file_of(own_code(agent))
 
     def watch(place: Whereabouts) -> AbstractContextManager[None]:
-        def tell(seconds: float, line: str) -> None:
+        def report(seconds: float, line: str) -> None:
             print_error(
-                f"{place()}, agent {name} takes more than {seconds:g} s{line}; Ctrl-C ends it"
+                f"{place()}, agent {name} takes more than {seconds:g} s{line}; Ctrl-C stops it"
             )
 
-        return slow_reported(place, SLOW_SECONDS, file, tell)
+        return slow_reported(place, SLOW_SECONDS, file, report)
 
     return watch
 
@@ -38,16 +38,16 @@ def slow_reported(
     part: Callable[[], object],
     seconds: float,
     file: Path | None,
-    tell: Callable[[float, str], None],
+    report: Callable[[float, str], None],
 ) -> Iterator[None]:
-    """Report the parts of a block that take long, once each.
+    """Report each slow part of a block once.
 
     Args:
-        part: returns the part that this thread is in.
+        part: function that returns the part that this thread is in.
         seconds: time after which a part is reported.
         file: file of the agent.
-        tell: called in another thread with ``seconds`` and the line of the file that is being
-            executed, in words.
+        report: function that another thread calls with ``seconds`` and the line of the file that
+            is being executed, in words.
     """
     ended, thread = threading.Event(), threading.get_ident()
 
@@ -57,8 +57,8 @@ def slow_reported(
             if (now := part()) != last:
                 last, since = now, monotonic()
             elif monotonic() - since > seconds:
-                since = math.inf  # one report a part
-                tell(seconds, _line_of(thread, file))
+                since = math.inf  # one report for each part
+                report(seconds, _line_of(thread, file))
 
     watcher = threading.Thread(target=watch, daemon=True)
     watcher.start()
@@ -70,7 +70,7 @@ def slow_reported(
 
 
 def _line_of(thread: int, file: Path | None) -> str:
-    """Return the line of a file that a thread is executing, in words."""
+    """Return the line of a file that a thread is executing, in words, or "" if it is elsewhere."""
     frame = sys._current_frames().get(thread)
     while frame is not None:
         if file is not None and Path(frame.f_code.co_filename).resolve() == file.resolve():

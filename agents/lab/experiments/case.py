@@ -35,7 +35,7 @@ from agents.lab.parameters import (
     shown,
     text,
 )
-from agents.lab.place import RANDOM, Stations, check_stations, usual_stations, what_to_draw
+from agents.lab.place import RANDOM, Stations, check_stations, default_stations, what_to_draw
 from agents.lab.runs.programs import fingerprint, program_for
 from agents.lab.runs.run import Watch, Whereabouts, run
 from agents.lab.trials.rows import AnyRow, FleetRow, Row, row_of
@@ -128,7 +128,7 @@ def default_of(name: str, case: Case) -> Value | None:
     if name == "chargers" and TILES in case:
         return len(layout_of(case).chargers)
     if name == "stations" and TILES in case:
-        return str(usual_stations(layout_of(case), is_default=case["layout"] == DEFAULT))
+        return str(default_stations(layout_of(case), is_default=case["layout"] == DEFAULT))
     return find(name).default
 
 

@@ -1,1 +1,1 @@
-"""Grades of agents: a rubric, episodes in processes of their own, and reports."""
+"""Grading of agents: rubrics, agents in isolated processes, and reports."""

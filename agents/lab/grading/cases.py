@@ -1,4 +1,4 @@
-"""The cases of a rubric, each with episodes or with calls, and what an agent does in them."""
+"""Cases of a rubric: episodes that an agent runs, or calls of a function."""
 
 from __future__ import annotations
 
@@ -16,7 +16,7 @@ from agents.lab.grading.child import as_tuples
 from agents.lab.grading.sandbox import FAILS, AgentFailureError, Runner
 from agents.lab.grading.slipping import SlippingGrid
 from agents.lab.parameters import usual
-from agents.lab.place import RANDOM, Stations, usual_stations, what_to_draw
+from agents.lab.place import RANDOM, Stations, default_stations, what_to_draw
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
     DEFAULT_LAYOUT,
@@ -34,13 +34,13 @@ from warehouse_core.world.actions import DROP, INVALID, PICK, action_index
 from warehouse_core.world.named_layouts import DEFAULT, find_layout
 
 EPISODE, CALL = "episode", "call"
-"""The two things that a case may consist of."""
+"""Units of a case: it has episodes or calls."""
 
 MAX_SHOWN = 300
-"""Most characters of a value that are told."""
+"""Limit on the characters of a value in a report."""
 
 TOLERANCE = 1e-6
-"""Difference by which a number may miss the answer, absolute and relative."""
+"""Absolute and relative error that is allowed in a number."""
 
 
 class Run(NamedTuple):
@@ -49,15 +49,16 @@ class Run(NamedTuple):
     Attributes:
         seed: seed of the episode, or number of the call.
         needed: fewest steps of a delivery; ``None`` if no path exists, and for a call.
-        delivered: the episode ended with the delivery, or the call with the right answer.
-        useless: number of actions that had no effect, waits not counted.
+        delivered: true if the episode ended with the delivery, or the call with the right answer.
+        useless: number of actions that had no effect, except for waits.
         unknown: number of unknown actions.
         mode: the failure mode, or ``"delivered"``; ``"right"`` or ``"wrong"`` for a call.
         sentence: evidence for the mode, in words.
-        where: place of the failure, in words; "" if the agent was not loaded.
+        failure: failure of the agent, or ``None``.
+        where: step or call of the failure, in words; "" if the agent was not loaded.
         slowest: seconds of the slowest answer.
-        agent: name of its class or function, if it was loaded.
-        actions: its actions; none if the episode was not run, and for a call.
+        agent: name of the class or function; "" if it was not loaded.
+        actions: actions of the episode; () if it was not run, and for a call.
         reward: sum of the rewards.
     """
 
@@ -79,41 +80,44 @@ class Run(NamedTuple):
 
     @property
     def outcome(self) -> str:
-        """The failure of the agent, or else the mode."""
+        """Kind of the agent's failure if it failed, otherwise the mode."""
         return self.failure.kind if self.failure else self.mode
 
     @property
     def charged_steps(self) -> int:
-        """The steps of a delivery, or else all that the episode may have."""
+        """Steps of a delivery; a failed episode counts as the step limit."""
         return self.steps if self.delivered else max(self.steps, self.case.full_length)
 
     @property
-    def told(self) -> str:
-        """The course of the episode in words, as far as the case may be told."""
+    def description(self) -> str:
+        """Course of the episode in words; for a hidden case, only what students may know."""
         is_visible = self.case.visible
         if self.failure is not None:
             kind, text, public = self.failure.kind, self.failure.text, self.failure.public
             if is_visible:
                 return f"{kind}{self.where}: {text}"
             return ": ".join(filter(None, (kind, public)))
-        is_told = self.delivered or self.needed is None  # the mode tells it in other episodes
-        counts = {"useless action": self.useless * is_told, "unknown action": self.unknown}
+        # In other episodes the mode already mentions useless actions.
+        has_useless = self.delivered or self.needed is None
+        counts = {"useless action": self.useless * has_useless, "unknown action": self.unknown}
         also = "".join(f"; {counted(count, noun)}" for noun, count in counts.items() if count)
         is_plain = self.delivered or self.case.unit == CALL
-        told = [] if is_plain and is_visible else [self.mode]
-        return ": ".join([*told, self.sentence] if is_visible else told) + also
+        mode = [] if is_plain and is_visible else [self.mode]
+        return ": ".join([*mode, self.sentence] if is_visible else mode) + also
 
 
 @dataclass(frozen=True, slots=True)
 class GradedCase:
-    """Episodes that differ by their seed alone, as a table of the rubric asks for them.
+    """Episodes that differ only in their seeds, as defined by a table of a rubric.
 
     Attributes:
-        layout: a name, the path of a file, or ``RANDOM``; its size and density are of that alone.
-        stations: source of pickup and dropoff; ``None`` leaves it to the rule of ``warehouse run``.
-        start: start cell, or ``None`` to draw it at random.
-        visible: the report may tell the seeds and what happened.
-        slip: chance with which a move goes to a side, see ``SlippingGrid``.
+        layout: name of a layout, path of a file, or ``RANDOM``.
+        size: height and width of random layouts.
+        density: share of walls in random layouts.
+        stations: source of pickup and dropoff; ``None`` is the default of ``warehouse run``.
+        start: start cell, or ``None`` for a random one.
+        visible: true if the report may show seeds and what happened.
+        slip: probability that a move goes to a side, see ``SlippingGrid``.
     """
 
     name: str
@@ -134,34 +138,34 @@ class GradedCase:
 
     @property
     def files(self) -> list[Path]:
-        """The file of the layout, if it has one."""
+        """File of the layout, or an empty list."""
         path = Path(self.layout)
         return [path] if path.is_absolute() else []
 
     @property
     def seeds(self) -> range:
-        """The seeds of the episodes."""
+        """Seeds of the episodes."""
         return range(self.first_seed, self.first_seed + self.episodes)
 
     @property
     def full_length(self) -> int:
-        """The steps of an episode without a delivery, unless it charges its battery."""
+        """Step limit of an episode in which the robot does not charge its battery."""
         return min(self.max_steps, self.battery)
 
     def layout_of(self, seed: int) -> Layout:
-        """Return the layout of an episode, before stations are drawn."""
+        """Return the layout of an episode, before stations are drawn at random."""
         if self.layout == RANDOM:
             return random_layout(*self.size, self.density, seed)
         return DEFAULT_LAYOUT if self.layout == DEFAULT else find_layout(self.layout)
 
     def stations_of(self, layout: Layout) -> Stations:
-        """Return where pickup and dropoff come from, in a layout of the case."""
-        return self.stations or usual_stations(layout, is_default=layout is DEFAULT_LAYOUT)
+        """Return the source of pickup and dropoff in a layout of the case."""
+        return self.stations or default_stations(layout, is_default=layout is DEFAULT_LAYOUT)
 
     def begin_in(
         self, layout: Layout, stations: Stations, seed: int
     ) -> tuple[WarehouseEnv, Observation]:
-        """Return the environment of an episode in another layout, and the first observation."""
+        """Return the environment of an episode in a given layout, and the first observation."""
         limits = self.max_steps, self.battery, self.view_radius
         backend = SlippingGrid(self.slip) if self.slip else "grid"
         env = WarehouseEnv(layout, self.start, *limits, backend=backend)
@@ -178,8 +182,9 @@ class GradedCase:
     def run(self, runner: Runner, seed: int) -> Run:
         """Run one episode.
 
-        The agent is given the seed of the episode, as by ``warehouse run``. If that is hidden, it
-        is given the number of the episode, because it could draw the same layout from the seed.
+        The agent receives the seed of the episode, as in ``warehouse run``. If the seed is hidden,
+        the agent receives the number of the episode instead, because it could derive the layout
+        from the seed.
         """
         failure = None
         with self.begin(seed) as (env, observation):
@@ -208,14 +213,14 @@ class GradedCase:
 
     @lru_cache(maxsize=100_000)  # noqa: B019 (cases live as long as their rubric)
     def greedy_steps(self, seed: int) -> int:
-        """Return the steps of the greedy agent in an episode; it takes all that it may have."""
+        """Return the steps of the greedy agent in an episode; it may use all steps of the limit."""
         with self.begin(seed) as (env, _):
             recorder = EpisodeRecorder(env, seed=seed)
             recorder.run(GreedyAgent(seed))
         return recorder.episode.steps
 
     def episode(self, run: Run) -> Episode:
-        """Return the record of an episode, made from its actions without its agent."""
+        """Return the record of an episode, by carrying out its actions again without the agent."""
         with self.begin(run.seed) as (env, _):
             recorder = EpisodeRecorder(env, seed=run.seed)
             for action in run.actions:
@@ -223,7 +228,7 @@ class GradedCase:
         return recorder.episode
 
     def command(self, agent: str, seed: int) -> str:
-        """Return the command that shows an episode."""
+        """Return the command that runs an episode again."""
         words, before = ["warehouse", "run", "--agent", agent, "--seed", str(seed)], ""
         if self.layout == RANDOM:
             file = f"{self.name}-{seed}.txt"
@@ -247,7 +252,7 @@ class GradedCase:
 
 
 class Call(NamedTuple):
-    """The arguments of a call, and the right answer; both are as JSON has them."""
+    """The arguments of a call and the right answer, as JSON values."""
 
     arguments: Sequence[Any]
     answer: Any
@@ -255,13 +260,13 @@ class Call(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class CallCase:
-    """Calls of one function of a submission, as a table of the rubric asks for them.
+    """Calls of a function of a submission, as defined by a table of a rubric.
 
-    A call needs no steps, has no files and no command that shows it.
+    A call has no steps, no files and no command that repeats it.
 
     Attributes:
-        function: name of the function, or of a dictionary that is looked up by the arguments.
-        visible: the report may tell the calls and their answers.
+        function: name of the function, or of a dictionary in which the arguments are looked up.
+        visible: true if the report may show the calls and their answers.
     """
 
     name: str
@@ -275,23 +280,23 @@ class CallCase:
 
     @property
     def seeds(self) -> range:
-        """The numbers of the calls."""
+        """Numbers of the calls."""
         return range(self.episodes)
 
     @property
     def episodes(self) -> int:
-        """The number of calls."""
+        """Number of calls."""
         return len(self.calls)
 
     def needed_steps(self, number: int) -> None:
-        """Return ``None``, as for an episode without a delivery."""
+        """Return ``None``, as for an episode in which delivery is impossible."""
 
     def command(self, agent: str, number: int) -> str:
-        """Return no command."""
+        """Return "", because no command repeats a call."""
         return ""
 
     def run(self, runner: Runner, number: int) -> Run:
-        """Run one call, in a process of its own like an episode."""
+        """Run one call in a process of its own, like an episode."""
         call, failure, answer = self.calls[number], None, None
         try:
             with runner.episode() as agent:
@@ -301,28 +306,28 @@ class CallCase:
             failure = error
         shown = f"{self.function}({', '.join(_shown(as_tuples(each)) for each in call.arguments)})"
         right = failure is None and is_right(answer, call.answer)
-        told = "" if right else f"{shown} is {_shown(answer)}, not {_shown(call.answer)}"
+        sentence = "" if right else f"{shown} is {_shown(answer)}, not {_shown(call.answer)}"
         return Run(
-            self, number, None, right, mode="right" if right else "wrong", sentence=told,
+            self, number, None, right, mode="right" if right else "wrong", sentence=sentence,
             failure=failure, where=f" in {shown}" if agent.name else "",
             slowest=agent.slowest, agent=agent.name,
         )  # fmt: skip
 
 
 Case = GradedCase | CallCase
-"""The cases of a rubric: of episodes, or of calls of a function."""
+"""A case of a rubric: episodes, or calls of a function."""
 
 
 def run_cases(
     runner: Runner, cases: Iterable[Case], give_up_after: int, advance: Callable[[], None]
 ) -> list[Run]:
-    """Run all episodes of cases, with each of their seeds.
+    """Run the episodes and calls of all cases.
 
     Args:
         runner: starter of the agent's processes, one for each episode.
-        cases: cases in the order in which they are run.
-        give_up_after: episodes in a row that are too slow, end the process or cannot be loaded;
-            further ones of the case count as the last one, unrun.
+        cases: cases, in the order in which they are run.
+        give_up_after: number of successive episodes that are too slow, end the process or cannot
+            be loaded, after which the rest of the case is not run and counts the same.
         advance: called after each episode.
 
     Returns:
@@ -330,7 +335,7 @@ def run_cases(
     """
     runs, hopeless = list[Run](), 0
     for case in cases:
-        if runs and runs[-1].agent:  # it was loaded, so another case may be another matter
+        if runs and runs[-1].agent:  # the agent was loaded, so it may succeed in another case
             hopeless = 0
         for seed in case.seeds:
             if hopeless < give_up_after:
@@ -346,7 +351,7 @@ def run_cases(
 
 
 def count_useless(episode: Episode) -> Counter[int]:
-    """Return by their index how many actions had no effect, waits not counted."""
+    """Return for each action index how many actions had no effect, except for waits."""
     found: Counter[int] = Counter()
     loaded = zip(episode.loaded, episode.loaded[1:], strict=False)
     delivered = len(episode.actions) - 1 if episode.terminated else None
@@ -364,7 +369,7 @@ def is_right(answer: object, wanted: object) -> bool:
     if isinstance(answer, int | float) and isinstance(wanted, int | float):
         try:
             return isclose(answer, wanted, rel_tol=TOLERANCE, abs_tol=TOLERANCE)
-        except OverflowError:  # an int that no float can hold
+        except OverflowError:  # an int that is too large for a float
             return answer == wanted
     if isinstance(answer, list) and isinstance(wanted, list):
         return len(answer) == len(wanted) and all(map(is_right, answer, wanted))
@@ -379,6 +384,6 @@ def _needed_steps(env: WarehouseEnv) -> int | None:
 
 
 def _shown(value: object) -> str:
-    """Return a value as it would be typed, cut short if it is long."""
+    """Return a value as Python code, truncated if it is long."""
     text = repr(value)
     return text if len(text) <= MAX_SHOWN else f"{text[:MAX_SHOWN]}..."

@@ -1,12 +1,12 @@
-"""The process of an agent that is graded: a script that imports nothing but the standard library.
+"""The process of a graded agent: a script that imports only the standard library.
 
-It is started once a submission and then waits; for each episode it forks a fresh process in which
-the agent is loaded, so that an episode costs a fork and not a start of Python. The environment is
-in the process that asked for the episode. What is sent here are observations alone: no seed that is
-hidden, no layout, no rubric.
+The script is a fork server. It is started once for each submission. For each episode it forks a
+fresh process that loads the agent, so that an episode costs a fork and not a start of Python. The
+environment is in the process that asked for the episode. This process only receives observations:
+no hidden seeds, no layout and no rubric.
 
-Messages are lines of JSON on two pipes that are not standard input or output. Each question has a
-word chosen at random that its answer repeats, so that nothing else that is written counts.
+Messages are lines of JSON on two pipes that are not standard input or output. Each question
+contains a random word that its answer must repeat, so that other output cannot pass for an answer.
 """
 
 from __future__ import annotations
@@ -32,39 +32,39 @@ from types import ModuleType
 from typing import Any
 
 SUBREAPER, DEATH_SIGNAL = 36, 1
-"""Options of Linux's ``prctl``: adopt orphans; get a signal when the parent ends."""
+"""Options of Linux's ``prctl``: adopt orphans, and get a signal when the parent ends."""
 
 MAX_TEXT = 200
-"""Characters of an action or of a message of an exception that are sent."""
+"""Limit on the characters of an action or of an exception's message that are sent."""
 
 MAX_KILLS = 100
-"""Rounds of killing what a process has left behind, which may go on to start processes."""
+"""Rounds of killing the processes that an agent left behind, which may start further ones."""
 
 CELLS = ("robot_pos", "pickup_pos", "dropoff_pos")
-"""Values of an observation that are tuples, which JSON does not have."""
+"""Values of an observation that are tuples and become lists in JSON."""
 
 MAP = ("layout", "graph")
-"""Arguments that 'warehouse run' gives to agents that plan on the map; a graded one has no map."""
+"""Arguments with the map that ``warehouse run`` passes to agents. Graded agents have no map."""
 
 
 def load_file(name: str, file: str) -> Any:
-    """Return the module in a file, under a name that no import statement can have."""
+    """Return the module in a file, loaded under a name that is not an identifier."""
     spec: Any = importlib.util.spec_from_file_location(name, file)
     module = sys.modules[name] = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
 
 
-def load_beside(name: str) -> Any:
-    """Return the module in a file beside this one."""
+def load_sibling(name: str) -> Any:
+    """Return the module in a file of the same folder as this one."""
     return load_file(f"{name} of an agent", os.path.join(os.path.dirname(__file__), f"{name}.py"))
 
 
-walls, notebook = map(load_beside, ("walls", "notebook"))
+walls, notebook = map(load_sibling, ("walls", "notebook"))
 
 
 def serve(control: socket.socket, bounds: dict[str, Any], rules: int | None) -> None:
-    """Fork a process for each pair of pipes that comes, until the other end closes."""
+    """Fork a process for each pair of pipes received, until the other end closes."""
     while True:
         _, pipes, _, _ = socket.recv_fds(control, 1, 2)
         if not pipes:
@@ -78,12 +78,15 @@ def serve(control: socket.socket, bounds: dict[str, Any], rules: int | None) -> 
                 os._exit(1)
         for pipe in pipes:
             os.close(pipe)
-        control.recv(1)  # the end of the episode, or of the grader
+        control.recv(1)  # the episode or the grader has ended
         control.sendall(f"{end(pid):6d}".encode())
 
 
 def end(pid: int) -> int:
-    """Kill a child and what it has started, and return its exit code; minus a signal."""
+    """Kill a child and all processes that it started, and return its exit code.
+
+    The code is negative if a signal ended the child.
+    """
     for kill in (os.killpg, os.kill):
         with suppress(ProcessLookupError, PermissionError):
             kill(pid, signal.SIGKILL)
@@ -93,7 +96,7 @@ def end(pid: int) -> int:
 
 
 def kill_strays(keep: tuple[int, ...]) -> None:
-    """Kill all children of this process but those to keep; with Linux these include orphans."""
+    """Kill all children of this process except for ``keep``; on Linux this includes orphans."""
     for _ in range(MAX_KILLS):
         if not keep and _has_no_child():
             return
@@ -116,7 +119,7 @@ def _has_no_child() -> bool:
 
 
 def children() -> list[int]:
-    """Return the processes that this one has started or adopted; none without ``/proc``."""
+    """Return the children of this process, started or adopted; [] if there is no ``/proc``."""
     found = []
     with suppress(FileNotFoundError):
         for name in os.listdir("/proc"):
@@ -137,9 +140,9 @@ def control_process(option: int, value: int) -> None:
 
 
 def play(questions: int, answers: int, bounds: dict[str, Any], rules: int | None) -> None:
-    """Load the agent or the function that the first line names, and answer each question.
+    """Load the agent or function named in the first line, and answer each question.
 
-    An agent answers observations by actions, a function answers arguments by values.
+    An agent answers observations with actions, and a function answers arguments with values.
     """
     lines = os.fdopen(questions, "rb")
     task = json.loads(lines.readline())
@@ -158,12 +161,12 @@ def play(questions: int, answers: int, bounds: dict[str, Any], rules: int | None
             question = json.loads(line)
             word = question["word"]
             answer(word, **reply(question))
-    except BaseException as error:  # an agent may raise anything, SystemExit too
-        answer(word, **described(error, task.get("file")))
+    except BaseException as error:  # an agent may raise anything, even SystemExit
+        answer(word, **description_of(error, task.get("file")))
 
 
 def begin(task: dict[str, Any]) -> tuple[str, Callable[[dict[str, Any]], dict[str, Any]]]:
-    """Load what a task names, and return its name and what answers questions."""
+    """Load the agent or function of a task; return its name and a function for answers."""
     if task["function"] is not None:
         called = find_function(task)
         return task["function"], lambda question: {
@@ -182,8 +185,8 @@ def begin(task: dict[str, Any]) -> tuple[str, Callable[[dict[str, Any]], dict[st
 
 
 def limit(bounds: dict[str, Any], rules: int | None) -> None:
-    """Set the walls, the user and the limits of this process, which all that it starts inherits."""
-    import resource  # which Windows does not have
+    """Set the walls, the user and the limits of this process and of its future children."""
+    import resource  # does not exist on Windows
 
     os.setsid()
     if rules is not None:
@@ -195,7 +198,7 @@ def limit(bounds: dict[str, Any], rules: int | None) -> None:
         kind = getattr(resource, name)
         hard = resource.getrlimit(kind)[1]
         value = value if hard == resource.RLIM_INFINITY else min(value, hard)
-        # macOS does not allow some of them.
+        # macOS does not allow some of these limits.
         with suppress(ValueError, OSError):
             resource.setrlimit(kind, (value, value))
     if walls.PROCESSES in bounds["walls"]:
@@ -204,9 +207,10 @@ def limit(bounds: dict[str, Any], rules: int | None) -> None:
 
 
 def forbid(denied: tuple[str, ...]) -> None:
-    """Make Python say what an agent may not do, where the system would refuse it in fewer words.
+    """Make Python raise clear errors for what an agent must not do.
 
-    It is no wall: compiled code passes by it.
+    The system would refuse the same with unclear errors. This is not a wall, because compiled code
+    can bypass it.
     """
     own, error, decode, is_from = os.getpid(), PermissionError, os.fsdecode, str.startswith
     absolute = os.path.abspath
@@ -235,10 +239,10 @@ def forbid(denied: tuple[str, ...]) -> None:
 
 
 def guard_imports(task: dict[str, Any]) -> None:
-    """Refuse the imports in the files of an agent that its rubric does not allow.
+    """Refuse imports in the files of an agent that its rubric does not allow.
 
-    Other modules may import what they need. This is no wall; the packages of this program that are
-    denied cannot be read either, where the system keeps files from agents.
+    Other modules may import what they need. This is not a wall. However, the wall of files, where
+    there is one, also hides the packages of this program that the rubric denies.
     """
     allowed, denied, folders = task["allowed"], task["denied"], (*task["paths"], task["file"])
     real, by_name = builtins.__import__, importlib.import_module
@@ -255,7 +259,9 @@ def guard_imports(task: dict[str, Any]) -> None:
         if is_of(name, denied):
             raise ImportError(f"the rubric denies the import of {name}")
         if allowed is not None and not is_of(name, [*allowed, "__future__"]) and not is_own(name):
-            raise ImportError(f"the rubric allows no import of {name}, but of {', '.join(allowed)}")
+            raise ImportError(
+                f"the rubric does not allow the import of {name}; allowed: {', '.join(allowed)}"
+            )
 
     def guarded(
         name: str,
@@ -280,7 +286,7 @@ def guard_imports(task: dict[str, Any]) -> None:
 
 
 def make_agent(task: dict[str, Any]) -> Any:
-    """Return the agent of a task, made as ``agents.registry.make_agent`` makes it."""
+    """Return the agent of a task, created in the same way as by ``agents.registry.make_agent``."""
     sys.path[:] = [*task["paths"], *sys.path]
     seed = task["seed"]
     random.seed(seed)
@@ -292,18 +298,18 @@ def make_agent(task: dict[str, Any]) -> Any:
     wanted = inspect.signature(kind).parameters
     taken = [name for name in MAP if name in wanted]
     if taken:
-        raise TypeError(f"{kind.__name__} takes a {taken[0]}; a graded agent gets observations")
+        raise TypeError(f"{kind.__name__} takes a {taken[0]}; graded agents get only observations")
     return kind(**({"seed": seed} if "seed" in wanted else {}))
 
 
 def seed_numpy(seed: int) -> None:
-    """Seed the random numbers of NumPy, if it is imported."""
+    """Seed the global random numbers of NumPy, if it is imported."""
     if "numpy" in sys.modules:
         sys.modules["numpy"].random.seed(seed % 2**32)
 
 
 def load_module(task: dict[str, Any]) -> Any:
-    """Return the module of the agent, run from its file, or imported if it has none."""
+    """Return the module of the agent, loaded from its file, or imported if it has no file."""
     if task["file"] is None:
         return importlib.import_module(task["module"])
     name = f"agent file {task['module']}"
@@ -315,7 +321,7 @@ def load_module(task: dict[str, Any]) -> Any:
 
 
 def find_class(module: Any, task: dict[str, Any]) -> Any:
-    """Return the class of the agent; without a name, the only one that has its two methods."""
+    """Return the class of the agent: by its name, or the only one with ``reset`` and ``act``."""
 
     def is_agent(kind: object) -> bool:
         has_both = all(callable(getattr(kind, name, None)) for name in ("reset", "act"))
@@ -337,7 +343,7 @@ def find_class(module: Any, task: dict[str, Any]) -> Any:
 
 
 def find_function(task: dict[str, Any]) -> Callable[[tuple[Any, ...]], Any]:
-    """Return what answers arguments: a function of the file, or a dictionary looked up by them."""
+    """Return a function of arguments: from the file, or one that looks them up in a dictionary."""
     random.seed(task["seed"])
     name = task["function"]
     found = getattr(load_module(task), name, None)
@@ -345,11 +351,11 @@ def find_function(task: dict[str, Any]) -> Callable[[tuple[Any, ...]], Any]:
         return lambda arguments: found(*arguments)
     if isinstance(found, dict):
         return lambda arguments: reduce(getitem, arguments, found)
-    raise AttributeError(f"there is no function and no dictionary {name}")
+    raise AttributeError(f"there is neither a function nor a dictionary {name}")
 
 
 def as_tuples(value: Any) -> Any:
-    """Return a value with tuples in place of lists, which JSON has instead; cells are tuples."""
+    """Return a value with tuples in place of lists, because JSON has no tuples."""
     if isinstance(value, list):
         return tuple(map(as_tuples, value))
     if isinstance(value, dict):
@@ -358,7 +364,7 @@ def as_tuples(value: Any) -> Any:
 
 
 def as_value(value: Any) -> Any:
-    """Return an answer as it is sent; ``TypeError`` if JSON has nothing like it."""
+    """Return an answer as a JSON value; raise ``TypeError`` if there is no equivalent."""
     if isinstance(value, dict):
         return {str(key): as_value(each) for key, each in value.items()}
     if isinstance(value, set | frozenset):
@@ -374,7 +380,7 @@ def as_value(value: Any) -> Any:
 
 
 def as_action(action: Any) -> str | int:
-    """Return an action as it is sent, a word or an index; ``TypeError`` if it is neither."""
+    """Return an action as a word or an index; raise ``TypeError`` if it is neither."""
     if isinstance(action, str):
         return str(action[:MAX_TEXT])
     try:
@@ -385,8 +391,8 @@ def as_action(action: Any) -> str | int:
     return int(number) if abs(number) < 2**31 else -1
 
 
-def described(error: BaseException, file: str | None) -> dict[str, Any]:
-    """Return what is told of an exception: its class, message, and last line in a file."""
+def description_of(error: BaseException, file: str | None) -> dict[str, Any]:
+    """Return the class of an exception, its message, and its last line in the agent's folder."""
     frames = [
         frame for frame in traceback.extract_tb(error.__traceback__)
         if frame.filename != __file__
@@ -394,7 +400,7 @@ def described(error: BaseException, file: str | None) -> dict[str, Any]:
     ]  # fmt: skip
     try:
         text = str(error)[:MAX_TEXT]
-    except BaseException:  # that of a user may itself be broken
+    except BaseException:  # an exception of the agent may itself be broken
         text = ""
     place = f"{os.path.basename(frames[-1].filename)}, line {frames[-1].lineno}" if frames else ""
     if isinstance(error, SyntaxError) and error.filename:
@@ -404,7 +410,7 @@ def described(error: BaseException, file: str | None) -> dict[str, Any]:
 
 
 def main() -> None:
-    """Import what submissions import too, and serve."""
+    """Import the modules named on the command line, and serve episodes."""
     _, number, text, *modules = sys.argv
     bounds = json.loads(text)
     sys.path.append(bounds["own"])
@@ -415,7 +421,9 @@ def main() -> None:
         with suppress(ImportError, ValueError):
             import_name(name)
     sys.argv = [""]
-    tempfile.tempdir = "/tmp"  # libraries ask for its name, and looking for one would write to it
+    tempfile.tempdir = (
+        "/tmp"  # libraries ask for this folder, and searching for one would write to it
+    )
     gc.freeze()
     control = socket.socket(fileno=int(number))
     control.sendall(b"r")

@@ -1,4 +1,4 @@
-"""What the episodes of an agent are judged by, and how many points that is worth."""
+"""Criteria of a rubric: measures of an agent's episodes, and the points for them."""
 
 from __future__ import annotations
 
@@ -17,12 +17,13 @@ __all__ = ["Criterion"]
 
 VISIBLE = "visible"
 VISIBILITIES = (VISIBLE, "after_due_date", "after_published", "hidden")
-"""Times at which Gradescope shows a criterion to students; pages show what is visible."""
+"""Times at which Gradescope shows a criterion; pages show criteria that are ``VISIBLE``."""
 
 MAX_USELESS = 10
-"""Useless actions that an agent may take in an episode without a way."""
+"""Useless actions that an agent may take in an episode in which it cannot deliver."""
 
-WITH_WAY, WITHOUT = "with a way to deliver", "without a way to deliver"
+POSSIBLE, IMPOSSIBLE = "in which delivery is possible", "in which delivery is impossible"
+"""Episodes that a measure counts, in words."""
 
 Runs = Sequence[Run]
 
@@ -31,13 +32,16 @@ class GradedMeasure(NamedTuple):
     """A number by which an agent is judged.
 
     Attributes:
-        asked: says what is asked, with ``{}`` for the number as it is ``shown``.
-        badness: the worst episode is the first that has the largest.
-        seen: says what was seen, beside the number.
-        counted: the episodes that count, ``WITH_WAY``, ``WITHOUT`` or "" for all.
-        is_secret: the number is not told, because it is different each time; such a measure gives
-            all points or none.
-        unit: ``EPISODE`` or ``CALL``, what it judges.
+        asked: requirement in words, with ``{}`` in place of the number.
+        shown: function that formats the number.
+        value: function that computes the number from runs.
+        badness: function by which the worst run is the first one with the largest result.
+        seen: function that describes the runs in words, in addition to the number.
+        counted: episodes that count: ``POSSIBLE``, ``IMPOSSIBLE``, or "" for all.
+        more_is_better: true if larger numbers are better.
+        is_secret: the number is not shown, because it differs each time. Such a measure gives all
+            points or none.
+        unit: unit of the cases that it judges, ``EPISODE`` or ``CALL``.
     """
 
     asked: str
@@ -58,19 +62,19 @@ class GradedMeasure(NamedTuple):
 
     def counts(self, run: Run) -> bool:
         """Return whether an episode counts."""
-        return not self.counted or (self.counted == WITHOUT) is (run.needed is None)
+        return not self.counted or (self.counted == IMPOSSIBLE) is (run.needed is None)
 
 
 class Criterion(NamedTuple):
-    """A measure of some episodes, and its points.
+    """A measure of the episodes of some cases, and its points.
 
     Attributes:
-        kind: the name of its measure.
-        cases: names of the cases whose episodes it judges.
-        full: the number that gives all points.
-        zero: the number that gives none; between the two they grow evenly. If it is ``full``,
-            there are all points or none.
-        needs: an earlier criterion; without any points there are none here either.
+        kind: name of the measure.
+        cases: names of the cases whose episodes are judged.
+        full: number that gives all points.
+        zero: number that gives no points. Between the two, points grow linearly. If it equals
+            ``full``, there are all points or none.
+        needs: name of an earlier criterion. If it has no points, this criterion has none either.
         visibility: time at which students see it, one of ``VISIBILITIES``.
 
     Example:
@@ -91,12 +95,12 @@ class Criterion(NamedTuple):
 
     @property
     def measure(self) -> GradedMeasure:
-        """The measure by which its episodes are judged."""
+        """Measure by which the episodes are judged."""
         return MEASURES[self.kind]
 
     @property
     def asked(self) -> str:
-        """The demand for all points, and the number that gives none."""
+        """Requirement for all points, and the number that gives none, in words."""
         measure = self.measure
         asked = measure.asked.format(measure.shown(self.full))
         return (
@@ -109,23 +113,23 @@ class Criterion(NamedTuple):
             return self.points
         if not self.measure.is_better(value, self.zero):
             return 0.0
-        # Not up to the full points, which only the full number gives.
+        # Rounding must not give all points: only the full number does.
         share = (value - self.zero) / (self.full - self.zero)
         return min(round(share * self.points, 2), max(self.points - 0.01, 0.0))
 
 
 def _steps(runs: Runs) -> int:
-    """Return the steps of episodes; one without a delivery has as many as it may have."""
+    """Return the steps of episodes; failed episodes count as the step limit."""
     return sum(run.charged_steps for run in runs)
 
 
 def _slowness(run: Run) -> float:
-    """Return how many times the fewest steps an episode takes; failures are slowest of all."""
+    """Return the steps of an episode divided by the fewest possible; infinity for a failure."""
     return (math.inf if run.failure else run.charged_steps) / (run.needed or 1)
 
 
 def outcomes(runs: Runs) -> str:
-    """Return how often each outcome occurs, the most frequent first."""
+    """Return how often each outcome occurs, in words: deliveries first, then the most frequent."""
     counts = Counter(run.outcome for run in runs)
     rows = sorted(counts.items(), key=lambda row: (row[0] != DELIVERED, -row[1], row[0]))
     return listed(f"{count} {mode}" for mode, count in rows)
@@ -153,12 +157,12 @@ def _greedy_ratio(runs: Runs) -> float:
 
 
 def _slowest(run: Run) -> float:
-    """Return the seconds of the slowest answer; none within the limit is slower than any."""
+    """Return the seconds of the slowest answer; infinity if an answer exceeded the time limit."""
     return math.inf if run.failure and run.failure.kind == SLOW else run.slowest
 
 
 def _in_time(runs: Runs) -> str:
-    """Return what may be told: no times, which are different each time."""
+    """Return how many runs were too slow, in words; their times differ each time."""
     late = sum(math.isinf(_slowest(run)) for run in runs)
     return f"{late or 'none'} too slow"
 
@@ -171,7 +175,7 @@ def _share_of(
     counted: str = "",
     unit: str = EPISODE,
 ) -> GradedMeasure:
-    """Return the measure of the share of good runs; the badness of another one is above 0."""
+    """Return a measure of the share of good runs; ``badness`` is above 0 for all others."""
     return GradedMeasure(
         asked, percent, lambda runs: sum(map(is_good, runs)) / len(runs),
         lambda run: 0 if is_good(run) else badness(run), seen, counted, unit=unit,
@@ -181,25 +185,25 @@ def _share_of(
 MEASURES = {
     "delivered": _share_of(
         "{} of the episodes end with the delivery",
-        lambda run: run.delivered, lambda run: 1 + bool(run.failure), outcomes, WITH_WAY,
+        lambda run: run.delivered, lambda run: 1 + bool(run.failure), outcomes, POSSIBLE,
     ),
     "steps_of_fewest": GradedMeasure(
-        "at most {} the fewest possible steps, an episode without a delivery counted with all",
+        "at most {} the fewest possible steps; failed episodes count as the step limit",
         _times, lambda runs: _steps(runs) / sum(run.needed or 0 for run in runs),
-        _slowness, outcomes, WITH_WAY, more_is_better=False,
+        _slowness, outcomes, POSSIBLE, more_is_better=False,
     ),
     "greedy_steps": GradedMeasure(
         "the greedy agent takes {} as many steps",
-        _times, _greedy_ratio, _slowness, outcomes, WITH_WAY,
+        _times, _greedy_ratio, _slowness, outcomes, POSSIBLE,
     ),
     "calm_without_way": _share_of(
-        "in {} of the episodes without a way no failure, and at most "
-        f"{MAX_USELESS} useless actions (picks, drops, bumps, unknown ones)",
+        "in {} of the episodes in which delivery is impossible: no failure, and at most "
+        f"{MAX_USELESS} useless actions (picks, drops, bumps, unknown actions)",
         lambda run: not run.failure and run.useless <= MAX_USELESS,
-        lambda run: run.useless + 1000 * bool(run.failure), _useless, WITHOUT,
+        lambda run: run.useless + 1000 * bool(run.failure), _useless, IMPOSSIBLE,
     ),
     "protocol": _share_of(
-        "in {} of the episodes no failure and no unknown action",
+        "no failure and no unknown action in {} of the episodes",
         lambda run: not run.failure and not run.unknown,
         lambda run: run.unknown + 1000 * bool(run.failure), _invalid,
     ),
@@ -209,11 +213,11 @@ MEASURES = {
         _slowest, _in_time, more_is_better=False, is_secret=True,
     ),
     "flawless": _share_of(
-        "{} of the episodes end with the delivery, without a useless action (pick, drop, bump, "
-        "unknown one)",
+        "{} of the episodes end with the delivery and have no useless action (pick, drop, bump, "
+        "unknown action)",
         lambda run: run.delivered and not run.useless,
         lambda run: 1 + run.useless + 1000 * bool(run.failure),
-        lambda runs: f"{outcomes(runs)}; {_useless(runs)}", WITH_WAY,
+        lambda runs: f"{outcomes(runs)}; {_useless(runs)}", POSSIBLE,
     ),
     "reward": GradedMeasure(
         "a mean reward of at least {}",

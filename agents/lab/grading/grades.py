@@ -1,8 +1,8 @@
-"""The table of the grades of a class, its summary, and what it is for Moodle and Canvas.
+"""Grades of a class: their table and summary, and files for Moodle and Canvas.
 
-The table is a CSV file with a row for each submission. Moodle and Canvas name the files that they
-hand out by a number of the student, by which the row is found again; files of other names are taken
-to be named like the student.
+The table is a CSV file with a row for each submission. Moodle and Canvas put a number for each
+student into the names of the files that they hand out, and this number identifies the student. Any
+other name counts as the login of the student.
 """
 
 from __future__ import annotations
@@ -29,25 +29,25 @@ DAYS = "days"
 """Column of a table of late submissions."""
 
 MAX_BYTES, MAX_COLUMNS = 5_000_000, 1_000
-"""Limits on the bytes of a table, enough for ten thousand submissions, and on its columns."""
+"""Limits on the bytes of a table (enough for ten thousand submissions) and on its columns."""
 
 MOODLE = re.compile(r"(?P<name>.+)_(?P<number>\d+)_assignsubmission_")
-"""Folders and files that Moodle hands out: ``Full Name_123_assignsubmission_file_``."""
+"""Names of submissions from Moodle, such as ``Full Name_123_assignsubmission_file_``."""
 
 CANVAS = re.compile(r"(?P<name>[^_]+)_(?:LATE_)?(?P<number>\d+)_\d+_")
-"""Files that Canvas hands out: ``lastfirst_LATE_123_456_agent.py``."""
+"""Names of submissions from Canvas, such as ``lastfirst_LATE_123_456_agent.py``."""
 
 GradeRow = dict[str, str]
 
 
 def columns_of(rubric: Rubric) -> list[str]:
-    """Return the columns of the table of a rubric."""
+    """Return the columns of the table of grades for a rubric."""
     names = (each.name for each in rubric.criteria)
     return [NAME, POINTS, MOST, *names, LATE, FAILURE, OUTCOMES, CODE, RUBRIC]
 
 
 def row_of(name: str, report: GradeReport) -> GradeRow:
-    """Return the row of a submission."""
+    """Return the row of a graded submission."""
     return {
         NAME: plain(name), POINTS: f"{report.points:g}", MOST: f"{report.max_points:g}",
         **{each.criterion.name: f"{each.points:g}" for each in report.grades},
@@ -58,7 +58,7 @@ def row_of(name: str, report: GradeReport) -> GradeRow:
 
 
 def failed_row(name: str, reason: str, rubric: Rubric, code: str = "", late: int = 0) -> GradeRow:
-    """Return the row of a submission that was not graded: no points."""
+    """Return the row of a submission that could not be graded, without points."""
     failed = GradeReport(
         "", "", rubric.digest, code, tuple(Grade(each, 0.0, "") for each in rubric.criteria),
         failure=reason, reason="", episodes=0, late=late,
@@ -67,16 +67,16 @@ def failed_row(name: str, reason: str, rubric: Rubric, code: str = "", late: int
 
 
 def plain(text: str) -> str:
-    """Return text that a spreadsheet shows and does not run."""
+    """Return text that no spreadsheet runs as a formula, and no terminal as a command."""
     return spreadsheet_text(printable(text))
 
 
 def load_grades(path: Path) -> dict[str, GradeRow]:
-    """Return the rows of a table by the name of the submission; none without the file.
+    """Return the rows of a table of grades by the name of the submission, or {} without a file.
 
     Raises:
-        GradeError: it is another file, which is not to be overwritten.
-        OSError: it is longer than ``MAX_BYTES``, or cannot be read.
+        GradeError: the file is not a table of grades, and must not be overwritten.
+        OSError: the file is longer than ``MAX_BYTES``, or cannot be read.
     """
     if not path.exists():
         return {}
@@ -147,13 +147,13 @@ def _check_days(row: GradeRow) -> None:
 
 
 def save_grades(path: Path, columns: list[str], rows: Mapping[str, GradeRow]) -> None:
-    """Write the table, in the order of the names; the file is complete or as it was."""
+    """Write the table in the order of the names; after an error the old file is unchanged."""
     lines = ([rows[name].get(column, "") for column in columns] for name in sorted(rows))
     _save(path, [columns, *lines])
 
 
 def save_moodle(path: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> None:
-    """Write a grading worksheet; the file is complete or as it was."""
+    """Write a grading worksheet for Moodle; after an error the old file is unchanged."""
     lines = [["Identifier", "Full name", "Grade", "Maximum Grade", "Last modified (grade)",
               "Feedback comments"]]  # fmt: skip
     for _, row in sorted(rows.items()):
@@ -164,7 +164,7 @@ def save_moodle(path: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> Non
 
 
 def save_canvas(path: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> None:
-    """Write a gradebook with one assignment; after an error the old file is unchanged."""
+    """Write a gradebook for Canvas with one assignment; after an error the old file remains."""
     lines = [["Student", "ID", "SIS User ID", "SIS Login ID", "Section", rubric.title],
              ["    Points Possible", "", "", "", "", f"{rubric.points:g}"]]  # fmt: skip
     for _, row in sorted(rows.items()):
@@ -184,11 +184,16 @@ def _save(path: Path, lines: Iterable[Iterable[str]]) -> None:
 
 
 def summary_of(rows: Collection[GradeRow], rubric: Rubric) -> list[str]:
-    """Return sentences on the points of at least one row, and on the criterion that most miss."""
+    """Return sentences about the points of a class, and about the criterion that most miss.
+
+    Args:
+        rows: rows of the table of grades, at least one.
+        rubric: rubric of the class.
+    """
     points, most = [float(row[POINTS]) for row in rows], rubric.points
     full, none = sum(each >= most for each in points), sum(each == 0 for each in points)
     sentences = [
-        f"mean {mean(points):.1f}, median {median(points):g}; {full} have all points, {none} none"
+        f"mean {mean(points):.1f}, median {median(points):g}; all points: {full}, no points: {none}"
     ]
     missed = []
     for criterion in rubric.criteria:
@@ -199,7 +204,7 @@ def summary_of(rows: Collection[GradeRow], rubric: Rubric) -> list[str]:
     if missed:
         lacking, share, name = max(missed, key=lambda each: each[:2])
         sentences.append(
-            f"most miss {name!r}: {lacking} of {len(rows)} lack points of it, and the mean has "
-            f"{percent(-share)}"
+            f"most often missed: {name!r} ({lacking} of {len(rows)} submissions lack points; "
+            f"{percent(-share)} of the points on average)"
         )
     return sentences

@@ -1,7 +1,7 @@
-"""Gradescope: the results that it reads, and an autograder, which runs this program there.
+"""Gradescope: results in its format, and an autograder that runs this program there.
 
-The archive of an autograder has this program as it is here, so that agents are graded there as
-here, and the versions of the libraries that it needs.
+The archive of an autograder contains a copy of this program and the versions of the libraries that
+it needs, so that agents are graded in the same way on both systems.
 
 Source: gradescope-autograders.readthedocs.io, "Technical Details", "Output format" and "Submission
 Metadata".
@@ -46,32 +46,33 @@ python3 -m venv /autograder/venv
 """
 
 RUN = """#!/usr/bin/env bash
-# Grades submission/ and writes results/results.json whatever happens: first that it failed.
+# Grades submission/ and writes results/results.json. A failure is written first, so that there are
+# results whatever happens.
 root="${AUTOGRADER_ROOT:-/autograder}"
 mkdir -p "$root/results"
 cat > "$root/results/results.json" <<'END'
 FAILED
 END
-chmod 600 "$root/source/rubric.toml"  # where the kernel does not keep it from agents
+chmod 600 "$root/source/rubric.toml"  # if the kernel does not hide it from agents
 cd "$root" || exit 0
 export PYTHONPATH="$root/source/packages"
 "${AUTOGRADER_PYTHON:-$root/venv/bin/python}" -m agents.lab.grading.gradescope "$root"
 exit 0
 """
 
-ENDED = "The grader was ended before it was done, by a limit on its time or memory."
+ENDED = "The grader was stopped before it was done, because of a limit on its time or memory."
 
 NOBODY = "nobody"
-"""User that runs agents where the grader is root, as it is in Gradescope's containers."""
+"""User that runs agents if the grader is root, as in Gradescope's containers."""
 
 MAX_METADATA = 1_000_000
 """Limit on the bytes of Gradescope's metadata about a submission, which have about a thousand."""
 
 
 def results_of(report: GradeReport) -> dict[str, Any]:
-    """Return the results of a report, to be written as JSON.
+    """Return the results of a report in Gradescope's format, for JSON.
 
-    The time of execution is left out, so that the same agent has the same results.
+    They do not contain the time of execution, so that the same agent gets the same results.
 
     Example:
         >>> from dataclasses import replace
@@ -99,7 +100,7 @@ def results_of(report: GradeReport) -> dict[str, Any]:
 
 
 def failed_results(reason: str) -> dict[str, Any]:
-    """Return the results of a submission that was not graded: no points, and the reason."""
+    """Return the results of a submission that cannot be graded: no points, and the reason."""
     return {
         "score": 0, "output": reason, "output_format": "text", "visibility": "visible",
         "stdout_visibility": "hidden", "tests": [],
@@ -120,14 +121,14 @@ def _test(number: int, grade: Grade) -> dict[str, Any]:
 
 
 def write_autograder(target: Path, rubric: Rubric) -> None:
-    """Write the archive that Gradescope takes; the file is complete or not there.
+    """Write the archive of an autograder for Gradescope; after an error there is no file.
 
     Raises:
-        GradeError: a layout of the rubric is not beside it, or this package is not installed.
+        GradeError: a layout is not in the folder of the rubric, or this package is not installed.
     """
     with atomic_path(target) as part, ZipFile(part, "w", ZIP_DEFLATED) as archive:
         for name, data in _files(rubric):
-            member = ZipInfo(name)  # of 1980, so that the same files have the same archive
+            member = ZipInfo(name)  # dated 1980, so that the same files give the same archive
             is_script = name in ("setup.sh", "run_autograder")
             member.external_attr = (0o100755 if is_script else 0o100644) << 16
             member.compress_type = ZIP_DEFLATED
@@ -139,12 +140,14 @@ def _files(rubric: Rubric) -> Iterator[tuple[str, bytes]]:
     yield "setup.sh", SETUP.encode()
     yield "run_autograder", RUN.replace("FAILED", failed).encode()
     yield "requirements.txt", "\n".join([*_requirements(), ""]).encode()
-    beside = rubric.file.resolve().parent
+    folder = rubric.file.resolve().parent
     for file in dict.fromkeys(map(Path.resolve, rubric.files)):
-        if not file.is_relative_to(beside):
-            raise GradeError(f"{file}: a layout of an autograder has to be beside its rubric")
+        if not file.is_relative_to(folder):
+            raise GradeError(
+                f"{file}: a layout of an autograder must be in the folder of the rubric, {folder}"
+            )
         is_rubric = file == rubric.file.resolve()
-        yield "rubric.toml" if is_rubric else str(file.relative_to(beside)), file.read_bytes()
+        yield "rubric.toml" if is_rubric else str(file.relative_to(folder)), file.read_bytes()
     for package in OWN:
         for file in sorted((ROOT / package).rglob("*")):
             if file.is_file() and not {"__pycache__", "handbook"} & {*file.parts}:
@@ -152,11 +155,11 @@ def _files(rubric: Rubric) -> Iterator[tuple[str, bytes]]:
 
 
 def _requirements() -> list[str]:
-    """Return the libraries that this program needs, in the versions that are installed here."""
+    """Return the libraries that this program needs, with their installed versions."""
     try:
         needed = [each for each in requires("warehouse-lab") or () if "extra ==" not in each]
     except PackageNotFoundError:
-        raise GradeError("an autograder needs warehouse-lab to be installed, by pip") from None
+        raise GradeError("an autograder needs warehouse-lab to be installed with pip") from None
     names = [re.split(r"[^\w-]", each, maxsplit=1)[0] for each in needed]
     return [f"{name}=={version(name)}" for name in names]
 
@@ -165,11 +168,11 @@ def run(root: Path) -> dict[str, Any]:
     """Grade the submission in Gradescope's folder, and return the results.
 
     Raises:
-        WarehouseError: it cannot be graded; the message says why.
+        WarehouseError: the submission cannot be graded; the message says why.
         OSError: the rubric cannot be read.
     """
     rubric = load_rubric(root / "source" / "rubric.toml")
-    folder = (root / "submission").resolve()  # Gradescope's own, which may be a link
+    folder = (root / "submission").resolve()  # on Gradescope it may be a link
     submission = submission_at(folder, None)
     if Path(submission.shown).is_absolute():
         submission = submission._replace(shown=str(Path(submission.shown).relative_to(folder)))
@@ -179,7 +182,7 @@ def run(root: Path) -> dict[str, Any]:
 
 
 def days_late(root: Path) -> int:
-    """Return the days by which Gradescope's metadata say that a submission is late, or 0.
+    """Return the number of days by which a submission is late, from Gradescope's metadata.
 
     A day that has begun counts. Missing or unreadable metadata count as on time.
     """
@@ -194,12 +197,12 @@ def days_late(root: Path) -> int:
 
 
 def main() -> None:
-    """Grade in the folder that the command line names, and write the results or the failure."""
+    """Grade the submission in the folder named on the command line, and write the results."""
     root = Path(sys.argv[1]).resolve()
     try:
         results = run(root)
     except (WarehouseError, OSError) as error:
-        results = failed_results(f"It cannot be graded: {error}")
+        results = failed_results(f"This submission cannot be graded: {error}")
     except Exception as error:  # whatever happens, there are results
         results = failed_results(f"The grader failed: {type(error).__name__}: {error}")
     with atomic_path(root / "results" / "results.json") as part:

@@ -19,13 +19,16 @@ __all__ = ["Grade", "GradeReport", "grade"]
 
 
 class Grade(NamedTuple):
-    """The points for a criterion, and the evidence that was seen, in words.
+    """Points for a criterion, with the evidence in words.
 
     Attributes:
+        criterion: criterion.
+        points: points.
+        seen: result of the measure, in words.
         worst: course of the worst episode in words, or "" if all points were given.
-        run: worst episode, or ``None`` if there is none or it is hidden.
-        command: command that shows the worst episode, or "" if there is none, if it is hidden, and
-            of a notebook, which ``warehouse run`` does not read.
+        command: command that runs the worst episode again. It is "" if there is no worst episode,
+            if it is hidden, and for a notebook, which ``warehouse run`` cannot read.
+        run: worst episode, or ``None`` if there is none or if it is hidden.
 
     Example:
         >>> from agents.lab.grading.criteria import Criterion
@@ -49,20 +52,24 @@ class Grade(NamedTuple):
 
     @property
     def lines(self) -> list[tuple[str, str]]:
-        """What was asked and seen, and the worst episode, each with its name."""
-        lines = (("asked", self.criterion.asked), ("seen", self.seen), ("worst", self.worst),
+        """Requirement, result, worst episode and command to replay it, each with its label."""
+        lines = (("required", self.criterion.asked), ("result", self.seen), ("worst", self.worst),
                  ("replay", self.command))  # fmt: skip
         return [(name, text) for name, text in lines if text]
 
 
 class GradeReport(NamedTuple):
-    """The grade of an agent, with one for each criterion.
+    """The result of grading an agent, with a grade for each criterion.
 
     Attributes:
         agent: name of the agent and of its class.
-        rubric: the digest of the rubric; ``code`` is the digest of the agent's code.
+        title: title of the rubric.
+        rubric: digest of the rubric.
+        code: digest of the agent's code.
+        grades: grades of all criteria.
         failure: reason why no episode could begin, or "".
         reason: reason why there are no points at all, or "".
+        episodes: number of episodes.
         outcomes: number of episodes with each outcome, in words.
         withheld: points of criteria that are not shown yet.
         late: days by which the submission is late; ``deducted`` is how many points this costs.
@@ -94,7 +101,7 @@ class GradeReport(NamedTuple):
 
     @property
     def remarks(self) -> list[str]:
-        """The reason for no points, the points deducted, and those that are not shown yet."""
+        """Reason for no points, points deducted, and points not shown yet, each as a sentence."""
         late = f"{counted(self.late, 'day')} late: {self.deducted:g} points deducted"
         withheld = f"{self.withheld:g} more points are not shown yet" if self.withheld else ""
         return list(
@@ -103,22 +110,22 @@ class GradeReport(NamedTuple):
 
     @property
     def points(self) -> float:
-        """The sum of the points, less those deducted because the submission is late."""
+        """Sum of the points, minus the points deducted because the submission is late."""
         return max(round(sum(grade.points for grade in self.grades) - self.deducted, 2), 0.0)
 
     @property
     def max_points(self) -> float:
-        """The sum of all points that there are."""
+        """Sum of the points that all criteria are worth."""
         return sum(grade.criterion.points for grade in self.grades)
 
     @property
     def worst(self) -> Grade | None:
-        """The grade that lacks most points, of those with an episode that can be shown."""
+        """Grade with the most missing points among those whose worst episode can be shown."""
         shown = [each for each in self.grades if each.run is not None and each.run.actions]
         return max(shown, key=lambda each: each.criterion.points - each.points, default=None)
 
     def shown(self) -> GradeReport:
-        """Return what a student sees on a page."""
+        """Return the report without criteria that students do not see on their pages."""
         grades = tuple(each for each in self.grades if each.criterion.visibility == VISIBLE)
         withheld = self.max_points - sum(each.criterion.points for each in grades)
         reason = "" if withheld else self.reason
@@ -134,21 +141,21 @@ def grade(
     *,
     make_runner: type[Sandbox | SameProcess] = Sandbox,
 ) -> GradeReport:
-    """Run the episodes of a rubric with an agent, and judge them.
+    """Run the episodes of a rubric with an agent, and return the report.
 
-    The report depends on the agent and the rubric alone, if the agent does, except that an answer
-    near a time limit may be within it or not.
+    The report of a deterministic agent depends only on the agent and the rubric, unless an answer
+    takes about as long as the time limit.
 
     Args:
         submission: agent to be graded.
         rubric: criteria, cases and limits.
-        user: another user as which the agent runs, see ``Sandbox``.
-        advance: called after each episode.
+        user: user that runs the agent, see ``Sandbox``; ``None`` is the current user.
+        advance: function that is called after each episode.
         late: number of days by which the submission is late.
-        make_runner: class that runs the episodes, in processes of their own or in this one.
+        make_runner: class that runs episodes, in processes of their own or in the current one.
 
     Raises:
-        GradeError: no episode counts for a criterion, or agents cannot be run here.
+        GradeError: no episode counts for a criterion, or the system cannot run agents.
 
     Example:
         >>> from dataclasses import replace
@@ -159,9 +166,9 @@ def grade(
         >>> one = rubric.criteria[3]._replace(needs=None)
         >>> report = grade(find_submission("greedy"), replace(rubric, criteria=(one,)))
         >>> [(grade.criterion.name, grade.points) for grade in report.grades]
-        [('handles that there is no way', 10.0)]
+        [('recognises unreachable goals', 10.0)]
     """
-    # Hidden ones last: what an agent keeps of them in files is not told in visible ones.
+    # Hidden cases last, so that nothing an agent remembers of them can show in visible cases.
     cases = sorted(rubric.used_cases, key=lambda case: not case.visible)
     limits = rubric.limits
     with (
@@ -173,7 +180,7 @@ def grade(
 
 
 def judge(submission: Submission, rubric: Rubric, runs: Runs, late: int = 0) -> GradeReport:
-    """Return the report of a submission whose episodes were run; see ``grade``."""
+    """Return the report of a submission from its runs; see ``grade``."""
     played = (run.agent for run in runs if run.agent and run.case.unit != CALL)
     name = submission.called(next(played, None))
     grades: dict[str, Grade] = {}
@@ -182,7 +189,7 @@ def judge(submission: Submission, rubric: Rubric, runs: Runs, late: int = 0) -> 
     is_loaded = any(run.agent for run in runs)
     report = GradeReport(
         printable(name), rubric.title, rubric.digest, submission.digest, tuple(grades.values()),
-        failure="" if is_loaded else runs[0].told,
+        failure="" if is_loaded else runs[0].description,
         reason="" if any(each.points for each in grades.values()) else _reason(runs),
         episodes=len(runs), outcomes=outcomes(runs), late=late,
     )  # fmt: skip
@@ -190,7 +197,7 @@ def judge(submission: Submission, rubric: Rubric, runs: Runs, late: int = 0) -> 
 
 
 def _reason(runs: Runs) -> str:
-    """Return why an agent has no points: what it fails with most, or how its episodes end."""
+    """Return why an agent has no points: its most frequent failure, or how its episodes end."""
     failures = Counter(run.failure.kind for run in runs if run.failure)
     unit = runs[0].case.unit
     if not failures:
@@ -198,7 +205,7 @@ def _reason(runs: Runs) -> str:
     [(kind, count)] = failures.most_common(1)
     failed = [run for run in runs if run.failure and run.failure.kind == kind]
     first = next((run for run in failed if run.case.visible), failed[0])
-    return f"no points: {count} of {counted(len(runs), unit)} failed: it {first.told}"
+    return f"no points: {count} of {counted(len(runs), unit)} failed: it {first.description}"
 
 
 def _judge(criterion: Criterion, runs: Runs, before: dict[str, Grade], name: str) -> Grade:
@@ -211,24 +218,24 @@ def _judge(criterion: Criterion, runs: Runs, before: dict[str, Grade], name: str
     value = measure.value(asked)
     joint = "of" if measure.shown is percent else "in"
     episodes = counted(len(asked), measure.unit)
-    seen = f"{_told(criterion, value)} {joint} {episodes}: {measure.seen(asked)}"
+    seen = f"{_in_words(criterion, value)} {joint} {episodes}: {measure.seen(asked)}"
     found = Grade(criterion, criterion.points_for(value), seen)
     if not found.is_full:
         worst = _worst(criterion, asked)
         if worst.case.visible:
             command = "" if NOTEBOOK in name else worst.case.command(name, worst.seed)
-            found = found._replace(worst=worst.told, command=command, run=worst)
+            found = found._replace(worst=worst.description, command=command, run=worst)
         else:
-            found = found._replace(worst=f"{worst.told} (a hidden {measure.unit})")
+            found = found._replace(worst=f"{worst.description} (a hidden {measure.unit})")
     if criterion.needs is not None and not before[criterion.needs].points:
         found = found._replace(points=0.0, seen=f"{seen}; no points without {criterion.needs!r}")
     return found
 
 
 def _worst(criterion: Criterion, runs: Runs) -> Run:
-    """Return the worst episode; a visible one if any of them is not as it should be.
+    """Return the worst run, preferably a visible one.
 
-    Of times, which are different each time, it is the first that is above the limit.
+    For measured times, which differ each time, it is the first run that exceeds the limit.
     """
 
     def badness(run: Run) -> float:
@@ -239,8 +246,8 @@ def _worst(criterion: Criterion, runs: Runs) -> Run:
     return max(visible or runs, key=badness)
 
 
-def _told(criterion: Criterion, value: float) -> str:
-    """Return a number in words, of times only whether they are below the limit."""
+def _in_words(criterion: Criterion, value: float) -> str:
+    """Return a number in words; for times, only whether they are below the limit."""
     measure = criterion.measure
     if measure.is_secret:
         return "not all in time" if measure.is_better(criterion.full, value) else "all in time"

@@ -1,12 +1,12 @@
-"""The agent in a notebook: the classes in its cells, and what these need.
+"""Agents in notebooks: the classes in the cells, and the code that they need.
 
-A notebook does more than to define an agent: it draws, trains and tries. So the cells are not run
-as they are. Of their statements those count that define classes, and the imports, functions and
-assignments of names that these use, directly or by others. All else is left out, also lines that
-are commands of the notebook (``%`` and ``!``).
+A notebook does more than define an agent: it also plots, trains and experiments. Therefore only
+some statements of its cells run: definitions of classes, and the imports, functions and assignments
+of names that these use, directly or indirectly. Everything else is ignored, including commands of
+the notebook (lines that begin with ``%`` or ``!``).
 
-This module imports nothing but the standard library, and is loaded by a path: a notebook is parsed
-in the process of its agent, under its limits.
+A notebook is parsed in the process of its agent, under its limits. Therefore this module imports
+only the standard library, and is loaded by its path.
 """
 
 from __future__ import annotations
@@ -17,27 +17,27 @@ from collections.abc import Iterator
 from types import ModuleType
 
 PYTHON = ("%%writefile", "%%file", "%%time", "%%capture")
-"""Commands at the top of a cell whose further lines are Python."""
+"""Commands in the first line of a cell after which the other lines are Python."""
 
 COMMANDS = ("%", "!", "?")
 """Beginnings of lines that are commands of the notebook."""
 
 BINDING = (ast.FunctionDef, ast.AsyncFunctionDef, ast.Assign, ast.AnnAssign, ast.AugAssign,
            ast.Import, ast.ImportFrom)  # fmt: skip
-"""Statements that count if a name that they bind is used."""
+"""Statements that run if a name that they bind is used."""
 
 
 def cells_of(data: bytes) -> Iterator[tuple[int, str]]:
-    """Yield the number of each cell of Python in a notebook, from 1, and its source.
+    """Yield the number (from 1) and the source of each Python cell in a notebook.
 
     Raises:
-        ValueError: it is no notebook in the form of nbformat 4.
+        ValueError: the file is not a notebook in format 4 of nbformat.
     """
     try:
         cells = json.loads(data)["cells"]
         sources = [(each["cell_type"], "".join(each["source"])) for each in cells]
     except (LookupError, TypeError, ValueError, RecursionError):
-        raise ValueError("it is no notebook (nbformat 4)") from None
+        raise ValueError("it is not a notebook (nbformat 4)") from None
     for number, (kind, source) in enumerate(sources, 1):
         first = source.lstrip().partition("\n")[0]
         is_command = first.startswith("%%")
@@ -47,24 +47,24 @@ def cells_of(data: bytes) -> Iterator[tuple[int, str]]:
 
 
 def _python_in(line: str) -> str:
-    """Return a line of a cell, or "" for a command of the notebook."""
+    """Return a line of a cell, or "" if it is a command of the notebook."""
     return "" if line.lstrip().startswith(COMMANDS) or line.endswith("?") else line
 
 
 def trees_of(data: bytes, file: str) -> dict[str, ast.Module]:
-    """Return the syntax tree of the agent in each cell that has a part of it, by its place."""
+    """Return the syntax trees of the cells that define the agent, by the names of the cells."""
     trees = {}
     for number, source in cells_of(data):
         name = f"{file}, cell {number}"
         trees[name] = ast.parse(source, name)
-    counted = _needed([each for tree in trees.values() for each in tree.body])
+    needed = _needed([each for tree in trees.values() for each in tree.body])
     for tree in trees.values():
-        tree.body = [each for each in tree.body if each in counted]
+        tree.body = [each for each in tree.body if each in needed]
     return {name: tree for name, tree in trees.items() if tree.body}
 
 
 def _needed(statements: list[ast.stmt]) -> set[ast.stmt]:
-    """Return the classes, and the statements that bind the names that they need."""
+    """Return the definitions of classes, and the statements that they need."""
     by_name: dict[str, list[ast.stmt]] = {}
     for each in statements:
         for name in _bound(each):
@@ -89,7 +89,7 @@ def _is_from_future(statement: ast.stmt) -> bool:
 
 
 def _bound(statement: ast.stmt) -> set[str]:
-    """Return the names that a statement of ``BINDING`` binds; none of another."""
+    """Return the names that a statement binds; an empty set if it is not in ``BINDING``."""
     if not isinstance(statement, BINDING):
         return set()
     if isinstance(statement, ast.Import | ast.ImportFrom):
@@ -103,7 +103,7 @@ def _bound(statement: ast.stmt) -> set[str]:
 
 
 def load(module: ModuleType, file: str) -> None:
-    """Run the agent in a notebook as a module."""
+    """Run the statements of the agent in a notebook, in the namespace of a module."""
     module.__file__ = file
     with open(file, "rb") as opened:
         trees = trees_of(opened.read(), file)

@@ -1,6 +1,6 @@
-"""What is asked of an agent and what it is worth: a file in TOML, see ``mini_lab.toml``.
+"""Rubrics: TOML files with limits, cases and criteria, as explained in ``mini_lab.toml``.
 
-The mini-lab and the exercises of the handbook have a rubric each, with its starting file beside it.
+The mini-lab and each exercise of the handbook have a rubric, with a starting file next to it.
 """
 
 from __future__ import annotations
@@ -31,12 +31,12 @@ MINI_LAB = Path(__file__).parent / "mini_lab.toml"
 
 EXERCISES = Path(__file__).parents[2] / "handbook" / "exercises"
 SOLUTIONS = EXERCISES / "solutions"
-"""Folder of the solutions, which the repository has, and an installed package has not."""
+"""Folder of the solutions, which are in the repository but not in an installed package."""
 
 MAX_EPISODES, MAX_COUNT, MAX_SEED, MAX_DAYS = 10_000, 1_000_000, 2**31 - 1, 3_650
 
 TAKEN = ("submission", "points", "of", "late", "failure", "outcomes", "code", "rubric")
-"""Columns of a table of grades that are not of a criterion."""
+"""Columns of a table of grades whose names criteria cannot have."""
 
 
 class LateRule(NamedTuple):
@@ -52,9 +52,16 @@ class LateRule(NamedTuple):
 
 @dataclass(frozen=True, slots=True)
 class Rubric:
-    """The criteria by which an agent is graded, in the order of the file, and its episodes.
+    """A rubric: limits, cases and criteria.
 
-    The digest is of the file and of the layouts that it names.
+    Attributes:
+        title: title.
+        limits: limits on the agent.
+        cases: cases by name.
+        criteria: criteria in the order of the file.
+        digest: digest of the file and of the layouts that it names.
+        file: file of the rubric.
+        late: rule for late submissions.
 
     Example:
         >>> from agents.lab.grading.rubric import MINI_LAB, load_rubric
@@ -73,32 +80,32 @@ class Rubric:
 
     @property
     def points(self) -> float:
-        """The sum of all points."""
+        """Sum of all points."""
         return sum(criterion.points for criterion in self.criteria)
 
     @property
     def first_case(self) -> GradedCase | None:
-        """The first episodes that criteria judge; ``None`` if they only judge calls."""
+        """First case with episodes that criteria judge; ``None`` if criteria only judge calls."""
         return next((case for case in self.used_cases if isinstance(case, GradedCase)), None)
 
     @property
     def shown_name(self) -> str:
-        """The name that a user types: the name of an exercise, or the path of the file."""
+        """Name that a user types: the name of an exercise, or the path of the file."""
         return self.file.stem if self.file.parent == EXERCISES else str(self.file)
 
     @property
     def starter(self) -> Path:
-        """The starting file that students get: beside the rubric, of the same name, in Python."""
+        """Starting file for students: a Python file next to the rubric, with the same name."""
         return self.file.with_suffix(".py")
 
     @property
     def files(self) -> list[Path]:
-        """The files of the rubric and its layouts, which agents must not read."""
+        """Files of the rubric and its layouts, which agents must not read."""
         return [self.file, *(file for case in self.cases.values() for file in case.files)]
 
     @property
     def used_cases(self) -> list[Case]:
-        """The cases that criteria judge, in the order of the file."""
+        """Cases that criteria judge, in the order of the file."""
         used = {name for criterion in self.criteria for name in criterion.cases}
         return [case for name, case in self.cases.items() if name in used]
 
@@ -106,7 +113,7 @@ class Rubric:
 def list_of(
     allowed: str, is_allowed: Callable[[Any], bool], least: int = 0, most: int = MAX_COUNT
 ) -> CheckValue:
-    """Return a check of lists by their length and each value; errors have what is allowed."""
+    """Return a check of the length and the values of a list; ``allowed`` describes them."""
 
     def check(value: Any) -> tuple[Any, ...]:
         is_list = isinstance(value, list) and least <= len(value) <= most
@@ -123,13 +130,13 @@ def is_module(name: Any) -> bool:
 
 
 def pair(minimum: int, example: str) -> CheckValue:
-    """Return a check of lists of two whole numbers."""
+    """Return a check that a value is a list of two whole numbers."""
     allowed = f"two whole numbers of at least {minimum}, as in {example}"
     return list_of(allowed, lambda each: type(each) is int and each >= minimum, 2, 2)
 
 
 def calls(value: Any) -> tuple[Call, ...]:
-    """Check that a value is a list of calls with their answers, of values that JSON has too."""
+    """Check that a value is a list of calls with answers, whose values JSON can represent."""
     try:
         found = [Call(**each) for each in value]
         json.dumps(found)
@@ -163,7 +170,7 @@ CASE: dict[str, CheckValue] = {
 }  # fmt: skip
 
 CALLED: dict[str, CheckValue] = {"function": text, "calls": calls, "visible": flag}
-"""Keys of a case of calls, which has a function."""
+"""Checks of the keys of a case with calls of a function."""
 
 CRITERION: dict[str, CheckValue] = {
     "name": text, "points": Number(0, MAX_COUNT), "measure": one_of(*MEASURES), "cases": NAMES,
@@ -179,13 +186,20 @@ PARTS = ("limits", "late", "cases", "criteria")
 
 
 class _Reader:
-    """Reads the tables of a rubric; its errors name the file and the line."""
+    """A reader of the tables of a rubric, whose errors name the file and the line."""
 
     def __init__(self, path: Path, source: str) -> None:
         self.path, self._lines = path, source.splitlines()
 
     def fail(self, message: str, header: str = "", count: int = 1, key: str = "") -> GradeError:
-        """Return an error in the key of a table, the ``count``-th of its header."""
+        """Return an error that names the line of a key.
+
+        Args:
+            message: message.
+            header: header of the table, such as ``"[limits]"``; "" for the top of the file.
+            count: number of the table among those with this header, from 1.
+            key: key in the table; "" names the line of the header.
+        """
         top = re.compile(rf"\s*{re.escape(header)}\s*(#.*)?")
         tops = [line for line, each in enumerate(self._lines, 1) if top.fullmatch(each)]
         line = tops[count - 1] if header and len(tops) >= count else 0
@@ -199,7 +213,7 @@ class _Reader:
     def table(
         self, values: Any, checks: Mapping[str, CheckValue], header: str, count: int = 1
     ) -> dict[str, Any]:
-        """Return the values of a table, each checked."""
+        """Return the values of a table after checking each of them."""
         if not isinstance(values, dict):
             raise self.fail(f"{header} is {brief(values)}; it must be a table", header, count)
         for key in values:
@@ -224,15 +238,15 @@ def exercise_names() -> list[str]:
 
 
 def own_rubrics() -> dict[str, Path]:
-    """Return the files of the rubrics of this program by name: mini-lab first, then exercises."""
+    """Return the files of the built-in rubrics by name: the mini-lab first, then the exercises."""
     return {path.stem: path for path in (MINI_LAB, *sorted(EXERCISES.glob("*.toml")))}
 
 
 def find_rubric(path: Path) -> Path:
-    """Return the file of a rubric: the path itself, or the file of an exercise named by it.
+    """Return the file of a rubric: the path itself, or the file of the exercise with this name.
 
     Raises:
-        GradeError: there is no such file, and no such exercise.
+        GradeError: there is neither such a file nor such an exercise.
     """
     names = exercise_names()
     if str(path) in names:
@@ -247,19 +261,19 @@ def load_rubric(path: Path) -> Rubric:
     """Read a rubric.
 
     Raises:
-        GradeError: the file is no rubric; the message has the line, the key and what is allowed.
+        GradeError: the file is not a rubric; the message has the line, the key and what is allowed.
         OSError: the file is longer than ``toml_text.MAX_BYTES``, or cannot be read.
 
     Example:
         >>> from agents.lab.grading.rubric import MINI_LAB, load_rubric
         >>> [criterion.name for criterion in load_rubric(MINI_LAB).criteria]
-        ['delivers', 'escapes loops', 'delivers on floors it has never seen', 'handles that ...
+        ['delivers', 'escapes loops', 'delivers in unseen layouts', 'recognises ...
     """
     data = read_file(path, MAX_BYTES)
     try:
         values = parse_toml(data)
     except ValueError as error:
-        raise GradeError(f"{path}: it is no TOML: {error}") from None
+        raise GradeError(f"{path}: it is not TOML: {error}") from None
     return _make_rubric(_Reader(path, data.decode("utf-8-sig")), values, hashlib.sha256(data))
 
 
@@ -304,7 +318,7 @@ def _make_case(reader: _Reader, name: str, values: Any) -> Case:
 
 
 def _check_case(reader: _Reader, case: GradedCase, digest: Any) -> None:
-    """Raise if an episode cannot begin, and add the layout to the digest."""
+    """Raise an error if an episode cannot begin; add the layout to the digest."""
     try:
         layout = case.layout_of(case.first_seed)
         check_stations(layout, case.stations_of(layout), case.layout, 'stations = "drawn"')

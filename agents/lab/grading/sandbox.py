@@ -1,10 +1,10 @@
-"""Run an agent in processes of its own, a fresh one for each episode, and ask it for actions.
+"""Run a graded agent in a fresh process for each episode, and ask it for actions.
 
-The operating system enforces the limits, and what an agent starts is killed with it. Linux also
-keeps it from files and other processes, see ``walls.py``. Where it does not, an agent can use the
-network, and all files that its user can, and must be trusted. macOS does not limit memory, nor find
-what has left the session of the agent. Where there are no processes, as in a browser, an agent runs
-in this one.
+The operating system enforces the limits. Processes that an agent starts are killed with it. Linux
+also keeps an agent from files and other processes, see ``walls.py``. On other systems an agent can
+use the network and all files of its user, and must be trusted. macOS neither limits memory nor
+finds processes that have left the session of the agent. In a browser, which has no processes, an
+agent runs in the current one.
 """
 
 from __future__ import annotations
@@ -38,40 +38,40 @@ VARIABLES = {
     "PYTHONHASHSEED": "0", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
     "MKL_NUM_THREADS": "1", "LANG": "C.UTF-8", "PATH": os.defpath,
 }  # fmt: skip
-"""All environment variables of an agent; no others, which may have secrets."""
+"""All environment variables of an agent. Others may contain secrets."""
 
 MAX_LINE, MAX_TEXT = 65_536, 200
-"""Most bytes of an answer, and most characters of a name or a message of an agent."""
+"""Limits on the bytes of an answer, and on the characters of an agent's names and messages."""
 
 MAX_FILES = 256
-"""Most files that an agent may have open."""
+"""Limit on the files that an agent may have open."""
 
 IMPORT_SECONDS = 60.0
-"""Longest time in which the fork server imports the modules that all agent processes share."""
+"""Time limit for the fork server to import the modules that all agent processes share."""
 
 ENDING_SECONDS = 5.0
-"""Longest time in which the fork server ends an agent process, and then itself."""
+"""Time limit for the fork server to end an agent process, and to end itself."""
 
 DEEDS = {
     FILES: "read files that are neither theirs nor Python's, or write any",
     PROCESSES: "reach other processes or the network",
 }
-"""The deeds of agents that each wall prevents, in words."""
+"""Actions of agents that each wall prevents, in words."""
 
 
 class AgentLimits(NamedTuple):
     """Limits on an agent.
 
     Attributes:
-        start_seconds: time to load it, to make it, and for its ``reset``.
-        answer_seconds: time for an action.
+        start_seconds: time to load and create the agent, and for its ``reset``.
+        answer_seconds: time for one action.
         episode_seconds: time for all actions of an episode together.
         memory_mb: address space in MiB.
-        give_up_after: number of successive episodes of a case in which it takes too long or ends
-            its process; further ones of the case count as the last one, unrun. If it cannot be
-            loaded, further cases do too.
-        allow_imports: modules that an agent may import, beside its own; ``None`` for all.
-        deny_imports: modules that it may not import.
+        give_up_after: number of successive episodes in which the agent takes too long or ends its
+            process, after which the rest of the case is not run and counts the same. If the agent
+            cannot be loaded, this includes all further cases.
+        allow_imports: modules that an agent may import besides its own; ``None`` for all.
+        deny_imports: modules that an agent must not import.
     """
 
     start_seconds: float = 10.0
@@ -85,7 +85,8 @@ class AgentLimits(NamedTuple):
     def of_process(self) -> dict[str, int]:
         """Return the limits that the operating system enforces, by their names in ``resource``.
 
-        No processes, and no files that are not empty. Root has no limit of processes.
+        An agent can start no processes and write only empty files. For root, the limit on
+        processes has no effect.
         """
         return {
             "RLIMIT_AS": self.memory_mb * 1024**2,
@@ -99,13 +100,13 @@ class AgentLimits(NamedTuple):
 
 
 class AgentFailureError(Exception):
-    """An agent that has not answered.
+    """The failure of an agent to answer.
 
     Attributes:
         kind: ``"cannot be loaded"``, ``"fails"``, ``"takes too long"`` or ``"ends its process"``.
-        text: message for who may see the case.
-        public: part of the message that does not come from the agent, whose own words may tell
-            what it has observed.
+        text: message for reports of visible cases.
+        public: part of the message for reports of hidden cases. It contains no words of the agent,
+            because they might reveal its observations.
     """
 
     def __init__(self, kind: str, text: str, public: str = "") -> None:
@@ -121,8 +122,8 @@ class AgentProcess:
     """An agent in the process of one episode.
 
     Attributes:
-        name: name of its class or function; "" until it is loaded.
-        slowest: seconds of its slowest answer.
+        name: name of the class or function; "" until it is loaded.
+        slowest: seconds of the slowest answer.
     """
 
     def __init__(self, submission: Submission, limits: AgentLimits, *pipes: int) -> None:
@@ -131,7 +132,7 @@ class AgentProcess:
         self.name, self.slowest = "", 0.0
 
     def start(self, seed: int, function: str | None = None) -> None:
-        """Load and reset the agent, or load a function, or raise its ``AgentFailureError``."""
+        """Load and reset the agent, or load a function, or raise ``AgentFailureError``."""
         submission = self._submission
         task = {
             "file": None if submission.file is None else str(submission.file),
@@ -152,14 +153,14 @@ class AgentProcess:
             raise
 
     def act(self, observation: Observation) -> str | int:
-        """Return the action for an observation, or raise the ``AgentFailureError``."""
+        """Return the action for an observation, or raise ``AgentFailureError``."""
         action = self._ask_in_time({"observation": observation}).get("action")
         if not isinstance(action, str | int):
             raise AgentFailureError(ENDS, "it wrote to the channel of its answers")
         return action
 
     def call(self, arguments: Sequence[Any]) -> Any:
-        """Return the answer of a function to its arguments, or raise the ``AgentFailureError``."""
+        """Return the value of a function for some arguments, or raise ``AgentFailureError``."""
         return self._ask_in_time({"arguments": arguments}).get("value")
 
     def _ask_in_time(self, question: dict[str, Any]) -> dict[str, Any]:
@@ -213,7 +214,7 @@ class AgentProcess:
 
 
 def failure_of(answer: dict[str, Any]) -> AgentFailureError:
-    """Return the failure of an agent that answers by an exception, see ``child.described``."""
+    """Return the failure for an exception in an agent, as given by ``child.description_of``."""
     name, text, place = (str(answer.get(key, ""))[:MAX_TEXT] for key in ("error", "text", "place"))
     where = f" ({place})" if place else ""
     kind = getattr(builtins, name, None)
@@ -223,13 +224,17 @@ def failure_of(answer: dict[str, Any]) -> AgentFailureError:
 
 
 class Sandbox:
-    """Starts the processes of a submission; to be used as a context manager.
+    """Context manager that starts the processes of a submission.
 
     Args:
         submission: agent to run.
-        limits: limits on it.
-        user: another user as which it runs, which only root may choose.
-        secrets: files that it must not read, even in its folder.
+        limits: limits on the agent.
+        user: user that runs the agent. Only root may choose another user; ``None`` is the current
+            user.
+        secrets: files that the agent must not read, even if they are in its folder.
+
+    Raises:
+        GradeError: the system cannot run agents, or the user cannot be chosen.
     """
 
     def __init__(
@@ -241,13 +246,13 @@ class Sandbox:
     ) -> None:
         if sys.platform == "win32":
             raise GradeError("agents are graded on Linux and macOS; on Windows, use WSL")
-        if submission.is_built_in:  # it is one of the packages that may be denied to others
+        if submission.is_built_in:  # its package may be denied to other agents
             limits = limits._replace(allow_imports=None, deny_imports=())
         self._submission, self._limits = submission, limits
         readable, listed = _files_of(submission, secrets, limits.deny_imports)
         self._bounds = {
             "user": None if user is None else _ids_of(user),
-            "walls": sorted(walls.held()),
+            "walls": sorted(walls.enforced()),
             "own": str(programs.ROOT),
             "readable": readable,
             "listed": listed,
@@ -271,7 +276,7 @@ class Sandbox:
     def episode(self) -> Iterator[AgentProcess]:
         """Yield an agent in a new process, which is killed at the end of the block.
 
-        The failure of an agent in the block says how its process ended, if it did.
+        If the process of the agent ends inside the block, ``AgentFailureError`` says how.
         """
         (theirs, questions), (answers, also_theirs) = os.pipe(), os.pipe()
         failure = None
@@ -297,7 +302,7 @@ class Sandbox:
                 self._start()
             try:
                 socket.send_fds(self._control, [b"f"], pipes)
-            except OSError:  # something has ended it since the previous episode
+            except OSError:  # the server has ended since the previous episode
                 self._stop()
                 self._start()
                 socket.send_fds(self._control, [b"f"], pipes)
@@ -306,9 +311,9 @@ class Sandbox:
                 os.close(pipe)
 
     def _end(self) -> int | None:
-        """End the process of an episode and return its exit code, if that is known.
+        """End the process of an episode, and return its exit code.
 
-        It is not if compiled code of the agent has ended or stopped what started its process.
+        The result is ``None`` if compiled code of the agent has ended or stopped the fork server.
         """
         try:
             self._control.sendall(b"e")
@@ -346,13 +351,13 @@ class Sandbox:
             theirs.close()
         self._control.settimeout(IMPORT_SECONDS)
         if not self._control.recv(1):
-            raise GradeError(f"importing {', '.join(imports)} ended the process")
+            raise GradeError(f"the grader's process ended while it imported {', '.join(imports)}")
         self._control.settimeout(ENDING_SECONDS)
 
     def _stop(self) -> None:
-        """End the server and what its agents have started."""
+        """End the fork server and all processes that its agents have started."""
         if self._server is not None:
-            self._control.close()  # which ends it, if nothing has happened to it
+            self._control.close()  # this ends the server if it still works
             try:
                 code = self._server.wait(ENDING_SECONDS)
             except subprocess.TimeoutExpired:
@@ -382,7 +387,7 @@ def _files_of(
 
 
 def _ids_of(user: str) -> tuple[int, int]:
-    """Return the numbers of a user and its group."""
+    """Return the IDs of a user and of its group."""
     import pwd
 
     if os.getuid() != 0:
@@ -395,20 +400,19 @@ def _ids_of(user: str) -> tuple[int, int]:
 
 
 def _ending(status: int | None) -> str:
-    """Return how a process has ended, in words."""
+    """Return how a process ended, in words."""
     if status is None:
-        return "it ended or stopped the process that had started it"
+        return "it ended or stopped the process that started it"
     if status >= 0:
         return f"exit code {status}"
     return f"signal {-status} ({signal.strsignal(-status)})"
 
 
 class SameProcess:
-    """Runs an agent in this process, where there can be no other, as in a browser.
+    """Runner of an agent in the current process, for browsers, which have no other processes.
 
-    Nothing keeps such an agent from anything, and it is not interrupted when it takes too long:
-    whoever grades it so has to trust it, and to end the process. It is used like a ``Sandbox``,
-    without its user and secrets.
+    It is used like a ``Sandbox``, but it has no walls, user or secrets, and does not interrupt
+    slow answers. Therefore the agent must be trusted.
     """
 
     def __init__(self, submission: Submission, limits: AgentLimits, *_: object) -> None:
@@ -422,7 +426,7 @@ class SameProcess:
 
     @contextmanager
     def episode(self) -> Iterator[AgentProcess]:
-        """Yield an agent that is not loaded yet; what it may import is forgotten after."""
+        """Yield an agent that is not loaded yet; its rules for imports end with the block."""
         paths, by_statement, by_name = sys.path[:], builtins.__import__, importlib.import_module
         try:
             yield _AgentHere(self._submission, self._limits)
@@ -432,7 +436,7 @@ class SameProcess:
 
 
 class _AgentHere(AgentProcess):
-    """An agent in this process; it is asked like one in another, and answers at once."""
+    """An agent in the current process, with the interface of an agent in another process."""
 
     _reply: Callable[[dict[str, Any]], dict[str, Any]] | None = None
     _file: str | None = None
@@ -448,44 +452,44 @@ class _AgentHere(AgentProcess):
             name, self._reply = child.begin(asked)
             return {"name": name}
         except (Exception, SystemExit) as error:
-            raise failure_of(child.described(error, self._file)) from error
+            raise failure_of(child.description_of(error, self._file)) from error
 
 
 Runner = Sandbox | SameProcess
-"""Runs the agent of a submission, afresh in each episode."""
+"""A runner of the agent of a submission, which starts it afresh for each episode."""
 
 
 def check_trust(user: str | None, is_trusted: bool, are_many: bool) -> str:
-    """Return what agents cannot do here, and what they can, in words.
+    """Return what agents can and cannot do on this system, in words.
 
     Args:
-        user: user that runs the agents, or ``None`` for the one that grades.
-        is_trusted: promise that the agents do no harm.
+        user: user that runs the agents, or ``None`` for the current user.
+        is_trusted: true if the agents are trusted to do no harm.
         are_many: true for a folder of agents, false for one agent.
 
     Raises:
-        GradeError: root would run agents that are not trusted, or nothing keeps the agents of a
-            class from the files of others.
+        GradeError: root would run agents that are not trusted, or agents of a class that are not
+            trusted could reach each other's files.
     """
-    kept = walls.held()
+    kept = walls.enforced()
     prevented = [deed for wall, deed in DEEDS.items() if wall in kept]
     possible = [deed for wall, deed in DEEDS.items() if wall not in kept]
     if not is_trusted and user is None:
         if sys.platform != "win32" and os.getuid() == 0:
             raise GradeError(
-                "root does not run agents with its own rights: choose a user without any, such as "
-                "--user nobody, or --trust the agents"
+                "refusing to run student code as root; use --user nobody, or --trust if you wrote "
+                "the code yourself"
             )
         if are_many and possible:
             raise GradeError(
-                f"on this system agents can {', and '.join(possible)}: grade them as root with a "
-                "--user without rights, such as nobody, or --trust them"
+                f"on this system agents can {', and '.join(possible)}; grade as root with --user "
+                "nobody, or use --trust if you wrote the code yourself"
             )
-    told = f"agents cannot {', nor '.join(prevented)}" if prevented else ""
-    also = f"agents can {', and '.join(possible)}" if possible else ""
-    return "; ".join(filter(None, (told, also)))
+    cannot = f"agents cannot {', nor '.join(prevented)}" if prevented else ""
+    can = f"agents can {', and '.join(possible)}" if possible else ""
+    return "; ".join(filter(None, (cannot, can)))
 
 
 def most_jobs(user: str | None, jobs: int) -> int:
-    """Return how many agents may run at once: of one user only one, if it could reach others."""
-    return 1 if user is not None and PROCESSES not in walls.held() else jobs
+    """Return how many agents may run at once: one if agents could reach another's process."""
+    return 1 if user is not None and PROCESSES not in walls.enforced() else jobs

@@ -1,4 +1,4 @@
-"""A floor on which moves sometimes go to a side: the simplest stochastic warehouse."""
+"""Slippery floor on which moves sometimes go to a side: the simplest stochastic warehouse."""
 
 from __future__ import annotations
 
@@ -12,17 +12,17 @@ STAY = (0, 0)
 
 
 class SlippingGrid:
-    """A motion by whole cells, sometimes to the left or to the right of where a robot drives.
+    """A motion by whole cells in which moves sometimes go to the left or right of their direction.
 
-    It does what ``GridMotion`` does with the displacements that are left after slipping.
+    After slipping, robots move as in ``GridMotion``.
 
     Args:
-        chance: chance that a move goes to a side, 0 to 1; both sides are equally likely.
+        chance: probability from 0 to 1 that a move goes to a side; both sides are equally likely.
 
     Raises:
         ValueError: ``chance`` is out of range.
 
-    Source: the 4 x 3 world of Russell and Norvig, 4th ed., section 17.1, with a chance of 0.2.
+    Source: the 4 x 3 world of Russell and Norvig, 4th ed., section 17.1, with a probability of 0.2.
     """
 
     def __init__(self, chance: float = 0.2) -> None:
@@ -31,7 +31,7 @@ class SlippingGrid:
         self.cell_size = self._grid.cell_size
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
-        """Put robots in their cells, and begin again with the random numbers of the seed."""
+        """Place the robots, and seed the random numbers; see ``Motion.reset``."""
         self._grid.reset(layout, cells, seed)
         self._random = random.Random(seed)
 

@@ -1,4 +1,4 @@
-"""Which agents are graded: one by its name, or those in a folder."""
+"""Submissions: an agent to be graded by name, or all agents in a folder."""
 
 from __future__ import annotations
 
@@ -26,38 +26,39 @@ IMPORTED_ONCE = (
     "itertools", "json", "math", "matplotlib", "numpy", "queue", "random", "scipy", "torch",
     "typing", "warehouse_core",
 )  # fmt: skip
-"""Modules that are imported once a submission and not in each of its processes."""
+"""Modules that are imported once for each submission instead of in each of its processes."""
 
 IMPORT = re.compile(
     rb"^[ \t]*\"?(?:from[ \t]+([\w.]+)[ \t]+import[ \t]*\(?([\w \t,\n]*)|import[ \t]+([\w \t,.]+))",
     re.MULTILINE,
 )
-"""An import statement, as far as its modules and names can be told without parsing the source,
-which in a notebook is in quotes."""
+"""An import statement with its modules and names, found without parsing the source.
+
+In a notebook the statement is in quotes."""
 
 MAX_SOURCE = 1024 * 1024
-"""Most bytes of a source in which imports are looked for."""
+"""Limit on the bytes of source code that are searched for imports."""
 
 CODE, NOTEBOOK, ARCHIVE = SUFFIXES = ".py", ".ipynb", ".zip"
 
-USUAL = "agent"
-"""Name of the file of the agent where there are several, without its suffix."""
+PREFERRED = "agent"
+"""Name, without suffix, of the file that has the agent if a submission has several files."""
 
 
 class Submission(NamedTuple):
     """An agent to be graded.
 
     Attributes:
-        name: name as it was given, or in a folder the name of its file or folder.
-        shown: its file or module as it was given, for commands.
-        file: file of the agent, in its archive if it has one; ``None`` if it is imported.
-        module: the name of the file without a suffix, or of the module.
-        kind: the name of the class; ``None`` for the only one with ``reset`` and ``act``.
-        folder: folder in which its process runs, and looks up imports first; ``None`` for a file
-            that has no part in its folder.
-        digest: the digest of its code: of its file, of all files of its folder if it is one of
-            many, or of its module and what that imports from its package; "" for a built-in one.
-        imports: modules that are imported once; none has code of the submission.
+        name: name as it was typed; in a folder, the name of the file or folder.
+        shown: file or module as it was typed, for use in commands.
+        file: file of the agent, relative to the archive if there is one; ``None`` for a module.
+        module: name of the file without its suffix, or of the module.
+        kind: name of the class; ``None`` for the only class with ``reset`` and ``act``.
+        folder: folder in which the process runs and from which it imports first; ``None`` for a
+            file that is graded alone.
+        digest: digest of the code. It covers the file; or all files of the submission if it is a
+            folder; or the module and what it imports from its package. "" for a built-in agent.
+        imports: modules that are imported once, because they contain no code of the submission.
         archive: archive that ``unpacked`` unpacks, or ``None``.
 
     Example:
@@ -79,17 +80,20 @@ class Submission(NamedTuple):
 
     @property
     def paths(self) -> list[str]:
-        """The folders in which its process looks up imports first."""
+        """Folders from which the process imports first."""
         if self.folder is None or self.file is None:
             return [] if self.folder is None else [str(self.folder)]
         return list(dict.fromkeys([str(self.file.parent), str(self.folder)]))
 
     @contextmanager
     def unpacked(self, user: str | None) -> Iterator[Submission]:
-        """Yield the submission with its files in a folder, removed after the block.
+        """Yield the submission with its archive unpacked in a folder until the end of the block.
 
-        A ``user`` that runs the agent can read them. That an archive cannot be unpacked is an
-        ``AgentError``.
+        Args:
+            user: user that runs the agent and must be able to read the files, or ``None``.
+
+        Raises:
+            AgentError: the archive cannot be unpacked.
         """
         if self.archive is None or self.file is None:
             yield self
@@ -102,30 +106,30 @@ class Submission(NamedTuple):
             yield self._replace(file=folder / self.file, folder=folder)
 
     def called(self, kind: str | None) -> str:
-        """Return the name by which ``warehouse run --agent`` finds it, with the class it loaded."""
+        """Return the name for ``warehouse run --agent``, with the name of the loaded class."""
         chosen = self.kind or kind
         return self.shown if self.is_built_in or chosen is None else f"{self.shown}:{chosen}"
 
     @property
     def is_built_in(self) -> bool:
-        """Whether it is an agent of this program."""
+        """Whether the agent is part of this program."""
         return self.file is None and self.shown != self.module
 
 
 class Unusable(NamedTuple):
-    """An entry of a folder that cannot be graded, and why."""
+    """An entry of a folder that cannot be graded, with the reason."""
 
     name: str
     reason: str
 
 
 def find_submission(name: str) -> Submission:
-    """Return the agent ``file.py:Class``, ``file.py``, ``module:Class`` or a built-in one.
+    """Return the submission named ``file.py:Class``, ``file.py``, ``module:Class``, or built-in.
 
-    The file may be a notebook or an archive too.
+    The file may also be a notebook or an archive.
 
     Raises:
-        AgentError: there is none, or it needs the map.
+        AgentError: there is no such agent, or it needs the map.
 
     Example:
         >>> from pathlib import Path
@@ -158,10 +162,18 @@ def find_submission(name: str) -> Submission:
 def in_folder(
     folder: Path, kind: str | None, other: Collection[Path] = ()
 ) -> Iterator[Submission | Unusable]:
-    """Yield the submissions in a folder by name: each file and folder, but hidden ones.
+    """Yield the submissions in a folder in the order of their names.
 
-    What cannot be graded is ``Unusable``. Links are not followed, so that nobody is graded with the
-    file of another. Each has a class ``kind``. Files in ``other`` are of the lecturer.
+    Each file and each folder is a submission, except for hidden ones. Links are not followed, so
+    that nobody is graded with another student's file.
+
+    Args:
+        folder: folder of the submissions.
+        kind: name of the class in each submission; ``None`` for the only one.
+        other: files and folders that are not submissions.
+
+    Yields:
+        submissions; ``Unusable`` for entries that cannot be graded.
 
     Example:
         >>> from pathlib import Path
@@ -183,12 +195,13 @@ def in_folder(
 
 
 def submission_at(path: Path, kind: str | None) -> Submission:
-    """Return the agent in a file that stands alone, in an archive, or in a folder.
+    """Return the submission in a file, an archive or a folder.
 
-    A folder with an archive and no other code, as Moodle makes it, is as the archive.
+    A file is graded alone. A folder that contains only an archive, as made by Moodle, is treated as
+    the archive.
 
     Raises:
-        AgentError: there is none, or it is a link.
+        AgentError: there is no agent, or the path is a link.
     """
     _check_kind(path)
     file, files, folder = path, list[Path](), None
@@ -203,21 +216,21 @@ def submission_at(path: Path, kind: str | None) -> Submission:
     if file.suffix == ARCHIVE:
         return _of_archive(path.name, file, kind)
     if file.suffix not in SUFFIXES:
-        raise AgentError(f"it is no {CODE}, {NOTEBOOK} or {ARCHIVE} file, and no folder")
+        raise AgentError(f"it is neither a {CODE}, {NOTEBOOK} or {ARCHIVE} file nor a folder")
     return _of_files(path.name, file, kind, files, folder)
 
 
 def files_in(folder: Path) -> list[Path]:
-    """Return the files in a folder and its folders, at most one more than ``MAX_FILES``.
+    """Return the files in a folder and its subfolders, at most one more than ``MAX_FILES``.
 
-    Links, which are not followed, and whatever else is no folder count as files.
+    Links are not followed. They and all other entries that are not folders count as files.
     """
     walk = (Path(place, name) for place, _, names in os.walk(folder) for name in names)
     return list(islice(walk, MAX_FILES + 1))
 
 
 def _check_kind(path: Path) -> None:
-    """Raise an ``AgentError`` if neither a file nor a folder is at a path."""
+    """Raise ``AgentError`` if a path is neither a file nor a folder."""
     if path.is_symlink():
         raise AgentError("it is a link, which is not followed")
     if not path.is_dir() and (kind := not_a_file(path)) is not None:
@@ -225,27 +238,33 @@ def _check_kind(path: Path) -> None:
 
 
 def _choose(names: Iterable[PurePath], suffixes: Sequence[str]) -> PurePath:
-    """Return the file of the agent, out of the files of a submission.
+    """Return the file of the agent among the files of a submission.
 
-    It is the only file ``agent.py`` that is nearest to the top, or else the only ``.py`` file that
-    is; without any, the same of the next suffix. There being none is an ``AgentError``.
+    Files in the topmost folder that has any are preferred. If exactly one of them is called
+    ``agent.py``, it is chosen, otherwise the only ``.py`` file. If there is no ``.py`` file, the
+    next suffix is tried.
+
+    Raises:
+        AgentError: there is no such file, or there are several.
     """
     shown = [each for each in names if not any(part[:1] == "." or part[:2] == "__"
                                                for part in each.parts)]  # fmt: skip
     for suffix in suffixes:
         found = [each for each in shown if each.suffix == suffix]
-        for group in ([each for each in found if each.stem == USUAL], found):
+        for group in ([each for each in found if each.stem == PREFERRED], found):
             depth = min((len(each.parts) for each in group), default=0)
             top = [each for each in group if len(each.parts) == depth]
             if len(top) == 1:
                 return top[0]
         if found:
-            raise AgentError(f"it has {len(found)} {suffix} files, and none is {USUAL}{suffix}")
+            raise AgentError(
+                f"it has {len(found)} {suffix} files, but none is called {PREFERRED}{suffix}"
+            )
     raise AgentError(f"it has no {listed(suffixes, 'or')} file")
 
 
 def _of_archive(name: str, file: Path, kind: str | None) -> Submission:
-    """Return the agent in an archive, which is not unpacked here."""
+    """Return the submission in an archive, without unpacking it."""
     members = members_of(file)
     inner = _choose(members, (CODE, NOTEBOOK))
     own = {PurePath(part).stem for member in members for part in member.parts}
@@ -259,7 +278,15 @@ def _of_archive(name: str, file: Path, kind: str | None) -> Submission:
 def _of_files(
     name: str, file: Path, kind: str | None, files: Iterable[Path] = (), folder: Path | None = None
 ) -> Submission:
-    """Return the agent in a file, which may have other files too, and import from a folder."""
+    """Return the submission in a file.
+
+    Args:
+        name: name of the submission.
+        file: file of the agent.
+        kind: name of the class, or ``None``.
+        files: all files of the submission, if there are others.
+        folder: folder from which the agent may import, or ``None``.
+    """
     path = file.resolve().parent / file.name
 
     def is_own(top: str) -> bool:
@@ -277,7 +304,7 @@ def _of_files(
 
 
 def _imported_once(text: bytes, is_own: Callable[[str], bool]) -> tuple[str, ...]:
-    """Return what the source seems to import once; it is not parsed, which may take any memory."""
+    """Return modules to import once; the source is not parsed, which might need much memory."""
     return tuple(sorted({
         module for module in _imports_in(text)
         if (top := module.partition(".")[0]) in IMPORTED_ONCE and not is_own(top)
@@ -299,13 +326,13 @@ def _built_in(name: str) -> Submission:
     made = AGENTS.get(name)
     if not isinstance(made, type):
         graded = [each for each, kind in AGENTS.items() if isinstance(kind, type)]
-        reason = "plans on the map, which a graded agent does not get" if made else "is no agent"
+        reason = "needs the map, which graded agents do not get" if made else "is not an agent"
         raise AgentError(f"{name!r} {reason}; allowed: {', '.join(graded)}, or file.py:Class")
     module = made.__module__
     return Submission(name, name, None, module, made.__name__, Path.cwd(), "", (module,))
 
 
 def _content_digest(file: Path) -> str:
-    """Return the digest of a file of any size."""
+    """Return the SHA-256 digest of a file, which is not read into memory at once."""
     with file.open("rb") as content:
         return hashlib.file_digest(content, "sha256").hexdigest()

@@ -1,12 +1,12 @@
-"""What Linux keeps from the process of a graded agent: files, system calls and privileges.
+"""Walls around the process of a graded agent on Linux: files, system calls and privileges.
 
-Landlock leaves it the files that it needs to read, and none to write. A seccomp filter refuses the
-system calls that start processes or threads, reach other processes, open sockets, change the
-properties of files, or make what outlives the process. Both hold for compiled code too, and cannot
-be undone by the process.
+Landlock lets the process read only the files that it needs, and write none. A seccomp filter
+refuses system calls that start processes or threads, reach other processes, open sockets, change
+properties of files, or create objects that outlive the process. Both also apply to compiled code,
+and the process cannot undo them.
 
-This module imports nothing but the standard library, and is loaded by a path: the process of an
-agent has no module of this program that it has not asked for.
+This module imports only the standard library, and is loaded by its path, because the process of an
+agent must not contain modules of this program that the agent did not import.
 
 Sources: landlock(7), seccomp(2) and capabilities(7) in the Linux manual pages; the numbers are in
 ``asm/unistd.h``, ``linux/landlock.h``, ``linux/seccomp.h``, ``linux/filter.h`` and
@@ -23,18 +23,18 @@ import sys
 from collections.abc import Iterable, Iterator, Sequence
 
 FILES, PROCESSES = "files", "processes"
-"""Walls of an agent: around files that are not its own, and around its process."""
+"""Walls: they keep an agent from the files of others, and from other processes."""
 
 MIN_LANDLOCK = 3
-"""First version of Landlock that also refuses to cut files short (Linux 6.2)."""
+"""First version of Landlock that also refuses to truncate files (Linux 6.2)."""
 
 CREATE_RULESET, ADD_RULE, RESTRICT_SELF, PATH_BENEATH = 444, 445, 446, 1
 READ_FILE, READ_DIR = 1 << 2, 1 << 3
 FILE_RIGHTS = 1 << 1 | READ_FILE | 1 << 14
-"""Rights to write, read and cut short a file."""
+"""Rights to write, read and truncate a file."""
 
 RIGHTS = ((1, (1 << 13) - 1), (2, 1 << 13), (3, 1 << 14), (5, 1 << 15))
-"""Rights to files that are refused, with the version of Landlock that first knows them."""
+"""Rights to files that are refused, each with the first version of Landlock that knows it."""
 
 DEVICES = ("/dev/null", "/dev/zero", "/dev/random", "/dev/urandom")
 
@@ -45,25 +45,25 @@ SYSTEM = (
 """Files and folders of the system that libraries read when they are imported."""
 
 NO_NEW_PRIVILEGES, SET_SECCOMP, GET_SECCOMP, FILTER = 38, 22, 21, 2
-"""Options of ``prctl``, and the mode of seccomp that takes a program."""
+"""Options of ``prctl``, and the mode of seccomp for a filter program."""
 
 KEEP_CAPABILITIES, CAPABILITIES, READ_ALL = 8, 0x20080522, 1 << 2
 """An option of ``prctl``, the version of ``capset``, and the capability to read all files."""
 
 ALLOW, REFUSE, KILL = 0x7FFF0000, 0x00050001, 0x80000000
-"""Values that a filter returns: allow, fail with ``EPERM``, end the process."""
+"""Results of a filter: allow the call, fail with ``EPERM``, or end the process."""
 
 LOAD, EQUAL, AT_LEAST, RETURN = 0x20, 0x15, 0x35, 0x06
-"""Instructions of a filter: load a word, compare it to a constant, return."""
+"""Instructions of a filter: load a word, compare it with a constant, return."""
 
 NUMBER, ARCHITECTURE, ARGUMENTS = 0, 4, 16
-"""Places in what a filter is told of a system call; an argument has eight bytes."""
+"""Offsets in the data of a system call that a filter receives; an argument has eight bytes."""
 
 X32 = 0x40000000
-"""Least number of a call by another convention of x86-64, which passes by the other numbers."""
+"""Smallest number of a system call in the x32 convention, which would bypass the other numbers."""
 
 AUDIT = {"x86_64": 0xC000003E, "aarch64": 0xC00000B7}
-"""Numbers of the machines whose system calls are known here."""
+"""Numbers of the machines whose system calls are listed here."""
 
 REFUSED = {
     "add_key": (248, 217), "bpf": (321, 280), "chmod": (90, None), "chown": (92, None),
@@ -83,7 +83,7 @@ REFUSED = {
     "socket": (41, 198), "unshare": (272, 97), "userfaultfd": (323, 282), "utime": (132, None),
     "utimensat": (280, 88), "utimes": (235, None), "vfork": (58, None),
 }  # fmt: skip
-"""System calls that an agent may not make: their numbers on x86-64 and on ARM."""
+"""System calls that an agent must not make: their numbers on x86-64 and on ARM."""
 
 OWN_ONLY = {
     "kill": (62, 129), "prlimit64": (302, 261), "rt_sigqueueinfo": (129, 138),
@@ -91,20 +91,20 @@ OWN_ONLY = {
     "sched_setattr": (314, 274), "sched_setparam": (142, 118),
     "sched_setscheduler": (144, 119), "tgkill": (234, 131), "tkill": (200, 130),
 }  # fmt: skip
-"""System calls that an agent may make for its own process, which is their first argument or 0."""
+"""System calls that an agent may make only for its own process, given as argument or as 0."""
 
 COMMANDS = {
     "fcntl": ((72, 25), (8, 10, 15)),  # F_SETOWN, F_SETSIG, F_SETOWN_EX
     "ioctl": ((16, 29), (0x5412, 0x8901, 0x8902)),  # TIOCSTI, FIOSETOWN, SIOCSPGRP
 }
-"""System calls of which some commands, their second argument, would signal other processes."""
+"""System calls with commands (their second argument) that could signal other processes."""
 
 Instruction = tuple[int, int, int, int]
-"""The code of an instruction, how many to skip if a comparison holds or not, and its constant."""
+"""Code of an instruction, instructions to skip if a comparison is true or false, and constant."""
 
 
-def held() -> frozenset[str]:
-    """Return what this system keeps from an agent."""
+def enforced() -> frozenset[str]:
+    """Return the walls that this system can enforce."""
     if sys.platform != "linux":
         return frozenset()
     files = {FILES} if landlock_version() >= MIN_LANDLOCK else set()
@@ -113,16 +113,16 @@ def held() -> frozenset[str]:
 
 
 def file_rules(own: str, readable: Iterable[str], listed: Iterable[str]) -> int:
-    """Return a descriptor of the rules by which files are left to processes.
+    """Return a file descriptor of the rules for reading files.
 
     Args:
-        own: folder of the packages of this program, which may have other things in it; what is in
-            it counts as no part of Python, even if it is on the path.
-        readable: files and folders that may be read, beside the system's and Python's.
-        listed: folders of which the names may be read, and not what is in their files.
+        own: folder of the packages of this program. It may contain other files, and therefore does
+            not count as part of Python even if it is on the path.
+        readable: files and folders that may be read, besides files of the system and of Python.
+        listed: folders whose entries may be listed, without reading the files.
 
     Raises:
-        OSError: the system has refused the rules.
+        OSError: the system refused the rules.
     """
     version = landlock_version()
     refused = sum(rights for since, rights in RIGHTS if since <= version)
@@ -142,19 +142,19 @@ def file_rules(own: str, readable: Iterable[str], listed: Iterable[str]) -> int:
 
 
 def leave_files(rules: int) -> None:
-    """Leave this process, and all that it starts, the files of the rules, for ever."""
+    """Restrict this process and all its children to the files of the rules, irreversibly."""
     _check(_libc().prctl(NO_NEW_PRIVILEGES, 1, 0, 0, 0))
     _check(_libc().syscall(RESTRICT_SELF, rules, 0))
     os.close(rules)
 
 
 def change_user(walls: Iterable[str], user: Sequence[int] | None) -> None:
-    """Become another user if there is one, and give up what root may do beyond other users.
+    """Change to another user, if one is given, and give up the privileges of root.
 
     Args:
-        walls: walls of this process. If both stand, the other user may read whatever the wall of
-            files leaves, though it belongs to root: Python may be in root's own folder.
-        user: number of the user and of its group, or ``None``.
+        walls: walls of this process. If there are both, the other user may read all files that
+            the wall allows, even root's: Python may be installed in root's home folder.
+        user: IDs of the user and of its group, or ``None``.
     """
     walls = set(walls)
     may_read = user is not None and walls >= {FILES, PROCESSES}
@@ -171,7 +171,7 @@ def change_user(walls: Iterable[str], user: Sequence[int] | None) -> None:
 
 
 def refuse_calls() -> None:
-    """Refuse this process, and all that it starts, some system calls, for ever."""
+    """Forbid some system calls in this process and all its children, irreversibly."""
     _check(_libc().prctl(NO_NEW_PRIVILEGES, 1, 0, 0, 0))
     code = b"".join(struct.pack("=HBBI", *each) for each in program(platform.machine()))
     kept = ctypes.create_string_buffer(code)
@@ -180,12 +180,12 @@ def refuse_calls() -> None:
 
 
 def landlock_version() -> int:
-    """Return the version of Landlock in this kernel; -1 without it."""
+    """Return the version of Landlock in this kernel, or -1 if it has none."""
     return int(_libc().syscall(CREATE_RULESET, None, ctypes.c_size_t(0), 1))
 
 
 def _allow(rules: int, path: str, rights: int) -> None:
-    """Allow what is in a path; nothing if it does not exist."""
+    """Allow access to a path and its contents; ignore paths that do not exist."""
     try:
         place = os.open(os.path.realpath(path), os.O_PATH | os.O_CLOEXEC)
     except OSError:

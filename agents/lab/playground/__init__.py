@@ -1,4 +1,4 @@
-"""A page that runs this project in a browser: an agent is written, run and graded there.
+"""Web page on which students write, run and grade agents in a browser.
 
-Python is Pyodide, in a worker of the page. Nothing is sent anywhere.
+Python runs as Pyodide in a worker of the page. The page sends no data anywhere.
 """

@@ -1,8 +1,8 @@
-// An editor of Python in a text area: numbers of lines, indentation by keys.
+// Editor for Python in a text area, with line numbers and automatic indentation.
 
 const INDENT = "    ";
 
-/** Return text and selection after Tab, Shift and Tab, or Enter; null where the key does no more than usual. */
+/** Return the text and selection after Tab, Shift+Tab or Enter, or null if the browser handles the key. */
 export function typed(text, start, end, key, isShifted) {
   const first = text.lastIndexOf("\n", start - 1) + 1;
   if (key === "Enter") {
@@ -24,7 +24,7 @@ export function typed(text, start, end, key, isShifted) {
 }
 
 export class Editor {
-  /** @param {(text: string) => void} changed is called with each new text. */
+  /** @param {(text: string) => void} changed function that is called with each new text. */
   constructor(area, numbers, changed) {
     Object.assign(this, { area, numbers, changed, wrong: null, leaves: false });
     area.addEventListener("input", () => this.change());
@@ -41,7 +41,7 @@ export class Editor {
     this.change();
   }
 
-  /** Mark a line as wrong, or none. */
+  /** Mark a line as wrong, or no line for null. */
   mark(line) {
     this.wrong = line;
     const marks = Array.from({ length: this.text.split("\n").length }, (_, index) => {

@@ -1,4 +1,4 @@
-// Starts the page: connects editor, layout, buttons and Python, and keeps what was written.
+// Starts the page: connects editor, layout, buttons and Python, and saves the code in the browser.
 
 import { Editor } from "./editor.js";
 import * as drawing from "./floor.js";
@@ -8,24 +8,24 @@ import { packed, unpacked } from "./share.js";
 
 const KEPT = "warehouse-playground";
 
-/** Milliseconds without an answer after which an agent counts as one that never returns. */
+/** Milliseconds without an answer after which an agent is assumed never to return. */
 const LIMIT = 10_000;
 
 const settings = JSON.parse(document.getElementById("settings").textContent);
 const part = (name) => document.querySelector(`[data-part="${name}"]`);
 const button = (name) => document.querySelector(`[data-do="${name}"]`);
 
-/** What was kept is begun with, but a link goes first. */
+/** Return the state in the link, or else the state saved in the browser, or else the first exercise. */
 async function opened() {
   const [exercise] = Object.keys(settings.exercises);
   const { starter: code, rows, drawn } = settings.exercises[exercise];
-  const usual = { exercise, code, codes: {}, seed: 1, rows, drawn };
+  const initial = { exercise, code, codes: {}, seed: 1, rows, drawn };
   const text = location.hash.startsWith("#p=") ? location.hash.slice(3) : "";
   try {
-    if (text) return { ...usual, ...(await unpacked(text)) };
-    return { ...usual, ...JSON.parse(localStorage.getItem(KEPT) ?? "{}") };
+    if (text) return { ...initial, ...(await unpacked(text)) };
+    return { ...initial, ...JSON.parse(localStorage.getItem(KEPT) ?? "{}") };
   } catch {
-    return usual;
+    return initial;
   }
 }
 
@@ -60,7 +60,7 @@ class Playground {
     addEventListener("hashchange", () => location.hash.startsWith("#p=") && location.reload());
   }
 
-  /** Keep a change in the browser; the episode that has begun is no longer that of the page. */
+  /** Save a change in the browser. The current episode then no longer matches the page. */
   keep(change) {
     Object.assign(this.kept, change);
     this.isBegun = false;
@@ -82,14 +82,14 @@ class Playground {
     [part("height").value, part("width").value] = [rows.length, rows[0].length];
   }
 
-  /** Name the layout in the list, or call it painted. */
+  /** Select the name of the layout in the list, or "painted". */
   chooseLayout() {
     const text = this.kept.rows.join("\n");
     const names = Object.keys(settings.layouts);
     part("layout").value = names.find((name) => settings.layouts[name].join("\n") === text) ?? "painted";
   }
 
-  /** Keep what was written, and show what was written in another exercise, or its starting file; the layout is that of the exercise. */
+  /** Save the code, and open another exercise: with its saved code or starting file, and its layout. */
   openExercise(name) {
     const codes = { ...this.kept.codes, [this.kept.exercise]: this.kept.code };
     const { starter, rows = this.kept.rows, drawn = this.kept.drawn } = settings.exercises[name];
@@ -110,11 +110,11 @@ class Playground {
     this.showPlace();
   }
 
-  /** Take one step or all, from the start if anything has changed since. */
+  /** Take one step or all steps, from the start if anything has changed since the last step. */
   async ask(what) {
     const { exercise, code, seed, rows, drawn } = this.kept;
-    const goesOn = what === "step" && this.isBegun;
-    const start = goesOn ? null : { exercise, code, rows, seed, stations: drawn ? "drawn" : "kept" };
+    const continues = what === "step" && this.isBegun;
+    const start = continues ? null : { exercise, code, rows, seed, stations: drawn ? "drawn" : "kept" };
     const answer = await this.answer({ do: what, start });
     this.isBegun = Boolean(answer) && !answer.ended && !answer.error;
   }
@@ -134,7 +134,7 @@ class Playground {
     part("grades").hidden = false;
   }
 
-  /** Ask Python, and show what it answers; return the answer, or nothing if there is none. */
+  /** Ask Python, and show its answer. Return the answer, or null after an error. */
   async answer(question) {
     const asked = this.python.ask(question);
     this.say("");
@@ -150,14 +150,14 @@ class Playground {
     }
   }
 
-  show({ error = "", line = null, printed = "", page, told }) {
+  show({ error = "", line = null, printed = "", page, summary }) {
     part("error").textContent = error;
     part("error").hidden = !error;
     this.editor.mark(line);
     part("printed").textContent = printed;
     part("printed").hidden = !printed;
     if (page) part("player").srcdoc = page;
-    if (told) part("told").textContent = told;
+    if (summary) part("summary").textContent = summary;
   }
 
   async share() {
@@ -166,14 +166,14 @@ class Playground {
     history.replaceState(null, "", link);
     try {
       await navigator.clipboard.writeText(link.href);
-      this.say("The link is copied; it is in the address of the page too.");
+      this.say("The link was copied. It is also the address of this page.");
     } catch {
-      this.say("The link is in the address of the page.");
+      this.say("The link is now the address of this page.");
     }
   }
 
   restart() {
-    if (!confirm("Replace your code, layout and seed by those of the beginning?")) return;
+    if (!confirm("Discard your code, layout and seed, and start over?")) return;
     localStorage.removeItem(KEPT);
     location.replace(location.pathname);
   }

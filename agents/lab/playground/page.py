@@ -1,4 +1,4 @@
-"""The folder of the playground's page: all that a server of files has to serve."""
+"""The folder of the playground, with all files that a web server must serve."""
 
 from __future__ import annotations
 
@@ -20,24 +20,24 @@ FOLDER = Path(__file__).parent
 SCRIPTS = ("editor.js", "main.js", "painter.js", "python.js", "share.js", "worker.js")
 
 RUNTIME = "pyodide"
-"""Folder of Pyodide's files, beside the page."""
+"""Folder of Pyodide's files, next to the page."""
 
 LARGEST = 40, 60
-"""Most rows and columns of a layout that the page offers; larger ones cannot be painted there."""
+"""Limits on the rows and columns of layouts on the page, where larger ones cannot be painted."""
 
 
 def write_playground(
     folder: Path, source: str = SERVER, advance: Callable[[], None] = lambda: None
 ) -> None:
-    """Write the page into a folder, which is made if it is missing.
+    """Write the page to a folder, which is created if it is missing.
 
     Args:
-        folder: folder of the page; files of an earlier page are replaced, others stay.
-        source: place of Pyodide's files, as for ``copy_runtime``.
-        advance: called after each of these files.
+        folder: folder of the page. Files of an earlier page are replaced; others are kept.
+        source: folder or address of Pyodide's files, see ``copy_runtime``.
+        advance: function that is called after each of Pyodide's files.
 
     Raises:
-        PyodideError: as ``copy_runtime``.
+        PyodideError: see ``copy_runtime``.
         OSError: the folder cannot be written.
     """
     copy_runtime(source, folder / RUNTIME, advance)
@@ -45,7 +45,7 @@ def write_playground(
         _write(folder / name, _text(name))
     _write(folder / "floor.js", player.floor_module())
     _write(folder / "page.css", style_rules() + _text("page.css"))
-    # The text of a script must not end its element.
+    # The text of a script must not contain the end of its element.
     settings = json.dumps(_settings(write_wheel(folder))).replace("<", "\\u003c")
     page = _text("page.html").replace("{policy}", _policy()).replace("{settings}", settings)
     _write(folder / "index.html", page)
@@ -77,7 +77,7 @@ def _settings(wheel: str) -> dict[str, object]:
 
 
 def exercise_settings(rubric: Rubric) -> dict[str, object]:
-    """Return what the page shows of an exercise; one without episodes has no layout."""
+    """Return the data of an exercise for the page; without episodes there is no layout."""
     shown: dict[str, object] = {
         "title": rubric.title,
         "starter": rubric.starter.read_text(encoding="utf-8"),
@@ -90,7 +90,7 @@ def exercise_settings(rubric: Rubric) -> dict[str, object]:
 
 
 def _policy() -> str:
-    """Return the Content-Security-Policy of the page, in which the player's frame can play."""
+    """Return the Content-Security-Policy of the page, which allows the player in its frame."""
     return (
         "default-src 'none'; connect-src 'self'; worker-src 'self'; img-src data:; "
         f"script-src 'self' 'wasm-unsafe-eval' {player.digest(player.script())}; "

@@ -1,16 +1,16 @@
-// A layout that is painted with the mouse or by keys.
+// Layout that is painted with the mouse or the keyboard.
 
 const MOVES = { ArrowUp: [-1, 0], ArrowDown: [1, 0], ArrowLeft: [0, -1], ArrowRight: [0, 1] };
 
-/** Return rows of another size: cut, or with walls added outside. */
+/** Return rows of another size: cut off, or with walls added. */
 export function resized(rows, height, width) {
   return Array.from({ length: height }, (_, row) => (rows[row] ?? "").slice(0, width).padEnd(width, "#"));
 }
 
 export class Painter {
   /**
-   * @param {object} drawing what draws the floors of the player.
-   * @param {(rows: string[]) => void} changed is called with the rows once they are painted.
+   * @param {object} drawing module that draws the floors of the player.
+   * @param {(rows: string[]) => void} changed function that is called with the rows after each change.
    */
   constructor(floor, choices, drawing, changed) {
     const { wall, P, D, C } = drawing.LOOK.words;

@@ -1,18 +1,18 @@
-// Asks Python in a worker, which is ended when it takes too long: an agent may never return.
+// Connection to Python in a worker, which is stopped if it takes too long: an agent may never return.
 
 export class Python {
   /**
-   * @param {() => Worker} start makes the worker.
+   * @param {() => Worker} start function that creates the worker.
    * @param {string} wheel address of the project's wheel.
-   * @param {number} limit milliseconds without a message after which a question is given up.
-   * @param {(state: string) => void} tell is told what Python is doing.
+   * @param {number} limit milliseconds without a message after which the worker is stopped.
+   * @param {(state: string) => void} report function that is called with the state of Python.
    */
-  constructor(start, wheel, limit, tell) {
-    Object.assign(this, { start, wheel, limit, tell, asked: null, isReady: false });
+  constructor(start, wheel, limit, report) {
+    Object.assign(this, { start, wheel, limit, report, asked: null, isReady: false });
     this.begin();
   }
 
-  /** Begin with a new worker. */
+  /** Start a new worker. */
   begin() {
     this.isReady = false;
     this.worker = this.start();
@@ -21,7 +21,7 @@ export class Python {
     this.worker.postMessage({ wheel: this.wheel });
   }
 
-  /** Return the answer to a question; fail if it takes too long, or is stopped. */
+  /** Return the answer to a question; throw if it takes too long or is stopped. */
   ask(question) {
     return new Promise((resolve, reject) => {
       this.asked = { resolve, reject };
@@ -30,7 +30,7 @@ export class Python {
     });
   }
 
-  /** Give up a question, and begin anew. */
+  /** Give up the current question, and start a new worker. */
   stop(reason = "stopped") {
     this.worker.terminate();
     this.end(new Error(reason));
@@ -39,18 +39,18 @@ export class Python {
 
   wait() {
     clearTimeout(this.timer);
-    this.timer = setTimeout(() => this.stop(`no answer in ${this.limit / 1000} s: an endless loop?`), this.limit);
+    this.timer = setTimeout(() => this.stop(`no answer in ${this.limit / 1000} s; is there an endless loop?`), this.limit);
   }
 
   hear({ state, isReady, done, all, answer, failure }) {
-    if (state) this.tell(state);
+    if (state) this.report(state);
     if (isReady) {
       this.isReady = true;
-      this.tell("");
+      this.report("");
     }
     if (done !== undefined) {
       this.wait();
-      this.tell(`Episode ${done} of ${all}`);
+      this.report(`Episode ${done} of ${all}`);
     }
     if (answer) this.end(null, answer);
     if (failure) this.end(new Error(failure));
@@ -61,6 +61,6 @@ export class Python {
     const asked = this.asked;
     this.asked = null;
     if (asked) error ? asked.reject(error) : asked.resolve(answer);
-    if (error) this.tell(error.message);
+    if (error) this.report(error.message);
   }
 }

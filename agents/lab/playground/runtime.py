@@ -1,4 +1,4 @@
-"""The files of Pyodide that a page needs, from a folder or a server, by their digests."""
+"""Files of Pyodide for the page, copied from a folder or a server and checked by digest."""
 
 from __future__ import annotations
 
@@ -21,28 +21,28 @@ VERSION: str = PINNED["version"]
 """Version of Pyodide."""
 
 FILES: dict[str, str] = PINNED["files"]
-"""SHA-256 digests, by names of files: Python, its library, and NumPy."""
+"""SHA-256 digests by file name, for Python, its library and NumPy."""
 
 SERVER = f"https://cdn.jsdelivr.net/pyodide/v{VERSION}/full/"
-"""Address from which the files are loaded unless another place is given."""
+"""Default address of the files."""
 
 TIMEOUT = 60.0
-"""Longest silence of a server, in seconds."""
+"""Seconds without an answer after which a server is given up."""
 
 MAX_BYTES = 64 * 1024 * 1024
-"""Most bytes in a file."""
+"""Limit on the bytes of a file."""
 
 
 def copy_runtime(source: str, folder: Path, advance: Callable[[], None] = lambda: None) -> None:
-    """Copy the files of Pyodide into a folder. Files that are already there are kept.
+    """Copy the files of Pyodide to a folder; correct files that are already there are kept.
 
     Args:
-        source: folder, or address of one that begins with ``http://`` or ``https://``.
-        folder: folder, which is made once there is a file for it.
-        advance: called after each file.
+        source: folder, or an address that begins with ``http://`` or ``https://``.
+        folder: folder to copy to, created when the first file is written.
+        advance: function that is called after each file.
 
     Raises:
-        PyodideError: a file cannot be read, or is one of another version.
+        PyodideError: a file cannot be read, or belongs to another version.
         OSError: the folder cannot be written.
     """
     for name, digest in FILES.items():
@@ -51,8 +51,8 @@ def copy_runtime(source: str, folder: Path, advance: Callable[[], None] = lambda
             content = _read(source, name)
             if digest_of(content) != digest:
                 raise PyodideError(
-                    f"{name} in {brief(source)} is not of Pyodide {VERSION}: its SHA-256 is "
-                    f"{digest_of(content)}; needed: {digest}"
+                    f"{name} in {brief(source)} does not belong to Pyodide {VERSION}: its SHA-256 "
+                    f"is {digest_of(content)}; needed: {digest}"
                 )
             folder.mkdir(parents=True, exist_ok=True)
             with atomic_path(target) as part:
@@ -70,12 +70,12 @@ def _read(source: str, name: str) -> bytes:
                 content = file.read(MAX_BYTES + 1)
     except (OSError, URLError, http.client.HTTPException) as error:
         raise PyodideError(
-            f"{name} cannot be read from {brief(source)}: {error}; give a folder or an address "
-            f"that has the files of Pyodide {VERSION}"
+            f"{name} cannot be read from {brief(source)}: {error}; needed: a folder or an "
+            f"address with the files of Pyodide {VERSION}"
         ) from None
     return content
 
 
 def digest_of(content: bytes) -> str:
-    """Return the SHA-256 digest of some bytes in hexadecimal digits."""
+    """Return the SHA-256 digest of some bytes as hexadecimal digits."""
     return hashlib.sha256(content).hexdigest()

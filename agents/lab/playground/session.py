@@ -1,6 +1,6 @@
-"""The Python part of the playground: runs and grades the agent of the page, in its worker.
+"""The Python part of the playground, which runs and grades the agent in a worker of the page.
 
-Questions and answers are objects of JSON. The page shows what an answer has, whatever was asked.
+Requests and answers are JSON objects. The page shows all parts of an answer, whatever the request.
 """
 
 from __future__ import annotations
@@ -28,17 +28,17 @@ from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.wording import counted
 
 FILE = Path("agent.py")
-"""File that the code of the page is written to."""
+"""File to which the code on the page is written."""
 
 MAX_OUTPUT = 10_000
-"""Most characters of what an agent prints in an answer that are shown."""
+"""Limit on the characters shown of an agent's output: the last ones."""
 
 
 class Session:
-    """An episode of the agent in the page, as far as it has come.
+    """The agent on the page and its current episode.
 
     Args:
-        file: file that the agent is written to and loaded from.
+        file: file to which the agent is written, and from which it is loaded.
     """
 
     def __init__(self, file: Path = FILE) -> None:
@@ -48,20 +48,20 @@ class Session:
         self._observation: Any = None
 
     def answer(self, question: str, advance: Callable[[int, int], None]) -> str:
-        """Do what the page asks, and return what it is to show.
+        """Carry out a request of the page, and return the answer.
 
         Args:
-            question: object with ``do``: ``"step"``; ``"run"``, which takes all steps that are
-                left; or ``"grade"``, which grades ``code`` by the rubric of the ``exercise``. With
-                ``start``, an object, an episode begins before the steps: of the agent in its
-                ``code``, in the warehouse of its ``rows``, ``stations`` and ``seed``, with the
-                battery and the other settings of the first episodes of its ``exercise``.
-            advance: called with the number of episodes that are graded, and of all.
+            question: JSON object. Its key ``do`` is ``"step"`` for one step, ``"run"`` for all
+                remaining steps, or ``"grade"`` to grade ``code`` with the rubric of ``exercise``.
+                If it has an object ``start``, an episode begins before the steps. ``start`` has
+                the ``code`` of the agent; ``rows``, ``stations`` and ``seed`` of the warehouse;
+                and an ``exercise``, whose first case gives the other settings.
+            advance: function that is called with the number of graded episodes, and of all.
 
         Returns:
-            An object with what is known of ``page``, ``told``, ``steps``, ``ended``, ``printed``,
-            of ``error`` and the ``line`` of the agent's file that it names, and of ``points``,
-            ``max`` and ``grades``.
+            JSON object with ``printed``, and with those keys that apply: ``page``, ``summary``,
+            ``steps`` and ``ended`` for an episode; ``error`` and its ``line`` in the agent's file;
+            ``points``, ``max`` and ``grades`` for a grade.
         """
         asked, output = json.loads(question), io.StringIO()
         found: dict[str, Any] = {}
@@ -81,7 +81,7 @@ class Session:
         return json.dumps(found)
 
     def _play(self, what: str, start: dict[str, Any] | None) -> None:
-        """Take one step or all that are left, in a new episode if there is a start."""
+        """Take one step or all remaining steps, in a new episode if there is a start."""
         if start is not None:
             self._begin(start)
         while self._recorder is not None and not self._recorder.ended:
@@ -102,7 +102,7 @@ class Session:
     def _grade(
         self, code: str, exercise: str, advance: Callable[[int, int], None]
     ) -> dict[str, Any]:
-        """Grade what was written by what all of a class may see of a rubric."""
+        """Return the grades of some code, without criteria that are not visible to students."""
         self._file.write_text(code, encoding="utf-8")
         rubric, done = load_rubric(own_rubrics()[exercise]), count(1)
         total = sum(case.episodes for case in rubric.used_cases)
@@ -117,17 +117,17 @@ class Session:
              "seen": row.seen}
             for row in report.grades
         ]  # fmt: skip
-        told = [f"{report.points:g} of {report.max_points:g} points", *report.remarks]
+        summary = [f"{report.points:g} of {report.max_points:g} points", *report.remarks]
         return {
             "points": report.points,
             "max": report.max_points,
             "grades": rows,
-            "told": "; ".join(told),
+            "summary": "; ".join(summary),
         }
 
     @contextmanager
     def _named_errors(self) -> Iterator[None]:
-        """Raise what goes wrong in the code of the page as an ``AgentError``."""
+        """Raise errors in the code of the page as ``AgentError``."""
         try:
             yield
         except WarehouseError:
@@ -149,14 +149,14 @@ class Session:
         opens_at = float(episode.steps) if rests else None
         return {
             "page": player_page([track_of_record(episode)], opens_at=opens_at),
-            "told": f"{done}; reward {episode.total_reward:.1f}",
+            "summary": f"{done}; reward {episode.total_reward:.1f}",
             "steps": episode.steps,
             "ended": self._recorder.ended,
         }
 
 
 def _line_of(error: BaseException | None, file: Path) -> int | None:
-    """Return the last line of a file that an error, or what caused it, names."""
+    """Return the last line of a file in the traceback of an error or of its causes."""
     while error is not None:
         if isinstance(error, SyntaxError):
             return error.lineno

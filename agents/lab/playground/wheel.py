@@ -14,22 +14,22 @@ from warehouse_core.extras import DISTRIBUTION
 from warehouse_core.files.atomic import atomic_path
 
 DATE = (1980, 1, 1, 0, 0, 0)
-"""Time of all files in a wheel, so that equal files make equal wheels."""
+"""Time of all files in a wheel, so that the same files give the same wheel."""
 
 KEPT = ("METADATA", "entry_points.txt")
-"""Files of the installed distribution that its wheel has too."""
+"""Files of the installed distribution that are copied to the wheel."""
 
 LEFT_OUT = {"__pycache__", "solutions"}
-"""Folders that are not in the wheel: solutions of exercises are for lecturers."""
+"""Folders that are not in the wheel; for example, solutions are only for lecturers."""
 
 TAGS = "Wheel-Version: 1.0\nGenerator: warehouse-lab\nRoot-Is-Purelib: true\nTag: py3-none-any\n"
 
 
 def write_wheel(folder: Path) -> str:
-    """Write the wheel of this project into a folder, and return the name of its file.
+    """Write the wheel of this project to a folder, and return its file name.
 
     Args:
-        folder: folder that exists.
+        folder: existing folder.
 
     Raises:
         PackageNotFoundError: this project is not installed.
@@ -51,7 +51,7 @@ def write_wheel(folder: Path) -> str:
 
 
 def _contents(own: Distribution, info: str) -> Iterator[tuple[str, bytes]]:
-    """Yield the name and the content of each file of the wheel but its record."""
+    """Yield the name and the content of each file in the wheel, except for its record."""
     for package in OWN:
         for path in sorted((ROOT / package).rglob("*")):
             inner = path.relative_to(ROOT)

@@ -9,7 +9,7 @@ import shutil, site
 shutil.unpack_archive("${ARCHIVE}", site.getsitepackages()[0], "zip")
 `;
 
-/** Load what answers, and say meanwhile what is loaded. */
+/** Load Python and the project, report the progress, and return the session. */
 async function load(wheel) {
   postMessage({ state: "Loading Python …" });
   const pyodide = await loadPyodide();

@@ -321,7 +321,7 @@ def test_planners_and_agents_of_a_user_are_told_apart(tmp_path: Path) -> None:
     ):
         with pytest.raises(AgentError, match=re.escape(message)):
             make_fleet_agent(name, assignment, 1, ROOM)
-    with pytest.raises(AgentError, match=re.escape("has act(), so its plans are not known")):
+    with pytest.raises(AgentError, match=re.escape("has act(), so it has no plans to show")):
         make_fleet_agent(f"{mine}:Acts", None, 1, ROOM, log=PlanLog([0]))
 
 

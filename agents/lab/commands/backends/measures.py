@@ -41,7 +41,7 @@ height in pixels."""
 def table_of(scores: SeedScores, title: str) -> TextTable:
     """Return a table of the measures with a row for each world."""
     few = len(scores[PLAN]) < MIN_VALUES
-    caption = f"Fewer than {MIN_VALUES} episodes have no intervals." if few else ""
+    caption = f"Intervals need at least {MIN_VALUES} episodes." if few else ""
     rows = [
         (world, *(cell_of(runs, scores[PLAN], value) for value in MEASURES.values()))
         for world, runs in scores.items()

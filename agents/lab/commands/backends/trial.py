@@ -18,7 +18,7 @@ import numpy as np
 
 from agents.errors import EpisodeError
 from agents.fleet.planned import PlannedFleet, wants_dispatch
-from agents.lab.console.watch import slow_steps_told
+from agents.lab.console.watch import slow_steps_reported
 from agents.lab.runs.run import run
 from agents.registry import make_fleet_agent
 from warehouse_core import Cell, FleetEnv, FleetEpisode, Layout, LayoutError, Order, Outcome
@@ -191,7 +191,7 @@ def run_trial(
     orders = draw_orders(setting, seed)
     made = make_world(world, setting, orders[-1].released, seed)
     agent = make_fleet_agent(setting.planner, None, seed, setting.layout, setting.robots)
-    told = slow_steps_told(agent, setting.planner)
+    told = slow_steps_reported(agent, setting.planner)
     with closing(make_env(setting, made, orders, wants_dispatch(agent))) as env:
         try:
             record = run(env, agent, seed, told, name=setting.planner)

@@ -1,1 +1,1 @@
-"""The command ``warehouse fleet``, and its options and measures, which other commands use."""
+"""The command ``warehouse fleet`` and its report of shifts."""

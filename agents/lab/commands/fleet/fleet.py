@@ -1,4 +1,4 @@
-"""The command ``warehouse fleet``: a shift of several robots, and its measures."""
+"""The command ``warehouse fleet``: shifts of several robots, their measures and a replay."""
 
 from __future__ import annotations
 
@@ -27,7 +27,7 @@ from agents.lab.console.options import MANY, option, parameter_option, writable
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say, warnings_printed
 from agents.lab.console.values import parse_battery, parse_due
-from agents.lab.console.watch import slow_steps_told
+from agents.lab.console.watch import slow_steps_reported
 from agents.lab.parameters import usual
 from agents.lab.runs.run import draw_seed, run
 from agents.registry import make_backend, make_fleet_agent, make_team
@@ -45,18 +45,18 @@ PUSHES = "pushes"
 
 
 def find_orders(file: Path | None, rate: float | None) -> Orders:
-    """Return the orders in a file, or orders that arrive at a rate."""
+    """Return the orders in a file, or random orders that arrive at a rate."""
     if file is None:
         return OrderStream(RATE if rate is None else rate, DUE)
     if rate is not None:
-        raise typer.BadParameter("--order-rate does not go with --orders, which has them")
+        raise typer.BadParameter("--order-rate cannot be combined with --orders, which lists them")
     if file.suffix.lower() != ".csv":
-        raise typer.BadParameter(f"{file}: unknown format of orders; allowed: .csv")
+        raise typer.BadParameter(f"{file}: orders cannot be read from this format; allowed: .csv")
     return load_orders(file)
 
 
 def parse_plans(text: str | None, robots: int) -> PlanLog | None:
-    """Return the log for a text such as ``0,3`` or ``pushes``; ``None`` without a text."""
+    """Return the log of plans for a text such as ``0,3`` or ``pushes``; ``None`` for ``None``."""
     if text is None:
         return None
     words = text.split(",")
@@ -75,14 +75,14 @@ def fleet(
         float | None, parameter_option("order_rate", "X", f"Default: {RATE}.")
     ] = None,
     orders: Annotated[
-        Path | None, option("--orders FILE", "Read the orders from a .csv file.")
+        Path | None, option("--orders FILE", "Read the orders from this .csv file.")
     ] = None,
     agent: options.AgentOption = "greedy",
     planner: Annotated[
         str | None,
         option(
             "--planner NAME",
-            f"{options.PLANNER} It directs all robots, instead of --agent.",
+            f"{options.PLANNER} It plans for all robots, instead of --agent.",
         ),
     ] = None,
     assignment: options.AssignmentOption = None,
@@ -90,14 +90,15 @@ def fleet(
         str | None,
         option(
             "--show-plans ROBOTS",
-            "Draw the plans of these robots of a planner ahead of them, as in 0,3; "
-            f"{PUSHES} draws which robot pushes which, of a planner by PIBT.",
+            "Draw the planned paths of these robots, as in 0,3. Needs --planner. For "
+            f"'{PUSHES}': draw arrows from robots that push others, with planners that use PIBT.",
         ),
     ] = None,
     optimum: Annotated[
         bool,
         option(
-            "--optimum", "Say how many deliveries were possible, which takes seconds to find out."
+            "--optimum",
+            "Print how many deliveries were possible. The calculation takes some seconds.",
         ),
     ] = False,
     layout: options.FleetLayout = Path(DEPOT),
@@ -108,8 +109,8 @@ def fleet(
         str,
         option(
             "--moves NAME",
-            f"{options.MOVES} turn needs a planner that knows headings: circulation or windowed, "
-            "also with -lanes.",
+            f"{options.MOVES} turn needs the planner circulation or windowed, with or without "
+            "-lanes.",
         ),
     ] = COMPASS,
     backend: options.FleetBackend = "grid",
@@ -120,40 +121,42 @@ def fleet(
         list[Path],
         option(
             "--save -o FILE",
-            f"{options.REPLAY}, the record as .npz; the orders of all episodes as .csv, with "
-            "their measures beside it in FILE-measures.csv; may be repeated.",
+            f"{options.REPLAY}, a record as .npz, and the orders of all episodes as .csv, next to "
+            f"their measures in FILE-measures.csv. {options.MAY_BE_REPEATED}",
             callback=writable(options.RECORD_SUFFIX, SUFFIX, replays=True),
             **MANY,
         ),
     ],
     show: options.Show = None,
 ) -> None:
-    """Run a shift of robots and replay it.
+    """Run shifts of robots and replay one.
 
-    Each robot is directed by the agent, its goal given by its order. A robot
-    whose battery is low drives to a charger. With --planner, a planner leads
-    all robots, and orders and chargers are assigned to them.
+    Each robot has an agent of its own, which takes it to the goals of its
+    order. A robot whose battery is low drives to a charger. With --planner, a
+    planner moves all robots, and orders and chargers are assigned to them.
 
-    Of several episodes the means are printed, and the first is replayed. The
-    page of a replay, .html, has a map of where robots were held up.
+    For several episodes, the means are printed and the first is replayed. A
+    page (--save x.html) has a map of where robots were held up.
 
     Example: warehouse fleet --robots 12 --order-rate 0.1 --people 3 --seed 12
     """
     if planner is not None and agent != "greedy":
-        raise typer.BadParameter("--planner does not go with --agent: it directs all robots")
+        raise typer.BadParameter(
+            "--planner cannot be combined with --agent: it plans for all robots"
+        )
     if planner is None and assignment is not None:
         raise typer.BadParameter("--assignment needs a planner; add --planner NAME")
     if planner is None and moves == TURN:
         raise typer.BadParameter(
-            "--moves turn needs a planner that knows headings; add --planner windowed"
+            "--moves turn needs a planner for robots with headings; add --planner windowed"
         )
     if planner is None and show_plans is not None:
         raise typer.BadParameter("--show-plans needs a planner; add --planner NAME")
     log = parse_plans(show_plans, robots)
-    floor, director = find_layout(layout), planner or agent
+    grid, name = find_layout(layout), planner or agent
     make_env = partial(
         FleetEnv,
-        floor,
+        grid,
         robots,
         backend=make_backend(backend),
         orders=find_orders(orders, order_rate),
@@ -166,29 +169,29 @@ def fleet(
     first = draw_seed() if seed is None else seed
 
     def run_seed(seed: int) -> Episode:
-        directing = (
-            make_team(agent, robots, seed, floor)
+        controller = (
+            make_team(agent, robots, seed, grid)
             if planner is None
             else make_fleet_agent(
-                planner, assignment, seed, floor, robots, log=log if seed == first else None
+                planner, assignment, seed, grid, robots, log=log if seed == first else None
             )
         )
-        with closing(make_env(dispatch=wants_dispatch(directing))) as env:
-            if isinstance(directing, PlannedFleet):
-                check_headings(directing.planner, env)
-            episode = run(env, directing, seed, slow_steps_told(directing, director), name=director)
-        warn_of_lost_steps(directing, seed, director)
+        with closing(make_env(dispatch=wants_dispatch(controller))) as env:
+            if isinstance(controller, PlannedFleet):
+                check_headings(controller.planner, env)
+            episode = run(env, controller, seed, slow_steps_reported(controller, name), name=name)
+        warn_of_lost_steps(controller, seed, name)
         return episode
 
     title = (
-        f"{counted(robots, 'robot')} ({director}) on layout {layout.stem}, backend {backend}, "
+        f"{counted(robots, 'robot')} ({name}) on layout {layout.stem}, backend {backend}, "
         f"{f'seed {first}' if episodes == 1 else f'seeds {first} to {first + episodes - 1}'}"
     )
     results, records = list[ShiftResult](), list[Episode]()
 
     def keep(episode: Episode) -> None:
         results.append(result_of(episode, optimum))
-        if not records:  # all of them would take much memory
+        if not records:  # to keep all of them would take much memory
             records.append(episode)
 
     def finish(show: bool | None, note: str = "") -> None:
@@ -219,7 +222,7 @@ def fleet(
 
 
 def warn_of_lost_steps(agent: FleetAgent, seed: int, name: str) -> None:
-    """Warn of the steps of a ``PlannedFleet`` in which all robots waited for a plan."""
+    """Warn of steps in which all robots of a ``PlannedFleet`` waited because planning failed."""
     lost = agent.lost if isinstance(agent, PlannedFleet) else []
     if lost:
         step, reason = lost[0]

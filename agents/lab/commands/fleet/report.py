@@ -1,4 +1,4 @@
-"""The report of shifts: measures, a verdict, the failure mode, and tables of values."""
+"""Report of shifts: measures, a verdict, the failure mode, and files of orders and measures."""
 
 from __future__ import annotations
 
@@ -28,11 +28,11 @@ from warehouse_core.wording import counted
 SUFFIX = ".csv"
 
 FEW_WAITING = 2
-"""Orders of each robot that may be left at the end of a shift; if more are, it was too slow."""
+"""Undelivered orders for each robot at the end of a shift above which the fleet was too slow."""
 
 
 class MeasureLine(NamedTuple):
-    """A line of the table of measures."""
+    """A line of the table of measures: an attribute of ``FleetMeasures`` with title and unit."""
 
     title: str
     name: str
@@ -41,9 +41,14 @@ class MeasureLine(NamedTuple):
 
 
 class ShiftResult(NamedTuple):
-    """What is printed and written of a shift.
+    """Results of a shift that are printed and written.
 
-    ``possible`` is the most deliveries and the most on time, or nothing if that is not asked for.
+    Attributes:
+        seed: seed of the shift.
+        measures: measures of the shift.
+        diagnosis: failure mode of the shift.
+        orders: all orders.
+        possible: most deliveries and most deliveries on time, or () if they are not wanted.
     """
 
     seed: int | None
@@ -56,33 +61,33 @@ class ShiftResult(NamedTuple):
 LINES = (
     MeasureLine("orders", "orders", "items"),
     MeasureLine("delivered", "delivered", "items"),
-    MeasureLine("delivered an hour", "per_hour", "items"),
+    MeasureLine("deliveries an hour", "per_hour", "items"),
     MeasureLine("on time", "on_time", "% of deliveries", 100.0),
     MeasureLine("mean lateness", "mean_lateness", "steps"),
     MeasureLine("worst lateness", "worst_lateness", "steps"),
-    MeasureLine("energy a delivery", "joules_per_delivery", "kJ", 1e-3),
+    MeasureLine("energy per delivery", "joules_per_delivery", "kJ", 1e-3),
     MeasureLine("distance", "distance", "cells"),
     MeasureLine("blocked by walls", "blocked_by_wall", "moves"),
     MeasureLine("blocked by robots", "blocked_by_robot", "moves"),
     MeasureLine("blocked by people", "blocked_by_person", "moves"),
     MeasureLine("waits", "waits", "robot steps"),
     MeasureLine("charging", "charging", "robot steps"),
-    MeasureLine("stranded", "stranded", "robots that ran empty or failed"),
-    MeasureLine("lost", "lost", "orders that stranded robots hold"),
+    MeasureLine("stranded", "stranded", "robots out of battery or failed"),
+    MeasureLine("lost", "lost", "orders held by these robots"),
     MeasureLine("simulated time", "seconds", "s"),
 )
-"""The measures of a shift, see ``FleetMeasures``."""
+"""Measures of a shift in the order of the table, see ``FleetMeasures``."""
 
 
 def result_of(episode: Episode, optimum: bool = False) -> ShiftResult:
-    """Return what is printed and written of a record, with what was possible if so wished."""
+    """Return the results of a record; with ``optimum``, also how many deliveries were possible."""
     possible = [most_deliveries(episode, on_time) for on_time in (False, True)] if optimum else ()
     diagnosis = diagnose_fleet(episode)
     return ShiftResult(episode.seed, episode.measures, diagnosis, episode.orders, possible)
 
 
 def report_shifts(results: Sequence[ShiftResult], robots: int, title: str) -> None:
-    """Print the measures of shifts; several are printed as means with 95% intervals."""
+    """Print the measures of one shift, or the means of several shifts with 95% intervals."""
     measures = [result.measures for result in results]
     print_table(measures_table(measures, title))
     possible = [result.possible for result in results if result.possible]
@@ -96,7 +101,7 @@ def report_shifts(results: Sequence[ShiftResult], robots: int, title: str) -> No
 
 
 def diagnosis(found: Sequence[FleetDiagnosis]) -> str:
-    """Return the diagnosis of a shift, or how often each occurs among several."""
+    """Return the diagnosis of one shift, or how often each failure mode occurs in several."""
     if len(found) == 1:
         return f"{found[0].mode}: {found[0].sentence}"
     modes = Counter(each.mode for each in found)
@@ -119,12 +124,12 @@ def measures_table(measures: Sequence[FleetMeasures], title: str) -> TextTable:
     ]
     header = "value" if len(measures) == 1 else f"mean ({CONFIDENCE:.0%} interval)"
     few = 1 < len(measures) < MIN_VALUES
-    caption = f"Fewer than {MIN_VALUES} episodes have no intervals." if few else ""
+    caption = f"Intervals need at least {MIN_VALUES} episodes." if few else ""
     return TextTable(("measure", header, "unit"), rows, title, caption)
 
 
 def verdict(measures: Sequence[FleetMeasures], robots: int) -> str:
-    """Return what the measures of shifts of some robots say, in a sentence or two."""
+    """Return a summary of the measures of shifts, in one to three sentences."""
     orders, delivered, stranded, blocked, distance = (
         sum(getattr(each, name) for each in measures)
         for name in ("orders", "delivered", "stranded", "blocked_by_robot", "distance")
@@ -136,21 +141,23 @@ def verdict(measures: Sequence[FleetMeasures], robots: int) -> str:
     if blocked:
         parts.append(f"robots blocked each other in {percent(blocked / (blocked + distance))} of "
                      "their moves")  # fmt: skip
-    parts.append(f"{stranded:,} ran empty" if stranded else "none ran empty")
+    parts.append(
+        f"{counted(stranded, 'robot') if stranded else 'no robot'} ran out of battery or failed"
+    )
     hint, lost = "", sum(each.lost for each in measures)
     if stranded:
         hint = " More chargers or a larger --battery would help."
     elif orders - delivered > FEW_WAITING * robots * len(measures):
         hint = " Orders arrive faster than this fleet delivers."
     if lost:
-        hint += f" Orders lost with robots that cannot drive any more: {lost:,}."
+        hint += f" Orders lost with these robots: {lost:,}."
     return f"{'; '.join(parts)}.{hint}"
 
 
 def share_of_possible(
     measures: Sequence[FleetMeasures], possible: Sequence[Sequence[Optimum]]
 ) -> str:
-    """Return in a sentence how much of the possible deliveries of shifts were made."""
+    """Return a sentence that compares the deliveries of shifts with the deliveries possible."""
     delivered = sum(each.delivered for each in measures)
     on_time = sum(round(each.on_time * each.delivered) for each in measures if each.delivered)
     most, shares = list[str](), list[str]()
@@ -159,19 +166,20 @@ def share_of_possible(
         most.append(f"{'' if is_exact else 'at most '}{count:,}")
         shares.append(percent(made / count) if count else "all")
     return (
-        "Robots that never stop each other or charge, and know all orders, could deliver "
-        f"{most[0]}, and {most[1]} on time; these delivered {shares[0]} and {shares[1]} of that."
+        "Robots that never block each other or charge, and know all orders in advance, could "
+        f"deliver {most[0]}, and {most[1]} on time. This fleet delivered {shares[0]} and "
+        f"{shares[1]} of these numbers."
     )
 
 
 def _values(measures: Sequence[FleetMeasures], line: MeasureLine) -> NDArray[np.float64]:
-    """Return a measure of the shifts that have it."""
+    """Return the values of a measure, without the shifts in which it is undefined."""
     values = np.array([value_of(each, line) for each in measures], np.float64)
     return values[~np.isnan(values)]
 
 
 def value_of(measures: FleetMeasures, line: MeasureLine) -> float:
-    """Return a measure of a shift in the unit of its line; a whole number without a factor."""
+    """Return a measure of a shift in the unit of its line."""
     value: float = getattr(measures, line.name)
     return value if line.factor == 1.0 else value * line.factor
 
@@ -184,11 +192,15 @@ def _words(values: NDArray[np.float64]) -> str:
 
 
 def write_shifts(path: Path, results: Sequence[ShiftResult]) -> Path:
-    """Write the orders of shifts, one a line, and return the file of their measures beside it."""
+    """Write the orders of shifts, one per line, and their measures to a second file.
+
+    Returns:
+        the file of the measures, called ``FILE-measures.csv``.
+    """
     fates = ("taken_by", "taken", "delivered", "steps_late")
     lines = ([result.seed, *line] for result in results for line in _orders(result))
     write_csv(path, ["seed", "order", *COLUMNS, *fates], lines)
-    beside = path.with_stem(f"{path.stem}-measures")
+    second = path.with_stem(f"{path.stem}-measures")
     titles = [f"{line.title} ({line.unit})" for line in LINES]
     measures = (
         [
@@ -199,8 +211,8 @@ def write_shifts(path: Path, results: Sequence[ShiftResult]) -> Path:
         ]
         for each in results
     )
-    write_csv(beside, ["seed", *titles, "diagnosis", "sentence"], measures)
-    return beside
+    write_csv(second, ["seed", *titles, "diagnosis", "sentence"], measures)
+    return second
 
 
 def _orders(result: ShiftResult) -> Iterator[list[object]]:

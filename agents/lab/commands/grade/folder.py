@@ -1,6 +1,6 @@
-"""Grade all submissions in a folder: in parallel, and only those that have changed.
+"""Grade the submissions in a folder: in parallel, and only those that have changed.
 
-Each submission has a row in the table, and on request a page and its results as files.
+Each submission has a row in the table of grades, and optionally a page and a file of results.
 """
 
 from __future__ import annotations
@@ -43,7 +43,7 @@ from warehouse_core.wording import counted
 RESULTS, PAGE = ".json", ".html"
 
 INDEX = "index"
-"""Name of the page of a class, which no submission can have."""
+"""Name of the page of a class, which no submission may have."""
 
 
 def grade_folder(
@@ -56,20 +56,22 @@ def grade_folder(
     jobs: int,
     late: Mapping[str, int] | None = None,
 ) -> dict[str, GradeRow]:
-    """Grade the submissions in a folder that have changed, and write the table after each.
+    """Grade the submissions in a folder that have changed, and return the table of grades.
+
+    The table is written after each submission.
 
     Args:
         folder: folder of the submissions.
-        kind: class of the agents, or ``None``.
+        kind: name of the class in each submission; ``None`` for the only one.
         rubric: criteria, cases and limits.
         target: file of the table.
-        pages: folder for the page and the results of each, or ``None``.
+        pages: folder for pages and results, or ``None``.
         user: user that runs agents, see ``Sandbox``.
         jobs: number of processes.
         late: number of days by which each late submission is late, by name.
 
     Returns:
-        the rows of the table, by the names of the submissions.
+        rows of the table, by the names of the submissions.
     """
     from agents.lab.console.progress import progress_bar  # Rich takes long to import
 
@@ -119,9 +121,11 @@ def grade_folder(
 
 def _check_names(folder: Path, names: list[str], late: Collection[str]) -> None:
     if not names:
-        raise GradeError(f"{folder}: there is no submission in it")
+        raise GradeError(f"{folder}: it contains no submissions")
     if INDEX in names:
-        raise GradeError(f"{folder / INDEX}: the page of the class has this name; choose another")
+        raise GradeError(
+            f"{folder / INDEX}: no submission may have the name of the page of the class"
+        )
     for name in late:
         if name not in names:
             raise GradeError(f"{folder}: --late names {name!r}, but there is no such submission")
@@ -137,7 +141,7 @@ def _is_done(each: Submission, before: dict[str, GradeRow], rubric: Rubric, late
 def _grade(
     each: Submission, rubric: Rubric, user: str | None, pages: Path | None, late: int
 ) -> GradeRow:
-    """Grade a submission, in a process of its own."""
+    """Grade a submission, write its page and results, and return its row."""
     report = grade(each, rubric, user, late=late)
     for path in [] if pages is None else _files_of(pages, each):
         write_report(path, report.shown())
@@ -147,7 +151,7 @@ def _grade(
 def _row(future: Future[GradeRow], each: Submission, rubric: Rubric, late: int = 0) -> GradeRow:
     try:
         return future.result()
-    except WorkerError as error:  # an agent has ended the grader
+    except WorkerError as error:  # an agent has ended the process of the grader
         reason = f"it ended the grader: {error}"
     except AgentError as error:  # an archive that cannot be unpacked
         reason = str(error)
@@ -159,18 +163,19 @@ def _best_first(rows: Mapping[str, GradeRow]) -> list[GradeRow]:
 
 
 def _print_grades(rows: dict[str, GradeRow], rubric: Rubric) -> None:
-    """Print the points of each submission, the best first, why some have none, and a summary.
+    """Print the points of all submissions, reasons for no points, and a summary.
 
-    Columns have the numbers of criteria, whose names would make the table wider than a terminal.
+    The best submissions come first. Columns are headed by the numbers of the criteria, because
+    their names would make the table wider than a terminal.
     """
     names = [criterion.name for criterion in rubric.criteria]
     columns = [NAME, POINTS, *(f"{number}" for number in range(1, len(names) + 1))]
     ordered = _best_first(rows)
     lines = [tuple(row[column] for column in (NAME, POINTS, *names)) for row in ordered]
-    title = f"{rubric.title}: {counted(len(rows), 'submission')}, points of {rubric.points:g}"
+    title = f"{rubric.title}: {counted(len(rows), 'submission')}, up to {rubric.points:g} points"
     print_table(TextTable(tuple(columns), lines, title))
     for number, criterion in enumerate(rubric.criteria, 1):
-        say(f"{number:>3}  {criterion.name}, of {criterion.points:g}")
+        say(f"{number:>3}  {criterion.name}, up to {criterion.points:g} points")
     for row in ordered:
         if row[FAILURE]:
             say(f"{row[NAME]}: {row[FAILURE]}")
@@ -179,9 +184,10 @@ def _print_grades(rows: dict[str, GradeRow], rubric: Rubric) -> None:
 
 
 def write_report(path: Path, report: GradeReport) -> None:
-    """Write a report by the suffix of the file; the file is complete or not there.
+    """Write a report as a page or as results, depending on the suffix of the file.
 
-    On a page the words of the agent are escaped text. It is one file with all that it needs.
+    After an error there is no incomplete file. A page needs no other files, and the words of the
+    agent are escaped on it.
     """
     if path.suffix.lower() == PAGE:
         _write_page(path, report)
@@ -206,12 +212,12 @@ def _write_page(path: Path, report: GradeReport) -> None:
 
 
 def _files_of(pages: Path, submission: Submission) -> list[Path]:
-    """Return the page and the results of a submission."""
+    """Return the files for the page and the results of a submission."""
     return [pages / f"{submission.name}{suffix}" for suffix in (PAGE, RESULTS)]
 
 
 def _write_index(pages: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> Path:
-    """Write the page of a class, and return it; it is for who grades, and not for students."""
+    """Write the page of a class, which is for graders, and return its file."""
     from agents.lab.reports.page import write_template
 
     lines = [
@@ -226,5 +232,5 @@ def _write_index(pages: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> P
 
 
 def _link(pages: Path, name: str) -> str:
-    """Return the address of the page of a submission, or "" if there is none."""
+    """Return the link to the page of a submission, or "" if there is no page."""
     return f"./{quote(f'{name}{PAGE}')}" if (pages / f"{name}{PAGE}").exists() else ""

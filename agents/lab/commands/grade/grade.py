@@ -1,4 +1,4 @@
-"""The command ``warehouse grade``: agents on a rubric."""
+"""The command ``warehouse grade``: agents and classes, graded with a rubric."""
 
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ from warehouse_core.files.reading import read_file
 TABLE = ".csv"
 
 CODE, ASKED, ARCHIVE = ".py", ".toml", ".zip"
-"""Suffixes of what can be written for a rubric: its starting file, itself, and an autograder."""
+"""Suffixes of the files written for a rubric: starting file, rubric and autograder."""
 
 
 def grade(
@@ -36,9 +36,9 @@ def grade(
         str,
         typer.Argument(
             metavar="AGENT",
-            help="file.py:Class, or a folder of submissions: .py and .ipynb files, and folders and "
-            ".zip files with one (or with agent.py). Without :Class the only class that has reset "
-            "and act.",
+            help="Agent as file.py:Class, or a folder of submissions: .py and .ipynb files, and "
+            "folders and .zip files with one such file or with agent.py. Default for :Class: the "
+            "only class with reset and act.",
             show_default=False,
         ),
     ] = "",
@@ -46,8 +46,8 @@ def grade(
         Path,
         option(
             "--rubric NAME|FILE",
-            "What is asked: an exercise such as exercise-07, or a .toml file. Default: the "
-            "mini-lab.",
+            "Rubric: the name of an exercise, such as exercise-07, or a .toml file. Default: the "
+            "rubric of the mini-lab.",
             show_default=False,
         ),
     ] = MINI_LAB,
@@ -55,40 +55,39 @@ def grade(
         Path | None,
         option(
             "--pages FOLDER",
-            "Folder to write the page and the results of each submission to, and a page of the "
-            "class.",
+            "Save a page for each submission, its results, and a page of the class to this folder.",
         ),
     ] = None,
     late: Annotated[
         Path | None,
         option(
             "--late FILE",
-            "Deduct points for late work: a .csv file with the columns submission and days. The "
-            "table [late] of the rubric has the points for each day.",
+            "Deduct points for late work, listed in a .csv file with the columns submission and "
+            "days. The table [late] of the rubric has the points for each day.",
         ),
     ] = None,
     moodle: Annotated[
         Path | None,
-        option("--moodle FILE", "Save grades for Moodle, as .csv.", callback=writable(TABLE)),
+        option("--moodle FILE", "Save the grades for Moodle as .csv.", callback=writable(TABLE)),
     ] = None,
     canvas: Annotated[
         Path | None,
-        option("--canvas FILE", "Save grades for Canvas, as .csv.", callback=writable(TABLE)),
+        option("--canvas FILE", "Save the grades for Canvas as .csv.", callback=writable(TABLE)),
     ] = None,
     user: Annotated[
         str | None,
         option(
             "--user NAME",
-            "Run agents as this user, such as nobody; only root may. It must be able to read "
-            "their files.",
+            "Run agents as this user, such as nobody. Needs root. The user must be able to read "
+            "the agents' files.",
         ),
     ] = None,
     trust: Annotated[
         bool,
         option(
             "--trust",
-            "Grade agents that do no harm as root, or where the system does not keep them from "
-            "the files of others.",
+            "Run agents that you trust, even as root or on a system that cannot keep them from the "
+            "files of others.",
         ),
     ] = False,
     jobs: options.Jobs = None,
@@ -96,8 +95,8 @@ def grade(
         Path | None,
         option(
             "--write FILE",
-            "Write what a class needs for the rubric, and grade nothing: the starting file of "
-            "students as .py, the rubric itself as .toml, or an autograder for Gradescope as .zip.",
+            "Write a file for a class and grade nothing: the starting file for students as .py, "
+            "the rubric as .toml, or an autograder for Gradescope as .zip.",
             callback=writable(CODE, ASKED, ARCHIVE),
         ),
     ] = None,
@@ -106,26 +105,28 @@ def grade(
         list[Path],
         option(
             "--save -o FILE",
-            f"{options.SAVE} The report as .html, or for Gradescope as .json; may be repeated. "
-            "The grades of a folder as .csv. Default: none, and grades.csv of a folder.",
+            f"{options.SAVE} The report of an agent is saved as .html, or for Gradescope as .json, "
+            f"and the grades of a folder as .csv. {options.MAY_BE_REPEATED} Default: none for an "
+            "agent, grades.csv for a folder.",
             callback=writable(RESULTS, PAGE, TABLE),
             **MANY,
         ),
     ],
 ) -> None:
-    """Grade agents on a rubric.
+    """Grade an agent or a class with a rubric.
 
-    Prints the points of each criterion, what was asked and seen, and the
-    command that replays the worst episode. Of a folder each submission is
-    graded; run the same command again to resume, and what has not changed is
-    not graded again.
+    For an agent, the command prints the points for each criterion, the
+    requirement, the result, and a command that replays the worst episode. For
+    a folder, it grades each submission. If you run the same command again, it
+    continues after an interruption, and grades only what has changed.
 
-    The agent runs in a new process for each episode, which gets observations
-    and no more, with limits on time and memory. What it prints is discarded.
-    On Linux 6.2 or later an agent can read its own files and Python's, write
-    none, and has no threads, other processes or network; what holds here is
-    printed first. Where the system does not keep agents from the files of
-    others, a folder of them needs --user or --trust. Root always does.
+    Each episode runs in a new process with limits on time and memory, which
+    receives only observations. What an agent prints is discarded. On Linux
+    6.2 or later, an agent can read only its own files and Python's, write no
+    files, and use no threads, other processes or network. The first line of
+    the output says which of these rules your system enforces. If agents could
+    read the files of others, a folder needs --user or --trust. Root always
+    needs one of them.
 
     Example: warehouse grade my_agent.py:Agent --save results.json
     """
@@ -158,7 +159,9 @@ def grade(
         "--pages": pages, "--late": late, "--moodle": moodle, "--canvas": canvas,
     }.items():  # fmt: skip
         if value is not None:
-            raise typer.BadParameter(f"{name} needs a folder of submissions; {agent!r} is none")
+            raise typer.BadParameter(
+                f"{name} needs a folder of submissions; {agent!r} is not a folder"
+            )
     for path in save:
         check_suffix(path, [RESULTS, PAGE])
     from agents.lab.console.progress import progress_bar  # Rich takes long to import
@@ -176,7 +179,7 @@ def grade(
 
 
 def _folder_in(agent: str) -> tuple[Path | None, str | None]:
-    """Return the folder that an argument names, or ``None``, and the class of its agents."""
+    """Return the folder in an argument and the class of its agents, each ``None`` if missing."""
     if Path(agent).is_dir():
         return Path(agent), None
     source, _, kind = agent.rpartition(":")
@@ -184,9 +187,10 @@ def _folder_in(agent: str) -> tuple[Path | None, str | None]:
 
 
 def write_for_class(rubric: Rubric, target: Path) -> None:
-    """Write the starting file of a rubric, the rubric, or an autograder, by the suffix of the file.
+    """Write the starting file of a rubric, the rubric, or an autograder, depending on the suffix.
 
-    An autograder is written over; other files, in which somebody may have worked, are not.
+    An existing autograder is overwritten. Other existing files are not, because somebody may have
+    edited them.
     """
     suffix = target.suffix.lower()
     if suffix == ARCHIVE:
@@ -195,20 +199,20 @@ def write_for_class(rubric: Rubric, target: Path) -> None:
         return
     source, shown = rubric.starter if suffix == CODE else rubric.file, shlex.quote(str(target))
     if not source.exists():
-        raise GradeError(f"{rubric.file}: it has no starting file {source.name} beside it")
+        raise GradeError(f"{rubric.file}: there is no starting file {source.name} next to it")
     text = read_file(source, MAX_SOURCE)
     if target.exists() and read_file(target, MAX_SOURCE) != text:
-        raise GradeError(f"{target}: it exists, and is not written over; choose another name")
+        raise GradeError(f"{target}: it exists and is not overwritten; choose another name")
     with atomic_path(target) as part:
         part.write_bytes(text)
     name = shlex.quote(rubric.shown_name)
     asked = "" if rubric.file == MINI_LAB else f" --rubric {name}"
     words = f"{shown}{asked}" if suffix == CODE else f"my_agent.py --rubric {shown}"
-    say(f"saved {target}; to grade {'it' if suffix == CODE else 'by it'}: warehouse grade {words}")
+    say(f"saved {target}; to {'grade' if suffix == CODE else 'use'} it: warehouse grade {words}")
 
 
 def print_report(report: GradeReport) -> None:
-    """Print a report."""
+    """Print the report of an agent."""
     say(f"{report.title}: {report.agent}", bold=True)
     for remark in report.remarks:
         say(remark)
@@ -216,5 +220,5 @@ def print_report(report: GradeReport) -> None:
         criterion = grade.criterion
         say(f"\n{grade.points:g} of {criterion.points:g}  {criterion.name}", bold=True)
         for name, text in grade.lines:
-            say(f"    {name:7} {text}")
+            say(f"    {name:8} {text}")
     say(f"\n{report.points:g} of {report.max_points:g} points", bold=True)

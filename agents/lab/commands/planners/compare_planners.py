@@ -167,7 +167,7 @@ def run_all(
         f"Goals reached in a step: layout {layout or KIVA}, {counted(steps, 'step')}, "
         f"{counted(episodes, 'seed')} from 0"
     )
-    few = f"Fewer than {MIN_VALUES} episodes have no intervals." if episodes < MIN_VALUES else ""
+    few = f"Intervals need at least {MIN_VALUES} episodes." if episodes < MIN_VALUES else ""
     return PlannerTrials(
         outcomes, range(episodes), "seed", rates, cells, "goals reached in a step", title, few
     )

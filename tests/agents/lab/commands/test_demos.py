@@ -54,7 +54,7 @@ def test_robots_push_each_other_only_to_cells_beside_them():
 
 def test_lanes_deliver_much_more_on_the_crowded_floor():
     picture = DEMOS["lanes"]()
-    without, with_lanes, gain = re.findall(r"[\d,]+(?= del| with:)|[+-]\d+%", picture.said)
+    without, with_lanes, gain = re.findall(r"[\d,]+(?= del| with lanes:)|[+-]\d+%", picture.result)
     assert int(with_lanes.replace(",", "")) > 1.4 * int(without.replace(",", ""))
     assert gain.startswith("+")
     texts = [text.get_text() for text in picture.draw().texts]

@@ -86,7 +86,7 @@ def test_orders_come_from_a_file(warehouse: Warehouse) -> None:
 def test_several_shifts_have_means_and_the_first_is_saved(warehouse: Warehouse) -> None:
     out = warehouse(*SMALL, "-n", 2, "--save", "shift.npz").out
     assert "seeds 5 to 6" in out
-    assert "Fewer than 20 episodes have no intervals." in out
+    assert "Intervals need at least 20 episodes." in out
     assert FleetEpisode.load("shift.npz").seed == 5
     distances = []
     for seed in (5, 6):
@@ -101,10 +101,10 @@ def test_shifts_are_compared_with_what_was_possible(warehouse: Warehouse) -> Non
     done = warehouse(*SMALL, "-n", 2, "--orders", "orders.csv", "--optimum")
     assert done.code == 0
     told = " ".join(done.out.split())
-    assert "could deliver 4, and 2 on time; these delivered 25% and 50% of that." in told
+    assert "could deliver 4, and 2 on time. This fleet delivered 25% and 50% of these" in told
     many = [(Optimum(5, True), Optimum(4, True)), (Optimum(15, False), Optimum(0, True))]
     told = share_of_possible([measured(delivered=8), measured(delivered=2)], many)
-    assert "at most 20, and 4 on time; these delivered 50% and 125% of that" in told
+    assert "at most 20, and 4 on time. This fleet delivered 50% and 125% of these" in told
     assert "Robots that never" not in warehouse(*SMALL).out
 
 
@@ -129,7 +129,7 @@ def test_orders_and_measures_of_all_shifts_are_written_as_tables(warehouse: Ware
     first = measures[0]
     assert float(first["mean lateness (steps)"]) == pytest.approx(sum(late) / len(late))
     assert first["distance (cells)"] == str(episode.measures.distance)
-    assert float(first["energy a delivery (kJ)"]) == pytest.approx(
+    assert float(first["energy per delivery (kJ)"]) == pytest.approx(
         episode.measures.joules_per_delivery / 1000
     )
     assert float(first["on time (% of deliveries)"]) == 100 * episode.measures.on_time
@@ -162,13 +162,15 @@ def test_the_verdict_and_the_diagnosis_say_what_went_wrong() -> None:
     assert (diagnosis(why[:1]), diagnosis(why)) == ("late: why", "late (2), stranded (1)")
     assert verdict([measured()], 8) == (
         "18 of 20 orders delivered, 50% of them on time; robots blocked each other in 5% of their "
-        "moves; none ran empty."
+        "moves; no robot ran out of battery or failed."
     )
     assert "faster than this fleet delivers" not in verdict([measured(orders=34)], 8)
     assert "faster than this fleet delivers" in verdict([measured(orders=35)], 8)
-    assert "1 ran empty. More chargers" in verdict([measured(orders=35, stranded=1)], 8)
+    assert "1 robot ran out of battery or failed. More chargers" in verdict(
+        [measured(orders=35, stranded=1)], 8
+    )
     nothing = measured(orders=1, delivered=0, on_time=nan, blocked_by_robot=0)
-    assert verdict([nothing], 8) == "0 of 1 order delivered; none ran empty."
+    assert verdict([nothing], 8) == "0 of 1 order delivered; no robot ran out of battery or failed."
     half = [measured(delivered=2, on_time=1.0), measured(delivered=0, on_time=nan)]
     assert "2 of 40 orders delivered, 100% of them on time" in verdict(half, 20)
 
@@ -229,7 +231,7 @@ def test_robots_with_headings_need_a_planner_that_knows_them(warehouse: Warehous
     assert episode.measures.blocked_by_robot == 0
     assert {1, 2} < {*episode.actions.ravel().tolist()}
     assert warehouse(*turning).err == (
-        "warehouse: --moves turn needs a planner that knows headings; add --planner windowed\n"
+        "warehouse: --moves turn needs a planner for robots with headings; add --planner windowed\n"
     )
     for episodes in (1, 2):
         saved = "--save", "b.npz", "--save", "b.csv", "-n", episodes
@@ -255,7 +257,7 @@ def test_a_fleet_that_will_run_empty_is_warned_of_once(warehouse: Warehouse) -> 
         "20 of 60 steps: robots will stop in the way of others"
     )
     assert done.err.count("\n") == 1
-    hint = "6 ran empty. More chargers or a larger --battery would help."
+    hint = "6 robots ran out of battery or failed. More chargers or a larger --battery would help."
     assert hint in " ".join(done.out.split())
 
 

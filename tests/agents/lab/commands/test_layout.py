@@ -89,7 +89,7 @@ def test_check_names_what_is_wrong_with_a_layout(refused: Refused, rows: str, me
         ("random:height=x", 1, "random has 'height=x'; it must be NAME=NUMBER; allowed: height, "),
         ("shelves:length=1,size=2", 1, "shelves has 'size=2'; it must be NAME=NUMBER"),
         ("tower:3", 1, "no layout is called 'tower:3'; allowed: default, corridor, "),
-        ("trap maze -o a.txt", 2, "--save takes one layout"),
+        ("trap maze -o a.txt", 2, "--save needs exactly one layout"),
     ],
 )
 def test_what_is_no_layout_is_refused(

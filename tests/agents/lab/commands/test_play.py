@@ -46,7 +46,7 @@ def no_windows_left() -> object:
 def test_the_first_frame_explains_the_keys(driver: KeyDriver) -> None:
     words = words_in(driver.figure)
     assert "step 0 of 8" in words
-    assert any(text.startswith("arrows or NESW move, P picks, D drops") for text in words)
+    assert any(text.startswith("Arrows or NESW move, P picks, D drops") for text in words)
     assert f"You on the grid backend, seed {SEED}" in words
 
 

@@ -116,7 +116,7 @@ def test_the_files_are_written_and_reported(
     assert lines[0].endswith(",5.0"), "every episode ends after 5 steps"
     assert Path("x.png").read_text() == "Waiting: Learning to deliver: Waiting, seed 7"
     assert [point.steps for point in curves[0]] == [500, 1020]
-    assert "4 random starts, the same for each" in out
+    assert "The same 4 random starts for all" in out
     assert re.search(r"Waiting +. +greedy", out)
     assert re.search(r"delivered +. +0.0%", out)
 
@@ -174,7 +174,7 @@ def test_the_table_also_compares_on_the_starts_where_all_deliver() -> None:
     assert table.rows == [
         ("delivered", "75.0%", "75.0%"),
         ("steps to deliver", "20.00", "44.00"),
-        ("  where all deliver", "20.00", "26.00"),
+        ("  if all deliver", "20.00", "26.00"),
     ]
     [_, (_, none), _] = comparison_table({"none": scores(200)}).rows
     assert none == "none"
@@ -187,7 +187,7 @@ def test_a_table_is_trained_and_run(warehouse: Warehouse) -> None:
     result = warehouse(*WORDS, "--steps", 10_000)
     assert (result.code, result.err) == (0, "")
     assert result.out.splitlines()[1:3] == ["saved q.npz", "saved q.png"]
-    assert "delivered           │     100.0% │" in result.out
+    assert "delivered        │     100.0% │" in result.out
     with Image.open("q.png") as picture:
         assert picture.width > 900
     run = ("run", "--agent", "q:q.npz", "--layout", "room.txt", "--seed", 3, "--no-show")
@@ -234,7 +234,7 @@ def test_a_checkpoint_is_of_the_same_training_and_whole(
 ) -> None:
     words = ("train", "q", "--steps", 300, "--max-steps", 30, "-o", "a.npz")
     begun = warehouse(*words, "--resume")
-    assert begun.err == "a.checkpoint does not exist; the training begins\n"
+    assert begun.err == "a.checkpoint does not exist; the training starts from the beginning\n"
     path = Path("a.checkpoint")
     assert "seed was 1 and is 2 now" in refused(*words, "--seed", 2, "--resume")
     assert "layout was " in refused(*words, "--layout", "room.txt", "--resume")
@@ -261,8 +261,10 @@ def test_a_missing_library_is_one_line_with_the_command_that_installs_it(
 ) -> None:
     without(monkeypatch, "torch")
     assert refused("train", "ppo") == (
-        "training by PPO needs torch, which is not installed: pip install "
+        "training with PPO needs torch, which is not installed: pip install "
         "'sb3-contrib>=2.4' 'stable-baselines3>=2.4'"
     )
-    assert refused("train", "clone").startswith("imitation needs torch, which is not installed")
+    assert refused("train", "clone").startswith(
+        "training by imitation needs torch, which is not installed"
+    )
     assert not [*Path().glob("ppo*"), *Path().glob("clone*")]

@@ -56,7 +56,7 @@ def test_stations_of_a_file_are_kept_unless_it_has_none(
         ("P..", None, None, "there is no dropoff D; add one, or use --stations drawn"),
         ("..D", None, None, "there is no pickup P; add one, or use --stations drawn"),
         ("...", KEPT, None, "there is no pickup P; "),
-        ("P.D", DRAWN, None, "allowed: two or more, and there are 1"),
+        ("P.D", DRAWN, None, "it has 1 empty cell; random stations need two"),
         ("P.D#", None, "0,3", "--start row 0, column 3 is wall"),
         ("P.D", None, "1,0", "--start row 1, column 0 is off the grid"),
     ],

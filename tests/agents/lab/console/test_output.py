@@ -12,9 +12,9 @@ from agents.lab.console import output
 from agents.lab.console.output import replay_or_save
 from warehouse_core.viz.tracks.track import Track
 
-NO_DISPLAY = "there is no display to open a window on"
+NO_DISPLAY = "there is no display for a window"
 KEYS = "space pauses, left and right step, q closes the window"
-TO_FILE = f"{NO_DISPLAY}, so the replay goes to a file"
+TO_FILE = f"{NO_DISPLAY}, so the replay is saved to a file"
 
 
 @pytest.fixture(autouse=True)

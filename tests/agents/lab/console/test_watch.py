@@ -30,6 +30,6 @@ def test_each_step_that_takes_long_is_reported_once_with_its_line(
     assert run_episode("slow", seed=1, max_steps=5).steps == 5
     assert capsys.readouterr().err.splitlines() == [
         f"warehouse: step {step}, agent slow takes more than 0.05 s (test_watch.py, line {line}); "
-        "Ctrl-C ends it"
+        "Ctrl-C stops it"
         for step in (2, 4)
     ]

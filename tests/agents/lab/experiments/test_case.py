@@ -138,7 +138,7 @@ def test_the_stations_of_a_layout_file_are_kept_if_it_has_any(
     [
         ("P..", {}, "there is no dropoff D; add one, or use stations=drawn"),
         ("...", {"stations": "kept"}, "there is no pickup P; add one, or use stations=drawn"),
-        ("P.D", {"stations": "drawn"}, "drawn from the empty cells; allowed: two or more, and the"),
+        ("P.D", {"stations": "drawn"}, "it has 1 empty cell; random stations need two or more"),
     ],
 )
 def test_a_missing_station_is_an_error_before_the_sweep(

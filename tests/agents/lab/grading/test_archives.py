@@ -44,14 +44,14 @@ BAD: dict[str, Write] = {
     r"'a\\\\b' is a path out": lambda archive: archive.writestr("a\\b", ""),
     "'C:b' is a path out": lambda archive: archive.writestr("C:b", ""),
     "'special.py' is a link": lambda archive: archive.writestr(special(stat.S_IFLNK), "/etc"),
-    "special.py' is a link, or no file": lambda archive: archive.writestr(
+    "special.py' is a link or a special file": lambda archive: archive.writestr(
         special(stat.S_IFIFO), ""
     ),
     "a path has more than 512 bytes": lambda archive: archive.writestr("a/" * 300, ""),
-    "'a' is in it twice": lambda archive: [archive.writestr("a", "") for _ in range(2)],
+    "'a' is in the archive twice": lambda archive: [archive.writestr("a", "") for _ in range(2)],
     "more than 3 files or 1 MiB": lambda archive: [archive.writestr(n, "") for n in "abcd"],
     "3 files or 1 MiB": lambda archive: archive.writestr("zeros", bytes(1024**2 + 1)),
-    "its index is of more than 3 files": lambda archive: [
+    "its index has more than 3 files": lambda archive: [
         archive.writestr(str(n), "") for n in range(7)
     ],
     "by a method that is not supported": lambda archive: archive.writestr("a", "", ZIP_LZMA),
@@ -101,9 +101,9 @@ def test_what_is_no_archive_or_has_a_large_index_is_refused_before_it_is_read(
     encrypted = bytearray(data)
     encrypted[data.index(b"PK\1\2") + 8] |= 1
     for text, reason in (
-        (b"", "it is no ZIP archive"), (b"PK", "it is no ZIP archive"), (data[:-4], "unpack"),
-        (large, "its index is of more"), (encrypted, "'a' is encrypted"),
-        (data[:-22] + b"PK\6\7".ljust(20, b"\0") + data[-22:], "its index is of more"),
+        (b"", "it is not a ZIP archive"), (b"PK", "it is not a ZIP archive"), (data[:-4], "unpack"),
+        (large, "its index has more"), (encrypted, "'a' is encrypted"),
+        (data[:-22] + b"PK\6\7".ljust(20, b"\0") + data[-22:], "its index has more"),
     ):  # fmt: skip
         path.write_bytes(text)
         with pytest.raises(AgentError, match=reason):

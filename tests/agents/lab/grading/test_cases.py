@@ -93,7 +93,7 @@ def test_of_hidden_calls_neither_arguments_nor_answers_are_told(tmp_path: Path) 
     assert report.grades[1].worst == "wrong (a hidden call)"
     crash = graded(tmp_path, "def TABLE(*values): raise ValueError(values)\n")
     assert crash.grades[1].worst == "fails: ValueError (a hidden call)"
-    assert "there is no function and no dictionary answer" in crash.grades[0].worst
+    assert "there is neither a function nor a dictionary answer" in crash.grades[0].worst
 
 
 @pytest.mark.parametrize(

@@ -21,7 +21,7 @@ HIDDEN = GradedCase("hidden", max_steps=60, visible=False)
 
 GOOD = Run(OPEN, 1, 20, True, 20, 0, 0, "delivered", "It delivered.", slowest=0.1, agent="Agent")
 LOST = GOOD._replace(delivered=False, steps=60, mode="oscillation", sentence="It went to and fro.")
-CALM = LOST._replace(case=SHUT, needed=None, mode="unreachable", sentence="There is no way.")
+CALM = LOST._replace(case=SHUT, needed=None, mode="unreachable", sentence="No path exists.")
 CRASH = AgentFailureError(FAILS, "ValueError: 3", "ValueError")
 
 
@@ -51,7 +51,7 @@ def failed(run: Run, step: int, failure: AgentFailureError = CRASH) -> Run:
         (on("delivered", 1, 0), [GOOD, LOST, GOOD, failed(LOST, 7)],
          5, "50% of 4 episodes: 2 delivered, 1 fails and 1 oscillation",
          (4, "fails at step 7: ValueError: 3")),
-        # Other cases, and episodes without a way, do not count.
+        # Other cases, and episodes without a path, do not count.
         (on("delivered", 1, 0),
          [GOOD, CALM, LOST._replace(case=SHUT), LOST._replace(needed=None)],
          10, "100% of 1 episode: 1 delivered", None),
@@ -70,7 +70,7 @@ def failed(run: Run, step: int, failure: AgentFailureError = CRASH) -> Run:
         (on("calm_without_way", 1, 0, "shut"),
          [CALM._replace(useless=10), CALM._replace(useless=11), CALM._replace(useless=12)],
          3.33, "33% of 3 episodes: 0 failures, at most 12 useless actions in an episode",
-         (3, "unreachable: There is no way.; 12 useless actions")),
+         (3, "unreachable: No path exists.; 12 useless actions")),
         (on("calm_without_way", 1, 0, "shut"), [CALM._replace(useless=60), failed(CALM, 1), CALM],
          3.33, "33% of 3 episodes: 1 failure, at most 60 useless actions in an episode",
          (2, "fails at step 1: ValueError: 3")),
@@ -89,7 +89,7 @@ def failed(run: Run, step: int, failure: AgentFailureError = CRASH) -> Run:
         # An episode in which no path exists counts too.
         (on("reward", 8, 4), [GOOD._replace(reward=12.0), CALM._replace(case=OPEN, reward=-1.0)],
          3.75, "5.50 in 2 episodes: 1 delivered and 1 unreachable",
-         (2, "unreachable: There is no way.")),
+         (2, "unreachable: No path exists.")),
         # One that failed is the worst, however much it has.
         (on("reward", 8, 4), [LOST._replace(reward=-20.0), failed(LOST._replace(reward=9.0), 2)],
          0, "-5.50 in 2 episodes: 1 fails and 1 oscillation",

@@ -18,7 +18,7 @@ from agents.lab.grading.rubric import (
 )
 from agents.lab.grading.sandbox import ENDS, FAILS, LOAD, SLOW, SameProcess
 from agents.lab.grading.submissions import Submission, find_submission
-from agents.lab.grading.walls import FILES, held
+from agents.lab.grading.walls import FILES, enforced
 
 NAMES = exercise_names()
 
@@ -78,7 +78,7 @@ def test_a_robot_that_does_not_charge_is_not_enough_where_it_has_to(tmp_path: Pa
 def test_neither_our_agents_nor_our_solutions_are_answers(tmp_path: Path) -> None:
     ours = "from agents import ExploringAgent\nclass Mine(ExploringAgent): pass\n"
     copied = f"exec(open({str(SOLUTIONS / 'exercise-13.py')!r}).read())\n"
-    for source in (ours, copied) if FILES in held() else (ours,):
+    for source in (ours, copied) if FILES in enforced() else (ours,):
         report = grade(written(source, tmp_path), load("exercise-13"))
         assert report.points == 0
         assert report.failure.startswith("cannot be loaded: ")

@@ -118,10 +118,11 @@ def test_students_are_found_by_the_numbers_in_names_or_by_names(tmp_path: Path) 
 def test_a_class_is_summarised(tmp_path: Path) -> None:
     rubric = load_rubric(write_rubric(tmp_path))
     none = failed_row("none", "no file", rubric)
-    half = none | {POINTS: "49.5", "delivers": "30", "no way": "20"}
+    half = none | {POINTS: "49.5", "delivers": "30", "stays calm": "20"}
     full = none | {each.name: f"{each.points:g}" for each in rubric.criteria} | {POINTS: "100"}
     assert summary_of([none, half, full], rubric) == [
-        "mean 49.8, median 49.5; 1 have all points, 1 none",
-        "most miss 'protocol': 2 of 3 lack points of it, and the mean has 33%",
+        "mean 49.8, median 49.5; all points: 1, no points: 1",
+        "most often missed: 'protocol' (2 of 3 submissions lack points; 33% of the points on "
+        "average)",
     ]
-    assert summary_of([full], rubric) == ["mean 100.0, median 100; 1 have all points, 0 none"]
+    assert summary_of([full], rubric) == ["mean 100.0, median 100; all points: 1, no points: 0"]

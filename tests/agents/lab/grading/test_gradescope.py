@@ -77,13 +77,13 @@ def test_submissions_have_results_whatever_happens(root: Path) -> None:
     assert "no points: 10 of 10 episodes failed" in results(root)["output"]
     submit(root, notes_txt="")
     found = results(root)
-    said = "It cannot be graded: it has no .py, .ipynb or .zip file"
+    said = "This submission cannot be graded: it has no .py, .ipynb or .zip file"
     assert (found["score"], found["output"]) == (0, said)
     assert results(root, "/bin/false")["output"] == ENDED
     rubric = root / "source" / "rubric.toml"
     text = rubric.read_text()
     rubric.write_text("[")
-    assert results(root)["output"].startswith("It cannot be graded: ")
+    assert results(root)["output"].startswith("This submission cannot be graded: ")
     rubric.write_text(text)
 
 
@@ -104,11 +104,11 @@ def test_a_day_that_has_begun_is_late(tmp_path: Path, text: str, days: int) -> N
     assert days_late(tmp_path / "none") == 0
 
 
-def test_a_layout_that_is_not_beside_the_rubric_is_refused(tmp_path: Path) -> None:
+def test_a_layout_that_is_not_next_to_the_rubric_is_refused(tmp_path: Path) -> None:
     (tmp_path / "hall.txt").write_text("P...D\n")
     (tmp_path / "inner").mkdir()
     text = RUBRIC.replace('layout = "trap"', 'layout = "../hall.txt"')
     rubric = load_rubric(write_rubric(tmp_path / "inner", text))
-    with pytest.raises(GradeError, match="has to be beside its rubric"):
+    with pytest.raises(GradeError, match="must be in the folder of the rubric"):
         write_autograder(tmp_path / "a.zip", rubric)
     assert not (tmp_path / "a.zip").exists()

@@ -51,5 +51,5 @@ def test_errors_name_the_cell_and_its_line(tmp_path: Path) -> None:
 
 @pytest.mark.parametrize("text", ["", "[]", '{"cells": 1}', '{"cells": [1]}', "[" * 100_000])
 def test_what_is_no_notebook_is_refused(tmp_path: Path, text: str) -> None:
-    with pytest.raises(ValueError, match="no notebook"):
+    with pytest.raises(ValueError, match="not a notebook"):
         module_of(tmp_path, text)

@@ -25,7 +25,7 @@ LINE = 1 + RUBRIC.splitlines().index("[cases.chapter]")
         ("memory_mb = 512", f"memory_mb = {'9' * 1900}", "line 8: memory_mb is 99999"),
         ("memory_mb = 512", f"memory_mb = 0x{'f' * 1900}", "line 8: memory_mb is 67292"),
         ("[limits]", "a" + ".a" * 10 + " = 1", "line 4 has a key of more than MAX_DEPTH = 10"),
-        ("[limits]", "[limits", "it is no TOML: Expected ']' at the end of a table declaration"),
+        ("[limits]", "[limits", "it is not TOML: Expected ']' at the end of a table declaration"),
         ("[limits]", "[limit]", "there is no key 'limit'; allowed: title, limits"),
         ('title = "A short rubric"', "title = 1", "line 2: title is 1; allowed: a name of at"),
         ("memory_mb = 512", "memory = 512", "line 8: there is no key 'memory' in [limits]"),
@@ -37,7 +37,7 @@ LINE = 1 + RUBRIC.splitlines().index("[cases.chapter]")
         ('layout = "trap"', 'layout = "tra"', "layout: no layout is called 'tra'"),
         ('measure = "protocol"', 'measure = "x"', "measure is 'x'; allowed: delivered, steps_of_"),
         ('cases = ["closed"]', 'cases = ["open"]', "cases has 'open'; allowed: chapter, loops"),
-        ('name = "no way"', 'name = "delivers"', "name is 'delivers', which an earlier one has"),
+        ('name = "stays calm"', 'name = "delivers"', "name is 'delivers', which an earlier"),
         ("points = 20\n", "", "criterion 2 has no points; needed: name, points, measure, cases"),
         ("full = 1.5", "full = 4", "full is 4 and zero 3; for this measure full must be below"),
         ('needs = "delivers"', 'needs = "fewest"', "needs is 'fewest'; allowed: delivers"),
@@ -68,7 +68,9 @@ def test_a_rubric_that_is_too_long_or_no_file_is_refused(tmp_path: Path) -> None
 
 def test_a_criterion_without_any_episode_is_refused(tmp_path: Path) -> None:
     rubric = RUBRIC.replace('cases = ["closed"]', 'cases = ["loops"]')
-    with pytest.raises(GradeError, match="'no way': none of its cases has an episode without a"):
+    with pytest.raises(
+        GradeError, match="'stays calm': none of its cases has an episode in which delivery is imp"
+    ):
         grade(find_submission("reflex"), load_rubric(write_rubric(tmp_path, rubric)))
 
 

@@ -199,7 +199,7 @@ def test_a_wall_stands_where_the_kernel_has_what_it_is_made_of(
     monkeypatch.setattr(walls, "_libc", lambda: kernel)
     monkeypatch.setattr("sys.platform", platform)
     monkeypatch.setattr("platform.machine", lambda: machine)
-    assert walls.held() == held
+    assert walls.enforced() == held
 
 
 def test_no_process_gets_new_privileges_behind_a_wall(monkeypatch: pytest.MonkeyPatch) -> None:

@@ -87,7 +87,7 @@ def test_files_come_from_a_server_and_only_if_they_are_missing(
 @pytest.mark.parametrize(
     ("damage", "message"),
     [
-        (lambda path: path.write_bytes(b"other"), r"numpy.whl in .* is not of Pyodide \d"),
+        (lambda path: path.write_bytes(b"other"), r"numpy.whl in .* does not belong to Pyodide \d"),
         (lambda path: path.unlink(), "numpy.whl cannot be read from .*No such file"),
     ],
 )

@@ -58,7 +58,7 @@ def test_an_episode_is_that_of_warehouse_run(
     expected = Episode.load(saved)
     assert steps == [1, 2]
     assert (answer["steps"], answer["ended"]) == (expected.steps, True)
-    assert answer["told"].endswith(f"; reward {expected.total_reward:.1f}")
+    assert answer["summary"].endswith(f"; reward {expected.total_reward:.1f}")
     assert "<!DOCTYPE html>" in answer["page"]
 
 
@@ -68,10 +68,10 @@ def test_an_episode_of_an_exercise_is_as_the_exercise_has_it(name: str, page: Pa
     stations = "drawn" if settings["drawn"] else "kept"
     code = (SOLUTIONS / f"{name}.py").read_text(encoding="utf-8")
     place = {"exercise": name, "rows": settings["rows"], "stations": stations}
-    told = [page.begin("run", code, seed=seed, **place)["told"] for seed in range(1, 6)]
+    summaries = [page.begin("run", code, seed=seed, **place)["summary"] for seed in range(1, 6)]
     case = load_rubric(own_rubrics()[name]).first_case
     assert case is not None
-    for seed, each in enumerate(told, 1):
+    for seed, each in enumerate(summaries, 1):
         with case.begin(seed) as (env, observation):
             agent, is_over = make_agent(str(page.file), seed, env.layout), False
             agent.reset()
@@ -116,7 +116,7 @@ def test_a_grade_is_that_of_warehouse_grade(
     code = STARTER.replace('self.random.choice("NESW")', '"WAIT"')
     answer = page.ask(do="grade", code=code, exercise="mini_lab")
     report = grade(find_submission(str(tmp_path / "agent.py")), load_rubric(MINI_LAB))
-    assert answer["told"].startswith(f"{report.points:g} of 100 points")
+    assert answer["summary"].startswith(f"{report.points:g} of 100 points")
     assert [(row["name"], row["points"], row["seen"]) for row in answer["grades"]] == [
         (row.criterion.name, row.points, row.seen) for row in report.grades
     ]
@@ -125,11 +125,11 @@ def test_a_grade_is_that_of_warehouse_grade(
 def test_an_exercise_denies_what_its_rubric_denies_and_the_program_goes_on(page: Page) -> None:
     code = "import agents.search\ndistance = nearer_moves = print\n"
     answer = page.ask(do="grade", code=code, exercise="exercise-02")
-    assert "the rubric denies the import of agents.search" in answer["told"]
+    assert "the rubric denies the import of agents.search" in answer["summary"]
     assert page.ask(do="grade", code=STARTER, exercise="mini_lab")["points"] > 0
 
 
 def test_a_grade_of_what_cannot_be_loaded_says_why(page: Page) -> None:
     answer = page.ask(do="grade", code="1 / 0", exercise="mini_lab")
     assert answer["points"] == 0
-    assert "division by zero (agent.py, line 1)" in answer["told"]
+    assert "division by zero (agent.py, line 1)" in answer["summary"]

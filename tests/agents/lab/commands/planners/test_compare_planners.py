@@ -38,7 +38,7 @@ def test_planners_are_compared_by_size_beside_the_bound(warehouse: Warehouse) ->
     assert np.mean([float(line["throughput"]) for line in lines[20:]]) == expected
     assert out.count(" to ") == 4
     assert "Fewer" not in out
-    assert "Fewer than 20 episodes have no intervals." in warehouse(*SMALL).out
+    assert "Intervals need at least 20 episodes." in warehouse(*SMALL).out
     assert "saved curve.png" in out
     with Image.open("curve.png") as image:
         assert image.format == "PNG"
