@@ -59,9 +59,9 @@ class Session:
             advance: function that is called with the number of graded episodes, and of all.
 
         Returns:
-            JSON object with ``printed``, and with those keys that apply: ``page``, ``summary``,
-            ``steps`` and ``ended`` for an episode; ``error`` and its ``line`` in the agent's file;
-            ``points``, ``max`` and ``grades`` for a grade.
+            JSON object with ``printed``. An episode adds ``page``, ``summary``, ``steps`` and
+            ``ended``. An error adds ``error`` and its ``line`` in the agent's file. A grade adds
+            ``summary``, ``points``, ``max`` and ``grades``.
         """
         asked, output = json.loads(question), io.StringIO()
         found: dict[str, Any] = {}

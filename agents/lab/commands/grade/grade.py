@@ -220,5 +220,5 @@ def print_report(report: GradeReport) -> None:
         criterion = grade.criterion
         say(f"\n{grade.points:g} of {criterion.points:g}  {criterion.name}", bold=True)
         for name, text in grade.lines:
-            say(f"    {name:8} {text}")
+            say(f"    {name:9} {text}")
     say(f"\n{report.points:g} of {report.max_points:g} points", bold=True)
