@@ -1,6 +1,6 @@
-"""Agents for the warehouse, the episode runner and the command line.
+"""Agents for the warehouse, their episode runner and the command line.
 
-The agents are imported when they are first used, so that ``import agents`` is fast.
+Agents are imported on first use, so that ``import agents`` is fast.
 """
 
 from __future__ import annotations

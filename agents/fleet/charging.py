@@ -1,8 +1,8 @@
-"""Charging as a task: which robot goes to which charger, and when.
+"""Charging schedule: which robot charges at which charger, and when.
 
-Each charger has one robot that charges there or goes there, until its turn has ended, and at most
-one more that comes next and waits some cells away, so that nobody is in the way of the one that
-leaves. Others who are pushed across the charger do not charge there, and nobody waits for them.
+Each charger has one robot that charges there or is on its way, until its turn ends. At most one
+more robot is next, and waits some cells away so that it does not block the robot that leaves.
+Robots that are pushed across a charger do not charge there, and no robot waits for them.
 """
 
 from __future__ import annotations
@@ -21,49 +21,53 @@ from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.tables import Integers
 
 DETOUR = 2.0
-"""Factor by which a way may be longer than the shortest."""
+"""Ratio of the longest expected path to the shortest path."""
 
 SPARE_STEPS, SPARE_SHARE = 60.0, 0.25
-"""Steps for which the battery of a robot lasts beyond ``DETOUR`` times its way to a charger when it
-goes there, unless they take more than this share of a full battery.
+"""Reserve in steps with which a robot goes to a charger, but at most a share of a full battery.
 
-With 20 steps two robots in a narrow aisle that give way to each other may run empty.
+The reserve comes on top of ``DETOUR`` times the distance to the charger. With a reserve of 20
+steps, two robots that give way to each other in a narrow aisle could run out of battery.
 """
 
 MARGIN = 1.2
-"""Factor by which the time until its turn may be longer than a robot counts on."""
+"""Safety factor on the expected time until a robot's turn."""
 
 GAP = 5.0
 """Steps from the end of a turn at a charger until the next robot charges there."""
 
 ENOUGH = 0.7
-"""Share of a full battery with which every robot may take every order, and none has to charge."""
+"""Share of a full battery above which a robot may take any order and does not have to charge."""
 
 NEARBY, PATIENCE = 10.0, 5.0
-"""Steps more than to the nearest charger that a robot goes, and that it waits there; one that would
-run empty goes to any that it reaches and waits."""
+"""Limits on the extra distance, compared with the nearest charger, and on waiting, in steps.
+
+They do not apply to a robot that would otherwise run out of battery. It goes to any charger that it
+can reach, and waits there.
+"""
 
 HASTE = 0.25
-"""Weight of remaining battery life against the distance to a charger, both in steps."""
+"""Weight of the remaining battery life against the distance to a charger, both in steps."""
 
 HALF = 0.5
-"""Share of a full battery with which a robot leaves its charger to one that would run empty."""
+"""Share of a full battery above which a robot leaves its charger to a robot in need."""
 
 QUEUE_DISTANCE = 3
-"""Cells from its charger at which the robot that comes next waits."""
+"""Distance from its charger, in cells, at which the next robot waits."""
 
 INTO_CHARGER = 25.0
-"""Additional cost of a move into a charger, where somebody may charge for long.
+"""Extra cost of a move into a charger, where a robot may charge for a long time.
 
-Fleets do the same with 5 and with 20; without it, ways lead through chargers that are in use.
+Results are the same with 5 and with 20. Without this cost, paths would lead through occupied
+chargers.
 """
 
 
 def costs_around_chargers(layout: Layout, costs: Costs | None = None) -> Costs | None:
-    """Return costs of moves ``[H * W, 4]``, see ``Graph``, so that ways lead around chargers.
+    """Return costs of moves ``[H * W, 4]``, see ``Graph``, with which paths avoid chargers.
 
-    Planners do not look for a way around robots that stay. ``None`` stands for costs of 1 each, and
-    is returned if there are no chargers.
+    Planners do not plan around robots that stay. ``None`` as an argument stands for costs of 1. The
+    costs are returned unchanged if the layout has no chargers.
     """
     if not layout.chargers:
         return costs
@@ -77,9 +81,10 @@ def costs_around_chargers(layout: Layout, costs: Costs | None = None) -> Costs |
 
 
 def use_and_charge(env: FleetEnv) -> tuple[float, float]:
-    """Return the units that a robot uses for a cell, and those that a charger adds meanwhile.
+    """Return the battery units to cross a cell, and the units that could be charged meanwhile.
 
-    In joules a robot uses what the motion says of its body, or what is nominal.
+    If the unit is joules, the motion gives the energy of the robot's body, or else its nominal
+    value is used.
     """
     motion: BaseMotion = with_defaults(env.motion)
     battery, cell_steps = env.settings.battery, motion.cell_steps
@@ -92,14 +97,14 @@ def use_and_charge(env: FleetEnv) -> tuple[float, float]:
 
 
 class Needs(NamedTuple):
-    """What ``R`` robots need; all arrays are ``[R]``.
+    """The needs of ``R`` robots; all arrays are ``[R]``.
 
     Attributes:
         cells: cells of the robots.
-        battery: units left; robots without any have no turn.
+        battery: units left. Robots with a flat battery get no turn.
         may_go: true for robots that may go to charge now.
-        limits: units below which a robot goes to a charger that nobody uses, where chargers charge
-            up to a full battery at a constant current.
+        limits: units below which a robot goes to an unused charger. The limits apply to chargers
+            that charge to a full battery at constant current, and are lower for others.
     """
 
     cells: Integers
@@ -111,15 +116,16 @@ class Needs(NamedTuple):
 class Chargers:
     """The chargers of a floor, and the robots that have turns at them.
 
-    When it is time to charge follows from a schedule by earliest deadline: the robots take turns
-    in the order of the steps that their batteries last, each when the chargers are done with those
-    before it. If one of them would run empty until then, it and all before it are to charge now.
-    If it was wrong, turns end early for those that would run empty.
+    Charging is scheduled by earliest deadline first. The deadline of a robot is the step in which
+    its battery will be flat. The robots take turns in the order of their deadlines, each when the
+    chargers have finished with the robots before it. If a robot would miss its deadline, it and all
+    robots before it have to charge now. If this estimate turns out to be wrong, turns end early in
+    favour of robots that would run out of battery.
 
     Attributes:
         cells: ``[C]``, cells of the chargers.
-        home: ``[H * W]``, cost of the way from each cell to the nearest charger, in steps.
-        turn: ``[R]``, charger where each robot charges or is to charge, or ``NONE``.
+        home: ``[H * W]``, cost of the path from each cell to the nearest charger, in steps.
+        turn: ``[R]``, charger where each robot charges or will charge, or ``NONE``.
 
     Source: Liu and Layland (1973), Scheduling algorithms for multiprogramming in a hard-real-time
     environment, for the order of the deadlines.
@@ -128,33 +134,36 @@ class Chargers:
     def __init__(self, env: FleetEnv, graph: Graph) -> None:
         battery, layout = env.settings.battery, env.layout
         self.cells = layout.numbers(layout.chargers)
-        ways = [_ways_into(graph, cell) for cell in self.cells.tolist()]
-        self._ways = np.array(ways, np.float64).reshape(-1, graph.size)
-        self.home = self._ways.min(axis=0, initial=np.inf)
+        distances = [_distances_into(graph, cell) for cell in self.cells.tolist()]
+        self._distances = np.array(distances, np.float64).reshape(-1, graph.size)
+        self.home = self._distances.min(axis=0, initial=np.inf)
         self._capacity, (self._cost, charge) = battery.capacity, use_and_charge(env)
         self._reserve = min(SPARE_STEPS, SPARE_SHARE * battery.capacity / self._cost)
         self._gain = max(charge - self._cost, 0.0) or self._cost
-        # Beyond the knee a charger is slow, and does more for the next robot.
+        # Beyond the knee charging is slow, and the next robot gains more.
         knee = battery.capacity - battery.tail
         self._full = max(min(battery.capacity - charge, knee), ENOUGH * battery.capacity)
-        # A robot that its charger would send away at once does not go there.
+        # A robot whose turn would end at once does not go to a charger.
         self._scale = max(knee / battery.capacity, ENOUGH)
-        # What is missing at the end of a turn, and what of the turn is at a constant voltage, where
-        # what is missing falls exponentially to what a step costs.
+        # The charge that is missing at the end of a turn, and the part of it at constant voltage,
+        # in which the missing charge falls exponentially to the cost of a step.
         self._slow, self._fall = max(self._full - knee, 0.0), battery.tail / charge
         self._left = max(battery.capacity - self._full - self._fall * self._cost, self._cost)
         self.turn = np.full(env.settings.robots, NONE)
         self._first = np.full(len(self.cells), NONE)
         self._leaves = np.full(len(self.cells), NONE)
 
-    def lasts(self, battery: NDArray[np.float64], ways: NDArray[np.floating]) -> NDArray[np.bool_]:
-        """Return whether batteries last for ways of so many steps that end at a charger.
+    def lasts(
+        self, battery: NDArray[np.float64], distances: NDArray[np.floating]
+    ) -> NDArray[np.bool_]:
+        """Return whether batteries last for paths of this many steps that end at a charger.
 
-        One with ``ENOUGH`` is said to last for all: it can be charged on the way.
+        A battery above ``ENOUGH`` counts as sufficient for every path, because the robot can charge
+        on the way.
         """
-        needed = self._cost * (DETOUR * ways + self._reserve)
-        found: NDArray[np.bool_] = battery >= np.minimum(needed, ENOUGH * self._capacity)
-        return found
+        needed = self._cost * (DETOUR * distances + self._reserve)
+        result: NDArray[np.bool_] = battery >= np.minimum(needed, ENOUGH * self._capacity)
+        return result
 
     def update(self, needs: Needs) -> None:
         """End the turns of robots that have charged, and give turns to others."""
@@ -177,24 +186,24 @@ class Chargers:
         self._choose_first(needs.cells)
 
     def goals(self, cells: Integers) -> NDArray[np.intp]:
-        """Return the cell that each robot with a turn is to go to, ``[R]``, or ``NONE``."""
+        """Return the cell to which each robot with a turn has to go, ``[R]``, or ``NONE``."""
         goals = np.full(len(cells), NONE)
         robots = np.flatnonzero(self.turn != NONE)
         chargers, here = self.turn[robots], cells[robots]
         is_used = self._leaving(cells)[chargers] != NONE
         is_used |= self._first[chargers] != robots
-        waits = is_used & (self._ways[chargers, here] <= QUEUE_DISTANCE)
+        waits = is_used & (self._distances[chargers, here] <= QUEUE_DISTANCE)
         waits &= here != self.cells[chargers]
         goals[robots] = np.where(waits, here, self.cells[chargers])
         return goals
 
     def charging(self, cells: Integers) -> NDArray[np.bool_]:
         """Return whether each robot is at the charger where it has a turn, ``[R]``."""
-        found = np.zeros(len(cells), np.bool_)
+        result = np.zeros(len(cells), np.bool_)
         used = np.flatnonzero(self._first != NONE)
         first = self._first[used]
-        found[first] = (cells[first] == self.cells[used]) & (self.turn[first] == used)
-        return found
+        result[first] = (cells[first] == self.cells[used]) & (self.turn[first] == used)
+        return result
 
     def _leaving(self, cells: Integers) -> NDArray[np.intp]:
         """Return the robot that has charged at each charger and is still there, or ``NONE``."""
@@ -203,16 +212,16 @@ class Chargers:
         return self._leaves
 
     def _are_there(self, cells: Integers) -> NDArray[np.bool_]:
-        """Return whether each charger is one of some cells, ``[C]``; faster than ``isin``."""
+        """Return whether each charger is one of the given cells, ``[C]``; faster than ``isin``."""
         is_there = np.zeros(len(self.home), np.bool_)
         is_there[cells] = True
         return is_there[self.cells]
 
     def _give_way(self, needs: Needs) -> None:
-        """End turns early for robots that would run empty.
+        """End turns early in favour of robots that would run out of battery.
 
-        Who charges gives way to the one that comes next. If robots have no turn, those that come
-        next but would not run empty give theirs back.
+        A charging robot gives way to the next robot at its charger. If robots in need have no turn,
+        next robots that are not in need give theirs back.
         """
         spare, has_turn = self._spare(needs), self.turn != NONE
         is_first = self._choose_first(needs.cells)[self.turn] == np.arange(len(spare))
@@ -227,7 +236,7 @@ class Chargers:
     def _choose_first(self, cells: Integers) -> NDArray[np.intp]:
         """Return the robot whose turn it is at each charger, ``[C]``, or ``NONE``.
 
-        It stays the same until its turn has ended; then it is the nearest of the others.
+        This robot stays the same until its turn ends. Then the nearest robot of the others follows.
         """
         robots = np.flatnonzero(self.turn != NONE)
         chargers, first = self.turn[robots], self._first
@@ -235,28 +244,28 @@ class Chargers:
         there = has_ended & (cells[first] == self.cells)
         self._leaves[there] = first[there]
         first[has_ended] = NONE
-        by_way = np.argsort(-self._ways[chargers, cells[robots]], kind="stable")
-        by_way = by_way[first[chargers[by_way]] == NONE]
-        first[chargers[by_way]] = robots[by_way]
+        by_distance = np.argsort(-self._distances[chargers, cells[robots]], kind="stable")
+        by_distance = by_distance[first[chargers[by_distance]] == NONE]
+        first[chargers[by_distance]] = robots[by_distance]
         return first
 
     def _until(self, holder: Integers, needs: Needs) -> NDArray[np.float64]:
         """Return the steps until each charger is free, ``[C]``."""
         until, used = np.zeros(len(holder)), np.flatnonzero(holder != NONE)
         robots = holder[used]
-        ways = self._ways[used, needs.cells[robots]]
-        until[used] = ways + self._charging_steps(needs.battery[robots], ways)
+        distances = self._distances[used, needs.cells[robots]]
+        until[used] = distances + self._charging_steps(needs.battery[robots], distances)
         return until
 
     def _low(self, holder: Integers, until: NDArray[np.float64], needs: Needs) -> NDArray[np.bool_]:
-        """Return whether each robot is to charge now, ``[R]``; see the class."""
+        """Return whether each robot has to charge now, ``[R]``; see the class."""
         home = DETOUR * self.home[needs.cells]
         turns, spare = GAP + self._charging_steps(needs.battery, home), self._spare(needs)
         coming = self.turn != NONE
         coming[holder[holder != NONE]] = False
         robots = np.flatnonzero((self.turn == NONE) & (needs.battery > 0) & np.isfinite(home))
         robots = robots[np.argsort(spare[robots], kind="stable")]
-        # Each step until its turn makes the turn of a robot longer, which grows like interest.
+        # Each step of waiting makes a robot's turn longer, which adds up like compound interest.
         growth = (1 + self._cost / self._gain / len(self.cells)) ** np.arange(len(robots))
         before = np.cumsum(np.append(0.0, (turns[robots] / growth)[:-1]))
         waiting = growth * (until.sum() + turns[coming].sum() + before) / len(self.cells)
@@ -268,34 +277,34 @@ class Chargers:
     def _give_turns(
         self, robots: Integers, chargers: Integers, until: NDArray[np.float64], needs: Needs
     ) -> None:
-        """Give robots turns at chargers, so that they begin as soon as can be."""
-        ways = self._ways[chargers][:, needs.cells[robots]].T
-        waits, spare = np.maximum(until - DETOUR * ways, 0), self._spare(needs)[robots, None]
-        near = ways <= self.home[needs.cells[robots], None] + NEARBY
-        reached = self._cost * ways <= needs.battery[robots, None]
+        """Assign robots to chargers so that they begin to charge as early as possible."""
+        distances = self._distances[chargers][:, needs.cells[robots]].T
+        waits, spare = np.maximum(until - DETOUR * distances, 0), self._spare(needs)[robots, None]
+        near = distances <= self.home[needs.cells[robots], None] + NEARBY
+        reached = self._cost * distances <= needs.battery[robots, None]
         allowed = reached & ((spare < self._reserve) | near & (waits <= PATIENCE))
-        costs = np.where(allowed, ways + waits + HASTE * spare, OUT_OF_REACH)
+        costs = np.where(allowed, distances + waits + HASTE * spare, OUT_OF_REACH)
         rows, columns = cheapest_matching(costs)
         given = allowed[rows, columns]
         self.turn[robots[rows[given]]] = chargers[columns[given]]
 
     def _spare(self, needs: Needs) -> NDArray[np.float64]:
-        """Return for how many steps each battery lasts beyond the way to a charger."""
-        found: NDArray[np.float64] = needs.battery / self._cost - DETOUR * self.home[needs.cells]
-        return found
+        """Return the number of steps for which each battery lasts beyond the path to a charger."""
+        result: NDArray[np.float64] = needs.battery / self._cost - DETOUR * self.home[needs.cells]
+        return result
 
     def _charging_steps(
-        self, battery: NDArray[np.float64], ways: NDArray[np.float64]
+        self, battery: NDArray[np.float64], distances: NDArray[np.float64]
     ) -> NDArray[np.float64]:
-        """Return the steps of charging after ways of so many steps."""
-        missing = np.maximum(self._full - battery + self._cost * ways, 0)
+        """Return the charging time in steps after paths of this many steps."""
+        missing = np.maximum(self._full - battery + self._cost * distances, 0)
         slow = np.minimum(missing, self._slow)
         steps: NDArray[np.float64] = (missing - slow) / self._gain
         return steps + self._fall * np.log1p(slow / self._left)
 
 
-def _ways_into(graph: Graph, charger: int) -> Costs:
-    """Return the cost of the way from each cell to a charger, ``[H * W]``, the last move 1."""
-    ways, sides = graph.distances(charger, keep=False), graph.neighbours[charger, :WAIT]
-    last = ways[sides[sides != CLOSED]].min(initial=np.inf)
-    return np.maximum(ways - (last - 1), 0) if np.isfinite(last) else ways
+def _distances_into(graph: Graph, charger: int) -> Costs:
+    """Return the cost from each cell to a charger, ``[H * W]``, with a last move of cost 1."""
+    distances, sides = graph.distances(charger, keep=False), graph.neighbours[charger, :WAIT]
+    last = distances[sides[sides != CLOSED]].min(initial=np.inf)
+    return np.maximum(distances - (last - 1), 0) if np.isfinite(last) else distances

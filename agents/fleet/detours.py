@@ -1,7 +1,7 @@
-"""Robots that do not wait for ever beside a person or a robot that stays: they go around, or back.
+"""Detours: robots that are blocked by a person or a staying robot go around them, or back.
 
-A planner does not look for ways around those that stay for some steps, and a robot that waits for
-the cell of a person may be the one that the person waits for.
+A planner does not plan around obstacles that stay for only some steps. Also, a robot that waits for
+the cell of a person may be the robot for which the person waits.
 """
 
 from __future__ import annotations
@@ -14,22 +14,23 @@ from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Flags, Integers
 
 PATIENCE = 3
-"""Steps of a cell for which a robot waits beside one that is in its way."""
+"""Waiting time next to an obstacle after which a robot counts as held up, in steps of a cell."""
 
 LONGER = 1e-3
-"""Difference of costs from which one way is longer than another; sums of costs are rounded."""
+"""Difference of costs above which a path counts as longer; sums of costs are rounded."""
 
 
 class Detours:
-    """Gives robots that are held up other goals until they are past what holds them up.
+    """Temporary goals for robots that are held up, until they have passed the obstacle.
 
-    A robot is held up if it has waited for ``PATIENCE`` cells' time beside a person or a robot that
-    stays. It goes around all of these, as far as it has to; if nothing is in its own way, it
-    goes before others. If there is no way around, it goes back behind the next junction, and so
-    lets a person out. So does each robot beside a person whom robots enclose.
+    A robot is held up if it has waited for the time of ``PATIENCE`` cells next to a person or a
+    staying robot. It then goes around all such obstacles, as far as necessary. If nothing blocks
+    its own path, it takes priority over others. If no path around exists, it goes back behind the
+    nearest junction, so that a person can get out. The robots next to a person whom robots enclose
+    do the same.
 
     Args:
-        graph: floor with the costs of moves by which the robots find their ways.
+        graph: floor with the costs of moves that the robots' paths use.
         robots: ``R``.
         cell_steps: steps in which a robot crosses a cell.
     """
@@ -44,12 +45,12 @@ class Detours:
     def goals(
         self, cells: Integers, goals: Integers, stays: Flags, people: Integers
     ) -> dict[int, int]:
-        """Return where robots are to go before they go to their goals, by robot.
+        """Return the temporary goals that robots have to reach before their goals, by robot.
 
         Args:
             cells: ``[R]`` cells of the robots.
-            goals: ``[R]`` cells where the robots are to go.
-            stays: ``[R]`` flags of robots that stay for long.
+            goals: ``[R]`` goal cells of the robots.
+            stays: ``[R]`` flags of robots that stay for a long time.
             people: cells of people.
         """
         near = self._open.neighbours[cells, :WAIT]
@@ -77,38 +78,38 @@ class Detours:
         return {robot: legs[0] for robot, legs in self._legs.items()}
 
     def _legs_of(self, cell: int, goal: int) -> list[int]:
-        """Return where a robot goes one after the other to go around, or to give way."""
+        """Return the sequence of goals with which a robot goes around obstacles or gives way."""
         field = self._around.distances(goal, keep=False)
         gives_way = cell == goal or not np.isfinite(field[cell])
         if gives_way:
             goal = self._refuge(cell)
             field = self._around.distances(goal, keep=False)
-        straight, way = self._open.distances(goal), [cell]
+        straight, path = self._open.distances(goal), [cell]
         field[[each for each in self._around.closed if each != cell]] = np.inf
-        while field[way[-1]] - straight[way[-1]] > LONGER:
-            sides = self._open.neighbours[way[-1], :WAIT]
-            costs = 1 if self._open.costs is None else self._open.costs[way[-1]]
+        while field[path[-1]] - straight[path[-1]] > LONGER:
+            sides = self._open.neighbours[path[-1], :WAIT]
+            costs = 1 if self._open.costs is None else self._open.costs[path[-1]]
             best = np.where(sides == CLOSED, np.inf, field[sides] + costs).argmin()
-            way.append(int(sides[best]))
+            path.append(int(sides[best]))
         legs, first = [], 0
-        while first < len(way) - 1:
-            last, costs = len(way) - 1, field[way[first]] - field[way]
+        while first < len(path) - 1:
+            last, costs = len(path) - 1, field[path[first]] - field[path]
             while last > first + 1 and (
-                self._open.distances(way[last])[way[first]] < costs[last] - LONGER
+                self._open.distances(path[last])[path[first]] < costs[last] - LONGER
             ):
                 last = (first + last) // 2
-            legs.append(way[last])
+            legs.append(path[last])
             first = last
         return [*legs, goal] if gives_way else legs or [goal]
 
     def _refuge(self, cell: int) -> int:
         """Return the nearest cell behind a junction, or the last cell of a dead end."""
-        found, known = [cell], {cell, CLOSED, *self._around.closed}
-        for place in found:
+        reached, known = [cell], {cell, CLOSED, *self._around.closed}
+        for place in reached:
             sides: list[int] = self._open.neighbours[place, :WAIT].tolist()
             new = [each for each in sides if each not in known]
             if new and place != cell and len(sides) - sides.count(CLOSED) > 2:
                 return new[0]
-            found += new
+            reached += new
             known.update(new)
-        return found[-1]
+        return reached[-1]

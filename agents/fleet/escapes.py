@@ -1,7 +1,8 @@
-"""Ways out for a fleet that is stuck: moves of some robots, one after the other.
+"""Escapes from deadlocks: planned moves of some robots, one after another, for a stuck fleet.
 
-In a narrow place robots may wait for each other, or for people who wait for them, for ever. A
-search over the cells of the robots and people around one robot finds how it gets to its goal.
+In a narrow place, robots may wait forever for one another, or for people who wait for them. A
+search over the cells of the robots and people around one robot finds moves that bring it to its
+goal.
 """
 
 from __future__ import annotations
@@ -18,38 +19,39 @@ from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
 
 PATIENCE = 6
-"""Steps of a cell in which no robot gets nearer to its goal, from which on a fleet is stuck."""
+"""Time without progress of any robot after which a fleet counts as stuck, in steps of a cell."""
 
 STANDS = 4
-"""Steps of a cell in which no robot moves, from which on moves are planned anew."""
+"""Time without any move after which moves are planned again, in steps of a cell."""
 
 MAX_OTHERS, MAX_STATES, MAX_CHIEFS = 10, 40_000, 2
-"""Limits of a plan: robots and people who move besides one robot, states that the search expands,
-and robots for which a plan is searched."""
+"""Limits of a plan: other robots and people that move, expanded states, and robots to be freed."""
 
 PERSON_ON, PERSON_BACK = 2, 6
-"""Costs of a step of a person, in moves of robots: towards a station, and back; every other time
-the other way round, since people may want something else."""
+"""Costs of a person's step towards a station and of a step back, in moves of a robot.
+
+They are exchanged in every other attempt, because people may intend something else.
+"""
 
 MEMORY = 0.8
-"""Factor by which the progress of people counts less with each step."""
+"""Factor by which the weight of a person's past progress decreases with each step."""
 
 IN_THE_WAY = 3
-"""Estimate of the moves that make room where somebody is on the way of the robot."""
+"""Estimated number of moves to clear each robot or person from the path of a robot."""
 
 GREED = 2
-"""Weight of the steps to the goal against the moves so far."""
+"""Weight of the remaining steps to the goal relative to the cost so far."""
 
 
 class State(NamedTuple):
-    """Cells of the robot that is to reach its goal, of other robots, and of people."""
+    """Cells of the robot that has to reach its goal (the chief), of other robots, and of people."""
 
     chief: int
     robots: frozenset[int]
     people: tuple[int, ...]
 
     def moved(self, start: int, end: int) -> State:
-        """Return the state after somebody has moved from a cell to another."""
+        """Return the state after a robot or a person has moved from one cell to another."""
         if start == self.chief:
             return self._replace(chief=end)
         if start in self.robots:
@@ -58,7 +60,7 @@ class State(NamedTuple):
 
 
 class Move(NamedTuple):
-    """A step of a robot, by its number, or of a person, whose number is ``NONE`` or less."""
+    """A step of a robot, given by its number, or of a person, whose number is negative."""
 
     who: int
     start: int
@@ -66,11 +68,11 @@ class Move(NamedTuple):
 
 
 class Escapes:
-    """Plans moves of robots when a fleet is stuck, and has them made.
+    """Plans for the robots of a stuck fleet, and their execution move by move.
 
-    A fleet is stuck if no robot has come nearer to its goal than it was since a robot last picked,
-    dropped or charged. Then moves are planned with which a robot reaches its goal, one after the
-    other. People in them walk to stations, or back; robots wait for them to do it.
+    A fleet is stuck if no robot gets nearer to its goal than it has been since a robot last picked,
+    dropped or charged. A search then plans moves, one at a time, that bring one robot to its goal.
+    People in the plan walk to stations, or back; robots wait until they do so.
 
     Args:
         fields: distances on the floor, in steps.
@@ -78,7 +80,7 @@ class Escapes:
         cell_steps: steps in which a robot crosses a cell.
 
     Attributes:
-        held: robots that make no move but those that are planned.
+        held: robots that make only planned moves.
     """
 
     def __init__(self, fields: Fields, robots: int, cell_steps: float = 1.0) -> None:
@@ -99,25 +101,25 @@ class Escapes:
         self.held: list[int] = []
 
     def aims(
-        self, cells: Integers, goals: Integers, ways: Integers, walls: set[int], people: Integers,
-        has_worked: bool,
+        self, cells: Integers, goals: Integers, distances: Integers, walls: set[int],
+        people: Integers, has_worked: bool,
     ) -> dict[int, int]:  # fmt: skip
-        """Return where robots are to be after this step, by robot; the others go as they want to.
+        """Return the cells that robots must have after this step, by robot; others move freely.
 
         Args:
             cells: ``[R]`` cells of the robots.
-            goals: ``[R]`` cells where the robots have something to do.
-            ways: ``[R]`` steps to these, ``FAR`` for robots that have nothing to do.
-            walls: cells of robots that stay for long, and others that are closed.
+            goals: ``[R]`` goal cells of the robots.
+            distances: ``[R]`` distances to the goals in steps, ``FAR`` for robots without a task.
+            walls: cells of robots that stay for a long time, and other closed cells.
             people: cells of people.
-            has_worked: a robot picks, drops, or begins or ends to charge.
+            has_worked: true if a robot picks, drops, or begins or ends to charge.
         """
         self._watch(people)
         if has_worked:
             self._nearest[:] = FAR
             self._tries = 0
-        is_nearer = ways < self._nearest
-        self._nearest[is_nearer] = ways[is_nearer]
+        is_nearer = distances < self._nearest
+        self._nearest[is_nearer] = distances[is_nearer]
         self._waits = 0 if has_worked or is_nearer.any() else self._waits + 1
         self._stands = self._stands + 1 if np.array_equal(cells, self._cells) else 0
         self._cells = cells.copy()
@@ -125,24 +127,24 @@ class Escapes:
         if self._stands >= self._most_stands if self._moves else self._waits >= self._patience:
             self._waits = self._stands = 0
             self._tries += 1
-            self._moves = self._plan(where, goals, ways, walls, persons)
+            self._moves = self._plan(where, goals, distances, walls, persons)
         while self._moves and self._is_made(self._moves[0], where, persons):
             self._moves.pop(0)
         if not self._moves:
             self.held = []
-        found, taken = {robot: where[robot] for robot in self.held}, {*where, *persons, *walls}
+        positions, taken = {robot: where[robot] for robot in self.held}, {*where, *persons, *walls}
         for who, start, end in self._moves:
-            if who < 0 or found[who] != start or where[who] != start or end in taken:
+            if who < 0 or positions[who] != start or where[who] != start or end in taken:
                 break
-            found[who] = end
+            positions[who] = end
             taken = taken - {start} | {end}
-        return found
+        return positions
 
     def _is_made(self, move: Move, where: list[int], people: list[int]) -> bool:
         return where[move.who] == move.end if move.who >= 0 else people[~move.who] != move.start
 
     def _watch(self, people: Integers) -> None:
-        """Note to which stations people seem to walk."""
+        """Estimate the stations to which people walk."""
         if not len(people):
             return
         if len(people) != len(self._people):
@@ -155,10 +157,15 @@ class Escapes:
         self._people = people
 
     def _plan(
-        self, where: list[int], goals: Integers, ways: Integers, walls: set[int], people: list[int]
+        self,
+        where: list[int],
+        goals: Integers,
+        distances: Integers,
+        walls: set[int],
+        people: list[int],
     ) -> list[Move]:
-        """Return moves that lead one of the robots that are nearest to their goals there."""
-        chiefs = np.argsort(ways, kind="stable")[: np.count_nonzero(ways < FAR)]
+        """Return moves that bring one of the robots nearest to their goals to its goal."""
+        chiefs = np.argsort(distances, kind="stable")[: np.count_nonzero(distances < FAR)]
         who_in = {cell: who for who, cell in enumerate(where)}
         who_in |= {cell: ~who for who, cell in enumerate(people)}
         for chief in np.roll(chiefs, 1 - self._tries)[:MAX_CHIEFS].tolist():
@@ -180,23 +187,23 @@ class Escapes:
         return []
 
     def _around(self, cell: int, others: set[int]) -> list[int]:
-        """Return the cells of the others that are nearest to a cell."""
-        found, known = [cell], {cell}
-        for place in found:
+        """Return the nearest cells around a cell that other robots or people occupy."""
+        reached, known = [cell], {cell}
+        for place in reached:
             new = [each for each in self._near[place] if each not in known]
-            found += new
+            reached += new
             known.update(new)
-        return [each for each in found[1:] if each in others][:MAX_OTHERS]
+        return [each for each in reached[1:] if each in others][:MAX_OTHERS]
 
     def _search(
         self, start: State, goal: int, blocked: set[int], aims: Integers
     ) -> list[tuple[int, int]]:
-        """Return steps, each from a cell to a free one, that lead the chief to its goal."""
+        """Return steps, each from a cell to a free one, that bring the chief to its goal."""
         rows = self._fields.rows(np.append(aims, goal))
-        *fields, ways = self._fields.matrix[rows].tolist()
+        *fields, distances = self._fields.matrix[rows].tolist()
         prices = (PERSON_ON, PERSON_BACK) if self._tries % 2 else (PERSON_BACK, PERSON_ON)
         costs, before = {start: 0}, dict[State, tuple[State, int, int]]()
-        heap, count, on_way = [(0, 0, start)], 0, dict[int, set[int]]()
+        heap, count, paths = [(0, 0, start)], 0, dict[int, set[int]]()
         while heap and count < MAX_STATES:
             state = heappop(heap)[-1]
             if state.chief == goal:
@@ -218,18 +225,18 @@ class Escapes:
                     if cost >= costs.get(after, FAR):
                         continue
                     costs[after], before[after] = cost, (state, begin, end)
-                    if after.chief not in on_way:
-                        on_way[after.chief] = self._way(after.chief, ways)
-                    way, count = on_way[after.chief], count + 1
-                    crowd = len(way & after.robots) + len(way.intersection(after.people))
-                    estimate = GREED * (ways[after.chief] + IN_THE_WAY * crowd)
+                    if after.chief not in paths:
+                        paths[after.chief] = self._path(after.chief, distances)
+                    path, count = paths[after.chief], count + 1
+                    crowd = len(path & after.robots) + len(path.intersection(after.people))
+                    estimate = GREED * (distances[after.chief] + IN_THE_WAY * crowd)
                     heappush(heap, (cost + estimate, count, after))
         return []
 
-    def _way(self, cell: int, ways: list[int]) -> set[int]:
-        """Return the cells of a shortest way from a cell, without the cell itself."""
-        found = set[int]()
-        while ways[cell]:
-            cell = min(self._near[cell], key=ways.__getitem__)
-            found.add(cell)
-        return found
+    def _path(self, cell: int, distances: list[int]) -> set[int]:
+        """Return the cells of a shortest path from a cell, without the cell itself."""
+        reached = set[int]()
+        while distances[cell]:
+            cell = min(self._near[cell], key=distances.__getitem__)
+            reached.add(cell)
+        return reached

@@ -1,4 +1,4 @@
-"""Planners whose moves have costs: lanes, or costs learned from traffic."""
+"""Planners on graphs whose moves have costs, from lanes or from learned traffic."""
 
 from __future__ import annotations
 
@@ -22,11 +22,11 @@ from agents.mapf.traffic import (
 from warehouse_core import Layout
 
 TRIALS = 16
-"""Runs that costs are learned from."""
+"""Default number of trial runs from which costs are learned."""
 
 
 class Guided:
-    """Makes a planner on the graph that a function makes; it takes the arguments of both."""
+    """Factory of a planner and its graph, which takes the arguments of both."""
 
     def __init__(
         self, make_planner: Callable[..., Planner], make_graph: Callable[..., Graph]
@@ -41,22 +41,22 @@ class Guided:
     def __call__(self, **given: Any) -> Planner:
         """Return a planner."""
         of_graph = {name: given.pop(name) for name in self._of_graph if name in given}
-        # What is wrong with its arguments is told before costs are learned in trials.
+        # Wrong arguments raise an error here, before the long trials that learn the costs.
         self._make_planner(Graph(of_graph["layout"]), **given)
         return self._make_planner(self._make_graph(**of_graph), **given)
 
 
 def on_lanes(layout: Layout, wrong_way: float = WRONG_WAY) -> Graph:
-    """Return the graph of a floor with the costs of lanes, see ``lane_costs``."""
+    """Return the graph of a floor with the costs of lanes; see ``lane_costs``."""
     return Graph(layout, costs_around_chargers(layout, lane_costs(layout, wrong_way)))
 
 
 def on_learned(
     layout: Layout, robots: int, trials: int = TRIALS, trial_seed: int = TRIAL_SEED
 ) -> Graph:
-    """Return the graph of a floor with costs learned from so many robots in trial runs.
+    """Return the graph of a floor with costs learned in trial runs of this many robots.
 
-    In the trials turns cost nothing.
+    Turns cost nothing in the trials.
     """
     costs = learned_fleet_costs(layout, robots, trials, trial_seed)
     return Graph(layout, costs_around_chargers(layout, costs))
@@ -76,9 +76,9 @@ def on_directed(
 
 @lru_cache(maxsize=16)
 def learned_fleet_costs(layout: Layout, robots: int, trials: int, seed: int) -> Costs:
-    """Return ``learned_costs`` of a fleet, whose goals are stations: half of them dropoffs.
+    """Return ``learned_costs`` for a fleet, whose goals are stations, half of them dropoffs.
 
-    They are learned once in a process, and are not to be changed.
+    The result is cached for the process and must not be changed.
     """
     if len(layout.open_cells) < 2:
         trials = 0  # nobody can move

@@ -1,16 +1,17 @@
-"""How many orders of a shift any fleet could have delivered: the optimum, or a bound.
+"""Optimum of a shift: the largest number of orders that any fleet could deliver, or a bound on it.
 
-Robots here take the shortest way between two cells, a step for each cell, and a step each to pick
-and to drop. They never meet, wait for people or charge; they know all orders from the start, and
-any of them may take any order. So no fleet on the same floor delivers more, whoever assigns its
-orders, and a fleet in which nobody is ever in the way can deliver as many.
+The robots of this model take the shortest path between two cells, with one step for each cell, and
+one step each to pick and to drop. They never meet, wait for people or charge. They know all orders
+from the start, and any robot may take any order. Therefore no fleet on the same floor delivers
+more, whatever its assignment, and a fleet whose robots never block one another can deliver as many.
 
-The model is a flow of robots in time. A robot at a pickup waits there, or takes an order that has
-been released, and is at its dropoff as many steps later as that takes; from there it goes to any
-pickup. Robots are alike, so the model hardly grows with their number. Each order is taken at most
-once. Whole numbers of robots make it an integer program, which is bounded by its linear relaxation.
+The model is a flow of robots over time. A robot at a pickup waits there or takes a released order.
+The order takes it to the dropoff, from which it goes to any pickup. The size of the model hardly
+depends on the number of robots, because the robots are interchangeable. Each order is taken at most
+once. The number of robots in each move must be an integer, which makes the model an integer
+program. Its linear relaxation gives a bound.
 
-Source: Ford and Fulkerson (1958), Constructing maximal dynamic flows from static flows; the solver
+Source: Ford and Fulkerson (1958), Constructing maximal dynamic flows from static flows. The solver
 is HiGHS: Huangfu and Hall (2018), Parallelizing the dual revised simplex method.
 """
 
@@ -29,30 +30,31 @@ from warehouse_core.world.tables import Integers
 __all__ = ["Optimum", "most_deliveries"]
 
 MAX_MOVES = 100_000
-"""Moves of a flow beyond which its time is counted in units of several steps."""
+"""Number of moves of a flow beyond which time is counted in units of several steps."""
 
 MAX_EXACT = 6_000
-"""Moves of a flow up to which whole numbers of robots are looked for."""
+"""Number of moves of a flow up to which an integer solution is searched."""
 
 MAX_NODES = 100
-"""Nodes of a search for whole numbers; a limit of seconds would not have repeatable results."""
+"""Limit on the nodes of the integer search. A limit in seconds would not be repeatable."""
 
 ERROR = 1e-4
-"""Error of the solver by which its maximum may be too low."""
+"""Tolerance of the solver, by which its maximum may be too low."""
 
 INFEASIBLE = 2
-"""Status of SciPy's solver for a program without a solution."""
+"""Status code of SciPy's solver for a program without a solution."""
 
 NO_ORDER = -1
-"""Stands for the order of a move that delivers none."""
+"""Marks a move that delivers no order."""
 
 
 class Optimum(NamedTuple):
-    """The deliveries that were possible in a shift.
+    """The largest number of deliveries that was possible in a shift.
 
     Attributes:
         most: number of orders; no fleet delivers more.
-        is_exact: true if robots that never meet can deliver ``most``; false if it is a bound.
+        is_exact: true if robots that never meet can deliver ``most``; false if it is an upper
+            bound.
 
     Example:
         >>> from agents.fleet.optimum import Optimum
@@ -65,13 +67,14 @@ class Optimum(NamedTuple):
 
 
 class Jobs(NamedTuple):
-    """The orders of a shift and the ways between their ``P`` pickups and ``D`` dropoffs.
+    """The orders of a shift and the distances between their ``P`` pickups and ``D`` dropoffs.
 
     Attributes:
         pickup, dropoff: ``[K]``, numbers of the stations of each of ``K`` orders.
-        first, last: ``[K]``, steps between which a robot must begin to pick each order.
-        takes: ``[K]``, steps from then until its delivery.
-        ways: ``[P, D + R]``, steps to each pickup from each dropoff and each start.
+        first, last: ``[K]``, earliest and latest step in which a robot can begin to pick each
+            order.
+        takes: ``[K]``, steps from picking each order until its delivery.
+        distances: ``[P, D + R]``, steps to each pickup from each dropoff and each start.
         robots: ``R``, number of robots.
     """
 
@@ -80,24 +83,24 @@ class Jobs(NamedTuple):
     first: Integers
     last: Integers
     takes: Integers
-    ways: Integers
+    distances: Integers
     robots: int
 
     @property
     def until(self) -> Integers:
-        """``[P]``, the last step in which an order can be picked, below 0 if none can."""
-        until = np.full(len(self.ways), -1)
+        """``[P]``, the last step in which an order can be picked, negative if none can."""
+        until = np.full(len(self.distances), -1)
         np.maximum.at(until, self.pickup, self.last)
         return until
 
 
 class Flow(NamedTuple):
-    """The moves of robots between nodes, each a place at a time; ``M`` moves and ``N`` nodes.
+    """The ``M`` moves of robots between ``N`` nodes, each of which is a place at a time.
 
     Attributes:
-        tails, heads: ``[M]``, nodes that the moves lead from and to.
+        tails, heads: ``[M]``, nodes from and to which the moves lead.
         order: ``[M]``, order that each move delivers, or ``NO_ORDER``.
-        time: ``[M]``, when each move ends.
+        time: ``[M]``, time at which each move ends.
         robots: ``[N]``, number of robots that begin in each node.
     """
 
@@ -109,15 +112,15 @@ class Flow(NamedTuple):
 
 
 def most_deliveries(shift: Episode, on_time: bool = False) -> Optimum:
-    """Return how many of the orders of a shift could have been delivered in its steps.
+    """Return the largest number of orders of a shift that could have been delivered in its steps.
 
     Args:
         shift: record of a fleet, whose robots begin in the same cells.
         on_time: count only deliveries that are not late.
 
     Raises:
-        ValueError: the record is of a lone robot or of a fleet without orders, or its orders are an
-            ``OrderQueue``, in which they come as others are delivered.
+        ValueError: the record is of a single robot or of a fleet without orders. Or its orders are
+            an ``OrderQueue``, in which each order depends on earlier deliveries.
 
     Example:
         >>> from agents.fleet.optimum import most_deliveries
@@ -138,7 +141,7 @@ def most_deliveries(shift: Episode, on_time: bool = False) -> Optimum:
     if (jobs.last < jobs.first).all():
         return Optimum(0, is_exact=True)
     moves = np.maximum(jobs.last + 1 - jobs.first, 0).sum()
-    moves += np.maximum(jobs.until[:, None] + 1 - jobs.ways[:, : -jobs.robots], 0).sum()
+    moves += np.maximum(jobs.until[:, None] + 1 - jobs.distances[:, : -jobs.robots], 0).sum()
     unit = 1 + int(moves) // MAX_MOVES
     flow = _flow(jobs, unit)
     return _solve(flow, exactly=unit == 1 and len(flow.order) <= MAX_EXACT)
@@ -152,8 +155,8 @@ def _jobs(shift: Episode, on_time: bool) -> Jobs:
     )
     fields = Fields(Graph(layout))
     rows = fields.rows(pickups)
-    ways = fields.matrix[rows].astype(np.intp)
-    takes = ways[pickup, dropoffs[dropoff]] + HANDLING
+    distances = fields.matrix[rows].astype(np.intp)
+    takes = distances[pickup, dropoffs[dropoff]] + HANDLING
     due = [min(order.due, shift.steps) if on_time else shift.steps for order in orders]
     return Jobs(
         pickup,
@@ -161,19 +164,20 @@ def _jobs(shift: Episode, on_time: bool) -> Jobs:
         np.array([order.released for order in orders], np.intp),
         np.array(due, np.intp) - takes,
         takes,
-        ways[:, np.concatenate([dropoffs, shift.cells[0]])],
+        distances[:, np.concatenate([dropoffs, shift.cells[0]])],
         shift.robots,
     )
 
 
 def _flow(jobs: Jobs, unit: int) -> Flow:
-    """Return the flow in which all times are rounded down to units of some steps.
+    """Return the flow, with all times rounded down to units of some steps.
 
-    Rounding makes each way shorter and each order wait longer, so that nothing possible is lost.
+    Rounding shortens paths and lets orders wait longer, so that every possible delivery remains
+    possible.
     """
     until = jobs.until // unit
     units = int((jobs.last + jobs.takes).max(initial=0)) // unit + 1
-    places, starts = sum(jobs.ways.shape), jobs.ways.shape[1] - jobs.robots
+    places, starts = sum(jobs.distances.shape), jobs.distances.shape[1] - jobs.robots
     moves = list[Integers]()
 
     def add(tail: int, head: int, times: Integers, steps: int, order: int = NO_ORDER) -> None:
@@ -183,23 +187,28 @@ def _flow(jobs: Jobs, unit: int) -> Flow:
 
     for order, (pickup, dropoff, first, last, takes) in enumerate(zip(*jobs[:5], strict=True)):
         times = np.arange(first // unit, last // unit + 1)
-        add(pickup, len(jobs.ways) + dropoff, times, takes, order)
-    for pickup, row in enumerate(jobs.ways):
+        add(pickup, len(jobs.distances) + dropoff, times, takes, order)
+    for pickup, row in enumerate(jobs.distances):
         add(pickup, pickup, np.arange(until[pickup]), unit)
-        for place, way in enumerate(row):
-            times = np.arange(until[pickup] + 1 - way // unit)
-            add(len(jobs.ways) + place, pickup, times[: 1 if place >= starts else None], way)
+        for place, distance in enumerate(row):
+            times = np.arange(until[pickup] + 1 - distance // unit)
+            add(
+                len(jobs.distances) + place,
+                pickup,
+                times[: 1 if place >= starts else None],
+                distance,
+            )
     robots = np.zeros((places, units), np.intp)
-    robots[len(jobs.ways) + starts :, 0] = 1
+    robots[len(jobs.distances) + starts :, 0] = 1
     tails, heads, orders, ends = np.concatenate(moves, axis=1)
     return Flow(tails, heads, orders, ends, robots.ravel())
 
 
 def _solve(flow: Flow, exactly: bool) -> Optimum:
-    """Return the bound of the linear relaxation, or, if so wished, the optimum.
+    """Return the optimum if ``exactly`` is true and it is found, otherwise the linear bound.
 
-    The optimum is the largest whole number up to the bound for which there are whole numbers of
-    robots; each is tried. The wish for early deliveries leaves few of many equal flows to look at.
+    The candidates are the whole numbers from the bound down, until an integer solution exists. The
+    objective prefers early deliveries, because otherwise the search would visit many equal flows.
     """
     from scipy.optimize import Bounds, LinearConstraint, linprog, milp
     from scipy.sparse import csr_array, vstack
@@ -217,16 +226,16 @@ def _solve(flow: Flow, exactly: bool) -> Optimum:
     most = int(ERROR - bound.fun) if bound.success else int(orders)
     while exactly:
         enough = LinearConstraint(csr_array(delivers[None].astype(float)), most, np.inf)
-        found = milp(
+        result = milp(
             np.where(delivers, 1 + flow.time, 0),
             integrality=delivers,
             bounds=Bounds(0, np.inf),
             constraints=[LinearConstraint(matrix, -np.inf, limits), enough],
             options={"node_limit": MAX_NODES, "mip_rel_gap": 1e6},
         )
-        if found.x is not None:
+        if result.x is not None:
             return Optimum(most, is_exact=True)
-        if found.status != INFEASIBLE:
+        if result.status != INFEASIBLE:
             break
         most -= 1
     return Optimum(most, is_exact=False)

@@ -1,4 +1,4 @@
-"""The plans of chosen robots, step by step, for a replay."""
+"""Log of the plans of chosen robots in each step, for a replay."""
 
 from __future__ import annotations
 
@@ -12,7 +12,7 @@ from warehouse_core.world.tables import Integers
 
 
 class PlanLog:
-    """Keeps what a planner plans for some robots, and with ``pushes`` who pushes whom.
+    """Record of a planner's plans for some robots and, with ``pushes``, of who pushes whom.
 
     Attributes:
         plans: plans of the steps so far, as ``replay_animation`` takes them.
@@ -23,22 +23,22 @@ class PlanLog:
         self._robots, self.pushes = robots, pushes
 
     def add(self, planner: Planner, graph: Graph, situation: Situation, chosen: Integers) -> None:
-        """Keep the plans of a step from a situation to the chosen cells, ``[R]``.
+        """Record the plans of a step from a situation to the chosen cells, ``[R]``.
 
-        The graph of the floor is used for a planner that shows none.
+        ``graph`` is used if the planner has no ``graph`` of its own.
         """
         cells, goals = situation.cells, situation.goals
         graph, plan_of = getattr(planner, "graph", None) or graph, getattr(planner, "plan_of", None)
-        ways, wishes = dict[int, list[int]](), dict[int, list[int]]()
+        paths, wishes = dict[int, list[int]](), dict[int, list[int]]()
         for robot in self._robots:
             ahead = plan_of(robot) if plan_of else []
-            # A robot that cannot go on as planned waits.
+            # A robot that cannot follow its plan waits.
             is_planned = ahead[:1] == [chosen[robot]]
-            ways[robot] = [int(cells[robot]), *(ahead if is_planned else [int(chosen[robot])])]
-            wishes[robot] = graph.path(ways[robot][-1], int(goals[robot]))
+            paths[robot] = [int(cells[robot]), *(ahead if is_planned else [int(chosen[robot])])]
+            wishes[robot] = graph.path(paths[robot][-1], int(goals[robot]))
         places, wished = (
-            {robot: graph.layout.cells(way) for robot, way in kind.items()}
-            for kind in (ways, wishes)
+            {robot: graph.layout.cells(path) for robot, path in kind.items()}
+            for kind in (paths, wishes)
         )
         pushed = dict[int, int]()
         if self.pushes:

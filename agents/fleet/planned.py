@@ -1,4 +1,4 @@
-"""A fleet that a planner and a task assignment direct, and who assigns the orders of a fleet."""
+"""Planned fleets: a planner and a task assignment control all robots of a fleet."""
 
 from __future__ import annotations
 
@@ -30,13 +30,13 @@ from warehouse_core.world.tables import Integers
 DEFAULT_ASSIGNMENT = "urgent"
 
 PLAN_SECONDS = 10.0
-"""Seconds that a planner may take for a step."""
+"""Default time limit for the plan of a step, in seconds."""
 
 
 _WAITS = TURN_ACTIONS.index("WAIT")
 
 _TURNS = np.array([_WAITS, RIGHT, RIGHT, LEFT])
-"""Action that turns a robot, by the quarters to the right that it has to turn."""
+"""Action that turns a robot, by the number of quarter turns to the right that it needs."""
 
 _HANDLES = np.full(DROP + 1, _WAITS)
 _HANDLES[[PICK, DROP]] = TURN_ACTIONS.index("PICK"), TURN_ACTIONS.index("DROP")
@@ -44,42 +44,42 @@ _HANDLES[[PICK, DROP]] = TURN_ACTIONS.index("PICK"), TURN_ACTIONS.index("DROP")
 
 
 def wants_dispatch(agent: FleetAgent) -> bool:
-    """Return whether a fleet assigns its orders itself, as it does unless its agent says no."""
+    """Return whether the environment assigns the orders, as it does unless the agent declines."""
     return getattr(agent, "dispatch", True)
 
 
 def check_headings(planner: Planner, env: FleetEnv) -> None:
-    """Check that a planner knows headings if the robots of an environment have them.
+    """Check that a planner supports headings if the robots of an environment have them.
 
     Raises:
-        AgentError: the robots have headings, and the planner does not know any.
+        AgentError: the robots have headings, and the planner does not support them.
     """
     if env.settings.has_headings and not knows_headings(planner):
         raise AgentError(
-            f"planner {type(planner).__name__} does not know headings, which robots "
+            f"planner {type(planner).__name__} does not support headings, which robots "
             'with moves="turn" have; it needs a method next_places'
         )
 
 
 class PlannedFleet:
-    """Robots that a planner leads to the goals that orders, chargers and parking give them.
+    """Fleet agent that moves its robots with a planner, to goals from orders, chargers and parking.
 
-    A step is lost, and all robots wait, if its plan takes too long. So it is if the planner fails,
-    and the fleet is to go on; the planner is then reset.
+    If a plan takes too long, the step is lost and all robots wait. The same happens if the planner
+    fails and ``goes_on`` is true; the planner is then reset.
 
     Args:
         planner: planner made for the floor of the fleet.
         assignment: a name of ``ASSIGNMENTS``.
         seconds: time limit of the planner for a step, above 0.
-        goes_on: go on when the planner fails, instead of raising its error.
-        log: log that gets the plans of each step.
+        goes_on: continue when the planner fails, instead of raising its error.
+        log: log that records the plans of each step.
 
     Raises:
-        AgentError: the log is to have pushes, which the planner does not say.
+        AgentError: the log has to record pushes, which the planner does not report.
 
     Attributes:
-        dispatch: false, as the orders are assigned here; see ``FleetEnv``.
-        lost: steps that were lost, and why.
+        dispatch: false, because this class assigns the orders; see ``FleetEnv``.
+        lost: lost steps, each with the reason.
 
     Example:
         >>> from agents.fleet import PlannedFleet
@@ -107,7 +107,7 @@ class PlannedFleet:
         with_methods("planner", planner, "reset", "next_cells")
         self._log = None if log is None else instance_of("log", log, PlanLog)
         if log and log.pushes and not hasattr(planner, "pushers"):
-            raise AgentError(f"planner {type(planner).__name__} does not say which robots push")
+            raise AgentError(f"planner {type(planner).__name__} does not report which robots push")
         self.planner = planner
         self._assignment = one_of("assignment", assignment, ASSIGNMENTS)
         self._seconds = real_number("seconds", seconds, above=True)
@@ -146,19 +146,19 @@ class PlannedFleet:
                 self._log.add(self.planner, graph, situation, chosen % graph.size)
         except TimeoutError:
             chosen = self._lose(env, stays, f"the plan took more than {self._seconds:g} s")
-        except Exception as error:  # the planner of a user may raise anything
+        except Exception as error:  # a user's planner may raise anything
             if not self._goes_on:
                 raise
             chosen = self._lose(env, stays, reason_of(error, file_of(self.planner)))
         if env.settings.has_headings:
             return turning_actions(graph, situation, headings, chosen, actions)
         if shares_cell(cells).any():
-            chosen = part(graph, situation, chosen)
+            chosen = separate(graph, situation, chosen)
         moves = (graph.neighbours[cells] == chosen[:, None]).argmax(axis=1)
         return np.where(actions == WAIT, moves, actions)
 
     def _plan(self, graph: Graph, situation: Situation, headings: Integers) -> Integers:
-        """Return the next cells of the robots, or with headings their next places, checked."""
+        """Return the checked next cells of the robots, or their next places with headings."""
         with time_limit(self._seconds):
             chosen = next_steps(self.planner, situation, headings)
         if len(headings):
@@ -176,39 +176,39 @@ class PlannedFleet:
 def turning_actions(
     graph: Graph, situation: Situation, headings: Integers, places: Integers, actions: Integers
 ) -> NDArray[np.intp]:
-    """Return what robots do, ``[R]`` indices into ``TURN_ACTIONS``.
+    """Return the actions of robots with headings, ``[R]`` indices into ``TURN_ACTIONS``.
 
     Args:
         graph: floor.
         situation: situation before the step.
-        headings: ``[R]`` headings before it.
-        places: ``[R]`` places after it, see ``PlacePlanner``.
-        actions: ``[R]``, ``PICK`` or ``DROP``; or ``WAIT`` for robots that move, turn or wait.
+        headings: ``[R]`` headings before the step.
+        places: ``[R]`` places after the step, see ``PlacePlanner``.
+        actions: ``[R]``, ``PICK`` or ``DROP``, or ``WAIT`` for robots that move, turn or wait.
     """
     cells = situation.cells
     wanted, to = np.divmod(places, graph.size)
     if shares_cell(cells).any():
-        parted = part(graph, situation, to)
-        away = (graph.neighbours[cells, :WAIT] == parted[:, None]).argmax(axis=1)
-        wanted = np.where(parted != to, away, wanted)
-        to = np.where((parted != to) & (away != headings), cells, parted)
+        separated = separate(graph, situation, to)
+        away = (graph.neighbours[cells, :WAIT] == separated[:, None]).argmax(axis=1)
+        wanted = np.where(separated != to, away, wanted)
+        to = np.where((separated != to) & (away != headings), cells, separated)
     moves = np.where(to != cells, FORWARD, _TURNS[(wanted - headings) % len(_TURNS)])
     return np.where(actions == WAIT, moves, _HANDLES[actions])
 
 
-def part(graph: Graph, situation: Situation, chosen: Integers) -> Integers:
-    """Return the next cells where of robots that share a cell the first leaves it, if it can.
+def separate(graph: Graph, situation: Situation, chosen: Integers) -> Integers:
+    """Separate robots that share a cell: let the first one leave, and return the next cells.
 
-    Bodies may come to rest over one cell after a disturbance. To the planner both stay.
+    Bodies may come to rest in one cell after a disturbance. For the planner, both robots stay.
     """
     cells = situation.cells
     first = np.unique(cells, return_index=True)[1]
     others = np.setdiff1d(np.arange(len(cells)), first)
     taken = {CLOSED, *cells.tolist(), *chosen.tolist(), *situation.closed.tolist()}
-    parted = chosen.copy()
+    separated = chosen.copy()
     for cell in np.unique(cells[others]).tolist():
         free = [side for side in graph.neighbours[cell].tolist() if side not in taken]
         if free:
-            parted[np.argmax(cells == cell)] = free[0]
+            separated[np.argmax(cells == cell)] = free[0]
             taken.add(free[0])
-    return parted
+    return separated

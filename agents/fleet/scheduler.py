@@ -1,4 +1,4 @@
-"""What each robot of a fleet is to do: its order, its charger, or a place out of the way."""
+"""Scheduler of a fleet: gives each robot an order, a charger, or a place out of the way."""
 
 from __future__ import annotations
 
@@ -23,19 +23,21 @@ from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Flags, Integers
 
 IDLE, BETWEEN = 0.9, 0.5
-"""Shares of a full battery below which a robot that has no order, or has just delivered one, goes
-to a charger that nobody uses."""
+"""Battery shares below which a robot goes to an unused charger: while idle, or between orders."""
 
 MAX_PAIRS, LARGE_EVERY = 40_000, 10
-"""Pairs of a robot and an order up to which orders are assigned anew in each step. With more pairs
-that happens every ``LARGE_EVERY`` steps, and in the others only robots without an order get one."""
+"""Number of pairs of a robot and an order up to which every step reassigns the orders.
+
+With more pairs, all orders are reassigned only every ``LARGE_EVERY`` steps. In the other steps,
+only robots without an order get one.
+"""
 
 
 class RobotStates(NamedTuple):
-    """The robots before a step, ``[R]`` each; cells are numbers.
+    """The robots before a step; all arrays are ``[R]``, and cells are numbers.
 
-    The ``cells`` of robots that drive through are the ends of their ``Routes``. The ``goals`` are
-    cells where robots are to pick or drop, or ``NONE``.
+    For robots that drive through, ``cells`` are the ends of their ``Routes``. The ``goals`` are the
+    cells where robots have to pick or drop, or ``NONE``.
     """
 
     cells: Integers
@@ -46,12 +48,12 @@ class RobotStates(NamedTuple):
 
 
 class Duties(NamedTuple):
-    """What each of ``R`` robots is to do next, ``[R]`` each but for the robots.
+    """The next duty of each of ``R`` robots; all arrays are ``[R]``.
 
     Attributes:
-        robots: robots with the goals that their orders give them.
-        goals: cells to go to: to pick or drop, to charge, or to be out of the way.
-        stays: true for robots that cannot move in the next step, whoever is beside them.
+        robots: states of the robots, with the goals of their orders.
+        goals: goal cells, to pick or drop, to charge, or to park.
+        stays: true for robots that cannot move in the next step, whatever their neighbours do.
         actions: ``PICK`` or ``DROP``, or ``WAIT`` if a robot moves or waits.
     """
 
@@ -62,20 +64,19 @@ class Duties(NamedTuple):
 
 
 class Scheduler:
-    """Gives the robots of a fleet, after its reset, orders, turns at chargers, and goals.
+    """Scheduler that gives the robots of a fleet orders, turns at chargers, and goals.
 
     Args:
-        env: fleet.
+        env: fleet, after its reset.
         assignment: a name of ``ASSIGNMENTS``.
-        known: graph of the planner, with the costs of moves by which robots find their ways, and
-            the time that they take to turn; ``None`` is without both.
+        known: graph of the planner, with the costs of moves and turns; ``None`` is without costs.
     """
 
     def __init__(self, env: FleetEnv, assignment: str, known: Graph | None = None) -> None:
         self.graph = Graph(env.layout)
         roads = Graph(env.layout, known.costs) if known else self.graph
         self._fields = Fields(self.graph)
-        # Who is near is a matter of time: of cells at top speed, and of turns.
+        # Assignments compare travel times, which consist of cells at top speed and of turns.
         turns = known.turn_cost if known else 0.0
         self._times = Fields(self.graph.with_turns(turns)) if turns else self._fields
         self._cell_steps: float = with_defaults(env.motion).cell_steps
@@ -91,9 +92,9 @@ class Scheduler:
         self._was_charging = self._is_idle
 
     def situation(self, env: FleetEnv) -> tuple[Situation, NDArray[np.intp]]:
-        """Return the situation before the next step, and the actions of robots that stay.
+        """Assign orders; return the situation before the next step and the robots' actions.
 
-        Orders are assigned. A robot does ``PICK`` or ``DROP``, or ``WAIT`` if it moves or waits.
+        The action of a robot is ``PICK`` or ``DROP``, or ``WAIT`` if it moves or waits.
         """
         routes, count = env.routes, env.settings.robots
         robots, goals, stays, actions = self.duties(env)
@@ -115,7 +116,7 @@ class Scheduler:
         return Situation(robots.cells, goals, stays, cells, urgent), actions
 
     def duties(self, env: FleetEnv) -> Duties:
-        """Return what each robot is to do, as if no other were in its way. Orders are assigned."""
+        """Assign orders, and return the duty of each robot regardless of obstacles."""
         routes, count = env.routes, env.settings.robots
         dead = [cell for cell, units in zip(env.cells, env.battery, strict=True) if units <= 0]
         self._close(frozenset(map(env.layout.number, [*routes.closed, *dead])))
@@ -132,7 +133,7 @@ class Scheduler:
         return Duties(robots, self._goals(robots), stays, actions)
 
     def _are_at_work(self, robots: RobotStates) -> Flags:
-        """Return whether each robot is where it is to pick or drop, ``[R]``."""
+        """Return whether each robot is where it has to pick or drop, ``[R]``."""
         are_there: Flags = (robots.cells == robots.goals) & ~robots.ended
         are_there &= self.chargers.turn == NONE
         return are_there
@@ -140,18 +141,18 @@ class Scheduler:
     def _escape(
         self, robots: RobotStates, goals: Integers, is_done: bool, walls: set[int], people: Integers
     ) -> dict[int, int]:
-        """Return where robots are to be after this step, by robot, if the fleet is stuck."""
+        """Return the cells that robots must have after this step, by robot, if they are stuck."""
         is_charging = self.chargers.charging(robots.cells)
         is_away = ((robots.goals != NONE) | (self.chargers.turn != NONE)) & ~robots.ended
         away = np.flatnonzero(is_away & (goals != robots.cells) & ~is_charging)
-        ways = np.full(len(goals), FAR)
-        ways[away] = self._fields.distances(goals[away], robots.cells[away])
+        distances = np.full(len(goals), FAR)
+        distances[away] = self._fields.distances(goals[away], robots.cells[away])
         is_done |= bool((is_charging != self._was_charging).any())
         self._was_charging = is_charging
-        return self._escapes.aims(robots.cells, goals, ways, walls, people, is_done)
+        return self._escapes.aims(robots.cells, goals, distances, walls, people, is_done)
 
     def _close(self, cells: frozenset[int]) -> None:
-        """Let no way lead through the cells of robots that have failed."""
+        """Close the cells of robots that have failed to all paths."""
         if cells != self.graph.closed:
             self.graph.close(cells)
             self._times.graph.close(cells)
@@ -159,26 +160,26 @@ class Scheduler:
             self._assigned = (b"", b"")
 
     def _look(self, env: FleetEnv, cells: Sequence[Cell]) -> RobotStates:
-        found, width = env.arrays(), np.array([env.layout.width, 1])
-        loaded = np.asarray(found["has_item"]) != 0
-        places = np.where(loaded[:, None], found["dropoff_pos"], found["pickup_pos"])
+        arrays, width = env.arrays(), np.array([env.layout.width, 1])
+        loaded = np.asarray(arrays["has_item"]) != 0
+        places = np.where(loaded[:, None], arrays["dropoff_pos"], arrays["pickup_pos"])
         goals = np.where(places[:, 0] < 0, NONE, places @ width)
-        battery = found["battery"][:, 0].astype(np.float64)
+        battery = arrays["battery"][:, 0].astype(np.float64)
         return RobotStates(np.array(cells) @ width, goals, loaded, np.array(env.ended), battery)
 
     def _send_to_chargers(self, robots: RobotStates) -> None:
-        """Give turns at chargers. A robot that can deliver its item before does it first."""
+        """Update the turns at chargers; a robot that can still deliver its item does so first."""
         may_go = ~robots.ended
         carrying = np.flatnonzero(robots.loaded & may_go & (robots.goals != NONE))
         goals = robots.goals[carrying]
-        ways = self._ways(robots.cells[carrying], goals) + self.chargers.home[goals]
-        may_go[carrying] = ~self.chargers.lasts(robots.battery[carrying], ways)
+        times = self._travel_times(robots.cells[carrying], goals) + self.chargers.home[goals]
+        may_go[carrying] = ~self.chargers.lasts(robots.battery[carrying], times)
         shares = np.where(robots.goals == NONE, np.where(self._is_idle, IDLE, BETWEEN), 0.0)
         battery = np.where(robots.ended, 0.0, robots.battery)
         self.chargers.update(Needs(robots.cells, battery, may_go, shares * self._capacity))
 
     def _give_orders(self, env: FleetEnv, robots: RobotStates) -> RobotStates:
-        """Assign open orders, and return the robots with the goals that this gives them."""
+        """Assign open orders, and return the robots with the goals of their orders."""
         known = env.order_arrays
         if not len(known.due):
             return robots
@@ -206,16 +207,16 @@ class Scheduler:
     def _change_orders(
         self, env: FleetEnv, robots: RobotStates, free: Integers, columns: Integers, order: Integers
     ) -> None:
-        """Assign these orders to these robots, and bring ``order`` up to date."""
+        """Assign these orders to these robots, and update ``order``."""
         known, cells = env.order_arrays, robots.cells[free]
-        ways = self._ways(cells[:, None], known.pickup[columns])
+        times = self._travel_times(cells[:, None], known.pickup[columns])
         if len(self.chargers.cells):
-            whole = ways + self._trips[columns] + self._homes[columns]
-            ways[~self.chargers.lasts(robots.battery[free, None], whole)] = np.inf
-        ways[:, ~np.isfinite(self._trips[columns])] = np.inf
+            whole = times + self._trips[columns] + self._homes[columns]
+            times[~self.chargers.lasts(robots.battery[free, None], whole)] = np.inf
+        times[:, ~np.isfinite(self._trips[columns])] = np.inf
         held = np.where(order[free] == NONE, NONE, np.searchsorted(columns, order[free]))
         due, now = known.due[columns] / self._cell_steps, env.steps / self._cell_steps
-        given = self._assign(Tasks(ways, self._trips[columns], due, now, held))
+        given = self._assign(Tasks(times, self._trips[columns], due, now, held))
         new = np.where(given == NONE, NONE, columns[given])
         changed = np.flatnonzero(new != order[free])
         for robot in free[changed[order[free[changed]] != NONE]].tolist():
@@ -225,25 +226,25 @@ class Scheduler:
         order[free] = new
 
     def _measure(self, pickups: Integers, dropoffs: Integers) -> None:
-        """Measure the ways of orders that are new, from pickup to dropoff and to a charger."""
+        """Measure the travel times of new orders, from pickup to dropoff and on to a charger."""
         first = len(self._trips)
         if first < len(pickups):
-            trips = self._ways(pickups[first:], dropoffs[first:])
+            trips = self._travel_times(pickups[first:], dropoffs[first:])
             self._trips = np.concatenate([self._trips, trips])
             self._homes = np.concatenate([self._homes, self.chargers.home[dropoffs[first:]]])
 
-    def _ways(self, cells: Integers, goals: Integers) -> NDArray[np.float32]:
-        """Return the times from cells to goals, arrays that are broadcast; a cell takes 1.
+    def _travel_times(self, cells: Integers, goals: Integers) -> NDArray[np.float32]:
+        """Return the travel times from cells to goals, which are broadcast; a cell takes 1.
 
-        Robots begin in the best direction.
+        The robots start in the best direction.
         """
-        times = self._times
-        rows, headings = times.rows(goals), np.arange(0, times.graph.places, times.graph.size)
-        ways = times.matrix[rows[..., None], cells[..., None] + headings].min(axis=-1)
-        return np.where(ways == FAR, np.inf, ways / times.step).astype(np.float32)
+        fields = self._times
+        rows, headings = fields.rows(goals), np.arange(0, fields.graph.places, fields.graph.size)
+        times = fields.matrix[rows[..., None], cells[..., None] + headings].min(axis=-1)
+        return np.where(times == FAR, np.inf, times / fields.step).astype(np.float32)
 
     def _goals(self, robots: RobotStates) -> Integers:
-        """Return where each robot is to go; those without anything to do out of the way."""
+        """Return the goal of each robot; robots without a task park out of the way."""
         parking = self._parking[robots.cells]
         goals = np.where(robots.goals == NONE, parking, robots.goals)
         charging = self.chargers.goals(robots.cells)
@@ -251,24 +252,24 @@ class Scheduler:
 
 
 def parking_of(layout: Layout) -> NDArray[np.intp]:
-    """Return the cell where a robot in each cell is out of the way, ``[H * W]``.
+    """Return for each cell where a robot in it should park, ``[H * W]``.
 
-    It is the nearest that neither is a station or a charger nor beside one, if there is such a
-    cell.
+    This is the nearest cell that is neither a station or charger nor next to one. If all cells are
+    next to stations, it is the nearest cell that is not one.
     """
     width = layout.width
     busy = {*layout.pickups, *layout.dropoffs, *layout.chargers}
     beside = {(row + down, col + right) for row, col in busy for down, right in DISPLACEMENTS}
     cells = layout.cells(layout.open_cells)
-    found = np.arange(layout.height * width)
+    arrays = np.arange(layout.height * width)
     for avoided in (busy | beside, busy):
         places = [cell for cell in cells if cell not in avoided]
         to = nearest(layout, places).ravel()
         if places:
-            return np.where(to < 0, found, to)
-    return found
+            return np.where(to < 0, arrays, to)
+    return arrays
 
 
 def shares_cell(cells: Integers) -> Flags:
-    """Return whether each robot shares its cell, as bodies may after a disturbance."""
+    """Return whether each robot shares its cell with another, as bodies may after a disturbance."""
     return np.bincount(cells)[cells] > 1

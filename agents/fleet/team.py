@@ -1,6 +1,7 @@
-"""Robots of a fleet each of which is directed by an agent of the chapter.
+"""Teams: fleets in which an agent for a single robot controls each robot.
 
-The agents know no orders and no chargers: a pilot gives each of them the goals of its robot.
+The agents know nothing of orders and chargers. A pilot presents the goals of its robot to each of
+them.
 """
 
 from __future__ import annotations
@@ -31,28 +32,30 @@ CLOSED = (WALL, OTHER_EMPTY, OTHER_LOADED, PERSON)
 """Tiles of an observation that no robot can drive into."""
 
 NEARLY_FULL = 0.9
-"""Share of a full battery with which a robot leaves its charger, unless charging is slow before."""
+"""Share of a full battery with which a robot leaves its charger, or less if charging slows down."""
 
 SPARE_MOVES = 10
-"""Moves beyond ``DETOUR`` times the shortest way for which the battery of a robot still lasts when
-it goes to charge: its agent may know no shortest way, and others are in the way."""
+"""Reserve in moves, beyond ``DETOUR`` times the shortest path, with which a robot goes to charge.
+
+The agent may not find the shortest path, and other robots may block it.
+"""
 
 PATIENCE = 3
-"""Moves that fail one after another before a robot takes another one."""
+"""Number of failed moves in a row after which a robot makes a random one."""
 
 Goal = tuple[Cell | None, Cell | None]
-"""Cells to pick and to drop in."""
+"""Cells of pickup and dropoff."""
 
 
 class Site:
-    """What the robots of a fleet, after its reset, know of their warehouse.
+    """Shared knowledge of the robots of a fleet about their warehouse, after its reset.
 
     Attributes:
-        stations: cells where nobody should stand without a reason.
-        enough: units with which no robot goes to charge, see ``ENOUGH``.
-        full: units with which a robot leaves its charger: ``NEARLY_FULL``, or less where the knee
-            of its battery is lower.
-        free: chargers that no robot goes to.
+        stations: cells in which no robot should wait without a reason.
+        enough: units above which no robot goes to charge, see ``ENOUGH``.
+        full: units with which a robot leaves its charger: ``NEARLY_FULL``, or less if the knee of
+            its charging curve is lower.
+        free: chargers to which no robot goes.
     """
 
     def __init__(self, env: FleetEnv) -> None:
@@ -62,21 +65,23 @@ class Site:
         knee = battery.capacity - battery.tail
         self.full = max(min(NEARLY_FULL * battery.capacity, knee), self.enough)
         self.free = list(layout.chargers)
-        self._ways = distances(layout, layout.chargers)
+        self._distances = distances(layout, layout.chargers)
         self._cost, charge = use_and_charge(env)
-        # Robots that start together run low together: those before one go to charge and do it.
+        # Robots that start together run low together, so that one may have to queue for others.
         before = max(env.settings.robots / max(len(self.free), 1) - 1, 0)
-        trip = DETOUR * float(self._ways[self._ways < np.inf].mean()) if self.free else 0.0
+        trip = (
+            DETOUR * float(self._distances[self._distances < np.inf].mean()) if self.free else 0.0
+        )
         charging = self.full / charge
         self._spare = SPARE_MOVES + before * (SPARE_MOVES + trip + charging)
 
     def reserve(self, cell: Cell) -> float:
-        """Return the units with which a robot at a cell should go to charge."""
-        needed = (DETOUR * float(self._ways[cell]) + self._spare) * self._cost
+        """Return the units below which a robot at a cell should go to charge."""
+        needed = (DETOUR * float(self._distances[cell]) + self._spare) * self._cost
         return min(needed, self.enough)
 
     def take_charger(self, cell: Cell) -> Cell | None:
-        """Return the charger that is nearest to a cell of those that are free, no longer free."""
+        """Reserve and return the nearest free charger, or ``None``."""
         if not self.free:
             return None
         charger = min(self.free, key=lambda each: manhattan_distance(cell, each))
@@ -85,12 +90,12 @@ class Site:
 
 
 class Pilot:
-    """One robot, whose agent observes an episode of the chapter for each goal of the robot.
+    """One robot, whose agent observes a separate episode for each goal of the robot.
 
-    The goal is given by its order: where to pick and where to drop. A robot whose battery is low
-    has a charger for both as soon as one is free, and waits there until its battery is nearly full.
-    A robot without an order waits, but not on a station or a charger. After ``PATIENCE`` moves that
-    failed it takes a random one. After each action ``reason`` has its reason.
+    The order of the robot gives the cells to pick and to drop in. If the battery is low, a free
+    charger takes the place of both, and the robot waits there until its battery is nearly full. A
+    robot without an order waits, but not on a station or a charger. After ``PATIENCE`` failed
+    moves, it makes a random move. After each action, ``reason`` has the reason for it.
     """
 
     def __init__(self, agent: Agent, site: Site, stream: random.Random) -> None:
@@ -127,7 +132,7 @@ class Pilot:
         return self._ask(observation, (self._charger,) * 2 if self._charger else goal)
 
     def _plan_charging(self, battery: int, here: Cell, is_idle: bool) -> None:
-        """Take a charger if the battery is low, and free it when it is not any more."""
+        """Reserve a charger if the battery is low, and release it otherwise."""
         site = self._site
         enough = site.full if self._is_low else site.enough if is_idle else site.reserve(here)
         self._is_low = 0 < battery < enough
@@ -138,7 +143,7 @@ class Pilot:
             self._charger = None
 
     def _ask(self, observation: FleetObservation, goal: Goal) -> int:
-        """Return what the agent does on its way to a goal."""
+        """Return the agent's action for a goal."""
         has_item, before = observation["has_item"], self._goal
         is_same = goal == before or (has_item and before is not None and goal[1] == before[1])
         if not is_same:
@@ -151,7 +156,7 @@ class Pilot:
         return action
 
     def _step_aside(self, observation: FleetObservation, here: Cell, reason: str) -> int:
-        """Return a random move to a cell that seems free, if possible not a station."""
+        """Return a random move to a cell that seems free, preferably not a station."""
         self._failed, window = 0, observation["local_grid"]
         centre = len(window) // 2
         free = [
@@ -171,17 +176,18 @@ class Pilot:
 
 
 class Team:
-    """Robots each of which is directed by an agent of the chapter, such as ``GreedyAgent``.
+    """Fleet agent with one agent for each robot, such as ``GreedyAgent``.
 
-    See ``Pilot`` for what the agents observe. A robot that drives on from one step to the next, as
-    with a backend that drives through, has no action to choose until it is at rest.
+    See ``Pilot`` for what the agents observe. With a backend in which robots drive through, a robot
+    that is still moving has no action to choose until it is at rest.
 
     Args:
         agents: one agent for each robot.
-        seed: seed of the moves of robots that are in the way.
+        seed: seed of the random moves of robots that are blocked.
 
     Attributes:
-        reason: reasons of the last actions, one for each robot; "" for a robot that drives on.
+        reason: reasons of the last actions, one for each robot; "" for a robot that is still
+            moving.
         robot: robot whose agent is choosing now, or ``None``.
 
     Example:
@@ -211,7 +217,7 @@ class Team:
         """Return the next action of each robot, as an index.
 
         Raises:
-            ValueError: the fleet has another number of robots.
+            ValueError: the number of robots differs from the number of agents.
         """
         if not self._pilots:
             site, stream = Site(env), random.Random(self._seed)

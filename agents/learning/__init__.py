@@ -1,7 +1,7 @@
 """Agents that learn, and their training.
 
-Training by PPO, ``agents.learning.ppo_training``, and by imitation,
-``agents.learning.clone_training``, needs the extra ``rl``.
+Training with PPO (``agents.learning.ppo_training``) and training by imitation
+(``agents.learning.clone_training``) need the extra ``rl``.
 """
 
 from agents.learning.clone_agent import CloneAgent

@@ -1,4 +1,4 @@
-"""An agent to compare others with: it acts at random."""
+"""A random agent, as a baseline for comparisons."""
 
 from __future__ import annotations
 
@@ -12,10 +12,10 @@ __all__ = ["RandomAgent"]
 
 
 class RandomAgent:
-    """Takes any of the seven actions, each with the same probability.
+    """An agent that takes any of the seven actions with the same probability.
 
     Args:
-        seed: seed of its random stream, restarted at each ``reset``; ``None`` uses a random one.
+        seed: seed of its random stream, restarted at each ``reset``; ``None`` uses a random seed.
 
     Example:
         >>> from agents.learning.baselines import RandomAgent

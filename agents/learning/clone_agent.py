@@ -1,6 +1,6 @@
 """The agent that ``warehouse train clone`` trains; running it needs only NumPy.
 
-It uses nothing but its observations, and remembers them.
+It uses only its observations, which it remembers.
 """
 
 from __future__ import annotations
@@ -21,16 +21,16 @@ WORDS = tuple(MOVE_DELTAS)
 
 
 class CloneAgent:
-    """Takes the move that its network ranks first, of those that lead into no wall.
+    """An agent that takes the move that its network ranks highest among those not into a wall.
 
-    At its goal it picks or drops. Its ``MapMemory`` is part of it, and is empty at each reset.
+    At its goal it picks or drops. It has a ``MapMemory`` of its own, which each reset clears.
 
     Args:
         network: network that ranks the moves.
         name: name of the network in error messages.
 
     Raises:
-        TypeError: it is no network.
+        TypeError: ``network`` is not a ``MoveNetwork``.
 
     Example:
         >>> import numpy as np
@@ -54,7 +54,7 @@ class CloneAgent:
         """Return an agent with a network from a file.
 
         Raises:
-            RecordError: the file is not one of such a network.
+            RecordError: the file does not contain such a network.
             OSError: the file cannot be read.
         """
         return cls(MoveNetwork.load(path), str(path))
@@ -68,7 +68,7 @@ class CloneAgent:
         """Return the action for ``observation`` and set ``reason`` to its probability.
 
         Raises:
-            AgentError: the view radius differs from the training.
+            AgentError: the view radius differs from the one in training.
         """
         self._network.check_view(observation, self._name)
         [scores] = self._network.scores(self._memory.look(_batch_of(encode(observation))))
@@ -87,6 +87,6 @@ class CloneAgent:
 
 
 def _batch_of(arrays: ObservationArrays) -> ObservationArrays:
-    """Return the arrays of a batch with one row."""
+    """Return the arrays as a batch with one row."""
     batch: ObservationArrays = {name: np.asarray(each)[None] for name, each in arrays.items()}  # type: ignore[assignment]
     return batch

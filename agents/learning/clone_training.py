@@ -1,14 +1,16 @@
-"""Imitation of a teacher by a network with a memory; needs PyTorch.
+"""Imitation learning (DAgger): a network with a memory learns from a teacher; needs PyTorch.
 
-The network moves the robots, so that it learns where its own mistakes lead (DAgger); the teacher
-says what would have been right there. A network that cannot know what its teacher knows would
-go round in circles, since it takes the likeliest move each time. Therefore only moves to the
-neighbours that a robot has visited least are right: the teacher's, if it is one of them, or else
-all. From this the network learns to search, and from the teacher where to begin.
+The network moves the robots, so that the training contains the consequences of its own mistakes.
+The teacher labels each state with the right moves.
+
+A network that cannot know what its teacher knows would go round in circles, because it always takes
+the likeliest move. Therefore only moves to the neighbours that the robot has visited least are
+right. If the teacher's move is one of them, only that move is right. As a result, the network
+learns to explore, and learns from the teacher where to begin.
 
 Source: Ross, Gordon and Bagnell, *A Reduction of Imitation Learning and Structured Prediction to
-No-Regret Online Learning*, 2011; Koenig and Szymanski, *Value-Update Rules for Real-Time Search*,
-1999, on visiting the cell that was visited least.
+No-Regret Online Learning*, 2011. Koenig and Szymanski, *Value-Update Rules for Real-Time Search*,
+1999, on visiting the least visited cell.
 """
 
 from __future__ import annotations
@@ -31,34 +33,34 @@ from warehouse_core.world.actions import action_index
 from warehouse_core.world.tables import Flags
 
 ENVS = 256
-"""Warehouses side by side."""
+"""Number of warehouses in a batch."""
 
 ROUND = 32
 """Steps of each warehouse between two updates of the network."""
 
 KEPT = 10
-"""Rounds whose views are learned from."""
+"""Number of the latest rounds whose views are used for training."""
 
 UPDATES, VIEWS = 16, 1024
-"""Updates of a round, and views that each learns from."""
+"""Number of updates in a round, and number of views in each of them."""
 
 LEARNING_RATE = 2e-3
 """Learning rate of the first round; it decreases linearly."""
 
 BEST = 0.7
-"""Share of warehouses where the best move is taken; elsewhere moves are drawn."""
+"""Share of warehouses that take the best move; the others take random moves by their scores."""
 
 RADIUS, WIDTH = 3, 64
-"""Cells of the map in each direction that a view shows, and outputs of the hidden layers."""
+"""Radius of the map in a view, in cells, and width of the hidden layers."""
 
 PICK, DROP = action_index("PICK"), action_index("DROP")
 
 
 class Lessons:
-    """The latest views with the moves that would have been right.
+    """A buffer of the latest views and their right moves.
 
     Args:
-        most: number of views that are kept.
+        most: capacity in views.
         size: length of a view.
     """
 
@@ -68,33 +70,33 @@ class Lessons:
         self._added = 0
 
     def add(self, views: SingleFloats, right: Flags) -> None:
-        """Add the views for which a move is right, in place of the oldest."""
+        """Add the views for which some move is right, in place of the oldest views."""
         useful = right.any(axis=1)
         places = (self._added + np.arange(useful.sum())) % len(self._views)
         self._views[places], self._right[places] = views[useful], right[useful]
         self._added += len(places)
 
     def draw(self, stream: np.random.Generator, count: int) -> tuple[SingleFloats, Flags]:
-        """Return random views, ``[count, ...]``, and which moves would have been right."""
-        drawn = stream.integers(min(self._added, len(self._views)), size=count)
-        return self._views[drawn].astype(np.float32), self._right[drawn]
+        """Return random views, ``[count, ...]``, and their right moves."""
+        chosen = stream.integers(min(self._added, len(self._views)), size=count)
+        return self._views[chosen].astype(np.float32), self._right[chosen]
 
 
 class CloneLearner:
-    """Learns from what a teacher would do in the episodes of a batch.
+    """Training of a network to imitate a teacher in the episodes of a batch.
 
     Args:
-        batch: environments with ``autoreset_mode="SameStep"``, usually ``ENVS`` rows.
-        teacher: teacher of the rows of this batch.
+        batch: environments with ``autoreset_mode="SameStep"``, by default ``ENVS`` rows.
+        teacher: teacher for the rows of this batch.
         steps: steps of the whole training, rounded up to whole rounds of all rows.
-        seed: seed that repeats a training on the same machine with the same versions.
+        seed: seed with which a training can be repeated on the same machine with the same versions.
 
     Example:
         >>> from agents.learning.clone_training import CloneLearner  # doctest: +SKIP
-        >>> from agents.learning.teachers import ShortestWays
+        >>> from agents.learning.teachers import ShortestPaths
         >>> from warehouse_core import BatchEnv
         >>> batch = BatchEnv(64, autoreset_mode="SameStep")
-        >>> learner = CloneLearner(batch, ShortestWays(batch), 100_000, seed=1)  # doctest: +SKIP
+        >>> learner = CloneLearner(batch, ShortestPaths(batch), 100_000, seed=1)  # doctest: +SKIP
     """
 
     def __init__(self, batch: BatchEnv, teacher: Teacher, steps: int, seed: int) -> None:
@@ -109,7 +111,7 @@ class CloneLearner:
         self._optimiser = torch.optim.Adam(self._layers.parameters(), LEARNING_RATE)
         self._stream = np.random.default_rng(seed)
         self._memory = MapMemory(batch.num_envs, batch.view_radius, RADIUS)
-        self._drawn = np.arange(batch.num_envs) >= BEST * batch.num_envs
+        self._is_random = np.arange(batch.num_envs) >= BEST * batch.num_envs
         self._lessons = Lessons(KEPT * ROUND * batch.num_envs, view_size(RADIUS))
         self._recent = deque[bool](maxlen=RECENT_EPISODES)
         self._arrays, _ = batch.reset(seed=seed)
@@ -117,7 +119,7 @@ class CloneLearner:
         self._views = self._memory.look(self._arrays)
 
     def learn(self, watch: WatchTraining) -> MakeAgent:
-        """Train, and return what makes the agent."""
+        """Train to the end, and return a function that makes the agent."""
         size = self._batch.num_envs * ROUND
         while self._round < self._rounds:
             self._watched(watch, size)
@@ -128,20 +130,20 @@ class CloneLearner:
         return self.agents()
 
     def state(self) -> Any:
-        """Return all but the teacher's distances, which follow from the layouts."""
+        """Return everything except the teacher's distances, which follow from the layouts."""
         learned = self._layers.state_dict(), self._optimiser.state_dict()
         episodes = self._batch, self._teacher, self._memory, self._arrays, self._views
         return learned, episodes, self._round, self._stream, self._lessons, self._recent
 
     def restore(self, state: Any) -> None:
-        """Go on from a state that a learner with the same arguments had."""
+        """Continue from the state of a learner with the same arguments."""
         learned, episodes, self._round, self._stream, self._lessons, self._recent = state
         self._layers.load_state_dict(learned[0])
         self._optimiser.load_state_dict(learned[1])
         self._batch, self._teacher, self._memory, self._arrays, self._views = episodes
 
     def agents(self) -> MakeAgent:
-        """Return what makes the agent in its present state; further training does not change it."""
+        """Return a function that makes the current agent; further training does not change it."""
         network = self.network()
         return lambda seed: CloneAgent(network)
 
@@ -159,13 +161,13 @@ class CloneLearner:
         watch(self._round * size, delivers, self.agents())
 
     def _act(self) -> None:
-        """Let the network move the robots, and keep what it saw and what would have been right."""
+        """Let the network move the robots, and record its views with the right moves."""
         network = self.network()
         for _ in range(ROUND):
             right = self._right()
             self._lessons.add(self._views, right)
             scores = network.scores(self._views)
-            scores[self._drawn] += self._stream.gumbel(size=scores[self._drawn].shape)
+            scores[self._is_random] += self._stream.gumbel(size=scores[self._is_random].shape)
             masks = self._batch.action_masks()
             actions = np.where(self._memory.is_open, scores, -np.inf).argmax(axis=1)
             actions[masks[:, PICK] > 0], actions[masks[:, DROP] > 0] = PICK, DROP
@@ -178,7 +180,7 @@ class CloneLearner:
             self._views = self._memory.look(self._arrays)
 
     def _right(self) -> Flags:
-        """Return the right moves, ``[B, 4]``; none for a robot that its teacher does not move."""
+        """Return the right moves, ``[B, 4]``; none for a robot whose teacher does not move it."""
         taught, memory = self._teacher.moves(self._arrays), self._memory
         visits = np.where(memory.is_open, memory.beside, np.iinfo(np.int32).max)
         least = visits == visits.min(axis=1, keepdims=True)
@@ -194,7 +196,7 @@ class CloneLearner:
             by_move = torch.from_numpy(views[:, turns(RADIUS)[self._stream.integers(2)]])
             walls = torch.from_numpy(views[:, WALLS] > 0)
             scores = self._layers(by_move)[..., 0].masked_fill(walls, -math.inf)
-            # Moves that are drawn by their scores become likelier to be any of the right ones.
+            # Increase the probability that a move sampled by the scores is any of the right ones.
             wrong = torch.from_numpy(~right)
             gain = scores.masked_fill(wrong, -math.inf).logsumexp(1) - scores.logsumexp(1)
             self._optimiser.zero_grad()

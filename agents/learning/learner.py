@@ -1,4 +1,4 @@
-"""What a learner gives to the one who watches its training."""
+"""Interfaces between a learner and the code that monitors its training."""
 
 from __future__ import annotations
 
@@ -8,34 +8,34 @@ from typing import Any, Protocol
 from warehouse_core import Agent
 
 RECENT_EPISODES = 1000
-"""Episodes over which a learner averages the share of deliveries."""
+"""Number of episodes over which a learner averages the share of deliveries."""
 
 MakeAgent = Callable[[int], Agent]
-"""Makes the agent of the episode with a seed."""
+"""Function that makes an agent for the episode with a given seed."""
 
 WatchTraining = Callable[[int, float, MakeAgent], None]
-"""Watches a training: a learner calls it regularly and at its end.
+"""Callback that monitors a training; a learner calls it regularly and at the end.
 
-It is given the steps taken so far, the share of the latest episodes that ended with the delivery
-(NaN without any), and what makes the agent in its present state.
+Its arguments are the number of steps so far, the share of recent episodes that ended with the
+delivery (NaN without any), and a function that makes the current agent.
 """
 
 
 class Resumable(Protocol):
-    """A training that can be stopped while it is watched, and resumed later to the same result."""
+    """A training that can be stopped at a callback and resumed later with the same result."""
 
     def state(self) -> Any:
-        """Return all that further training depends on, to be pickled before the training goes on.
+        """Return everything that further training depends on, to be pickled before it continues.
 
-        It is whole while ``watch`` is called.
+        The state is complete while ``watch`` is called.
         """
 
     def restore(self, state: Any) -> None:
-        """Go on from a state that a learner with the same arguments had."""
+        """Continue from the state of a learner with the same arguments."""
 
 
 class Learner(Resumable, Protocol):
     """A training of an agent."""
 
     def learn(self, watch: WatchTraining) -> MakeAgent:
-        """Train to the end, and return what makes the agent."""
+        """Train to the end, and return a function that makes the agent."""

@@ -1,8 +1,8 @@
-"""What robots remember of an episode, and how a network sees it: from the robot, in any direction.
+"""Memory of an episode as a map, and its view by a network, from the robot in any direction.
 
-A robot remembers the cells that it has seen, how often it has been in each, and how often it has
-left each by each move. Visits are forgotten when it picks up the item, since it then has another
-goal. ``B`` robots remember side by side, in arrays that grow with the floor.
+A robot remembers the cells that it has seen, how often it has visited each cell, and how often it
+has left each cell with each move. When it picks up the item, it forgets its visits and moves,
+because its goal changes. The memories of ``B`` robots are arrays, which grow with the floor.
 """
 
 from __future__ import annotations
@@ -23,36 +23,36 @@ MOVES = np.array(list(MOVE_DELTAS.values()))
 """Displacements of N, E, S and W, ``[4, 2]``."""
 
 OPPOSITE = np.array([2, 3, 0, 1])
-"""Number of the opposite of each move."""
+"""Index of the opposite of each move."""
 
 MIRRORED = np.array([0, 3, 2, 1])
-"""Number of what is ahead, to the right, behind and to the left, in a mirror."""
+"""Indices of the sides (ahead, right, behind, left) after a reflection."""
 
 UNKNOWN, FREE, BLOCKED = 0, 1, 2
-"""Marks of a cell in the map."""
+"""States of a cell in the map."""
 
 SIDE = 32
-"""Rows and columns of a map at first."""
+"""Initial number of rows and columns of a map."""
 
 MOST = 20
-"""Differences of counts above this one look alike."""
+"""Upper limit of differences of counts in a view."""
 
 FAR = 25
-"""Distances above this one look alike."""
+"""Upper limit of distances in a view."""
 
 LOGS = np.log1p(np.arange(12)).astype(np.float32)
-"""Numbers for counts of 0, 1, ...; those beyond the last look alike."""
+"""Values in a view for counts of 0, 1, ...; larger counts use the last one."""
 
 BY_MOVE, WINDOWS, REST = 9, 4, 1
-"""Kinds of numbers in a view: one for each move, one for each cell of the window, one alone."""
+"""Number of values in a view for each move, for each cell of the window, and for the whole view."""
 
 
 WALLS = slice(16, 20)
-"""Numbers of a view that say whether there are walls in the north, east, south and west."""
+"""Indices of a view that say whether there are walls in the north, east, south and west."""
 
 
 def view_size(radius: int) -> int:
-    """Return the number of numbers in a view, ``L``."""
+    """Return the length of a view, ``L``."""
     return BY_MOVE * len(MOVES) + WINDOWS * (2 * radius + 1) ** 2 + REST
 
 
@@ -60,12 +60,12 @@ def view_size(radius: int) -> int:
 def turns(radius: int) -> Integers:
     """Return the symmetries of a view as indices into it, ``[2, 4, L]``.
 
-    ``view[turns(radius)[0, d]]`` is the view of a robot that looks in the direction of move ``d``,
-    with what is ahead first; ``view[turns(radius)[1, d]]`` is that view in a mirror.
+    ``view[turns(radius)[0, d]]`` is the view of a robot that faces in the direction of move ``d``,
+    with the cells ahead first. ``view[turns(radius)[1, d]]`` is the mirror image of that view.
     """
     side = 2 * radius + 1
     cells = np.arange(side * side).reshape(side, side)
-    found = []
+    views = []
     for is_mirrored in (False, True):
         for move in range(len(MOVES)):
             window, moves = np.rot90(cells, move), np.roll(np.arange(len(MOVES)), -move)
@@ -74,12 +74,12 @@ def turns(radius: int) -> Integers:
             parts = [len(moves) * kind + moves for kind in range(BY_MOVE)]
             start = len(moves) * BY_MOVE
             parts += [start + window.size * kind + window.ravel() for kind in range(WINDOWS)]
-            found.append(np.concatenate([*parts, [start + window.size * WINDOWS]]))
-    return np.array(found).reshape(2, len(MOVES), -1)
+            views.append(np.concatenate([*parts, [start + window.size * WINDOWS]]))
+    return np.array(views).reshape(2, len(MOVES), -1)
 
 
 class MapMemory(CopiedWhole):
-    """What ``B`` robots remember of their episodes.
+    """The memories of ``B`` robots of their episodes.
 
     Args:
         robots: ``B``.
@@ -87,9 +87,9 @@ class MapMemory(CopiedWhole):
         radius: cells of the map in each direction that a view shows.
 
     Attributes:
-        visits: ``[B]``, how often each robot has been where it is, for its present goal.
-        beside: ``[B, 4]``, how often it has been in the cells to which N, E, S and W lead.
-        is_open: ``[B, 4]``, whether these cells are free.
+        visits: ``[B]``, number of visits of each robot to its present cell with its present goal.
+        beside: ``[B, 4]``, number of its visits to the neighbours in the N, E, S and W.
+        is_open: ``[B, 4]``, whether these neighbours are free.
 
     Example:
         >>> from agents.learning.map_memory import MapMemory, view_size
@@ -114,18 +114,27 @@ class MapMemory(CopiedWhole):
         self._last[robots], self._loaded[robots] = NOWHERE, False
 
     def look(self, arrays: ObservationArrays) -> SingleFloats:
-        """Remember what the robots observe, and return their views, ``[B, L]``.
+        """Remember the observations of the robots, and return their views, ``[B, L]``.
 
-        A view has nine numbers for each move: how much more often the robot has left by it, and
-        has been in the cell beyond, than by the least used move; how often it has left and come
-        that way; whether there is a wall; whether it was the last move; whether the goal lies
-        there, and how far; whether the robot has never left by it. Then it has four numbers for
-        each cell of the window: wall, free, visits, goal. The last number is the visits here.
+        A view begins with nine values for each of the four moves:
+
+        1. how much more often the robot has left its cell with it than with the least used move,
+        2. how much more often the robot has visited the next cell than the least visited one,
+        3. how often the robot has left its cell with it, as a logarithm,
+        4. how often the robot has entered its cell from that side, as a logarithm,
+        5. whether it leads into a wall,
+        6. whether it was the last move,
+        7. whether the goal lies in its direction,
+        8. how far the goal lies in its direction, and
+        9. whether the robot has never left its cell with it.
+
+        Four values for each cell of the window follow: wall, free, visits, goal. The last value is
+        the number of visits to the present cell.
         """
         position, loaded = arrays["robot_pos"], np.asarray(arrays["has_item"]) > 0
         while position.max(initial=0) + 2 * self._pad >= self._side:
             self._grow()
-        self._forget_ways(loaded != self._loaded)
+        self._forget_visits(loaded != self._loaded)
         self._loaded = loaded
         here = self._numbers(position + self._pad)
         self._count(position, here)
@@ -135,12 +144,12 @@ class MapMemory(CopiedWhole):
         goal = np.where(loaded[:, None], arrays["dropoff_pos"], arrays["pickup_pos"]) - position
         return self._view(here, goal)
 
-    def _forget_ways(self, robots: Flags) -> None:
+    def _forget_visits(self, robots: Flags) -> None:
         for array in (self._visits, self._exits, self._came):
             array[robots] = 0
 
     def _count(self, position: Integers, here: Integers) -> None:
-        """Count the visits to where robots are, and the moves that led there."""
+        """Count the visits to the present cells, and the moves that led there."""
         made = (position - self._last)[:, None] == MOVES
         moved = np.flatnonzero((self._last != NOWHERE).any(1) & made.all(2).any(1))
         before = self._numbers(self._last[moved] + self._pad)
@@ -182,7 +191,7 @@ class MapMemory(CopiedWhole):
         return np.stack(np.meshgrid(span, span, indexing="ij"), axis=2).reshape(-1, 2)
 
     def _offsets(self, radius: int) -> Integers:
-        """Return the differences of the numbers of cells in a window and of its middle."""
+        """Return the cell numbers of a window, relative to the number of its middle."""
         return self._numbers(self._cells(radius))
 
     def _numbers(self, cells: Integers) -> Integers:
@@ -197,7 +206,7 @@ class MapMemory(CopiedWhole):
         self._exits = np.zeros((*shape, len(MOVES)), np.int32)
 
     def _grow(self) -> None:
-        """Double the rows and columns of the maps."""
+        """Double the number of rows and columns of the maps."""
         side = self._side
         rows, columns = np.divmod(np.arange(side * side), side)
         kept = self._map, self._visits, self._exits
@@ -207,7 +216,7 @@ class MapMemory(CopiedWhole):
 
 
 def _over_least(counts: Integers, is_open: Flags) -> SingleFloats:
-    """Return how much greater each count is than the least of those that are open, else 0."""
+    """Return by how much each count exceeds the least one of the open cells; 0 if not open."""
     least = np.where(is_open, counts, np.iinfo(np.int32).max).min(axis=1, keepdims=True)
     return np.where(is_open, np.minimum(counts - least, MOST), 0).astype(np.float32)
 

@@ -1,7 +1,8 @@
-"""The networks that choose actions, run with NumPy, and the files that hold them.
+"""Networks that choose actions with NumPy, and their files.
 
 A network has three layers with fixed weights. Training needs PyTorch, see ``ppo_training.py`` and
-``clone_training.py``; running needs only NumPy. A file is a plain ``.npz`` without pickled objects.
+``clone_training.py``; running needs only NumPy. A file is a plain ``.npz`` file without pickled
+objects.
 """
 
 from __future__ import annotations
@@ -35,21 +36,21 @@ SCHEMA: Schema = {
 }
 
 TIMES = 2
-"""Number of entries for battery and steps, at the end of a vector, which are no input of a network.
+"""Number of values for battery and steps at the end of a vector, which networks do not get.
 
-The best action does not depend on them, so a network may be run with another battery than the one
-of its training.
+The best action does not depend on them. Without them, a network also works with a battery that
+differs from the one in training.
 """
 
 Layer = tuple[SingleFloats, SingleFloats]
 """Weights ``[outputs, inputs]`` and biases ``[outputs]``."""
 
 Tiles = tuple[str, ...]
-"""Tiles that a network tells apart in a window: ``MARKED_TILES``, or ``FLEET_TILES`` in a fleet."""
+"""Tiles that a network distinguishes: ``MARKED_TILES``, or ``FLEET_TILES`` in a fleet."""
 
 
 class Network:
-    """Three layers with fixed weights, which a robot with a certain view uses.
+    """Three layers with fixed weights, for a robot with a certain view radius.
 
     Args:
         view_radius: number of cells that the robot sees in each direction.
@@ -58,14 +59,14 @@ class Network:
         outputs: number of outputs of the last layer.
 
     Raises:
-        ValueError: the layers do not fit together or hold numbers that are not finite.
+        ValueError: the layers do not fit together or contain numbers that are not finite.
     """
 
     form: ClassVar[str]
     """Value of ``format`` in the header of a file."""
 
     keys: ClassVar[Mapping[str, Any]]
-    """Names of the other values in the header, with the values where an older file lacks them.
+    """Names of the other values in the header, with defaults for older files that lack them.
 
     They are arguments and attributes of the network.
     """
@@ -77,14 +78,14 @@ class Network:
         self.layers = _checked(layers, inputs, outputs)
 
     def check_view(self, observation: Observation, name: str) -> None:
-        """Raise unless a robot sees as far as in the training of this network.
+        """Raise unless the view radius of a robot equals the one in training.
 
         Args:
             observation: observation of the robot.
             name: name of the network in the message.
 
         Raises:
-            AgentError: the view radius differs from the training.
+            AgentError: the view radius differs from the one in training.
         """
         radius = len(observation["local_grid"]) // 2
         if radius != self.view_radius:
@@ -93,7 +94,7 @@ class Network:
             )
 
     def save(self, path: str | Path) -> None:
-        """Write the network to one ``.npz`` file, completely or not at all."""
+        """Write the network to a ``.npz`` file, completely or not at all."""
         header: dict[str, Any] = {"format": self.form}
         for key in self.keys:
             value = getattr(self, key)
@@ -121,14 +122,14 @@ class Network:
             raise RecordError(f"{path}: {error}") from error
 
     def _activate(self, values: SingleFloats) -> SingleFloats:
-        """Return the outputs for the sums of any layer but the last: negative ones become 0."""
+        """Apply the activation function of the hidden layers, by default a rectifier."""
         return np.maximum(values, 0)
 
     def _outputs(self, inputs: SingleFloats) -> SingleFloats:
         """Return the outputs ``[..., M]`` for inputs ``[..., L]``."""
         *hidden, (weights, biases) = self.layers
-        # OpenBLAS computes whole vectors, also with what lies behind the end of a short one. That
-        # may set the flag of an invalid operation, though every number of a network is finite.
+        # OpenBLAS computes with full vector registers, and so reads past the end of a short array.
+        # This may set the invalid-operation flag, although all numbers of a network are finite.
         with np.errstate(invalid="ignore"):
             for inner_weights, inner_biases in hidden:
                 inputs = self._activate(inputs @ inner_weights.T + inner_biases)
@@ -136,17 +137,17 @@ class Network:
 
 
 class PolicyNetwork(Network):
-    """The network of PPO: it scores the seven actions for what a robot observes.
+    """The network of PPO, which scores the seven actions for an observation.
 
     Args:
         view_radius: number of cells that the robot sees in each direction.
         layers: ``LAYERS`` layers with hyperbolic tangents between them.
-        tiles: tiles that the network tells apart.
+        tiles: tiles that the network distinguishes.
 
     Raises:
-        TypeError: the view radius is no integer.
-        ValueError: a value is not allowed, or the layers do not fit together or hold numbers that
-            are not finite.
+        TypeError: the view radius is not an integer.
+        ValueError: a value is not allowed, or the layers do not fit together or contain numbers
+            that are not finite.
     """
 
     form = "warehouse-lab policy 1"
@@ -162,7 +163,7 @@ class PolicyNetwork(Network):
         self.tiles = tuple(tiles)
 
     def logits(self, inputs: SingleFloats) -> SingleFloats:
-        """Return ``[..., 7]`` for ``[..., L]`` inputs; higher values mean likelier actions."""
+        """Return the scores ``[..., 7]`` for inputs ``[..., L]``; higher means likelier."""
         return self._outputs(inputs)
 
     def _activate(self, values: SingleFloats) -> SingleFloats:
@@ -170,20 +171,21 @@ class PolicyNetwork(Network):
 
 
 class MoveNetwork(Network):
-    """The network of imitation: it ranks the four moves of a robot with a memory.
+    """The network of imitation learning, which ranks the four moves of a robot with a memory.
 
-    The same layers judge each move: their input is the view of a robot that looks in its direction.
-    So the network applies what it has learned about one direction to all four, and is small.
+    The same layers score each move: their input is the view of a robot that faces in its direction.
+    The network therefore applies what it has learned about one direction to all four, and can be
+    small.
 
     Args:
         view_radius: number of cells that the robot sees in each direction.
-        radius: number of cells of its map that it is shown in each direction.
+        radius: number of cells of the robot's map in each direction that a view shows.
         layers: ``LAYERS`` layers with rectifiers between them, the last with one output.
 
     Raises:
-        TypeError: a radius is no integer.
-        ValueError: a value is not allowed, or the layers do not fit together or hold numbers that
-            are not finite.
+        TypeError: a radius is not an integer.
+        ValueError: a value is not allowed, or the layers do not fit together or contain numbers
+            that are not finite.
     """
 
     form = "warehouse-lab moves 1"
@@ -195,7 +197,7 @@ class MoveNetwork(Network):
         super().__init__(view_radius, layers, view_size(radius), 1)
 
     def scores(self, views: SingleFloats) -> SingleFloats:
-        """Return how good N, E, S and W are in ``[B, L]`` views of a ``MapMemory``, ``[B, 4]``."""
+        """Return the scores of the four moves, ``[B, 4]``, for views, ``[B, L]``."""
         return self._outputs(views[:, turns(self.radius)[0]])[..., 0]
 
 
@@ -215,10 +217,10 @@ def input_size(view_radius: int, tiles: Tiles = MARKED_TILES) -> int:
 
 
 def _checked(layers: Sequence[Layer], inputs: int, outputs: int) -> list[Layer]:
-    """Return layers that lead from so many inputs to so many outputs.
+    """Return the layers if they have these numbers of inputs and outputs.
 
     Raises:
-        ValueError: the layers do not fit together or hold numbers that are not finite.
+        ValueError: the layers do not fit together or contain numbers that are not finite.
     """
     if len(layers) != LAYERS:
         raise ValueError(f"there are {len(layers)} layers; there must be {LAYERS}")

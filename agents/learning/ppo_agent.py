@@ -1,6 +1,6 @@
 """The agent that ``warehouse train ppo`` trains; running it needs only NumPy.
 
-It uses nothing but its observations.
+It uses only its current observation.
 """
 
 from __future__ import annotations
@@ -23,28 +23,29 @@ from warehouse_core.world.tiles import DROPOFF, EMPTY, MOVE_DELTAS, PICKUP, Cell
 
 
 class PPOAgent:
-    """Takes the useful action with the highest output of its network.
+    """An agent that takes the useful action with the highest output of its network.
 
-    A network sees only what is near and remembers nothing, so in a layout that it was not trained
-    for it may go round in circles. Drawing actions ends that by chance; a penalty for cells where
-    the robot has been since the episode began, or since it picked up the item, ends it for sure.
+    The network sees only nearby cells and remembers nothing. In a layout that it was not trained
+    for, the agent may therefore go round in circles. Sampling actions breaks such loops by chance.
+    A penalty for revisiting cells breaks them with certainty; it counts visits since the start of
+    the episode or since the pickup.
 
     Args:
         network: network that chooses the actions.
         name: name of the network in error messages.
-        seed: seed of the actions that are drawn, restarted at each ``reset``.
-        sample: draw actions by their probability, as in training. ``None`` is true for a network
-            that robots of a fleet share: if they insist on the likeliest actions, they block each
-            other for ever.
-        revisit: penalty, at least 0, of each visit to a cell on the output of the actions that lead
-            there.
+        seed: seed of the sampled actions, restarted at each ``reset``.
+        sample: sample actions by their probability, as in training. ``None`` is true for a network
+            that the robots of a fleet share, because robots that insist on the likeliest actions
+            block each other forever.
+        revisit: penalty, at least 0, for each visit to a cell, on the output of the actions that
+            lead there.
 
     Attributes:
-        samples: true if actions are drawn.
+        samples: true if actions are sampled.
         revisit: the argument.
 
     Raises:
-        AgentError: a value that is not allowed.
+        AgentError: a value is not allowed.
 
     Example:
         >>> import numpy as np
@@ -83,7 +84,7 @@ class PPOAgent:
 
         Raises:
             AgentError: as for the class.
-            RecordError: the file is not one of a network.
+            RecordError: the file does not contain a network.
             OSError: the file cannot be read.
         """
         return cls(PolicyNetwork.load(path), str(path), seed, sample, revisit)
@@ -98,7 +99,7 @@ class PPOAgent:
         """Return the action for ``observation`` and set ``reason`` to its probability.
 
         Raises:
-            AgentError: the view radius differs from the training.
+            AgentError: the view radius differs from the one in training.
         """
         self._network.check_view(observation, self._name)
         logits = self._network.logits(network_input(encode(observation), self._network.tiles))
@@ -114,9 +115,9 @@ class PPOAgent:
         return ACTIONS[action]
 
     def _visits_after(self, observation: Observation) -> SingleFloats:
-        """Count a visit; return for each action the visits to where it leads, ``[7]``.
+        """Count a visit, and return the visits to the cell to which each action leads, ``[7]``.
 
-        To pick and to drop are never visits: they change what the robot is to do.
+        Picking and dropping never count as visits, because they change the robot's goal.
         """
         here, loaded = observation["robot_pos"], observation["has_item"]
         if loaded != self._loaded:
@@ -128,7 +129,7 @@ class PPOAgent:
 
 
 def useful_now(observation: Observation) -> tuple[bool, ...]:
-    """Return for each action whether it would have an effect, judged by the observation."""
+    """Return whether each action would have an effect, as far as the observation shows."""
     moves = open_moves(observation["local_grid"])
     stations = {observation["dropoff_pos"]: DROPOFF, observation["pickup_pos"]: PICKUP}
     tile = stations.get(observation["robot_pos"], EMPTY)

@@ -1,9 +1,9 @@
-"""Proximal policy optimisation of a network, by Stable-Baselines3; needs the extra ``rl``.
+"""PPO, proximal policy optimisation, with Stable-Baselines3; needs the extra ``rl``.
 
-Actions without effect are masked: they are never tried. Without masks the network learns from their
-penalties to wait, before it has ever delivered anything.
+Actions without effect are masked, so that they are never tried. Without masks, the penalties for
+such actions teach the network to wait before it has ever made a delivery.
 
-Source: Schulman et al., *Proximal Policy Optimization Algorithms*, 2017; Huang and Ontañón, *A
+Source: Schulman et al., *Proximal Policy Optimization Algorithms*, 2017. Huang and Ontañón, *A
 Closer Look at Invalid Action Masking in Policy Gradient Algorithms*, 2022.
 """
 
@@ -50,17 +50,17 @@ SETTINGS: dict[str, Any] = {
     "policy_kwargs": {"net_arch": [64, 64]},
     "device": "cpu",
 }
-"""Chosen on the chapter's layout; all others are the defaults of Stable-Baselines3."""
+"""Settings tuned on the chapter's layout; all others are the defaults of Stable-Baselines3."""
 
 FOR_RANDOM_LAYOUTS: dict[str, Any] = {"gamma": 0.98, "policy_kwargs": {"net_arch": [128, 128]}}
-"""Settings for another layout in each episode: ways are longer, and there is more to learn."""
+"""Settings for a new layout in each episode, where paths are longer and the task is harder."""
 
 
 class BatchVecEnv(VecEnv):
     """All rows of a batch with ``autoreset_mode="SameStep"`` as one ``VecEnv`` with masks.
 
-    The rows of a ``FleetBatch`` are its robots, which so share one policy. Observations and infos
-    are described in ``vector_steps.py``.
+    The rows of a ``FleetBatch`` are its robots, which therefore share one policy. See
+    ``vector_steps.py`` for observations and infos.
     """
 
     def __init__(self, batch: Batch) -> None:
@@ -69,7 +69,7 @@ class BatchVecEnv(VecEnv):
         super().__init__(batch.num_envs, limits, spaces.Discrete(len(ACTIONS)))
 
     def reset(self) -> SingleFloats:
-        """Start an episode in every row, with the seeds given to ``seed`` if there are any."""
+        """Start an episode in every row, with the seeds given to ``seed``, if any."""
         floors = len(self._batch.layouts.kind)
         arrays, _ = self._batch.reset(self._seeds[:floors])
         self._reset_seeds()
@@ -109,13 +109,13 @@ class BatchVecEnv(VecEnv):
 
 
 class PPOLearner:
-    """Learns from the episodes of a batch.
+    """Training of a network with PPO in the episodes of a batch.
 
     Args:
-        batch: environments with ``autoreset_mode="SameStep"``, usually ``ENVS`` rows. The robots of
-            a fleet share the network.
+        batch: environments with ``autoreset_mode="SameStep"``, by default ``ENVS`` rows. The robots
+            of a fleet share the network.
         steps: steps of the whole training, rounded up to whole rounds of all rows.
-        seed: seed that repeats a training on the same machine with the same versions.
+        seed: seed with which a training can be repeated on the same machine with the same versions.
         settings: settings that differ from ``SETTINGS``, such as ``FOR_RANDOM_LAYOUTS``.
 
     Example:
@@ -134,17 +134,19 @@ class PPOLearner:
         self.model = MaskablePPO(
             "MlpPolicy",
             BatchVecEnv(batch),
-            # ``left`` has been reduced by the round whose update uses the rate.
+            # ``left`` no longer includes the round whose update uses the rate.
             learning_rate=lambda left: LEARNING_RATE * (left + 1 / rounds),
             seed=seed,
             **SETTINGS | settings,
         )
-        self.model.set_logger(Logger(None, []))  # its own makes a temporary folder, and keeps it
+        self.model.set_logger(
+            Logger(None, [])
+        )  # the default logger leaves a temporary folder behind
 
     def learn(self, watch: WatchTraining) -> MakeAgent:
-        """Train, and return what makes the agent."""
+        """Train to the end, and return a function that makes the agent."""
         left = self._rounds * self._round - self.model.num_timesteps
-        # Without a reset the counters go on where a restored training had stopped.
+        # Without a reset, the counters of a restored training continue.
         self.model.learn(left, callback=_Watcher(self, watch), reset_num_timesteps=False)
         return self.agents()
 
@@ -155,7 +157,7 @@ class PPOLearner:
         return model.getvalue(), self._batch, torch.get_rng_state(), np.random.get_state()
 
     def restore(self, state: Any) -> None:
-        """Go on from a state that a learner with the same arguments had."""
+        """Continue from the state of a learner with the same arguments."""
         model, self._batch, of_torch, of_numpy = state
         # A forced reset would begin new episodes.
         self.model = MaskablePPO.load(
@@ -166,7 +168,7 @@ class PPOLearner:
         np.random.set_state(of_numpy)
 
     def agents(self) -> MakeAgent:
-        """Return what makes the agent in its present state; further training does not change it."""
+        """Return a function that makes the current agent; further training does not change it."""
         network = self.network()
         return lambda seed: PPOAgent(network, seed=seed)
 
@@ -190,7 +192,7 @@ class PPOLearner:
 
 
 class _Watcher(BaseCallback):
-    """Calls ``watch`` before each round and at the end."""
+    """Callback that calls ``watch`` before each round and at the end."""
 
     def __init__(self, learner: PPOLearner, watch: WatchTraining) -> None:
         super().__init__()

@@ -28,23 +28,25 @@ from warehouse_core.world.tiles import Cell
 __all__ = ["QAgent", "QTable", "best_action", "learn", "state_of"]
 
 ALPHA = 0.1
-"""The learning rate. A lower one averages better over the possible cells of the next goal, a higher
-one learns faster."""
+"""The learning rate.
+
+A lower one averages better over the possible next goals; a higher one learns faster.
+"""
 
 GAMMA = 0.95
-"""The discount factor; it makes a short path better than a long one."""
+"""The discount factor, which makes a short path better than a long one."""
 
 EPSILON = 0.1
-"""The share of actions that are chosen at random, to explore."""
+"""The share of random actions, for exploration."""
 
 TRAINING_SEEDS = 1_000_000
-"""Episodes of a training have lower seeds; those that evaluate an agent have higher ones."""
+"""Limit of seeds: episodes of a training have lower seeds, and evaluations have higher ones."""
 
 QState = tuple[Cell, Cell, bool]
 
 
 class QTable(dict[QState, list[float]]):
-    """The values of all actions by state, which are 0 in a new state.
+    """The values of all actions by state; they are 0 in a new state.
 
     Example:
         >>> from agents.learning import QTable
@@ -71,7 +73,7 @@ def state_of(observation: Observation) -> QState:
 
 
 def best_action(values: list[float], stream: random.Random) -> int:
-    """Return the action with the highest value, a random one if several have it.
+    """Return the action with the highest value, or a random one among several such actions.
 
     Example:
         >>> import random
@@ -91,13 +93,13 @@ def learn(
     seed: int | random.Random,
     randomize: bool | str = True,
 ) -> Iterator[tuple[int, bool]]:
-    """Fill a table by whole episodes, in ``steps`` steps or a few more.
+    """Fill a table in whole episodes, with at least ``steps`` steps in total.
 
-    What of stations and start is drawn in an episode is ``randomize``, see ``WarehouseEnv.reset``.
-    A random stream in place of the ``seed`` is used, and so a training goes on.
+    ``randomize`` selects the stations and start that are random in each episode, see
+    ``WarehouseEnv.reset``. A random stream can take the place of ``seed``, to continue a training.
 
     Yields:
-        Steps taken so far, after each episode, and true if it ended with a delivery.
+        Steps so far, after each episode, and whether it ended with a delivery.
 
     Example:
         >>> from agents.learning import QTable
@@ -124,10 +126,10 @@ def learn(
 
 
 class QAgent:
-    """Takes the action with the highest value in a table.
+    """An agent that takes the action with the highest value in a table.
 
     Args:
-        table: table of values; in a state that is not in it, the agent acts at random.
+        table: table of values. In a state that is missing from it, the agent acts at random.
         seed: seed of the agent's own random stream, restarted at each ``reset``.
 
     Example:

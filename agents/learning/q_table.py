@@ -1,4 +1,4 @@
-"""Files of Q-learning tables: the states, the values of their actions, and the walls."""
+"""Files of Q-learning tables, with the states, the values of their actions, and the walls."""
 
 from __future__ import annotations
 
@@ -15,14 +15,14 @@ from warehouse_core.world.actions import ACTIONS
 from warehouse_core.world.tiles import WALL
 
 SCHEMA: Schema = {"states": ("<i4", 2), "values": ("<f8", 2), "walls": ("|b1", 2)}
-"""A state is two cells and whether the robot holds the item: five numbers."""
+"""Arrays of a file. A state is five numbers: two cells and whether the robot holds the item."""
 
 
 def save_table(table: QTable, layout: Layout, path: str | Path) -> None:
-    """Write a table and the walls of its layout to one ``.npz`` file, whole or not at all.
+    """Write a table and the walls of its layout to a ``.npz`` file, completely or not at all.
 
     Raises:
-        RecordError: it is larger than ``npz.MAX_BYTES``.
+        RecordError: the table is larger than ``npz.MAX_BYTES``.
         OSError: the file cannot be written.
 
     Example:
@@ -72,7 +72,7 @@ def load_table(path: str | Path) -> tuple[QTable, NDArray[np.bool_]]:
 
 
 def load_agent(path: Path, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT) -> QAgent:
-    """Return an agent with a table from a file, for a layout in which it is to act.
+    """Return an agent with a table from a file, for use in a layout.
 
     Raises:
         AgentError: the table is for a layout with other walls.
@@ -90,8 +90,8 @@ def load_agent(path: Path, seed: int | None = None, layout: Layout = DEFAULT_LAY
     if not np.array_equal(walls, _walls(layout)):
         height, width = walls.shape
         raise AgentError(
-            f"{path}: the table was learned on a layout of {height} x {width} cells, and this one, "
-            f"of {layout.height} x {layout.width}, has other walls; train on it with 'warehouse "
+            f"{path}: the table was learned on a layout of {height} x {width} cells; this one has "
+            f"{layout.height} x {layout.width} cells and other walls; train on it with 'warehouse "
             "train q --layout'"
         )
     return QAgent(table, seed)

@@ -1,4 +1,4 @@
-"""Q-learning as a training that is watched and can be resumed."""
+"""Q-learning as a training with callbacks that can be resumed."""
 
 from __future__ import annotations
 
@@ -13,12 +13,12 @@ from warehouse_core.warehouse_env import WarehouseEnv
 
 
 class QLearner:
-    """Fills a table; see ``Learner``.
+    """Training of a Q-learning table; see ``Learner``.
 
     Args:
         env: warehouse of all episodes.
-        steps: steps of the whole training; the last episode may take a few more.
-        seed: seed that repeats a training.
+        steps: steps of the whole training; the last episode may exceed them.
+        seed: seed with which the training can be repeated.
     """
 
     def __init__(self, env: WarehouseEnv, steps: int, seed: int) -> None:
@@ -28,7 +28,7 @@ class QLearner:
         self._recent = deque[bool](maxlen=RECENT_EPISODES)
 
     def learn(self, watch: WatchTraining) -> MakeAgent:
-        """Train to the end, watched after each episode, and return what makes the agent."""
+        """Train to the end, with a callback after each episode; return what makes the agent."""
         make_agent, before = partial(QAgent, self.table), self._taken
         for taken, delivered in learn(self.table, self._env, self._steps - before, self._stream):
             self._taken = before + taken
@@ -41,6 +41,6 @@ class QLearner:
         return self.table, self._taken, self._stream, self._recent
 
     def restore(self, state: Any) -> None:
-        """Go on from a state; ``table`` stays the same object."""
+        """Continue from a state; ``table`` stays the same object."""
         table, self._taken, self._stream, self._recent = state
         self.table.update(table)

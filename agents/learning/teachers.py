@@ -1,4 +1,4 @@
-"""Teachers of a network: they say which moves are right wherever its robots have come to."""
+"""Teachers of a network: they know the right moves in any state that its robots reach."""
 
 from __future__ import annotations
 
@@ -18,24 +18,24 @@ from warehouse_core.world.tiles import Cell
 
 
 class Teacher(Protocol):
-    """Says what is right for the robots of a batch."""
+    """Interface of an expert that labels the right moves for the robots of a batch."""
 
     def begin(self, rows: Integers, arrays: ObservationArrays) -> None:
-        """Prepare for the new episodes of some rows, given what all rows observe."""
+        """Prepare for the new episodes of some rows, given the observations of all rows."""
 
     def moves(self, arrays: ObservationArrays) -> Flags:
-        """Return which of N, E, S and W are right, ``[B, 4]``; none where no move is."""
+        """Return whether each of N, E, S and W is right, ``[B, 4]``; possibly none of them."""
 
 
-class ShortestWays:
-    """A teacher that knows the map: each first move of a shortest way to the goal is right.
+class ShortestPaths:
+    """A teacher that knows the map, for which the first move of every shortest path is right.
 
-    So ``A*`` moves, whatever order it breaks ties in.
+    A* takes one of these moves, whatever its order of ties.
     """
 
     def __init__(self, batch: BatchEnv) -> None:
         self._batch, (height, width) = batch, batch.size
-        # Nothing is nearer than infinity, so the border needs no tests.
+        # The border of infinite distances saves tests at the edge of the map.
         self._fields = np.full((batch.num_envs, 2, height + 2, width + 2), np.inf)
 
     def begin(self, rows: Integers, arrays: ObservationArrays) -> None:
@@ -49,7 +49,7 @@ class ShortestWays:
                 self._fields[row, number, 1 : height + 1, 1 : width + 1] = steps
 
     def moves(self, arrays: ObservationArrays) -> Flags:
-        """Return the moves that lead nearer to the goal."""
+        """Return the moves that reduce the distance to the goal."""
         rows, loaded = np.arange(self._batch.num_envs)[:, None], np.asarray(arrays["has_item"])
         beside = arrays["robot_pos"][:, None] + MOVES + 1
         near = self._fields[rows, loaded[:, None], beside[..., 0], beside[..., 1]]
@@ -59,14 +59,18 @@ class ShortestWays:
         return nearer
 
 
-class AgentTeacher:
-    """A teacher that asks an agent for each robot: what it would do there is right.
+ShortestWays = ShortestPaths
+"""The former name, under which checkpoints of earlier versions have pickled their teacher."""
 
-    The agents observe all steps of the episodes, but it is the network that acts.
+
+class AgentTeacher:
+    """A teacher for which the action of an agent in each robot's place is right.
+
+    The agents observe all steps of the episodes, but the network acts.
 
     Args:
         batch: batch of the robots.
-        make_agent: function that makes an agent, given a layout.
+        make_agent: function that makes an agent for a layout.
     """
 
     def __init__(self, batch: BatchEnv, make_agent: Callable[[Layout], Agent]) -> None:
@@ -80,7 +84,7 @@ class AgentTeacher:
             self._agents[row].reset()
 
     def moves(self, arrays: ObservationArrays) -> Flags:
-        """Return the move of each agent, none if it does something else."""
+        """Return the move of each agent, or none if its action is not a move."""
         chosen = [
             action_index(agent.act(observation_of(cast(FleetArrays, arrays), row)))
             for row, agent in enumerate(self._agents)

@@ -14,14 +14,14 @@ from warehouse_core.batch.fleets import FleetBatch
 from warehouse_core.task.encoding import FLEET_TILES, MARKED_TILES, vector_limits
 
 VectorStep = tuple[SingleFloats, SingleFloats, NDArray[np.bool_], list[dict[str, Any]]]
-"""``[B, L]`` observations, ``[B]`` rewards, ``[B]`` whether an episode ended, ``B`` infos."""
+"""``[B, L]`` observations, ``[B]`` rewards, ``[B]`` ends of episodes, and ``B`` infos."""
 
 Batch = BatchEnv | FleetBatch
-"""A row is a warehouse, or a robot of a fleet."""
+"""A batch whose rows are warehouses, or the robots of fleets."""
 
 
 def tiles_of(batch: Batch) -> Tiles:
-    """Return what a network for the rows of a batch tells apart."""
+    """Return the tiles that a network for the rows of a batch distinguishes."""
     return FLEET_TILES if isinstance(batch, FleetBatch) else MARKED_TILES
 
 
@@ -35,9 +35,10 @@ def input_limits(batch: Batch) -> tuple[SingleFloats, SingleFloats]:
 def vector_step(batch: Batch, actions: NDArray[np.int64]) -> VectorStep:
     """Carry out one action in each row of a batch with ``autoreset_mode="SameStep"``.
 
-    The observation of a row that ended is the first of its next episode. Its info has the last one
-    of the old episode as ``terminal_observation``; ``TimeLimit.truncated``, true if the value of
-    later steps still counts; and ``is_success``.
+    If the episode of a row has ended, its observation is the first of the next episode. Its info
+    then has three entries: ``terminal_observation`` is the last observation of the old episode.
+    ``TimeLimit.truncated`` is true if the value of later steps still counts. ``is_success`` is true
+    if the episode ended with the delivery; fleets do not have it.
     """
     arrays, rewards, terminated, truncated, info = batch.step(actions)
     ended, tiles = terminated | truncated, tiles_of(batch)

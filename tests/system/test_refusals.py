@@ -144,7 +144,7 @@ IMPOSSIBLE = {
     "fleet --orders orders.csv": "orders.csv: line 2, column 6: dropoff_col is 'x'",
     "fleet --planner pibt --assignment x": "no assignment is called 'x'; allowed: fifo, nearest",
     "fleet --order-rate 1e9": "MAX_ORDERS",
-    "fleet --planner windowed --show-plans pushes": "does not say which robots push",
+    "fleet --planner windowed --show-plans pushes": "does not report which robots push",
     "compare backends --robots 400": "400",
     "compare backends --robots 2 --layout bare.txt": "the layout has no pickup",
     "plan --planner x": "no planner is called 'x'; allowed: pibt, lacam, lacam-star, anytime, ",

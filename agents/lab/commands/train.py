@@ -268,7 +268,7 @@ def needed_libraries(what: str) -> Iterator[None]:
 
 def make_clone_learner(teacher: str, task: Task, steps: int, seed: int) -> CloneLearner:
     """Return a learner that imitates a teacher; see ``make_learner``."""
-    from agents.learning.teachers import AgentTeacher, ShortestWays
+    from agents.learning.teachers import AgentTeacher, ShortestPaths
 
     make = partial(make_agent, teacher, seed)
     make(task.layout_for(0))  # a wrong name raises here, before the training
@@ -277,7 +277,7 @@ def make_clone_learner(teacher: str, task: Task, steps: int, seed: int) -> Clone
     batch = task.make_batch(ENVS)
     knows = teacher == KNOWS_THE_MAP
     return CloneLearner(
-        batch, ShortestWays(batch) if knows else AgentTeacher(batch, make), steps, seed
+        batch, ShortestPaths(batch) if knows else AgentTeacher(batch, make), steps, seed
     )
 
 

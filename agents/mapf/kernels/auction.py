@@ -201,7 +201,7 @@ def hold_auction(robots: Robots, auction: Auction) -> None:
 
 
 @kernel
-def part(robots: Robots, auction: Auction, is_last: bool) -> bool:
+def prevent_swaps(robots: Robots, auction: Auction, is_last: bool) -> bool:
     """Prevent pairs of robots from swapping cells, and return whether there were any.
 
     Both robots stay after the last auction. Before that, one of the two moves is forbidden.
@@ -278,7 +278,7 @@ def choose(robots: Robots, auction: Auction, fields: Table) -> None:
             offer(robots, auction, fields, robot, robots.chosen[robot] != UNDECIDED)
     for number in range(AUCTIONS):
         hold_auction(robots, auction)
-        if not part(robots, auction, number == AUCTIONS - 1):
+        if not prevent_swaps(robots, auction, number == AUCTIONS - 1):
             break
     for robot in range(len(robots.places)):
         if auction.targets[robot] == NONE and auction.actions[robot] != STAY:

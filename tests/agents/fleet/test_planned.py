@@ -14,7 +14,7 @@ from helpers.mapf_problems import situation
 from agents.errors import AgentError, EpisodeError, PlanError
 from agents.fleet import PlannedFleet
 from agents.fleet.plan_log import PlanLog
-from agents.fleet.planned import part
+from agents.fleet.planned import separate
 from agents.fleet.scheduler import parking_of
 from agents.lab.runs.run import run
 from agents.mapf.graph import Graph
@@ -244,9 +244,9 @@ def test_a_step_may_follow_and_turn_in_a_ring_and_robots_may_share_a_cell() -> N
 
 def test_of_robots_that_share_a_cell_the_first_leaves_it_if_it_can() -> None:
     shared = situation([1, 0, 0, 0], stays=[1, 2, 3])
-    assert part(OPEN, shared, shared.cells).tolist() == [1, 4, 0, 0]
+    assert separate(OPEN, shared, shared.cells).tolist() == [1, 4, 0, 0]
     closed = situation([1, 0, 0], stays=[1, 2], closed=[4])
-    assert part(OPEN, closed, np.array([2, 0, 0])).tolist() == [2, 0, 0]
+    assert separate(OPEN, closed, np.array([2, 0, 0])).tolist() == [2, 0, 0]
     planner = Does()
     env = fleet_of(ROOM, 2, orders=[Order(0, 50, (1, 1), (3, 6))], starts=[(1, 1), (1, 2)])
     agent = begun(env, planner)

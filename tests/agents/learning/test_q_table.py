@@ -47,10 +47,10 @@ def test_a_table_is_read_back_from_its_file(saved: Path) -> None:
 
 def test_a_table_is_for_the_walls_on_which_it_was_learned(saved: Path) -> None:
     assert load_agent(saved, layout=Layout([".#.", "P.D"])).table == TABLE
-    message = "learned on a layout of 2 x 3 cells, and this one, of 1 x 3, has other walls"
+    message = "learned on a layout of 2 x 3 cells; this one has 1 x 3 cells and other walls"
     with pytest.raises(AgentError, match=message):
         load_agent(saved, layout=Layout(["P.D"]))
-    with pytest.raises(AgentError, match="of 7 x 12, has other walls"):
+    with pytest.raises(AgentError, match="has 7 x 12 cells and other walls"):
         load_agent(saved)
 
 

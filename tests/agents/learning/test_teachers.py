@@ -1,6 +1,6 @@
 import numpy as np
 
-from agents.learning.teachers import AgentTeacher, ShortestWays
+from agents.learning.teachers import AgentTeacher, ShortestPaths
 from agents.search.agents import ExploringAgent
 from warehouse_core import BatchEnv, Layout, random_layout
 from warehouse_core.fleet.observation import observation_of
@@ -12,7 +12,7 @@ from warehouse_core.world.tiles import MOVE_DELTAS, moved
 def test_each_first_move_of_a_shortest_way_is_right_and_no_other() -> None:
     batch = BatchEnv(40, random_layout(8, 9, 0.2, seed=1), autoreset_mode="SameStep")
     arrays, _ = batch.reset(seed=1)
-    teacher, stream = ShortestWays(batch), np.random.default_rng(2)
+    teacher, stream = ShortestPaths(batch), np.random.default_rng(2)
     teacher.begin(np.arange(40), arrays)
     chosen = 0
     for _ in range(60):

@@ -70,7 +70,7 @@ def test_a_planner_without_headings_is_refused() -> None:
     layout = shelf_layout(aisle=2)
     env = FleetEnv(layout, 2, orders=0.1, dispatch=False, moves="turn", seed=1)
     env.reset()
-    with pytest.raises(AgentError, match=r"^planner PIBT does not know headings"):
+    with pytest.raises(AgentError, match=r"^planner PIBT does not support headings"):
         PlannedFleet(PIBT(Graph(layout))).act(env)
 
 

@@ -237,7 +237,7 @@ def test_robots_with_headings_need_a_planner_that_knows_them(warehouse: Warehous
         saved = "--save", "b.npz", "--save", "b.csv", "-n", episodes
         done = warehouse(*turning, "--planner", "pibt", *saved)
         assert (done.code, done.out) == (1, "")
-        assert done.err.startswith("warehouse: planner PIBT does not know headings")
+        assert done.err.startswith("warehouse: planner PIBT does not support headings")
         assert not [*Path().glob("b*")]
 
 
