@@ -1,4 +1,4 @@
-"""Episodes on the physics backend are equal to those on the grid."""
+"""Episodes on the physics backend are equal to episodes on the grid."""
 
 from typing import Any
 
@@ -15,9 +15,8 @@ from warehouse_physics.spec import FAST_STEP
 MOVES = 800
 """Random actions on both backends; the benchmarks make more."""
 
-
 TRACE_STRIDE = 12
-"""One in so many of the recorded episodes is replayed."""
+"""Only every twelfth recorded episode is replayed."""
 
 WIDE_AND_BRISK = RobotSpec(cell_size=0.5, radius=0.2, top_speed=3, acceleration=4, motor_force=400)
 
@@ -53,7 +52,9 @@ def test_random_episodes_are_equal_on_both_backends(spec: RobotSpec) -> None:
 
 @pytest.mark.filterwarnings("ignore:.*can keep")
 @pytest.mark.parametrize(("robots", "joint_actions"), [(7, 60), (25, 30)])
-def test_a_nominal_fleet_of_bodies_equals_that_of_the_grid(robots: int, joint_actions: int) -> None:
+def test_a_nominal_fleet_of_bodies_equals_a_fleet_on_the_grid(
+    robots: int, joint_actions: int
+) -> None:
     stops = bodies_move_as_the_grid(robots, joint_actions, seed=robots)
     assert stops.total() == robots * joint_actions
     assert min(stops["free"], stops["wall"], stops["robot"]) > 0

@@ -1,4 +1,4 @@
-"""Warehouses side by side in one space: each row equals a single motion."""
+"""Many warehouses in one space: each row equals a single motion."""
 
 import math
 import random
@@ -37,9 +37,9 @@ SPECS = {
     "regaining": RobotSpec(recuperation=0.7, radius=0.499),
     "violent": RobotSpec(top_speed=10.5, acceleration=1e6, motor_force=1e9),
 }
-"""Among them one that barely fits its cell, two of round numbers that reach a wall exactly at the
-end of a substep, one that the floor brakes harder than its drive does, and one that hits walls as
-hard as possible."""
+"""Robots of many kinds. One barely fits its cell, and two reach a wall exactly at the end of a
+substep, because their numbers are round. The floor brakes one harder than its motor does, and one
+hits walls as hard as possible."""
 
 over_specs = pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS.keys())
 
@@ -60,8 +60,8 @@ def test_each_row_equals_a_single_motion(spec: RobotSpec) -> None:
 def test_rows_in_several_spaces_have_the_bits_of_one_space(monkeypatch) -> None:
     stream = random.Random(6)
     layouts = some_layouts(11, stream)
-    drawn = np.random.default_rng(6)
-    moves = [(drawn.integers(0, 8, 11), drawn.random(11) < 0.5) for _ in range(30)]
+    generator = np.random.default_rng(6)
+    moves = [(generator.integers(0, 8, 11), generator.random(11) < 0.5) for _ in range(30)]
     outcomes = []
     for rows in (256, 4):
         monkeypatch.setattr(rigid_body_batch, "ROWS_OF_A_SPACE", rows)
@@ -78,7 +78,7 @@ def test_an_action_that_takes_too_long_ends_and_the_robot_stops(monkeypatch) -> 
     monkeypatch.setattr(batch_robots, "MAX_SUBSTEPS", 30)
     batch = batch_in([CORRIDOR, LEDGE])
     arena = batch._parts[0].arena
-    # It ends with the first event after MAX_SUBSTEPS, the hit of the second robot.
+    # The action ends with the first event after MAX_SUBSTEPS, the hit of the second robot.
     assert advance(batch, EAST, EAST).seconds == pytest.approx([34 / 60] * 2)
     assert arena.look()[1][0, 0] > 0.5
     advance(batch, WAIT, EAST)
@@ -92,9 +92,6 @@ def test_a_robot_at_rest_ignores_contacts_while_others_drive() -> None:
     assert (outcome.blocked[0], outcome.seconds[0]) == (False, RobotSpec().dwell)
     batch._parts[0]._meet([Hit(1, None, (-1.0, 0.0), (0.0, 0.0))], 200)
     assert not batch._parts[0].gave_up[1]
-
-
-# Outcomes follow the bodies, not the grid.
 
 
 # Invalid calls.

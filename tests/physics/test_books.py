@@ -1,4 +1,4 @@
-"""Joules and impulses against a second book, which looks at every substep."""
+"""Joules and impulses, compared with an independent account of every substep."""
 
 from dataclasses import replace
 
@@ -11,10 +11,10 @@ from warehouse_physics import RobotSpec, stepping
 
 BOOKED_MOVES = 120
 COMPARED_MOVES = 500
-"""The benchmarks make more."""
+"""The benchmarks make more moves."""
 
 EXACT = 1e-6
-"""Relative; what the solver leaves of the speed across the way is not counted."""
+"""Relative error, since the speed across the path that the solver leaves is not counted."""
 
 SPECS = {
     "default": RobotSpec(),
@@ -28,7 +28,7 @@ over_specs = pytest.mark.parametrize("spec", SPECS.values(), ids=SPECS.keys())
 
 @pytest.fixture(autouse=True)
 def public_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let each substep call ``space.step``, where the book is kept."""
+    """Make each substep call ``space.step``, which the account replaces."""
     monkeypatch.setattr(stepping, "IS_KNOWN", False)
 
 
@@ -42,7 +42,7 @@ def test_the_joules_that_braking_gives_back_are_those_of_the_book(spec: RobotSpe
         plain, outcome = (move(motion, displacement, loaded=True) for motion in motions)
         joules = book.work[0] / spec.drivetrain_efficiency + spec.idle_power * outcome.seconds
         assert outcome.joules == pytest.approx(joules, rel=1e-3)
-        # A floor that brakes the robot nearly alone leaves nothing to give back.
+        # If the floor does nearly all of the braking, no energy is recovered.
         is_braking = spec.attainable_acceleration(loaded=True) > 2 * spec.floor_deceleration
         assert (outcome.joules < plain.joules * 0.99) == is_braking
 
@@ -64,7 +64,7 @@ def test_random_robots_keep_both_books(robots: int) -> None:
 
 
 def test_robots_that_keep_pushing_one_another_keep_both_books() -> None:
-    """In the sixth action two robots are in touch for seconds, and one pushes the other."""
+    """In the sixth action two robots touch for seconds, and one pushes the other."""
     assert max(errors_of_the_books(80, 8, seed=1046).joules) < 0.01
 
 

@@ -1,4 +1,4 @@
-"""A copy of robots with bodies goes on to the last bit like its original; a batch has none."""
+"""A copied environment with bodies goes on exactly like its original; a batch cannot be copied."""
 
 import copy
 import pickle
@@ -64,7 +64,7 @@ WRAPPED: dict[str, Callable[[], Any]] = {
     "gymnasium.make": lambda: made(backend=moving(), scan=4),
     "pettingzoo, in turn": lambda: in_turn(robots=3, backend=driving()),
 }
-"""Forms in wrappers of other packages, of which ``copy.copy`` copies the wrapper alone."""
+"""Environments in wrappers of other packages, where ``copy.copy`` copies only the wrapper."""
 
 
 @pytest.mark.parametrize(
@@ -83,7 +83,7 @@ def test_a_copy_goes_on_like_its_original(form: str, clone: Clone) -> None:
 
 
 def act(env: Any, steps: int, draws: random.Random) -> list[Any]:
-    """Take random moves, which also lead into walls; return all that was seen and felt."""
+    """Take random moves, also into walls; return all observations and motions."""
     seen = []
     for _ in range(steps):
         if hasattr(env, "agent_selection"):
@@ -101,7 +101,7 @@ def act(env: Any, steps: int, draws: random.Random) -> list[Any]:
 
 
 def plain(value: Any) -> Any:
-    """Return a value in which arrays are bytes, so that two can be compared to the last bit."""
+    """Return a value in which arrays are bytes, so that values can be compared exactly."""
     if isinstance(value, np.ndarray):
         return value.dtype.str, value.shape, value.tobytes()
     if isinstance(value, dict):
@@ -111,7 +111,7 @@ def plain(value: Any) -> Any:
     return value
 
 
-def test_robots_that_were_led_and_failed_have_done_the_same_in_the_copy() -> None:
+def test_a_copy_repeats_extended_routes_drives_and_failures() -> None:
     motion = DrivingMotion(None, Disturbances(actuation_noise=0.1))
     motion.reset(DEFAULT_LAYOUT, [(1, 1), (3, 1)], None)
     motion.advance([(0, 1), (0, 1)], [True, False])
@@ -120,7 +120,7 @@ def test_robots_that_were_led_and_failed_have_done_the_same_in_the_copy() -> Non
     motion.fail(1)
     cells = [(1, 2), motion.routes().ends[1]]
     motion.extend(cells)
-    cells[0] = (1, 1)  # a list of the caller's own, which may change
+    cells[0] = (1, 1)  # the caller may change its own list
     motion.advance([(0, 1), (0, 1)], [True, False])
     twins = [copy.copy(motion), copy.deepcopy(motion)]
     for twin in (*twins, copy.deepcopy(twins[0])):

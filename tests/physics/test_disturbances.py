@@ -36,7 +36,7 @@ def motion_with(
 
 
 def wander(motion: RigidBodyMotion, moves: int = 30) -> list[Outcome]:
-    """Move at random, half of the time loaded."""
+    """Move at random, with an item in half of the moves."""
     stream = random.Random(0)
     return [
         motion.advance([stream.choice(STEPS)], [stream.random() < 0.5])[0] for _ in range(moves)
@@ -134,7 +134,7 @@ def test_the_drag_of_a_cell_depends_only_on_seed_and_cell() -> None:
 
 
 def test_disturbed_robots_are_at_rest_at_the_end_and_never_blocked_at_their_goal() -> None:
-    """Robots that touched before an action began, and are pushed in it, are still braked."""
+    """Robots that already touched before an action, and are pushed in it, are still braked."""
     goals = 0
     for seed in range(5):
         stream = random.Random(seed)
@@ -174,7 +174,7 @@ def test_a_motor_too_weak_for_the_floor_stalls(strength: float) -> None:
 
 @over_kinds
 def test_a_disturbed_fleet_is_reported_correctly(disturbances: Disturbances) -> None:
-    """Robots that end off the middle can be in the same cell, but bodies never overlap."""
+    """Robots that end off the middle may be in the same cell, but bodies never overlap."""
     motion, stream = RigidBodyMotion(disturbances=disturbances), random.Random(2)
     motion.reset(HALL, [(2, 2), (2, 3), (3, 3), (3, 4)], 0)
     for _ in range(20):

@@ -1,4 +1,4 @@
-"""Several robots in one space: bodies that collide, and the table in ``motion/traffic.py``."""
+"""Several robots in one space: colliding bodies, compared with ``motion/traffic.py``."""
 
 import random
 from itertools import combinations
@@ -22,7 +22,7 @@ over_specs = pytest.mark.parametrize(
 
 
 def places_at(times: np.ndarray, outcome: Outcome) -> np.ndarray:
-    """Return x and y at some times, ``[2, K]``; a path ends when its robot is at rest."""
+    """Return x and y at some times, ``[2, K]``. A path ends when its robot is at rest."""
     clock, x, y, _ = outcome.path.T
     return np.array([np.interp(times, clock, x), np.interp(times, clock, y)])
 
@@ -44,9 +44,9 @@ def test_both_robots_report_a_hit() -> None:
     assert pushed[0].contacts[0].counterpart == robot_contact(1)
     assert pushed[1].contacts[0].counterpart == robot_contact(0)
     assert (pushed[0].blocked, pushed[1].blocked) == (True, False)
-    beside_a_wall = together(HALL, [(0, 0), (3, 3)], [NORTH, STAY])
-    assert beside_a_wall[0].contacts[0].counterpart == WALL_CONTACT
-    assert beside_a_wall[1].contacts == ()
+    at_a_wall = together(HALL, [(0, 0), (3, 3)], [NORTH, STAY])
+    assert at_a_wall[0].contacts[0].counterpart == WALL_CONTACT
+    assert at_a_wall[1].contacts == ()
 
 
 @over_specs
@@ -64,7 +64,7 @@ def test_bodies_never_overlap_by_more_than_they_move_in_a_substep(spec) -> None:
 
 
 def test_a_robot_that_is_pushed_out_of_its_cell_is_reported_where_it_is() -> None:
-    """With weak brakes and a strong push the table does not hold, but the report is correct."""
+    """A robot that ends in an unexpected cell is still reported correctly."""
     motion = RigidBodyMotion()
     motion.reset(HALL, [(2, 2), (2, 3)], 0)
     body = motion._arena.robots[1].body

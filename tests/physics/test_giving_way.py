@@ -32,7 +32,7 @@ def test_heavily_loaded_jams_end_as_the_table_says() -> None:
 
 @pytest.mark.parametrize(("seed", "actions"), [(8985, 5), (10506, 2)])
 def test_a_light_robot_that_is_caught_behind_heavy_ones_gets_home(seed: int, actions: int) -> None:
-    """The usual force leaves it there, and so does all the force without patience or detours."""
+    """The normal force leaves it there, and so does the full force without patience or detours."""
     *_, last = jams(seed, actions)
     assert [outcome[:2] for outcome, _, _ in last] == [(cell, stopped) for _, cell, stopped in last]
     assert not any(outcome.cut_off for outcome, _, _ in last)
@@ -41,7 +41,7 @@ def test_a_light_robot_that_is_caught_behind_heavy_ones_gets_home(seed: int, act
 @pytest.mark.parametrize("kilograms", [38, 90])
 @pytest.mark.parametrize("time_step", [1 / 60])
 def test_four_robots_in_a_passage_get_back_to_their_cells(kilograms, time_step) -> None:
-    """The light robot 0 comes between the loaded ones 1 and 3, and is in the way of both."""
+    """The light robot 0 comes between the loaded robots 1 and 3, and is in the way of both."""
     spec = RobotSpec(
         payload_mass=kilograms, time_step=time_step, motor_force=max(60, 1.2 * kilograms)
     )
@@ -63,8 +63,10 @@ def test_a_blocked_queue_of_160_goes_back_as_fast_as_a_short_one(make_queue) -> 
     assert max(outcome.seconds for outcome in outcomes) == pytest.approx(slowest, rel=0.2)
 
 
-def test_who_drives_to_either_cell_of_a_stopped_robot_is_stopped_with_all_behind_it() -> None:
-    """Robot 0 is stopped; 1 drives to its goal, 2 to its cell, 3 to that of 2, and 4 elsewhere."""
+def test_robots_that_drive_to_either_cell_of_a_stopped_robot_are_stopped_with_all_behind_them() -> (
+    None
+):
+    """Robot 0 is stopped. 1 drives to its goal, 2 to its cell, 3 to the cell of 2, 4 elsewhere."""
     layout = Layout(["....", "....", "...."])
     cells, moves = [(0, 1), (0, 3), (1, 1), (1, 0), (2, 0)], [EAST, WEST, NORTH, EAST, EAST]
     robots = RobotArena(layout, cells, SPEC).robots
@@ -79,7 +81,7 @@ def test_who_drives_to_either_cell_of_a_stopped_robot_is_stopped_with_all_behind
 
 
 def test_a_robot_that_only_a_wall_stopped_does_not_wait_for_others() -> None:
-    """Robot 0 is stopped by the wall; robot 1 drives away beside it."""
+    """Robot 0 is stopped by the wall, and robot 1 drives away next to it."""
     layout, cells = Layout(["....", "...."]), [(0, 0), (1, 0)]
     stopped, free = together(layout, cells, [NORTH, EAST])
     assert stopped.seconds == together(layout, cells, [NORTH, STAY])[0].seconds < free.seconds
@@ -103,18 +105,18 @@ def test_an_action_that_takes_too_long_is_cut_off_and_says_so(monkeypatch) -> No
     assert (driving.cut_off, waiting.cut_off) == (True, False)
     assert driving.seconds == driving.path[-1, 0] == pytest.approx(40 / 60)
     assert driving.cell == (0, 0)
-    # It brakes in the next action, and goes back to the middle of the cell that it is in.
+    # It brakes in the next action and returns to the middle of the cell that it is in.
     monkeypatch.undo()
     stopped = motion.advance([STAY, STAY], [False, False])[0]
     assert (stopped.cut_off, stopped.blocked) == (False, False)
     assert math.dist(stopped.path[-1, 1:3], (stopped.cell[1] + 0.5, 0.5)) < 1e-3
 
 
-def test_a_straight_way_comes_closer_if_it_leads_past_the_other() -> None:
+def test_a_straight_path_comes_closer_if_it_leads_past_the_other() -> None:
     assert comes_closer((-2.0, 0.5), (2.0, 0.5), 0.7)
     assert not comes_closer((-2.0, 0.8), (2.0, 0.8), 0.7)
     assert not comes_closer((-2.0, 0.0), (-1.0, 0.0), 0.7), "it stops before"
     assert comes_closer((-2.0, 0.0), (-0.6, 0.0), 0.7)
-    assert not comes_closer((-0.6, 0.0), (-1.0, 0.0), 0.7), "those that touch may part"
+    assert not comes_closer((-0.6, 0.0), (-1.0, 0.0), 0.7), "bodies that touch may separate"
     assert comes_closer((-0.6, 0.0), (0.0, 1.0), 0.7)
     assert not comes_closer((-0.6, 0.0), (-0.6, 0.0), 0.7), "neither moves"

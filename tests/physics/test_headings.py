@@ -1,4 +1,4 @@
-"""Bodies of fleets whose robots have headings: they turn in their cells and drive forward."""
+"""Fleets of bodies whose robots have headings: they turn in their cells and drive forwards."""
 
 import math
 
@@ -57,7 +57,7 @@ def test_a_turn_takes_a_quarter_in_place_while_others_drive(action: int, sign: i
     assert np.ptp(env.last_motion[0].path[:, 3]) == 0
 
 
-def test_wheels_pay_for_a_turn_and_a_robot_that_drives_any_way_only_waits() -> None:
+def test_wheels_pay_for_a_turn_and_an_omnidirectional_robot_only_waits() -> None:
     joules = {}
     for name, spec in SPECS.items():
         env = fleet(spec, 1)

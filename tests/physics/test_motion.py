@@ -91,9 +91,9 @@ def test_a_free_move_ends_at_rest_in_the_middle_of_the_next_cell(spec, loaded) -
 @over_specs
 @over_loads
 def test_a_free_move_takes_the_time_of_its_profile(spec, loaded) -> None:
-    pace = spec.attainable_acceleration(loaded)
-    speed = min(spec.top_speed, math.sqrt(pace * spec.cell_size))
-    seconds = spec.cell_size / speed + speed / pace
+    acceleration = spec.attainable_acceleration(loaded)
+    speed = min(spec.top_speed, math.sqrt(acceleration * spec.cell_size))
+    seconds = spec.cell_size / speed + speed / acceleration
     assert free_move(spec, loaded=loaded).seconds == pytest.approx(seconds, rel=0.05)
 
 
@@ -102,11 +102,11 @@ def test_a_free_move_takes_the_time_of_its_profile(spec, loaded) -> None:
 def test_top_speed_and_acceleration_are_kept(spec, loaded) -> None:
     reached = velocities(free_move(spec, loaded=loaded, path_every=1))
     changes = np.diff(reached, axis=0) / spec.time_step
-    pace = spec.attainable_acceleration(loaded)
+    acceleration = spec.attainable_acceleration(loaded)
     assert np.hypot(*reached.T).max() <= spec.top_speed * (1 + 1e-6)
-    assert np.hypot(*changes.T).max() <= pace * (1 + 1e-6)
-    # A slow robot would keep both limits too, so they must be reached.
-    assert np.hypot(*changes.T).max() >= 0.9 * pace
+    assert np.hypot(*changes.T).max() <= acceleration * (1 + 1e-6)
+    # A slow robot would keep both limits too, so the test requires that they are reached.
+    assert np.hypot(*changes.T).max() >= 0.9 * acceleration
 
 
 @pytest.mark.parametrize("every", [1, 50])
@@ -174,6 +174,3 @@ def test_a_hit_is_where_and_when_the_body_met_the_wall() -> None:
 @pytest.mark.parametrize("time_step", [1 / 60, 1 / 30])
 def test_no_robot_drives_through_a_wall_at_the_highest_speed(time_step: float) -> None:
     drive_at_walls(time_step, TUNNEL_MOVES)
-
-
-# Invalid calls.

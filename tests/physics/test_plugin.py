@@ -1,4 +1,4 @@
-"""A missing or broken plugin raises one error of one line, and the grid still works."""
+"""A missing or broken plugin raises a single error of one line, and the grid still works."""
 
 import subprocess
 import sys
@@ -13,7 +13,7 @@ from warehouse_core.motion.backends import GROUP, load_backend
 from warehouse_physics import RigidBodyMotion
 from warehouse_physics.pymunk_version import check_version
 
-# Registers both backends, also if the installed distribution does not, and tries them twice.
+# Registers both backends, even if the installed distribution does not, and tries them twice.
 TRY_BOTH = """
 import sys
 import importlib.metadata as metadata
@@ -59,7 +59,7 @@ def test_a_plugin_that_cannot_be_loaded_raises_one_line_and_the_grid_works(
         [sys.executable, "-c", code], cwd=tmp_path, capture_output=True, check=True, text=True
     )
     assert run.stderr == ""
-    # Twice: a failed import must not leave a half-loaded package behind.
+    # The second attempt shows that a failed import leaves no half-loaded package behind.
     assert run.stdout.splitlines() == [f"backend 'physics' {line}{COMMAND}", "-0.1"] * 2
 
 

@@ -1,4 +1,4 @@
-"""What a robot makes of a hit: whether it is in the way, and whether it is recorded."""
+"""How a robot judges a hit: whether it is in the way, and whether it blocks the robot."""
 
 import pytest
 from helpers.rigid_bodies import EAST, STAY, WEST
@@ -13,7 +13,7 @@ SPEC = RobotSpec()
 
 
 def robots_that(*moves: Cell) -> list[Robot]:
-    """Return robots side by side in a row, from the third cell on, that begin to move."""
+    """Return robots next to each other in a row, from the third cell on, that begin to move."""
     cells = [(0, 2 + col) for col in range(len(moves))]
     robots = RobotArena(Layout(["......"]), cells, SPEC).robots
     for robot, displacement in zip(robots, moves, strict=True):
@@ -29,16 +29,16 @@ WALLS = {
     "rather from the side": ((-0.6, 0.8), (2.9, 0.5), False),
     "from behind": ((1.0, 0.0), (2.9, 0.5), False),
     "in the lane": ((-1.0, 0.0), (2.9, 0.99), True),
-    "beside the lane": ((-1.0, 0.0), (2.9, 1.01), False),
+    "outside the lane": ((-1.0, 0.0), (2.9, 1.01), False),
     "on its other side": ((-1.0, 0.0), (2.9, -0.01), False),
     "before the goal": ((-1.0, 0.0), (3.49, 0.5), True),
     "beyond the goal": ((-1.0, 0.0), (3.51, 0.5), False),
 }
-"""The push of a hit, where it is, and whether the robot gives up."""
+"""Push and place of a hit, and whether the robot gives up."""
 
 
 @pytest.mark.parametrize(("push", "point", "gives_up"), WALLS.values(), ids=WALLS)
-def test_a_wall_is_in_the_way_that_reaches_into_the_lane_and_pushes_back(
+def test_a_wall_is_in_the_way_if_it_reaches_into_the_lane_and_pushes_back(
     push: tuple[float, float], point: tuple[float, float], gives_up: bool
 ) -> None:
     """The robot drives from (2.5, 0.5) to (3.5, 0.5)."""
@@ -73,12 +73,19 @@ def test_another_robot_is_in_the_way_unless_it_leaves_the_cell(
         (EAST, 4.1, True, False, True),
         (STAY, 3.1, True, False, False),
     ],
-    ids=["touched", "told", "out of time", "at its goal", "pushed past it", "pushed while waiting"],
+    ids=[
+        "touched",
+        "gave up",
+        "out of time",
+        "at its goal",
+        "pushed past it",
+        "pushed while waiting",
+    ],
 )
-def test_a_robot_is_blocked_that_something_kept_from_another_cell(
+def test_a_robot_is_blocked_if_something_kept_it_from_another_cell(
     displacement: Cell, x: float, touches: bool, gives_up: bool, is_blocked: bool
 ) -> None:
-    """The robot begins at (2.5, 0.5), and is at (``x``, 0.5) in the end."""
+    """The robot begins at (2.5, 0.5) and ends at (``x``, 0.5)."""
     robot, other = robots_that(displacement, EAST)
     if touches:
         robot.meet(1, Hit(0, 1, (-1.0, 0.0), (0.3, 0.0), 0.5, (3.0, 0.5)), other)

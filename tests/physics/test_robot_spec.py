@@ -1,4 +1,4 @@
-"""Every number of a robot is checked before the physics engine sees it."""
+"""Every number of a robot is checked before the physics engine uses it."""
 
 import pytest
 
@@ -16,7 +16,7 @@ def test_a_differential_drive_has_a_track_and_no_turn_seconds() -> None:
     with pytest.raises(ValueError, match=r"^turn_seconds is 1\.5; it must be 0 with drive 'diff"):
         RobotSpec(turn_seconds=1.5, drive="differential")
     narrow, wide = (RobotSpec(drive="differential", track=track) for track in (0.3, 1.0))
-    # A wheel of the narrow robot drives a shorter way, but has much more to turn.
+    # A wheel of the narrow robot drives a shorter distance, but has a much larger mass to turn.
     assert narrow.turn_substeps(2) > wide.turn_substeps(2) > 0
     for track in (0.09, 1.01):
         with pytest.raises(

@@ -1,4 +1,4 @@
-"""Every backend of bodies gives the same bits in every process, and with every hash seed."""
+"""Every backend of bodies gives the same bits in every process and with every hash seed."""
 
 import os
 import subprocess

@@ -63,7 +63,7 @@ def test_sensors_change_no_motion(kind: Any) -> None:
         assert pair[1].odometry(2) is not None
 
 
-def test_odometry_measures_ways_with_its_error() -> None:
+def test_odometry_measures_distances_with_its_error() -> None:
     motion, shares, drifts = RigidBodyMotion(None, DRIFTING), [], []
     for seed in range(150):
         placed(motion, HALL, (1, 1), seed=seed)
@@ -91,7 +91,7 @@ def test_odometry_drifts_by_its_seed_and_goes_on_in_a_copy(kind: Any) -> None:
     assert first == same == twin
     assert first[0] != other[0]
     assert 0 < math.dist(other[0][:2], last[0].path[-1, 1:3]) < 1.0
-    assert other[1] == (5.5, 0.5, 0.0)  # one that does not move does not lose its way
+    assert other[1] == (5.5, 0.5, 0.0)  # a robot that does not move makes no error
 
 
 def test_turns_add_to_the_error_of_the_heading() -> None:
@@ -106,7 +106,7 @@ def test_turns_add_to_the_error_of_the_heading() -> None:
     assert statistics.stdev(drifts) == pytest.approx(0.01 * (1 + math.pi / 2), rel=0.15)
 
 
-def test_what_does_not_exist_senses_nothing() -> None:
+def test_robots_and_rays_that_do_not_exist_are_refused() -> None:
     motion = RigidBodyMotion()
     for call in (lambda: motion.scan(0, 4), lambda: motion.odometry(0)):
         with pytest.raises(RuntimeError, match="needs a reset"):

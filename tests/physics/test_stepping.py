@@ -1,4 +1,4 @@
-"""Chipmunk's own step against pymunk's, and errors in callbacks."""
+"""Chipmunk's step compared with pymunk's, and errors in callbacks."""
 
 import random
 import signal
@@ -23,13 +23,13 @@ over_versions = pytest.mark.parametrize("known", [True, False], ids=["known", "l
 
 @pytest.fixture
 def known(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> bool:
-    """Whether the version of pymunk is one whose private parts are used."""
+    """Return whether the private parts of this version of pymunk are used."""
     monkeypatch.setattr(stepping, "IS_KNOWN", request.param and stepping.IS_KNOWN)
     return stepping.IS_KNOWN
 
 
 def wander(robots: int, disturbances: Disturbances | None = None) -> list[Outcome]:
-    """Move at random, half of the time loaded."""
+    """Move at random, with an item in half of the moves."""
     layout, stream = random_layout(6, 7, 0.2, seed=4), random.Random(robots)
     motion = RigidBodyMotion(disturbances=disturbances)
     motion.reset(layout, [layout.open_cell(rank) for rank in range(robots)], 1)
@@ -59,7 +59,7 @@ def test_pymunks_own_step_gives_the_same_bits(robots, disturbances, monkeypatch)
 
 
 @over_versions
-def test_what_a_callback_adds_or_removes_waits_for_the_end_of_the_steps(known) -> None:
+def test_additions_and_removals_in_a_callback_wait_for_the_end_of_the_steps(known) -> None:
     motion = motion_in(LEDGE, (0, 0))
     move(motion, EAST)
     space, added = motion._arena.space, pymunk.Body(1.0, 1.0)

@@ -22,7 +22,7 @@ def headings_of(path: np.ndarray) -> np.ndarray:
 @pytest.mark.parametrize(
     ("displacement", "quarters"), [(EAST, 0), (SOUTH, 1), (NORTH, -1), (WEST, 2)]
 )
-def test_a_robot_turns_on_the_spot_the_shorter_way_round_and_then_drives(
+def test_a_robot_turns_on_the_spot_in_the_shorter_direction_and_then_drives(
     displacement: Cell, quarters: int
 ) -> None:
     outcome = move(motion_in(HALL, (2, 2), TURNING, path_every=1), displacement)
@@ -47,7 +47,7 @@ def test_the_next_move_in_the_same_direction_needs_no_turn_and_waiting_needs_non
     assert np.ptp(waiting.path[:, 3]) == np.ptp(second.path[:, 3]) == 0
 
 
-def test_the_way_back_after_a_hit_is_driven_backwards() -> None:
+def test_after_a_hit_a_robot_drives_back_in_reverse() -> None:
     motion = motion_in(LEDGE, (0, 0), TURNING)
     blocked = move(motion, SOUTH)
     assert blocked.blocked
@@ -64,7 +64,7 @@ def test_a_turn_costs_the_idle_power() -> None:
 
 
 def test_all_that_move_set_off_together_after_the_longest_turn() -> None:
-    """Robots of a ring, of which one turns round and one need not turn, and one that waits."""
+    """In a ring, one robot turns round and one need not turn; another robot waits elsewhere."""
     ring = [(1, 1), (1, 2), (2, 2), (2, 1)]
     moves = [EAST, SOUTH, WEST, NORTH]
     *movers, waiting = together(HALL, [*ring, (4, 4)], [*moves, STAY], TURNING, path_every=1)

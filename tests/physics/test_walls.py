@@ -11,7 +11,7 @@ from warehouse_physics.walls import wall_boxes
 
 @st.composite
 def layouts(draw: st.DrawFn) -> Layout:
-    """Draw a layout of any pattern with an open cell somewhere."""
+    """Generate a layout with random walls and at least one open cell."""
     height, width = draw(st.integers(1, 9)), draw(st.integers(1, 9))
     tiles = draw(st.lists(st.sampled_from("#."), min_size=height * width, max_size=height * width))
     tiles[draw(st.integers(0, height * width - 1))] = "."

@@ -14,7 +14,7 @@ from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, Robo
 HALL = Layout(["....."] * 5)
 WHEELED = RobotSpec(drive="differential")
 QUARTER = 2 * math.sqrt(math.pi / 2 * WHEELED.wheel_arm / WHEELED.acceleration)
-"""Seconds of a quarter turn, in which a wheel speeds up over half its way and brakes."""
+"""Seconds of a quarter turn: a wheel speeds up over half of its distance and then brakes."""
 
 
 @pytest.mark.parametrize("loaded", [False, True])
@@ -25,19 +25,19 @@ def test_a_turn_takes_the_time_and_energy_of_a_wheel_that_drives_its_arc(
     outcome = move(motion_in(HALL, (2, 2), WHEELED, path_every=1), displacement, loaded)
     straight = move(motion_in(HALL, (2, 2), WHEELED), EAST, loaded)
     clock, x, y, heading = outcome.path.T
-    way = WHEELED.wheel_arm * abs(angle) * math.pi / 2
+    distance = WHEELED.wheel_arm * abs(angle) * math.pi / 2
     inertia = WHEELED.total_mass(loaded) * WHEELED.radius**2 / 2 / WHEELED.wheel_arm**2
     drag = WHEELED.drag_force(loaded)
-    pace = min(WHEELED.acceleration, (WHEELED.motor_force - drag) / inertia)
-    seconds = 2 * math.sqrt(way / pace)
+    rate = min(WHEELED.acceleration, (WHEELED.motor_force - drag) / inertia)
+    seconds = 2 * math.sqrt(distance / rate)
     assert outcome.seconds - straight.seconds == pytest.approx(seconds, abs=0.04)
     turns = clock < seconds
     assert x[turns] == pytest.approx(2.5, abs=1e-12)
     assert y[turns] == pytest.approx(2.5, abs=1e-12)
     assert abs(heading[-1]) == pytest.approx(abs(angle) * math.pi / 2)
     assert abs(heading[len(clock[turns]) // 2]) == pytest.approx(abs(angle) * math.pi / 4, rel=0.05)
-    # It speeds up over half of the way; then the motors brake, and spend nothing.
-    work = inertia * pace * way / 2 + drag * way / 2
+    # A wheel speeds up over half of the distance. Then the motors brake and spend nothing.
+    work = inertia * rate * distance / 2 + drag * distance / 2
     joules = work / WHEELED.drivetrain_efficiency + WHEELED.idle_power * seconds
     assert outcome.joules - straight.joules == pytest.approx(joules, rel=0.05)
 

@@ -1,4 +1,4 @@
-"""Robots that drive through keep their distances whatever disturbs them, and none waits forever."""
+"""Robots that drive through keep their distances despite disturbances, and none waits forever."""
 
 import math
 
@@ -28,7 +28,7 @@ EAST, STAY = (0, 1), (0, 0)
 
 
 def drive(motion: DrivingMotion, moves: list[list[Cell]], seconds: int) -> list[Contact]:
-    """Carry out moves, and then wait until all are at rest; return the hits."""
+    """Carry out moves, then wait until all robots are at rest, and return the hits."""
     count = len(motion.routes().ends)
     hits: list[Contact] = []
     for step in range(seconds):
@@ -41,7 +41,7 @@ def drive(motion: DrivingMotion, moves: list[list[Cell]], seconds: int) -> list[
 
 
 def ring(step: int) -> list[Cell]:
-    """Return the moves with which four robots of a ring all move on."""
+    """Return the moves with which all four robots of a ring move on."""
     cells = [RING[(robot + step) % 4] for robot in range(4)]
     nexts = [RING[(robot + step + 1) % 4] for robot in range(4)]
     return [(to[0] - at[0], to[1] - at[1]) for at, to in zip(cells, nexts, strict=True)]
@@ -67,7 +67,7 @@ def test_a_ring_of_disturbed_robots_turns_without_a_hit(
         assert motion.routes().ends == RING[2:] + RING[:2]
 
 
-def test_robots_drive_at_the_share_of_the_speed_that_is_drawn_for_each_cell() -> None:
+def test_robots_drive_at_a_random_share_of_their_speed_in_each_cell() -> None:
     motion = DrivingMotion(disturbances=Disturbances(actuation_noise=0.05))
     motion.reset(Layout(["." * 60]), [(0, 0)], 3)
     paths = [motion.advance([EAST], [False])[0].path for _ in range(50)]
@@ -88,7 +88,7 @@ def test_a_robot_that_overshoots_its_end_drives_back_to_it(monkeypatch: pytest.M
     assert motion.routes().at_rest == [True]
 
 
-def test_a_robot_that_stops_stands_for_its_time_and_drives_on() -> None:
+def test_a_robot_that_stops_stays_for_its_time_and_drives_on() -> None:
     motion = DrivingMotion(disturbances=Disturbances(stops=(Stop(0, 2.0, 10.0),)))
     motion.reset(HALL, [(0, 1), (0, 0)], 0)
     assert not drive(motion, [[EAST, EAST]] * 3, 8)
@@ -115,7 +115,7 @@ def test_robots_behind_one_that_has_failed_go_back_to_cells_of_their_own(
 
 
 def test_a_robot_on_ice_brakes_for_one_that_waits_in_front_of_it() -> None:
-    """The floor under its first cell counts, from which it cannot stop in time otherwise."""
+    """The floor of its first cell counts: otherwise the robot could not stop in time."""
     disturbances = Disturbances(slippery=frozenset({(0, 3)}), grip=0.05, stops=(Stop(0, 0, 20.0),))
     motion = DrivingMotion(disturbances=disturbances)
     motion.reset(Layout(["....."]), [(0, 1), (0, 2), (0, 3)], 0)

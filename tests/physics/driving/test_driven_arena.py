@@ -1,4 +1,4 @@
-"""The bodies of robots that drive through, and the hits that they would report."""
+"""The bodies of robots that drive through, and the hits that they report."""
 
 import pytest
 
@@ -13,7 +13,7 @@ SPEC = RobotSpec(payload_mass=50.0)
 
 
 def hits_of(layout: Layout, cells: list[tuple[int, int]], velocities, loaded=()) -> list[Hit]:
-    """Return the first hits of bodies that are driven at velocities in m/s."""
+    """Return the first hits of bodies that drive at the given velocities in m/s."""
     arena = DrivenArena(SPEC, ITERATIONS)
     arena.add_walls(wall_boxes(layout))
     arena.add_robots(centre_of(cell, SPEC.cell_size) for cell in cells)
@@ -34,7 +34,7 @@ def test_two_bodies_that_meet_both_report_it() -> None:
     assert {round(hit.impulse, 3) for hit in hits} == {round(reduced * 0.6, 3)}
 
 
-def test_a_hit_is_in_the_outcomes_of_those_who_feel_it() -> None:
+def test_a_hit_is_in_the_outcomes_of_both_robots() -> None:
     motion = DrivingMotion()
     motion.reset(Layout(["....."]), [(0, 0), (0, 4)], 0)
     assert motion._driver is not None
@@ -48,7 +48,7 @@ def test_a_hit_is_in_the_outcomes_of_those_who_feel_it() -> None:
 
 
 def test_a_body_that_is_held_against_a_wall_sinks_in_by_a_millimetre() -> None:
-    """Chipmunk's own slop would be a decimetre."""
+    """With Chipmunk's default slop it would be a decimetre."""
     arena = DrivenArena(SPEC, ITERATIONS)
     arena.add_walls(wall_boxes(Layout(["."])))
     arena.add_robots([(0.5, 0.5)])

@@ -1,4 +1,4 @@
-"""Robots that fail while they drive through joint plans: all others come to rest at open cells."""
+"""Robots that fail while they drive through joint plans: the others come to rest in open cells."""
 
 import itertools
 import re
@@ -25,8 +25,8 @@ MOVES = list(DISPLACEMENTS[:5])
     st.lists(st.floats(0.02, 4.0), min_size=1, max_size=3),
 )
 @settings(max_examples=8)
-def test_robots_come_to_rest_and_go_on_around_those_that_fail(drawn, spec, pauses) -> None:
-    layout, plan, loaded, stream = drawn
+def test_robots_come_to_rest_and_go_on_around_those_that_fail(example, spec, pauses) -> None:
+    layout, plan, loaded, stream = example
     crowd = Failures(layout, plan, spec, loaded)
     robots = range(len(crowd.motion.routes().ends))
     for pause in pauses:
@@ -40,7 +40,7 @@ def test_robots_come_to_rest_and_go_on_around_those_that_fail(drawn, spec, pause
 
 
 def test_a_robot_that_fails_on_its_way_back_leaves_others_cells_to_them() -> None:
-    """The first robot fails where it stands, so the second stays, and the third turns back.
+    """The first robot fails while it waits, so the second stays and the third turns back.
 
     Then the third fails, close behind the second. Each cell has at most one of them.
     """
@@ -65,13 +65,13 @@ def test_a_robot_that_fails_on_its_way_back_leaves_others_cells_to_them() -> Non
 
 @pytest.mark.parametrize("back", [False, True])
 def test_the_closed_cells_are_those_in_which_a_robot_would_be_too_near(back: bool) -> None:
-    """Wherever it fails: while it speeds up, drives, brakes and turns back."""
+    """The robot fails while it speeds up, drives, brakes or turns back."""
     layout, apart = Layout(["." * 4]), 2 * FAST.radius
-    way = [0, 1, 2, 1, 0] if back else [0, 1, 2, 3]
+    cols = [0, 1, 2, 1, 0] if back else [0, 1, 2, 3]
     for at in np.arange(1, 60 + 30 * back, 2) / 30:
         motion = DrivingMotion(FAST)
         motion.reset(layout, [(0, 0)], 0)
-        for col in way[1:]:
+        for col in cols[1:]:
             motion.extend([(0, col)])
         motion.drive(at)
         motion.fail(0)
@@ -83,7 +83,7 @@ def test_the_closed_cells_are_those_in_which_a_robot_would_be_too_near(back: boo
 
 @pytest.mark.parametrize("at", [0.35, 0.7, 2.25, 2.7])
 def test_a_failure_in_a_ring_without_room_stops_all_robots(at: float) -> None:
-    """One that fails between two cells leaves no cells for all others, who stop where they are."""
+    """A robot that fails between two cells leaves too few cells, so the others stop anywhere."""
     ring = [(0, 0), (0, 1), (0, 2), (1, 2), (2, 2), (2, 1), (2, 0), (1, 0)]
     plan = [[ring[(robot + step) % 8] for robot in range(8)] for step in range(4)]
     crowd = Failures(Layout(["...", ".#.", "..."]), plan, FAST, [False] * 8)
@@ -95,7 +95,7 @@ def test_a_failure_in_a_ring_without_room_stops_all_robots(at: float) -> None:
     assert sum(failed) == (8 if len(crowd.motion.routes().closed) > 1 else 1)
 
 
-def test_no_way_is_extended_for_a_robot_that_has_failed_or_into_its_cell() -> None:
+def test_no_route_is_extended_for_a_robot_that_has_failed_or_into_its_cell() -> None:
     motion = DrivingMotion(FAST)
     motion.reset(Layout(["....."]), [(0, 1), (0, 2), (0, 4)], 0)
     motion.extend([(0, 1), (0, 3), (0, 4)])

@@ -1,4 +1,4 @@
-"""Fleets whose robots drive through: rules, records, replays, and who cannot use the backend."""
+"""Fleets whose robots drive through: rules, records, replays, and commands that refuse them."""
 
 from pathlib import Path
 
@@ -48,7 +48,7 @@ def test_a_robot_picks_and_drops_only_at_rest() -> None:
     assert env.measures.delivered == 1
 
 
-def test_a_robot_waits_only_in_steps_at_whose_end_it_rests() -> None:
+def test_a_step_counts_as_a_wait_only_if_the_robot_is_at_rest_at_its_end() -> None:
     env = FleetEnv(["P...D"], 1, starts=[(0, 0)], backend=DrivingMotion(period=0.25))
     env.reset(seed=0)
     env.step(["PICK"])
@@ -59,7 +59,7 @@ def test_a_robot_waits_only_in_steps_at_whose_end_it_rests() -> None:
         rests += not drives and env.routes.at_rest[0]
     assert env.cells == [(0, 4)]
     assert (env.measures.distance, env.measures.waits) == (4, rests)
-    assert 5 <= rests <= 15  # of 36, of which it picks in 3 and drives in about 20
+    assert 5 <= rests <= 15  # of 36 steps: it picks in 3 and drives in about 20
 
 
 def test_a_robot_that_drives_over_a_charger_is_not_charged() -> None:

@@ -1,4 +1,4 @@
-"""Robots that drive through turn: on the spot at corners, or while they drive."""
+"""Turns of robots that drive through: on the spot at corners, or while they drive."""
 
 import math
 
@@ -50,16 +50,16 @@ def test_a_robot_turns_in_the_middle_of_a_corner_cell() -> None:
     assert heading[y > 0.51].min() == pytest.approx(math.pi / 2)
 
 
-def test_a_robot_turns_before_its_first_move_and_where_its_way_turns_back() -> None:
+def test_a_robot_turns_before_its_first_move_and_where_its_route_turns_back() -> None:
     [path] = driven(TURNING, [(2, 2)], [(2, 1)], [(2, 2)])
     assert arrival(path) == pytest.approx(2 * (2 * QUARTER + 2), abs=0.1)
 
 
 def test_robots_of_a_ring_turn_at_every_corner() -> None:
-    """All cells of the ring are occupied, so that nobody can move unless all do."""
+    """All cells of the ring are occupied, so that no robot can move unless all of them do."""
     steps = [RING[turn:] + RING[:turn] for turn in range(4)]
     paths = driven(TURNING, *steps, RING)
-    # The first faces east; the one that is to go west turns round; then there are three corners.
+    # The first robot faces east, and the one that goes west turns round. Three corners follow.
     assert min(map(arrival, paths)) >= 4 * 2 + 3 * QUARTER
     assert max(map(arrival, paths)) <= 4 * 2 + 5 * QUARTER + 0.2
 
@@ -117,7 +117,7 @@ def test_a_turn_of_a_robot_that_drives_through_costs_what_it_costs_one_that_stop
     assert through[1] - through[0] == pytest.approx(stopping[1] - stopping[0], rel=0.05)
 
 
-def test_a_robot_of_two_wheels_beside_its_line_gets_back_only_while_it_drives() -> None:
+def test_a_robot_of_two_wheels_off_its_line_gets_back_only_while_it_drives() -> None:
     motion = DrivingMotion(WHEELED, path_every=1)
     motion.reset(HALL, [(2, 0)], 0)
     motion._driver._arena.bodies[0].position = (0.5, 2.6)
@@ -131,7 +131,7 @@ def test_a_robot_of_two_wheels_beside_its_line_gets_back_only_while_it_drives() 
 
 
 def test_tyres_hold_a_robot_that_drives_through_on_its_line_unless_the_floor_is_slippery() -> None:
-    """A robot that is in the way by a fault of the test is hit from the side."""
+    """The test puts a robot in the way, which is hit from the side."""
     asides, impulses = [], []
     for slippery in ([], [(2, 1), (2, 2)]):
         motion = DrivingMotion(WHEELED, Disturbances(slippery=slippery, grip=0.3), path_every=1)

@@ -1,4 +1,4 @@
-"""The interface of robots that drive through: ways, joint steps, periods."""
+"""The interface of robots that drive through: routes, joint steps and periods."""
 
 from collections.abc import Callable
 from itertools import pairwise, product
@@ -50,14 +50,14 @@ def test_a_joint_step_with_a_conflict_is_refused_and_nothing_changes(
 def test_a_joint_step_of_a_plan_needs_no_room() -> None:
     motion = motion_at((0, 0))
     for col in range(1, 5):
-        assert motion.routes().has_room == [col - 1 <= 1.5]  # to stop, and for a second
+        assert motion.routes().has_room == [col - 1 <= 1.5]  # to stop, and to drive for a second
         motion.extend([(0, col)])
     assert motion.routes()[:3] == ([(0, 4)], [False], [False])
     assert motion.drive(5.0)[0].cell == (0, 4)
     assert motion.routes()[:3] == ([(0, 4)], [True], [True])
 
 
-def test_a_way_that_grows_in_time_leads_round_corners_as_fast_as_a_whole_one() -> None:
+def test_a_route_that_grows_in_time_leads_round_corners_as_fast_as_a_whole_one() -> None:
     floor = Layout(["." * 5] * 5)
     cells = [(0, col) for col in range(5)] + [(row, 4) for row in range(1, 5)]
     growing, whole = DrivingMotion(period=0.25), DrivingMotion()
@@ -100,7 +100,7 @@ def test_picking_takes_its_time_however_short_the_calls_are(period: float) -> No
     assert starts[0] == pytest.approx(1.0)
 
 
-def test_robots_that_cannot_extend_their_ways_are_blocked() -> None:
+def test_robots_that_cannot_extend_their_routes_are_blocked() -> None:
     motion = motion_at((0, 0), (0, 1), (1, 0))
     outcomes = motion.advance([EAST, WEST, WEST], [False] * 3)
     assert [outcome.blocked for outcome in outcomes] == [True] * 3
@@ -109,7 +109,7 @@ def test_robots_that_cannot_extend_their_ways_are_blocked() -> None:
     assert [outcome.blocked for outcome in outcomes] == [False] * 3
 
 
-def test_a_call_lasts_as_many_substeps_as_it_is_to() -> None:
+def test_a_call_lasts_the_nearest_number_of_substeps() -> None:
     motion = motion_at((0, 0))
     assert motion.period == pytest.approx(1.0)
     for asked, got in ((1.0, 1.0), (0.024, 1 / 60), (0.026, 2 / 60), (1e-9, 1 / 60)):
@@ -135,7 +135,7 @@ def test_a_path_has_a_row_for_each_so_many_substeps_and_the_ends() -> None:
         assert not outcome.path.flags.writeable
 
 
-def test_paths_go_on_where_they_ended_and_head_the_way_that_is_driven() -> None:
+def test_paths_go_on_where_they_ended_and_headings_follow_the_route() -> None:
     motion = motion_at((0, 3))
     for cell in ((0, 4), (1, 4)):
         motion.extend([cell])

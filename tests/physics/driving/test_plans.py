@@ -1,4 +1,4 @@
-"""Robots that drive through joint plans: in their order, within their limits, without hits."""
+"""Robots that drive through joint plans keep the order and their limits, and never touch."""
 
 import math
 from collections.abc import Sequence
@@ -102,7 +102,7 @@ def test_a_lone_robot_takes_the_time_and_energy_of_the_formula(cells: int, loade
     speed = min(SPEC.top_speed, math.sqrt(2 * cells * up * down / (up + down)))
     seconds = cells / speed + speed * (1 / up + 1 / down) / 2
     assert drive.seconds == pytest.approx(seconds, abs=2 * SPEC.time_step)
-    # While it brakes the drag helps, and the motor does no work.
+    # While the robot brakes, the drag helps and the motor does no work.
     work = mass * speed**2 / 2 + drag * (cells - speed**2 / 2 / down)
     joules = work / SPEC.drivetrain_efficiency + SPEC.idle_power * drive.seconds
     assert drive.joules == pytest.approx([joules], rel=3e-3)

@@ -1,4 +1,4 @@
-"""Robots on a floor of twice the size do the same, twice as far: bit for bit."""
+"""Robots on a floor of twice the size do exactly the same, twice as far."""
 
 from dataclasses import replace
 from typing import Any
@@ -19,7 +19,7 @@ SPEC = RobotSpec(radius=0.3)
 
 
 def scaled(scale: float) -> RobotSpec:
-    """Return a robot with lengths, speeds and accelerations that are ``scale`` times as large."""
+    """Return a robot whose lengths, speeds and accelerations are ``scale`` times as large."""
     names = "cell_size", "radius", "top_speed", "acceleration", "motor_force", "floor_drag"
     values = {name: scale * getattr(SPEC, name) for name in names}
     return replace(SPEC, **values, idle_power=scale**2 * SPEC.idle_power)
