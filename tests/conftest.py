@@ -1,4 +1,4 @@
-"""Fixtures of several test files: a recorded episode, its file, small pictures, a memory limit."""
+"""Fixtures that several test files share, such as a recorded episode and a limit on memory."""
 
 import random
 import signal
@@ -60,19 +60,19 @@ def saved(episode: Episode, tmp_path: Path) -> Path:
 
 @pytest.fixture
 def warehouse(capsys: pytest.CaptureFixture[str]) -> Warehouse:
-    """Return what runs a command of ``warehouse`` in this process."""
+    """Return a function that runs a command of ``warehouse`` in this process."""
     return partial(command, capsys)
 
 
 @pytest.fixture
 def refused(capsys: pytest.CaptureFixture[str]) -> Refused:
-    """Return what runs a command that must fail with one line, and returns the line."""
+    """Return a function that runs a command that must fail, and returns its single line."""
     return partial(refusal, capsys)
 
 
 @pytest.fixture
 def small_pictures(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Draw small pictures without their texts, which are most of the work."""
+    """Draw small pictures without texts, which take most of the time."""
     from matplotlib.backends.backend_agg import RendererAgg
 
     from warehouse_core.viz import figure
@@ -103,7 +103,7 @@ def install(monkeypatch: pytest.MonkeyPatch) -> Iterator[Callable[..., None]]:
 
 @pytest.fixture
 def little_memory() -> Callable[[], AbstractContextManager[None]]:
-    """Return a context manager that allows its block 64 MiB on top of what is in use."""
+    """Return a context manager that allows its block 64 MiB of additional memory."""
 
     @contextmanager
     def watch() -> Iterator[None]:
@@ -120,7 +120,7 @@ def little_memory() -> Callable[[], AbstractContextManager[None]]:
 
 @pytest.fixture
 def interrupts_raise() -> Iterator[None]:
-    """Make SIGINT raise, as background processes may ignore it; restore the handlers at the end."""
+    """Make SIGINT raise, since background processes may ignore it, and restore it at the end."""
     handlers = {number: signal.getsignal(number) for number in (signal.SIGINT, signal.SIGTERM)}
     signal.signal(signal.SIGINT, signal.default_int_handler)
     yield

@@ -24,7 +24,7 @@ from typing import Any, NamedTuple
 import numpy as np
 import pytest
 from helpers.driving import Failures, resolved
-from helpers.driving_validator import Place, ways_of
+from helpers.driving_validator import Place, routes_of
 from helpers.fleet_truth import big_warehouse
 from helpers.timing import resident
 
@@ -222,7 +222,7 @@ def test_robots_alone_are_nearly_as_fast_as_force_and_speed_allow(
 ) -> None:
     mover = make_planner(planner, 0, LAYOUT, ROBOTS)
     run = run_lifelong(Graph(LAYOUT), mover, ROBOTS, STEPS, 0, STARTS, GOALS)
-    ways = ways_of([LAYOUT.cells(cells) for cells in run.cells])
+    ways = routes_of([LAYOUT.cells(cells) for cells in run.cells])
     least = np.array([bound(way, ALONE_SPECS[kind]) for way in ways])
     driven = arrivals(ways, ALONE_SPECS[kind])
     ratios = driven[least > 0] / least[least > 0]

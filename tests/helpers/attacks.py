@@ -1,4 +1,4 @@
-"""What hostile agents try: each deed must be refused, and the grades of all must be as earned."""
+"""Deeds of hostile agents: each must be refused, and no grade may change."""
 
 from helpers.submissions import GOOD, good
 
@@ -72,14 +72,14 @@ DEEDS = {
     "have namespaces": "call(libc.unshare(0x10000000))",
     "use a ring of calls": "call(libc.syscall(425, 8, 0))",
 }
-"""What an agent must not be able to do, each as an expression."""
+"""Deeds that must be impossible for an agent, each as an expression."""
 
 PLACES = ("import", "begin(self)", "before(self, observation)")
-"""Where agents do it: when they are loaded, in ``reset`` and in ``act``."""
+"""Places where agents try a deed: when they are loaded, in ``reset`` and in ``act``."""
 
 
 def attempt(deed: str) -> str:
-    """Return statements that fail loudly if a deed succeeds, and go on if it is refused."""
+    """Return statements that raise if a deed succeeds, and continue if it is refused."""
     return (
         f"try:\n    {deed}\n"
         "except (OSError, RuntimeError, ValueError, ImportError):\n    pass\n"
@@ -88,7 +88,7 @@ def attempt(deed: str) -> str:
 
 
 def attacker(name: str, place: str) -> str:
-    """Return an agent that tries a deed in a place, and delivers like a good one otherwise."""
+    """Return an agent that tries a deed in a place, and otherwise delivers like a good agent."""
     tried = attempt(DEEDS[name])
     if place == "import":
         return f"{BEFORE}\n{tried}\n{GOOD}"

@@ -44,10 +44,10 @@ over_modes = pytest.mark.parametrize("mode", AUTORESET_MODES)
 over_starts = pytest.mark.parametrize("randomize", [False, True, "stations", "start"])
 
 
-def drawn(
-    layout: Layout, stream: np.random.Generator, usual: Cell, randomize: bool | str
+def randomized(
+    layout: Layout, stream: np.random.Generator, default_start: Cell, randomize: bool | str
 ) -> tuple[Layout, Cell]:
-    """Draw pickup, dropoff and start, one after the other, from the cells that are left."""
+    """Choose pickup, dropoff and start at random, each from the cells that are left."""
     left = [layout.open_cell(index) for index in range(len(layout.open_cells))]
     left = [cell for cell in left if cell not in layout.chargers]
     places = stream.random(4)
@@ -57,7 +57,7 @@ def drawn(
         pickup, dropoff = (left.pop(int(place * len(left))) for place in places[:2])
         layout = layout.with_stations(pickup, dropoff)
     if randomize == "stations" or not left:
-        return layout, usual
+        return layout, default_start
     return layout, left[int(places[2] * len(left))]
 
 
@@ -78,7 +78,7 @@ class Single:
         if seed is not None:
             self.stream = np.random.default_rng(seed)
         if self.randomize:
-            layout, start = drawn(layout, self.stream, start, self.randomize)
+            layout, start = randomized(layout, self.stream, start, self.randomize)
         self.env.reset_to(layout, start)
         self.ended = False
 
@@ -115,7 +115,7 @@ class Single:
         return motion.blocked, motion.seconds, motion.joules
 
     def assert_seen(self, arrays: Any, row: int, mask: Any) -> None:
-        """Compare with row number ``row`` of an observation and of the masks."""
+        """Compare the state with a row of an observation and of the masks."""
         expected: dict[str, Any] = {**encode(self.env.observe())}
         assert list(arrays) == list(expected)
         for key, value in expected.items():
@@ -219,7 +219,7 @@ def some_batch(mode: str = NEXT_STEP, layouts: Any = None, **settings: Any) -> B
 
 
 def leaves(data: Any) -> Iterator[np.ndarray]:
-    """Yield every array in what a batch returns."""
+    """Yield every array in the results of a batch."""
     if isinstance(data, np.ndarray):
         yield data
     elif isinstance(data, (dict, tuple)):

@@ -20,11 +20,11 @@ DISPLAY_VARIABLES = ("DISPLAY", "WAYLAND_DISPLAY", "MPLBACKEND")
 
 
 program = cache(typer.main.get_command)
-"""Return the command of an application; building that of ``warehouse`` takes 30 ms."""
+"""Return the command of an application. It takes 30 ms to build ``warehouse``, so it is cached."""
 
 
 def leaves(group: Any, *words: str) -> Iterator[tuple[str, Any]]:
-    """Yield each command that the help lists and that runs something, after its words."""
+    """Yield the words and the command of each command that the help lists and that runs."""
     for name, each in group.commands.items():
         if each.hidden:
             continue
@@ -81,7 +81,7 @@ def refusal(
 def write_mine(method: str, line: str, returned: str, step: int = 4) -> None:
     """Write a file ``mine.py`` with a class ``Mine``, an agent or a planner by its method.
 
-    It executes the line, the 9th of the file, in one of its steps, and returns ``returned``.
+    In one of its steps it executes ``line``, which is line 9 of the file. It returns ``returned``.
     """
     Path("mine.py").write_text(f"""
 class Mine:
@@ -126,7 +126,7 @@ def in_the_background(program: str, *words: object) -> subprocess.Popen[str]:
 
 
 def heed_interrupts() -> None:
-    """Make SIGINT interrupt again; who starts tests in the background has them ignore it."""
+    """Make SIGINT interrupt again, because tests that run in the background ignore it."""
     signal.signal(signal.SIGINT, signal.default_int_handler)
 
 

@@ -1,4 +1,4 @@
-"""Crowds of robots, and the table of ``motion/traffic.py`` read line by line for each of them."""
+"""Crowds of robots, and the table of ``motion/traffic.py`` applied line by line to each robot."""
 
 import random
 from collections import Counter
@@ -45,7 +45,7 @@ CASES: dict[str, tuple[list[Cell], list[Cell], list[Obstacle]]] = {
         [4, 2, 3, 0, 0],
     ),
 }
-"""Cells and moves of robots in a hall of 6 x 6 cells, and what stops each by the table."""
+"""Cells and moves of robots in a hall of 6 x 6 cells, and what stops each robot by the table."""
 
 LINES = ("waiting", "wall", "same target", "head-on", "occupied", "following", "cycle")
 FLOORS, STEPS = 6, 5
@@ -96,7 +96,7 @@ def _robot_in(cell: Cell, cells: list[Cell]) -> int | None:
 
 
 def array_stops(layout: Layout, cells: list[Cell], moves: list[Cell]) -> list[Obstacle]:
-    """Return what stops each robot, by the arrays of a batch."""
+    """Return what stops each robot, according to the arrays of a batch."""
     robots = len(cells)
     batch = GridFleetBatch([layout], 1.0, robots)
     batch.place(np.arange(robots), np.array([row * layout.width + col for row, col in cells]))
@@ -105,7 +105,7 @@ def array_stops(layout: Layout, cells: list[Cell], moves: list[Cell]) -> list[Ob
 
 
 def named(stopped_by: NDArray[np.intp]) -> list[Obstacle]:
-    """Return the stops of a batch as those of ``find_stops``."""
+    """Return the stops of a batch in the form that ``find_stops`` returns."""
     return [{NOTHING: None, WALL: "wall"}.get(stop, stop) for stop in stopped_by.tolist()]
 
 
@@ -130,11 +130,11 @@ def ring_action(cell: Cell, layout: Layout) -> int:
 
 
 def some_actions(cells: list[Cell], layout: Layout, stream: random.Random) -> list[int]:
-    """Return an action for each robot: along rings, all one way, or at random, and a mixture."""
-    way, alike = stream.randrange(4), stream.choice([0.0, 0.9, 1.0])
+    """Return an action for each robot: along rings, in one direction, random, or a mixture."""
+    direction, alike = stream.randrange(4), stream.choice([0.0, 0.9, 1.0])
     in_rings = stream.random() < 0.5
     return [
-        (ring_action(cell, layout) if in_rings else way)
+        (ring_action(cell, layout) if in_rings else direction)
         if stream.random() < alike
         else stream.randrange(WAIT + 1)
         for cell in cells
@@ -142,7 +142,7 @@ def some_actions(cells: list[Cell], layout: Layout, stream: random.Random) -> li
 
 
 def check_crowds(moves: int, seed: int = 0) -> Counter[str]:
-    """Compare ``find_stops`` and the arrays with the table, for crowds on floors end to end.
+    """Compare ``find_stops`` and the arrays of a batch with the table, for random crowds.
 
     Return how often each line of the table applied.
     """

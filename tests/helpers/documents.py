@@ -1,4 +1,4 @@
-"""Every kind of page and picture with a name in it, and what in them a browser would run."""
+"""Every kind of page and picture with a name in it, and the parts that a browser would run."""
 
 import dataclasses
 from collections.abc import Iterator
@@ -56,7 +56,7 @@ class _Found(HTMLParser):
 
 
 def executable(tag: str, attributes: dict[str, Any]) -> Iterator[str]:
-    """Yield what a browser would run or load of an element."""
+    """Yield the parts of an element that a browser would run or load."""
     if tag.lower() in SCRIPT_TAGS:
         yield tag
     for key, value in attributes.items():
@@ -69,7 +69,7 @@ def executable(tag: str, attributes: dict[str, Any]) -> Iterator[str]:
 
 
 def executable_nodes(path: Path) -> list[str]:
-    """Return what a browser would run or load of a page or an SVG.
+    """Return the parts of a page or an SVG that a browser would run or load.
 
     Raises:
         ElementTree.ParseError: the SVG is not well-formed.

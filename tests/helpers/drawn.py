@@ -1,4 +1,4 @@
-"""What Matplotlib draws for a figure, one line for each path, text and image, in their order."""
+"""A description of a figure of Matplotlib: a line for each path, text and image, in order."""
 
 from collections.abc import Iterable
 from typing import Any
@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 WHITE = "#ffffff"
 
 MANY = 9
-"""Corners of a path that is described by its box and moments."""
+"""Number of corners from which a path is described by its box and its moments."""
 
 
 class Lines(RendererBase):
-    """Renderer that describes what it is to draw, in pixels from the bottom left."""
+    """Renderer that describes its calls, in pixels from the bottom left."""
 
     def __init__(self, figure: Figure) -> None:
         super().__init__()
@@ -32,7 +32,7 @@ class Lines(RendererBase):
         corners = transform.transform(path.vertices)
         is_white = rgbFace is not None and to_hex(rgbFace) == WHITE
         if is_white and len(corners) == 5 and not gc.get_linewidth():
-            return  # the backgrounds of axes in one place are drawn by some versions only
+            return  # only some versions draw the backgrounds of axes in one place
         if len(corners) >= MANY:
             corners = np.vstack([corners.min(0), corners.max(0), corners.mean(0), corners.std(0)])
         face = "" if rgbFace is None else f" face {_color(rgbFace, gc.get_alpha(), gc)}"
@@ -57,7 +57,7 @@ class Lines(RendererBase):
 
 
 def drawn(figure: Figure) -> list[str]:
-    """Return a line for each thing that is drawn."""
+    """Return a line for each object in a figure."""
     renderer = Lines(figure)
     figure.draw(renderer)
     return renderer.lines

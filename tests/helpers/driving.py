@@ -1,4 +1,4 @@
-"""Plans for robots that drive through, and their execution."""
+"""Plans for robots that drive through, and how they are executed."""
 
 import math
 import random
@@ -16,13 +16,13 @@ from warehouse_physics import Disturbances, DrivingMotion, RobotSpec
 
 MAX_SECONDS, MAX_REST_SECONDS = 100, 1000
 RESTS = 1e-5
-"""Metres in which a robot that is at rest may move in a substep."""
+"""Metres by which a robot that is at rest may move in a substep."""
 
 
 def resolved(
     layout: Layout, cells: list[Cell], actions: Sequence[Sequence[int]]
 ) -> list[list[Cell]]:
-    """Return the joint plan of actions, in which robots stay that others or walls would stop."""
+    """Return the joint plan of actions; robots that walls or other robots would stop stay."""
     plan = [cells]
     for row in actions:
         targets = [
@@ -38,7 +38,7 @@ def resolved(
 def crowds(
     draw: st.DrawFn, walls: str = "....#"
 ) -> tuple[Layout, list[list[Cell]], list[bool], random.Random]:
-    """Draw a small floor with walls, robots on it, a plan for them, who is loaded, and chance."""
+    """Generate a small layout, a plan for robots in it, their loads, and random numbers."""
     height, width = draw(st.integers(1, 4)), draw(st.integers(2, 5))
     stream = random.Random(draw(st.integers(0, 10**6)))
     rows = ["".join(stream.choice(walls) for _ in range(width)) for _ in range(height)]
@@ -52,12 +52,12 @@ def crowds(
 
 
 class Drive:
-    """Robots that have driven through a plan, given with a pause between its joint steps.
+    """Robots that have driven through a plan, with a pause between its joint steps.
 
     Attributes:
         positions: ``[N, R, 2]`` metres at each substep, until all are at rest.
         seconds: ``N - 1`` substeps.
-        joules: ``[R]``, until then.
+        joules: ``[R]``, cost until then.
         hits: number of contacts.
     """
 
@@ -97,7 +97,7 @@ class Drive:
 
 
 class Failures:
-    """Robots that execute a plan, of which some fail, on a floor that may be disturbed."""
+    """Robots that execute a plan while some of them fail, perhaps with disturbances."""
 
     def __init__(
         self,
@@ -127,7 +127,7 @@ class Failures:
         self.hits += sum(len(outcome.contacts) for outcome in outcomes)
 
     def come_to_rest(self) -> None:
-        """Drive until all robots that have not failed are at rest at different open cells."""
+        """Drive until all robots that have not failed are at rest in different open cells."""
         for _ in range(MAX_REST_SECONDS):
             routes = self.motion.routes()
             if all(
@@ -148,7 +148,7 @@ class Failures:
                 assert math.dist((x, y), (col + 0.5, row + 0.5)) < 2e-3
 
     def check(self) -> None:
-        """Check what robots have done so far."""
+        """Check all motion so far."""
         rows = [self._paths[0][:1], *(path[1:] for path in self._paths)]
         assert self.hits == 0
         fault_of = too_near if self.motion.disturbances.any else motion_fault

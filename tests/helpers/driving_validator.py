@@ -1,6 +1,6 @@
-"""A validator of robots that drive through a joint plan; it shares no code with the driver.
+"""A validator of robots that drive through a joint plan, which shares no code with the driver.
 
-It knows the plan, and where each robot was at each substep.
+It knows the plan, and the position of each robot at each substep.
 """
 
 import math
@@ -16,7 +16,7 @@ Joint = Sequence[Sequence[Place]]
 """The cell of each robot before each joint step and after the last."""
 
 SLACK = 1e-5
-"""Share of a limit within which the solver keeps it."""
+"""Share of a limit by which the solver may exceed it."""
 
 
 def driving_fault(plan: Joint, positions: np.ndarray, spec: RobotSpec) -> str | None:
@@ -26,18 +26,18 @@ def driving_fault(plan: Joint, positions: np.ndarray, spec: RobotSpec) -> str | 
     """
     return (
         motion_fault(positions, spec)
-        or _off_the_way(plan, positions, spec)
+        or _off_the_route(plan, positions, spec)
         or _out_of_order(plan, positions, spec)
     )
 
 
 def motion_fault(positions: np.ndarray, spec: RobotSpec) -> str | None:
-    """Return the first fault of robots wherever they go; arguments as for ``driving_fault``."""
+    """Return the first fault that needs no plan; for arguments see ``driving_fault``."""
     return too_near(positions, spec) or _too_fast(positions, spec)
 
 
 def too_near(positions: np.ndarray, spec: RobotSpec) -> str | None:
-    """Return who came too close to whom; arguments as for ``driving_fault``."""
+    """Return the first two robots that come too close; for arguments see ``driving_fault``."""
     for one, other in combinations(range(positions.shape[1]), 2):
         apart = np.hypot(*(positions[:, one] - positions[:, other]).T)
         if apart.min() < 2 * spec.radius * (1 - SLACK):
@@ -59,28 +59,28 @@ def _too_fast(positions: np.ndarray, spec: RobotSpec) -> str | None:
     return None
 
 
-def _off_the_way(plan: Joint, positions: np.ndarray, spec: RobotSpec) -> str | None:
+def _off_the_route(plan: Joint, positions: np.ndarray, spec: RobotSpec) -> str | None:
     room = spec.cell_size / 2 - spec.radius
-    for robot, way in enumerate(ways_of(plan)):
+    for robot, route in enumerate(routes_of(plan)):
         cells = [_cell(at, spec) for at in positions[:, robot]]
         visits = [cell for cell, _ in groupby(cells)]
-        if visits != way:
-            return f"robot {robot} is in {visits}, not in {way}"
-        if math.dist(positions[-1, robot], _middle(way[-1], spec)) > 2e-3 * spec.cell_size:
-            return f"robot {robot} ends at {positions[-1, robot]}, not in the middle of {way[-1]}"
+        if visits != route:
+            return f"robot {robot} is in {visits}, not in {route}"
+        if math.dist(positions[-1, robot], _middle(route[-1], spec)) > 2e-3 * spec.cell_size:
+            return f"robot {robot} ends at {positions[-1, robot]}, not in the middle of {route[-1]}"
         visit = -1
         for substep, (cell, places) in enumerate(zip([None, *cells], cells, strict=False)):
             visit += cell != places
-            near = [_middle(each, spec) for each in way[max(visit - 1, 0) : visit + 2]]
+            near = [_middle(each, spec) for each in route[max(visit - 1, 0) : visit + 2]]
             lines = [*pairwise(near)] or [(near[0], near[0])]
             aside = min(_distance(positions[substep, robot], *line) for line in lines)
             if aside > room:
-                return f"robot {robot} is {aside:.3f} m off its way, at {substep}"
+                return f"robot {robot} is {aside:.3f} m off its route, at {substep}"
     return None
 
 
 def _out_of_order(plan: Joint, positions: np.ndarray, spec: RobotSpec) -> str | None:
-    """Compare who has been in each cell, one after the other, with the plan."""
+    """Compare the order in which robots have been in each cell with the plan."""
     seen = [[_cell(at, spec) for at in places] for places in positions]
     planned, driven = _visitors(plan), _visitors(seen)
     for cell, robots in planned.items():
@@ -89,8 +89,8 @@ def _out_of_order(plan: Joint, positions: np.ndarray, spec: RobotSpec) -> str | 
     return None
 
 
-def ways_of(plan: Joint) -> list[list[Place]]:
-    """Return the cells of each robot without waiting."""
+def routes_of(plan: Joint) -> list[list[Place]]:
+    """Return the cells of each robot without the steps in which it waits."""
     return [[cell for cell, _ in groupby(cells)] for cells in zip(*plan, strict=True)]
 
 
@@ -115,6 +115,6 @@ def _middle(cell: Place, spec: RobotSpec) -> tuple[float, float]:
 
 
 def _distance(at: np.ndarray, one: Sequence[float], other: Sequence[float]) -> float:
-    """Return how far a point is from a line along an axis between two points."""
+    """Return the distance of a point from a line, along an axis, between two points."""
     low, high = np.minimum(one, other), np.maximum(one, other)
     return float(np.hypot(*(at - np.clip(at, low, high))))

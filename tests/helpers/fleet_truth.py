@@ -1,4 +1,4 @@
-"""Fleets, and single warehouses and other fleets that they equal."""
+"""Fleets, compared with single warehouses and with other fleets."""
 
 import random
 from collections import Counter
@@ -33,7 +33,7 @@ def plain(data: Any) -> Any:
 
 
 def state_of(fleet: FleetEnv) -> Any:
-    """Return all that a fleet shows of its state."""
+    """Return the visible state of a fleet."""
     arrays = [fleet.observe(robot) for robot in range(fleet.settings.robots)]
     orders = fleet.orders, fleet.open_orders, fleet.order_of
     seen = fleet.cells, fleet.loaded, fleet.battery, fleet.people, fleet.steps
@@ -58,7 +58,7 @@ def lone_fleet(env: WarehouseEnv, backend: Backend = "grid") -> FleetEnv:
 
 
 def assert_steps_equal(env: WarehouseEnv, fleet: FleetEnv, action: Any) -> bool:
-    """Step both, compare all that comes back, and return whether the episode has ended."""
+    """Step both, compare all results, and return whether the episode has ended."""
     _, reward, terminated, truncated, said = env.step(action)
     arrays, rewards, terminations, truncations, info = fleet.step([action])
     assert (rewards.tolist(), rewards.dtype) == ([reward], np.float64)
@@ -136,9 +136,9 @@ def helpful(env: WarehouseEnv, stream: random.Random) -> Any:
 
 
 def bodies_move_as_the_grid(robots: int, joint_actions: int, seed: int = 0) -> Counter[str]:
-    """Compare a nominal fleet of bodies and one of the grid; return what stopped robots how often.
+    """Compare a fleet of bodies with a fleet on the grid, and count what stopped robots.
 
-    They have the same observations, rewards, flags and masks, and the same robots are blocked.
+    Both have the same observations, rewards, flags and masks, and the same robots are blocked.
     """
     stream, stops, done = np.random.default_rng(seed), Counter[str](), 0
     while done < joint_actions:
@@ -194,7 +194,7 @@ def big_warehouse(stations: str = "PPDC", count: int = 400) -> Layout:
 def free_moves(
     layout: Layout, cells: Sequence[Cell], stream: np.random.Generator
 ) -> tuple[list[Cell], list[Cell]]:
-    """Return random displacements that nothing stops, as planners send them, and the targets."""
+    """Return random displacements that nothing stops, as from a planner, and the targets."""
     moves = [DISPLACEMENTS[action] for action in stream.integers(0, WAIT + 1, len(cells)).tolist()]
     while True:
         targets = list(map(moved, cells, moves))

@@ -1,4 +1,4 @@
-"""Fleets for tests, and agents that direct them."""
+"""Fleets for tests, and agents that control them."""
 
 import warnings
 from functools import cache
@@ -18,13 +18,13 @@ LINE = Layout(["P...C...D"])
 
 
 class Couriers:
-    """Robots that mostly go the shortest way to the station of their order."""
+    """Robots that mostly take a shortest path to the station of their order."""
 
     def __init__(self, seed: int = 0) -> None:
         self._seed = seed
 
     def reset(self) -> None:
-        self._random, self._ways = np.random.default_rng(self._seed), cache(distances_to)
+        self._random, self._distances = np.random.default_rng(self._seed), cache(distances_to)
 
     def act(self, env: FleetEnv) -> list[str]:
         return [self._action(env, robot) for robot in range(env.settings.robots)]
@@ -39,15 +39,15 @@ class Couriers:
         goal = order.dropoff if loaded else order.pickup
         if cell == goal:
             return "DROP" if loaded else "PICK"
-        ways = self._ways(env.layout, goal)
+        to_goal = self._distances(env.layout, goal)
         open_sides = [
             side for side, delta in MOVE_DELTAS.items() if env.layout.is_open(moved(cell, delta))
         ]
-        return min(open_sides, key=lambda side: ways[moved(cell, MOVE_DELTAS[side])])
+        return min(open_sides, key=lambda side: to_goal[moved(cell, MOVE_DELTAS[side])])
 
 
 class Choosers(Couriers):
-    """Couriers who assign the orders themselves."""
+    """Couriers that assign the orders themselves."""
 
     def act(self, env: FleetEnv) -> list[str]:
         for robot, loaded in enumerate(env.loaded):

@@ -1,4 +1,4 @@
-"""Inputs of every format that is read, made from good ones by small changes, and how they end."""
+"""Changed inputs of every file format, and how reading them ends."""
 
 import io
 import random
@@ -46,7 +46,7 @@ from warehouse_core.world.named_layouts import as_layout
 from warehouse_core.world.scenarios import check_scenarios, load_scenarios
 
 MAX_INPUT = 2 * 2**20
-"""Limit on the bytes of a changed input; those of a ``.npz`` file are compressed."""
+"""Largest size of a changed input in bytes; ``.npz`` files are compressed."""
 
 NUMBER = re.compile(rb"\d+")
 
@@ -60,7 +60,7 @@ TOKENS = (
 )  # fmt: skip
 
 REPEATS = (1,) * 90 + (2, 30, 1000) * 30 + (200_000,)
-"""How often a change puts something in; rarely so often that reading it all would take long."""
+"""Numbers of copies that a change inserts. Large numbers are rare, because reading takes longer."""
 
 NUMBERS = (
     b"0", b"-1", b"1", b"-0", b"1.5", b"1e308", b"1e400", b"-1e308", b"1e-320", b"nan", b"inf",
@@ -76,11 +76,11 @@ DTYPES = ("<i4", "<i8", ">i4", "<f4", "<f8", "|b1", "|u1", "<U3", "|S9", "<c16",
 
 
 Change = Callable[[bytes, tuple[bytes, ...], random.Random], bytes]
-"""Changes an input; it is given the other good ones too."""
+"""Function that changes an input. It also gets all good inputs and the random numbers."""
 
 
 class Format(NamedTuple):
-    """A format: good inputs, what reads one and all that follows, and the ways to change one."""
+    """A format: good inputs, a function that reads and uses one, and changes of inputs."""
 
     good: tuple[bytes, ...]
     read: Callable[[Path], object]
@@ -88,7 +88,7 @@ class Format(NamedTuple):
 
 
 class Report(NamedTuple):
-    """How the inputs of a format ended, and the most seconds of the processor for one of them."""
+    """How many inputs were accepted or refused, and the most processor seconds for one input."""
 
     inputs: int
     accepted: int
@@ -97,7 +97,7 @@ class Report(NamedTuple):
 
 
 def fuzz(name: str, inputs: int, seed: int) -> Report:
-    """Read changed inputs of a format, which raise documented errors only, and soon."""
+    """Read changed inputs of a format, and check that they raise documented errors only."""
     form, stream, accepted = formats()[name], random.Random(seed), 0
     worst_seconds = 0.0
     with TemporaryDirectory() as folder:
@@ -178,7 +178,7 @@ def change_arrays(data: bytes, others: tuple[bytes, ...], stream: random.Random)
 def change_database(data: bytes, _: tuple[bytes, ...], stream: random.Random) -> bytes:
     """Change values of the rows of a database, their cases and their texts."""
     with closing(sqlite3.connect(":memory:")) as database:
-        # A database in memory has no log, which the file says at two places to have.
+        # Two bytes of the file say that there is a log. A database in memory has none.
         database.deserialize(data[:18] + b"\1\1" + data[20:])
         tables = ("cases", "programs", "writers", "episodes", "shifts")
         for _ in range(stream.choice((1, 1, 2, 3))):
@@ -191,7 +191,7 @@ def change_database(data: bytes, _: tuple[bytes, ...], stream: random.Random) ->
                     errors="replace"
                 )
             rows = "rowid" if table in ("cases", "programs") else columns[0]
-            with suppress(sqlite3.Error, OverflowError):  # of a constraint
+            with suppress(sqlite3.Error, OverflowError):  # the value violates a constraint
                 database.execute(
                     f"UPDATE {table} SET {column} = ? WHERE {rows} = ?",
                     (value, stream.randint(1, 4)),
@@ -202,7 +202,7 @@ def change_database(data: bytes, _: tuple[bytes, ...], stream: random.Random) ->
 
 
 def change_places(data: bytes, _: tuple[bytes, ...], stream: random.Random) -> bytes:
-    """Overwrite bytes, half of them in the first page, and cut the end off now and then."""
+    """Overwrite bytes, half of them in the first page, and sometimes cut off the end."""
     content = bytearray(data)
     for _ in range(stream.randint(1, 12)):
         end = len(content) if stream.random() < 0.5 else min(4096, len(content))
@@ -217,7 +217,7 @@ TEXT, NPZ = (change_bytes,), (change_bytes, *[change_arrays] * 4)
 
 @cache
 def formats() -> dict[str, Format]:
-    """Return every format that is read."""
+    """Return every format, by name."""
     with TemporaryDirectory() as folder:
         saved = [Path(folder, f"{number}.npz") for number in range(6)]
         for path, backend in zip(saved, ("grid", "physics"), strict=False):
@@ -301,7 +301,7 @@ def _read_layout(path: Path) -> None:
 
 
 def _read_episode(path: Path) -> None:
-    """Read an episode, write it again, and do what its replay needs."""
+    """Read an episode, write it again, and prepare its replay."""
     episode = Episode.load(path)
     episode.save(path)
     assert Episode.load(path) == episode
@@ -340,7 +340,7 @@ def _read_grades(path: Path) -> None:
 
 
 def _read_results(path: Path) -> None:
-    """Read all that a report and an export read, and do what a sweep does that resumes."""
+    """Read results for a report and an export, and resume them like a sweep."""
     with Store(path, read_only=True) as store:
         find_examples(store)
         for kind in (LONE, FLEETS):

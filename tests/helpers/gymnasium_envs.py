@@ -11,7 +11,7 @@ from warehouse_core import Layout
 from warehouse_core.gymnasium_env import ID, WarehouseGymnasiumEnv
 
 NAME = f"warehouse_core.gymnasium_env:{ID}"
-"""For a program that imports only Gymnasium."""
+"""Name of the environment for a program that imports only Gymnasium."""
 
 ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
 CORRIDOR = Layout(["P....D"])

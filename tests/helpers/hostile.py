@@ -1,7 +1,7 @@
-"""Values that no argument expects, and the public callables that must answer them in words.
+"""Hostile values of arguments, and the public callables that must refuse them with clear errors.
 
-What is called is read from ``__all__`` of the packages, so that a new constructor is called too. A
-required argument needs a value in ``VALID``; what is called for nothing is in ``EXEMPT``.
+The callables come from ``__all__`` of the packages, so new ones are included. A required argument
+needs a value in ``VALID``. Callables that need no test are in ``EXEMPT``.
 """
 
 from __future__ import annotations
@@ -51,14 +51,14 @@ from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, Robo
 PACKAGES = ("warehouse_core", "warehouse_physics", "agents")
 
 MAX_MESSAGE = 1000
-"""Most characters of a message."""
+"""Largest number of characters of a message."""
 
 MAX_MEMORY = 500_000_000
 """Bytes that a call may add to the process."""
 
 
 class Raises:
-    """Something whose every conversion fails with an error that nobody documents."""
+    """An object whose conversions all fail with an undocumented error."""
 
     def fail(self, *_: object) -> Any:
         raise RuntimeError("conversion of a hostile object")
@@ -68,7 +68,7 @@ class Raises:
 
 
 class Lies:
-    """An integer, and another one each time that it is read."""
+    """An integer that is different each time it is read."""
 
     number = 0
 
@@ -81,7 +81,7 @@ class Lies:
 
 
 class Bulky:
-    """Something whose repr is long."""
+    """An object with a very long repr."""
 
     def __repr__(self) -> str:
         return "x" * 600_000
@@ -120,7 +120,7 @@ HOSTILE: dict[str, Callable[[], Any]] = {
     "lies": Lies,
     "bulky": Bulky,
 }
-"""Values by name, made anew for each call."""
+"""Functions that create a value for each call, by the name of the value."""
 
 RECORD = record_episode(WarehouseEnv(max_steps=2), GreedyAgent(0), seed=0)
 
@@ -195,13 +195,13 @@ EXEMPT = (
     "warehouse_core.conformance",  # its checks call what they are given
     "warehouse_physics.batch",  # made by RigidBodyMotion.batch
 )
-"""What is not called, by the start of its name."""
+"""Beginnings of the names of callables that are not tested."""
 
 EXTRA: dict[str, dict[str, Any]] = {"FleetEnv": {"orders": [Order(0, 9, (1, 3), (5, 6))]}}
-"""Arguments of the objects whose methods are called."""
+"""Further arguments for the objects whose methods are tested."""
 
 DRAWN = ("replay_animation", "save_frames_to_svg")
-"""Functions that take long if they accept something; only some values are tried."""
+"""Slow functions, which get only some of the values."""
 
 FEW = ("-7", "5,000 digits", "1e-320", "raises", "bulky", "array")
 
@@ -214,7 +214,7 @@ SEAMS = {
     "fleet_batch",
     *(f"{motion.__name__}.reset" for motion in (GridMotion, RigidBodyMotion, DrivingMotion)),
 }
-"""Methods that are called by this project's own code, in every step, with what it has checked."""
+"""Methods that this project's own code calls in every step, with arguments that it has checked."""
 
 OPEN_TO_ALL = {
     "evaluate",
@@ -229,7 +229,7 @@ OPEN_TO_ALL = {
     "with_events",
     "reopen",
 }
-"""Parameters for paths and for objects of the user's own classes, which Python itself answers."""
+"""Parameters for paths and for users' own objects, for which Python itself raises the errors."""
 
 OTHER_NAMES = {
     "orders": ("rate",),
@@ -250,14 +250,14 @@ OTHER_NAMES = {
     "name": ("observation", "backend"),
     "max_cycles": ("max_steps",),
 }
-"""Names that messages have for some arguments: those of what they become."""
+"""Other names of some arguments in messages, after the object that they become."""
 
 PARTS = (OrderStream, People, Stop, Team)
-"""Parts of a fleet that are right by themselves and may not fit it, as more people than cells."""
+"""Parts that are valid by themselves but may not fit a fleet, such as more people than cells."""
 
 
 class Target(NamedTuple):
-    """A public callable, and what is done with what it returns, or with the object it is of."""
+    """A public callable, and a function that uses its result or its object."""
 
     name: str
     call: Callable[..., Any]
@@ -265,20 +265,20 @@ class Target(NamedTuple):
 
     @property
     def parameters(self) -> dict[str, inspect.Parameter]:
-        """The parameters that can be given by name."""
+        """Parameters that can be given by name."""
         kinds = (inspect.Parameter.POSITIONAL_OR_KEYWORD, inspect.Parameter.KEYWORD_ONLY)
         given = inspect.signature(self.call).parameters
         return {name: each for name, each in given.items() if each.kind in kinds}
 
     @property
     def valid(self) -> dict[str, Any]:
-        """Values of the parameters that have no default."""
+        """Valid values of the parameters that have no default."""
         needed = (each.name for each in self.parameters.values() if each.default is each.empty)
         return {name: VALID.get(f"{self.name}.{name}", VALID.get(name)) for name in needed}
 
 
 def targets() -> Iterator[Target]:
-    """Yield all that the packages offer by ``__all__`` and that takes arguments of its own."""
+    """Yield the callables in ``__all__`` of the packages that check their own arguments."""
     seen: set[int] = set()
     for root in PACKAGES:
         package = importlib.import_module(root)
@@ -293,7 +293,7 @@ def targets() -> Iterator[Target]:
 
 
 def named_targets() -> Iterator[Target]:
-    """Yield the agents and planners that have a name, and are not in any ``__all__``."""
+    """Yield the agents and planners that have a name in the registry."""
     for each in (*AGENTS.values(), *PLANNERS.values()):
         if inspect.isclass(each):
             yield Target(each.__name__, each, use)
@@ -337,7 +337,7 @@ def _again(it: Any, _: object) -> None:
 
 
 def use(it: Any) -> None:
-    """Start what a call has returned, and take a step: what is accepted must not fail later."""
+    """Start the result of a call and take a step, because an accepted value must not fail later."""
     if isinstance(it, WarehouseEnv):
         it.reset(seed=1)
         it.step("N")
@@ -387,11 +387,11 @@ def use(it: Any) -> None:
 
 
 class Answer(NamedTuple):
-    """An answer of a callable to a hostile value.
+    """The reaction of a callable to a hostile value.
 
     Attributes:
         kind: class of the error, or "accepted".
-        fault: what is wrong with it, or nothing.
+        fault: description of the fault; empty if there is none.
     """
 
     kind: str
@@ -399,11 +399,11 @@ class Answer(NamedTuple):
 
 
 Answers = dict[str, dict[str, Answer]]
-"""Answers to each hostile value by its name, for each argument."""
+"""Answer to each hostile value by its name, for each argument."""
 
 
 def answers(target: Target) -> Answers:
-    """Return the answers of a callable to hostile values in place of each of its arguments."""
+    """Return the answers of a callable to hostile values for each of its arguments."""
     words = FEW if target.name in DRAWN else HOSTILE
     return {
         f"{target.name}({name}": {
@@ -415,7 +415,7 @@ def answers(target: Target) -> Answers:
 
 
 def faults(answers: Answers) -> list[str]:
-    """Return what is wrong with answers, each in a line."""
+    """Return a line for each answer that has a fault."""
     return [
         f"{call}={word}): {answer.fault}"
         for call, found in answers.items()
@@ -445,7 +445,7 @@ def _answer(target: Target, hostile: dict[str, Any], names: Iterable[str]) -> An
 
 
 def _complaint(error: Exception, names: Iterable[str]) -> str:
-    """Return what is wrong with an error that is of a documented class."""
+    """Return the fault of an error of a documented class, or an empty text."""
     message = str(error)
     if len(message) > MAX_MESSAGE:
         return f"{len(message)} characters: {message:.100}"
@@ -456,7 +456,7 @@ def _complaint(error: Exception, names: Iterable[str]) -> str:
 
 @contextmanager
 def bounded_memory() -> Iterator[None]:
-    """Let a block fail by ``MemoryError`` that takes more than ``MAX_MEMORY``, on Linux."""
+    """Raise ``MemoryError`` in a block that takes more than ``MAX_MEMORY``, on Linux."""
     if sys.platform != "linux":
         yield
         return

@@ -1,6 +1,6 @@
-"""Digests of what planners do, as a program: kernels that are compiled must print the same.
+"""A program that prints digests of plans, which must be the same with compiled kernels.
 
-Each line has a name and the SHA-256 of all cells. No run is bounded by the clock.
+Each line has a name and the SHA-256 of all cells. No run has a limit of time.
 """
 
 from collections.abc import Iterator
@@ -55,19 +55,19 @@ def disturbed(planner: Planner, graph: Graph, robots: int, seed: int) -> np.ndar
     """Return a run in which robots stay, cells are closed, and some robots are urgent."""
     stream, cells = np.random.default_rng(seed), graph.layout.open_cells
     here, goals = (stream.permutation(cells)[:robots] for _ in range(2))
-    way = [here]
+    path = [here]
     planner.reset()
     for _ in range(12):
         stays, urgent = stream.random(robots) < 0.05, stream.integers(robots, size=3)
         closed = stream.permutation(cells)[:4]
         here = planner.next_cells(Situation(here, goals, stays, closed, urgent))
         goals = np.where(here == goals, stream.permutation(cells)[:robots], goals)
-        way.append(here)
-    return np.array(way)
+        path.append(here)
+    return np.array(path)
 
 
 def once() -> Iterator[tuple[str, np.ndarray]]:
-    """Yield plans of whole problems, whose searches are bounded by rounds and trials."""
+    """Yield plans of whole problems; rounds and trials limit the searches."""
     for seed in SEEDS:
         problem = random_problem(random_layout(14, 14, 0.2, seed), 45, seed)
         plan = lacam(problem, HOUR, seed)

@@ -1,6 +1,6 @@
-// Looks at a page as a reader does. It runs before the page's own scripts, and adds a function:
-// `look(wide)` returns what is wrong with what is shown now, one line a fault, and how many texts it
-// has read. What is labelled may scroll sideways, but no table on a wide screen; with `null` all may.
+// Looks at a page as a reader does. It runs before the page's own scripts and adds a function:
+// `look(wide)` returns the faults of the visible page, one line each, and how many texts it has read.
+// Labelled boxes may scroll sideways, but tables may not on a wide screen. With `null` all may.
 
 (() => {
   const MIN_SIZE = 11; // CSS pixels
@@ -11,7 +11,7 @@
   const CAPITAL = 0.73; // height of capital letters as a share of the size
   const MAX_WORDS = 40;
 
-  // Canvases: what is written on each is recorded, and which others are drawn on it.
+  // Canvases: the texts of each are recorded, and the other canvases that are drawn on it.
 
   const recorded = new WeakMap();
   const { getContext } = HTMLCanvasElement.prototype;
@@ -57,7 +57,7 @@
     });
   }
 
-  /** Return the texts of a canvas and of those that are drawn on it. */
+  /** Return the texts of a canvas and of the canvases that are drawn on it. */
   function writtenOn(canvas) {
     const { texts, drawn } = recorded.get(canvas) ?? { texts: [], drawn: [] };
     return [...texts.map((text) => ({ ...text, on: canvas })), ...[...drawn].flatMap(writtenOn)];
@@ -73,7 +73,7 @@
     return { words, box, size, isBold: /bold|[6-9]00/.test(context.font) };
   }
 
-  /** Return the colour of a text and the one that most of its box has before it is written. */
+  /** Return the colour of a text, and the colour of most of its box before it is written. */
   function colorsOf(context, words, x, y) {
     const { box } = placeOf(context, words, x, y);
     const [left, top] = [Math.floor(box.left), Math.floor(box.top)];
@@ -210,7 +210,7 @@
       const box = text.getBoundingClientRect();
       if (!isSeen(text) || !box.width || text.closest("defs")) continue;
       const isDrawn = text.matches("g");
-      // Text with an outline is two paths, that of the outline first.
+      // Text with an outline has two paths; the first is the outline.
       const glyphs = isDrawn ? (text.querySelector("g") ?? text.lastElementChild) : text;
       const style = getComputedStyle(glyphs);
       const { c, d } = glyphs.getScreenCTM();
@@ -235,7 +235,7 @@
     return [red, green, blue, whole];
   }
 
-  /** Return the colour that the shapes before a text make in its middle. */
+  /** Return the colour behind the middle of a text, from the shapes before it. */
   function behindOf(text, box, shapes, paper) {
     const at = new DOMPoint((box.left + box.right) / 2, (box.top + box.bottom) / 2);
     const below = shapes.filter((shape) =>
@@ -318,9 +318,9 @@
     );
   }
 
-  /** Return how far text is outside the boxes that cut it off; what scrolls does not. */
+  /** Return how far text reaches out of the boxes that cut it off; boxes that scroll do not. */
   function cutBy(element, box) {
-    // Nobody can scroll there; what is there as a whole, such as a drawer, is not shown yet.
+    // Nobody can scroll there. A box that is wholly there, such as a drawer, is not shown yet.
     let most = box.right > -scrollX ? -scrollX - box.left : 0;
     const isPrinted = matchMedia("print").matches;
     if (isPrinted) most = Math.max(most, box.right - innerWidth);
@@ -354,7 +354,7 @@
     }
   }
 
-  /** Return what texts must share to be able to overlap: what floats covers what it floats over. */
+  /** Return the layer of a text; only texts of one layer can overlap, as floating boxes cover others. */
   const layers = new Map();
 
   function layerOf(text) {
@@ -372,7 +372,7 @@
     return null;
   }
 
-  /** Yield what scrolls sideways and does not say so; on a wide page no table may. */
+  /** Yield boxes that scroll sideways without a label; on a wide page no table may scroll. */
   function* sideways(wide) {
     const { scrollWidth, clientWidth } = document.documentElement;
     if (scrollWidth > clientWidth + 1) yield `sideways: the page is ${scrollWidth - clientWidth} px too wide`;
@@ -386,7 +386,7 @@
     }
   }
 
-  /** Yield fields and buttons whose own words do not fit. */
+  /** Yield fields and buttons that are too small for their words. */
   function* fields() {
     for (const each of document.querySelectorAll("button, input, select")) {
       if (isSeen(each) && each.scrollWidth > each.clientWidth + 1) {

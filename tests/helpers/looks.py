@@ -1,4 +1,4 @@
-"""Pages and pictures, looked at in headless Chromium as readers do, on every kind of screen."""
+"""A check of pages and pictures in headless Chromium, as readers see them on each screen."""
 
 import sys
 from collections.abc import Iterator, Sequence
@@ -11,7 +11,7 @@ from helpers.player_pages import wait_until
 LOOK = Path(__file__).with_name("look.js")
 
 AXE = Path(sys.prefix, "node_modules", "axe-core", "axe.min.js")
-"""Script that checks pages by WCAG; ``.ci/full`` has the version."""
+"""Script that checks pages for WCAG; ``.ci/full`` has the version."""
 
 RULES = """
 async () => {
@@ -37,7 +37,7 @@ GO = """
   return place === "start" || globalThis.player !== undefined;
 }
 """
-"""Goes to one of ``PLACES``; returns whether something else is there."""
+"""Function that goes to one of ``PLACES``, and returns whether the page looks different there."""
 
 READY = "!document.getElementById('player') || globalThis.player !== undefined"
 
@@ -47,7 +47,7 @@ SETTLED = """
 
 
 HARNESS = "Canvas2D: Multiple readback operations"
-"""Start of a warning about how ``look.js`` reads the colours behind text."""
+"""Beginning of a warning about how ``look.js`` reads the colours behind text."""
 
 
 class Screen(NamedTuple):
@@ -71,11 +71,11 @@ SHEET = Screen(718, 1000, media="print")
 
 
 Faults = dict[str, list[str]]
-"""Faults, each with where it was seen."""
+"""Faults, and the places where each was seen."""
 
 
 class Reader:
-    """A tab of a browser that opens one page after the other, and looks for faults in each."""
+    """A tab of a browser that opens pages one after the other and looks for faults in each."""
 
     def __init__(self, page: Any) -> None:
         self._page = page
@@ -90,7 +90,7 @@ class Reader:
             self._show(screen)
             for place in PLACES:
                 self._look(str(screen), place, screen.width == DESKTOP[0])
-                # Each size and each scheme once: the checker takes longer than the looking.
+                # The checker is slow, so it runs once for each size and each scheme.
                 if screen in (SCREENS[0], SCREENS[-1], screens[0]) and place != "end":
                     self._check(str(screen), place)
         return self._faults
@@ -146,7 +146,7 @@ class Reader:
 
 @contextmanager
 def reading(browser: Any) -> Iterator[Reader]:
-    """Yield what looks at pages."""
+    """Yield a reader that looks at pages."""
     assert AXE.exists(), f"these tests need axe-core in {AXE.parent}; see .github/CONTRIBUTING.md"
     context = browser.new_context(reduced_motion="reduce")
     try:

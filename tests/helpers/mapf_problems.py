@@ -45,7 +45,7 @@ def situation(
     stays: Sequence[int] = (),
     closed: Sequence[int] = (),
 ) -> Situation:
-    """Return a situation in which some robots stay; without goals, all are at theirs."""
+    """Return a situation in which some robots stay; without ``goals`` all are at their goals."""
     flags = np.isin(np.arange(len(cells)), stays)
     goals = cells if goals is None else goals
     return Situation(np.array(cells), np.array(goals), flags, np.array(closed, np.intp))
@@ -60,8 +60,8 @@ def random_problem(layout: Layout, robots: int, seed: int) -> Problem:
 def smallest_cost(rows: Sequence[str], starts: Sequence[int], goals: Sequence[int]) -> int | None:
     """Return the smallest sum of costs, or ``None`` if there is no plan: a joint A*.
 
-    A robot costs 1 a step until it is in its goal for good. So that this depends on the state
-    alone, a state says which robots have ended, and those stay where they are.
+    A robot costs 1 in each step until it stays in its goal for good. A state includes which robots
+    have ended, so that the cost depends on the state alone, and these robots no longer move.
     """
     width, graph = len(rows[0]), route_graph(rows)
     first, ends = (tuple(divmod(cell, width) for cell in cells) for cells in (starts, goals))

@@ -1,4 +1,4 @@
-"""Solvers and planners on random problems, each plan validated and driven by a motion."""
+"""Solvers and planners on random problems; each plan is validated and carried out by a motion."""
 
 import random
 from collections.abc import Callable, Iterable
@@ -22,7 +22,7 @@ def check_solver(
     seconds: float,
     make_motion: Callable[[], Motion] = GridMotion,
 ) -> int:
-    """Return how many of the problems were solved.
+    """Return the number of problems that were solved.
 
     Raises:
         AssertionError: a plan has a conflict, or the motion blocks a robot.
@@ -48,7 +48,7 @@ def check_planner(
     motion: Motion | None = None,
     seed: int = 0,
 ) -> int:
-    """Return how many goals were reached on the floor of a problem, by robots that have new ones.
+    """Return how many goals robots reach in the layout of a problem, with new goals after each.
 
     Some robots stay for some steps, some cells are closed and some robots have no goal.
 
@@ -80,12 +80,12 @@ def check_planner(
 def check_headed_planner(
     make_planner: Callable[[Graph], PlacePlanner], layout: Layout, robots: int
 ) -> int:
-    """Return how many goals robots with headings reached in 30 steps.
+    """Return how many goals robots with headings reach in 30 steps.
 
     Some robots stay for some steps, and some cells are closed.
 
     Raises:
-        AssertionError: a step is against the rules.
+        AssertionError: a step breaks the rules.
     """
     graph, stream, reached = Graph(layout), np.random.default_rng(robots), 0
     planner = make_planner(graph)

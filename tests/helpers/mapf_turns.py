@@ -1,7 +1,7 @@
 """Steps of robots with headings: an independent check, and smallest costs by brute force.
 
-A robot is a triple of row, column and heading here, which is ``None`` for robots that move in four
-directions; no code of the planners is used.
+A robot is a triple of row, column and heading. The heading is ``None`` for robots that move in four
+directions. No code of the planners is used.
 """
 
 from collections.abc import Iterator, Sequence
@@ -60,7 +60,7 @@ def cells_of(state: State) -> tuple[tuple[int, int], ...]:
 
 
 def meets(before: State, after: State) -> bool:
-    """Return whether two robots are in one cell, or change places."""
+    """Return whether two robots are in one cell or swap places."""
     here, there = cells_of(before), cells_of(after)
     if len(set(there)) < len(there):
         return True

@@ -16,9 +16,9 @@ def plan_conflict(
     """Return the first fault of a plan, or ``None``.
 
     Args:
-        rows: of the layout.
-        starts: of the robots.
-        goals: of the robots.
+        rows: rows of the layout.
+        starts: cells where the robots begin.
+        goals: cells where the robots end.
         plan: the cell of each robot before each joint step and after the last.
     """
     plan = [[int(cell) for cell in places] for places in plan]
@@ -44,11 +44,11 @@ def step_conflict(
     """Return the first fault of a joint step, or ``None``.
 
     Args:
-        rows: of the layout.
-        before: the cells of the robots.
-        after: their cells after the step.
-        stays: for each robot, whether it must not move; none if empty.
-        closed: cells that nobody can enter; who is in one may stay.
+        rows: rows of the layout.
+        before: cells of the robots before the step.
+        after: cells of the robots after the step.
+        stays: true for each robot that must not move; empty if all may move.
+        closed: cells that no robot can enter; a robot that is in one may stay.
     """
     if len(before) != len(after):
         return f"{len(after)} cells for {len(before)} robots"
@@ -80,10 +80,10 @@ def _meeting(here: list[tuple[int, int]], there: list[tuple[int, int]]) -> str |
 
 
 def check_traffic(motion: Motion, layout, plan: Sequence[Places]) -> None:
-    """Drive the robots of a plan by a motion.
+    """Carry out a plan with a motion.
 
     Raises:
-        AssertionError: a robot is blocked, or ends a step in another cell than that of the plan.
+        AssertionError: a robot is blocked, or is not in the cell of the plan after a step.
     """
     pairs = [[divmod(int(cell), layout.width) for cell in places] for places in plan]
     motion.reset(layout, pairs[0], 0)

@@ -37,11 +37,11 @@ HOSTILE = (
     "$x$ $\\includegraphics{a}$ %s {0} \\N{DIGIT ONE}",
 )
 """Markup, scripts, event handlers, URLs, ends of comments and CDATA, entities, templates, control
-characters, bidi marks, NUL, lone surrogates and what is no character."""
+characters, bidi marks, NUL, lone surrogates and noncharacters."""
 
 
 def loaders(address: str) -> str:
-    """Return HTML that loads something in each way that needs no click."""
+    """Return HTML that loads something by every means that needs no click."""
     return (
         f'<img src="{address}/img"><script src="{address}/script"></script>'
         f'<link rel="stylesheet" href="{address}/style"><iframe src="{address}/frame"></iframe>'
@@ -73,7 +73,7 @@ def found(mode: str = "oscillation", **changes: Any) -> FoundEpisode:
 
 
 def a_page(**changes: Any) -> Page:
-    """Return a page with something in every part."""
+    """Return a page in which every part has content."""
     parts: dict[str, Any] = {
         "title": "A title",
         "summary": "A summary",
@@ -98,7 +98,7 @@ def a_page(**changes: Any) -> Page:
 
 
 def a_page_of(name: str, svg: bytes = SVG) -> Page:
-    """Return a page with ``name`` in the place of every text."""
+    """Return a page in which every text is ``name``."""
     case = {**make_case({}), "agent": name, "layout": name, name: name}
     return Page(
         title=name,

@@ -1,4 +1,4 @@
-"""Rigid bodies held against what they must do: random robots, jams, queues, and a second book."""
+"""Checks of rigid bodies: random robots, jams, queues, and an independent account of their work."""
 
 import random
 from collections.abc import Iterator
@@ -16,13 +16,14 @@ from warehouse_physics.robot import AT_REST, Robot
 
 PAYLOADS = (0.0, 20.0, 40.0, 90.0, 200.0, 340.0)
 JOULES_TOLERANCE = 1e-5
-"""Relative, between a batch and single motions: their solvers leave other speeds across the way."""
+"""Relative difference between a batch and single motions, whose solvers leave other speeds across
+the path."""
 
 
 def random_spec(
     stream: random.Random, *, is_round: bool, widest: float = 0.499, drive: str = "omnidirectional"
 ) -> RobotSpec:
-    """Return an accepted robot: of round numbers, or of any."""
+    """Return a random valid robot, with round numbers or with any."""
     draw = stream.choice
     while True:
         size = draw([0.3, 0.5, 1.0, 1.0, 2.0, 3.7]) if is_round else stream.uniform(0.3, 4)
@@ -46,9 +47,9 @@ def random_spec(
 def random_robots_move_as_the_grid(
     moves: int, seed: int = 0, drive: str = "omnidirectional"
 ) -> tuple[int, int]:
-    """Compare random robots on the grid, alone and in a batch, in a hundred moves each.
+    """Compare random robots alone, in a batch and on the grid, in a hundred moves each.
 
-    Return how many moves were made, and how many by robots that the floor brakes alone.
+    Return the number of moves, and of moves by robots that the floor alone brakes.
     """
     made = braked = 0
     while made < moves:
@@ -62,9 +63,9 @@ def random_robots_move_as_the_grid(
 def jams(
     seed: int, actions: int, drive: str = "omnidirectional"
 ) -> Iterator[list[tuple[Outcome, Cell, bool]]]:
-    """Yield the outcomes of a heavily loaded crowd, with the cells and stops of the table.
+    """Yield the outcomes of a heavily loaded crowd, and the cells and stops by the table.
 
-    A fifth to all of the open cells hold robots, and most of them move.
+    A fifth or more of the open cells have robots, and most of these move.
     """
     stream = random.Random(seed)
     layout = random_layout(
@@ -95,7 +96,7 @@ def jams(
 def differences_in_jams(
     moves: int, seed: int = 0, drive: str = "omnidirectional"
 ) -> tuple[int, int, int]:
-    """Return how many robots moved, ended otherwise than by the table, and were cut off."""
+    """Return how many robots moved, how many differ from the table, and how many were cut off."""
     made = wrong = cut_off = 0
     while made < moves:
         for action in jams(seed, 10, drive):
@@ -109,7 +110,7 @@ def differences_in_jams(
 
 
 def queue(layout: Layout, cells: list[Cell], loaded: bool = False) -> list[Outcome]:
-    """Let each robot drive into the cell of the next; the last one waits."""
+    """Let each robot drive into the cell of the next one, and the last one wait."""
     moves = [(b[0] - a[0], b[1] - a[1]) for a, b in pairwise(cells)]
     return together(layout, cells, [*moves, STAY], None, [loaded] * len(cells), record_path=False)
 
@@ -127,14 +128,14 @@ def winding_queue(robots: int) -> tuple[Layout, list[Cell]]:
 
 
 class Book:
-    """The work of the motors and the hits of robots, from what a space does in each substep.
+    """An independent account of the work of motors and of hits, from each substep of a space.
 
-    It knows nothing of phases or profiles. Each motor that is commanded a velocity works by its
-    impulse times the mean velocity, and one that is commanded to stop gets a share of it back. It
-    pushes towards the commanded velocity; once that is reached its impulse is what the floor and
-    contacts leave of the change of momentum. Two bodies that begin to overlap had the impulse of
-    their reduced mass and the speed at which they approached.
-    With differential drive bodies only give way along their headings, and motors also turn them.
+    It knows nothing of phases and profiles. The work of a motor is its impulse times the mean
+    velocity. A motor that is commanded to stop gets a share of this work back. A motor pushes
+    towards the commanded velocity. Once the body has reached it, the impulse of the motor is the
+    change of momentum that floor and contacts do not explain. The impulse of two bodies that begin
+    to overlap is their reduced mass times their closing speed. With differential drive, bodies
+    yield along their headings only, and motors also turn them.
     """
 
     def __init__(self, motion: RigidBodyMotion) -> None:
@@ -145,7 +146,7 @@ class Book:
         self.clear()
 
     def clear(self) -> None:
-        """Begin the book of an action."""
+        """Begin the account of an action."""
         self.work = [0.0] * len(self._robots)
         self.hits: list[list[float]] = [[] for _ in self._robots]
 
@@ -169,15 +170,15 @@ class Book:
                 spin, drag = robot.body.angular_velocity, robot._drag * self._spec.wheel_arm
                 gained = robot.body.moment * (spin**2 - spins[number] ** 2) / 2
                 work = gained + drag * abs(spins[number] + spin) / 2 * dt
-                is_led = robot._control.angular_velocity != 0
-                self.work[number] += work if is_led else min(0.0, back * work)
+                is_commanded = robot._control.angular_velocity != 0
+                self.work[number] += work if is_commanded else min(0.0, back * work)
         for one, two in self._touching() - touching:
             bodies = robots[one].body, robots[two].body
             normal = (bodies[1].position - bodies[0].position).normalized()
             speed = (before[one] - before[two]).dot(normal)
-            ways = (self._free(robots[each], normal).length for each in (one, two))
+            shares = (self._free(robots[each], normal).length for each in (one, two))
             impulse = speed / sum(
-                way**2 / body.mass for way, body in zip(ways, bodies, strict=True)
+                share**2 / body.mass for share, body in zip(shares, bodies, strict=True)
             )
             if impulse > 0:
                 self.hits[one].append(impulse)
@@ -212,7 +213,7 @@ def _push_of(robot: Robot, before: Vec2d, command: Vec2d) -> Vec2d:
 
 
 class BookErrors(NamedTuple):
-    """Relative errors against the second book: joules of each move, impulses of hits of robots."""
+    """Relative errors compared with the account: joules of moves, impulses between robots."""
 
     joules: list[float]
     impulses: list[float]
@@ -221,7 +222,7 @@ class BookErrors(NamedTuple):
 def errors_of_the_books(
     moves: int, robots: int, seed: int = 0, drive: str = "omnidirectional"
 ) -> BookErrors:
-    """Compare outcomes of random robots, alone or several, with a second book of equal hits."""
+    """Compare the outcomes of random robots with the independent account."""
     errors = BookErrors([], [])
     while len(errors.joules) < moves:
         stream = random.Random(seed)

@@ -41,14 +41,14 @@ def named(name: str) -> Episode:
 
 
 def replay_of(frames: Any, metrics: Any = None, **options: Any) -> Replay:
-    """Return a replay without a window."""
+    """Return a replay that opens no window."""
     replay = replay_animation(frames, metrics, window=False, **options)
     assert replay is not None
     return replay
 
 
 def press(replay: Replay, *keys: str, at: Sequence[float] = (0, 0)) -> None:
-    """Press keys of the keyboard while the mouse is at a place of the figure, in pixels."""
+    """Press keys while the mouse is at a place of the figure, in pixels."""
     canvas = replay.figure.canvas
     for key in keys:
         event = KeyEvent("key_press_event", canvas, key, *at)  # type: ignore[arg-type]

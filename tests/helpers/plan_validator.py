@@ -1,4 +1,4 @@
-"""A validator of plans, and graphs for networkx; neither shares code with the planners.
+"""A validator of plans, and graphs for networkx, which share no code with the planners.
 
 A state of a delivery in a graph is ``(row, col, has_item)``, and ``END`` after the drop.
 """

@@ -1,4 +1,4 @@
-"""What a page that plays tracks says, read without the code that writes it."""
+"""Content of a page that plays tracks, read without the code that writes it."""
 
 import html
 import json

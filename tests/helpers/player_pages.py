@@ -11,10 +11,10 @@ from warehouse_core.viz.player import player_page
 from warehouse_core.viz.tracks import Track
 
 Box = tuple[float, float, float, float]
-"""Of cells: column, row, columns, rows."""
+"""Column, row, number of columns and number of rows, in cells."""
 
 MAX_WAIT = 30.0
-"""Seconds."""
+"""Seconds to wait for a condition."""
 
 LISTENING = """
 globalThis.isPainted = false;
@@ -22,7 +22,7 @@ new PerformanceObserver(() => (isPainted = true)).observe({type: "paint", buffer
 globalThis.violations = [];
 addEventListener("securitypolicyviolation", (event) => violations.push(event.blockedURI));
 """
-"""Runs before the page's own script."""
+"""Script that runs before the page's own script."""
 
 COUNT = """
 ([panel, color, boxes]) => {
@@ -44,7 +44,7 @@ COUNT = """
   });
 }
 """
-"""Returns which part of each box has a colour."""
+"""Function that returns the share of each box that has a colour."""
 
 PICTURES = """
 () => [...document.querySelectorAll("main canvas, .chart > svg")].map(
@@ -74,9 +74,9 @@ def headless_chromium() -> Iterator[Any]:
 
 
 def wait_until(frame: Any, condition: str) -> None:
-    """Wait until a condition holds in a page or a frame.
+    """Wait until a condition is true in a page or a frame.
 
-    Its policy forbids what ``wait_for_function`` of Playwright does.
+    The policy of the page forbids ``wait_for_function`` of Playwright.
     """
     end = monotonic() + MAX_WAIT
     while not frame.evaluate(condition):
@@ -85,7 +85,7 @@ def wait_until(frame: Any, condition: str) -> None:
 
 
 class Shown:
-    """A page in a browser, and what went wrong in it."""
+    """A page in a browser, and the errors that occurred in it."""
 
     def __init__(self, page: Any) -> None:
         self.page = page
@@ -99,7 +99,7 @@ class Shown:
     def open(self, file: Path, fragment: str = "") -> "Shown":
         """Load a file, and wait until the page shows it.
 
-        Chromium drops keys until a page is first painted, which may be late on a busy machine.
+        Chromium drops keys until it first paints a page, which may be late on a busy machine.
         """
         self.page.goto(file.as_uri() + fragment)
         wait_until(self.page, "globalThis.player !== undefined && isPainted")
@@ -127,7 +127,7 @@ class Shown:
         return shares
 
     def share(self, color: str, box: Box) -> float:
-        """Return which part of a box has a colour."""
+        """Return the share of a box that has a colour."""
         return self.shares(color, [box])[0]
 
     def pictures(self) -> str:
@@ -149,7 +149,7 @@ def shown(browser: Any, *, is_held: bool = False, **options: Any) -> Iterator[Sh
     context = browser.new_context(**{"viewport": {"width": 1200, "height": 800}, **options})
     try:
         page = Shown(context.new_page())
-        if is_held:  # time passes by ``run_for`` alone
+        if is_held:  # only ``run_for`` advances the time
             page.page.clock.install(time=0)
             page.page.clock.pause_at(1000)
         yield page

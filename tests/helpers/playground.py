@@ -19,12 +19,12 @@ FILES = ROOT / ".venv" / "pyodide"
 """Folder of Pyodide's files, which ``.ci/pyodide`` fetches."""
 
 MAX_DOWNLOAD = 25_000_000
-"""Most bytes that the page loads."""
+"""Largest number of bytes that the page may load."""
 
 SECONDS = 120
 
 PLAIN = os.environ | {"WAREHOUSE_FAST": "0"}
-"""Environment in which planners are not compiled, as in a browser."""
+"""Environment variables with which planners are not compiled, as in a browser."""
 
 
 def write_page(folder: Path) -> Path:
@@ -35,7 +35,7 @@ def write_page(folder: Path) -> Path:
 
 
 def run_by_cpython(script: Path) -> str:
-    """Return what a script prints here, in its folder, with planners that are not compiled."""
+    """Return the output of a script in its folder, with planners that are not compiled."""
     words = [sys.executable, script]
     return subprocess.run(
         words, capture_output=True, text=True, env=PLAIN, check=True, cwd=script.parent
@@ -43,7 +43,7 @@ def run_by_cpython(script: Path) -> str:
 
 
 def run_in_node(page: Path, script: Path) -> str:
-    """Return what a script prints that Pyodide runs in node, with the wheel of a page."""
+    """Return the output of a script that Pyodide runs in node, with the wheel of a page."""
     [wheel] = page.glob("*.whl")
     words = ["node", ROOT / "tests/helpers/pyodide.mjs", page / RUNTIME, script, wheel]
     return subprocess.run(words, capture_output=True, text=True, check=True).stdout
@@ -65,7 +65,7 @@ def served(folder: Path) -> Iterator[str]:
 
 
 class Playground:
-    """The page in a browser, and what it has loaded."""
+    """The page in a browser, with its errors and its requests."""
 
     def __init__(self, page: Any, address: str) -> None:
         self.page, self.errors, self.requests = page, list[str](), list[str]()
@@ -81,7 +81,7 @@ class Playground:
         self.size += int(response.headers.get("content-length", 0))
 
     def until(self, is_so: Callable[[], Any]) -> None:
-        """Wait until something is so; the page's policy forbids that the browser evaluates it."""
+        """Wait until a condition is true; the policy of the page forbids its evaluation there."""
         end = monotonic() + SECONDS
         while not is_so():
             assert monotonic() < end, (self.text("state"), self.text("error"), self.errors)
@@ -92,7 +92,7 @@ class Playground:
         return found
 
     def press(self, name: str) -> None:
-        """Press a button, and wait until what it does is done."""
+        """Press a button, and wait until its action has ended."""
         self.page.click(f"[data-do={name}]")
         self.until(lambda: self.page.is_enabled("[data-do=run]"))
 

@@ -1,5 +1,5 @@
-// Runs a file of Python with Pyodide in node: node pyodide.mjs FOLDER FILE WHEEL. The wheel is the project's; NumPy is
-// loaded before it.
+// Runs a file of Python with Pyodide in node: node pyodide.mjs FOLDER FILE WHEEL. It loads NumPy and then the wheel,
+// which is the project's.
 
 import { readFileSync } from "node:fs";
 import { pathToFileURL } from "node:url";

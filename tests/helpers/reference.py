@@ -1,4 +1,4 @@
-"""The public objects of the packages, and the pages of the reference on which they stand.
+"""The public objects of the packages, and the pages of the reference that describe them.
 
 A public object is one that ``__all__`` of a package or a module names.
 """
@@ -22,7 +22,7 @@ DIRECTIVE = re.compile(r"^\.\. auto(\w+):: (\S+)\n((?:   :.*\n)*)", re.MULTILINE
 
 
 class Public(NamedTuple):
-    """An object by the name that a program imports."""
+    """An object, under the name by which a program imports it."""
 
     module: str
     name: str
@@ -33,7 +33,7 @@ class Public(NamedTuple):
 
     @property
     def key(self) -> tuple[str, int]:
-        """The same for an object that several modules export."""
+        """Key of the object, which is the same in all modules that export it."""
         return self.name, id(self.value)
 
     @property
@@ -43,7 +43,7 @@ class Public(NamedTuple):
 
     @property
     def is_described(self) -> bool:
-        """Whether it has a docstring of its own: classes and functions have."""
+        """Whether it can have a docstring: classes and functions can."""
         value = self.value
         return inspect.isclass(value) or inspect.isfunction(inspect.unwrap(value))
 
@@ -75,12 +75,12 @@ def exports() -> dict[str, list[str]]:
 
 
 def public_objects() -> list[Public]:
-    """Return all that the packages and their modules export."""
+    """Return all objects that the packages and their modules export."""
     return [Public(module, name) for module, names in exports().items() for name in names]
 
 
 def is_shown_with_its_module(each: Public) -> bool:
-    """Return whether the directive of a module shows it: constants only where they are assigned."""
+    """Return whether the directive of its module shows it, as it does for assigned constants."""
     text = sources()[each.module].read_text(encoding="utf-8")
     return each.is_described or re.search(rf"^{each.name}\b.* = ", text, re.MULTILINE) is not None
 

@@ -44,7 +44,7 @@ def experiment_of(cases: Cases, kind: ReportKind = LONE) -> Iterator[Experiment]
 
 
 def change(path: Path, script: str, *values: object) -> None:
-    """Change a file of results as no sweep does, by a statement with values or by several."""
+    """Change a file of results with one statement and its values, or with several statements."""
     with closing(sqlite3.connect(path)) as connection:
         if values:
             connection.execute(script, values)
@@ -54,7 +54,7 @@ def change(path: Path, script: str, *values: object) -> None:
 
 
 def outcomes(words: str, seed: int = 0, steps: int = 20) -> list[Row]:
-    """Return an episode for each letter: ``d`` delivered, ``o`` oscillation, ``w`` wandering."""
+    """Return a row for each letter: ``d`` delivered, ``o`` oscillation, ``w`` wandering."""
     modes = {"d": "delivered", "o": "oscillation", "w": "wandering"}
     return [row(number, modes[each], steps) for number, each in enumerate(words, start=seed)]
 

@@ -39,7 +39,7 @@ def together(
     loaded: Sequence[bool] | None = None,
     **options: Any,
 ) -> list[Outcome]:
-    """Let robots make one move each; nobody is loaded unless it is said."""
+    """Let robots make one move each; by default none carries an item."""
     motion = RigidBodyMotion(spec, **options)
     motion.reset(layout, cells, 0)
     return list(motion.advance(moves, loaded or [False] * len(cells)))
@@ -50,7 +50,7 @@ def move(motion: RigidBodyMotion, displacement: Cell, loaded: bool = False) -> O
 
 
 def drive_at_walls(time_step: float, moves: int) -> None:
-    """Drive at walls at the highest speed allowed; none may be entered deeper than in a substep."""
+    """Drive at walls at the highest speed; a body may enter them by at most one substep."""
     radius = 0.35
     top_speed = radius / 2 / time_step
     spec = RobotSpec(
@@ -67,8 +67,8 @@ def drive_at_walls(time_step: float, moves: int) -> None:
 def some_layouts(count: int, stream: random.Random) -> list[Layout]:
     """Return layouts of different sizes, and the first of them again as the last."""
     sizes = [(stream.randint(4, 12), stream.randint(4, 12)) for _ in range(count - 1)]
-    drawn = [random_layout(*size, 0.25, seed=seed) for seed, size in enumerate(sizes)]
-    return [*drawn, drawn[0]]
+    layouts = [random_layout(*size, 0.25, seed=seed) for seed, size in enumerate(sizes)]
+    return [*layouts, layouts[0]]
 
 
 def batch_in(layouts: Sequence[Layout], spec: RobotSpec | None = None) -> RigidBodyBatch:
@@ -79,7 +79,7 @@ def batch_in(layouts: Sequence[Layout], spec: RobotSpec | None = None) -> RigidB
 
 
 class Singles:
-    """A single motion for each row, held against the grid."""
+    """A single motion for each row, compared with the grid."""
 
     def __init__(self, spec: RobotSpec, layouts: Sequence[Layout]) -> None:
         self.layouts, self._size = layouts, spec.cell_size
@@ -91,7 +91,7 @@ class Singles:
         self.motions[row].reset(self.layouts[row], [self._cells[row]], 0)
 
     def advance(self, actions: Sequence[int], loaded: Sequence[bool]) -> BatchOutcome:
-        """Move all; each ends in the middle of the cell in which it does on the grid."""
+        """Move all robots; each ends in the middle of the same cell as on the grid."""
         numbers, others = [], []
         for row, (layout, motion) in enumerate(zip(self.layouts, self.motions, strict=True)):
             move, home = DISPLACEMENTS[actions[row]], self._cells[row]
@@ -107,10 +107,10 @@ class Singles:
 
 
 def rows_differ(spec: RobotSpec, rows: int, steps: int, seed: int = 0, joules: float = 1e-6) -> int:
-    """Drive a batch and single motions side by side and return how many moves were blocked.
+    """Drive a batch and single motions, compare them, and return the number of blocked moves.
 
     Single rows are placed again between the moves, and loads change at random. Nothing may differ,
-    but ``joules`` by such a share.
+    except the energy by a share of ``joules``.
     """
     stream, blocked = random.Random(seed), 0
     layouts = some_layouts(rows, stream)
@@ -142,7 +142,7 @@ ACTIONS = (*WarehouseEnv.ACTIONS, *"NESW" * 3, 0, 1, 2, 3, 99, "fly")
 
 
 def steps_differ(spec: RobotSpec, moves: int, layouts: int = LAYOUTS) -> int:
-    """Step both backends side by side, compare them, and return how many steps were blocked."""
+    """Step both backends, compare them, and return the number of blocked steps."""
     stream, blocked = random.Random(0), 0
     for seed in range(layouts):
         layout = random_layout(stream.randint(4, 12), stream.randint(4, 12), 0.25, seed=seed)
@@ -158,7 +158,7 @@ def steps_differ(spec: RobotSpec, moves: int, layouts: int = LAYOUTS) -> int:
             assert physics.step(action) == grid.step(action), (layout.rows, number, action)
             assert physics.last_motion.blocked == grid.last_motion.blocked
             blocked += grid.last_motion.blocked
-            # A load changes the physics, so let the robot carry something half of the time.
+            # An item changes the physics, so let the robot carry one half of the time.
             if number % 20 == 0:
                 grid.state.has_item = physics.state.has_item = not grid.state.has_item
         assert physics.render() == grid.render()

@@ -29,7 +29,7 @@ STRAIGHT_LINE = {
 
 
 class Travel(Problem[str, str]):
-    """Travel by one-way roads; an action is the name of the next place."""
+    """Travel on one-way roads, where an action is the name of the next place."""
 
     def __init__(self, roads: Mapping[tuple[str, str], float], start: str, goal: str) -> None:
         self.initial = start
@@ -50,11 +50,11 @@ class Travel(Problem[str, str]):
 
 
 def romania(start: str = "Arad", goal: str = "Bucharest") -> Travel:
-    """Return Russell and Norvig's problem; every road can be used both ways."""
+    """Return Russell and Norvig's problem, in which roads lead in both directions."""
     back = {(there, here): miles for (here, there), miles in ROADS.items()}
     return Travel(ROADS | back, start, goal)
 
 
 def straight_line(state: str) -> float:
-    """Estimate the miles to Bucharest."""
+    """Return the straight-line distance to Bucharest in miles."""
     return STRAIGHT_LINE[state]

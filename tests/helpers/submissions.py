@@ -1,4 +1,4 @@
-"""Agents to be graded, good, bad and hostile, and the points that each must get."""
+"""Good, bad and hostile agents, and the points that each must get."""
 
 import json
 import os
@@ -88,7 +88,7 @@ def first_move(here, goal, walls):
             if cell not in seen and cell not in walls and max(map(abs, cell)) < 40:
                 seen.add(cell)
                 queue.append((cell, first or move))
-    return NO_WAY
+    return NO_PATH
 
 class Agent:
     def reset(self):
@@ -117,9 +117,10 @@ class Agent:
     def say(self, action):
         return action
 """
-"""An agent that searches on what it has seen; ``NO_WAY`` and methods are added."""
+"""An agent that searches in the cells that it has seen. Its action without a path, ``NO_PATH``, and
+its methods are added."""
 
-GOOD = f'NO_WAY = "WAIT"\n{SEARCH}'
+GOOD = f'NO_PATH = "WAIT"\n{SEARCH}'
 
 
 def idle(body: str, before: str = "", place: str = "act") -> str:
@@ -139,12 +140,12 @@ class Agent:
 
 
 def good(method: str, body: str, before: str = "") -> str:
-    """Return the agent that searches, with a method of its own."""
+    """Return the agent that searches, with one method replaced."""
     return f"{before}\n{GOOD}\n    def {method}:\n{indent(body, 8 * ' ')}\n"
 
 
 def notebook_of(*cells: str, kind: str = "code") -> str:
-    """Return a notebook with cells of a kind."""
+    """Return a notebook whose cells are of one kind."""
     made = [
         {"cell_type": kind, "metadata": {}, "outputs": [], "source": cell.splitlines(True)}
         for cell in cells
@@ -153,7 +154,7 @@ def notebook_of(*cells: str, kind: str = "code") -> str:
 
 
 class Expected(NamedTuple):
-    """An agent, its points, and a part of what is said of its first failure."""
+    """An agent, its points, and a part of the message about its first failure."""
 
     source: str
     points: float
@@ -190,10 +191,10 @@ SUBMISSIONS = {
     "waits": Expected(idle("pass"), 0),
     "picks": Expected(idle('return "PICK"'), 0),
     "unknown_words": Expected(idle('return "NORTH"'), 0),
-    "none_without_way": Expected(
-        GOOD.replace('NO_WAY = "WAIT"', "NO_WAY = None"), 70, "act() returned NoneType"
+    "none_without_path": Expected(
+        GOOD.replace('NO_PATH = "WAIT"', "NO_PATH = None"), 70, "act() returned NoneType"
     ),
-    "fails_without_way": Expected(
+    "fails_without_path": Expected(
         good("say(self, action)", 'return [action][action == "WAIT"]'), 70, "IndexError"
     ),
     "syntax": Expected("class Agent:\n    def act(self\n", 0, "agent.py, line 2", False),
@@ -275,7 +276,7 @@ SUBMISSIONS = {
     ),
     "answers_much": Expected(idle("return 'N' * 1_000_000"), 0),
 }
-"""By the name of the file."""
+"""Agents by the name of their file."""
 
 
 def write_submissions(folder: Path, *names: str) -> list[Path]:
@@ -295,7 +296,7 @@ def write_rubric(folder: Path, text: str = RUBRIC) -> Path:
 
 
 def running_in(folder: Path) -> list[int]:
-    """Return the processes whose working folder is in one, as those of its agents are."""
+    """Return the processes whose working folder is within ``folder``, such as its agents."""
     found = []
     for place in Path("/proc").glob("[0-9]*"):
         with suppress(OSError):

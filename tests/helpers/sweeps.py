@@ -1,4 +1,4 @@
-"""Helpers for tests of sweeps: their command, their rows, and an executor without workers."""
+"""Helpers for tests of sweeps: the command, the rows, and an executor without workers."""
 
 import random
 import signal
@@ -160,7 +160,7 @@ def kill_sweeps(
     Raises:
         AssertionError: the file is damaged, or rows are lost or changed.
     """
-    # The first is killed soon after its first rows.
+    # With this seed, the first sweep is killed soon after its first rows.
     moments, killed, before = random.Random(42), 0, set[Any]()
     for _ in range(kills):
         sweep = Sweep(path, episodes, flags, python=python)

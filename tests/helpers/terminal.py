@@ -4,7 +4,7 @@ import io
 
 
 class Terminal(io.StringIO):
-    """Collects what a terminal would show."""
+    """Collects the text that a terminal would show."""
 
     def isatty(self) -> bool:
         return True

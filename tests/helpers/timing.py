@@ -19,6 +19,6 @@ def resident() -> int:
 
 
 def processor_seconds() -> float:
-    """Return the time that this process and those it has waited for have used."""
+    """Return the processor time of this process and of its ended children, in seconds."""
     found = map(resource.getrusage, (resource.RUSAGE_SELF, resource.RUSAGE_CHILDREN))
     return sum(each.ru_utime + each.ru_stime for each in found)

@@ -28,7 +28,7 @@ def as_json(observation: object) -> Any:
 
 
 def assert_as_recorded(env: WarehouseEnv, trace: dict[str, Any]) -> None:
-    """Replay both episodes of a trace; rewards to 1e-9, everything else exactly."""
+    """Replay both episodes of a trace; rewards may differ by 1e-9, everything else is equal."""
     for episode in trace["episodes"]:
         random.seed(episode["seed"])
         observation = env.reset(randomize=episode["randomize"])

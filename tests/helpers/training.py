@@ -1,4 +1,4 @@
-"""Trainings with short exams, here and in a process of its own."""
+"""Training runs with short exams, in this process and in another one."""
 
 import pickle
 from collections.abc import Callable
@@ -21,7 +21,7 @@ main()
 
 
 def shorten_exams(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Make exams as short as those of ``PROGRAM``."""
+    """Make exams as short as in ``PROGRAM``."""
     monkeypatch.setattr(exams, "EXAM_SEEDS", exams.EXAM_SEEDS[:3])
     monkeypatch.setattr(train, "FINAL_SEEDS", train.FINAL_SEEDS[:4])
 
@@ -42,7 +42,7 @@ def ignore(*_: Any) -> None:
 
 
 def check_seeds(make_learner: Callable[..., Any]) -> None:
-    """Assert that learners of the same seed train the same network, and of others another."""
+    """Assert that learners train the same network exactly if they have the same seed."""
     networks = [make_learner().network()]
     for seed in (1, 1, 2):
         learning = make_learner(seed=seed)
@@ -55,9 +55,9 @@ def check_seeds(make_learner: Callable[..., Any]) -> None:
 
 
 def check_resumed(make_learner: Callable[[], Any], stop_at: int) -> tuple[Any, Any]:
-    """Assert that a training that is stopped and resumed ends like a whole one; return both.
+    """Assert that a training run that is stopped and resumed ends like a whole one; return both.
 
-    Each learner is made when it is needed, because it seeds the random streams of its libraries.
+    Each learner is created when it is needed, because it seeds its libraries.
     """
     stored: list[bytes] = []
     begun = make_learner()

@@ -1,4 +1,4 @@
-"""Prints digests of episodes, fleets, plans and learning; a browser has to print the same."""
+"""A program that prints digests of episodes, plans and learning; a browser prints the same."""
 
 import hashlib
 import warnings
@@ -34,8 +34,8 @@ def digest_of(*parts: Any) -> str:
     return hashlib.sha256("\n".join(map(str, parts)).encode()).hexdigest()[:16]
 
 
-def told(episode: Episode) -> str:
-    """Return the course of an episode as text."""
+def course(episode: Episode) -> str:
+    """Return a digest of the course of an episode."""
     return digest_of(
         episode.layout.rows,
         *(list(map(str, column)) for column in (episode.cells, episode.actions, episode.rewards)),
@@ -46,7 +46,7 @@ def alone(name: str, episodes: int) -> str:
     """Return a digest of the episodes of an agent."""
     agents = ((seed, make_agent(name, seed)) for seed in range(episodes))
     return digest_of(
-        *(told(record_episode(WarehouseEnv(), agent, seed=seed)) for seed, agent in agents)
+        *(course(record_episode(WarehouseEnv(), agent, seed=seed)) for seed, agent in agents)
     )
 
 
@@ -55,11 +55,11 @@ def fleet(planner: str, seed: int) -> str:
     layout = shelf_layout(chargers=2)
     env = FleetEnv(layout, 4, orders=OrderStream(0.2), people=seed % 2, battery=100, max_steps=100)
     agent = make_fleet_agent(planner, "urgent", seed, layout, 4)
-    return told(record_fleet_episode(env, agent, seed=seed))
+    return course(record_fleet_episode(env, agent, seed=seed))
 
 
 def refined() -> str:
-    """Return a digest of a plan on a crowded floor, which guidance and refinement improve."""
+    """Return a digest of a plan for a crowded layout, after guidance and refinement."""
     layout = random_layout(16, 16, 0.2, seed=2)
     cells = layout.open_cells.tolist()
     problem = Problem(Graph(layout), cells[:24], cells[-24:])
@@ -76,7 +76,7 @@ def plan() -> str:
 
 
 if __name__ == "__main__":
-    warnings.simplefilter("ignore")  # that there are no threads is said once
+    warnings.simplefilter("ignore")  # one says that there are no threads
     print("greedy", alone("greedy", 200))
     for name in ("astar", "exploring"):
         print(name, alone(name, 20))

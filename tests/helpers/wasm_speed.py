@@ -1,4 +1,4 @@
-"""Prints the most steps a second in the default warehouse: of random actions, and of an agent."""
+"""A program that prints the steps per second with random actions and with an agent."""
 
 import random
 from collections.abc import Callable
@@ -19,14 +19,14 @@ def random_actions() -> Act:
 
 
 def greedy_actions() -> Act:
-    """Return the decisions of an agent, which is not told that another episode has begun."""
+    """Return the ``act`` of an agent, which is not reset between episodes."""
     agent = GreedyAgent(seed=0)
     agent.reset()
     return agent.act
 
 
 def steps_a_second(act: Act) -> float:
-    """Return the steps a second of one round."""
+    """Return the steps per second of one round."""
     env = WarehouseEnv()
     observation, start = env.reset(randomize=True, seed=0), perf_counter()
     for _ in range(STEPS):

@@ -20,14 +20,14 @@ TIMEOUT = 60
 """Seconds to wait for a program."""
 
 STILL_PICTURES = 6
-"""A picture drawn this many times without a change counts as still."""
+"""Number of equal pictures in a row after which the picture counts as still."""
 
 MAX_STEPS = 400
 """Steps of the watched episode, enough not to end during a test."""
 
 
 class Picture(NamedTuple):
-    """What the watched program prints about a picture it has drawn."""
+    """Line that the watched program prints for each picture that it draws."""
 
     step: int
     checksum: int
@@ -37,7 +37,7 @@ class Picture(NamedTuple):
 
 
 class Program:
-    """A Python program on the display, its window and what it prints."""
+    """A Python program on the display, its window and its output."""
 
     def __init__(self, display: str, folder: Path, *words: object) -> None:
         names = ("WAYLAND_DISPLAY", "MPLBACKEND")
@@ -67,7 +67,7 @@ class Program:
         try:
             line = self._lines.get(timeout=TIMEOUT)
         except queue.Empty:
-            pytest.fail(f"nothing came for {TIMEOUT} seconds after {self.printed[-5:]}")
+            pytest.fail(f"no output for {TIMEOUT} seconds after {self.printed[-5:]}")
         if line is not None:
             self.printed.append(line)
         return line
@@ -80,7 +80,7 @@ class Program:
         return Picture(*map(int, line.split()))
 
     def pictures_until(self, done: Callable[[Picture], bool]) -> list[Picture]:
-        """Return the pictures up to one for which ``done`` holds."""
+        """Return the pictures up to the first for which ``done`` is true."""
         pictures = [self.picture()]
         while not done(pictures[-1]):
             assert len(pictures) < 20 * MAX_STEPS, "no such picture came"
@@ -109,7 +109,7 @@ class Program:
         """Wait for the window, give it the keyboard focus and return its number."""
         found = self._xdotool("search", "--sync", "--onlyvisible", "--name", "^Warehouse$").split()
         self._xdotool("windowfocus", "--sync", found[-1])
-        # Keys without a meaning: on a busy machine the toolkit loses the first after a change.
+        # These keys do nothing. On a busy machine the toolkit loses the first keys after a change.
         self._xdotool("key", "--delay", "150", *["F9"] * 4)
         return found[-1]
 
@@ -150,7 +150,7 @@ def stop(process: "subprocess.Popen[str] | subprocess.Popen[bytes]") -> None:
 
 
 MAX_LINES = 200
-"""Lines to read before giving up waiting for one."""
+"""Largest number of lines to read while waiting for one."""
 
 
 class ClientMessage(ctypes.Structure):

@@ -24,7 +24,7 @@ def display() -> Iterator[str]:
         if shutil.which(program) is None:
             pytest.fail(f"{program} is not installed, and window tests need it (xvfb, xdotool)")
     reading, writing = os.pipe()
-    # Without -noreset it restarts whenever its last client disconnects.
+    # Without -noreset, Xvfb restarts whenever its last client disconnects.
     options = ["-screen", "0", "1400x1000x24", "-nolisten", "tcp", "-noreset"]
     server = subprocess.Popen(
         ["Xvfb", "-displayfd", str(writing), *options],
@@ -43,7 +43,7 @@ def display() -> Iterator[str]:
 
 @pytest.fixture
 def start(display: str, tmp_path: Path) -> Iterator[Callable[..., Shower]]:
-    """Return a function that starts a program with a window; it ends with the test."""
+    """Return a function that starts a program with a window, which ends with the test."""
     with ExitStack() as stack:
 
         def begin(*words: object) -> Shower:
@@ -69,7 +69,7 @@ def files(tmp_path_factory: pytest.TempPathFactory) -> Files:
 
 @pytest.fixture
 def opened(browser: Any) -> Iterator[Callable[..., Shown]]:
-    """Return a function that opens a file in a page of its own; it is checked at the end."""
+    """Return a function that opens a file in a page of its own, which is checked at the end."""
     with ExitStack() as stack:
 
         def open_file(file: Path, fragment: str = "", **options: Any) -> Shown:

@@ -1,4 +1,4 @@
-"""The page of a report in a real browser: it shows its pictures, loads nothing and runs nothing."""
+"""The page of a report in a real browser: it shows its pictures, and loads and runs nothing."""
 
 import contextlib
 import re
@@ -27,7 +27,7 @@ Open = Callable[..., Any]
 PHONE = 420
 
 MAGENTA = (255, 0, 255)
-"""Of the SVG in ``pages.py``."""
+"""Colour of the SVG in ``pages.py``."""
 
 TOO_WIDE = """
 () => {
@@ -43,7 +43,7 @@ TOO_WIDE = """
 
 @pytest.fixture
 def tab(browser: Any) -> Iterator[Open]:
-    """Return a function that opens a page in a tab of its own, as wide as it is told."""
+    """Return a function that opens a page in a tab of its own, with a given width."""
     with ExitStack() as stack:
 
         def open_page(file: Path, scheme: str = "light", width: int = 1200) -> Any:
@@ -62,7 +62,7 @@ def pixels_of(page: Any) -> NDArray[np.uint8]:
 
 
 def is_magenta(pixels: NDArray[np.uint8]) -> NDArray[np.bool_]:
-    """Return which pixels have the colour, within 3 of 255."""
+    """Return which pixels have this colour, within 3 of 255."""
     return np.abs(pixels.astype(int) - MAGENTA).max(axis=-1) <= 3
 
 
@@ -103,7 +103,7 @@ def test_replays_play_inside_the_page(file: Path, tab: Open) -> None:
 
 @pytest.fixture(scope="module")
 def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """Return a page of real results, whose figures are of each kind."""
+    """Return a page of real results, with figures of each kind."""
     folder = tmp_path_factory.mktemp("drawn")
     hall = folder / "hall.txt"
     hall.write_text("########\n#P....D#\n########\n")
@@ -152,7 +152,7 @@ def test_the_verdicts_are_seen_at_once_and_the_evidence_after_a_click(
 
 
 def printed(page: Any) -> list[bytes]:
-    """Return what is drawn on the sheets of a printed page, as streams of PDF operators."""
+    """Return the contents of the sheets of a printed page, as streams of PDF operators."""
     streams = []
     for found in re.finditer(rb"stream\r?\n(.*?)endstream", page.pdf(), re.DOTALL):
         with contextlib.suppress(zlib.error):
@@ -211,7 +211,7 @@ def test_the_policy_of_the_page_blocks_html_that_was_not_escaped(
     assert broken != text
     file.write_text(broken, encoding="utf-8")
     assert (tab(file).title(), requested) == ("A title", [])
-    # Without the policy the same page does run and load it.
+    # Without the policy, the same page runs and loads it.
     file.write_text(broken.replace("Content-Security-Policy", "x-nothing"), encoding="utf-8")
     assert tab(file).title() == "owned"
     assert {"/img", "/script", "/style"} <= {*requested}

@@ -252,7 +252,7 @@ main()
 
 
 def test_an_interrupt_while_a_compiled_module_is_initialised_comes_later(tmp_path: Path) -> None:
-    """The module ``matplotlib.ft2font`` makes enumerations; it would raise an ``ImportError``."""
+    """The module ``matplotlib.ft2font`` creates enumerations, and would raise ``ImportError``."""
     words = """
 import enum, os, signal, sys
 from agents.__main__ import INITIALISING, main
@@ -274,7 +274,7 @@ main()
 
 
 def test_an_interrupt_that_python_ignores_comes_again(tmp_path: Path) -> None:
-    """One in a weakref callback, as those of the locks of modules that are imported."""
+    """The interrupt is raised in a weakref callback, such as the locks of imported modules have."""
     words = """
 import sys, time, weakref
 class Part:

@@ -1,4 +1,4 @@
-"""Animated drawings in a browser: what is seen at the time of a step, and nothing is loaded."""
+"""Animated drawings in a browser show the right step at each time, and load nothing."""
 
 from pathlib import Path
 from typing import Any

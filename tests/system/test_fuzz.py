@@ -1,4 +1,4 @@
-"""Changed inputs of every format end with documented errors; ``bench_fuzz.py`` reads a million."""
+"""Changed inputs of every format raise documented errors only; see also ``bench_fuzz.py``."""
 
 from pathlib import Path
 

@@ -1,9 +1,9 @@
-"""Every public callable answers arguments that nobody expects by an error in words, or takes them.
+"""Every public callable refuses hostile arguments with a clear error, or accepts them.
 
-Such an error is of a documented class, names the argument and is short; what is taken also works
-in the next reset and step; and neither takes much memory. Which values are refused is as recorded;
-after a change that is meant to alter it, ``python tests/system/test_hostile_arguments.py`` writes
-the record anew.
+The error has a documented class, names the argument and is short. An accepted value also works in
+the next reset and step. Neither needs much memory. ``tests/data/answers.txt`` records which values
+are refused. After a change that is meant to alter it, run
+``python tests/system/test_hostile_arguments.py`` to record it again.
 """
 
 import sys
@@ -28,7 +28,10 @@ RECORD = Path(__file__).parents[1] / "data/answers.txt"
 
 
 def lines_of(found: Answers) -> list[str]:
-    """Return a line for each argument and kind of answer, with the values; most have the first."""
+    """Return a line for each argument and kind of answer, with its values.
+
+    The most frequent kind comes first and has no values.
+    """
     lines = []
     for call, given in sorted(found.items()):
         kinds: dict[str, list[str]] = {}

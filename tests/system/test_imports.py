@@ -11,7 +11,7 @@ from typing import Any
 
 ROOT = Path(__file__).parents[2]
 PACKAGES = ("warehouse_core", "warehouse_physics", "agents")
-"""Each may import those before it."""
+"""Packages. Each may import only packages before it."""
 
 MAY_IMPORT = {
     "warehouse_core/copies": "",
@@ -115,7 +115,7 @@ MAY_IMPORT = {
     "agents/__main__": "lab/commands",
     "agents/run_episode": "lab/commands lab/console",
 }
-"""The modules and folders that each may import in its own package; each is in a row above."""
+"""Modules and folders that each place may import in its own package, all from rows above it."""
 
 HEAVY = (
     "matplotlib", "gymnasium", "pymunk", "rich", "typer", "PIL", "IPython", "scipy", "jinja2",
@@ -142,7 +142,7 @@ from agents import *
 import agents.registry, agents.fleet, agents.mapf, agents.search, agents.learning
 GreedyAgent().act(__import__("warehouse_core").WarehouseEnv().observe())
 """
-"""A program that loads none of them."""
+"""A program that loads none of the heavy libraries."""
 
 FILES = [path for package in PACKAGES for path in sorted((ROOT / package).rglob("*.py"))]
 
@@ -207,7 +207,7 @@ def definitions(kind: type[ast.AST]) -> Iterator[tuple[str, Any]]:
 
 
 def test_each_class_has_a_name_of_its_own() -> None:
-    """A search problem and a problem of several robots are both called so in their fields."""
+    """Two classes may be called ``Problem``, because both fields use the word."""
     places: dict[str, set[str]] = {}
     for module, node in definitions(ast.ClassDef):
         places.setdefault(node.name, set()).add(module)
@@ -216,7 +216,7 @@ def test_each_class_has_a_name_of_its_own() -> None:
 
 
 def test_functions_have_at_most_twelve_parameters() -> None:
-    """What is passed together is a record; environments and commands have named settings."""
+    """Values that belong together form a record. Environments and commands have named settings."""
     found = {
         (module, node.name)
         for module, node in definitions(ast.FunctionDef)
@@ -267,7 +267,7 @@ def test_environments_pictures_planners_and_agents_load_none_of_the_heavy_librar
     assert loaded_by(PROGRAM, HEAVY) == []
 
 
-def test_of_the_heavy_libraries_commands_that_only_tell_load_their_parser() -> None:
+def test_commands_that_only_print_load_their_parser_and_no_other_heavy_library() -> None:
     program = """
 import sys
 from agents.__main__ import main

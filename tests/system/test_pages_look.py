@@ -1,4 +1,4 @@
-"""Every kind of page and picture is legible on a desktop, on a phone and on paper, and by WCAG."""
+"""Every kind of page and picture is legible on a desktop, a phone and paper, and meets WCAG."""
 
 from base64 import b64encode
 from collections.abc import Iterator
@@ -21,7 +21,7 @@ pytestmark = pytest.mark.browser
 
 @pytest.fixture(scope="module")
 def reader(browser: Any) -> Iterator[Reader]:
-    """Yield what looks at pages."""
+    """Yield a reader that looks at pages."""
     with reading(browser) as one:
         yield one
 
@@ -38,7 +38,7 @@ PAGES = {
     "demo bump": "demo bump",
     "demo pibt": "demo pibt",
 }
-"""Commands that save a page, by what it shows."""
+"""Commands that save a page, by the content of the page."""
 
 PICTURES = {
     "run": "run --seed 12",
@@ -56,7 +56,7 @@ PICTURES = {
 
 
 def save(folder: Path, *words: object) -> None:
-    """Run a command that saves a file, in its own process: it may start others."""
+    """Run a command that saves a file in its own process, because it may start others."""
     done = in_a_process("-m", "agents", *words, folder=folder)
     assert done.code == 0, done.err
 
@@ -76,7 +76,7 @@ def test_a_report_is_legible(reader: Reader, tmp_path: Path) -> None:
 
 
 def test_pages_of_grades_are_legible(reader: Reader, tmp_path: Path) -> None:
-    """The page of a student, with the player of the worst episode, and that of the class."""
+    """The pages are the one of a student, with the worst episode, and the one of the class."""
     (tmp_path / "all").mkdir()
     long_name = "Surname Given Names_12345_assignsubmission_file_"
     for name, body in {"walks": "return 'N'", "fails": "1 / 0", long_name: "pass"}.items():
@@ -127,7 +127,7 @@ def in_svg(texts: str) -> str:
 
 
 def by_matplotlib(*texts: tuple[str, float, str, float]) -> str:
-    """Return an image of words, each with its place, its colour and its size in points."""
+    """Return an image of words, each with its place, colour and size in points."""
     figure = make_figure((3, 1))
     figure.patch.set_facecolor("#eee")
     for words, x, color, size in texts:

@@ -1,4 +1,4 @@
-"""Pictures in real windows, run with ``pytest -m window``, and tests that need no window."""
+"""Pictures in real windows. Run with ``pytest -m window``."""
 
 from collections.abc import Callable
 

@@ -1,4 +1,4 @@
-"""The page that plays tracks, in a real browser: every control, by keys and by mouse."""
+"""The page that plays tracks, in a real browser: every control, with keys and with the mouse."""
 
 import re
 from collections.abc import Callable
@@ -40,7 +40,7 @@ def crowd(opened: Open, files: Files, fleet: Track) -> Shown:
 
 
 def steps(page: Shown) -> int:
-    """Return the step that the page shows, the same in its words, its slider and its address."""
+    """Return the step that the page shows, which is the same in text, slider and address."""
     step: int = page.read("player.step")
     assert page.part("place").inner_text().startswith(f"step {step} of ")
     assert page.part("slider").input_value() == str(step)
@@ -205,7 +205,7 @@ def test_n_goes_from_event_to_event_and_says_which(page: Shown, track: Track) ->
         said[steps(page)] = page.part("event").inner_text()
     picked, dropped = events(track, 0)
     assert (said.pop(picked), said.pop(dropped)) == ("item picked", "item delivered")
-    # In between the robot comes to cells for the third time.
+    # In between, the robot enters cells for the third time.
     assert {*said.values()} == {"stuck"}
     assert all(picked < step < dropped for step in said)
     page.page.get_by_role("button", name="Next event").click()

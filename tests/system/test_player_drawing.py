@@ -1,4 +1,4 @@
-"""The canvas of the page that plays tracks, against what the tracks say."""
+"""The canvas of the page that plays tracks, compared with the tracks."""
 
 import dataclasses
 from collections.abc import Callable, Iterator
@@ -33,7 +33,7 @@ COLORS_OF_MAP = """
   return Array.from({length: width * height}, (_, i) => color(i));
 }
 """
-"""Returns the colour of each cell of the map of a fleet."""
+"""Function that returns the colour of each cell of the map of a fleet."""
 
 
 def cell(row: float, col: float) -> tuple[float, float, float, float]:
@@ -177,7 +177,7 @@ def test_robots_of_a_fleet_show_their_items_age_and_an_empty_battery(
     assert page.share(to_hex(COLORS["H"]), cell(3, 7)) > 0.1
 
 
-def test_the_map_beside_a_fleet_has_the_cells_in_which_robots_were_held_up(
+def test_the_map_next_to_a_fleet_has_the_cells_in_which_robots_were_held_up(
     opened: Open, files: Files
 ) -> None:
     scheme = "dark"
@@ -214,7 +214,7 @@ def test_held_up_robots_are_shown_on_all_floors_when_asked_for(opened: Open, fil
     assert page.page.get_by_role("region", name="Fleet: other").is_visible()
     found = page.shares("floor", cells)
     assert found[2] < 0.05
-    # A cell beside it may lose a line of pixels.
+    # A neighbouring cell may lose a line of pixels.
     assert found[:2] + found[3:] == pytest.approx(without[:2] + without[3:], abs=0.03)
     boxes.first.uncheck()
     assert page.pictures() == picture
@@ -269,11 +269,11 @@ RECORD_TEXTS = """
   };
 }
 """
-"""Keeps each text that is written on a canvas, and its size."""
+"""Script that records each text that is written on a canvas, and its size."""
 
 
 def wide_fleet() -> Track:
-    """Return a track of 50 robots on a wide floor, one beside the other."""
+    """Return a track of 50 robots next to each other on a wide floor."""
     poses = tuple(Pose((1.5 + robot, 2.5), None, robot % 2 == 1) for robot in range(50))
     items = tuple(0 if pose.loaded else None for pose in poses)
     fleet = FleetFrame((), items, (1.0,) * 50)
@@ -281,12 +281,12 @@ def wide_fleet() -> Track:
 
 
 def texts(page: Shown) -> dict[str, float]:
-    """Return what is written on the floors of a page once it is drawn, and its sizes."""
+    """Return the texts on the floors of a page after it is drawn, and their sizes."""
     return dict(page.read(f"({RECORD_TEXTS})() ?? player.draw() ?? written"))
 
 
 def numbers(page: Shown) -> dict[str, float]:
-    """Return the numbers among what is written."""
+    """Return the numbers among the texts."""
     return {text: size for text, size in texts(page).items() if text.isdecimal()}
 
 
@@ -305,7 +305,7 @@ def test_robots_of_a_fleet_have_numbers_where_they_fit(opened: Open, files: File
 
 
 def place_of(page: Shown, robot: int) -> dict[str, float]:
-    """Return where the middle of a robot is, in pixels of its canvas."""
+    """Return the middle of a robot, in pixels of its canvas."""
     place: dict[str, float] = page.read(
         f"""(() => {{
           const [{{ track, view }}] = player.panels;

@@ -1,4 +1,4 @@
-"""The page that plays tracks shows text from users and runs none of it, and loads nothing."""
+"""The page that plays tracks shows text from users, runs none of it, and loads nothing."""
 
 import re
 from collections.abc import Callable
@@ -18,7 +18,7 @@ pytestmark = pytest.mark.browser
 Open = Callable[..., Shown]
 
 AT_ONCE = 13
-"""Tracks in a page."""
+"""Number of tracks in a page."""
 
 ROWS = ("...P", "...D")
 
@@ -29,7 +29,7 @@ TEXTS = (
 
 
 def track_saying(text: str) -> Track:
-    """Return a track that says a text wherever it can."""
+    """Return a track that has a text in every possible place."""
     frames = [Frame(ROWS, (Pose((0.5 + step, 0.5), 0.0, False),), float(step), text)
               for step in range(3)]  # fmt: skip
     frames[1].hits = (DrawnHit((1.5, 1.0), text),)
@@ -76,7 +76,7 @@ def test_the_policy_blocks_markup_that_got_into_the_page(
         assert page.page.title() == "text"
         assert len(page.read("violations")) >= 6
         assert requested == []
-        # What the policy blocked is an error and a request here, and none at the server.
+        # A blocked request is an error and a request here, but none at the server.
         page.page.goto("about:blank")
         page.errors.clear()
         page.requests.clear()

@@ -1,9 +1,9 @@
-"""Pictures, pages, exports and outputs are as recorded, so that no change alters one unseen.
+"""Pictures, pages, exports and outputs are as recorded, so that no change to them goes unnoticed.
 
-Nearly all numbers in their code are sizes, places and colours that no other test names.
-After a change that is meant to alter them, ``python tests/system/test_recorded.py [CASE ...]``
-records the cases again. Each has a file of compressed text in ``tests/data/recorded``, which
-``git diff`` shows after ``git config diff.gzip.textconv "gzip -dc"``.
+Nearly all numbers in their code are sizes, places and colours, which no other test checks. After a
+change that is meant to alter them, ``python tests/system/test_recorded.py [CASE ...]`` records the
+cases again. Each case has a file of compressed text in ``tests/data/recorded``. To see changes of
+these files with ``git diff``, run ``git config diff.gzip.textconv "gzip -dc"``.
 """
 
 import gzip
@@ -104,7 +104,8 @@ DRAWN = ("text ", "path ", "figure ")
 """Words that begin a line of what Matplotlib draws."""
 
 PIXELS, OTHER_PIXELS = 0.11, 24.0
-"""Distances at which things may be drawn, and by other versions, whose letters differ."""
+"""Largest distances in pixels from the recorded places, with the same version of Matplotlib and
+with others, whose letters differ."""
 
 Lines = Iterator[str]
 
@@ -114,7 +115,7 @@ def version() -> Lines:
 
 
 def of_tracks(*tracks: Track) -> Lines:
-    """Yield what is drawn of tracks at their start, in their middle and at their end."""
+    """Yield the drawings of tracks at their start, middle and end."""
     scene = Scene(tracks, make_figure)
     for moment in (0, len(scene) // 2, len(scene) - 1):
         scene.show(moment)
@@ -124,7 +125,7 @@ def of_tracks(*tracks: Track) -> Lines:
 
 
 def of_page(page: str) -> Lines:
-    """Yield what a page with or without a replay says, and its elements."""
+    """Yield the data of the replay in a page, if any, and the elements of the page."""
     said = said_by(page) if 'id="data"' in page else {}
     for name, value in said.items():
         for each in value if isinstance(value, list) else [value]:
@@ -133,7 +134,7 @@ def of_page(page: str) -> Lines:
 
 
 def of_command(words: str) -> Lines:
-    """Yield what a command prints and the files that it writes, with what is drawn in them."""
+    """Yield the output of a command, its figures and the files that it writes."""
     printed, figures, before = StringIO(), [], set(Path().iterdir())
 
     def keep(figure: Figure, target: Any, *_: object, **__: object) -> None:
@@ -157,7 +158,7 @@ def of_command(words: str) -> Lines:
 
 
 def of_record(episode: Episode) -> Lines:
-    """Yield its arrays, of which long ones are thinned out, and its messages for others."""
+    """Yield the arrays of an episode, thinned out, and its messages for other programs."""
     episode.save("x.npz")
     with np.load("x.npz") as arrays:
         for name, values in arrays.items():
@@ -180,14 +181,14 @@ def options() -> Lines:
 
 
 def rows() -> Lines:
-    """Yield what a sweep keeps of episodes, most of which fail."""
+    """Yield the rows that a sweep stores for episodes, most of which fail."""
     for agent in ("random", "reflex", "greedy:escape_steps=0"):
         for seed in range(4):
             yield str(row_of(run_episode(agent, "grid", seed=seed)))
 
 
 def interface() -> Lines:
-    """Yield the defaults and the metadata of everything public."""
+    """Yield the defaults and the metadata of public functions and classes."""
     packages = warehouse_core, warehouse_physics, gymnasium_env, pettingzoo_env
     for each in (getattr(package, name) for package in packages for name in package.__all__):
         if isinstance(each, FunctionType) or (isclass(each) and "__init__" in vars(each)):
@@ -232,7 +233,7 @@ def driven() -> Lines:
 
 
 def slipping() -> Lines:
-    """Yield records of robots on floors that differ, with weak motors and a stop."""
+    """Yield records of robots with slippery floors, weak motors and a stop."""
     layout = shelf_layout(2, 2, aisle=2, pickups=2, dropoffs=2)
     icy = frozenset((row, col) for row in range(layout.height) for col in range(0, layout.width, 2))
     shocks = Disturbances(0.2, icy, 0.012, 0.8, 0.5)
@@ -241,7 +242,7 @@ def slipping() -> Lines:
         env = FleetEnv(layout, 4, orders=0.3, max_steps=8, people=1, backend=motion)
         agent = make_fleet_agent("windowed", "urgent", 1, layout, 4)
         yield from islice(of_record(record_fleet_episode(env, agent, seed=2)), 40)
-    rows = ["######", "......", "##.###"]  # where four robots are in each other's way
+    rows = ["######", "......", "##.###"]  # four robots block each other here
     cells, moves = [(2, 2), (1, 3), (1, 5), (1, 2)], [NORTH, EAST, WEST, EAST]
     spec = RobotSpec(payload_mass=90, motor_force=108)
     for found in together(Layout(rows), cells, moves, spec, [False, True, True, True]):
@@ -314,7 +315,7 @@ def maps() -> Lines:
 
 
 def charts() -> Lines:
-    """Yield the figures that compare agents, and those of training and of planners."""
+    """Yield the figures that compare agents, and the figures of training and of planners."""
     slow = GOOD._replace(steps=30)
     one, other = scores_of([GOOD, slow] * 15), scores_of([GOOD] * 20 + [BAD] * 10)
     yield from drawn(scores_figure({"small": {"one": one}, "large": {"one": other}}, "A caption"))
@@ -364,7 +365,7 @@ def episodes() -> Lines:
 
 
 def shifts() -> Lines:
-    """Yield shifts of fleets with compass moves and with headings, directed by each planner."""
+    """Yield shifts of fleets with compass moves and with headings, for each planner."""
     layout = shelf_layout(2, 3, aisle=2, pickups=3, dropoffs=2, chargers=2)
     names = "pibt", "pibt-lanes", "windowed", "windowed-lanes", "circulation", "circulation-lanes"
     for moves, name in product(("compass", "turn"), names):
@@ -422,7 +423,7 @@ def fleet_pixels(robots: int = 4, **settings: Any) -> NDArray[np.uint8]:
 
 
 def grades() -> Lines:
-    """Yield what is printed of grades, and the feedback pages, of good and of bad agents."""
+    """Yield the printed grades and the feedback pages of good and of bad agents."""
     Path("wrong.py").write_text(WRONG)
     yield from of_command("grade greedy --save good.html")
     yield from of_command("grade wrong.py --trust --save wrong.html")
@@ -463,7 +464,7 @@ battery = [20, 60]
 """
 
 PROGRAM = re.compile(r',"?warehouse-lab.*')
-"""Last column of a table of episodes, which has versions."""
+"""Last column of a table of episodes, which contains versions."""
 
 
 KINDS = (

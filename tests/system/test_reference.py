@@ -1,4 +1,4 @@
-"""The reference: each public object stands on one page and has an example, which runs."""
+"""The reference: each public object is on one page and has an example that runs."""
 
 import doctest
 import re
@@ -18,7 +18,7 @@ NOT_RUN = {
     "agents.learning.ppo_training:PPOLearner",
     "warehouse_core.render.window:PictureWindow",
 }
-"""Classes whose examples are not run: three need PyTorch, the last a display."""
+"""Classes whose examples are not run: two need PyTorch, the last one needs a display."""
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
@@ -27,12 +27,12 @@ def test_an_example_runs_by_itself(
 ) -> None:
     monkeypatch.chdir(tmp_path)
     without_display(monkeypatch)
-    told: list[str] = []
+    report: list[str] = []
     failed, _ = doctest.DocTestRunner(optionflags=doctest.ELLIPSIS).run(
-        EXAMPLES[name], out=told.append
+        EXAMPLES[name], out=report.append
     )
     plt.close("all")
-    assert not failed, "".join(told)
+    assert not failed, "".join(report)
 
 
 def test_few_examples_are_not_run() -> None:
@@ -66,7 +66,7 @@ def test_what_is_returned_begins_with_no_colon_which_would_end_a_type() -> None:
             assert ":" not in re.sub("``.*?``", "", first), f"{path}: {first}"
 
 
-def test_every_public_object_stands_on_one_page_of_the_reference() -> None:
+def test_every_public_object_is_on_one_page_of_the_reference() -> None:
     pages = sorted(REFERENCE.glob("*.md"))
     shown = Counter(each.key for page in pages for each in objects_on(page))
     public = {each.key: each for each in public_objects()}

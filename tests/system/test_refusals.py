@@ -1,6 +1,7 @@
 """Every command refuses a wrong option in one line, before it prints or writes anything.
 
-The commands and their options are read from the program, so a new command is tested by itself.
+The commands and their options are read from the program, so new commands are tested without a
+change here.
 """
 
 import enum
@@ -36,7 +37,7 @@ LIMITS = {
     "--steps": {(1, MANY)},
     "--view-radius": {(0, 1000)},
 }
-"""Least and greatest values of options; commands may differ in them."""
+"""Smallest and largest values of options, which may differ between commands."""
 
 ARGUMENTS = {
     "export": ("warehouse/greedy-v0",),
@@ -46,10 +47,10 @@ ARGUMENTS = {
     "report": ("r.sqlite",),
     "train": ("q",),
 }
-"""Arguments of commands that need some; options are refused before these files are read."""
+"""Required arguments of commands; options are refused before these files are read."""
 
 OF_KINDS = {("compare", "--planner"): ("planners",), ("compare", "--goal"): ("search",)}
-"""Arguments with which a command takes an option that others do not go with."""
+"""Arguments with which a command accepts an option that it otherwise refuses."""
 
 BACKENDS = {"sleigh": "no backend is called 'sleigh'; installed: driving, grid, physics"}
 CELLS = {
@@ -73,7 +74,7 @@ UNKNOWN = {
     "--planner": {"nobody": "no planner is called 'nobody'; allowed: pibt, "},
     "--start": CELLS,
 }
-"""Values of options that name nothing, and what is said of them."""
+"""Values of options that name nothing, and parts of their messages."""
 
 MALFORMED = {
     "--goal": {"1,2,3": "--goal is '1,2,3'; it must be ROW,COL, as in 1,2"},
@@ -135,7 +136,7 @@ WRONG = {
     "grade . --save a.csv --save b.csv": "--save takes one .csv file for a folder",
     "grade mine.py --pages pages": "--pages needs a folder of submissions; 'mine.py' is not",
 }
-"""Command lines that are wrong usage, and what is said of them."""
+"""Command lines with wrong usage, and parts of their messages."""
 
 IMPOSSIBLE = {
     "run --layout tiny.txt": "tiny.txt: it has 1 empty cell; random stations need two or more",
@@ -208,7 +209,7 @@ IMPOSSIBLE = {
     "export r.sqlite t": "allowed: .csv",
     "export r.sqlite t.csv": "r.sqlite: there is no such file",
 }
-"""Command lines that are well formed, and what is said of those that cannot be carried out."""
+"""Well-formed command lines that cannot be carried out, and parts of their messages."""
 
 PICTURES = ".gif, .mp4, .html, .svg, .png"
 SUFFIXES = {
@@ -232,24 +233,24 @@ def options_of(name: str) -> list[str]:
 
 
 def limits_of(parameter: Any) -> tuple[Any, Any] | None:
-    """Return the least and the greatest value of an option, or None if it is no number."""
+    """Return the smallest and the largest value of an option, or None if it is not a number."""
     check = getattr(parameter.type_descriptor.parameter_info.parser, "check", None)
     return (check.minimum, check.maximum) if isinstance(check, (Whole, Number)) else None
 
 
 def wrong_values(parameter: Any) -> Iterator[str]:
-    """Yield texts that are not of the parameter's type, and the nearest ones beyond its limits."""
+    """Yield texts of the wrong type for an option, and the nearest values beyond its limits."""
     kind, limits = parameter.type_descriptor.annotation, limits_of(parameter)
     if isinstance(kind, type) and issubclass(kind, enum.Enum):
         yield "nonsense"
     if limits is None:
         return
     yield "much"
-    for limit, way in zip(limits, (-1, 1), strict=True):
+    for limit, direction in zip(limits, (-1, 1), strict=True):
         if kind is int:
-            yield str(limit + way)
+            yield str(limit + direction)
         elif limit < math.inf:
-            yield repr(math.nextafter(limit, way * math.inf))
+            yield repr(math.nextafter(limit, direction * math.inf))
 
 
 def cases() -> Iterator[tuple[str, str, str, int, str]]:
@@ -266,7 +267,7 @@ def cases() -> Iterator[tuple[str, str, str, int, str]]:
 
 @pytest.fixture(autouse=True)
 def folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path) -> Iterator[None]:
-    """Work in a folder to which nothing may be added."""
+    """Work in a folder in which no file may be created."""
     without_display(monkeypatch)
     monkeypatch.chdir(tmp_path)
     (tmp_path / "wrong.py").write_text("x = 1\nclass Agent(:\n")
@@ -317,7 +318,7 @@ def test_the_limits_of_numbers_are_those_of_the_table() -> None:
                 limits.setdefault(option, set()).add(pair)
                 for value in pair:
                     words = [*ARGUMENTS.get(name, ()), option, str(value)]
-                    # It raises if a limit is refused. Other tests use the option for help too.
+                    # This raises if a limit is refused. Other tests check the help of the option.
                     leaf.make_context(name, words, help_option_names=[*HELP])
             else:
                 assert parameter.type_descriptor.annotation not in (int, float), option

@@ -1,4 +1,4 @@
-"""The handbook as a site: built without a warning, all links lead somewhere, read in a browser."""
+"""The handbook as a site: it builds without warnings, its links work, and browsers show it."""
 
 import re
 import subprocess
@@ -46,7 +46,7 @@ FAULTS = """
 
 
 class Handler(SimpleHTTPRequestHandler):
-    """Serves files and tells nothing about it."""
+    """Serves files and prints nothing about it."""
 
     def log_message(self, format: str, *_: object) -> None:  # noqa: A002
         pass
@@ -54,7 +54,7 @@ class Handler(SimpleHTTPRequestHandler):
 
 @pytest.fixture
 def site_address(site: Path) -> Iterator[str]:
-    """Serve the site, whose search loads files, and yield its address."""
+    """Serve the site, because its search loads files, and yield the address."""
     handler = partial(Handler, directory=str(site))
     with ThreadingHTTPServer(("127.0.0.1", 0), handler) as server:
         thread = Thread(target=server.serve_forever)
@@ -67,7 +67,7 @@ def site_address(site: Path) -> Iterator[str]:
 
 
 class Anchors(HTMLParser):
-    """The ``id``s of a page, and what it refers to: links, scripts, styles and pictures."""
+    """The ``id``s of a page, and the links, scripts, styles and pictures that it refers to."""
 
     def __init__(self, page: Path) -> None:
         super().__init__()
@@ -110,7 +110,7 @@ def test_the_page_of_the_command_line_has_the_help_of_every_command(site: Path) 
 
 
 def test_solutions_are_in_the_site_for_lecturers_alone(tmp_path: Path) -> None:
-    """Without running cells, which the tag has nothing to do with."""
+    """The cells are not run, because they do not depend on the tag."""
     pages = {}
     for tag in ("solutions", "students"):
         words = "-Q", "-t", tag, "-D", "nb_execution_mode=off", HANDBOOK, tmp_path / tag

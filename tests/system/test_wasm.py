@@ -1,4 +1,4 @@
-"""Pyodide, in node and in headless Chromium, does what CPython does; ``.ci/pyodide`` fetches it."""
+"""Pyodide in node and Chromium gives the same results as CPython; ``.ci/pyodide`` fetches it."""
 
 import json
 from collections.abc import Iterator

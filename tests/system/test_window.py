@@ -1,6 +1,6 @@
 """Real windows on a display of their own, and real keys. Run with ``pytest -m window``.
 
-No test measures time: each waits for the output of the program, ``TIMEOUT`` seconds at most.
+No test measures time. Each waits for the output of the program, for at most ``TIMEOUT`` seconds.
 """
 
 from collections.abc import Callable
@@ -63,7 +63,7 @@ def long_episode(tmp_path: Path) -> Path:
 
 @pytest.fixture
 def watched(start: Callable[..., Program], long_episode: Path) -> Program:
-    """Return a replay in a window with the keyboard, at frame 3 or later."""
+    """Return a replay in a window with the keyboard focus, at frame 3 or later."""
     program = start(WATCH, long_episode)
     program.pictures_until(lambda picture: picture.step >= 3)
     program.focus()
@@ -152,9 +152,9 @@ def test_run_opens_a_window_that_q_closes(
 
 @pytest.fixture
 def play(start: Callable[..., Program], tmp_path: Path) -> Program:
-    """Return ``warehouse play`` with the keyboard.
+    """Return ``warehouse play`` with the keyboard focus.
 
-    This seed puts the robot at (1, 1), P below it at (2, 1) and D beside that at (2, 2).
+    This seed puts the robot at (1, 1), P below it at (2, 1) and D to the right of P at (2, 2).
     """
     ROOM.save(tmp_path / "room.txt")
     layout = ("--layout", "room.txt", "--stations", "drawn", "--seed", 4)

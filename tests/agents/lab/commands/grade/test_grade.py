@@ -91,7 +91,7 @@ def test_results_have_the_form_that_gradescope_reads(warehouse: Warehouse, rubri
     rubric.write_text(
         rubric.read_text().replace("points = 20\n", 'points = 20\nvisibility = "after_due_date"\n')
     )
-    [file] = write_submissions(Path(), "none_without_way")
+    [file] = write_submissions(Path(), "none_without_path")
     code, out, _ = warehouse(
         "grade", "--trust", f"{file}:Agent", "--rubric", rubric, "--save", "results.json"
     )
@@ -253,15 +253,15 @@ def test_pages_show_what_is_visible_by_then_in_one_file_each(
     warehouse: Warehouse, rubric: Path
 ) -> None:
     rubric.write_text(LATER)
-    write_submissions(Path("all"), "none_without_way")
+    write_submissions(Path("all"), "none_without_path")
     Path("all", "<b>").mkdir()
     Path("all", "<b>", "agent.py").write_text("", encoding="utf-8")
-    Path("late.csv").write_text("submission,days\nnone_without_way,2\n")
+    Path("late.csv").write_text("submission,days\nnone_without_path,2\n")
     words = ("grade", "--trust", "all", "--rubric", rubric, "--jobs", 1, "--pages", "pages",
              "--late", "late.csv")  # fmt: skip
     warehouse(*words)
-    assert rows_of("grades.csv")["none_without_way"]["points"] == "60"
-    page, results = (Path("pages", f"none_without_way{end}") for end in (".html", ".json"))
+    assert rows_of("grades.csv")["none_without_path"]["points"] == "60"
+    page, results = (Path("pages", f"none_without_path{end}") for end in (".html", ".json"))
     text, found = page.read_text(encoding="utf-8"), json.loads(results.read_text())
     assert [test["name"] for test in found["tests"]] == ["delivers", "protocol", "fewest"]
     assert "60 of 80 points" in text
@@ -271,7 +271,7 @@ def test_pages_show_what_is_visible_by_then_in_one_file_each(
     assert "<iframe" in text, "the worst episode plays"
     assert not re.search(r'(src|href)="(?!data:|#)', text)
     index = Path("pages", "index.html").read_text(encoding="utf-8")
-    assert 'href="./none_without_way.html"' in index
+    assert 'href="./none_without_path.html"' in index
     assert "<b>" not in index
     assert "0 graded, 2 unchanged" in warehouse(*words).out
     page.unlink()
