@@ -63,19 +63,19 @@ def test_a_robot_leaves_at_the_knee_from_which_on_charging_is_slow() -> None:
 def test_a_heavy_robot_counts_with_what_its_own_body_needs() -> None:
     heavy = RobotSpec(mass=400.0, motor_force=600.0)
     batteries = [Battery(200_000, "joules"), Battery(2_000)]
-    ways, units = np.array([10.0]), np.array([20_000.0])
+    distances, units = np.array([10.0]), np.array([20_000.0])
     for motion, lasts in (("grid", True), (RigidBodyMotion(), True), (DrivingMotion(heavy), False)):
         env = FleetEnv(HALL, 1, battery=batteries[0], backend=motion)
-        assert Chargers(env, Graph(HALL)).lasts(units, ways).tolist() == [lasts]
+        assert Chargers(env, Graph(HALL)).lasts(units, distances).tolist() == [lasts]
     env = FleetEnv(HALL, 1, battery=batteries[1], backend=DrivingMotion(heavy, period=0.25))
     assert use_and_charge(env) == pytest.approx((4, 4 * batteries[1].step_charge(1.0)))
 
 
-def test_two_robots_at_one_charger_take_turns_and_keep_the_way_out_free() -> None:
+def test_two_robots_at_one_charger_take_turns_and_keep_the_exit_free() -> None:
     one = Layout(["C" + "." * 28 + "."])
     chargers = chargers_of(2, one)
     chargers.update(needs([0, 4], [30, 48]))
-    assert chargers.turn.tolist() == [0, NONE]  # the other would wait there for long
+    assert chargers.turn.tolist() == [0, NONE]  # the other robot would wait there for a long time
     chargers.update(needs([0, 20], [140, 60]))
     assert chargers.turn.tolist() == [0, 0]
     for cell in (10, QUEUE_DISTANCE + 1):
@@ -101,7 +101,7 @@ def test_the_more_robots_wait_for_a_charger_the_earlier_they_begin() -> None:
     assert first_to_go(1) < first_to_go(6) < first_to_go(12)
 
 
-def test_nobody_goes_to_a_charger_where_an_empty_robot_stands() -> None:
+def test_no_robot_goes_to_a_charger_with_a_dead_robot() -> None:
     chargers = chargers_of(2)
     chargers.update(needs([5, 3], [29, 150]))
     assert chargers.turn.tolist() == [0, NONE]
@@ -116,7 +116,7 @@ def test_a_charger_that_nobody_uses_is_for_robots_below_their_limits() -> None:
     assert chargers.turn.tolist() == [0, NONE, NONE]  # there is one at 0, and 29 is far away
 
 
-def test_no_idle_robot_goes_to_a_charger_that_sends_it_away_at_once() -> None:
+def test_no_idle_robot_goes_to_a_charger_where_its_turn_would_end_at_once() -> None:
     limits = np.array([180.0])
     for knee, below in ((1.0, 180), (0.8, 144), (0.4, 126)):
         chargers = chargers_of(1, battery=Battery(200, knee=knee))
@@ -127,7 +127,7 @@ def test_no_idle_robot_goes_to_a_charger_that_sends_it_away_at_once() -> None:
         assert below < chargers._full
 
 
-def test_a_robot_that_would_run_empty_goes_to_any_charger_that_it_can_reach() -> None:
+def test_a_robot_in_need_goes_to_any_charger_that_it_can_reach() -> None:
     split = Layout(["C...#...C"])
     chargers = chargers_of(3, split)
     for _ in range(3):
@@ -135,18 +135,18 @@ def test_a_robot_that_would_run_empty_goes_to_any_charger_that_it_can_reach() ->
     assert sorted(chargers.turn.tolist()) == [NONE, 0, 0]
 
 
-def test_ways_lead_around_chargers_where_they_can() -> None:
+def test_paths_avoid_chargers_where_possible() -> None:
     layout = Layout([".C.", "...", "#.#"])
     graph = Graph(layout, costs_around_chargers(layout))
     assert graph.distances(2)[0] == 4
     assert graph.distances(1)[0] == 1 + INTO_CHARGER
-    assert graph.distances(0)[1] == 1  # leaving it costs no more
+    assert graph.distances(0)[1] == 1  # leaving it has no extra cost
     doubled = costs_around_chargers(layout, np.full((9, 4), 2, np.float32))
     assert doubled is not None
     assert Graph(layout, doubled).distances(2)[0] == 8
 
 
-def test_a_turn_is_kept_until_it_is_used_or_given_up_to_one_that_would_run_empty() -> None:
+def test_a_turn_is_kept_until_it_is_used_or_given_up_to_a_robot_in_need() -> None:
     one = Layout(["C" + "." * 29])
     chargers = chargers_of(2, one)
     chargers.update(needs([20, 2], [45, 100]))
@@ -154,7 +154,9 @@ def test_a_turn_is_kept_until_it_is_used_or_given_up_to_one_that_would_run_empty
     chargers.update(needs([19, 2], [44, 20]))
     assert chargers.turn.tolist() == [0, 0]
     assert chargers.goals(np.array([19, 2])).tolist() == [0, 2]
-    pushed = np.array([QUEUE_DISTANCE, 0])  # the other is on the charger, but not to charge there
+    pushed = np.array(
+        [QUEUE_DISTANCE, 0]
+    )  # the other robot is on the charger, but does not charge there
     chargers.update(needs(pushed.tolist(), [30, 19]))
     assert chargers.goals(pushed).tolist() == [0, 0]
     assert chargers.charging(pushed).tolist() == [False, False]
@@ -163,7 +165,7 @@ def test_a_turn_is_kept_until_it_is_used_or_given_up_to_one_that_would_run_empty
         assert chargers.turn.tolist() == [turn, 0]
 
 
-def test_who_comes_next_gives_its_turn_to_one_that_would_run_empty() -> None:
+def test_the_next_robot_gives_its_turn_to_a_robot_in_need() -> None:
     one = Layout(["C" + "." * 29])
     chargers = chargers_of(3, one)
     chargers.turn[:2] = 0

@@ -1,4 +1,4 @@
-"""Robots that are held up by people, or by robots that stay, go around or give way."""
+"""Robots that people or staying robots hold up go around them or give way."""
 
 import numpy as np
 import pytest
@@ -23,7 +23,7 @@ def aims(
     stays: int = 0,
     cell_steps: int = 1,
 ) -> Aims:
-    """Return where robots that do not move are to go in each step; the last so many stay."""
+    """Return the goals in each step of robots that do not move; the last ones always stay."""
     detours, robots = Detours(Graph(layout), len(cells), cell_steps), np.arange(len(cells))
     here, there, persons = (layout.numbers(each) for each in (cells, goals, people))
     found = [
@@ -34,14 +34,14 @@ def aims(
 
 
 @pytest.mark.parametrize("is_person", [True, False])
-def test_a_robot_goes_around_who_is_in_its_way_as_far_as_the_way_is_straight(
+def test_a_robot_goes_around_an_obstacle_until_its_path_is_straight_again(
     is_person: bool,
 ) -> None:
     others = [] if is_person else [(0, 2)]
     found = aims(RING, [(0, 1), *others], [(0, 4), *others], [(0, 2)] * is_person, len(others))
     assert found[:PATIENCE] == [{}] * PATIENCE
     [(_, aim)] = found[PATIENCE].items()
-    assert aim[0] == 2  # the way there does not lead through who is in the way, the rest neither
+    assert aim[0] == 2  # neither the path to it nor the rest leads through the obstacle
 
 
 def test_a_robot_that_takes_four_steps_for_a_cell_waits_four_times_longer() -> None:
@@ -49,7 +49,7 @@ def test_a_robot_that_takes_four_steps_for_a_cell_waits_four_times_longer() -> N
     assert [bool(each) for each in found] == [False] * (4 * PATIENCE) + [True]
 
 
-def test_a_robot_that_waits_for_another_beside_a_person_goes_before_others() -> None:
+def test_a_robot_that_waits_for_another_next_to_a_person_takes_priority() -> None:
     assert aims(RING, [(0, 1)], [(2, 0)], [(0, 2)])[-1] == {0: (2, 0)}
 
 
@@ -59,13 +59,13 @@ def test_a_robot_goes_back_behind_a_junction_to_let_a_person_out() -> None:
     assert aim == (2, 3)  # it stands at the end
 
 
-def test_robots_that_enclose_a_person_back_off_although_they_are_to_go_nowhere() -> None:
+def test_robots_that_enclose_a_person_back_off_even_without_a_goal() -> None:
     cells = [(0, 1), (0, 3)]
     assert set(aims(RING, cells, cells, [(0, 2)])[-1]) == {0, 1}
     assert aims(RING, cells[:1], cells[:1], [(0, 2)])[-1] == {}
 
 
-def test_a_robot_waits_for_one_that_stays_where_it_is_to_go() -> None:
+def test_a_robot_waits_for_one_that_stays_at_its_goal() -> None:
     assert aims(RING, [(0, 1), (0, 2)], [(0, 2)] * 2, [], 1)[-1] == {}
 
 
@@ -86,7 +86,7 @@ def test_another_goal_or_the_end_of_a_leg_ends_a_detour() -> None:
     assert go((0, 1), (0, 3)) == {}
     wait((0, 1), (0, 4))
     assert go((2, 0), (0, 4)) == {0: aim}
-    assert wait((2, 0), (0, 4)) == {}  # it cannot go on, and not because of the person
+    assert wait((2, 0), (0, 4)) == {}  # it cannot move on, but not because of the person
 
 
 def shift(env: FleetEnv, planner: str, seed: int) -> FleetMeasures:
@@ -103,7 +103,7 @@ def test_a_fleet_with_a_person_in_narrow_aisles_does_not_freeze() -> None:
 
 
 @pytest.mark.filterwarnings("ignore:0 chargers")
-def test_a_way_leads_around_a_robot_whose_battery_is_empty() -> None:
+def test_a_path_leads_around_a_robot_with_a_flat_battery() -> None:
     layout = Layout(["P....D", ".####.", "......"])
     orders = [Order(0, 90, (0, 0), (0, 5))]
     env = FleetEnv(

@@ -15,12 +15,12 @@ Walk = Callable[[list[Cell], list[Cell]], list[Cell]]
 
 
 def stays(cells: list[Cell], people: list[Cell]) -> list[Cell]:
-    """People who stay where they are."""
+    """Motion of people who stay where they are."""
     return people
 
 
 class Floor:
-    """Robots that move only as planned, and people who walk by a function."""
+    """Robots that only make planned moves, and people whose steps a function gives."""
 
     def __init__(
         self,
@@ -40,9 +40,9 @@ class Floor:
         cells, people = layout.numbers(self.cells), layout.numbers(self.people)
         goals = np.array([NONE if goal is None else layout.number(goal) for goal in self._goals])
         rows = self._fields.rows(goals)
-        ways = np.where(goals == NONE, FAR, self._fields.matrix[rows, cells])
+        all_aims = np.where(goals == NONE, FAR, self._fields.matrix[rows, cells])
         walls = set(cells[list(fixed)].tolist())
-        found = self._escapes.aims(cells, goals, ways, walls, people, has_worked)
+        found = self._escapes.aims(cells, goals, all_aims, walls, people, has_worked)
         aims = {robot: layout.cell(aim) for robot, aim in found.items()}
         self.held = self._escapes.held
         self.cells = [aims.get(robot, cell) for robot, cell in enumerate(self.cells)]
@@ -50,7 +50,7 @@ class Floor:
         return aims
 
     def run(self, steps: int, walk: Walk = stays) -> bool:
-        """Return whether a robot has reached its goal in so many steps."""
+        """Return whether a robot has reached its goal within a number of steps."""
         for _ in range(steps):
             self.step()
             self.people = walk(self.cells, self.people)
@@ -78,12 +78,12 @@ def test_nobody_moves_into_people_or_robots_that_stay() -> None:
         by_person.people = [(taken, 2)]
         assert by_person.run(PATIENCE + 12)
         by_robot = Floor(crossing, [(1, 1), (1, 2), (taken, 2)], [(1, 4), (1, 0), None])
-        ways = [by_robot.step(fixed=(2,)) for _ in range(PATIENCE + 12)]
-        assert (free, 2) in {cell for aims in ways for cell in aims.values()}
+        all_aims = [by_robot.step(fixed=(2,)) for _ in range(PATIENCE + 12)]
+        assert (free, 2) in {cell for aims in all_aims for cell in aims.values()}
         assert by_robot.cells[2] == (taken, 2)
 
 
-def test_robots_let_a_person_by_who_does_not_go_back() -> None:
+def test_robots_let_a_person_pass_who_does_not_go_back() -> None:
     siding = Layout(["D.....P", "###.###"])
 
     def west(cells: list[Cell], people: list[Cell]) -> list[Cell]:
@@ -97,12 +97,12 @@ def test_robots_let_a_person_by_who_does_not_go_back() -> None:
     assert floor.people == [(0, 0)]
 
 
-def test_other_moves_are_planned_if_somebody_does_not_go_on() -> None:
+def test_other_moves_are_planned_if_somebody_does_not_continue() -> None:
     siding = Layout(["P...D", "#.#.#"])
     floor = Floor(siding, [(0, 0)], [(0, 4)])
     floor.people = [(0, 2)]
     aims = [floor.step() for _ in range(PATIENCE + 3 * STANDS)]
-    assert {0: (0, 1)} in aims  # the person has no room to pass but here or there
+    assert {0: (0, 1)} in aims  # only these two cells give the person room to pass
     assert floor.held == [0]
     floor.people = [(1, 3)]
     assert floor.run(3 * STANDS)

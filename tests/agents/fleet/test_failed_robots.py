@@ -1,4 +1,4 @@
-"""Fleets whose robots drive through go on without those that fail, but for what these carry."""
+"""Fleets whose robots drive through continue without robots that fail."""
 
 import math
 
@@ -27,7 +27,7 @@ ORDERS = [
 
 
 def shift(env: FleetEnv, planner: str = "pibt") -> FleetEpisode:
-    """Return a shift, in which all that is not lost has to be delivered, without hits."""
+    """Return a shift, after checking that it has no hits and that only lost items are missing."""
     agent = make_fleet_agent(planner, layout=env.layout, robots=env.settings.robots)
     episode = record_fleet_episode(env, agent, seed=0)
     measures = episode.measures
@@ -39,7 +39,7 @@ def shift(env: FleetEnv, planner: str = "pibt") -> FleetEpisode:
 
 
 def failing(at: float, start: Cell = STARTS[0], planner: str = "pibt") -> tuple[FleetEpisode, Cell]:
-    """Return a shift in which the first robot fails, and the cell where it does."""
+    """Return a shift in which the first robot fails, and the cell in which it fails."""
     stops = Disturbances(stops=(Stop(0, at, math.inf),))
     env = FleetEnv(
         SHELVES,
@@ -78,7 +78,7 @@ def test_a_station_is_reached_from_another_side_than_where_a_robot_failed() -> N
 
 
 @pytest.mark.filterwarnings("ignore:0 chargers")
-def test_a_battery_that_runs_empty_on_the_way_stops_the_robot_there() -> None:
+def test_a_robot_stops_where_its_battery_becomes_flat() -> None:
     orders = [Order(0, 50, (0, 7), (1, 7))]
     env = FleetEnv(
         ["." * 7 + "P", "." * 7 + "D"],

@@ -1,4 +1,4 @@
-"""The most deliveries of a shift, against all ways to do it and against fleets."""
+"""The optimum of a shift, compared with brute force and with fleets."""
 
 import warnings
 from typing import Any
@@ -38,7 +38,7 @@ class Waiters:
 
 
 def most_by_trying(record: Episode, on_time: bool) -> int:
-    """Return the most deliveries of all sequences of all robots."""
+    """Return the largest number of deliveries among all sequences of all robots."""
     layout, steps = record.layout, record.steps
     fields = {order.pickup: distances_to(layout, order.pickup) for order in record.orders}
     fields |= {order.dropoff: distances_to(layout, order.dropoff) for order in record.orders}
@@ -61,13 +61,13 @@ def most_by_trying(record: Episode, on_time: bool) -> int:
 
 
 def random_layout(stream: np.random.Generator) -> Layout:
-    """Return a small floor, of which some cells may be out of reach."""
+    """Return a small floor, in which some cells may be unreachable."""
     tiles = [*"PPDD", *stream.choice(list("..#"), 20)]
     cells = stream.permutation(tiles).reshape(4, 6)
     return Layout(["".join(row) for row in cells])
 
 
-def test_most_deliveries_are_those_of_trying_all_sequences(
+def test_most_deliveries_equal_brute_force(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     stream, different = np.random.default_rng(1), 0

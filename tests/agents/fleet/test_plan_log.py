@@ -1,4 +1,4 @@
-"""What planners plan, kept for a replay."""
+"""Logs of plans for a replay."""
 
 from typing import Any
 
@@ -49,7 +49,7 @@ def test_plans_begin_where_robots_are_and_robots_mostly_go_as_planned(planner: s
     assert not kept if planner == "pibt" else np.mean(kept) > 0.8
 
 
-def test_the_wish_of_a_robot_is_the_cheapest_way_to_its_goal() -> None:
+def test_the_wish_of_a_robot_is_the_cheapest_path_to_its_goal() -> None:
     layout = Layout(["....", ".##.", "...."])
     graph, log = Graph(layout, lane_costs(layout)), PlanLog([0])
     log.add(PIBT(graph), Graph(layout), situation([11], [0]), np.array([10]))
@@ -63,7 +63,7 @@ def test_the_wish_of_a_robot_is_the_cheapest_way_to_its_goal() -> None:
     assert Graph(Layout(["..#.."])).path(0, 4) == [0]
 
 
-def test_a_robot_that_waits_against_its_plan_has_no_longer_one() -> None:
+def test_a_robot_that_waits_against_its_plan_has_no_plan_any_more() -> None:
     class Plans:
         def plan_of(self, robot: int) -> list[int]:
             return [1, 2, 3]
@@ -76,7 +76,7 @@ def test_a_robot_that_waits_against_its_plan_has_no_longer_one() -> None:
     assert log.plans[1].wishes == {0: [(0, col) for col in range(5)]}
 
 
-def test_who_pushes_is_kept_by_who_is_pushed() -> None:
+def test_each_pushed_robot_is_logged_with_its_pusher() -> None:
     planner, log = PIBT(Graph(ROW)), PlanLog(pushes=True)
     given = situation([1, 2], [4, 2])
     log.add(planner, planner.graph, given, planner.next_cells(given))

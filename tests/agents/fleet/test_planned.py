@@ -1,4 +1,4 @@
-"""Fleets directed by a planner and an assignment."""
+"""Fleets controlled by a planner and an assignment."""
 
 import re
 import time
@@ -31,7 +31,7 @@ LINE = Layout(["P..C.....D"])
 
 
 class Does:
-    """Does what a function returns, by default nothing, and notes the situations."""
+    """A planner that returns the result of a function, and records the situations."""
 
     def __init__(self, plan: Callable[[Situation], Any] = lambda given: given.cells) -> None:
         self._plan = plan
@@ -45,7 +45,7 @@ class Does:
 
 
 def windowed(layout: Layout) -> Does:
-    """Return a planner that notes the situations."""
+    """Return a planner that records the situations."""
     return Does(WindowedPlanner(Graph(layout)).next_cells)
 
 
@@ -57,7 +57,7 @@ def fleet_of(layout: Layout, robots: int = 2, **settings: Any) -> FleetEnv:
 
 
 def begun(env: FleetEnv, planner: Planner | None = None) -> PlannedFleet:
-    """Reset a fleet, and return an agent that directs it."""
+    """Reset a fleet, and return an agent that controls it."""
     agent = PlannedFleet(planner or Does())
     agent.reset()
     env.reset(seed=1)
@@ -100,7 +100,7 @@ def test_the_order_of_a_robot_goes_to_a_nearer_one_until_it_is_picked() -> None:
         return record_fleet_episode(env, PlannedFleet(Does(), name), seed=1).assignments
 
     assert assignments("hungarian") == [(0, 0, 0), (3, 1, 1)]
-    # The first goes for the order on the left; released later, that of the robot is nearer to it.
+    # The first robot heads for the order on the left. The order released later is nearer to it.
     orders = [Order(0, 90, (0, 9), (0, 0)), Order(3, 90, (0, 0), (0, 9))]
     assert assignments("nearest") == [(0, 1, 0), (3, 0, 1)]
     orders = [
@@ -177,7 +177,7 @@ def test_a_fleet_without_orders_delivers_an_item_each() -> None:
     episode = record_fleet_episode(env, PlannedFleet(planner), seed=1)
     assert episode.measures.delivered == 1  # it stays on the dropoff
     first = int(np.flatnonzero(episode.terminated)[0])
-    assert planner.seen[-1].stays[first]  # who has ended stays
+    assert planner.seen[-1].stays[first]  # a robot that has ended stays
 
 
 def test_robots_without_a_task_leave_stations_and_stay_elsewhere() -> None:
@@ -242,7 +242,7 @@ def test_a_step_may_follow_and_turn_in_a_ring_and_robots_may_share_a_cell() -> N
     assert check_step(OPEN, shared, np.array([0, 0, 2])).tolist() == [0, 0, 2]
 
 
-def test_of_robots_that_share_a_cell_the_first_leaves_it_if_it_can() -> None:
+def test_the_first_robot_in_a_shared_cell_leaves_it_if_it_can() -> None:
     shared = situation([1, 0, 0, 0], stays=[1, 2, 3])
     assert separate(OPEN, shared, shared.cells).tolist() == [1, 4, 0, 0]
     closed = situation([1, 0, 0], stays=[1, 2], closed=[4])
@@ -256,13 +256,13 @@ def test_of_robots_that_share_a_cell_the_first_leaves_it_if_it_can() -> None:
 
 
 def fail(situation: Situation) -> Integers:
-    raise ValueError("no way")
+    raise ValueError("no path")
 
 
 @pytest.mark.parametrize(
     ("fault", "message"),
     [
-        (fail, r"ValueError: no way \(test_planned.py, line \d+\)"),
+        (fail, r"ValueError: no path \(test_planned.py, line \d+\)"),
         (lambda given: given.cells * 0 + given.cells[0], "PlanError: robots 0 and 1 are both .*"),
     ],
 )
@@ -292,7 +292,7 @@ def test_a_plan_that_takes_too_long_is_cut_off() -> None:
     assert env.cells == start
 
 
-def test_planners_and_agents_of_a_user_are_told_apart(tmp_path: Path) -> None:
+def test_planners_and_agents_of_a_user_are_distinguished(tmp_path: Path) -> None:
     mine = tmp_path / "mine.py"
     mine.write_text(
         "class Plans:\n"
@@ -333,7 +333,7 @@ def test_robots_on_the_way_to_a_charger_are_urgent() -> None:
     assert (urgent[0], urgent[-1]) == ([], [0])
 
 
-def test_of_very_many_pairs_orders_are_assigned_anew_every_few_steps(
+def test_with_very_many_pairs_orders_are_reassigned_every_few_steps(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     monkeypatch.setattr("agents.fleet.scheduler.MAX_PAIRS", 0)

@@ -1,4 +1,4 @@
-"""Teams of agents, the shifts that they work, and what directs each of their robots."""
+"""Teams of agents, their shifts, and the pilot of each robot."""
 
 import random
 from itertools import pairwise
@@ -41,7 +41,7 @@ def make_env(robots: int = 3, **settings: Any) -> FleetEnv:
 
 
 class Fixed:
-    """Always does the same."""
+    """An agent that always takes the same action."""
 
     reason = "fixed"
 
@@ -52,7 +52,7 @@ class Fixed:
         return "E"
 
 
-def test_each_robot_is_directed_by_its_own_agent_and_has_its_reason() -> None:
+def test_each_robot_has_its_own_agent_and_its_own_reason() -> None:
     env = make_env(2, starts=[(2, 1), (2, 5)])
     env.reset(seed=1)
     while None in env.order_of:
@@ -64,7 +64,7 @@ def test_each_robot_is_directed_by_its_own_agent_and_has_its_reason() -> None:
 
 
 def test_the_same_seed_repeats_a_shift_with_the_same_team_and_a_new_one() -> None:
-    env, team = make_env(8), make_team("bfs", 8, 5, ROOM)  # who has no random moves of its own
+    env, team = make_env(8), make_team("bfs", 8, 5, ROOM)  # it makes no random moves of its own
     first = record_fleet_episode(env, team, seed=2)
     assert first.measures.delivered >= 4
     assert record_fleet_episode(env, team, seed=2) == first
@@ -88,7 +88,7 @@ def test_the_agents_of_a_team_have_different_seeds_and_see_walls_alone(tmp_path:
 
 
 class Checked(GreedyAgent):
-    """An agent that sees where it acts."""
+    """An agent that checks where it acts."""
 
     places: list[tuple[int, int]]
 
@@ -98,7 +98,7 @@ class Checked(GreedyAgent):
 
 
 def test_agents_of_robots_that_drive_through_act_at_rest() -> None:
-    """So each of their moves begins in the cell that they observe, and ends beside it."""
+    """Each move therefore begins in the observed cell and ends in a neighbour of it."""
     env = make_env(2, backend="driving")
     agents = [Checked(), Checked()]
     episode = record_fleet_episode(env, Team(agents, seed=1), seed=1)
@@ -118,7 +118,7 @@ EAST, WEST = 1, 3
 
 
 class Noting:
-    """Drives in one direction, and notes what it is given."""
+    """An agent that drives in one direction, and records its observations."""
 
     def __init__(self, action: object = "W") -> None:
         self.action, self.resets = action, 0
@@ -142,7 +142,7 @@ def make_pilot(agent: Noting | None = None, **settings: Any) -> tuple[Pilot, Not
 
 
 def seen(**changed: object) -> FleetObservation:
-    """Return what a robot in the middle of the room observes."""
+    """Return the observation of a robot in the middle of the room."""
     observation: dict[str, object] = {
         "local_grid": [".....", ".....", "..R..", ".....", "....."],
         "robot_pos": (2, 3),
@@ -225,7 +225,7 @@ def test_a_robot_without_an_order_waits_but_leaves_stations_and_goes_to_charge()
     assert agent.seen[-1]["pickup_pos"] == (1, 5)
 
 
-def test_who_makes_way_goes_neither_into_others_nor_onto_stations() -> None:
+def test_a_robot_that_makes_way_avoids_others_and_stations() -> None:
     pilot, _ = make_pilot(layout=Layout(["PPD", "PP.", "PPP"]))
     idle = {"pickup_pos": None, "dropoff_pos": None, "robot_pos": (1, 1)}
     beside = {pilot.act(seen(local_grid=["...", ".R.", "..."], **idle)) for _ in range(20)}
@@ -242,11 +242,11 @@ def test_a_robot_that_cannot_move_gives_way_after_some_steps() -> None:
     pilot, agent = make_pilot()
     actions = [pilot.act(seen(local_grid=["...", "OR#", ".#."])) for _ in range(PATIENCE + 2)]
     assert actions == [WEST] * PATIENCE + [0, WEST]
-    agent.action = "WAIT"  # who waits has not failed
+    agent.action = "WAIT"  # a robot that waits has not failed
     assert {pilot.act(seen()) for _ in range(PATIENCE + 2)} == {WAIT}
 
 
-def test_greedy_robots_deliver_and_none_runs_empty_where_chargers_suffice() -> None:
+def test_greedy_robots_deliver_without_flat_batteries_where_chargers_suffice() -> None:
     depot = named_layout("depot")
     env = FleetEnv(depot, 6, orders=OrderStream(0.04), max_steps=800, battery=300)
     measures = record_fleet_episode(env, make_team("greedy", 6, 1, depot), seed=1).measures

@@ -72,10 +72,12 @@ def test_the_reflex_agent_oscillates_in_front_of_an_obstacle_and_others_do_not()
 
 def test_a_reflex_agent_leaves_a_loop_by_chance_and_only_its_seed_decides_how() -> None:
     env = WarehouseEnv(TRAP, (2, 2))
-    ways = {seed: record_episode(env, ReflexAgent(seed, 0.5), randomize=False) for seed in range(4)}
-    assert any(each.terminated for each in ways.values())
-    assert len({tuple(each.actions) for each in ways.values()}) > 1
-    assert record_episode(env, ReflexAgent(2, 0.5), randomize=False) == ways[2]
+    episodes = {
+        seed: record_episode(env, ReflexAgent(seed, 0.5), randomize=False) for seed in range(4)
+    }
+    assert any(each.terminated for each in episodes.values())
+    assert len({tuple(each.actions) for each in episodes.values()}) > 1
+    assert record_episode(env, ReflexAgent(2, 0.5), randomize=False) == episodes[2]
 
 
 def test_the_model_based_agent_runs_into_no_unseen_wall_twice() -> None:

@@ -1,4 +1,4 @@
-"""Training by imitation. Run with ``-m learning``; it needs the extra ``rl``."""
+"""Training by imitation; run with ``-m learning``; it needs the extra ``rl``."""
 
 from pathlib import Path
 from typing import Any

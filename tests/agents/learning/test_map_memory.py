@@ -28,9 +28,7 @@ def turned(layout: Layout, quarters: int, mirrored: bool) -> Layout:
 
 @pytest.mark.parametrize("mirrored", [False, True])
 @pytest.mark.parametrize("quarters", range(4))
-def test_what_a_robot_sees_that_looks_elsewhere_is_seen_on_a_floor_that_is_turned(
-    quarters: int, mirrored: bool
-) -> None:
+def test_turning_the_robot_equals_turning_the_floor(quarters: int, mirrored: bool) -> None:
     layout = random_layout(9, 9, 0.2, seed=4)
     start, stream = layout.cell(layout.open_cells[5]), np.random.default_rng(1)
     actions = stream.integers(4, size=60).tolist()
@@ -39,7 +37,7 @@ def test_what_a_robot_sees_that_looks_elsewhere_is_seen_on_a_floor_that_is_turne
     marks[start] = True
     marks = np.rot90(marks[:, ::-1] if mirrored else marks, quarters)
     [place] = np.argwhere(marks).tolist()
-    # A move to the east leads west in a mirror; a quarter turn is against the clock.
+    # In a mirror, a move to the east leads west. A quarter turn is counterclockwise.
     moves = [((0, 3, 2, 1)[action] if mirrored else action) for action in actions]
     moves = [(move - quarters) % 4 for move in moves]
     look = turns(RADIUS)[int(mirrored), (-quarters) % 4 if mirrored else quarters]
@@ -49,7 +47,7 @@ def test_what_a_robot_sees_that_looks_elsewhere_is_seen_on_a_floor_that_is_turne
         assert np.array_equal(view[look], other)
 
 
-def test_a_view_has_what_a_robot_has_done() -> None:
+def test_a_view_shows_what_a_robot_has_done() -> None:
     layout = Layout(["#####", "#P.D#", "#####"])
     east, west = ACTIONS.index("E"), ACTIONS.index("W")
     first, at_east, back = walk(layout, (1, 1), [east, west])
@@ -65,7 +63,7 @@ def test_a_view_has_what_a_robot_has_done() -> None:
     assert np.isclose(back[-1], np.log(3)), "its second visit"
 
 
-def test_the_ways_to_the_pickup_are_forgotten_there_and_the_map_is_not() -> None:
+def test_the_moves_to_the_pickup_are_forgotten_there_and_the_map_is_not() -> None:
     layout = Layout(["########", "#P....D#", "########"])
     west = ACTIONS.index("W")
     before, after = walk(layout, (1, 6), [west] * 5 + [PICK])[-2:]
@@ -86,7 +84,7 @@ def test_a_map_grows_with_the_floor() -> None:
         assert np.array_equal(here, there)
 
 
-def test_what_was_known_is_kept_when_a_map_grows() -> None:
+def test_known_cells_are_kept_when_a_map_grows() -> None:
     layout = Layout([WALL * 80, WALL + PICKUP + "." * 76 + DROPOFF + WALL, WALL * 80])
     east, west = ACTIONS.index("E"), ACTIONS.index("W")
     views = walk(layout, (1, 20), [east] * 30 + [west] * 30)

@@ -30,7 +30,7 @@ def saved(tmp_path: Path) -> Path:
 
 
 def save_changed(saved: Path, **changed: Any) -> None:
-    """Write the file again with some of its arrays replaced."""
+    """Rewrite the file with some of its arrays replaced."""
     with np.load(saved) as file:
         arrays: Arrays = dict(file)
     np.savez_compressed(saved, **(arrays | changed))
@@ -114,7 +114,7 @@ def test_a_network_is_read_back_from_its_file(tmp_path: Path, network: Network) 
     assert equal(again, network)
 
 
-def test_a_network_of_a_file_without_tiles_has_the_usual_ones(saved: Path) -> None:
+def test_a_network_from_a_file_without_tiles_has_the_default_ones(saved: Path) -> None:
     save_changed(saved, header=as_header({key: HEADER[key] for key in ("format", "view_radius")}))
     assert PolicyNetwork.load(saved).tiles == MARKED_TILES
 

@@ -56,7 +56,7 @@ CORRIDOR = Layout(["P...D"])
 
 
 def walk(agent: PPOAgent, layout: Layout, steps: int, start: Cell | None = None) -> list[str]:
-    """Return the actions of an agent from a start, by default the layout's usual one."""
+    """Return the actions of an agent from a start, by default from the start of the layout."""
     env = WarehouseEnv(layout, start or layout.default_start())
     observation, actions = env.reset(), []
     agent.reset()
@@ -67,14 +67,14 @@ def walk(agent: PPOAgent, layout: Layout, steps: int, start: Cell | None = None)
 
 
 def test_a_penalty_for_visited_cells_ends_circles() -> None:
-    """The network goes to and fro: E is likelier than W, and WAIT than both."""
+    """The network moves to and fro: it prefers E to W, and WAIT to both."""
     network = constant_network(0, 1, 0, 0, 2, 9, 9)
     assert walk(PPOAgent(network), CORRIDOR, 4) == ["PICK", "WAIT", "WAIT", "WAIT"]
     assert walk(PPOAgent(network, revisit=5), CORRIDOR, 6) == ["PICK", *"EEEE", "DROP"]
 
 
 def test_visits_are_forgotten_when_the_goal_changes_and_between_episodes() -> None:
-    """With the item the robot goes back where it came from, rather than where it has not been."""
+    """With the item, the robot prefers the cells that it came from to unvisited ones."""
     agent = PPOAgent(constant_network(0, 0, 0, 2, -9, 5, 5), revisit=10)
     for _ in range(2):
         assert walk(agent, Layout(["D..P", "...."]), 11, (0, 1)) == [
@@ -85,7 +85,7 @@ def test_visits_are_forgotten_when_the_goal_changes_and_between_episodes() -> No
         ]
 
 
-def test_actions_are_drawn_if_asked_and_repeat_with_the_seed() -> None:
+def test_actions_are_sampled_on_request_and_repeat_with_the_seed() -> None:
     network = constant_network(1, 1, 1, 1, 1, 1, 1)
     hall = Layout(["....."] * 5)
     first, again, other = (
@@ -109,7 +109,7 @@ def test_it_chooses_as_its_network_does_for_the_rows_of_a_batch() -> None:
         assert env.ACTIONS.index(PPOAgent(network).act(observation)) == expected
 
 
-def test_a_network_that_robots_share_draws_its_actions_by_the_seed() -> None:
+def test_a_network_that_robots_share_samples_its_actions_by_the_seed() -> None:
     widths = input_size(1, FLEET_TILES), 5, 5, 7
     layers = [
         (np.zeros((outputs, inputs)), np.zeros(outputs)) for inputs, outputs in pairwise(widths)

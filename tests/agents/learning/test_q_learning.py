@@ -1,4 +1,4 @@
-"""Tabular Q-learning: its update, its choices, and what it learns."""
+"""Tabular Q-learning: its update, its choices, and its results."""
 
 import random
 from collections.abc import Iterator
@@ -18,7 +18,7 @@ NOTHING = [0.0] * len(ACTIONS)
 
 
 class Corridor:
-    """An environment in which each step goes a cell to the right; its rewards are given."""
+    """An environment in which each step moves one cell to the right, with given rewards."""
 
     def __init__(self, *steps: tuple[float, bool, bool]) -> None:
         self.steps = steps

@@ -9,7 +9,7 @@ from warehouse_core.world.distances import distances
 from warehouse_core.world.tiles import MOVE_DELTAS, moved
 
 
-def test_each_first_move_of_a_shortest_way_is_right_and_no_other() -> None:
+def test_each_first_move_of_a_shortest_path_is_right_and_no_other() -> None:
     batch = BatchEnv(40, random_layout(8, 9, 0.2, seed=1), autoreset_mode="SameStep")
     arrays, _ = batch.reset(seed=1)
     teacher, stream = ShortestPaths(batch), np.random.default_rng(2)

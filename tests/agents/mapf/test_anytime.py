@@ -1,4 +1,4 @@
-"""The best plan in the time: valid, repeated by its trials, and proved where teams are small."""
+"""Anytime plans: valid, repeatable with a number of trials, and proved for small teams."""
 
 import pytest
 from helpers.mapf_problems import problem_of, random_problem, random_problems
@@ -53,14 +53,14 @@ def test_plans_of_small_teams_are_proved(solve) -> None:
             assert plan.sum_of_costs == least
 
 
-def test_a_problem_without_a_plan_is_said_to_have_none() -> None:
+def test_an_unsolvable_problem_is_reported_as_such() -> None:
     problem = problem_of(["...."], [0, 3], [3, 0])
     with pytest.raises(PlanError, match="there is no plan: LaCAM tried all"):
         solve_anytime(problem, HOUR)
 
 
 def test_no_plan_leads_through_cells_that_are_closed() -> None:
-    """A wall of closed cells has one gap, through which all robots go."""
+    """A wall of closed cells has one gap, which all robots have to use."""
     layout = Layout(["." * 9] * 5)
     graph, sides = Graph(layout), ([9 * row + column for row in range(5)] for column in (0, 8))
     graph.close(frozenset(9 * row + 4 for row in range(1, 5)))

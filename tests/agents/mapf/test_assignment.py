@@ -19,31 +19,33 @@ from agents.mapf.assignment import (
 FAR = np.inf
 
 
-def tasks(ways: list[list[float]], due: list[int] | None = None, now: int = 0) -> Tasks:
-    orders = len(ways[0])
-    held = np.full(len(ways), NONE)
+def tasks(times: list[list[float]], due: list[int] | None = None, now: int = 0) -> Tasks:
+    orders = len(times[0])
+    held = np.full(len(times), NONE)
     steps = np.array(due or [1000] * orders)
-    return Tasks(np.array(ways), np.zeros(orders), steps, now, held)
+    return Tasks(np.array(times), np.zeros(orders), steps, now, held)
 
 
 @pytest.mark.parametrize(
-    ("name", "ways", "expected"),
+    ("name", "times", "expected"),
     [
         ("fifo", [[3, 1], [4, 9]], [0, 1]),  # the older order has the first choice
         ("nearest", [[3, 1], [4, 9]], [1, 0]),
         ("hungarian", [[3, 1], [4, 9]], [1, 0]),
         ("fifo", [[2, 1], [9, 3]], [0, 1]),
-        ("nearest", [[2, 1], [9, 3]], [1, 0]),  # the nearest pair leaves a long way: 10 in all
+        ("nearest", [[2, 1], [9, 3]], [1, 0]),  # the nearest pair leaves a long distance: 10 in all
         ("hungarian", [[2, 1], [9, 3]], [0, 1]),  # 5 in all
         ("urgent", [[2, 1], [9, 3]], [0, 1]),  # nobody is in a hurry
     ],
 )
-def test_two_robots_and_two_orders(name: str, ways: list[list[float]], expected: list[int]) -> None:
-    assert ASSIGNMENTS[name](tasks(ways)).tolist() == expected
+def test_two_robots_and_two_orders(
+    name: str, times: list[list[float]], expected: list[int]
+) -> None:
+    assert ASSIGNMENTS[name](tasks(times)).tolist() == expected
 
 
 @pytest.mark.parametrize("name", ASSIGNMENTS)
-def test_what_cannot_be_reached_is_left_out(name: str) -> None:
+def test_unreachable_orders_are_left_out(name: str) -> None:
     assign = ASSIGNMENTS[name]
     assert assign(tasks([[FAR, 5], [FAR, 2]])).tolist() == [NONE, 1]
     assert assign(tasks([[FAR, FAR], [7, FAR]])).tolist() == [NONE, 0]
@@ -59,16 +61,16 @@ def test_what_cannot_be_reached_is_left_out(name: str) -> None:
 def test_nearest_first_takes_one_nearest_pair_after_the_other() -> None:
     stream = np.random.default_rng(0)
     for _ in range(200):
-        ways = stream.integers(1, 9, stream.integers(1, 9, 2)).astype(float)
-        ways[stream.random(ways.shape) < 0.2] = FAR
-        left, expected = ways.copy(), np.full(len(ways), NONE)
+        times = stream.integers(1, 9, stream.integers(1, 9, 2)).astype(float)
+        times[stream.random(times.shape) < 0.2] = FAR
+        left, expected = times.copy(), np.full(len(times), NONE)
         while np.isfinite(left).any():
             robot, order = np.unravel_index(left.argmin(), left.shape)
             expected[robot], left[robot], left[:, order] = order, FAR, FAR
-        assert ASSIGNMENTS["nearest"](tasks(ways.tolist())).tolist() == expected.tolist()
+        assert ASSIGNMENTS["nearest"](tasks(times.tolist())).tolist() == expected.tolist()
 
 
-def test_as_many_orders_as_can_be_are_given_away_before_times_count() -> None:
+def test_the_number_of_assigned_orders_counts_more_than_times() -> None:
     assert ASSIGNMENTS["hungarian"](tasks([[1, 500], [2, FAR]])).tolist() == [1, 0]
 
 
@@ -92,7 +94,7 @@ def test_an_order_that_is_soon_due_is_worth_a_detour() -> None:
     assert urgent(tasks([[near, near + LATE + 1]], [2, 1000])).tolist() == [0]
 
 
-def test_the_trip_counts_for_what_can_be_in_time() -> None:
+def test_the_trip_decides_whether_an_order_can_be_in_time() -> None:
     order = Tasks(
         np.array([[5.0, 6.0]]), np.array([60.0, 0.0]), np.array([40, 40]), 0, np.array([NONE])
     )
@@ -104,10 +106,10 @@ def test_without_scipy_the_same_rows_and_columns_match_ties_included(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     stream = np.random.default_rng(0)
-    drawn = [stream.integers(-3, span, stream.integers(0, 10, 2)) for span in (0, 1, 3, 99) * 100]
-    expected = [cheapest_matching(costs.astype(np.float64)) for costs in drawn]
+    samples = [stream.integers(-3, span, stream.integers(0, 10, 2)) for span in (0, 1, 3, 99) * 100]
+    expected = [cheapest_matching(costs.astype(np.float64)) for costs in samples]
     monkeypatch.setitem(sys.modules, "scipy.optimize", None)
-    for costs, pairs in zip(drawn, expected, strict=True):
+    for costs, pairs in zip(samples, expected, strict=True):
         assert np.array_equal(cheapest_matching(costs.astype(np.float64)), pairs)
 
 

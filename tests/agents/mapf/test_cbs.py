@@ -1,4 +1,4 @@
-"""Costs by brute force are those of conflict-based search; its tree explains them."""
+"""CBS, compared with brute force, and its conflict tree."""
 
 import pytest
 from helpers.mapf_problems import problem_of, random_problem, random_problems, smallest_cost
@@ -16,7 +16,7 @@ from warehouse_physics import RigidBodyMotion
 SECONDS = 30.0
 
 
-def test_costs_are_the_smallest() -> None:
+def test_costs_are_optimal() -> None:
     solved = 0
     for problem in random_problems(40, seed=2, max_size=4, max_robots=3):
         rows = problem.graph.layout.rows
@@ -34,7 +34,7 @@ def test_a_plan_is_valid_and_is_driven_by_bodies() -> None:
 
 
 def test_robots_that_cross_a_wide_floor_take_few_nodes() -> None:
-    """All their shortest ways meet: without the pairs of MDDs there are thousands of nodes."""
+    """All their shortest paths meet. Without pairs of MDDs there are thousands of nodes."""
     rows = ["." * 12] * 12
     tree = ConflictTree(problem_of(rows, [0 * 12 + 1, 1 * 12 + 0], [11 * 12 + 9, 9 * 12 + 11]))
     assert tree.solve(SECONDS).sum_of_costs == 19 + 19 + 1
@@ -42,7 +42,7 @@ def test_robots_that_cross_a_wide_floor_take_few_nodes() -> None:
 
 
 def test_robots_that_meet_in_a_long_corridor_take_two_children() -> None:
-    """One waits for the other at its end: without clashes there are as many nodes as delays."""
+    """One waits for the other at the end. Without clashes there are as many nodes as delays."""
     rows = ["#..." + "#" * 22 + "...#", "#..." + "." * 22 + "...#", "#..." + "#" * 22 + "...#"]
     width = len(rows[0])
     tree = ConflictTree(problem_of(rows, [width + 1, 2 * width - 2], [2 * width - 2, width + 1]))
@@ -50,8 +50,8 @@ def test_robots_that_meet_in_a_long_corridor_take_two_children() -> None:
     assert len(tree.nodes) == 3
 
 
-def test_a_robot_in_its_goal_lets_another_pass() -> None:
-    """Robot 1 is in its goal at first, but leaves it; it must not end there before."""
+def test_a_robot_at_its_goal_lets_another_pass() -> None:
+    """Robot 1 starts at its goal and leaves it. It must not finish there before that."""
     tree = ConflictTree(problem_of([".....", "##.##"], [0, 2], [4, 2]))
     assert tree.solve(SECONDS).sum_of_costs == 4 + 3
     root, *others = tree.nodes
@@ -87,6 +87,6 @@ def test_lanes_do_not_change_the_cost() -> None:
     assert problem.lower_bound == 6
 
 
-def test_the_time_limit_is_said() -> None:
+def test_the_time_limit_is_in_the_message() -> None:
     with pytest.raises(PlanError, match=r"no plan in 0\.05 s and .* of the conflict tree"):
         ConflictTree(problem_of(["...."], [0, 3], [3, 0])).solve(0.05)

@@ -1,4 +1,4 @@
-"""Circulations: joint steps in which all robots choose at once."""
+"""Circulations: joint steps for which an auction chooses the moves of all robots."""
 
 from collections.abc import Callable
 from functools import partial
@@ -44,7 +44,9 @@ def test_robots_on_a_full_ring_turn_and_go_round_together() -> None:
         assert np.array_equal(cells, AROUND), step
         given = Situation(cells, goals, nobody, NO_CELLS)
         headings, cells = np.divmod(planner.next_places(given, headings), graph.size)
-    assert np.array_equal(cells, goals)  # the two that head east and go west have turned twice
+    assert np.array_equal(
+        cells, goals
+    )  # the two robots that face east and drive west have turned twice
     assert np.array_equal(
         Circulation(graph).next_cells(Situation(AROUND, goals, nobody, NO_CELLS)), goals
     )
@@ -81,7 +83,7 @@ def test_urgent_robots_and_those_that_have_waited_go_first() -> None:
     urgent = situation(cells, goals)._replace(urgent=np.array([1]))
     assert Circulation(graph).next_cells(urgent).tolist() == [1, 2]
     planner = Circulation(graph, patience=1)
-    for _ in range(9):  # both have goals that they cannot reach, then the first a new one
+    for _ in range(9):  # both goals are unreachable, then the first robot gets a new one
         planner.next_cells(situation(cells, goals)._replace(closed=np.array([2])))
     planner.next_cells(situation(cells, np.array([1, 12]))._replace(closed=np.array([2])))
     assert planner.next_cells(situation(cells, goals)).tolist() == [1, 2]

@@ -1,4 +1,4 @@
-"""Kernels that Numba compiles do bit for bit what they do as plain Python."""
+"""Kernels give the same results compiled with Numba and in plain Python, bit for bit."""
 
 import os
 import subprocess
@@ -11,7 +11,7 @@ pytestmark = pytest.mark.compiled
 
 
 def digests(fast: str) -> list[str]:
-    """Return what another process prints of its plans, first the form of its kernels."""
+    """Return the printed plans of another process, after the form of its kernels."""
     done = subprocess.run(
         [sys.executable, "-m", "helpers.kernel_digests"],
         cwd=ROOT / "tests",

@@ -1,4 +1,4 @@
-"""Plans within a bound that is proved: beside conflict-based search and brute force."""
+"""Bounded-suboptimal plans, compared with CBS and brute force."""
 
 import pytest
 from helpers.mapf_problems import problem_of, random_problem, random_problems, smallest_cost
@@ -38,14 +38,14 @@ def test_a_large_team_stays_within_its_bound(w: float) -> None:
     assert check_solver(lambda each, seconds: solve_eecbs(each, seconds, w), [problem], 30) == 1
 
 
-def test_what_conflicts_cost_is_learned() -> None:
+def test_the_cost_of_conflicts_is_learned() -> None:
     problem = random_problem(random_layout(12, 12, 0.2, 2), 12, 2)
     tree = ExplicitTree(problem, 1.02)
     tree.solve(SECONDS)
     assert len(tree.nodes) == 173  # 149 if nothing is learned, 180 with the wrong sign
 
 
-def test_what_cannot_be_done_is_said() -> None:
+def test_the_message_says_what_is_impossible() -> None:
     problem = problem_of(["...."], [0, 3], [3, 0])
     with pytest.raises(ValueError, match=r"w is 0\.9; it must be at least 1"):
         solve_eecbs(problem, SECONDS, 0.9)

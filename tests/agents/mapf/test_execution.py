@@ -16,7 +16,7 @@ from warehouse_physics import Disturbances, RobotSpec, Stop
 
 CORRIDOR = Layout(["." * 6])
 ALONG = np.arange(5)[:, None]
-"""A plan of a robot that goes four cells east."""
+"""A plan for a robot that drives four cells east."""
 
 
 @pytest.mark.parametrize(("execute", "seconds"), [(drive_through, 5.0), (drive_steps, 8.0)])
@@ -26,7 +26,7 @@ def test_a_lone_robot_takes_its_time_and_energy(execute, seconds: float) -> None
     assert found.arrivals == pytest.approx([seconds])
     spec = RobotSpec()
     starts = 1 if execute is drive_through else 4
-    # The drag brakes too: on the last half metre of each start the motor does no work.
+    # Drag also brakes: the motor does no work on the last half metre of each start.
     work = starts * spec.mass / 2 + spec.drag_force(False) * (4 - starts / 2)
     joules = work / spec.drivetrain_efficiency + spec.idle_power * seconds
     assert found.joules == pytest.approx(joules, rel=2e-3)

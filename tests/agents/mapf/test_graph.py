@@ -105,7 +105,7 @@ def test_closed_cells_are_entered_once_they_are_open(
 def test_crowds_keep_out_of_cells_that_are_closed_now_and_then(
     make: Callable[[Graph], Any], has_headings: bool
 ) -> None:
-    """Robots that others push know of closed cells too, also those that only the graph names."""
+    """Pushed robots also avoid closed cells, even if only the graph knows of them."""
     graph, stream = Graph(random_layout(9, 9, 0.1, seed=4)), np.random.default_rng(5)
     planner, open_cells = make(graph), graph.layout.open_cells
     cells, headings, goals = (
@@ -128,9 +128,9 @@ def test_crowds_keep_out_of_cells_that_are_closed_now_and_then(
         entered = cells[cells != before].tolist()
         assert graph.closed.isdisjoint(entered)
         if isinstance(planner, WindowedPlanner):
-            ways = planner._places % graph.size
-            moves = ways[:, 1:] != ways[:, :-1]
-            assert graph.closed.isdisjoint(ways[:, 1:][moves].tolist())
+            paths = planner._places % graph.size
+            moves = paths[:, 1:] != paths[:, :-1]
+            assert graph.closed.isdisjoint(paths[:, 1:][moves].tolist())
 
 
 def test_circulations_on_a_graph_with_costs_of_turns_know_of_closed_cells() -> None:
@@ -184,7 +184,7 @@ def relaxed(layout: Layout, costs: np.ndarray, goal: int, turn_cost: float) -> n
 @pytest.mark.parametrize("turn_cost", [0, 2.5])
 @pytest.mark.parametrize("seed", range(2))
 def test_distances_are_those_of_another_algorithm(turn_cost: float, seed: int) -> None:
-    """Costs are of the moves towards the goal, not away from it."""
+    """Costs apply to moves towards the goal, not away from it."""
     layout = random_layout(6, 7, 0.25, seed)
     some = np.random.default_rng(seed).integers(1, 9, (42, 4)).astype(np.float32)
     goal = int(layout.open_cells[seed])
@@ -194,36 +194,36 @@ def test_distances_are_those_of_another_algorithm(turn_cost: float, seed: int) -
         assert found.tolist() == expected[: len(found)].tolist()
 
 
-def test_a_cheapest_way_has_the_fewest_turns() -> None:
-    way = Graph(HALL, turn_cost=0.1).path(0, 35)
-    assert len(way) == 11
-    assert corners(way) == 1
+def test_a_cheapest_path_has_the_fewest_turns() -> None:
+    path = Graph(HALL, turn_cost=0.1).path(0, 35)
+    assert len(path) == 11
+    assert corners(path) == 1
     assert Graph(Layout([".#."]), turn_cost=1).path(0, 2) == [0]
 
 
-def corners(way: list[int]) -> int:
-    moves = [to - cell for cell, to in pairwise(way) if to != cell]
+def corners(path: list[int]) -> int:
+    moves = [to - cell for cell, to in pairwise(path) if to != cell]
     return sum(move != after for move, after in pairwise(moves))
 
 
-def lead(planner: Planner, cells: list[int], goal: int, steps: int) -> list[int]:
-    """Return where a planner leads a robot that has been in some cells."""
-    way = cells[:1]
+def drive(planner: Planner, cells: list[int], goal: int, steps: int) -> list[int]:
+    """Return the path on which a planner moves a robot that has been in some cells."""
+    path = cells[:1]
     for step in range(steps):
-        here, nobody = np.array(way[-1:]), np.zeros(1, np.bool_)
+        here, nobody = np.array(path[-1:]), np.zeros(1, np.bool_)
         is_forced = step + 1 < len(cells)
         wanted = cells[step + 1] if is_forced else goal
         found = planner.next_cells(Situation(here, np.array([wanted]), nobody, NO_CELLS))
-        way.append(int(found[0]))
-    return way
+        path.append(int(found[0]))
+    return path
 
 
 @pytest.mark.parametrize("make", PLANNERS)
 @pytest.mark.parametrize(("before", "goal", "expected"), [(13, 21, 15), (8, 21, 20), (20, 9, 8)])
 def test_a_robot_goes_on_in_the_direction_of_its_last_move(make, before, goal, expected) -> None:
-    """From the middle, 14, to a corner of its diagonal."""
-    way = lead(make(Graph(HALL), 1.0), [before, 14], goal, 3)
-    assert way[1:3] == [14, expected]
+    """The robot drives from the middle, 14, to a corner of its diagonal."""
+    path = drive(make(Graph(HALL), 1.0), [before, 14], goal, 3)
+    assert path[1:3] == [14, expected]
 
 
 def test_names_of_planners_may_give_the_cost_of_turns() -> None:

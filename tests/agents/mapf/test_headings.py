@@ -42,7 +42,7 @@ def test_one_robot_takes_as_many_steps_as_its_distance_with_turns(make: Make) ->
         assert steps == field[graph.size + cell]
 
 
-def test_a_robot_that_heads_the_wrong_way_is_pushed_out_of_the_way() -> None:
+def test_a_robot_with_the_wrong_heading_is_pushed_aside() -> None:
     layout = Layout(["##.##", ".....", "##.##"])
     graph = Graph(layout)
     planner, cells, headings = WindowedPlanner(graph), np.array([6, 8]), np.array([1, 3])
@@ -52,7 +52,7 @@ def test_a_robot_that_heads_the_wrong_way_is_pushed_out_of_the_way() -> None:
         headings, cells = np.divmod(planner.next_places(situation, headings), graph.size)
         if (cells == goals).all():
             return
-    raise AssertionError("they are still in each other's way")
+    raise AssertionError("they still block each other")
 
 
 @pytest.mark.parametrize(("make", "backend"), [(Circulation, "physics"), (WindowedPlanner, "grid")])

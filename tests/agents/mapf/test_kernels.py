@@ -1,4 +1,4 @@
-"""What kernels promise, against brute force on tiny floors."""
+"""Kernels, compared with brute force on tiny floors."""
 
 import random
 from itertools import product
@@ -26,7 +26,7 @@ HOUR = 3600.0
 
 
 def is_free(way: list[int], step: int, after: int, others: list[list[int]]) -> bool:
-    """Return whether no other is in a cell after a step, nor comes from it."""
+    """Return whether no other robot is in a cell after a step, or swaps cells with this one."""
     return all(
         after != other[step + 1] and not (after == other[step] and way[-1] == other[step + 1])
         for other in others
@@ -34,7 +34,7 @@ def is_free(way: list[int], step: int, after: int, others: list[list[int]]) -> b
 
 
 def cheapest(rows: list[str], start: int, goal: int, others: list[list[int]], is_open: bool):
-    """Return the cost of the cheapest way among others by trying all cells, step by step."""
+    """Return the cost of the cheapest path that avoids others, by brute force."""
     width, times = len(rows[0]), len(others[0])
     distances = Graph(Layout(rows)).distances(goal)
     reached = {(start, start == goal): 0}
@@ -61,7 +61,7 @@ def cheapest(rows: list[str], start: int, goal: int, others: list[list[int]], is
 
 
 @pytest.mark.parametrize("is_open", [False, True])
-def test_ways_cost_what_brute_force_finds(is_open: bool) -> None:
+def test_path_costs_equal_brute_force(is_open: bool) -> None:
     stream, found = random.Random(2), 0
     for _ in range(60):
         layout = random_layout(6, 5, 0.15, stream.randrange(1000))
@@ -81,14 +81,14 @@ def test_ways_cost_what_brute_force_finds(is_open: bool) -> None:
                     break
             for way, cell in zip(others, after, strict=True):
                 way.append(cell)
-        ways = kernels.new_routes(fields.floor, 4, times, is_open)
-        places = np.asarray(ways.places).reshape(4, times)
+        routes = kernels.new_routes(fields.floor, 4, times, is_open)
+        places = np.asarray(routes.places).reshape(4, times)
         places[0, 0], places[1:] = first[0], others
         for robot in range(1, 4):
-            kernels.reserve(fields.floor, ways, robot, robot + 1)
-        ways.goals[0], ways.rows[0] = goal, int(fields.rows(np.array([goal]))[0]) * graph.places
-        frontier = kernels.new_frontier(fields.floor, ways)
-        arguments = fields.floor, ways, frontier, fields.table, 0
+            kernels.reserve(fields.floor, routes, robot, robot + 1)
+        routes.goals[0], routes.rows[0] = goal, int(fields.rows(np.array([goal]))[0]) * graph.places
+        frontier = kernels.new_frontier(fields.floor, routes)
+        arguments = fields.floor, routes, frontier, fields.table, 0
         least = cheapest(layout.rows, first[0], goal, others, is_open)
         cost = kernels.find_route(*arguments, FAR, stream.randrange(4))
         if least == inf:
@@ -105,12 +105,12 @@ def test_ways_cost_what_brute_force_finds(is_open: bool) -> None:
 
 @pytest.mark.parametrize("wrong_way", [None, 1.3, 5.0])
 @pytest.mark.parametrize("kind", [Fields, HeadedFields])
-def test_measured_distances_are_those_of_dijkstra(kind: type[Fields], wrong_way: float) -> None:
+def test_measured_distances_equal_dijkstra(kind: type[Fields], wrong_way: float) -> None:
     layout = random_layout(11, 9, 0.25, seed=4)
     graph = Graph(layout, None if wrong_way is None else lane_costs(layout, wrong_way))
     fields, span = kind(graph), 2 + int(10 * (wrong_way or 1))
     room = 4 * (fields.graph.places + 1)
-    for goal in layout.open_cells[::7].tolist():  # buffers of robots with headings are used again
+    for goal in layout.open_cells[::7].tolist():  # robots with headings reuse their buffers
         found = np.full(fields.graph.places, FAR, np.int32)
         if isinstance(fields, HeadedFields):
             of_open_cells = np.empty((len(layout.open_cells), 4), np.int32)
@@ -124,7 +124,7 @@ def test_measured_distances_are_those_of_dijkstra(kind: type[Fields], wrong_way:
         assert np.array_equal(found, np.minimum(np.rint(distances), FAR))
 
 
-def test_the_proved_cost_is_that_of_brute_force() -> None:
+def test_the_proved_cost_equals_brute_force() -> None:
     stream, solved = random.Random(5), 0
     for number in range(16):
         rows = [["....", ".#.."], ["...", "#.#"], ["....."], ["...", ".#.", "..."]][number % 4]
@@ -167,7 +167,7 @@ def test_two_change_places_in_a_tree(starts: list[int], goals: list[int]) -> Non
 
 
 def test_groups_never_make_a_plan_worse_or_invalid() -> None:
-    """Each group is looked at by itself."""
+    """Each group is checked separately."""
     gains = 0
     for seed in range(3):
         layout = random_layout(9, 9, 0.1, seed)

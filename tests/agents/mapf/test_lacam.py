@@ -1,4 +1,4 @@
-"""LaCAM: it solves what can be solved, and proves that the rest cannot."""
+"""LaCAM: it solves every solvable problem, and proves that the others are unsolvable."""
 
 import random
 from itertools import permutations, product
@@ -15,11 +15,11 @@ from agents.mapf.problem import Problem
 from warehouse_core import random_layout
 
 SHORT = 30.0
-"""Seconds; more than any of these takes."""
+"""Time limit in seconds, more than any of these problems takes."""
 
 
 def reachable(rows: list[str], starts: tuple[int, ...]) -> set[tuple[int, ...]]:
-    """Return all configurations that robots can reach, by trying all joint steps."""
+    """Return all reachable configurations, by trying all joint steps."""
     width = len(rows[0])
     found, left = {starts}, [starts]
     while left:
@@ -58,7 +58,7 @@ def test_crowds_get_plans_without_conflicts(seed: int) -> None:
 
 
 def test_two_change_places_where_there_is_room() -> None:
-    """Both have to go back to the end of a long corridor, where there are two ways.
+    """Both have to go back to a junction at the end of a long corridor.
 
     Without swaps the search takes 65 steps.
     """
@@ -69,7 +69,7 @@ def test_two_change_places_where_there_is_room() -> None:
     assert plan.makespan <= 50
 
 
-def test_it_ends_in_time() -> None:
+def test_the_search_ends_in_time() -> None:
     cells = list(range(12))
     swapped = [1, 0, *cells[2:]]
     with pytest.raises(PlanError, match=r"no plan in 0\.2 s"):

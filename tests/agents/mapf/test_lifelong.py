@@ -14,7 +14,7 @@ STARTS, GOALS = LAYOUT.open_cells[:20], LAYOUT.open_cells[30:60]
 
 
 class Straight:
-    """Leads a lone robot along a corridor."""
+    """A planner that moves a single robot along a corridor."""
 
     def reset(self) -> None:
         self.resets = getattr(self, "resets", 0) + 1
@@ -23,7 +23,7 @@ class Straight:
         return situation.cells + np.sign(situation.goals - situation.cells)
 
 
-def test_goals_are_counted_when_they_are_reached_and_drawn_anew() -> None:
+def test_goals_are_counted_when_they_are_reached_and_replaced_at_random() -> None:
     graph, planner = Graph(Layout(["." * 9])), Straight()
     run = run_lifelong(graph, planner, 1, 40, 0, np.array([4]), np.array([0, 8]))
     assert (planner.resets, run.cells[0, 0]) == (1, 4)
@@ -55,7 +55,7 @@ def test_goals_depend_on_the_seed_and_not_on_the_planner() -> None:
         (3, GOALS[:1], "two goals"),
     ],
 )
-def test_what_cannot_be_run_is_named(robots: int, goals: np.ndarray, named: str) -> None:
+def test_an_impossible_run_is_explained(robots: int, goals: np.ndarray, named: str) -> None:
     graph = Graph(LAYOUT)
     with pytest.raises(PlanError, match=named):
         run_lifelong(graph, PIBT(graph), robots, 5, 0, STARTS, goals)

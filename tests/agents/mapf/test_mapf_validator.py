@@ -1,4 +1,4 @@
-"""The validator of plans finds each fault, and the joint A* knows the costs of small problems."""
+"""The validator of plans finds each fault, and joint A* gives the costs of small problems."""
 
 import pytest
 from helpers.mapf_validator import check_traffic, plan_conflict, step_conflict
@@ -7,7 +7,7 @@ from warehouse_core import Layout
 from warehouse_core.motion.grid import GridMotion
 
 ROWS = ["...", ".#.", "..."]
-"""Cells 0 to 8, a wall in 4."""
+"""Cells 0 to 8, with a wall in 4."""
 
 FAULTS = {
     "begin": ([0, 1], [0, 1], [[1, 0], [0, 1]]),

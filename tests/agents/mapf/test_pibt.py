@@ -1,4 +1,4 @@
-"""PIBT: small cases by hand, crowds by the rules of the field."""
+"""PIBT: small cases by hand, and crowds checked with the rules of a valid step."""
 
 import numpy as np
 import pytest
@@ -18,7 +18,7 @@ RING = Layout(["...", ".#.", "..."])
 
 
 def next_cells(planner: PIBT, cells, goals, stays=(), closed=()) -> list[int]:
-    """Return the next cells of robots, of which those in ``stays`` stay."""
+    """Return the next cells of robots; those in ``stays`` stay."""
     return planner.next_cells(situation(cells, goals, stays, closed)).tolist()
 
 
@@ -58,8 +58,8 @@ def test_goals_that_cannot_be_reached_or_are_shared_do_no_harm() -> None:
     assert next_cells(planner, [0], [2]) == [0]
 
 
-def test_who_waited_longer_goes_first() -> None:
-    """Both want the cell in the middle; the one that came from its goal later has to wait."""
+def test_a_robot_that_waited_longer_goes_first() -> None:
+    """Both want the cell in the middle. The robot that left its goal later has to wait."""
     for seed in range(8):
         planner = PIBT(Graph(Layout(["...", "#.#"])), seed)
         next_cells(planner, [0, 2], [1, 2], stays=[0])
@@ -117,7 +117,7 @@ def test_priority_begins_anew_at_a_goal_and_not_when_the_goal_changes() -> None:
 
 
 def test_robots_back_off_for_one_that_comes_out_behind_the_next() -> None:
-    """Two want to where the third comes from, at the end of a corridor, and wait longer."""
+    """Two robots, which wait longer, want to reach the dead end from which the third comes."""
     layout = Layout(["....###", "#......", "....###"])
     for seed in range(8):
         planner, cells, goals = PIBT(Graph(layout), seed), [11, 12, 13], [13, 13, 0]

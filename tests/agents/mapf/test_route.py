@@ -1,4 +1,4 @@
-"""Routes under random rules are those that trying out all ways gives."""
+"""Routes under random rules, compared with brute force."""
 
 import random
 
@@ -13,31 +13,31 @@ GRAPH = Graph(LAYOUT)
 SETS = CellSets(GRAPH)
 CELLS = LAYOUT.open_cells.tolist()
 MOST, HORIZON, SLACK = 7, 16, 2
-"""Steps of the longest ways that are tried out, and of other robots; slack of wide layers."""
+"""Longest paths in steps, of the robot and of others, and the slack of wide layers."""
 
 
-def ways_to(goal: int, way: list[int]) -> list[list[int]]:
-    """Return all ways that go on from a way and end when they have arrived for good."""
-    found = [way] if way[-1] == goal and way[-2:-1] != [goal] else []
-    if len(way) <= MOST:
-        near = [cell for cell in GRAPH.neighbours[way[-1], : WAIT + 1].tolist() if cell >= 0]
+def paths_to(goal: int, path: list[int]) -> list[list[int]]:
+    """Return all continuations of a path up to their final arrival."""
+    paths = [path] if path[-1] == goal and path[-2:-1] != [goal] else []
+    if len(path) <= MOST:
+        near = [cell for cell in GRAPH.neighbours[path[-1], : WAIT + 1].tolist() if cell >= 0]
         for cell in near:
-            found += ways_to(goal, [*way, cell])
-    return found
+            paths += paths_to(goal, [*path, cell])
+    return paths
 
 
-def at(way: list[int], time: int) -> int:
-    return way[min(time, len(way) - 1)]
+def at(path: list[int], time: int) -> int:
+    return path[min(time, len(path) - 1)]
 
 
-def keeps(way: list[int], rule: Constraint, is_own: bool, goal: int) -> bool:
-    """Return whether a way keeps a constraint on its robot, or one that holds for another."""
+def keeps(path: list[int], rule: Constraint, is_own: bool, goal: int) -> bool:
+    """Return whether a path satisfies a constraint on its own or another robot."""
     _, time, cell, before, holds = rule
     if cell is None:
         if is_own:
-            return (len(way) - 1 <= time) == holds
-        return all(at(way, each) != goal for each in range(time, HORIZON))
-    move = at(way, time - 1), at(way, time)
+            return (len(path) - 1 <= time) == holds
+        return all(at(path, each) != goal for each in range(time, HORIZON))
+    move = at(path, time - 1), at(path, time)
     if is_own:
         return (move[1] == cell and before in (None, move[0])) == holds
     if before is None:
@@ -45,11 +45,11 @@ def keeps(way: list[int], rule: Constraint, is_own: bool, goal: int) -> bool:
     return move[1] != cell and move[0] != before and move != (cell, before)
 
 
-def conflicts(way: list[int], others: list[TracedPath]) -> int:
-    """Return the times at which a way is in another's cell, and at which it changes places."""
+def conflicts(path: list[int], others: list[TracedPath]) -> int:
+    """Return the number of conflicts of a path with others."""
     count = 0
     for time in range(1, HORIZON + 1):
-        before, cell = at(way, time - 1), at(way, time)
+        before, cell = at(path, time - 1), at(path, time)
         count += any(other.at(time) == cell for other in others)
         count += before != cell and any(
             (other.at(time), other.at(time - 1)) == (before, cell) for other in others
@@ -59,7 +59,7 @@ def conflicts(way: list[int], others: list[TracedPath]) -> int:
 
 def random_rules(stream: random.Random, start: int, goal: int) -> list[tuple[Constraint, int]]:
     """Return constraints on robots 0 and 1, each with the goal of its robot."""
-    found, other_goal = [], stream.choice([cell for cell in CELLS if cell != goal])
+    paths, other_goal = [], stream.choice([cell for cell in CELLS if cell != goal])
     for _ in range(stream.randint(0, 3)):
         robot, time, cell = stream.choice([0, 0, 1]), stream.randint(1, 4), stream.choice(CELLS)
         before = stream.choice([None, stream.choice(GRAPH.neighbours[cell, :WAIT].tolist())])
@@ -67,11 +67,11 @@ def random_rules(stream: random.Random, start: int, goal: int) -> list[tuple[Con
             continue
         cell, before = (None, None) if stream.random() < 0.3 else (cell, before)
         rule = Constraint(robot, time, cell, before, robot == 1 or stream.random() < 0.4)
-        found.append((rule, other_goal if robot else goal))
-    return found
+        paths.append((rule, other_goal if robot else goal))
+    return paths
 
 
-def test_routes_and_quiet_ways_are_those_of_all_ways() -> None:
+def test_routes_and_quiet_paths_equal_brute_force() -> None:
     stream, solved, quiet = random.Random(4), 0, 0
     for _ in range(150):
         start, goal = stream.choice(CELLS), stream.choice(CELLS)
@@ -80,9 +80,9 @@ def test_routes_and_quiet_ways_are_those_of_all_ways() -> None:
             rules.add(SETS, rule, rule.robot == 0, SETS.bits[its_goal])
         route = Route(SETS, rules, SETS.bits[start], SETS.bits[goal])
         kept = [
-            way
-            for way in ways_to(goal, [start])
-            if all(keeps(way, rule, rule.robot == 0, its_goal) for rule, its_goal in given)
+            path
+            for path in paths_to(goal, [start])
+            if all(keeps(path, rule, rule.robot == 0, its_goal) for rule, its_goal in given)
         ]
         if not kept:
             assert route.cost == -1 or route.cost > MOST, given
@@ -91,21 +91,21 @@ def test_routes_and_quiet_ways_are_those_of_all_ways() -> None:
         cost = min(map(len, kept)) - 1
         assert route.cost == cost, (start, goal, given)
         for time, cells in enumerate(route.layers()):
-            cheapest = {way[time] for way in kept if len(way) == cost + 1}
+            cheapest = {path[time] for path in kept if len(path) == cost + 1}
             assert {SETS.cell(bit) for bit in bits_of(cells)} == cheapest, (start, goal, given)
         if cost + SLACK > MOST:
             continue
-        near = [way for way in kept if len(way) <= cost + 1 + SLACK]
+        near = [path for path in kept if len(path) <= cost + 1 + SLACK]
         for time, cells in enumerate(route.layers(SLACK)):
-            assert all(SETS.bits[at(way, time)] & cells for way in near), (start, goal, given)
-        for way in kept:
-            assert route.allows(TracedPath(way), SLACK) == (way in near)
+            assert all(SETS.bits[at(path, time)] & cells for path in near), (start, goal, given)
+        for path in kept:
+            assert route.allows(TracedPath(path), SLACK) == (path in near)
         others = [TracedPath(stream.choice(kept)), TracedPath(stream.choice(kept)[::-1])]
-        found = route.quietest(others, HORIZON, SLACK)
-        assert found.cells in near
-        choice = [way for way in near if cost == 0 or at(way, cost - 1) != goal]
-        best = min((conflicts(way, others), len(way)) for way in choice)
-        assert (conflicts(found.cells, others), len(found.cells)) == best, (start, goal, given)
+        paths = route.quietest(others, HORIZON, SLACK)
+        assert paths.cells in near
+        choice = [path for path in near if cost == 0 or at(path, cost - 1) != goal]
+        best = min((conflicts(path, others), len(path)) for path in choice)
+        assert (conflicts(paths.cells, others), len(paths.cells)) == best, (start, goal, given)
         quiet += best[0] > 0
     assert solved > 90
     assert quiet > 30

@@ -10,7 +10,7 @@ from agents.mapf import time_limit
 
 @pytest.fixture(params=["threads", "functions of C"])
 def lacking(request: pytest.FixtureRequest, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Take threads away, as in a browser, or what interrupts them."""
+    """Disable threads, as in a browser, or their interruption."""
 
     def refuse(self: threading.Thread) -> None:
         raise RuntimeError("can't start new thread")

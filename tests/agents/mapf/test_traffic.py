@@ -1,4 +1,4 @@
-"""Costs of moves that are learned from traffic."""
+"""Costs of moves learned from traffic."""
 
 import numpy as np
 import pytest
@@ -32,7 +32,7 @@ def test_traffic_is_counted_by_cell_and_move() -> None:
 
 
 def test_robots_that_shuttle_learn_to_keep_apart() -> None:
-    """Of two corridors between two rooms, one is learned for each direction."""
+    """Two corridors between two rooms become one-way, one in each direction."""
     rows = ["..........", "..######..", "..######..", ".........."]
     layout = Layout(rows)
     costs = learned_costs(layout, 8, trials=10, steps=60, goals=np.array([0, 9, 30, 39]))
@@ -58,12 +58,14 @@ def test_trials_have_the_starts_and_goals_that_are_given() -> None:
         learned_costs(layout, 3, goals=np.array([0]))
 
 
-def test_a_move_costs_more_the_more_robots_move_the_other_way() -> None:
+def test_a_move_costs_more_the_more_robots_move_against_it() -> None:
     directions = Directions(Layout(["...."]), wrong_way=9.0)
     assert directions.costs[1].tolist() == [1, 1, 3, 3]
     directions.add(np.array([[0, 3], [1, 3], [0, 2], [1, 2], [2, 1], [2, 0]]))
     east, west = directions.costs[:3, EAST], directions.costs[1:, WEST]
-    assert east.tolist() == pytest.approx([3, 3, 8.9])  # between 0 and 1 two go each way
+    assert east.tolist() == pytest.approx(
+        [3, 3, 8.9]
+    )  # between 0 and 1 two robots move in each direction
     assert west.tolist() == pytest.approx([3, 3, 1])
 
 

@@ -1,4 +1,4 @@
-"""Plans of robots with headings: valid, complete, and the cheapest where that is proved."""
+"""Plans for robots with headings: valid, complete, and optimal if proved."""
 
 import random
 from dataclasses import replace
@@ -93,7 +93,7 @@ def test_planners_of_steps_solve_problems_of_robots_with_headings(make) -> None:
         (pibt, "planner PIBT"),
     ],
 )
-def test_who_does_not_know_headings_says_so(solve, name: str) -> None:
+def test_solvers_without_headings_refuse_them(solve, name: str) -> None:
     problem = Problem(Graph(Layout(["..."])), [0], [2], headings=[1])
     with pytest.raises(PlanError, match=f"^{name} does not support headings"):
         solve(problem, HOUR)
@@ -107,7 +107,7 @@ def test_who_does_not_know_headings_says_so(solve, name: str) -> None:
         ([-1, 0], "robot 0: its heading is -1; allowed: 0..3"),
     ],
 )
-def test_headings_that_are_none_are_refused(headings: list[int], words: str) -> None:
+def test_invalid_headings_are_refused(headings: list[int], words: str) -> None:
     with pytest.raises(PlanError, match=words):
         Problem(Graph(Layout(["..."])), [0, 1], [2, 0], headings=headings)
 

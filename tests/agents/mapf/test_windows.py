@@ -1,4 +1,4 @@
-"""Lifelong windows: small cases by hand, crowds by the rules of the field."""
+"""Lifelong planning in windows: small cases by hand, and crowds checked with the rules."""
 
 import pytest
 from helpers.mapf_problems import random_problem, random_problems, situation
@@ -35,13 +35,13 @@ def test_robots_behind_one_that_stays_wait() -> None:
     assert planner.next_cells(situation([3, 2, 1], [5, 4, 3])).tolist() == [4, 3, 2]
 
 
-def test_a_robot_that_is_not_where_it_was_to_be_is_planned_again() -> None:
+def test_a_robot_that_is_not_where_planned_is_replanned() -> None:
     planner = WindowedPlanner(Graph(Layout(["......"])))
     planner.next_cells(situation([2, 1], [5, 4]))
     assert planner.next_cells(situation([2, 1], [5, 4])).tolist() == [3, 2]
 
 
-def test_nobody_enters_a_closed_cell_but_who_is_in_one_can_leave_or_stay() -> None:
+def test_no_robot_enters_a_closed_cell_but_one_inside_can_leave_or_stay() -> None:
     planner = WindowedPlanner(Graph(Layout(["....", "...."])))
     assert planner.next_cells(situation([0], [3], closed=[1])).tolist() in ([0], [4])
     planner.reset()
@@ -53,20 +53,20 @@ def test_nobody_enters_a_closed_cell_but_who_is_in_one_can_leave_or_stay() -> No
     assert step_conflict(["....", "...."], [0, 1], planner.next_cells(given), closed=[1]) is None
 
 
-def test_a_way_is_planned_again_before_it_leads_to_a_closed_cell() -> None:
+def test_a_path_is_replanned_before_it_enters_a_closed_cell() -> None:
     planner = WindowedPlanner(Graph(Layout(["....", "...."])))
     assert planner.next_cells(situation([0], [3])).tolist() == [1]
     assert planner.next_cells(situation([1], [3], closed=[2])).tolist() == [5]
 
 
-def test_who_is_to_go_nowhere_gives_way() -> None:
+def test_a_robot_without_a_goal_gives_way() -> None:
     planner, cells = WindowedPlanner(Graph(Layout(BAY))), [0, 1]
     for _ in range(6):
         cells = planner.next_cells(situation(cells, [3, 1])).tolist()
     assert cells == [3, 1]
 
 
-def test_a_goal_without_a_way_is_as_none() -> None:
+def test_an_unreachable_goal_counts_as_none() -> None:
     planner, cells = WindowedPlanner(Graph(Layout(["...#.", "#.##."]))), [1, 0]
     for _ in range(4):
         cells = planner.next_cells(situation(cells, [4, 2])).tolist()
@@ -74,15 +74,15 @@ def test_a_goal_without_a_way_is_as_none() -> None:
 
 
 def test_robots_that_meet_head_on_push_past() -> None:
-    """Neither has a way around the other's until one leaves for the bay."""
+    """Neither can pass the other until one of them moves into the bay."""
     planner, cells = WindowedPlanner(Graph(Layout(BAY)), window=6), [0, 3]
     for _ in range(12):
         cells = planner.next_cells(situation(cells, [3, 0])).tolist()
     assert cells == [3, 0]
 
 
-def test_groups_that_are_planned_anew_have_less_delay() -> None:
-    """The sum of the distances that are left after a run of two windows."""
+def test_replanned_groups_have_less_delay() -> None:
+    """Return the sum of the remaining distances after a run of two windows."""
     layout, left = random_layout(12, 12, 0.1, seed=3), {}
     problem = random_problem(layout, 50, seed=3)
     for groups in (0, 60):
