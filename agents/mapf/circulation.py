@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from agents.mapf.graph import CLOSED, Fields, Graph, robots_in
 from agents.mapf.headed import HeadedFields
-from agents.mapf.kernels.auction import Auction, auction_of, foresee
+from agents.mapf.kernels.auction import Auction, auction_of, simulate
 from agents.mapf.kernels.buffers import buffer_of, prepare
 from agents.mapf.kernels.places import FAR, NONE
 from agents.mapf.kernels.robots import NOBODY, robots_of
@@ -87,7 +87,7 @@ class Circulation(PlacePlanner):
         self.window = whole_number("window", window, 1, MAX_WINDOW)
         self.seconds = real_number("seconds", seconds, finite=False)
         self.patience = whole_number("patience", patience, 1, MAX_PATIENCE)
-        prepare(foresee)
+        prepare(simulate)
         self.reset()
 
     def reset(self) -> None:
@@ -103,20 +103,20 @@ class Circulation(PlacePlanner):
         best, made = None, 0
         while made < self.samples and (made == 0 or perf_counter() < deadline):
             draws = self._random_draws(is_first=made == 0)
-            total = self._foresee(draws)
+            total = self._simulate(draws)
             made += 1
             if best is None or total < best:
                 best, self._draws = total, draws
         if self.samples > 1:
-            self._foresee(self._draws[:1])
+            self._simulate(self._draws[:1])
         self._places, self._aims = (
             np.array(each, places.dtype) for each in (self._robots.places, self._auction.targets)
         )
         return self._places.copy()
 
-    def _foresee(self, draws: NDArray[np.int64]) -> int:
+    def _simulate(self, draws: NDArray[np.int64]) -> int:
         """Simulate one step for each seed, and return what robots have yet to gain then."""
-        return foresee(self._robots, self._auction, self._fields.table, buffer_of(draws))
+        return simulate(self._robots, self._auction, self._fields.table, buffer_of(draws))
 
     def _begin(self, robots: int, has_headings: bool) -> None:
         """Begin an episode of the given number of robots."""

@@ -29,7 +29,7 @@ from agents.mapf.kernels.lns import PORTION, improve, improve_until, new_groups,
 from agents.mapf.kernels.pibt import Pibt, pibt_of
 from agents.mapf.kernels.places import FAR, NONE
 from agents.mapf.kernels.robots import robots_of
-from agents.mapf.kernels.rolling_horizon import prices, roll_circulation, roll_epibt, roll_pibt
+from agents.mapf.kernels.rolling_horizon import roll_circulation, roll_epibt, roll_pibt, write_costs
 from agents.mapf.kernels.space_time_astar import (
     CLOSED_STEPS,
     find_route,
@@ -114,7 +114,7 @@ class WindowedPlanner(PlacePlanner):
             raise ValueError(f"turn_cost is {graph.turn_cost}; with circulates it must be 0")
         most = min(MAX_WINDOW, MAX_STATES // (2 * graph.places) - 1)
         self.window = whole_number("window", window, 2, most)
-        prepare(roll_pibt, roll_epibt, roll_circulation, prices, improve, renew, reserve)
+        prepare(roll_pibt, roll_epibt, roll_circulation, write_costs, improve, renew, reserve)
         self.reset()
 
     def reset(self) -> None:
@@ -199,18 +199,18 @@ class WindowedPlanner(PlacePlanner):
             continued = places.copy()
             if self._since < FRESH:
                 self._since += 1
-                prices(floor, routes, table)
+                write_costs(floor, routes, table)
                 return
         self._since = 1
         places[:, 0] = self._here
         self._roll(0)
-        cost = prices(floor, routes, table)
+        cost = write_costs(floor, routes, table)
         if holds:
             fresh = places.copy()
             places[:] = continued
-            if prices(floor, routes, table) > cost:
+            if write_costs(floor, routes, table) > cost:
                 places[:] = fresh
-                prices(floor, routes, table)
+                write_costs(floor, routes, table)
 
     def _roll(self, first: int) -> None:
         """Write the places at all times after ``first``."""

@@ -291,7 +291,7 @@ def choose(robots: Robots, auction: Auction, fields: Table) -> None:
 
 
 @kernel
-def stand(robots: Robots, auction: Auction) -> None:
+def restart(robots: Robots, auction: Auction) -> None:
     """Reset all robots to their state before the first step."""
     for cell in range(robots.size):
         robots.robot_in[cell] = NOBODY
@@ -302,13 +302,13 @@ def stand(robots: Robots, auction: Auction) -> None:
 
 
 @kernel
-def foresee(robots: Robots, auction: Auction, fields: Table, draws: Buffer) -> int:
+def simulate(robots: Robots, auction: Auction, fields: Table, draws: Buffer) -> int:
     """Simulate one step for each seed in ``draws``, and return what robots have yet to gain then.
 
     Each entry of ``draws`` is the state of the random numbers at the start of its step.
     """
     total = 0
-    stand(robots, auction)
+    restart(robots, auction)
     for time in range(len(draws)):
         robots.random[0] = draws[time]
         for robot in range(len(robots.places)):

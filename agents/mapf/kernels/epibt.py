@@ -26,8 +26,8 @@ from agents.mapf.kernels.robots import NOBODY, SPREAD, UNDECIDED, Robots, draw, 
 from warehouse_core.world.moves import LEFT, RIGHT
 from warehouse_core.world.tables import Integers
 
-BLOCKED, IN_VAIN = -2, -3
-"""Results of ``meets``: the obstacle cannot be pushed, or this robot was already pushed in vain."""
+BLOCKED, PUSHED_IN_VAIN = -2, -3
+"""Results of ``first_collision``: an obstacle that cannot be pushed, or was pushed in vain."""
 
 FREE, CHOOSING, CHOSEN = range(3)
 """States of a robot: it has not chosen, it is choosing or pushing others, or it has chosen."""
@@ -63,12 +63,12 @@ class Epibt(NamedTuple):
         headings: ``[M]``, heading in which each prefix ends.
         passed: ``[M]``, sum of the distances from the goal after each action of the prefix.
         paths: ``[R * W]``, chosen places after each step of the window.
-        kept: ``[R * W]``, expected places after each step of the window.
+        expected_places: ``[R * W]``, expected places after each step of the window.
         states: ``FREE``, ``CHOOSING`` or ``CHOSEN``.
         visits: number of times that each robot has begun to choose in this step.
         pushed: robot that each robot has last pushed in vain, or ``NOBODY``.
         pushed_at: step of the window in which these two would have collided.
-        met_at: ``[1]``, step of the window of the collision that ``meets`` found.
+        collision_time: ``[1]``, step of the window of the result of ``first_collision``.
         keys: ``[R * N]``, keys of the operations of the robots in the stack. The least key is best.
         marks: length of the trail when each robot began its operation.
         trail: ``[R + 1]``, robots that have chosen in this turn. The last entry is their number.
@@ -88,12 +88,12 @@ class Epibt(NamedTuple):
     headings: Buffer
     passed: Buffer
     paths: Buffer
-    kept: Buffer
+    expected_places: Buffer
     states: Buffer
     visits: Buffer
     pushed: Buffer
     pushed_at: Buffer
-    met_at: Buffer
+    collision_time: Buffer
     keys: Buffer
     marks: Buffer
     trail: Buffer
@@ -105,15 +105,16 @@ def epibt_of(ahead: Integers, robots: int) -> Epibt:
     """Return the buffers of EPIBT; ``ahead`` is ``[size, 4]`` and described in ``Epibt``."""
     operations = turning_operations(OPERATION_STEPS)
     (size, _), (count, window) = ahead.shape, operations.shape
-    parents, actions, within = beginnings(operations)
+    parents, actions, within = prefixes(operations)
     number = len(parents)
     return Epibt(
         window=window, ahead=table_of(ahead.astype(np.int32)), operations=buffer_of(operations),
         parents=buffer_of(np.array(parents)), actions=buffer_of(np.array(actions)),
         within=buffer_of(np.array(within)), cells=buffer(number), headings=buffer(number),
-        passed=buffer(number), paths=buffer(robots * window, NONE), kept=buffer(robots * window),
+        passed=buffer(number), paths=buffer(robots * window, NONE),
+        expected_places=buffer(robots * window),
         states=buffer(robots), visits=buffer(robots), pushed=buffer(robots),
-        pushed_at=buffer(robots), met_at=buffer(1), keys=buffer(robots * count),
+        pushed_at=buffer(robots), collision_time=buffer(1), keys=buffer(robots * count),
         marks=buffer(robots), trail=buffer(robots + 1), holder=buffer(window * size, NOBODY),
         expected=buffer(window * size, NOBODY),
     )  # fmt: skip
@@ -126,7 +127,7 @@ def turning_operations(window: int) -> Integers:
     several sequences lead through the same cells to the same heading, the result has only the one
     with the fewest turns, and among equals the one that turns first.
     """
-    result: dict[tuple[object, ...], tuple[int, ...]] = {}
+    operations: dict[tuple[object, ...], tuple[int, ...]] = {}
     every = product((FORWARD, RIGHT, LEFT, STAY), repeat=window)
     for actions in sorted(every, key=lambda each: (each.count(RIGHT) + each.count(LEFT), each)):
         place, heading, cells_passed = 0j, 1 + 0j, list[object]()
@@ -134,24 +135,24 @@ def turning_operations(window: int) -> Integers:
             heading *= {RIGHT: 1j, LEFT: -1j}.get(action, 1)
             place += heading * (action == FORWARD)
             cells_passed.append(place)
-        result.setdefault((*cells_passed, heading), actions)
-    return np.array(sorted(result.values(), key=lambda each: each != (STAY,) * window))
+        operations.setdefault((*cells_passed, heading), actions)
+    return np.array(sorted(operations.values(), key=lambda each: each != (STAY,) * window))
 
 
-def beginnings(operations: Integers) -> tuple[list[int], list[int], list[int]]:
+def prefixes(operations: Integers) -> tuple[list[int], list[int], list[int]]:
     """Return ``parents``, ``actions`` and ``within`` of an ``Epibt`` for operations, ``[N, W]``."""
-    result: dict[tuple[int, ...], int] = {(): 0}
+    numbers: dict[tuple[int, ...], int] = {(): 0}
     within = [
-        result.setdefault(tuple(actions), len(result))
+        numbers.setdefault(tuple(actions), len(numbers))
         for length in range(1, operations.shape[1] + 1)
         for actions in operations[:, :length].tolist()
     ]
-    parents = [result[actions[:-1]] for actions in result]
-    return parents, [STAY, *(actions[-1] for actions in result if actions)], within
+    parents = [numbers[actions[:-1]] for actions in numbers]
+    return parents, [STAY, *(actions[-1] for actions in numbers if actions)], within
 
 
 @kernel
-def hold(robots: Robots, epibt: Epibt, robot: int) -> None:
+def reserve_path(robots: Robots, epibt: Epibt, robot: int) -> None:
     """Reserve the cells of the chosen path of a robot."""
     for time in range(epibt.window):
         cell = epibt.paths[robot * epibt.window + time] % robots.size
@@ -159,7 +160,7 @@ def hold(robots: Robots, epibt: Epibt, robot: int) -> None:
 
 
 @kernel
-def release(robots: Robots, epibt: Epibt, robot: int) -> None:
+def free_path(robots: Robots, epibt: Epibt, robot: int) -> None:
     """Free the cells of the chosen path of a robot."""
     for time in range(epibt.window):
         cell = epibt.paths[robot * epibt.window + time] % robots.size
@@ -167,26 +168,26 @@ def release(robots: Robots, epibt: Epibt, robot: int) -> None:
 
 
 @kernel
-def go_on(robots: Robots, epibt: Epibt, robot: int) -> None:
+def choose_expected(robots: Robots, epibt: Epibt, robot: int) -> None:
     """Make a robot choose the path that is expected of it."""
     for at in range(robot * epibt.window, (robot + 1) * epibt.window):
-        epibt.paths[at] = epibt.kept[at]
+        epibt.paths[at] = epibt.expected_places[at]
     epibt.states[robot] = CHOSEN
-    hold(robots, epibt, robot)
+    reserve_path(robots, epibt, robot)
 
 
 @kernel
-def keep(robots: Robots, epibt: Epibt, robot: int, waits: bool) -> None:
+def set_expected(robots: Robots, epibt: Epibt, robot: int, waits: bool) -> None:
     """Expect a robot to complete its path and then wait, or only to wait if ``waits``."""
     first, place = robot * epibt.window, robots.places[robot]
     for at in range(first, first + epibt.window):
         if not waits and at + 1 < first + epibt.window:
             place = epibt.paths[at + 1]
-        epibt.kept[at] = place
+        epibt.expected_places[at] = place
 
 
 @kernel
-def misses(robots: Robots, epibt: Epibt, robot: int) -> int:
+def colliding_robot(robots: Robots, epibt: Epibt, robot: int) -> int:
     """Return a robot whose expected path is impossible because of a collision, or ``NOBODY``.
 
     The result is the given robot, or another robot that would enter a cell in which the given one
@@ -195,7 +196,7 @@ def misses(robots: Robots, epibt: Epibt, robot: int) -> int:
     size, before, moves = robots.size, robots.places[robot] % robots.size, False
     result = NOBODY
     for time in range(epibt.window):
-        cell = epibt.kept[robot * epibt.window + time] % size
+        cell = epibt.expected_places[robot * epibt.window + time] % size
         other = epibt.expected[time * size + cell]
         if other != robot:
             result = other
@@ -210,11 +211,11 @@ def misses(robots: Robots, epibt: Epibt, robot: int) -> int:
 
 
 @kernel
-def expect(robots: Robots, epibt: Epibt) -> None:
+def set_all_expected(robots: Robots, epibt: Epibt) -> None:
     """Set the expected paths of all robots so that no two of them collide."""
     for robot in range(len(robots.places)):
         is_lost = epibt.paths[robot * epibt.window] != robots.places[robot]
-        keep(robots, epibt, robot, is_lost or epibt.states[robot] == CHOSEN)
+        set_expected(robots, epibt, robot, is_lost or epibt.states[robot] == CHOSEN)
     is_changed = True
     while is_changed:
         is_changed = False
@@ -222,17 +223,17 @@ def expect(robots: Robots, epibt: Epibt) -> None:
             epibt.expected[at] = NOBODY
         for robot in range(len(robots.places)):
             for time in range(epibt.window):
-                cell = epibt.kept[robot * epibt.window + time] % robots.size
+                cell = epibt.expected_places[robot * epibt.window + time] % robots.size
                 epibt.expected[time * robots.size + cell] = robot
         for robot in range(len(robots.places)):
-            other = misses(robots, epibt, robot)
+            other = colliding_robot(robots, epibt, robot)
             if other != NOBODY:
-                keep(robots, epibt, other, True)
+                set_expected(robots, epibt, other, True)
                 is_changed = True
 
 
 @kernel
-def who(robots: Robots, epibt: Epibt, time: int, cell: int, robot: int) -> int:
+def robot_at(robots: Robots, epibt: Epibt, time: int, cell: int, robot: int) -> int:
     """Return the other robot in a cell after a step of the window, or before its first step."""
     if time < 0:
         return robots.robot_in[cell]
@@ -251,12 +252,12 @@ def undo(robots: Robots, epibt: Epibt, mark: int) -> None:
     while epibt.trail[last] > mark:
         epibt.trail[last] -= 1
         robot = epibt.trail[epibt.trail[last]]
-        release(robots, epibt, robot)
+        free_path(robots, epibt, robot)
         epibt.states[robot] = FREE
 
 
 @kernel
-def entered(epibt: Epibt, cell: int, heading: int, action: int) -> int:
+def cell_after(epibt: Epibt, cell: int, heading: int, action: int) -> int:
     """Return the cell of a robot after an action, or ``NONE`` if the action leads into a wall."""
     if action == STAY:
         return cell
@@ -264,7 +265,7 @@ def entered(epibt: Epibt, cell: int, heading: int, action: int) -> int:
 
 
 @kernel
-def turned(heading: int, action: int) -> int:
+def heading_after(heading: int, action: int) -> int:
     """Return the heading of a robot after an action."""
     if action in (FORWARD, STAY):
         return heading
@@ -272,18 +273,18 @@ def turned(heading: int, action: int) -> int:
 
 
 @kernel
-def follow(robots: Robots, epibt: Epibt, robot: int, operation: int) -> None:
+def write_path(robots: Robots, epibt: Epibt, robot: int, operation: int) -> None:
     """Write the places of an operation into the path of a robot; none may be a wall."""
     cell, heading = robots.places[robot] % robots.size, robots.places[robot] // robots.size
     for time in range(epibt.window):
         action = epibt.operations[operation * epibt.window + time]
-        cell = entered(epibt, cell, heading, action)
-        heading = turned(heading, action)
+        cell = cell_after(epibt, cell, heading, action)
+        heading = heading_after(heading, action)
         epibt.paths[robot * epibt.window + time] = heading * robots.size + cell
 
 
 @kernel
-def weigh(robots: Robots, epibt: Epibt, fields: Table, robot: int, depth: int) -> None:
+def write_keys(robots: Robots, epibt: Epibt, fields: Table, robot: int, depth: int) -> None:
     """Write the keys of all operations of a robot, with one calculation for each shared prefix."""
     count, number = len(epibt.operations) // epibt.window, len(epibt.parents)
     cells, headings, passed, row = epibt.cells, epibt.headings, epibt.passed, robots.rows[robot]
@@ -293,8 +294,8 @@ def weigh(robots: Robots, epibt: Epibt, fields: Table, robot: int, depth: int) -
         parent, action = epibt.parents[at], epibt.actions[at]
         cell, heading, left = cells[parent], headings[parent], 0
         if cell != NONE:
-            cell = entered(epibt, cell, heading, action)
-            heading = turned(heading, action)
+            cell = cell_after(epibt, cell, heading, action)
+            heading = heading_after(heading, action)
         if cell != NONE:
             left = fields[row + heading * robots.size + cell]
         operation = at - number + count
@@ -314,7 +315,7 @@ def begin(robots: Robots, epibt: Epibt, fields: Table, robot: int, depth: int) -
     """Start the choice of a robot while ``depth`` robots are in the stack."""
     epibt.states[robot], epibt.pushed[robot] = CHOOSING, NOBODY
     epibt.visits[robot] += 1
-    weigh(robots, epibt, fields, robot, depth)
+    write_keys(robots, epibt, fields, robot, depth)
 
 
 @kernel
@@ -332,7 +333,7 @@ def next_operation(epibt: Epibt, depth: int) -> int:
 
 
 @kernel
-def shut(epibt: Epibt, depth: int, operation: int, time: int) -> None:
+def exclude(epibt: Epibt, depth: int, operation: int, time: int) -> None:
     """Rule out all operations that equal the given one up to a step of the window."""
     count = len(epibt.operations) // epibt.window
     for other in range(count):
@@ -341,35 +342,35 @@ def shut(epibt: Epibt, depth: int, operation: int, time: int) -> None:
 
 
 @kernel
-def meets(robots: Robots, epibt: Epibt, robot: int) -> int:
+def first_collision(robots: Robots, epibt: Epibt, robot: int) -> int:
     """Return the first robot that the path of a robot collides with, ``NOBODY``, or ``BLOCKED``.
 
     ``BLOCKED`` stands for closed cells and for robots that are not free or were pushed too often.
-    The result is ``IN_VAIN`` if pushing the same robot has failed before and the collision is not
-    later than the one before.
+    The result is ``PUSHED_IN_VAIN`` if pushing the same robot has failed before and the collision
+    is not later than the one before.
     """
     result, before = NOBODY, robots.places[robot] % robots.size
     for time in range(epibt.window):
         cell = epibt.paths[robot * epibt.window + time] % robots.size
-        other, opposite = who(robots, epibt, time, cell, robot), NOBODY
+        other, opposite = robot_at(robots, epibt, time, cell, robot), NOBODY
         if cell != before:
             if robots.is_closed[cell]:
-                epibt.met_at[0] = time
+                epibt.collision_time[0] = time
                 return BLOCKED
-            opposite = who(robots, epibt, time - 1, cell, robot)
-            if opposite != NOBODY and who(robots, epibt, time, before, robot) != opposite:
+            opposite = robot_at(robots, epibt, time - 1, cell, robot)
+            if opposite != NOBODY and robot_at(robots, epibt, time, before, robot) != opposite:
                 opposite = NOBODY
         for one in (other, opposite):
             if one == NOBODY:
                 continue
             if epibt.states[one] != FREE or epibt.visits[one] >= MAX_VISITS:
-                epibt.met_at[0] = time
+                epibt.collision_time[0] = time
                 return BLOCKED
             if result == NOBODY:
-                result, epibt.met_at[0] = one, time
+                result, epibt.collision_time[0] = one, time
         before = cell
-    is_vain = result == epibt.pushed[robot] and epibt.met_at[0] <= epibt.pushed_at[robot]
-    return IN_VAIN if result != NOBODY and is_vain else result
+    is_vain = result == epibt.pushed[robot] and epibt.collision_time[0] <= epibt.pushed_at[robot]
+    return PUSHED_IN_VAIN if result != NOBODY and is_vain else result
 
 
 @kernel
@@ -378,7 +379,7 @@ def push(robots: Robots, epibt: Epibt, fields: Table, robot: int) -> bool:
 
     On success, the robots that have chosen are on the trail. Otherwise nothing has changed.
     """
-    last, depth, other = len(epibt.trail) - 1, 0, IN_VAIN
+    last, depth, other = len(epibt.trail) - 1, 0, PUSHED_IN_VAIN
     epibt.trail[last] = 0
     begin(robots, epibt, fields, robot, depth)
     while True:
@@ -390,22 +391,22 @@ def push(robots: Robots, epibt: Epibt, fields: Table, robot: int) -> bool:
                     return False
                 depth -= 1
                 robot = robots.stack[depth]
-                release(robots, epibt, robot)
+                free_path(robots, epibt, robot)
                 undo(robots, epibt, epibt.marks[robot])
                 continue
-            follow(robots, epibt, robot, operation)
+            write_path(robots, epibt, robot, operation)
             epibt.marks[robot] = epibt.trail[last]
-            other = meets(robots, epibt, robot)
+            other = first_collision(robots, epibt, robot)
             if other == BLOCKED:
-                shut(epibt, depth, operation, epibt.met_at[0])
+                exclude(epibt, depth, operation, epibt.collision_time[0])
             if other < NOBODY:
                 continue
-            hold(robots, epibt, robot)
+            reserve_path(robots, epibt, robot)
         if other != NOBODY:
-            epibt.pushed[robot], epibt.pushed_at[robot] = other, epibt.met_at[0]
+            epibt.pushed[robot], epibt.pushed_at[robot] = other, epibt.collision_time[0]
             robots.stack[depth] = robot
             depth += 1
-            robot, other = other, IN_VAIN
+            robot, other = other, PUSHED_IN_VAIN
             begin(robots, epibt, fields, robot, depth)
             continue
         epibt.states[robot] = CHOSEN
@@ -415,9 +416,9 @@ def push(robots: Robots, epibt: Epibt, fields: Table, robot: int) -> bool:
             return True
         depth -= 1
         robot = robots.stack[depth]
-        other = meets(robots, epibt, robot)
+        other = first_collision(robots, epibt, robot)
         if other < NOBODY:
-            release(robots, epibt, robot)
+            free_path(robots, epibt, robot)
             undo(robots, epibt, epibt.marks[robot])
 
 
@@ -437,16 +438,16 @@ def choose(robots: Robots, epibt: Epibt, fields: Table) -> bool:
         epibt.states[robot] = FREE if chosen[robot] == UNDECIDED else CHOSEN
     for at in range(len(epibt.holder)):
         epibt.holder[at] = NOBODY
-    expect(robots, epibt)
+    set_all_expected(robots, epibt)
     for robot in range(count):
         if epibt.states[robot] == CHOSEN:
             for at in range(robot * window, (robot + 1) * window):
                 epibt.paths[at] = chosen[robot]
-            hold(robots, epibt, robot)
+            reserve_path(robots, epibt, robot)
     for turn in range(2):  # robots that cannot do what is expected of them choose first
         for at in range(count):
             robot = robots.order[at]
-            is_held = epibt.holder[epibt.kept[robot * window] % robots.size] != NOBODY
+            is_held = epibt.holder[epibt.expected_places[robot * window] % robots.size] != NOBODY
             if epibt.states[robot] == CHOSEN or (turn == 0 and not is_held):
                 continue
             if push(robots, epibt, fields, robot):
@@ -456,7 +457,7 @@ def choose(robots: Robots, epibt: Epibt, fields: Table) -> bool:
                     if epibt.states[other] == FREE:
                         epibt.paths[other * window] = NONE  # no path is expected of it any more
                 return False
-            go_on(robots, epibt, robot)
+            choose_expected(robots, epibt, robot)
     for robot in range(count):
         chosen[robot] = epibt.paths[robot * window]
     return True

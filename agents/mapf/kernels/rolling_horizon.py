@@ -7,7 +7,7 @@ the state of the algorithm, the distance fields, and the first and last time.
 
 from __future__ import annotations
 
-from agents.mapf.kernels.auction import Auction, stand
+from agents.mapf.kernels.auction import Auction, restart
 from agents.mapf.kernels.auction import choose as choose_by_circulation
 from agents.mapf.kernels.buffers import Buffer, Table, kernel
 from agents.mapf.kernels.epibt import Epibt
@@ -39,7 +39,7 @@ def route_cost(floor: Places, routes: Paths, fields: Table, robot: int) -> int:
 
 
 @kernel
-def stand_at(routes: Paths, robots: Robots, time: int) -> None:
+def place_robots(routes: Paths, robots: Robots, time: int) -> None:
     """Place the robots where their paths are at a time."""
     for robot in range(len(robots.places)):
         robots.places[robot] = routes.places[robot * routes.times + time]
@@ -66,7 +66,7 @@ def end_step(routes: Paths, robots: Robots, time: int) -> None:
         routes.places[robot * routes.times + time + 1] = robots.chosen[robot]
     for cell in routes.closed:
         robots.is_closed[cell] = 1
-    lower(robots.order, robots.places, robots.goals, robots.stack, robots.size)
+    move_arrived_last(robots.order, robots.places, robots.goals, robots.stack, robots.size)
 
 
 @kernel
@@ -78,7 +78,7 @@ def roll_pibt(
     Robots that have to stay do so in the step from time 0. The initial order of the robots is their
     order at the time ``first``.
     """
-    stand_at(routes, robots, first)
+    place_robots(routes, robots, first)
     for time in range(first, last):
         begin_step(routes, robots, time)
         if time < CLOSED_STEPS:
@@ -101,7 +101,7 @@ def roll_epibt(
     last: int,
 ) -> None:  # fmt: skip
     """Do the same as ``roll_pibt`` with a round of EPIBT for each step."""
-    stand_at(routes, robots, first)
+    place_robots(routes, robots, first)
     for time in range(first, last):
         begin_step(routes, robots, time)
         choose_by_epibt(robots, epibt, fields)
@@ -117,10 +117,10 @@ def roll_circulation(
 
     A robot that has been at its goal by the time ``first`` has no reason to move from then on.
     """
-    stand_at(routes, robots, first)
+    place_robots(routes, robots, first)
     for robot in range(len(robots.places)):
         auction.here[robot] = robots.places[robot]
-    stand(robots, auction)
+    restart(robots, auction)
     for robot in range(len(robots.places)):
         for time in range(first + 1):
             place = routes.places[robot * routes.times + time]
@@ -133,7 +133,9 @@ def roll_circulation(
 
 
 @kernel
-def lower(order: Buffer, places: Buffer, goals: Buffer, spare: Buffer, size: int) -> None:
+def move_arrived_last(
+    order: Buffer, places: Buffer, goals: Buffer, spare: Buffer, size: int
+) -> None:
     """Move the robots that are at their goals to the end of the order, keeping it otherwise."""
     count, rest = 0, 0
     for at in range(len(order)):
@@ -149,7 +151,7 @@ def lower(order: Buffer, places: Buffer, goals: Buffer, spare: Buffer, size: int
 
 
 @kernel
-def prices(floor: Places, routes: Paths, fields: Table) -> int:
+def write_costs(floor: Places, routes: Paths, fields: Table) -> int:
     """Write the costs of all paths, and return their sum."""
     total = 0
     for robot in range(len(routes.costs)):
