@@ -3,7 +3,8 @@
 The rules of the warehouse decide what a move means. A motion backend decides where the robot is
 afterwards, how long the move takes and what it costs. The backends here simulate each robot as a
 round body in pymunk, which is a Python interface to the physics engine Chipmunk. Time advances in
-substeps of 1/60 s, lengths are in metres, x points right (east) and y points down (south).
+substeps, of 1/60 s by default. Lengths are in metres, x points right (east) and y points down
+(south).
 
 The files are best read in this order:
 
@@ -17,8 +18,8 @@ The files are best read in this order:
 8. ``driving/``: the backend whose robots drive through cells without stopping in each.
 9. ``batch/``: many warehouses at once, with one robot in each.
 
-``wheeled_robot.py`` has robots with two driven wheels, and ``disturbances.py`` has floors, motors
-and robots that are not as planned.
+``wheeled_robot.py`` has robots with two driven wheels. ``disturbances.py`` has slippery floors, weak
+motors, noise and failures.
 """
 
 # Check the version first: with a wrong one the other imports may fail for another reason.

@@ -72,14 +72,14 @@ def file(tmp_path: Path) -> Path:
 
 
 def test_figures_are_shown_on_a_light_card_on_paper_of_the_scheme(
-    file: Path, drawn: Path, tab: Open
+    file: Path, report_page: Path, tab: Open
 ) -> None:
     write_page(file, a_page())
     for width, scheme, low, high in ((1200, "light", 240, 255), (500, "dark", 0, 50)):
         pixels = pixels_of(tab(file, scheme, width))
         assert is_magenta(pixels).sum() > 0.95 * 300 * 100
         assert low <= pixels[5, 5].min() <= pixels[5, 5].max() <= high
-        image = tab(drawn, scheme, width).locator("figure img").first
+        image = tab(report_page, scheme, width).locator("figure img").first
         with Image.open(BytesIO(image.screenshot())) as card:
             assert np.mean(np.asarray(card.convert("RGB")).min(axis=-1) > 200) > 0.7
 
@@ -102,9 +102,9 @@ def test_replays_play_inside_the_page(file: Path, tab: Open) -> None:
 
 
 @pytest.fixture(scope="module")
-def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
+def report_page(tmp_path_factory: pytest.TempPathFactory) -> Path:
     """Return a page of real results, with figures of each kind."""
-    folder = tmp_path_factory.mktemp("drawn")
+    folder = tmp_path_factory.mktemp("report_page")
     hall = folder / "hall.txt"
     hall.write_text("########\n#P....D#\n########\n")
     cases = [
@@ -119,10 +119,10 @@ def drawn(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def test_nothing_but_what_scrolls_in_its_box_is_wider_than_a_phone(
-    file: Path, drawn: Path, tab: Open
+    file: Path, report_page: Path, tab: Open
 ) -> None:
     write_page(file, a_page_of("a_very_long_name_" * 20))
-    for path, images in ((file, 1), (drawn, 5)):
+    for path, images in ((file, 1), (report_page, 5)):
         page = tab(path, width=PHONE)
         assert page.evaluate("document.documentElement.scrollWidth") <= PHONE
         assert path == file or page.evaluate(TOO_WIDE) == []
@@ -133,9 +133,9 @@ def test_nothing_but_what_scrolls_in_its_box_is_wider_than_a_phone(
 
 
 def test_the_verdicts_are_seen_at_once_and_the_evidence_after_a_click(
-    drawn: Path, tab: Open
+    report_page: Path, tab: Open
 ) -> None:
-    answers = tab(drawn).locator(".answer").all()
+    answers = tab(report_page).locator(".answer").all()
     assert len(answers) == 2
     for answer in answers:
         folded = answer.inner_text()
@@ -160,11 +160,11 @@ def printed(page: Any) -> list[bytes]:
     return [stream for stream in streams if re.search(rb" (cm|rg)\b", stream)]
 
 
-def test_a_printed_page_is_light_and_its_details_are_open(drawn: Path, tab: Open) -> None:
-    light, dark = printed(tab(drawn, "light")), printed(tab(drawn, "dark"))
+def test_a_printed_page_is_light_and_its_details_are_open(report_page: Path, tab: Open) -> None:
+    light, dark = printed(tab(report_page, "light")), printed(tab(report_page, "dark"))
     assert light == dark
-    text = drawn.read_text(encoding="utf-8")
-    opened = drawn.with_name("open.html")
+    text = report_page.read_text(encoding="utf-8")
+    opened = report_page.with_name("open.html")
     opened.write_text(text.replace("<details>", "<details open>"), encoding="utf-8")
     glyphs = [
         len(b"".join(re.findall(rb"<([0-9A-F]+)> Tj", b"".join(sheets))))

@@ -2,7 +2,7 @@
 
 A plan says in which step each robot moves. Bodies take other times than the steps of a plan, but
 they can keep its order: a robot may enter a cell once the robot that is there before it has moved
-on. Robots that keep this order cannot collide or block each other, however late they are.
+on. Robots that keep this order cannot collide, however late they are.
 
 The nodes of a robot are the cells of its route, numbered from 0, without the steps in which it
 waits. In a ring, three or more robots move into each other's cells, so their nodes depend on each

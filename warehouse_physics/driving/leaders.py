@@ -160,7 +160,7 @@ class Leaders:
             self.find(robot, passed)
 
     def leave(self, ends: Integers, passed: Floats, speeds: Floats) -> Flags:
-        """Return whether the leaders of each robot leave its node in ``ends`` in any case, ``[R]``.
+        """Return whether each robot's node in ``ends`` will be free of its leaders, ``[R]``.
 
         The leaders drive along their routes at ``speeds``, ``[R]`` m/s, and may brake as hard as
         they can.
@@ -236,9 +236,8 @@ class Leaders:
         routes, first = self._routes, self._routes.first(leader)
         goes_on = leaving < routes.last(leader) and routes.move(leader, leaving + 1) == move
         came_along = first < leaving and routes.move(leader, leaving) == move
-        came_along &= (
-            not self._on_the_spot
-        )  # a leader that stops there must not be followed closely
+        # A leader that turns on the spot stops first, so it must not be followed closely.
+        came_along &= not self._on_the_spot
         straight, corner = self.apart, self._apart_at_corners
         self._nearest[robot, slot] = straight if goes_on or came_along else corner
         self._farthest[robot, slot] = straight if goes_on else corner
