@@ -21,7 +21,7 @@ from warehouse_core.motion.base import Motion, Outcome, conditions_of, with_defa
 from warehouse_core.task.rules import charged, is_truncated, judge
 from warehouse_core.task.settings import Settings
 from warehouse_core.task.sight import Sight
-from warehouse_core.task.starts import check_room, what_is_drawn
+from warehouse_core.task.starts import check_room, randomized_parts
 from warehouse_core.task.state import Observation, WarehouseState
 from warehouse_core.wording import brief
 from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS, INVALID, action_index
@@ -198,18 +198,18 @@ class WarehouseEnv(CopiedWhole):
 
         After an error, the environment is unchanged.
         """
-        drawn = what_is_drawn(randomize)
+        randomized = randomized_parts(randomize)
         seed = seed_number(seed)
         layout, start = self.layout, self._start_pos
         if randomize:
             stream = random if seed is None else random.Random(seed)
-            if drawn.stations and seed is not None:
+            if randomized.stations and seed is not None:
                 layout = self._given_layout
             chargers = layout.ranks(layout.chargers)
             stations = layout.ranks(layout.pickups + layout.dropoffs)
-            if drawn.stations:
+            if randomized.stations:
                 layout, stations = _draw_stations(stream, layout, stations + chargers)
-            if drawn.start:
+            if randomized.start:
                 start = self._draw_start(stream, layout, stations + chargers)
         return self._begin(layout, start, seed)
 

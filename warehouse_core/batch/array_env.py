@@ -1,7 +1,7 @@
-"""Environments in arrays: how episodes side by side are checked, reset, stepped and restarted.
+"""Environments with many parallel episodes in arrays: checks, resets, steps and restarts.
 
-A *row* is a robot. The engine knows what happens in a step; ``ArrayEnv``, which is the same for
-lone robots and for fleets, knows when episodes start.
+A *row* is a robot. The engine implements a step. ``ArrayEnv``, which is the same for single robots
+and for fleets, decides when episodes start.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ Seeds = int | Sequence[int | None] | None
 
 
 def checked_actions(actions: ArrayLike, rows: int, count: int) -> NDArray[np.intp]:
-    """Return a checked copy of the actions, each of which is one of ``count``."""
+    """Return a checked copy of the actions ``[rows]``, each of them less than ``count``."""
     try:
         given = np.asarray(actions)
     except Exception:  # rows of different lengths, or a user's ``__array__``
@@ -37,7 +37,7 @@ def checked_actions(actions: ArrayLike, rows: int, count: int) -> NDArray[np.int
     if given.shape != (rows,):
         raise ValueError(f"the actions have the shape {given.shape}; it must be ({rows},)")
     chosen = given.astype(np.intp)
-    # As unsigned numbers, negative ones are very large.
+    # Negative numbers are very large as unsigned numbers.
     if chosen.view(np.uintp).max() >= count:
         row = int(np.argmax(chosen.view(np.uintp) >= count))
         raise ValueError(f"the action of row {row} is {given[row]}; allowed: 0..{count - 1}")
@@ -45,7 +45,7 @@ def checked_actions(actions: ArrayLike, rows: int, count: int) -> NDArray[np.int
 
 
 def checked_mask(mask: Flags | None, rows: int, is_first: bool) -> Flags:
-    """Return a checked copy of the mask of rows to reset; ``None`` is all of them."""
+    """Return a checked copy of the mask of rows to reset; ``None`` stands for all rows."""
     if mask is None:
         return np.ones(rows, np.bool_)
     if not isinstance(mask, np.ndarray) or mask.dtype != np.bool_:
@@ -61,7 +61,7 @@ def checked_mask(mask: Flags | None, rows: int, is_first: bool) -> Flags:
 
 
 def one_layout_each(layout: Layout | Sequence[Layout] | None, rows: int) -> Sequence[Layout]:
-    """Return a layout for each row, given one for all or one each; ``None`` is the chapter's."""
+    """Return a layout for each row, given one layout, a layout per row, or ``None``."""
     if layout is None or isinstance(layout, Layout):
         return [layout or DEFAULT_LAYOUT] * rows
     if not isinstance(layout, Sequence):
@@ -75,7 +75,7 @@ def one_layout_each(layout: Layout | Sequence[Layout] | None, rows: int) -> Sequ
 
 
 def check_pool(pool: Sequence[Layout], layout: object, start_pos: Any) -> None:
-    """Raise if layouts cannot be a pool, or other arguments cannot be given with one."""
+    """Raise an error if layouts cannot form a pool, or other arguments exclude a pool."""
     if layout is not None:
         raise ValueError("layout and pool are both given; allowed: one of them")
     if not sequence_of("pool", pool, Layout):
@@ -92,7 +92,7 @@ def check_pool(pool: Sequence[Layout], layout: object, start_pos: Any) -> None:
 
 
 def checked_seeds(seed: Seeds, rows: int) -> Sequence[int | None]:
-    """Return a seed for each row: one each, consecutive ones from a first, or ``None``."""
+    """Return a seed for each row, given one per row, the first of consecutive ones, or ``None``."""
     if seed is None:
         return [None] * rows
     if isinstance(seed, (int, np.integer)):
@@ -108,7 +108,7 @@ def checked_seeds(seed: Seeds, rows: int) -> Sequence[int | None]:
 
 NEXT_STEP, SAME_STEP, DISABLED = "NextStep", "SameStep", "Disabled"
 AUTORESET_MODES = (NEXT_STEP, SAME_STEP, DISABLED)
-"""Modes in which a batch may begin new episodes; named as in Gymnasium."""
+"""Modes in which a batch restarts episodes, with their names in Gymnasium."""
 
 NO_FLOORS = np.empty(0, np.intp)
 
@@ -125,35 +125,35 @@ class EngineStep(NamedTuple):
 
 
 class Engine(Protocol[Observed]):
-    """``B`` floors with an episode on each, and as many rows on each; ``N`` rows in all."""
+    """``B`` floors with an episode on each, and ``N`` rows in all, as many on each floor."""
 
     layouts: LayoutSet
 
     @property
     def ended(self) -> Flags:
-        """``[N]``, whether the robot has ended: it waits, stays in the way, and has no reward."""
+        """Flags ``[N]`` of robots that have ended. They wait, block others, and get no reward."""
 
     def begin(self, floors: Integers, seeds: Sequence[int | None]) -> None:
-        """Start an episode on different floors; one without a seed continues its random stream."""
+        """Start an episode on some floors; those without a seed continue their random streams."""
 
     def step(self, actions: NDArray[np.intp], over: Integers = NO_FLOORS) -> EngineStep:
         """Carry out one action, 0 to 6, for each robot; the array may be changed.
 
-        On the floors that are ``over`` the step takes no action, but starts an episode.
+        On the floors in ``over``, start an episode instead.
         """
 
     def observe(self, rows: Rows = ALL) -> Observed:
-        """Return fresh arrays of what some of the robots observe."""
+        """Return the observations of some robots, as new arrays."""
 
     def masks(self) -> NDArray[np.int8]:
-        """Return ``[N, 7]`` int8: 1 for each action that does something now."""
+        """Return the masks ``[N, 7]`` int8: 1 for each action with an effect."""
 
     def close(self) -> None:
         """Close the motion backend."""
 
 
 class ArrayEnv(CopiedWhole, Generic[Observed]):
-    """``B`` episodes of ``R`` robots each; row ``b * R + r`` is robot ``r`` of episode ``b``.
+    """A batch of ``B`` episodes of ``R`` robots; row ``b * R + r`` is robot ``r`` of episode ``b``.
 
     Attributes:
         num_envs: number of rows, ``B * R``.
@@ -176,27 +176,30 @@ class ArrayEnv(CopiedWhole, Generic[Observed]):
 
     @property
     def size(self) -> tuple[int, int]:
-        """The largest numbers of rows and of columns of any layout."""
+        """The largest height and the largest width of the layouts."""
         kinds = self.layouts.kinds
         return max(kind.height for kind in kinds), max(kind.width for kind in kinds)
 
     def reset(
         self, seed: Seeds = None, mask: Flags | None = None
     ) -> tuple[Observed, dict[str, Any]]:
-        """Start all episodes, or the ones that a mask marks.
+        """Start all episodes, or those in a mask.
+
+        Nothing changes if an error is raised.
 
         Args:
-            seed: episode ``b`` draws from ``seed + b``, or from the ``b``-th of ``B`` seeds;
-                without one its random numbers continue.
-            mask: ``[B]`` bool, the episodes to reset; the others do not change.
+            seed: seed of episode 0, where episode ``b`` has the seed ``seed + b``; or a seed for
+                each of the ``B`` episodes. Episodes without a seed continue their random streams.
+            mask: ``[B]`` flags of the episodes to reset; ``None`` for all.
 
         Returns:
-            The observation of all rows, and info with the ``action_mask`` of those reset.
+            The observation of all rows, and info with the ``action_mask`` of the rows that have
+            been reset.
 
         Raises:
-            ValueError: a negative seed, or not ``B`` seeds or flags; nothing has changed.
-            TypeError: a seed or a flag of another type.
-            EndedError: a mask before the first reset.
+            ValueError: a seed is negative, or there are not ``B`` seeds or flags.
+            TypeError: a seed or a flag has the wrong type.
+            EndedError: the first reset has a mask.
         """
         seeds = checked_seeds(seed, self._episodes)
         chosen = checked_mask(mask, self._episodes, not self._started)
@@ -212,19 +215,19 @@ class ArrayEnv(CopiedWhole, Generic[Observed]):
         """Carry out one action for each robot.
 
         Args:
-            actions: ``[N]`` integers, 0 to 6, or indices of other actions of fleets.
+            actions: ``[N]`` integers, 0 to 6, or indices of the actions of a fleet.
 
         Returns:
-            Observation, ``[N]`` float64 rewards, ``[N]`` bool terminated and truncated, and info,
-            with ``action_mask`` ``[N, 7]`` int8; ``motion``, which has ``blocked``, ``seconds`` and
-            ``joules``; and, in the same-step mode if episodes have ended, their ``final_obs`` and
-            ``final_info``. Each key ``k`` has a key ``_k``, ``[N]`` bool: the rows that it applies
-            to, also within ``motion``. All arrays are fresh.
+            Observations, ``[N]`` float64 rewards, ``[N]`` bool terminated and truncated, and info.
+            Info has ``action_mask`` ``[N, 7]`` int8, and ``motion`` with ``blocked``, ``seconds``
+            and ``joules``. In the same-step mode it also has ``final_obs`` and ``final_info`` of
+            episodes that have ended. Each key ``k``, also within ``motion``, comes with a key
+            ``_k``, the flags ``[N]`` of the rows to which it applies. All arrays are new.
 
         Raises:
-            ValueError: a wrong shape, or an action out of range; nothing has changed.
-            TypeError: actions that are not integers.
-            EndedError: before a reset, or if episodes have ended in the disabled mode.
+            ValueError: the shape is wrong, or an action is out of range; nothing has changed.
+            TypeError: the actions are not integers.
+            EndedError: there has been no reset, or episodes have ended in the disabled mode.
         """
         self._check_started("step")
         chosen = checked_actions(actions, self.num_envs, self._actions)
@@ -248,10 +251,10 @@ class ArrayEnv(CopiedWhole, Generic[Observed]):
         return engine.observe(), rewards, terminated, truncated, info
 
     def action_masks(self) -> NDArray[np.int8]:
-        """Return ``[N, 7]`` int8: 1 for each action that does something now.
+        """Return the masks ``[N, 7]`` int8: 1 for each action with an effect.
 
         Raises:
-            EndedError: before a reset.
+            EndedError: there has been no reset.
         """
         self._check_started("action_masks")
         return self._engine.masks()
@@ -265,19 +268,19 @@ class ArrayEnv(CopiedWhole, Generic[Observed]):
             raise EndedError(f"{method}() needs a reset() before it")
 
     def _ended(self) -> Flags:
-        """Return ``[B]``, whether all robots of each episode have ended."""
+        """Return the flags ``[B]`` of episodes whose robots have all ended."""
         ended = self._engine.ended
         if self._robots == 1:
             return ended
         return np.asarray(ended.reshape(self._episodes, -1).all(axis=1))
 
     def _rows_of(self, episodes: Flags) -> Flags:
-        """Return ``[N]`` flags of rows, given flags of episodes."""
-        # Repeating each flag once takes several times as long as copying all.
+        """Return the flags ``[N]`` of rows, given the flags of episodes."""
+        # Copying is several times as fast as repeating each flag once.
         return episodes.copy() if self._robots == 1 else np.repeat(episodes, self._robots)
 
     def _final_info(self, motion: dict[str, NDArray[Any]], ended: Flags) -> dict[str, Any]:
-        """Return what info tells about rows ``[N]`` that have ended, before they restart."""
+        """Return the entries of info about ended rows ``[N]``, before they restart."""
         rows = np.flatnonzero(ended)
         observed: dict[str, Any] = {**self._engine.observe(rows)}
         final_motion = {key: values.copy() for key, values in motion.items()}
@@ -299,21 +302,21 @@ class ArrayEnv(CopiedWhole, Generic[Observed]):
 
 
 def _flagged(motion: dict[str, NDArray[Any]], rows: Flags) -> dict[str, NDArray[Any]]:
-    """Return the values of a motion, each with flags of the rows that have one."""
+    """Return the values of a motion, each with flags of the rows to which it applies."""
     return motion | {f"_{key}": rows.copy() for key in motion}
 
 
 def _check_running(ended: Flags) -> None:
-    """Raise ``EndedError`` if episodes have ended, in the disabled mode."""
+    """Raise ``EndedError`` if episodes have ended, which the disabled mode does not restart."""
     if ended.any():
         raise EndedError(
-            f"{ended.sum()} rows have ended, row {ended.argmax()} first; they must be reset, by a "
-            "mask, before the next step"
+            f"{ended.sum()} rows have ended, row {ended.argmax()} first; they must be reset with a "
+            "mask before the next step"
         )
 
 
 def _spread(values: NDArray[Any], rows: Integers, count: int) -> NDArray[Any]:
-    """Return ``count`` rows that are zero except for those given."""
+    """Return an array of ``count`` rows that has ``values`` in ``rows`` and zeros elsewhere."""
     spread = np.zeros((count, *values.shape[1:]), values.dtype)
     spread[rows] = values
     return spread

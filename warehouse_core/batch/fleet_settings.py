@@ -1,4 +1,4 @@
-"""The settings of a fleet, checked, with its batteries and its people."""
+"""The checked settings of a fleet, including its batteries and people."""
 
 from __future__ import annotations
 
@@ -37,19 +37,20 @@ Floats = NDArray[np.float64]
 class Battery:
     """The battery of each robot of a fleet.
 
-    Ageing and temperature are left out: a full charge is the same for ever.
+    The model has no ageing and no temperature. The capacity never changes.
 
     Args:
         capacity: units of a full charge, at least 1.
-        unit: ``"steps"``: every step costs one; ``"joules"``: it costs what its motion cost.
-        charge: units that a step of waiting on a charger adds; ``None`` is ``CHARGE`` steps, or in
-            joules the nominal cost of as many moves. That is at a constant current.
-        knee: share of a full charge from which on the voltage is constant instead, so that the
-            current falls in proportion to what is missing; above 0. 1 is a constant current up to
-            the full charge; lithium cells have about 0.8.
+        unit: unit of energy. With ``"steps"`` every step costs one unit. With ``"joules"`` a step
+            costs the energy of its motion.
+        charge: units that a step on a charger adds at a constant current. ``None`` stands for
+            ``CHARGE`` steps, or in joules for the nominal cost of as many moves.
+        knee: share of a full charge at which charging changes from constant current to constant
+            voltage, above 0. From there on the current falls in proportion to the missing charge.
+            1 is a constant current until the battery is full. Lithium cells have about 0.8.
 
     Raises:
-        ValueError: a value that is not allowed.
+        ValueError: a value is not allowed.
         TypeError: ``capacity`` or ``charge`` is not an integer.
 
     Example:
@@ -73,29 +74,29 @@ class Battery:
         settle(self, knee=real_number("knee", self.knee, 0.0, 1.0, above=True))
 
     def step_cost(self, cell_size: float) -> float:
-        """Return what a move costs nominally."""
+        """Return the nominal cost of a move in units."""
         return 1.0 if self.unit == STEPS else nominal_joules(cell_size, moving=True)
 
     def step_charge(self, cell_size: float) -> float:
-        """Return what a step of waiting on a charger adds."""
+        """Return the units that a step on a charger adds at a constant current."""
         return CHARGE * self.step_cost(cell_size) if self.charge is None else self.charge
 
     @property
     def tail(self) -> float:
-        """The last units of a full charge, which are charged at a constant voltage."""
+        """Units at the end of a full charge that are charged at a constant voltage."""
         return (1 - self.knee) * self.capacity
 
     def supplied(self, missing: Floats, charge: float) -> Floats:
         """Return the units that a step of charging adds.
 
         Args:
-            missing: ``[N]`` units that are missing from a full charge.
+            missing: ``[N]`` units missing from a full charge.
             charge: units that a step adds at a constant current.
         """
         steady: Floats = np.minimum(missing - np.minimum(missing, self.tail), charge)
         if not self.tail:
             return steady
-        rest = 1 - steady / charge  # of the step, at a constant voltage
+        rest = 1 - steady / charge  # share of the step with constant voltage
         falling: Floats = np.minimum(missing, self.tail) * -np.expm1(-rest * charge / self.tail)
         return steady + falling
 
@@ -109,16 +110,16 @@ MAX_BODIES = 100_000
 
 @dataclass(frozen=True)
 class People:
-    """How many people walk on a floor, and how.
+    """The number of people on a floor, and how they walk.
 
     Args:
         count: number of people on each floor, 0 to ``MAX_BODIES``.
-        habit: ``"stations"``: each walks by shortest ways from one station to another;
-            ``"aisles"``: each mostly walks straight on and turns at random.
+        habit: how people walk. With ``"stations"`` they walk from station to station along
+            shortest paths. With ``"aisles"`` they mostly walk straight on, and turn at random.
         pause: probability that a person stands still in a step, 0 to 1.
 
     Raises:
-        ValueError: a value that is not allowed.
+        ValueError: a value is not allowed.
         TypeError: ``count`` is not an integer.
 
     Example:
@@ -141,11 +142,11 @@ class People:
 
 @dataclass(frozen=True)
 class FleetSettings:
-    """The arguments of ``FleetEnv`` that are neither its layout nor its backend; see there.
+    """The arguments of ``FleetEnv``, except its layout, backend and seed.
 
     Raises:
-        ValueError: a value that is not allowed.
-        TypeError: a value of another type.
+        ValueError: a value is not allowed.
+        TypeError: a value has the wrong type.
     """
 
     robots: int
@@ -177,14 +178,14 @@ class FleetSettings:
 
     @classmethod
     def of(cls, robots: int, **settings: Any) -> FleetSettings:
-        """Return settings given as ``FleetEnv`` takes them, with its defaults."""
+        """Return the settings for arguments of ``FleetEnv``, with its defaults."""
         read = {name: form(settings[name]) for name, form in _FORMS.items() if name in settings}
         return cls(robots, **settings | read)
 
     def to_json(self) -> dict[str, Any]:
-        """Return the settings as values that JSON can hold."""
+        """Return the settings as a JSON object."""
         values = asdict(self)
-        # Files are as they were before there was a knee, and before there were other moves.
+        # Files without a knee or turns stay the same as before these settings existed.
         if self.battery.knee == 1:
             del values["battery"]["knee"]
         if self.moves == COMPASS:
@@ -193,10 +194,10 @@ class FleetSettings:
 
     @classmethod
     def from_json(cls, values: Any) -> FleetSettings:
-        """Return the settings in a JSON object that ``to_json`` made.
+        """Return the settings in a JSON object of ``to_json``.
 
         Raises:
-            ValueError: a key is missing or unknown, or a value is of the wrong type or size.
+            ValueError: a key is missing or unknown, or a value has the wrong type or size.
         """
         try:
             if {*values, "moves"} != set(names := [each.name for each in fields(cls)]):
@@ -210,21 +211,21 @@ class FleetSettings:
             }
             return cls(**values | read)
         except (TypeError, KeyError) as error:
-            raise ValueError(f"these are no settings of a fleet: {error}") from error
+            raise ValueError(f"these are not settings of a fleet: {error}") from error
 
     @property
     def has_orders(self) -> bool:
-        """Whether robots bring items of orders, and not one each from station to station."""
+        """Whether the fleet has orders; otherwise each robot delivers a single item."""
         return self.orders is not None
 
     @property
     def is_lone(self) -> bool:
-        """Whether one robot has the task of ``WarehouseEnv``, and observes what it does there."""
+        """Whether the fleet is one robot with the task and the observation of ``WarehouseEnv``."""
         return self.robots == 1 and not self.has_orders
 
     @property
     def has_headings(self) -> bool:
-        """Whether robots drive forward and turn on the spot."""
+        """Whether robots have headings: they drive forward and turn on the spot."""
         return self.moves == TURN
 
     @property
@@ -234,12 +235,12 @@ class FleetSettings:
 
     @property
     def bodies(self) -> int:
-        """Sum of robots and people on a floor."""
+        """Number of robots and people on a floor."""
         return self.robots + self.people.count
 
 
 def as_orders(orders: object) -> tuple[OrderStream, ...] | tuple[Order, ...] | OrderQueue | None:
-    """Return orders given as a rate, a stream, a queue, or a sequence of streams or of orders."""
+    """Return orders in one form, given in any form of ``Orders``."""
     if orders is None or isinstance(orders, OrderQueue):
         return orders
     if isinstance(orders, (int, float)) and not isinstance(orders, bool):
@@ -264,11 +265,11 @@ _FORMS: dict[str, Callable[[Any], Any]] = {
     "battery": lambda units: units if isinstance(units, Battery) else Battery(units),
     "people": lambda count: count if isinstance(count, People) else People(count),
 }
-"""Settings that ``FleetEnv`` takes in several forms, and what makes one form of them."""
+"""Functions that convert the settings which ``FleetEnv`` accepts in several forms."""
 
 
 def _cells(starts: Any) -> tuple[Any, ...]:
-    """Return the cells of some starts, which are checked where they are taken."""
+    """Return starts as a tuple; its cells are checked when they are used."""
     try:
         return tuple(islice(starts, MAX_BODIES + 1))
     except Exception:  # a user's ``__iter__`` may raise anything
@@ -276,7 +277,7 @@ def _cells(starts: Any) -> tuple[Any, ...]:
 
 
 def _orders(values: Any) -> Any:
-    """Return what ``as_orders`` takes, given as ``asdict`` or JSON returns it."""
+    """Return orders in a form for ``as_orders``, given in the form of ``asdict`` or JSON."""
     if values is None:
         return None
     if isinstance(values, dict):

@@ -1,4 +1,4 @@
-"""``B`` fleets of ``R`` robots as one structure of arrays, stepped together."""
+"""``B`` fleets of ``R`` robots as one structure of arrays, which are stepped together."""
 
 from __future__ import annotations
 
@@ -36,9 +36,10 @@ from warehouse_core.world.tiles import EMPTY
 
 
 class Placing:
-    """The starts on a layout: given, the usual start of a lone robot, or drawn from empty cells.
+    """The starts of robots and people on a layout.
 
-    If robots and people need more than the empty cells, stations and chargers are drawn too.
+    The starts of robots are given, or the default start of a single robot. All others are random
+    empty cells. If these are too few, cells with stations and chargers are used too.
     """
 
     def __init__(self, layout: Layout, settings: FleetSettings) -> None:
@@ -50,20 +51,20 @@ class Placing:
             rest = np.setdiff1d(layout.open_cells, self._fixed)
         if len(rest) < needed:
             raise LayoutError(
-                f"{settings.robots} robots and {settings.people.count} people have no room on the "
-                f"{len(layout.open_cells)} open cells of the layout; one cell is needed for each"
+                f"{settings.robots} robots and {settings.people.count} people do not fit on the "
+                f"{len(layout.open_cells)} open cells of the layout; each needs a cell"
             )
         self._rest = rest
 
     def draw(self, stream: np.random.Generator) -> tuple[NDArray[np.intp], NDArray[np.intp]]:
-        """Return the cells of the robots, ``[R]``, and of the people, ``[P]``, all different."""
-        drawn = stream.choice(self._rest, self._bodies - len(self._fixed), replace=False)
-        cells = np.concatenate([self._fixed, drawn])
+        """Return random cells of the robots ``[R]`` and the people ``[P]``, all different."""
+        random = stream.choice(self._rest, self._bodies - len(self._fixed), replace=False)
+        cells = np.concatenate([self._fixed, random])
         return cells[: self._robots], cells[self._robots :]
 
 
 def _fixed(layout: Layout, settings: FleetSettings) -> list[int]:
-    """Return the numbers of the starts that are not drawn."""
+    """Return the cell numbers of the starts that are not random."""
     if settings.starts is None:
         return [layout.number(layout.default_start())] if settings.robots == 1 else []
     cells = [as_cell(f"the start of robot {robot}", it) for robot, it in enumerate(settings.starts)]
@@ -74,21 +75,23 @@ def _fixed(layout: Layout, settings: FleetSettings) -> list[int]:
 NO_HEADINGS = NO_ROWS = np.empty(0, np.intp)
 
 TAKEN = judge(PICK, EMPTY, False, False)
-"""The verdict on a robot whose item another one has just taken."""
+"""Verdict on a robot whose item has just been taken by another robot."""
 
 
 class FleetEngine:
-    """``B`` fleets, each on a floor of its own; ``N = B * R`` robots, floor by floor.
+    """``B`` fleets, each on a floor of its own, with ``N = B * R`` robots in all.
+
+    The rows of the robots are in order of their floors.
 
     Attributes:
-        orders: books of orders; ``None`` without orders.
-        battery: ``[N]`` float64 units left.
+        orders: order books; ``None`` without orders.
+        battery: ``[N]`` float64, units left.
         steps: ``[B]`` steps taken.
-        terminated: ``[N]``, whether the task of the robot is done.
-        truncated: ``[N]``, whether its battery or the steps are used up, it has failed, or all
-            orders that are left to deliver are lost.
-        failed: ``[N]``, whether the motion says that it stays where it is for good.
-        ended: ``[N]``, whether the robot is terminated or truncated; see ``Engine``.
+        terminated: ``[N]`` flags of robots whose task is done.
+        truncated: ``[N]`` flags of robots whose steps or battery are used up, that have failed, or
+            whose fleet has lost all undelivered orders.
+        failed: ``[N]`` flags of robots that have stopped for good, as the motion reports.
+        ended: ``[N]`` flags of robots that are terminated or truncated; see ``Engine``.
         running: number of robots that have not ended.
     """
 
@@ -163,15 +166,15 @@ class FleetEngine:
             teams[:] = teams.mean(axis=1, keepdims=True)
             rewards[ended] = 0.0
         flags = self.terminated.copy(), self.truncated.copy()
-        if over.size:  # after the motion, as people must not walk before the first action
+        if over.size:  # after the motion, because people must not walk before the first action
             self.begin(over, [None] * over.size)
         return EngineStep(outcome, rewards, *flags)
 
     def observe(self, rows: Rows = ALL) -> FleetArrays:
-        """Return fresh arrays of what some of the robots observe."""
+        """Return the observations of some robots, as new arrays."""
         self._floor.show(self.robots.cells, self.robots.has_item, self.walkers.cells)
         steps = self.steps.repeat(self.settings.robots)[rows]
-        battery = self.battery[rows].astype(np.int32)  # rounded down, as it is not negative
+        battery = self.battery[rows].astype(np.int32)  # this rounds down, as units are not negative
         arrays = cast(FleetArrays, self.robots.observe(rows, battery[:, None], steps[:, None]))
         if self.orders:
             arrays["due"] = self.orders.due[rows, None].copy()
@@ -180,16 +183,16 @@ class FleetEngine:
         return arrays
 
     def masks(self) -> NDArray[np.int8]:
-        """Return int8 ``[N, 7]``, or with headings ``[N, 6]``: 1 for what does something now."""
+        """Return ``[N, 7]`` int8, or ``[N, 6]`` with headings: 1 for each action with an effect."""
         return self.robots.masks()
 
     @property
     def headings(self) -> Integers:
-        """``[N]`` headings, 0 to 3 for N, E, S and W; none of robots without headings."""
+        """Headings ``[N]``, 0 to 3 for N, E, S and W; an empty array if robots have no headings."""
         return self.robots.headings if isinstance(self.robots, HeadedRobots) else NO_HEADINGS
 
     def measures(self, floor: int) -> FleetMeasures:
-        """Return the measures of the present episode on a floor."""
+        """Return the measures of the current episode on a floor."""
         rows = self.rows_of(np.array([floor]))
         book = self.orders.books[floor] if self.orders else None
         records = book.records() if book else None
@@ -209,7 +212,7 @@ class FleetEngine:
     def _book(
         self, orders: OrderBooks, had_item: Flags, delivered: Flags, rewards: NDArray[np.float64]
     ) -> None:
-        """Book picks and deliveries, in the order of the robots."""
+        """Record picks and deliveries, in the order of the robots."""
         has_item, robots = self.robots.has_item, self.settings.robots
         for row in (has_item > had_item).nonzero()[0].tolist():
             step = int(self.steps[row // robots])
@@ -229,9 +232,13 @@ class FleetEngine:
         np.maximum(self.battery, 0.0, out=self.battery)  # the last step may cost more than is left
 
     def _release(self, out: Integers) -> None:
-        """Give back what stranded robots were to take, and let orders appear, or be lost.
+        """Release new orders, and handle the orders of robots that can no longer drive.
 
-        ``out`` are the rows of robots that cannot drive any more.
+        Such robots give back the orders whose items they have not picked up. Orders that they hold
+        or block are lost.
+
+        Args:
+            out: rows of robots that can no longer drive.
         """
         if self.orders:
             if len(out):
@@ -242,7 +249,7 @@ class FleetEngine:
                 self.robots.has_item[freed] = False
 
     def _end(self, delivered: Flags, out: Integers) -> None:
-        """Set which robots have ended."""
+        """Set the flags of robots that end in this step."""
         robots, is_over = self.settings.robots, self.steps >= self.settings.max_steps
         done = delivered
         if self.orders:
@@ -253,9 +260,9 @@ class FleetEngine:
         self.terminated |= active & (np.repeat(done, robots) if self.orders else done)
         is_out = np.zeros_like(active)
         is_out[out] = True
-        empty = np.flatnonzero(active & is_out & ~self.failed)
-        if len(empty):
-            self.motion.fail(empty)
+        flat = np.flatnonzero(active & is_out & ~self.failed)
+        if len(flat):
+            self.motion.fail(flat)
         self.truncated |= active & (is_out | np.repeat(is_over, robots))
         self._note_ended()
 
@@ -265,7 +272,7 @@ class FleetEngine:
         self.running = len(self.ended) - len(self._rows_ended)
 
     def _rows_out(self) -> Integers:
-        """Return the rows of robots whose battery is empty or which have failed."""
+        """Return the rows of robots that can no longer drive: battery empty, or failed."""
         return ((self.battery <= 0) | self.failed).nonzero()[0]
 
 
@@ -286,22 +293,22 @@ class FleetBatch(ArrayEnv[FleetArrays]):
         The rewards of ``FleetEnv``, ``[N]`` float64.
 
     Ends:
-        Robots end as in ``FleetEnv``. A robot that has ended before others of its fleet waits,
-        without a reward, and its flags stay set; a fleet of which all robots have ended restarts by
-        ``autoreset_mode``.
+        Robots end as in ``FleetEnv``. A robot that ends before others of its fleet waits, gets no
+        reward, and keeps its flags. A fleet restarts when all its robots have ended, as
+        ``autoreset_mode`` determines.
 
     Args:
         fleets: number of fleets, ``B``, 1 to ``MAX_ENVS``.
-        layout: one layout for all fleets, or a list of ``B``; ``None`` is the chapter's.
+        layout: one layout for all fleets, or a list of ``B``; ``None`` is the chapter's layout.
         robots: number of robots of each fleet, ``R``, at least 1.
         backend: name, class or instance of the motion that carries out the moves.
-        autoreset_mode: time at which a fleet that has ended restarts; see ``BatchEnv``.
-        settings: all other arguments of ``FleetEnv`` but ``seed``.
+        autoreset_mode: time at which a fleet that has ended restarts, see ``BatchEnv``.
+        settings: other arguments of ``FleetEnv``, except ``seed``.
 
     Raises:
-        ValueError: a value that is not allowed; also as ``LayoutError``, ``OrderError`` or
+        ValueError: an argument is not allowed; it may be a ``LayoutError``, ``OrderError`` or
             ``BackendError``.
-        TypeError: an argument of another type.
+        TypeError: an argument has the wrong type.
 
     Example:
         >>> from warehouse_core.fleet import FleetBatch
@@ -331,5 +338,5 @@ class FleetBatch(ArrayEnv[FleetArrays]):
         super().__init__(self._fleets, self.fleets, self.settings.robots, autoreset_mode, actions)
 
     def measures(self, fleet: int) -> FleetMeasures:
-        """Return how well a fleet has done in its present episode."""
+        """Return the measures of a fleet in its current episode."""
         return self._fleets.measures(whole_number("fleet", fleet, 0, self.fleets - 1))

@@ -1,4 +1,4 @@
-"""The layouts of a batch as tables: what each robot stands on, can drive to and sees."""
+"""The layouts of a batch as tables of stations, open sides and windows."""
 
 from __future__ import annotations
 
@@ -39,7 +39,7 @@ ALL = slice(None)
 """All rows."""
 
 NO_CELL = -1
-"""The cell of a pickup or dropoff that a layout does not have."""
+"""Number of the cell of a pickup or dropoff that does not exist."""
 
 OUT_OF_SIGHT = int(np.iinfo(np.intp).min) // 2
 """Offset of a station that does not exist."""
@@ -51,20 +51,22 @@ _ROBOT_CODES = np.array([CELL_CODES[ROBOT_EMPTY], CELL_CODES[ROBOT_LOADED]], np.
 class BatchFloor:
     """The layouts of a batch as tables, and the stations of each row.
 
-    Methods take ``rows``, ``[N]`` rows of the batch, and ``cells``, the ``[N]`` cells of their
-    robots, numbered within their layouts. A method without ``rows`` takes the cells of all ``B``.
+    The arguments of methods are ``rows``, ``[N]`` rows of the batch, and ``cells``, the ``[N]``
+    cells of their robots, numbered within their layouts. Methods without ``rows`` need the cells of
+    all ``B`` rows.
 
     Args:
         layouts: layouts of the rows.
         radius: cells seen in each direction.
-        moving_stations: use the stations of ``put_stations``, one pickup and one dropoff for each
-            row; the layouts have none of their own.
-        tiles: tiles whose ``encoding.marks`` the windows are, with pickup and dropoff but no robot
-            among them; by default, or if the marks would take more than ``MAX_TABLE_BYTES``,
-            windows are codes.
+        moving_stations: ``True`` for one pickup and one dropoff per row, set with
+            ``put_stations``, in layouts without stations.
+        tiles: tiles for which windows have ``encoding.marks``. They must include pickup and
+            dropoff, and no robot. Without them, or if the marks would take more than
+            ``MAX_TABLE_BYTES``, windows have codes.
 
     Attributes:
-        station_places: ``[2, B, 2]``, row and column of the first pickups and dropoffs.
+        station_places: ``[2, B, 2]``, row and column of the first pickup and the first dropoff of
+            each row.
     """
 
     def __init__(
@@ -85,18 +87,18 @@ class BatchFloor:
         self._is_uniform = len(kinds) == 1
         self._station_cells = np.full((2, rows), NO_CELL, np.intp)
         self.station_places = np.empty((2, rows, 2), np.int32)
-        # The place of a station in the window depends on its offset from the robot, which is one
-        # number in rows so wide that a station beyond one edge does not appear at the other.
+        # The place of a station in the window depends on its offset from the robot. The offset is
+        # one number, for rows so wide that stations beyond one edge do not appear at the other.
         self._stride = max(layout.width for layout in kinds) + radius + 1
         self._reach = radius * self._stride + radius + 1
         self._offset_of = self._places @ np.array([self._stride, 1], np.intp)
         self._station_offsets = np.full((2, rows), OUT_OF_SIGHT, np.intp)
-        self._asked: Integers | None = None
-        # The place for each offset is the middle, where the robot is, if it is out of sight.
+        self._cached_cells: Integers | None = None
+        # Offsets out of sight lead to the middle of the window, where the robot is.
         places = np.arange(0, self._windows.shape[1], self._marks)
         self._centre = places[len(places) // 2]
         self._place_of = np.full(2 * self._reach + 1, self._centre)
-        # For pickups and dropoffs: where their tile's marks begin, and what is written there.
+        # First mark of the tile, and value to write there, for pickups and dropoffs.
         stations = (PICKUP, DROPOFF)
         firsts = [tiles.index(tile) if tiles else 0 for tile in stations]
         values = [1 if tiles else CELL_CODES[tile] for tile in stations]
@@ -107,7 +109,7 @@ class BatchFloor:
 
     def put_stations(self, rows: Integers, pickups: Integers, dropoffs: Integers) -> None:
         """Set the first pickup and dropoff of some rows, as cells or ``NO_CELL``."""
-        self._asked = None
+        self._cached_cells = None
         for number, cells in enumerate((pickups, dropoffs)):
             self._station_cells[number, rows] = cells
             places = self.places(rows, cells)
@@ -117,48 +119,48 @@ class BatchFloor:
             self._station_offsets[number, rows] = np.where(cells == NO_CELL, OUT_OF_SIGHT, offsets)
 
     def put_own_stations(self, rows: Integers) -> None:
-        """Set the first pickup and dropoff of some rows as in their layouts."""
+        """Set the first pickup and dropoff of some rows to those of their layouts."""
         self.put_stations(rows, *self._first_stations[:, self._layouts.kind[rows]])
 
     def stations(self, cells: Integers) -> Integers:
-        """Return what the robots stand on, ``[B]`` indices into ``verdicts.STATION_KINDS``.
+        """Return the kinds of the robots' cells, ``[B]`` indices into ``verdicts.STATION_KINDS``.
 
-        The answer is kept for the same array, as the masks after a step ask for it again; neither
-        array may be changed.
+        The result is cached for the same array, because the masks after a step need it again.
+        Neither array may be changed.
         """
-        if cells is not self._asked:
-            self._asked, self._stood_on = cells, self._stations_at(cells)
-        return self._stood_on
+        if cells is not self._cached_cells:
+            self._cached_cells, self._cached_stations = cells, self._stations_at(cells)
+        return self._cached_stations
 
     def _stations_at(self, cells: Integers) -> Integers:
         if not self.moving_stations:
             return self._stations.take(self._numbers(ALL, cells))
         on = self._stations_of_rows(cells)
-        if self.has_chargers:  # all that is left in these layouts, and never below a station
+        if self.has_chargers:  # these layouts have nothing else, and no charger below a station
             on += self._stations.take(self._numbers(ALL, cells))
         return on
 
     def _stations_of_rows(self, cells: Integers) -> Integers:
-        """Return what the robots stand on of the stations of ``put_stations``."""
+        """Return the kinds of the robots' cells, considering only ``put_stations``."""
         pickups, dropoffs = self._station_cells
         on: Integers = (cells == pickups) + 2 * (cells == dropoffs)
         return on
 
     def _numbers(self, rows: Rows, cells: Integers) -> Integers:
-        """Return the numbers of cells in the tables."""
+        """Return the indices of cells in the tables."""
         return cells if self._is_uniform else self._base[rows] + cells
 
     def masks(self, cells: Integers, has_item: Flags) -> NDArray[np.int8]:
-        """Return the masks of actions that do something, ``[B, 7]``; see ``verdicts.masks``."""
+        """Return the masks of actions with an effect, ``[B, 7]``; see ``verdicts.masks``."""
         sides = self._sides.take(self._numbers(ALL, cells))
         return masks(sides, self.stations(cells), has_item)
 
     def places(self, rows: Rows, cells: Integers) -> NDArray[np.int32]:
-        """Return row and column of the cells, ``[N, 2]``."""
+        """Return the rows and columns of cells, ``[N, 2]``."""
         return self._places.take(self._numbers(rows, cells), axis=0)
 
     def windows(self, rows: Rows, cells: Integers, has_item: Flags) -> Window:
-        """Return fresh windows, ``[N, K * K]`` codes or ``[N, K * K * T]`` marks."""
+        """Return new windows, ``[N, K * K]`` codes or ``[N, K * K * T]`` marks."""
         windows = self._around(rows, cells)
         if self._tiles:
             windows[:, self._centre : self._centre + self._marks] = False
@@ -171,7 +173,7 @@ class BatchFloor:
         numbers = self._numbers(rows, cells)
         windows = self._windows.take(numbers, axis=0)
         if self.moving_stations and self._radius:
-            # Write tiles where the stations are; those out of sight go to the middle.
+            # Write the tiles of stations. Those out of sight are written to the middle.
             offsets = self._station_offsets[:, rows] - self._offset_of.take(numbers)
             places = self._place_of.take(offsets, mode="clip")
             places += self._first_marks + np.arange(0, windows.size, windows.shape[1])
@@ -186,7 +188,7 @@ def _first_stations(layout: Layout) -> list[int]:
 
 
 NOTHING = 0
-"""Code of a tile with nothing on top; an empty cell has the same code."""
+"""Code of a spot with nothing on top of the tile, which is also the code of an empty cell."""
 
 _OTHER_CODES = np.array([CELL_CODES[OTHER_EMPTY], CELL_CODES[OTHER_LOADED]], np.uint8)
 """Codes of other robots without and with an item."""
@@ -195,10 +197,10 @@ _OTHER_CODES = np.array([CELL_CODES[OTHER_EMPTY], CELL_CODES[OTHER_LOADED]], np.
 class FleetFloor(BatchFloor):
     """A ``BatchFloor`` for ``B`` floors with ``R`` robots on each.
 
-    What is on top of the tiles stands in one array, in which the floors lie end to end, each with
-    a margin of ``radius`` cells. A *spot* is an index in it. On the ground, below robots and
-    people, are chargers and open orders. With orders, stations are where orders have them;
-    otherwise they are the tiles of the layouts.
+    One array has everything on top of the tiles. It contains the floors end to end, each with a
+    margin of ``radius`` cells. A *spot* is an index into this array. Chargers and open orders are
+    on the ground, below robots and people. With orders, the orders determine the stations;
+    otherwise stations are tiles of the layouts.
     """
 
     def __init__(self, layouts: LayoutSet, settings: FleetSettings) -> None:
@@ -206,7 +208,7 @@ class FleetFloor(BatchFloor):
         _check_windows(len(layouts.kind) * robots, 2 * radius + 1)
         repeated = [layout for layout in layouts.rows for _ in range(robots)]
         super().__init__(LayoutSet(repeated, bare=has_orders), radius, moving_stations=has_orders)
-        # Nothing lies on the tiles around a robot that is alone.
+        # Around a single robot without orders, nothing is on top of the tiles.
         self._is_bare = settings.bodies == 1 and not has_orders
         kinds = layouts.kinds
         strides = [kind.width + 2 * radius for kind in kinds]
@@ -220,7 +222,7 @@ class FleetFloor(BatchFloor):
                 places_table([kind]) @ [stride, 1] + radius * (stride + 1)
                 for kind, stride in zip(kinds, strides, strict=True)
             ]
-        ).astype(np.int32)  # half the size of intp, and faster to read at random
+        ).astype(np.int32)  # half the size of intp, and faster random access
         side = np.arange(-radius, radius + 1)
         self._offsets = np.array([(side[:, None] * stride + side).ravel() for stride in strides])
         self._kind = np.repeat(layouts.kind, robots)
@@ -234,7 +236,7 @@ class FleetFloor(BatchFloor):
 
     def set_waiting(self, floor: int, cell: int, is_waiting: bool) -> None:
         """Set whether an open order waits at a cell of a floor."""
-        self._asked = None
+        self._cached_cells = None
         spot = self._corner[floor] + self._spots[self._floor_base[floor] + cell]
         self._ground[spot] = self._on_top[spot] = CELL_CODES[PICKUP] if is_waiting else NOTHING
 
@@ -245,7 +247,7 @@ class FleetFloor(BatchFloor):
         return self._stations_of_rows(cells) | on_ground
 
     def show(self, cells: Integers, has_item: Flags, people: Integers) -> None:
-        """Put robots ``[B * R]`` and people ``[B, P]`` in their cells."""
+        """Show robots ``[B * R]`` and people ``[B, P]`` in their cells."""
         if self._is_bare:
             return
         self._on_top[self._covered] = self._ground.take(self._covered)
@@ -257,7 +259,7 @@ class FleetFloor(BatchFloor):
             self._on_top[persons] = CELL_CODES[PERSON]
 
     def nearest_chargers(self, rows: Rows, cells: Integers) -> NDArray[np.int32]:
-        """Return row and column of the charger nearest to each cell, or ``NOWHERE``; ``[N, 2]``."""
+        """Return the row and column of each cell's nearest charger, or ``NOWHERE``, ``[N, 2]``."""
         return self._chargers.take(self._numbers(rows, cells), axis=0)
 
     def _spots_of(self, cells: Integers) -> Integers:
@@ -278,7 +280,7 @@ class FleetFloor(BatchFloor):
 
 
 def _check_windows(robots: int, side: int) -> None:
-    """Raise if the spots of all windows would take more than ``MAX_TABLE_BYTES``."""
+    """Raise ``LayoutError`` if the spots of all windows take more than ``MAX_TABLE_BYTES``."""
     needed = robots * side**2 * np.dtype(np.intp).itemsize
     if needed > MAX_TABLE_BYTES:
         raise LayoutError(
@@ -288,7 +290,7 @@ def _check_windows(robots: int, side: int) -> None:
 
 
 def _nearest_chargers(layout: Layout) -> NDArray[np.int32]:
-    """Return row and column of the nearest charger of every cell, ``[H * W, 2]``."""
+    """Return the row and column of every cell's nearest charger, ``[H * W, 2]``."""
     cells = nearest(layout, layout.chargers).ravel()
     places = layout.places(cells).astype(np.int32)
     places[cells < 0] = NOWHERE

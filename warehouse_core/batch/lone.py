@@ -1,4 +1,4 @@
-"""``B`` lone robots, each on a floor of its own, stepped together by NumPy."""
+"""``B`` single robots, each on a floor of its own, which NumPy steps together."""
 
 from __future__ import annotations
 
@@ -35,13 +35,13 @@ from warehouse_core.task.encoding import ObservationArrays
 from warehouse_core.task.starts import (
     DRAWS,
     NO_RANK,
-    Drawn,
+    Randomized,
     check_room,
     draw_ranks,
     draw_start_ranks,
     empty_cells,
+    randomized_parts,
     station_cells,
-    what_is_drawn,
 )
 from warehouse_core.task.state import WarehouseState
 from warehouse_core.wording import brief
@@ -52,87 +52,87 @@ from warehouse_core.world.tiles import TILES, Cell
 
 
 class EpisodeDraws:
-    """Draws stations and starts of ``B`` rows by ``task/starts.py``.
+    """Random stations and starts of ``B`` rows; see ``task/starts.py``.
 
-    If ``layouts`` has ``others``, each row draws its layout from them.
+    If ``layouts`` has ``others``, each row gets a random one of them.
     """
 
     def __init__(
-        self, layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None, drawn: Drawn
+        self, layouts: LayoutSet, start_pos: Cell | Sequence[Cell] | None, randomized: Randomized
     ) -> None:
-        self._drawn, self._layouts = drawn, layouts
+        self._randomized, self._layouts = randomized, layouts
         start, starts = _given_starts(len(layouts.kind), start_pos)
         self._start_of_kind = np.array([_start_in(kind, start) for kind in layouts.kinds])
         self._starts = layouts.of_rows(self._start_of_kind)
         for row, each in enumerate(starts):
             self._starts[row] = _start_in(layouts.rows[row], each, f"start_pos[{row}]")
-        # A station is drawn from all cells without a charger, a start from those it leaves.
-        cells = [station_cells(k) if drawn.stations else empty_cells(k) for k in layouts.kinds]
+        # Random stations are cells without a charger, and random starts cells without a station.
+        cells = [station_cells(k) if randomized.stations else empty_cells(k) for k in layouts.kinds]
         counts = [len(each) for each in cells]
         self._counts = np.array(counts)
         self._cells = np.concatenate(cells)
         self._first = np.cumsum([0, *counts])[:-1]
         self._seeds: dict[int, int] = {}
         self._streams: dict[int, np.random.Generator] = {}
-        if drawn.stations:
+        if randomized.stations:
             for layout in layouts.kinds:
                 check_room(layout)
 
     def seed(self, rows: Integers, seeds: Sequence[int | None]) -> None:
-        """Restart the streams of those rows that have a seed."""
+        """Restart the random streams of the rows that have a seed."""
         for row, seed in zip(rows.tolist(), seeds, strict=True):
             if seed is not None:
                 self._seeds[row] = seed
                 self._streams.pop(row, None)
 
     def seed_of(self, row: int) -> int:
-        """Return the last seed of a row; a row that had none gets a random one."""
+        """Return the last seed of a row, or choose a random one if the row has none."""
         if row not in self._seeds:
             entropy = np.random.SeedSequence().entropy
-            assert isinstance(entropy, int), "it is drawn from the operating system"
+            assert isinstance(entropy, int), "it comes from the operating system"
             self._seeds[row] = entropy
         return self._seeds[row]
 
     def stream(self, row: int) -> np.random.Generator:
-        """Return the random stream of a row, which is made when it is needed first."""
+        """Return the random stream of a row, which is created when it is first needed."""
         if row not in self._streams:
             self._streams[row] = np.random.default_rng(self.seed_of(row))
         return self._streams[row]
 
     def draw_layouts(self, rows: Integers) -> list[Layout]:
-        """Give some rows layouts drawn from the ``others``, and return these."""
+        """Give some rows random layouts from the ``others``, and return these layouts."""
         others = self._layouts.others
-        drawn = [others[int(self.stream(row).random() * len(others))] for row in rows.tolist()]
-        self._layouts.change(rows, drawn)
+        chosen = [others[int(self.stream(row).random() * len(others))] for row in rows.tolist()]
+        self._layouts.change(rows, chosen)
         self._starts[rows] = self._start_of_kind[self._layouts.kind[rows]]
-        return drawn
+        return chosen
 
     def draw(self, rows: Integers) -> tuple[Integers | None, Integers]:
         """Return the stations and starts of the next episodes of some rows.
 
         Returns:
-            ``[2, N]`` pickups and dropoffs, or ``None`` if they are not drawn, and ``[N]`` starts,
-            all as cells within their layouts.
+            Pickups and dropoffs ``[2, N]``, or ``None`` if they are not random, and starts ``[N]``,
+            all as cell numbers within their layouts.
         """
         starts = self._starts[rows]
-        if not any(self._drawn):
+        if not any(self._randomized):
             return None, starts
         uniforms = np.array([self.stream(row).random(DRAWS) for row in rows.tolist()])
         uniforms, kinds = uniforms.reshape(-1, DRAWS), self._layouts.kind[rows]
         counts, first, stations = self._counts[kinds], self._first[kinds], None
-        if self._drawn.stations:
+        if self._randomized.stations:
             ranks = draw_ranks(uniforms, counts).T
             stations, ranks = self._cells.take(first + ranks[:2]), ranks[2]
         else:
             ranks = draw_start_ranks(uniforms, counts)
-        if self._drawn.start:
-            drawn = self._cells.take(first + ranks, mode="clip")
-            starts = np.where(ranks == NO_RANK, starts, drawn)
+        if self._randomized.start:
+            cells = self._cells.take(first + ranks, mode="clip")
+            starts = np.where(ranks == NO_RANK, starts, cells)
         return stations, starts
 
 
 def _given_starts(rows: int, start_pos: Any) -> tuple[Any, Sequence[Any]]:
-    """Return the start that all rows have in common, or ``None``, and those given for each row."""
+    """Return the common start of all rows, or ``None``, and the starts given for each row."""
     if start_pos is None:
         return None, ()
     if not isinstance(start_pos, (list, tuple, np.ndarray)):
@@ -152,7 +152,7 @@ def _given_starts(rows: int, start_pos: Any) -> tuple[Any, Sequence[Any]]:
 
 
 def _start_in(layout: Layout, start_pos: Any, name: str = "start_pos") -> int:
-    """Return the number of a start in a layout; ``None`` is the usual one."""
+    """Return the cell number of a start in a layout; ``None`` is the default start."""
     if start_pos is None:
         return layout.number(layout.default_start())
     cell = as_cell(name, start_pos)
@@ -161,7 +161,7 @@ def _start_in(layout: Layout, start_pos: Any, name: str = "start_pos") -> int:
 
 
 class LoneEngine:
-    """The episodes of ``B`` lone robots; see ``Engine``."""
+    """The episodes of ``B`` single robots; see ``Engine``."""
 
     def __init__(
         self,
@@ -178,7 +178,7 @@ class LoneEngine:
         self._max_steps, self._max_battery = max_steps, battery
         self._steps = np.zeros(count, np.int32)
         self.ended = np.zeros(count, np.bool_)
-        # Without chargers the battery follows from the steps, and needs no array.
+        # Without chargers the battery follows from the steps and needs no array.
         self._battery = np.zeros(count, np.int32) if floor.has_chargers else None
         self._last_step = min(max_steps, battery)
 
@@ -216,16 +216,16 @@ class LoneEngine:
         return EngineStep(outcome, rewards, terminated, truncated)
 
     def observe(self, rows: Rows = ALL) -> ObservationArrays:
-        """Return fresh arrays of what some of the robots observe."""
+        """Return the observations of some robots, as new arrays."""
         steps = self._steps[rows][:, None]
         return self._robots.observe(rows, self._units(rows)[:, None], steps.copy())
 
     def masks(self) -> NDArray[np.int8]:
-        """Return ``[B, 7]`` int8: 1 for each action that does something now."""
+        """Return the masks ``[B, 7]`` int8: 1 for each action with an effect."""
         return self._robots.masks()
 
     def state(self, row: int) -> tuple[Layout, WarehouseState]:
-        """Return the layout of a row, with its stations, and the state of its robot."""
+        """Return the layout of a row, including its stations, and the state of its robot."""
         layout, robots = self.layouts.kinds[self.layouts.kind[row]], self._robots
         if self._floor.moving_stations:
             layout = layout.with_stations(*map(tuple, self._floor.station_places[:, row].tolist()))
@@ -238,7 +238,7 @@ class LoneEngine:
         self._motion.close()
 
     def _units(self, rows: Rows) -> NDArray[np.int32]:
-        """Return the battery units of some rows, a new array."""
+        """Return the battery units of some rows as a new array."""
         if self._battery is None:
             return self._max_battery - self._steps[rows]
         return self._battery[rows].copy()
@@ -248,8 +248,8 @@ class BatchEnv(ArrayEnv[ObservationArrays]):
     """``B`` warehouses with one robot each.
 
     Description:
-        Row ``b`` equals a ``WarehouseEnv`` in its layout with the same actions, by the same rules
-        and the same backends.
+        Row ``b`` equals a ``WarehouseEnv`` in its layout with the same actions. The rules and
+        backends are the same.
 
     Actions:
         ``[B]`` integers, 0 to 6: N, E, S, W, WAIT, PICK, DROP.
@@ -261,34 +261,34 @@ class BatchEnv(ArrayEnv[ObservationArrays]):
         The table in ``task/rules.py``, ``[B]`` float64.
 
     Ends:
-        Terminated by the delivery; truncated when the steps or the battery are used up. Rows that
-        have ended restart by ``autoreset_mode``.
+        A row is terminated by the delivery, and truncated when its steps or battery are used up.
+        Rows that have ended restart as ``autoreset_mode`` determines.
 
     Args:
         num_envs: number of warehouses, ``B``, 1 to ``MAX_ENVS``.
-        layout: one layout for all rows, or a list of ``B``; ``None`` is the chapter's.
-        start_pos: start of robots that is not drawn, one for all rows or, without a pool, ``B`` of
-            them; ``None`` is the usual start of each layout.
+        layout: one layout for all rows, or a list of ``B``; ``None`` is the chapter's layout.
+        start_pos: start of robots whose start is not random: one cell for all rows or, without a
+            pool, a cell for each. ``None`` is the default start of each layout.
         max_steps: limit of an episode, 1 to ``MAX_STEPS``.
-        battery: units of a full charge, 1 to ``MAX_STEPS``; every step costs one, and waiting on
-            a charger charges.
-        view_radius: cells seen in each direction, 0 to ``MAX_VIEW_RADIUS``; with 0 a robot sees
-            only itself.
-        randomize: ``True`` to draw pickup, dropoff and start for each episode, or ``"stations"`` or
-            ``"start"`` for one of the two.
+        battery: units of a full charge, 1 to ``MAX_STEPS``. Every step costs one unit, and waiting
+            on a charger charges the battery.
+        view_radius: cells seen in each direction, 0 to ``MAX_VIEW_RADIUS``. With 0 a robot sees
+            only its own cell.
+        randomize: ``True`` for a random pickup, dropoff and start in each episode, ``"stations"``
+            for the first two, or ``"start"`` for the last.
         autoreset_mode: time at which a row that has ended restarts: in the next step, which takes
             no action (``"NextStep"``), in the same step (``"SameStep"``), or only in a ``reset``
             with a mask (``"Disabled"``).
         backend: name, class or instance of a motion with a method ``batch``.
-        pool: layouts of one size, instead of ``layout``. For each episode a row draws one of them,
-            from its stream and before its start.
-        marked: tiles of ``encoding.vector``: ``local_grid`` is then their ``marks``, from which
-            vectors are made several times as fast as from codes; by default, and on very large
-            floors, it is codes.
+        pool: layouts of the same size, instead of ``layout``. Each episode of a row uses a random
+            one of them, which is chosen before the start.
+        marked: tiles of ``encoding.vector`` for which ``local_grid`` has ``marks``. Making vectors
+            from marks is several times as fast as from codes. By default, and on very large floors,
+            ``local_grid`` has codes.
 
     Raises:
-        ValueError: a value that is not allowed; also as ``LayoutError`` or ``BackendError``.
-        TypeError: an argument of another type.
+        ValueError: an argument is not allowed; it may be a ``LayoutError`` or ``BackendError``.
+        TypeError: an argument has the wrong type.
 
     Example:
         >>> from warehouse_core import BatchEnv
@@ -318,16 +318,18 @@ class BatchEnv(ArrayEnv[ObservationArrays]):
         self.max_steps = whole_number("max_steps", max_steps, 1, MAX_STEPS)
         self.max_battery = whole_number("battery", battery, 1, MAX_STEPS)
         self.view_radius = whole_number("view_radius", view_radius, 0, MAX_VIEW_RADIUS)
-        self.randomize, drawn = randomize, what_is_drawn(randomize)
+        self.randomize, randomized = randomize, randomized_parts(randomize)
         if pool is not None:
             check_pool(pool, layout, start_pos)
         rows = one_layout_each(pool[0] if pool else layout, num_envs)
-        layouts = LayoutSet(rows, pool or (), bare=drawn.stations)
-        draws = EpisodeDraws(layouts, start_pos, drawn)
+        layouts = LayoutSet(rows, pool or (), bare=randomized.stations)
+        draws = EpisodeDraws(layouts, start_pos, randomized)
         marked = sequence_of("marked", marked, str)
         for tile in marked:
             one_of("marked", tile, TILES)
-        floor = BatchFloor(layouts, self.view_radius, moving_stations=drawn.stations, tiles=marked)
+        floor = BatchFloor(
+            layouts, self.view_radius, moving_stations=randomized.stations, tiles=marked
+        )
         motion = make_batch_motion(backend, layouts.rows)
         if pool is not None and not motion.changes_layouts:
             raise BackendError(
@@ -339,20 +341,20 @@ class BatchEnv(ArrayEnv[ObservationArrays]):
 
     @property
     def seeds(self) -> tuple[int, ...]:
-        """The seed of each row, which is random if none was given."""
+        """The seed of each row, random for rows without a given seed."""
         return tuple(map(self._lone.draws.seed_of, range(self.num_envs)))
 
     @property
     def streams(self) -> tuple[np.random.Generator, ...]:
-        """The random stream of each row, from which ``reset`` draws its starts."""
+        """The random stream of each row, which ``reset`` uses."""
         return tuple(map(self._lone.draws.stream, range(self.num_envs)))
 
     def row(self, row: int) -> tuple[Layout, WarehouseState]:
-        """Return the layout and the state of one row; negative ones count from the end.
+        """Return the layout and the state of a row; negative numbers count from the end.
 
         Raises:
-            EndedError: before a reset.
-            ValueError: there is no such row.
+            EndedError: the batch has not been reset yet.
+            ValueError: the row does not exist.
         """
         self._check_started("row")
         return self._lone.state(whole_number("row", row, -self.num_envs, self.num_envs - 1))

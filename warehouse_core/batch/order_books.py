@@ -1,4 +1,4 @@
-"""The order books of ``B`` fleets, and the stations that their orders make of cells."""
+"""The order books of ``B`` fleets, and the stations that result from their orders."""
 
 from __future__ import annotations
 
@@ -10,23 +10,24 @@ from warehouse_core.batch.fleet_settings import FleetSettings
 from warehouse_core.batch.floor import NO_CELL, FleetFloor
 from warehouse_core.orders.book import NEVER, NONE, OrderBook
 from warehouse_core.orders.order import Order, OrderQueue, OrderStream
-from warehouse_core.orders.sources import DrawnOrders, ListedOrders, QueuedOrders
+from warehouse_core.orders.sources import ListedOrders, QueuedOrders, RandomOrders
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tables import Integers, LayoutSet
 
 
 class OrderBooks:
-    """An ``OrderBook`` for each of ``B`` floors, and what it means to their ``N`` robots.
+    """An ``OrderBook`` for each of ``B`` floors, and the stations of their ``N`` robots.
 
-    A cell is a pickup to a robot where an order waits for it, and a dropoff where its order is due.
+    A cell is a pickup for a robot if an order for it waits there, and a dropoff if its order is to
+    be delivered there.
 
     Attributes:
-        books: ``B`` books of the present episodes.
-        due: ``[N]`` int32, the step by which the robot's order is due, or ``NONE``.
-        all_delivered: ``[B]`` bool, whether all orders of a list are delivered; a stream has no
-            end.
-        rest_is_lost: ``[B]`` bool, whether all orders of a list are delivered but for those that
-            are lost, one or more.
+        books: ``B`` books of the current episodes.
+        due: ``[N]`` int32, step by which the robot's order is due, or ``NONE``.
+        all_delivered: ``[B]`` flags of floors where all orders of a list are delivered. Streams and
+            queues have no end.
+        rest_is_lost: ``[B]`` flags of floors where at least one order of a list is lost and all
+            others are delivered.
     """
 
     def __init__(self, layouts: LayoutSet, settings: FleetSettings, floor: FleetFloor) -> None:
@@ -42,7 +43,7 @@ class OrderBooks:
         self._touched: set[int] = set()
 
     def begin(self, floor: int, stream: np.random.Generator) -> None:
-        """Draw the orders of a new episode on a floor."""
+        """Start an episode on a floor with new orders."""
         for cell in self.books[floor].waiting_at:
             self._floor.set_waiting(floor, cell, False)
         book = self.books[floor] = self._new_book(floor, stream)
@@ -50,10 +51,12 @@ class OrderBooks:
         self._update(floor)
 
     def release(self, steps: Integers, cells: Integers, out: Integers) -> None:
-        """Let orders appear and, if it is so set, assign open orders to robots without one.
+        """Release orders and, with ``dispatch``, assign open orders to robots without one.
 
-        ``steps`` are ``[B]``, the ``cells`` of the robots ``[N]``, and ``out`` the rows of those
-        that cannot drive any more.
+        Args:
+            steps: ``[B]`` steps taken on each floor.
+            cells: ``[N]`` cells of the robots.
+            out: rows of robots that can no longer drive.
         """
         for floor in self._touched:
             self._update(floor)
@@ -73,16 +76,16 @@ class OrderBooks:
             self._update(floor)
 
     def take(self, row: int, cell: int, step: int) -> bool:
-        """Give a robot the order that waits for it where it is; return whether there was one.
+        """Let a robot pick up an item at its cell, and return whether it has done so.
 
-        After this and ``deliver`` the stations are those from before until ``release``.
+        After this and after ``deliver`` the stations stay unchanged until ``release``.
         """
         floor, robot = divmod(row, self._robots)
         self._touched.add(floor)
         return self.books[floor].take(robot, cell, step)
 
     def deliver(self, row: int, step: int) -> int:
-        """Book the delivery of what a robot carries; return by how many steps it is late."""
+        """Record the delivery of a robot's item, and return the steps by which it is late."""
         floor, robot = divmod(row, self._robots)
         book = self.books[floor]
         order = book.deliver(robot, step)
@@ -90,12 +93,12 @@ class OrderBooks:
         return max(step - int(book.orders.due[order]), 0)
 
     def assign(self, floor: int, robot: int, order: int | None) -> None:
-        """Let an order wait for one robot only; see ``OrderBook.assign``."""
+        """Assign an order to a robot; see ``OrderBook.assign``."""
         self.books[floor].assign(robot, order)
         self._update(floor)
 
     def strand(self, rows: Integers) -> None:
-        """Give back the orders of robots that cannot drive any more, until ``release``."""
+        """Give back the orders of robots that can no longer drive and carry no item."""
         for row in rows.tolist():
             floor, robot = divmod(row, self._robots)
             book = self.books[floor]
@@ -105,9 +108,14 @@ class OrderBooks:
                 self._touched.add(floor)
 
     def lose(self, rows: Integers, cells: Integers) -> list[int]:
-        """Let orders be lost, see ``OrderBook.lose``; return rows of robots that carried one.
+        """Give up the orders that robots hold or block; see ``OrderBook.lose``.
 
-        ``rows`` are of robots that cannot drive any more, and ``cells`` where they are.
+        Args:
+            rows: rows of robots that can no longer drive.
+            cells: cells of these robots.
+
+        Returns:
+            Rows of the other robots, which have lost the items that they carried.
         """
         freed, floors = list[int](), rows // self._robots
         for floor in np.unique(floors).tolist():
@@ -125,7 +133,7 @@ class OrderBooks:
         return OrderBook(orders, self._robots, self._layouts.kinds[kind], more)
 
     def _update(self, floor: int) -> None:
-        """Bring stations and arrays up to date with what has changed in a book."""
+        """Update the stations and arrays after changes in a book."""
         book = self.books[floor]
         robots, cells = book.changed
         for cell in cells:
@@ -141,7 +149,7 @@ class OrderBooks:
         self._next_release[floor] = book.next_release
 
     def _set_orders(self, floor: int, book: OrderBook, robots: Integers) -> None:
-        """Bring due times and stations of some robots up to date."""
+        """Update the due times and stations of some robots."""
         orders, rows = book.order_of[robots], floor * self._robots + robots
         has_order = orders != NONE
         held, known = orders[has_order], book.orders
@@ -153,12 +161,12 @@ class OrderBooks:
         self._is_idle[floor, robots] = ~has_order
 
 
-def _source(layout: Layout, settings: FleetSettings) -> ListedOrders | DrawnOrders | QueuedOrders:
+def _source(layout: Layout, settings: FleetSettings) -> ListedOrders | RandomOrders | QueuedOrders:
     orders = settings.orders
     if isinstance(orders, OrderQueue):
         return QueuedOrders(orders, layout)
     streams = [order for order in orders or () if isinstance(order, OrderStream)]
     if streams:
-        return DrawnOrders(streams, layout, settings.max_steps)
+        return RandomOrders(streams, layout, settings.max_steps)
     listed = [order for order in orders or () if isinstance(order, Order)]
     return ListedOrders(listed, layout, settings.robots)

@@ -1,7 +1,7 @@
-"""People, who walk on a floor among its robots and whom nobody commands.
+"""People who walk on a floor among its robots, and whom nobody controls.
 
-To the motion a person is one more robot, without an item. People are never hurt: by the table of
-traffic, or by what bodies do, whoever would run into one is blocked.
+For the motion a person is another robot without an item. People are never hurt: the rules of right
+of way, or the bodies of a physical backend, block every robot that would run into a person.
 """
 
 from __future__ import annotations
@@ -21,24 +21,25 @@ from warehouse_core.world.tables import Flags, Integers, LayoutSet, sides_table,
 from warehouse_core.world.tiles import Cell
 
 MAX_GOALS = 32
-"""Limit on the stations of a layout between which people walk; more are left out evenly."""
+"""Limit on the stations between which people walk. Of more stations, an even selection is used."""
 
 MAX_GOAL_CELLS = 2**26
-"""Limit on the product of these stations and the cells of the layout, 4 bytes each."""
+"""Limit on the number of these stations times the cells of the layout, at 4 bytes each."""
 
 AHEAD, ASIDE, BACK = 8.0, 1.0, 0.05
-"""Weights with which a person draws one of the open directions."""
+"""Weights of the open directions in the random choice of a person."""
 
 NUMBERS = WAIT + 2
-"""Random numbers of a person in a step: one for each direction, one for a pause, one for a goal."""
+"""Random numbers of a person in a step: one per direction, one for a pause, one for a goal."""
 
 
 class Walkers:
-    """The people on ``B`` floors, ``P`` on each; arrays are ``[B, P]``.
+    """The people on ``B`` floors, ``P`` on each, in arrays ``[B, P]``.
 
     Attributes:
-        cells: cells in which they are, numbered within their layouts.
-        ends: cells in which their next moves begin; others if the motion drives through cells.
+        cells: cells of the people, numbered within their layouts.
+        ends: cells where their next moves begin. They differ from ``cells`` if the motion drives
+            through cells.
     """
 
     def __init__(self, people: People, layouts: LayoutSet) -> None:
@@ -52,27 +53,27 @@ class Walkers:
         self._base = layouts.base[:, None]
         self._sides = sides_table(layouts.kinds)
         if self._walks_to_stations:
-            self._ways = _ShortestWays(layouts)
+            self._paths = _ShortestPaths(layouts)
 
     def enter(self, floor: int, cells: Integers, stream: np.random.Generator) -> None:
-        """Put the people of a floor in their cells; they draw from ``stream`` from now on."""
+        """Place the people of a floor in their cells, with ``stream`` for their random numbers."""
         self.cells[floor] = self.ends[floor] = cells
         self._last[floor], self._is_blocked[floor] = WAIT, False
         self._streams[floor] = stream
         if self._walks_to_stations:
-            self._goals[floor] = self._ways.goals(floor, stream.random(len(cells)))
+            self._goals[floor] = self._paths.goals(floor, stream.random(len(cells)))
 
     def actions(self) -> NDArray[np.intp]:
-        """Return what each of them does in this step, 0 to 4."""
+        """Return the action of each person in this step, 0 to 4, ``[B, P]``."""
         uniforms = np.array(
             [stream.random((self.cells.shape[1], NUMBERS)) for stream in self._streams]
         )
         weights = self._to_stations(uniforms[..., -1]) if self._walks_to_stations else self._ahead()
-        # Who could not move turns any way, and so out of the way of robots that wait.
+        # A blocked person may turn in any direction, and so makes way for waiting robots.
         weights = np.where(self._is_blocked[..., None], ASIDE, weights)
         weights *= self._sides.take(self._base + self.ends, axis=0)
         with np.errstate(divide="ignore"):
-            # The least of exponential times is that of each direction in proportion to its weight.
+            # Each direction has the least of these exponential times in proportion to its weight.
             times = -np.log1p(-uniforms[..., :WAIT]) / weights
         actions: NDArray[np.intp] = np.argmin(times, axis=-1)
         still = (uniforms[..., WAIT] < self._pause) | ~weights.any(axis=-1)
@@ -82,26 +83,27 @@ class Walkers:
         return actions
 
     def move(self, cells: Integers, ends: Integers) -> None:
-        """Note where they are after a step, and where their next moves begin."""
+        """Store the cells of people after a step, and the cells where their next moves begin."""
         self._is_blocked = self._moves & (ends == self.ends)
         self.cells, self.ends = cells.astype(np.intp), ends.astype(np.intp)
 
     def _ahead(self) -> NDArray[np.float64]:
-        """Return the weights of the directions for those who walk along aisles."""
+        """Return the weights of the directions for people who walk along aisles."""
         return _AHEAD.take(self._last, axis=0)
 
     def _to_stations(self, uniforms: NDArray[np.float64]) -> NDArray[np.float64]:
-        """Return the weights for those who walk to stations; who has arrived gets another goal."""
-        ways, floors = self._ways, np.arange(len(self.cells))[:, None]
-        arrived = ways.has_arrived(floors, self._goals, self.ends)
-        self._goals = np.where(arrived, ways.others(floors, self._goals, uniforms), self._goals)
-        return ways.weights(floors, self._goals, self.ends)
+        """Return the weights for people who walk to stations, after giving new goals on arrival."""
+        paths, floors = self._paths, np.arange(len(self.cells))[:, None]
+        arrived = paths.has_arrived(floors, self._goals, self.ends)
+        self._goals = np.where(arrived, paths.others(floors, self._goals, uniforms), self._goals)
+        return paths.weights(floors, self._goals, self.ends)
 
 
-class _ShortestWays:
-    """The shortest ways to the stations of each layout; open cells if it has fewer than two.
+class _ShortestPaths:
+    """The shortest paths to the goals of people in each layout.
 
-    ``floors``, ``goals`` and ``cells`` are arrays of one shape, or broadcast to one.
+    Goals are stations, or any open cells if a layout has fewer than two stations. ``floors``,
+    ``goals`` and ``cells`` are arrays that can be broadcast to one shape.
     """
 
     def __init__(self, layouts: LayoutSet) -> None:
@@ -120,17 +122,17 @@ class _ShortestWays:
         return goals
 
     def others(self, floors: Any, goals: Integers, uniforms: NDArray[np.float64]) -> Integers:
-        """Return for each goal another one at random, or the same if there is no other."""
+        """Return a random other goal for each goal, or the same one if there is no other."""
         count = self._count[floors]
         others: Integers = (goals + 1 + (uniforms * (count - 1)).astype(np.intp)) % count
         return others
 
     def has_arrived(self, floors: Any, goals: Integers, cells: Integers) -> NDArray[np.bool_]:
-        """Return whether the cells are the goals."""
+        """Return whether each cell is the goal."""
         return self._is_goal.take(self._places(floors, goals, cells))
 
     def weights(self, floors: Any, goals: Integers, cells: Integers) -> NDArray[np.float64]:
-        """Return the weights ``[..., 4]`` of the directions: towards the goal, or else aside."""
+        """Return the weights ``[..., 4]`` of the directions, large towards the goal."""
         nearer = self._is_nearer.take(self._places(floors, goals, cells), axis=0)
         return np.where(nearer, AHEAD, BACK)
 
@@ -140,7 +142,7 @@ class _ShortestWays:
 
 
 def _goals(layout: Layout) -> list[Cell]:
-    """Return the stations of a layout, at most ``MAX_GOALS``, or else open cells."""
+    """Return at most ``MAX_GOALS`` stations of a layout, or open cells without two stations."""
     cells: Sequence[Cell] = layout.pickups + layout.dropoffs
     if len(cells) < 2:
         cells = [layout.open_cell(rank) for rank in range(len(layout.open_cells))]
@@ -149,7 +151,7 @@ def _goals(layout: Layout) -> list[Cell]:
 
 
 def _is_nearer(field: NDArray[np.float64]) -> NDArray[np.bool_]:
-    """Return whether the N, E, S and W neighbours of each cell are nearer, ``[H * W, 4]``."""
+    """Return ``[H * W, 4]``, whether the N, E, S and W neighbours of each cell are nearer."""
     around = np.pad(field, 1, constant_values=np.inf)
     height, width = field.shape
     sides = [
@@ -161,16 +163,16 @@ def _is_nearer(field: NDArray[np.float64]) -> NDArray[np.bool_]:
 
 
 _AHEAD = np.full((WAIT + 1, WAIT), ASIDE)
-"""Weights of the directions after each action; all are equal before the first."""
+"""Weights of the directions after each action; before the first action all are equal."""
 _AHEAD[range(WAIT), range(WAIT)] = AHEAD
 _AHEAD[range(WAIT), [2, 3, 0, 1]] = BACK
 
 
 class MingledMotion(BaseBatchMotion):
-    """Moves ``R`` robots among ``P`` people on each floor; see ``BatchMotion``.
+    """Motion of ``R`` robots among ``P`` people on each floor; see ``BatchMotion``.
 
-    The motion that it is made of moves ``R + P`` bodies on each floor, the robots first. People
-    enter before robots are placed.
+    It wraps a motion of ``R + P`` bodies on each floor, of which the robots are first. People enter
+    before robots are placed.
     """
 
     def __init__(self, motion: BaseBatchMotion, robots: int, walkers: Walkers) -> None:
@@ -180,7 +182,7 @@ class MingledMotion(BaseBatchMotion):
     def place(
         self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
     ) -> None:
-        """Put robots and people of some floors in their cells; see ``BatchMotion.place``."""
+        """Place the robots and people of some floors in their cells; see ``BatchMotion.place``."""
         floors = rows[:: self._robots] // self._robots
         bodies = floors[:, None] * self._bodies + np.arange(self._bodies)
         people = self._walkers.cells[floors]
@@ -202,12 +204,12 @@ class MingledMotion(BaseBatchMotion):
         self._motion.face(self._joined(actions, np.full_like(self._walkers.cells, WAIT)))
 
     def fail(self, rows: Integers) -> None:
-        """Let robots stay where they are for good; see ``BaseBatchMotion.fail``."""
+        """Stop some robots for good; see ``BaseBatchMotion.fail``."""
         floors, robots = np.divmod(rows, self._robots)
         self._motion.fail(floors * self._bodies + robots)
 
     def outcomes(self, floor: int) -> Sequence[Outcome]:
-        """Return what the robots of a floor, and then its people, did."""
+        """Return the last outcomes of the robots on a floor, and then of its people."""
         return self._motion.outcomes(floor)
 
     def close(self) -> None:
@@ -215,13 +217,13 @@ class MingledMotion(BaseBatchMotion):
         self._motion.close()
 
     def _joined(self, robots: NDArray[Any], people: NDArray[Any]) -> NDArray[Any]:
-        """Return the values of all bodies, from robots ``[F * R]`` and people ``[F, P]``."""
+        """Join values of robots ``[F * R]`` and people ``[F, P]`` into values of all bodies."""
         return np.hstack([np.reshape(robots, (len(people), -1)), people]).ravel()
 
     def _of_people(self, bodies: NDArray[Any]) -> NDArray[Any]:
-        """Return the values of the people ``[F, P]`` from the values of all bodies."""
+        """Return the values of people ``[F, P]``, given the values of all bodies."""
         return bodies.reshape(-1, self._bodies)[:, self._robots :]
 
     def _of_robots(self, bodies: NDArray[Any]) -> NDArray[Any]:
-        """Return the values of the robots ``[N]`` from the values of all bodies."""
+        """Return the values of robots ``[N]``, given the values of all bodies."""
         return bodies.reshape(-1, self._bodies)[:, : self._robots].ravel()

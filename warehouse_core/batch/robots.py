@@ -1,4 +1,4 @@
-"""Robots as arrays: one step of the rules for all of them, and what they observe."""
+"""Robots as arrays, with a step of the rules for all of them, and their observations."""
 
 from __future__ import annotations
 
@@ -20,11 +20,11 @@ Counts = NDArray[np.int32]
 
 
 class RobotArrays:
-    """``N`` robots, moved together and judged by the rules of ``task/rules.py``.
+    """``N`` robots that move together and are judged with the rules of ``task/rules.py``.
 
     Attributes:
-        cells: ``[N]``, numbered within their layouts.
-        has_item: ``[N]`` bool.
+        cells: ``[N]`` cells of the robots, numbered within their layouts.
+        has_item: ``[N]`` flags of robots that hold an item.
     """
 
     def __init__(self, floor: BatchFloor, motion: BaseBatchMotion, count: int) -> None:
@@ -35,7 +35,7 @@ class RobotArrays:
     def place(
         self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
     ) -> None:
-        """Put some of the robots in their cells, without an item; see ``BatchMotion.place``."""
+        """Place some of the robots in their cells, without an item; see ``BatchMotion.place``."""
         self.motion.place(rows, cells, seeds)
         self.cells = self.cells.copy()  # see ``BatchFloor.stations``
         self.cells[rows] = cells
@@ -47,15 +47,16 @@ class RobotArrays:
         """Carry out one action, 0 to 6, for each robot.
 
         Returns:
-            The outcome of the motion, the rewards, whether each robot has delivered its item, and
-            whether it charges, ``None`` if no floor has a charger. The arrays belong to the caller.
+            The outcome of the motion, the rewards, flags of robots that have delivered their
+            items, and flags of robots that charge. The last is ``None`` if no floor has a charger.
+            The arrays belong to the caller.
         """
         return self._carry_out(actions, actions)
 
     def _carry_out(
         self, moves: Integers, actions: Integers
     ) -> tuple[BatchOutcome, NDArray[np.float64], Flags, Flags | None]:
-        """Let the motion carry out ``moves``, and judge the robots by ``actions``; see ``step``."""
+        """Carry out ``moves``, and judge the robots as if they did ``actions``; see ``step``."""
         outcome = self.motion.advance(moves, self.has_item)
         self.cells = outcome.cells
         on = self.floor.stations(self.cells)
@@ -67,13 +68,16 @@ class RobotArrays:
         return outcome, rewards, delivered, charges
 
     def masks(self) -> NDArray[np.int8]:
-        """Return ``[N, 7]`` int8: 1 for each action that does something now."""
+        """Return the masks ``[N, 7]`` int8: 1 for each action with an effect."""
         return self.floor.masks(self.cells, self.has_item)
 
     def observe(self, rows: Rows, battery: Counts, steps: Counts) -> ObservationArrays:
-        """Return fresh arrays of what some of the robots observe.
+        """Return the observations of some robots, as new arrays.
 
-        ``battery`` and ``steps``, ``[N, 1]``, are the units that they have left and steps taken.
+        Args:
+            rows: rows of the robots.
+            battery: ``[N, 1]`` battery units left.
+            steps: ``[N, 1]`` steps taken.
         """
         floor, cells, has_item = self.floor, self.cells[rows], self.has_item[rows]
         places = floor.places(rows, cells)
@@ -92,19 +96,19 @@ class RobotArrays:
 _IS_TURN = COUNTS_AS < WAIT
 _IS_TURN[:, FORWARD] = False
 _MOVES = np.where(_IS_TURN, WAIT, COUNTS_AS)
-"""Index in ``ACTIONS`` of what the motion carries out, by heading and action."""
+"""``[heading, action]``, index in ``ACTIONS`` of the move that the motion carries out."""
 
 _TURNS = np.where(_IS_TURN, HEADING_AFTER, WAIT)
-"""Direction that the motion turns a robot to, by heading and action; see ``face``."""
+"""``[heading, action]``, direction to which the motion turns a robot; see ``face``."""
 
 
 class HeadedRobots(RobotArrays):
-    """``N`` robots with headings; their actions are ``TURN_ACTIONS``.
+    """``N`` robots with headings, whose actions are ``TURN_ACTIONS``.
 
-    A motion whose robots cannot turn waits in place of a turn.
+    If the motion does not support turns, its robots wait instead.
 
     Attributes:
-        headings: ``[N]``, 0 to 3 for N, E, S and W.
+        headings: ``[N]`` headings, 0 to 3 for N, E, S and W.
     """
 
     def __init__(self, floor: BatchFloor, motion: BaseBatchMotion, count: int) -> None:
@@ -114,7 +118,7 @@ class HeadedRobots(RobotArrays):
     def place(
         self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
     ) -> None:
-        """Put some of the robots in their cells, heading east; see ``RobotArrays.place``."""
+        """Place some of the robots in their cells, heading east; see ``RobotArrays.place``."""
         super().place(rows, cells, seeds)
         self.headings[rows] = EAST
 
@@ -128,7 +132,7 @@ class HeadedRobots(RobotArrays):
         return self._carry_out(_MOVES.take(entries), COUNTS_AS.take(entries))
 
     def masks(self) -> NDArray[np.int8]:
-        """Return ``[N, 6]`` int8: 1 for each action that does something now."""
+        """Return the masks ``[N, 6]`` int8: 1 for each action with an effect."""
         by_compass = super().masks()
         masks = np.ones((len(by_compass), len(TURN_ACTIONS)), np.int8)
         masks[:, FORWARD] = by_compass[np.arange(len(masks)), self.headings]
@@ -136,7 +140,7 @@ class HeadedRobots(RobotArrays):
         return masks
 
     def observe(self, rows: Rows, battery: Counts, steps: Counts) -> FleetArrays:
-        """Return what some of the robots observe, headings too; see ``RobotArrays.observe``."""
+        """Return observations including headings; see ``RobotArrays.observe``."""
         observed = cast(FleetArrays, super().observe(rows, battery, steps))
         observed["heading"] = self.headings[rows].astype(np.int64)
         return observed

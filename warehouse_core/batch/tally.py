@@ -1,4 +1,4 @@
-"""Counts of what the robots of a fleet do, and the measures made from them."""
+"""Counts of the steps of a fleet's robots, and the measures that follow from them."""
 
 from __future__ import annotations
 
@@ -15,37 +15,37 @@ from warehouse_core.world.moves import ActionSet
 from warehouse_core.world.tables import Flags, Integers
 
 MOVED, WAITED, CHARGED, BY_WALL, BY_ROBOT, BY_PERSON, HANDLED, BUSY, ENDED, TURNED = range(10)
-"""Kinds of a robot's steps. A robot without an action of its own is busy while it drives on, or
-still picks or drops; one that has ended does nothing."""
+"""Kinds of a robot's steps. A robot that waits is busy while it still drives, picks or drops. A
+robot that has ended does nothing."""
 
 _KINDS = {"RIGHT": TURNED, "LEFT": TURNED, "WAIT": WAITED, "PICK": HANDLED, "DROP": HANDLED}
-"""Kinds of steps of actions that are no moves, for a robot that does not charge."""
+"""Kinds of the actions that are not moves, for robots that do not charge."""
 
 SECONDS_PER_HOUR = 3600.0
 
 
 @dataclass(frozen=True)
 class FleetMeasures:
-    """How well a fleet has done; a value that nothing was measured for is ``nan``.
+    """The performance of a fleet in an episode. Measures without any data are ``nan``.
 
     Attributes:
         steps: joint steps taken.
-        seconds: simulated time: each joint step lasts until its slowest robot is at rest.
+        seconds: simulated time. Each joint step lasts as long as its slowest robot needs.
         orders: number of orders released.
         delivered: number of items delivered.
-        per_hour: items delivered in an hour of simulated time.
-        mean_lateness: mean of the steps by which deliveries were late; a delivery on time counts 0.
+        per_hour: throughput, the items delivered per hour of simulated time.
+        mean_lateness: mean number of steps by which deliveries were late; 0 for those on time.
         worst_lateness: largest number of steps by which a delivery was late.
-        on_time: share of the deliveries that were not late, 0 to 1.
+        on_time: share of deliveries that were not late, 0 to 1.
         joules: energy of all motions.
-        joules_per_delivery: energy of all motions for each item delivered.
-        blocked_by_wall, blocked_by_robot, blocked_by_person: moves that were blocked.
-        waits: steps in which a robot was at rest and waited, not on a charger.
-        charging: steps in which a robot charged.
-        distance: cells driven.
-        stranded: robots whose battery is empty, or which have failed.
-        lost: orders that will never be delivered: a stranded robot carries the item, is the only
-            one that may take it, or stands where it is to be picked or dropped.
+        joules_per_delivery: energy of all motions per delivered item.
+        blocked_by_wall, blocked_by_robot, blocked_by_person: number of blocked moves by obstacle.
+        waits: number of steps in which a robot waited at rest, but not on a charger.
+        charging: number of steps in which a robot charged.
+        distance: number of cells driven.
+        stranded: number of robots with an empty battery or a failure.
+        lost: number of orders that will never be delivered, because a robot counted in ``stranded``
+            carries the item, is the only one that may take it, or blocks its pickup or dropoff.
 
     Example:
         >>> from warehouse_core import FleetEnv
@@ -77,11 +77,11 @@ class FleetMeasures:
 
 
 class Tally:
-    """Counts for ``R`` robots on each of ``B`` floors."""
+    """Counts of the steps of ``R`` robots on each of ``B`` floors."""
 
     def __init__(self, floors: int, robots: int, people: int, actions: ActionSet) -> None:
         self._robots = robots
-        # WALL is a negative index, which counts from the end, as does NOTHING.
+        # WALL and NOTHING are negative indices, which count from the end.
         self._kinds_by = np.array(
             [BY_ROBOT] * robots + [BY_PERSON] * people + [BY_WALL, MOVED], np.intp
         )
@@ -93,7 +93,7 @@ class Tally:
         self._deliveries = np.zeros(floors, np.int64)
 
     def clear(self, floors: Integers) -> None:
-        """Start again on some floors."""
+        """Reset the counts of some floors."""
         rows = (floors[:, None] * self._robots + np.arange(self._robots)).ravel()
         self._counts[rows], self._joules[rows] = 0, 0.0
         self._seconds[floors], self._deliveries[floors] = 0.0, 0
@@ -106,9 +106,14 @@ class Tally:
         delivered: Flags,
         ended: Integers,
     ) -> None:
-        """Count one step of all robots, ``[N]``; the rows ``ended`` had ended before.
+        """Count one step of all ``N`` robots.
 
-        ``charging`` is ``None`` on floors without chargers.
+        Args:
+            actions: ``[N]`` actions of the robots.
+            outcome: outcomes of the motion.
+            charging: ``[N]`` flags of robots that charge; ``None`` on floors without chargers.
+            delivered: ``[N]`` flags of robots that deliver.
+            ended: rows of robots that had ended before the step.
         """
         did = self._kinds.take(actions)
         if outcome.driving is not None:
@@ -117,7 +122,7 @@ class Tally:
             did[charging] = CHARGED
         blocked = outcome.blocked.nonzero()[0]
         if len(blocked):
-            assert outcome.stopped_by is not None, "the motion of a fleet tells it"
+            assert outcome.stopped_by is not None, "motions of fleets set it"
             did[blocked] = self._kinds_by[outcome.stopped_by[blocked]]
         did[ended] = ENDED
         self._counts.reshape(-1)[self._first_counts + did] += 1
@@ -127,13 +132,16 @@ class Tally:
         self._seconds += np.maximum.reduce(outcome.seconds.reshape(-1, self._robots), axis=1)
 
     def counts(self, floor: int) -> NDArray[np.int64]:
-        """Return how often each robot of a floor did what, ``[10, R]``; see ``MOVED``."""
+        """Return ``[10, R]``, the steps of each kind for each robot on a floor; see ``MOVED``."""
         return self._counts[floor * self._robots : (floor + 1) * self._robots].T.copy()
 
     def measures(self, floor: int, steps: int, orders: Sequence[Order] | None) -> FleetMeasures:
-        """Return the measures of a floor, but for ``stranded`` and ``lost``.
+        """Return the measures of a floor, except ``stranded`` and ``lost``.
 
-        ``orders`` are all orders released, or ``None`` for a fleet without orders.
+        Args:
+            floor: number of the floor.
+            steps: joint steps taken.
+            orders: all released orders; ``None`` for a fleet without orders.
         """
         done = self.counts(floor).sum(axis=1).tolist()
         seconds = float(self._seconds[floor])

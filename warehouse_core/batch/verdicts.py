@@ -1,4 +1,4 @@
-"""All verdicts of ``task/rules.py`` in tables, for many robots at once."""
+"""Tables of all verdicts of ``task/rules.py``, for many robots at once."""
 
 from __future__ import annotations
 
@@ -13,10 +13,10 @@ from warehouse_core.world.tables import Flags, Integers
 from warehouse_core.world.tiles import CELL_CODES, CHARGER, DROPOFF, EMPTY, PICKUP
 
 STATION_KINDS = (EMPTY, PICKUP, DROPOFF, PICKUP + DROPOFF, CHARGER)
-"""Kinds of cells that a robot can stand on; a batch uses the index.
+"""Kinds of cells on which a robot can stand. Batches use their indices.
 
-Orders can make a cell a pickup and a dropoff. A robot uses the pickup if it holds no item, and the
-dropoff if it holds one.
+With orders, a cell can be both a pickup and a dropoff. It counts as a pickup for a robot without an
+item, and as a dropoff for a robot with one.
 """
 
 NO_STATION = STATION_KINDS.index(EMPTY)
@@ -25,7 +25,7 @@ _BOTH = (False, True)
 
 
 def _tile(kind: str, has_item: bool) -> str:
-    """Return what a kind of station is to a robot."""
+    """Return the tile as which a kind of cell counts for a robot."""
     return kind[-1] if has_item else kind[0]
 
 
@@ -39,7 +39,7 @@ _DELIVERED = np.array([verdict.delivered for verdict in _VERDICTS])
 _CHARGES = np.array([verdict.charges for verdict in _VERDICTS])
 
 _MASK_BYTES = 8
-"""Bytes of a mask with padding: looking up eight bytes at once is much faster than seven."""
+"""Bytes of a mask with padding, because looking up eight bytes is much faster than seven."""
 
 _MASKS = np.array(
     [
@@ -56,33 +56,36 @@ _MASKS = np.array(
 def verdict_numbers(
     actions: Integers, stations: Integers, has_item: Flags, blocked: Flags
 ) -> Integers:
-    """Return the number of the verdict on each of ``[B]`` robots.
+    """Return the number of the verdict on each robot, ``[B]``.
 
-    ``stations`` are indices into ``STATION_KINDS``, what the robots stand on after their motion;
-    ``has_item`` is from before it.
+    Args:
+        actions: ``[B]`` indices into ``ACTIONS``.
+        stations: ``[B]`` indices into ``STATION_KINDS`` of the cells after the motion.
+        has_item: ``[B]`` flags of robots that held an item before the motion.
+        blocked: ``[B]`` flags of robots that were blocked.
     """
     numbers: Integers = ((actions * len(STATION_KINDS) + stations) * 2 + has_item) * 2 + blocked
     return numbers
 
 
 def judge_all(verdicts: Integers) -> tuple[NDArray[np.float64], Flags, Flags]:
-    """Return rewards, who holds an item now and who has delivered, ``[B]`` each; see ``judge``."""
+    """Return rewards, flags of held items and flags of deliveries, ``[B]`` each; see ``judge``."""
     return _REWARDS.take(verdicts), _HAS_ITEM.take(verdicts), _DELIVERED.take(verdicts)
 
 
 def charging(verdicts: Integers) -> Flags:
-    """Return whether ``[B]`` robots charge in a step; see ``rules.judge``."""
+    """Return the flags ``[B]`` of robots that charge in a step; see ``rules.judge``."""
     return _CHARGES.take(verdicts)
 
 
 def spend_and_charge(battery: Integers, capacity: int, charging: Flags) -> None:
-    """Change the units that ``[B]`` robots have left, in place, by one step.
+    """Update the battery units ``[B]`` in place for one step.
 
-    The step costs each of them one; those that are ``charging`` gain ``CHARGE``, up to the
-    capacity.
+    The step costs each robot one unit. Robots that are ``charging`` then gain ``CHARGE`` units, up
+    to the capacity.
     """
     battery -= 1
-    # Not the lower of full and charged, because that sum can exceed 32 bits.
+    # The sum of battery and charge is not computed first, because it could exceed 32 bits.
     battery += charging * np.minimum(capacity - battery, CHARGE)
 
 
@@ -93,16 +96,16 @@ _STATION_NUMBERS = np.array(
 
 
 def station_numbers(tiles: NDArray[np.uint8]) -> NDArray[np.int16]:
-    """Return the index into ``STATION_KINDS`` of ``[N]`` tiles given by their codes."""
+    """Return the indices ``[N]`` into ``STATION_KINDS`` of tiles, given by their codes."""
     return _STATION_NUMBERS.take(tiles)
 
 
 def sides_number(sides: Flags) -> NDArray[np.uint8]:
-    """Return ``[...]`` numbers from 0 to 15 for ``[..., 4]`` flags of open sides."""
+    """Return a number ``[...]`` from 0 to 15 for each four flags ``[..., 4]`` of open sides."""
     return (np.packbits(sides, axis=-1)[..., 0] >> 4).astype(np.uint8)
 
 
 def masks(sides: Integers, stations: Integers, has_item: Flags) -> NDArray[np.int8]:
-    """Return ``[B, 7]`` int8 masks of the actions that do something; see ``useful_actions``."""
+    """Return the masks ``[B, 7]`` int8 of actions with an effect; see ``useful_actions``."""
     index = (sides * len(STATION_KINDS) + stations) * 2 + has_item
     return _MASKS.take(index).view(np.int8).reshape(-1, _MASK_BYTES)[:, : len(ACTIONS)]

@@ -1,7 +1,7 @@
-"""Checks of a batch against single motions.
+"""Checks that compare a batch with single motions.
 
-A motion without a method ``batch``, or whose ``batch`` raises ValueError, passes the checks of lone
-robots; without a ``fleet_batch`` it passes the check of fleets.
+A motion passes the checks of single robots if it has no method ``batch``, or if ``batch`` raises
+ValueError. It passes the check of fleets if the same is true of ``fleet_batch``.
 """
 
 from __future__ import annotations
@@ -26,7 +26,7 @@ from warehouse_core.world.layout import Layout
 
 MOVES = 60
 TOLERANCE = 1e-6
-"""Relative difference allowed in seconds and joules; terms may be summed in another order."""
+"""Relative tolerance of seconds and joules, whose terms may be added in any order."""
 
 LAYOUTS = [MAZE, Layout(["#.#.", "....", "..#."]), MAZE, Layout(["."]), Layout(["......"]), MAZE]
 POOL = [Layout(rows) for rows in (["#.#.", "...."], ["..#.", ".##."], ["....", "...."])]
@@ -44,7 +44,7 @@ def check_a_batch_moves_as_single_motions_do(make_motion: MakeMotion) -> None:
 
 
 def check_a_batch_of_fleets_moves_as_single_motions_do(make_motion: MakeMotion) -> None:
-    """Each robot of a batch of fleets moves as in a single motion; `stopped_by` names its stop."""
+    """Each robot of a batch of fleets moves as in a single motion, with a valid `stopped_by`."""
     for robots in FLEET_SIZES:
         with ExitStack() as open_motions:
             batch = _fleet_batch_of(make_motion, open_motions, FLEET_LAYOUTS, robots)
@@ -56,7 +56,7 @@ def check_a_batch_of_fleets_moves_as_single_motions_do(make_motion: MakeMotion) 
 
 
 def check_a_batch_moves_in_changed_layouts(make_motion: MakeMotion) -> None:
-    """If a batch can change its layouts, its rows move as single motions do after a change too."""
+    """After a change of layouts, the rows of a batch still move like single motions."""
     before = [POOL[number % len(POOL)] for number in range(len(LAYOUTS))]
     with ExitStack() as open_motions:
         batch = _batch_of(make_motion, open_motions, before)
@@ -72,7 +72,7 @@ def check_a_batch_moves_in_changed_layouts(make_motion: MakeMotion) -> None:
 
 
 def check_a_closed_batch_does_not_move(make_motion: MakeMotion) -> None:
-    """Advancing a batch after a close raises RuntimeError; closing twice is allowed."""
+    """Advancing a closed batch raises RuntimeError; closing twice is allowed."""
     with ExitStack() as open_motions:
         batch = _batch_of(make_motion, open_motions, LAYOUTS)
         if batch is not None:
@@ -95,7 +95,7 @@ BATCH_CHECKS = (
 def _batch_of(
     make_motion: MakeMotion, open_motions: ExitStack, layouts: list[Layout]
 ) -> BaseBatchMotion | None:
-    """Return a batch of lone robots in these layouts, or ``None`` if the motion has none."""
+    """Return a batch with one robot in each layout, or ``None`` if the motion has no batch."""
     motion = open_motions.enter_context(closing(make_motion()))
     with suppress(ValueError):
         return _opened(with_defaults(motion).batch(layouts), open_motions)
@@ -105,7 +105,7 @@ def _batch_of(
 def _fleet_batch_of(
     make_motion: MakeMotion, open_motions: ExitStack, layouts: list[Layout], robots: int
 ) -> BaseBatchMotion | None:
-    """Return a batch of so many robots in each layout, or ``None`` if the motion has none."""
+    """Return a batch with several robots in each layout, or ``None`` if the motion has none."""
     motion = open_motions.enter_context(closing(make_motion()))
     with suppress(ValueError):
         return _opened(with_defaults(motion).fleet_batch(layouts, robots), open_motions)
@@ -113,7 +113,7 @@ def _fleet_batch_of(
 
 
 def _opened(batch: BaseBatchMotion | None, open_motions: ExitStack) -> BaseBatchMotion | None:
-    """Return a batch, which is closed at last, if there is one."""
+    """Return a batch with all defaults, and close it at the end; ``None`` if there is none."""
     if batch is None:
         return None
     complete: BaseBatchMotion = with_defaults(batch, BaseBatchMotion)
@@ -129,9 +129,10 @@ def _walk_side_by_side(
     moves: int = MOVES,
     fleet: BaseBatchMotion | None = None,
 ) -> None:
-    """Make the same random moves on both, and place the robots of some floors anew at times.
+    """Make the same random moves with a batch and with single motions, and compare them.
 
-    The paths and contacts of ``fleet``, the same batch if it moves fleets, are compared too.
+    Now and then, the robots of some floors are placed in new cells. If ``fleet`` is given, which is
+    the same batch for fleets, its ``stopped_by`` and ``outcomes`` are checked too.
     """
     fresh = list(range(len(layouts)))
     for _ in range(moves):
@@ -145,39 +146,39 @@ def _walk_side_by_side(
         outcome = batch.advance(np.array(actions), np.array(loaded))
         for floor, single in enumerate(singles):
             rows = range(floor * robots, (floor + 1) * robots)
-            ways = [DISPLACEMENTS[actions[row]] for row in rows]
-            each = single.advance(ways, [loaded[row] for row in rows])
+            chosen = [DISPLACEMENTS[actions[row]] for row in rows]
+            each = single.advance(chosen, [loaded[row] for row in rows])
             for row, expected in zip(rows, each, strict=True):
                 where = f"row {row} of a batch, action {ACTIONS[actions[row]]}"
                 _expect_equal(outcome, row, layouts[floor], expected, where)
                 if fleet is not None:
                     _expect_stop(outcome, row, robots, where)
                     again = fleet.outcomes(floor)[row % robots]
-                    expect(again[:2] == expected[:2], f"{where}: outcomes() gives {again[:2]}")
+                    expect(again[:2] == expected[:2], f"{where}: outcomes() returns {again[:2]}")
         fresh = [floor for floor in range(len(layouts)) if stream.random() < 0.1]
 
 
 def _expect_equal(
     outcome: BatchOutcome, row: int, layout: Layout, expected: Outcome, where: str
 ) -> None:
-    """Expect in a row of a batch what a single motion returned."""
+    """Expect that a row of a batch has the outcome of a single motion."""
     end = layout.cell(outcome.cells[row])
     expect(
         end == expected.cell and bool(outcome.blocked[row]) == expected.blocked,
         f"{where}: it ended in {end}, blocked {outcome.blocked[row]}; "
-        f"alone in {expected.cell}, blocked {expected.blocked}",
+        f"in a single motion in {expected.cell}, blocked {expected.blocked}",
     )
     seconds, joules = outcome.seconds[row], outcome.joules[row]
     got, wanted = np.array([seconds, joules]), np.array(expected[2:4])
     expect(
         bool((abs(got - wanted) <= TOLERANCE * wanted).all()),
         f"{where}: it took {seconds} s and {joules} J; "
-        f"alone {expected.seconds} s and {expected.joules} J",
+        f"in a single motion {expected.seconds} s and {expected.joules} J",
     )
 
 
 def _expect_stop(outcome: BatchOutcome, row: int, robots: int, where: str) -> None:
-    """Expect that a wall or another robot of the floor stopped a robot if it was blocked."""
+    """Expect that ``stopped_by`` is a wall or another robot for blocked robots only."""
     stop = None if outcome.stopped_by is None else int(outcome.stopped_by[row])
     others = {*range(robots), WALL} - {row % robots}
     expect(

@@ -1,7 +1,8 @@
-"""Checks of the rules in ``motion/base.py``; each raises if its rule is broken.
+"""Checks of the rules in ``motion/base.py``; each raises an error if its rule is broken.
 
-A check is called with a factory that returns a fresh motion at each call. Its docstring is its
-rule. ``suite.py`` runs ``CHECKS`` and the checks of batches in ``batch_checks.py``.
+The argument of a check is a factory that returns a new motion at each call. The docstring of a
+check states its rule. ``suite.py`` runs ``CHECKS`` and the checks of batches in
+``batch_checks.py``.
 """
 
 from __future__ import annotations
@@ -43,13 +44,13 @@ from warehouse_core.world.tiles import Cell
 Check = Callable[[MakeMotion], None]
 
 CENTRE_TOLERANCE = 0.1
-"""Largest distance from the middle, in cells; a driven robot stops within millimetres of it."""
+"""Largest distance from the middle in cells; bodies stop within millimetres of it."""
 JOIN_TOLERANCE = 1e-6
-"""Largest gap between two paths, in cells; rows at the same instant differ only by rounding."""
+"""Largest gap between two paths in cells; they differ only by rounding errors."""
 TIME_TOLERANCE = 1e-9
-"""Seconds by which times may differ; a sum of time steps and their product round differently."""
+"""Largest difference of times in seconds; sums and products of time steps round differently."""
 HEADING_TOLERANCE = 0.1
-"""Radians off east, 6 degrees; a robot held by a finite torque may face slightly off."""
+"""Largest angle to the east in radians, 6 degrees; finite torques hold bodies inexactly."""
 
 CLOSET = Layout(["###", "#.#", "###"])
 LEDGE = Layout(["."])
@@ -61,7 +62,7 @@ PILLARS = Layout([".#.#.#."] * 7)
 
 
 def check_reset_puts_robots_at_rest(make_motion: MakeMotion) -> None:
-    """A reset puts robots at rest in the middle of their cells, heading east."""
+    """A reset places robots at rest in the middle of their cells, heading east."""
     cells = [(1, 1), (3, 5), (6, 0)]
     with closing(make_motion()) as motion:
         outcomes_of(walk(motion, robots=4, moves=10))
@@ -81,13 +82,13 @@ def check_a_free_move_ends_in_the_next_cell(make_motion: MakeMotion) -> None:
 
 
 def check_a_wall_stops(make_motion: MakeMotion) -> None:
-    """A wall stops a robot: it stays, is blocked, and had contact with the wall."""
+    """A wall stops a robot: it stays, is blocked, and has contact with the wall."""
     for move in MOVES:
         _expect_stops(make_motion, CLOSET, [(1, 1)], [move], [WALL_CONTACT])
 
 
 def check_the_edge_stops(make_motion: MakeMotion) -> None:
-    """The edge of the grid stops a robot as a wall does."""
+    """The edge of the grid stops a robot like a wall."""
     for move in MOVES:
         _expect_stops(make_motion, LEDGE, [(0, 0)], [move], [WALL_CONTACT])
 
@@ -105,11 +106,11 @@ def check_a_move_costs_more_than_waiting(make_motion: MakeMotion) -> None:
             trial(make_motion, HALL, [(3, 3)], [displacement], loaded).outcomes[0].joules
             for displacement in (STAY, *MOVES)
         )
-        expect(min(moving) > waiting, f"moves cost {moving} J, waiting {waiting} J")
+        expect(min(moving) > waiting, f"moves cost {moving} J, and waiting costs {waiting} J")
 
 
 def check_a_new_layout_replaces_the_old(make_motion: MakeMotion) -> None:
-    """After a reset with another layout its walls stop robots, and the old ones do not."""
+    """After a reset with another layout, only the walls of the new layout stop robots."""
     with closing(make_motion()) as motion:
         for layout, stop in ((HALL, None), (PILLARS, WALL_CONTACT), (HALL, None)):
             motion.reset(layout, [(2, 2)], 0)
@@ -136,14 +137,23 @@ def check_paths_are_well_formed(make_motion: MakeMotion) -> None:
     """A path is [K >= 2, 4] float64, finite and read-only; its times rise from 0 to `seconds`."""
     for outcome in outcomes_of(survey(make_motion)):
         path = outcome.path
-        expect(isinstance(path, np.ndarray) and path.dtype == np.float64, "path is no float64")
-        expect(path.ndim == 2 and len(path) >= 2 and path.shape[1] == 4, f"shape {path.shape}")
-        expect(bool(np.isfinite(path).all()), "path has a number that is not finite")
-        expect(not path.flags.writeable, "path can be written to")
+        expect(
+            isinstance(path, np.ndarray) and path.dtype == np.float64,
+            "the path is not a float64 array",
+        )
+        expect(
+            path.ndim == 2 and len(path) >= 2 and path.shape[1] == 4,
+            f"the shape of the path is {path.shape}",
+        )
+        expect(bool(np.isfinite(path).all()), "the path has a number that is not finite")
+        expect(not path.flags.writeable, "the path can be written to")
         times = path[:, 0]
-        expect(times[0] == 0 and bool((np.diff(times) >= 0).all()), "times do not rise from 0")
+        expect(
+            times[0] == 0 and bool((np.diff(times) >= 0).all()),
+            "the times of the path do not rise from 0",
+        )
         end, seconds = float(times[-1]), outcome.seconds
-        expect(abs(end - seconds) <= TIME_TOLERANCE, f"path ends at {end} s of {seconds} s")
+        expect(abs(end - seconds) <= TIME_TOLERANCE, f"the path ends at {end} s of {seconds} s")
 
 
 def check_paths_join_up(make_motion: MakeMotion) -> None:
@@ -152,7 +162,9 @@ def check_paths_join_up(make_motion: MakeMotion) -> None:
     for step in survey(make_motion):
         for before, after in zip(previous if step.number else (), step.outcomes, strict=False):
             gap = math.dist(before.path[-1, 1:3], after.path[0, 1:3])
-            expect(gap <= JOIN_TOLERANCE * step.cell_size, f"a gap of {gap} m between paths")
+            expect(
+                gap <= JOIN_TOLERANCE * step.cell_size, f"there is a gap of {gap} m between paths"
+            )
         previous = step.outcomes
 
 
@@ -165,7 +177,7 @@ def check_paths_end_in_the_middle_of_a_cell(make_motion: MakeMotion) -> None:
 
 
 def check_paths_keep_out_of_walls(make_motion: MakeMotion) -> None:
-    """A path crosses open cells only."""
+    """A path crosses only open cells."""
     for step in survey(make_motion):
         for outcome in step.outcomes:
             for x, y in outcome.path[:, 1:3] / step.cell_size:
@@ -174,7 +186,7 @@ def check_paths_keep_out_of_walls(make_motion: MakeMotion) -> None:
 
 
 def check_contacts_are_well_formed(make_motion: MakeMotion) -> None:
-    """A blocked robot had a contact or gave way; each has a valid time, impulse, point and name."""
+    """A blocked robot had a contact or gave way. Each contact has valid values."""
     for step in survey(make_motion):
         for robot, outcome in enumerate(step.outcomes):
             explained = bool(outcome.contacts) or _gave_way(step, robot)
@@ -191,7 +203,7 @@ def check_contacts_are_well_formed(make_motion: MakeMotion) -> None:
 
 
 def check_outcomes_are_kept_as_they_were(make_motion: MakeMotion) -> None:
-    """An outcome does not change later, by moves or by a reset."""
+    """Later moves and resets do not change an outcome."""
     with closing(make_motion()) as motion:
         kept = [(o, o._replace(path=o.path.copy())) for o in outcomes_of(walk(motion, 2, 5))]
         outcomes_of(walk(motion, 2, 5, seed=1))
@@ -203,57 +215,57 @@ def check_outcomes_are_kept_as_they_were(make_motion: MakeMotion) -> None:
 
 
 def check_a_lone_robot_agrees_with_the_walls(make_motion: MakeMotion) -> None:
-    """A lone robot, empty or loaded, reaches the next cell unless that is a wall."""
+    """A single robot, empty or loaded, reaches the next cell unless that is a wall."""
     with closing(make_motion()) as motion:
         for step in walk(motion, robots=1, moves=400):
             expect_ends(step, [None if MAZE.is_open(step.wanted[0]) else WALL_CONTACT])
 
 
 def check_robots_agree_with_the_traffic_rule(make_motion: MakeMotion) -> None:
-    """Two to five robots end and are blocked by the table in `motion/traffic.py`."""
+    """Two to five robots move and are blocked according to the table in `motion/traffic.py`."""
     for step in crowds(make_motion):
         expect_ends(step, find_stops(MAZE, step.starts, step.wanted))
 
 
 def check_traffic_same_target(make_motion: MakeMotion) -> None:
-    """Of two robots that want the same cell, neither reaches it."""
+    """Two robots with the same target cell both stay."""
     _expect_stops(make_motion, HALL, [(3, 2), (3, 4)], [EAST, WEST], [1, 0])
 
 
 def check_traffic_head_on(make_motion: MakeMotion) -> None:
-    """Two robots that want each other's cells both stay."""
+    """Two robots whose targets are each other's cells both stay."""
     _expect_stops(make_motion, HALL, [(3, 3), (3, 4)], [EAST, WEST], [1, 0])
 
 
 def check_traffic_occupied(make_motion: MakeMotion) -> None:
-    """A queue behind a robot that stays is stopped, each robot by the one ahead."""
+    """A queue behind a robot that stays is stopped, each robot by the robot ahead."""
     _expect_stops(make_motion, HALL, [(3, 1), (3, 2), (3, 3)], [EAST, EAST, STAY], [1, 2, None])
 
 
 def check_traffic_following(make_motion: MakeMotion) -> None:
-    """A queue behind a robot that moves away moves with it."""
+    """A queue behind a robot that moves away follows it."""
     _expect_stops(make_motion, HALL, [(3, 1), (3, 2), (3, 3)], [EAST] * 3, [None] * 3)
 
 
 def check_traffic_cycle(make_motion: MakeMotion) -> None:
-    """Robots that all move on in a ring reach their cells."""
+    """Robots in a ring that all move on reach their target cells."""
     ring = [(3, 3), (3, 4), (4, 4), (4, 3)]
     _expect_stops(make_motion, HALL, ring, [EAST, SOUTH, WEST, NORTH], [None] * 4)
 
 
 def check_equal_runs_are_equal(make_motion: MakeMotion) -> None:
-    """The same seed and actions give the same outcomes, bit for bit, also in a fresh motion."""
+    """The same seed and actions give exactly the same outcomes, also in a new motion."""
     with closing(make_motion()) as one, closing(make_motion()) as other:
         first = outcomes_of(walk(one, 3, 40, seed=7))
-        expect(outcomes_of(walk(other, 3, 40, seed=7)) == first, "a fresh motion differs")
-        expect(outcomes_of(walk(one, 3, 40, seed=7)) == first, "it differs after a reset")
+        expect(outcomes_of(walk(other, 3, 40, seed=7)) == first, "a new motion differs")
+        expect(outcomes_of(walk(one, 3, 40, seed=7)) == first, "the motion differs after a reset")
 
 
 # Misuse.
 
 
 def check_bad_moves_change_nothing(make_motion: MakeMotion) -> None:
-    """Invalid displacements, or a wrong number of them or of loads, only raise ValueError."""
+    """Invalid displacements, or wrong numbers of arguments, only raise ValueError."""
     for robots in (1, 2):
         *some, last = moves = [EAST] * robots
         *few, _ = loads = [False] * robots
@@ -267,7 +279,7 @@ def check_bad_moves_change_nothing(make_motion: MakeMotion) -> None:
 
 
 def check_bad_starts_change_nothing(make_motion: MakeMotion) -> None:
-    """A start on a wall, off the grid or given twice, or none, only raises LayoutError."""
+    """A start on a wall, off the grid or given twice, or no start, only raises LayoutError."""
     bad = [[(1, 1), (0, 0)], [(-1, 1)], [(1, 3)], [(1, 1), (1, 1)], []]
     with closing(make_motion()) as calm, closing(make_motion()) as noisy:
         for one, other in zip(walk(calm, 2, 20), walk(noisy, 2, 20), strict=True):
@@ -277,7 +289,7 @@ def check_bad_starts_change_nothing(make_motion: MakeMotion) -> None:
 
 
 def check_advance_needs_a_reset(make_motion: MakeMotion) -> None:
-    """Advancing before a reset or after a close raises RuntimeError; closing twice is allowed."""
+    """Advancing before a reset or after closing raises RuntimeError; closing twice is allowed."""
     motion = make_motion()
     expect_error(RuntimeError, motion.advance, [EAST], [False])
     motion.reset(HALL, [(3, 3)], 0)
@@ -293,7 +305,7 @@ CHECKS: tuple[Check, ...] = tuple(
 
 
 def _gave_way(step: Step, robot: int) -> bool:
-    """Return whether another robot that was blocked came from, or drove to, the same next cell."""
+    """Return whether another blocked robot came from the robot's target cell or drove to it."""
     moves = zip(step.starts, step.wanted, step.outcomes, strict=True)
     others = [move for number, move in enumerate(moves) if number != robot]
     return any(step.wanted[robot] in (start, end) and it.blocked for start, end, it in others)
@@ -306,7 +318,7 @@ def _expect_stops(
     displacements: list[Cell],
     stops: list[Obstacle],
 ) -> None:
-    """Expect one step to end by ``stops``, and each robot to have touched what stopped it."""
+    """Expect that ``stops`` explain a step, and that each robot has touched its obstacle."""
     step = trial(make_motion, layout, cells, displacements)
     expect_ends(step, stops)
     for outcome, stop in zip(step.outcomes, stops, strict=True):

@@ -21,7 +21,7 @@ from warehouse_core.conformance.checks import Check
 from warehouse_core.conformance.trials import ConformanceError, MakeMotion
 
 CHECKS: tuple[Check, ...] = SINGLE_CHECKS + BATCH_CHECKS
-"""Every check, in the order in which they run."""
+"""All checks in the order in which they run."""
 
 PASSED, FAILED = "passed", "failed"
 EXPECTED_FAILURE, UNEXPECTED_PASS = "expected failure", "unexpected pass"
@@ -33,9 +33,9 @@ class CheckResult:
 
     Attributes:
         name: name of the check, as in ``expected_failures``.
-        rule: the rule that it checks, a sentence.
+        rule: rule that it checks, a sentence.
         status: ``"passed"``, ``"failed"``, ``"expected failure"`` or ``"unexpected pass"``.
-        detail: reason for the failure, or for expecting one; "" if the check passed.
+        detail: reason for the failure, or for expecting a failure; "" if the check passed.
     """
 
     name: str
@@ -49,7 +49,7 @@ class CheckResult:
 
 @dataclass(frozen=True, slots=True)
 class Report:
-    """The results of all checks in the order of ``CHECKS``; ``str`` gives one line for each.
+    """The results of all checks in the order of ``CHECKS``; ``str`` returns a line for each.
 
     Example:
         >>> from warehouse_core import GridMotion
@@ -64,14 +64,14 @@ class Report:
 
     @property
     def failures(self) -> tuple[CheckResult, ...]:
-        """The checks that failed, or passed although they were expected to fail."""
+        """The results of checks that failed, or that passed although they were expected to fail."""
         return tuple(r for r in self.results if r.status in (FAILED, UNEXPECTED_PASS))
 
     def raise_for_failures(self) -> None:
-        """Raise if there are failures.
+        """Raise an error if there are failures.
 
         Raises:
-            ConformanceError: listing all of them.
+            ConformanceError: there are failures; the message lists all of them.
         """
         if self.failures:
             raise ConformanceError("\n".join(map(str, self.failures)))
@@ -83,12 +83,14 @@ class Report:
 def run_conformance(
     make_motion: MakeMotion, expected_failures: Mapping[str, str] | None = None
 ) -> Report:
-    """Run all checks; any exception of a motion in a check is a failure of that check.
+    """Run all checks, and return their results.
+
+    A check fails if the motion raises an unexpected exception.
 
     Args:
-        make_motion: returns a fresh motion at each call; a class will do.
-        expected_failures: names of checks that the motion is known to fail, and the reasons. An
-            unexpected pass is a failure.
+        make_motion: function or class that returns a new motion at each call.
+        expected_failures: names of checks that the motion is known to fail, with the reasons. A
+            check that passes unexpectedly is a failure.
 
     Raises:
         ValueError: ``expected_failures`` has an unknown name or an empty reason.
@@ -119,4 +121,4 @@ def _run(check: Check, make_motion: MakeMotion, reason: str | None) -> CheckResu
         return CheckResult(name, rule, EXPECTED_FAILURE, f"{reason} ({detail})")
     if reason is None:
         return CheckResult(name, rule, PASSED)
-    return CheckResult(name, rule, UNEXPECTED_PASS, f"was declared to fail: {reason}")
+    return CheckResult(name, rule, UNEXPECTED_PASS, f"it was expected to fail: {reason}")

@@ -1,4 +1,4 @@
-"""Functions of the conformance checks: drive a motion, and raise if a result is unexpected."""
+"""Tools of the conformance checks: they drive a motion, and raise on unexpected results."""
 
 from __future__ import annotations
 
@@ -23,17 +23,17 @@ STAY: Cell = (0, 0)
 NORTH, EAST, SOUTH, WEST = MOVES = tuple(MOVE_DELTAS.values())
 
 MAZE = random_layout(height=7, width=8, density=0.25, seed=3)
-"""Layout of random walks, so small that robots often meet walls and each other."""
+"""Layout of random walks. It is small, so that robots often meet walls and each other."""
 
 
 class ConformanceError(AssertionError):
-    """A motion breaks a rule."""
+    """An error that a motion breaks a rule."""
 
 
 class Step(NamedTuple):
-    """One action of each robot, from ``starts`` to the ``wanted`` cells.
+    """One action of each robot, from ``starts`` to ``wanted`` cells.
 
-    ``number`` counts the steps of a walk from 0; ``cell_size`` is in metres.
+    ``number`` counts the steps of a walk from 0, and ``cell_size`` is in metres.
     """
 
     number: int
@@ -50,10 +50,13 @@ def advance(
     loaded: list[bool],
     number: int = 0,
 ) -> Step:
-    """Advance robots in ``cells`` by one step."""
+    """Advance the robots in ``cells`` by one step, and return the step."""
     outcomes = motion.advance(displacements, loaded)
     expect(len(outcomes) == len(cells), f"{len(outcomes)} outcomes for {len(cells)} robots")
-    expect(all(isinstance(outcome, Outcome) for outcome in outcomes), "it returned no Outcome")
+    expect(
+        all(isinstance(outcome, Outcome) for outcome in outcomes),
+        "it returned something else than Outcome",
+    )
     pairs = zip(cells, displacements, strict=True)
     wanted = [(row + down, col + right) for (row, col), (down, right) in pairs]
     return Step(number, motion.cell_size, cells, wanted, outcomes)
@@ -66,14 +69,14 @@ def trial(
     displacements: list[Cell],
     loaded: bool = False,
 ) -> Step:
-    """Advance the robots of a fresh motion by one step."""
+    """Advance the robots of a new motion by one step, and return the step."""
     with closing(make_motion()) as motion:
         motion.reset(layout, cells, 0)
         return advance(motion, cells, displacements, [loaded] * len(cells))
 
 
 def walk(motion: Motion, robots: int, moves: int, seed: int = 0) -> Iterator[Step]:
-    """Place robots at random in the maze and move them at random, half of them loaded."""
+    """Yield the steps of robots that move at random in the maze, half of them loaded."""
     stream = random.Random(seed)
     ranks = stream.sample(range(len(MAZE.open_cells)), robots)
     cells = [MAZE.open_cell(rank) for rank in ranks]
@@ -87,14 +90,14 @@ def walk(motion: Motion, robots: int, moves: int, seed: int = 0) -> Iterator[Ste
 
 
 def survey(make_motion: MakeMotion) -> Iterator[Step]:
-    """Walk with one robot and with four, which gives every kind of outcome."""
+    """Yield the steps of one robot and of four robots, with every kind of outcome."""
     for robots in (1, 4):
         with closing(make_motion()) as motion:
             yield from walk(motion, robots, moves=150)
 
 
 def crowds(make_motion: MakeMotion) -> Iterator[Step]:
-    """Walk with two to five robots."""
+    """Yield the steps of two, three, four and five robots."""
     for robots in (2, 3, 4, 5):
         with closing(make_motion()) as motion:
             yield from walk(motion, robots, moves=100, seed=robots)
@@ -106,18 +109,18 @@ def outcomes_of(steps: Iterable[Step]) -> list[Outcome]:
 
 
 def off_centre(row: NDArray[np.float64], cell: Cell, cell_size: float) -> float:
-    """Return the distance of a row of a path from the middle of ``cell``, in cells."""
+    """Return the distance in cells from a row of a path to the middle of ``cell``."""
     return math.dist(row[1:3], centre_of(cell, cell_size)) / cell_size
 
 
 def expect(condition: bool, otherwise: str) -> None:
-    """Raise a ``ConformanceError`` with the text ``otherwise`` if the condition is false."""
+    """Raise ``ConformanceError`` with the message ``otherwise`` if the condition is false."""
     if not condition:
         raise ConformanceError(otherwise)
 
 
 def expect_ends(step: Step, stops: Sequence[Obstacle]) -> None:
-    """Expect each robot in its wanted cell, or blocked in its start if something stops it."""
+    """Expect each robot in its wanted cell, or blocked in its start if it has an obstacle."""
     for robot, (outcome, stop) in enumerate(zip(step.outcomes, stops, strict=True)):
         end = step.wanted[robot] if stop is None else step.starts[robot]
         expect(
@@ -128,7 +131,7 @@ def expect_ends(step: Step, stops: Sequence[Obstacle]) -> None:
 
 
 def expect_error(kind: type[Exception], call: Callable[..., object], *arguments: object) -> None:
-    """Expect a call to raise an error of a kind; other errors propagate."""
+    """Expect that a call raises this kind of error; other errors propagate."""
     try:
         call(*arguments)
     except kind:

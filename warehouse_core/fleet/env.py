@@ -1,4 +1,4 @@
-"""A fleet of robots in one warehouse, with orders, chargers and people."""
+"""The environment of a fleet: several robots in a warehouse with orders, chargers and people."""
 
 from __future__ import annotations
 
@@ -39,72 +39,79 @@ MOTION_KEYS = ("blocked", "stopped_by", "seconds", "joules")
 
 
 class FleetEnv(CopiedWhole):
-    """``R`` robots that bring items from pickups to dropoffs in one warehouse.
+    """A fleet of ``R`` robots that move items from pickups to dropoffs in one warehouse.
 
     Description:
-        Each robot is like the one of ``WarehouseEnv``, by the same rules and backends; several get
-        in each other's way by the table of ``motion/traffic.py``. An order only decides what a cell
-        is to a robot: a pickup where an order waits for it, a dropoff where its item is due.
-        Without orders each robot has the task of the chapter, and a fleet of one equals
-        ``WarehouseEnv``.
+        Each robot follows the same rules as the robot of ``WarehouseEnv``, with the same backends.
+        Robots block each other according to the table in ``motion/traffic.py``. Orders determine
+        the stations of a robot: its pickups are the cells where orders wait for it, and its dropoff
+        is the cell to which it must bring its item. Without orders each robot has the task of the
+        chapter, and a fleet of one robot equals ``WarehouseEnv``.
 
-        A step, in this order: robots that have ended wait; the robots and people move; the rules
-        judge each robot where it is then; picks and deliveries are booked; the step costs battery,
-        and those who wait on a charger charge; orders released now appear and are assigned; robots
-        end.
+        A step consists of these parts, in this order:
+
+        1. Robots and people move. Robots that have ended wait.
+        2. The rules judge each robot in its new cell.
+        3. Picks and deliveries are recorded.
+        4. The step costs battery units, and robots that wait on a charger are charged.
+        5. New orders are released, and open orders are assigned.
+        6. Robots end.
 
     Actions:
-        The actions of ``WarehouseEnv`` for each robot; with ``moves="turn"``, FORWARD, RIGHT,
-        LEFT, WAIT, PICK and DROP, see ``world/moves.py``.
+        The actions of ``WarehouseEnv`` for each robot. With ``moves="turn"`` they are FORWARD,
+        RIGHT, LEFT, WAIT, PICK and DROP, see ``world/moves.py``.
 
     Observations:
-        ``FleetArrays`` with a leading ``R``; ``observe(robot)`` is one of them as a dictionary.
+        ``FleetArrays`` with a leading ``R``. ``observe(robot)`` returns one observation as a
+        dictionary.
 
     Rewards:
-        The table of ``task/rules.py`` for each robot, less ``late_penalty`` for each step by which
+        The table in ``task/rules.py`` for each robot, minus ``late_penalty`` for each step by which
         a delivery is late.
 
     Ends:
-        Without orders, a robot is terminated by its delivery; with a list of orders, all robots are
-        when all are delivered. A robot is truncated when its battery is empty, all when
-        ``max_steps`` are taken or the orders that are left are lost, see ``FleetMeasures``. A robot
-        that has ended stays where it is, in the way of others, and has no more rewards. An order
-        ends as lost with a robot that cannot drive any more; another robot that carries its item
-        puts this aside.
+        Without orders, a robot is terminated by its delivery. With a list of orders, all robots are
+        terminated when all orders have been delivered. A robot is truncated when its battery is
+        empty. All robots are truncated after ``max_steps``, or when all undelivered orders are
+        lost, see ``FleetMeasures``. A robot that has ended stays in its cell, blocks others, and
+        gets no more rewards. If a robot can no longer drive, the orders that it holds or blocks are
+        lost, and other robots that carry items of these orders lose the items.
 
     Args:
-        layout: ``None`` is the chapter's.
-        robots: number of robots, ``R``, at least 1.
+        layout: layout of the warehouse; ``None`` is the chapter's layout.
+        robots: number of robots ``R``, at least 1.
         backend: name, class or instance of the motion that carries out the moves.
-        orders: a rate of orders a step, an ``OrderStream`` or several, an ``OrderQueue``, or a list
-            of ``Order``; see ``load_orders`` for files. ``None``: each robot delivers one item, as
-            in the chapter.
-        starts: a cell for each robot; ``None`` is the usual start of a lone robot, and draws those
-            of several from the empty cells.
+        orders: rate of orders per step, one or several ``OrderStream``, an ``OrderQueue``, or a
+            list of ``Order``, see ``load_orders`` for files. With ``None`` each robot delivers one
+            item, as in the chapter.
+        starts: start of each robot. ``None`` is the default start for a single robot, and random
+            empty cells for several robots.
         max_steps: limit of an episode, at least 1.
         battery: units of a full charge, of which a step costs one; or a ``Battery``.
         view_radius: cells seen in each direction, 0 to ``MAX_VIEW_RADIUS``.
         people: number of people who walk on the floor; or ``People``.
-        dispatch: assign each open order, the oldest first, to the nearest robot without one. If
-            not, open orders are for whoever picks them first, or for ``assign``.
+        dispatch: ``True`` to assign open orders, the oldest first, to the nearest robots without an
+            order. Otherwise an open order waits for the first robot that picks it, or for a call of
+            ``assign``.
         late_penalty: reward lost for each step by which a delivery is late, at least 0.
-        team_reward: give each robot that has not ended the mean of all rewards.
-        moves: ``"compass"``: each robot moves N, E, S or W; ``"turn"``: it has a heading, at first
-            east, moves forward, and turns in its cell, a quarter a step.
-        seed: seed of the first reset without one.
+        team_reward: ``True`` to give the mean of all rewards to each robot that has not ended.
+        moves: ``"compass"`` for moves N, E, S and W; ``"turn"`` for robots with headings, which
+            move forward and turn in their cells by 90 degrees per step.
+        seed: seed of the first reset that is called without a seed.
 
     Attributes:
         layout: layout of the warehouse.
-        settings: all arguments but layout, backend and seed.
+        settings: all arguments except layout, backend and seed.
         backend: name of the backend, or of its class if it was given as a class or instance.
         motion: motion of the backend.
         cell_size: side of a cell in metres.
-        conditions: conditions of floor and motors, as the backend gives them.
-        assignments: calls of ``assign`` in this episode: steps taken, robot and order.
+        conditions: conditions of floor and motors, as the backend reports them.
+        assignments: calls of ``assign`` in this episode, each with steps taken, robot and order.
 
     Raises:
-        ValueError: an invalid argument; also as ``LayoutError``, ``OrderError``, ``BackendError``.
-        TypeError: an argument of another type.
+        ValueError: an argument is not allowed; it may be a ``LayoutError``, ``OrderError`` or
+            ``BackendError``.
+        TypeError: an argument has the wrong type.
 
     Example:
         >>> from warehouse_core import FleetEnv, OrderStream, shelf_layout
@@ -160,7 +167,7 @@ class FleetEnv(CopiedWhole):
         self.assignments: list[tuple[int, int, int | None]] = []
         self._started = False
 
-    _repr_png_ = display  # which notebooks call
+    _repr_png_ = display  # called by notebooks
 
     def __repr__(self) -> str:
         return f"<FleetEnv {self.settings.robots} robots, {self.layout.summary()}>"
@@ -169,15 +176,15 @@ class FleetEnv(CopiedWhole):
         """Start an episode.
 
         Args:
-            seed: seed of all random numbers: starts, orders, people and the motion; without one
-                they continue.
+            seed: seed of all random numbers of starts, orders, people and the motion. Without a
+                seed the random streams continue.
 
         Returns:
             The observations, and info with ``action_mask``, see ``step``.
 
         Raises:
-            ValueError: a negative seed; nothing has changed.
-            TypeError: a seed that is not an integer.
+            ValueError: the seed is negative; nothing has changed.
+            TypeError: the seed is not an integer.
         """
         if seed is None:
             seed, self.seed = self.seed, None
@@ -192,21 +199,21 @@ class FleetEnv(CopiedWhole):
         """Carry out one action for each robot.
 
         Args:
-            actions: ``R`` words or indices, as a sequence, an array, or a mapping from the robot's
-                number. A mapping may leave out robots that have ended. An unknown word or an index
-                out of range is an invalid action, which costs a step, as in the chapter.
+            actions: ``R`` words or indices, as a sequence, an array, or a mapping from robot
+                numbers. A mapping may omit robots that have ended. An unknown word or an index out
+                of range is an invalid action, which costs a step, as in the chapter.
 
         Returns:
-            Observations, ``[R]`` float64 rewards, ``[R]`` bool terminated and truncated, and info,
-            with ``action_mask``, int8 ``[R, 7]`` or with headings ``[R, 6]``, ``invalid_action``
-            ``[R]`` bool, and ``motion``, which has ``blocked``, ``stopped_by`` (see
-            ``BatchOutcome``), ``seconds`` and ``joules``. All arrays are fresh.
+            Observations, ``[R]`` float64 rewards, ``[R]`` bool terminated and truncated, and info.
+            Info has ``action_mask`` ``[R, 7]`` int8, or ``[R, 6]`` with headings;
+            ``invalid_action`` ``[R]`` bool; and ``motion`` with ``blocked``, ``stopped_by`` (see
+            ``BatchOutcome``), ``seconds`` and ``joules``. All arrays are new.
 
         Raises:
-            ValueError: a number of actions that is not ``R``, an action for a robot that does not
-                exist or none for one that does; nothing has changed.
-            TypeError: an action that is neither a word nor an integer.
-            EndedError: before the first reset, or when all robots have ended.
+            ValueError: the number of actions is not ``R``, or a mapping has an unknown robot or
+                lacks one that has not ended; nothing has changed.
+            TypeError: an action is neither a word nor an integer.
+            EndedError: there is no episode yet, or all robots have ended.
         """
         if not self._started or not self._engine.running:
             problem = "all robots have ended" if self._started else "there is no episode yet"
@@ -214,7 +221,7 @@ class FleetEnv(CopiedWhole):
         chosen = self.action_indices(actions)
         is_invalid = chosen == INVALID
         if np.count_nonzero(is_invalid):
-            # The same verdict: the mistake that the robot cannot help making.
+            # An invalid action gets the verdict of a pick or drop that is certainly a mistake.
             pick, drop = self.settings.actions.pick, self.settings.actions.drop
             mistakes = np.where(self._engine.robots.has_item, pick, drop)
             chosen = np.where(is_invalid, mistakes, chosen)
@@ -227,49 +234,50 @@ class FleetEnv(CopiedWhole):
         return self._engine.observe(), rewards, terminated, truncated, info
 
     def observe(self, robot: int) -> FleetObservation:
-        """Return what one robot observes now, as a new dictionary.
+        """Return the observation of a robot as a new dictionary.
 
         Raises:
-            ValueError: there is no such robot.
-            EndedError: before the first reset.
+            ValueError: the robot does not exist.
+            EndedError: there is no episode yet.
         """
         self._check_started("observe")
         row = whole_number("robot", robot, 0, self.settings.robots - 1)
         return observation_of(self._engine.observe(np.array([row])), 0)
 
     def observations(self) -> list[FleetObservation]:
-        """Return what each robot observes now, faster than ``observe`` of one after the other.
+        """Return the observations of all robots, faster than by calling ``observe`` for each.
 
         Raises:
-            EndedError: before the first reset.
+            EndedError: there is no episode yet.
         """
         self._check_started("observations")
         arrays = self._engine.observe()
         return [observation_of(arrays, row) for row in range(self.settings.robots)]
 
     def arrays(self) -> FleetArrays:
-        """Return what all robots observe now, as fresh arrays.
+        """Return the observations of all robots as new arrays.
 
         Raises:
-            EndedError: before the first reset.
+            EndedError: there is no episode yet.
         """
         self._check_started("arrays")
         return self._engine.observe()
 
     def assign(self, robot: int, order: int | None) -> None:
-        """Let an order wait for one robot only; ``None`` makes the robot's order open again.
+        """Assign an order to a robot; with ``None``, give back the order that the robot has.
 
-        Orders that only this robot may take stay its own: one that it gives back waits among them.
+        An order that is given back is open again, unless only this robot may take it. Then it
+        waits until the robot has no other order.
 
         Args:
             robot: number of the robot.
             order: index in ``orders`` of an open order, or of one that only this robot may take.
 
         Raises:
-            OrderError: the robot has ended or carries an item, or the order waits neither for it
-                nor for all.
-            ValueError: there is no such robot, or the fleet has no orders.
-            EndedError: before the first reset.
+            OrderError: the robot has ended or carries an item, or the order is neither open nor
+                reserved for this robot.
+            ValueError: the robot does not exist, or the fleet has no orders.
+            EndedError: there is no episode yet.
         """
         self._check_started("assign")
         robot = whole_number("robot", robot, 0, self.settings.robots - 1)
@@ -283,12 +291,12 @@ class FleetEnv(CopiedWhole):
 
     @property
     def orders(self) -> list[Order]:
-        """The orders released so far in this episode, and what has become of them."""
+        """The orders released so far in this episode, with their progress."""
         return self._book.records() if self._book else []
 
     @property
     def order_arrays(self) -> OrderArrays:
-        """The orders released so far as arrays ``[K]``, which are not to be changed.
+        """The orders released so far as arrays ``[K]``, which must not be changed.
 
         Raises:
             ValueError: the fleet has no orders.
@@ -299,23 +307,23 @@ class FleetEnv(CopiedWhole):
 
     @property
     def open_orders(self) -> list[int]:
-        """The indices of the orders that wait for any robot, in order of release."""
+        """The indices of the open orders, in order of release."""
         return self._book.open_orders if self._book else []
 
     @property
     def order_of(self) -> list[int | None]:
-        """For each robot the index of the order that it is to take or carries, or ``None``."""
+        """The index of each robot's order, or ``None`` for robots without an order."""
         orders = self._book.order_of.tolist() if self._book else [NONE] * self.settings.robots
         return [None if order == NONE else order for order in orders]
 
     @property
     def cells(self) -> list[Cell]:
-        """Where each robot is."""
+        """The cell of each robot."""
         return self.layout.cells(self._engine.robots.cells)
 
     @property
     def headings(self) -> list[int]:
-        """Where each robot heads, 0 to 3 for N, E, S and W; none of robots without headings."""
+        """The heading of each robot, 0 to 3 for N, E, S and W; empty if robots have no headings."""
         return list(self._engine.headings.tolist())
 
     @property
@@ -331,37 +339,37 @@ class FleetEnv(CopiedWhole):
 
     @property
     def loaded(self) -> list[bool]:
-        """Whether each robot holds an item."""
+        """Flags of the robots that hold an item."""
         return list(self._engine.robots.has_item.tolist())
 
     @property
     def battery(self) -> list[float]:
-        """Battery units that each robot has left."""
+        """The battery units left of each robot."""
         return list(self._engine.battery.tolist())
 
     @property
     def state_of_charge(self) -> list[float]:
-        """Battery units that each robot has left, as a share of a full charge."""
+        """The state of charge of each robot, as a share of a full charge, 0 to 1."""
         return list((self._engine.battery / self.settings.battery.capacity).tolist())
 
     @property
     def ended(self) -> list[bool]:
-        """Whether each robot has ended: it waits, and stays in the way."""
+        """Flags of the robots that have ended. They wait in their cells and block others."""
         return list(self._engine.ended.tolist())
 
     @property
     def people(self) -> list[Cell]:
-        """Where each person is."""
+        """The cell of each person."""
         return self.layout.cells(self._engine.walkers.cells[0])
 
     @property
     def steps(self) -> int:
-        """Joint steps taken in this episode."""
+        """The number of joint steps taken in this episode."""
         return int(self._engine.steps[0])
 
     @property
     def last_motion(self) -> Sequence[Outcome]:
-        """What the robots, and then the people, did in the last step.
+        """The outcomes of the robots, and then of the people, in the last step.
 
         Raises:
             RuntimeError: no step has been taken since the reset.
@@ -370,7 +378,7 @@ class FleetEnv(CopiedWhole):
 
     @property
     def measures(self) -> FleetMeasures:
-        """How well the fleet has done in this episode."""
+        """The measures of the fleet in this episode."""
         return self._engine.measures(0)
 
     def close(self) -> None:
@@ -392,21 +400,23 @@ class FleetEnv(CopiedWhole):
             actions = self._listed(actions)
         if isinstance(actions, np.ndarray) and actions.dtype.kind in "iu":
             given = actions.astype(np.intp)
-            # As unsigned numbers, negative ones are very large.
+            # Negative numbers are very large as unsigned numbers.
             given[given.view(np.uintp) >= len(allowed)] = INVALID
         elif isinstance(actions, str) or not isinstance(actions, (Sequence, np.ndarray)):
             raise TypeError(
                 f"actions are {brief(actions)}; allowed: a sequence, an array or a mapping"
             )
         else:
-            # One more than there may be, as a range can be very long.
+            # Convert only one action more than allowed, because a range can be very long.
             given = np.array([allowed.index(each) for each in islice(actions, robots + 1)], np.intp)
         if given.shape != (robots,):
-            raise ValueError(f"actions of the shape {given.shape} for {robots} robots; one each")
+            raise ValueError(
+                f"actions of the shape {given.shape} for {robots} robots; each needs one"
+            )
         return given
 
     def _listed(self, actions: Mapping[int, ActionLike]) -> list[ActionLike]:
-        """Return the actions of all robots in order; those that have ended may be left out."""
+        """Return the actions of all robots in order, given a mapping that may omit ended robots."""
         robots, ended = self.settings.robots, self._engine.ended
         unknown = [robot for robot in actions if robot not in range(robots)]
         if unknown:
@@ -417,17 +427,17 @@ class FleetEnv(CopiedWhole):
         return [actions.get(robot, self.settings.actions.wait) for robot in range(robots)]
 
     def _warn_of_supply(self) -> None:
-        """Warn if the batteries do not last, and the chargers supply less than the robots use."""
+        """Warn if batteries cannot last an episode and chargers supply less than the robots use."""
         battery, robots = self.settings.battery, self.settings.robots
         cost, chargers = battery.step_cost(self.cell_size), len(self.layout.chargers)
         if self.settings.orders is None and not chargers:
-            return  # the task of the chapter, which ends with the battery
+            return  # in the chapter's task, an empty battery simply ends the episode
         supply = chargers * battery.step_charge(self.cell_size)
         if self.settings.max_steps * cost > battery.capacity and supply < robots * cost:
             warnings.warn(
                 f"{counted(chargers, 'charger')} can keep {int(supply / cost)} of "
-                f"{counted(robots, 'robot')} going, and their batteries last "
+                f"{counted(robots, 'robot')} running, and a full battery lasts "
                 f"{battery.capacity / cost:.0f} of {self.settings.max_steps} steps: robots will "
-                "stop in the way of others",
+                "run out of battery and block others",
                 stacklevel=3,
             )

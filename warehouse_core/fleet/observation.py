@@ -1,4 +1,4 @@
-"""What a robot of a fleet observes, as a dictionary."""
+"""The observation of a fleet's robot as a dictionary."""
 
 from __future__ import annotations
 
@@ -14,17 +14,18 @@ from warehouse_core.world.tiles import CELL_CODES, Cell
 
 
 class FleetObservation(Observation, total=False):
-    """The observation of a robot of a fleet: the keys of the chapter, and three more.
+    """The observation of a fleet's robot: the chapter's keys and up to three more.
 
-    ``pickup_pos`` is where the robot's order waits for it, and ``dropoff_pos`` where it is due. In
+    ``pickup_pos`` and ``dropoff_pos`` are the pickup and the dropoff of the robot's order. In
     ``local_grid``, ``O`` and ``o`` are other robots without and with an item, ``H`` is a person,
-    ``C`` a charger, and ``P`` a cell where an order waits for this robot or for all.
+    ``C`` is a charger, and ``P`` is a cell where an order waits for this robot or for any robot.
 
     Attributes:
-        due: the step by which the robot's order is due, or ``None``; with orders only.
-        charger_pos: the nearest charger, or ``None``; with chargers only, and not for a robot that
-            is alone without orders.
-        heading: ``"N"``, ``"E"``, ``"S"`` or ``"W"``; of a robot with a heading only.
+        due: step by which the robot's order is due, or ``None``. Present only if the fleet has
+            orders.
+        charger_pos: nearest charger, or ``None``. Present only if the layout has chargers, and not
+            for a single robot without orders.
+        heading: ``"N"``, ``"E"``, ``"S"`` or ``"W"``. Present only if robots have headings.
 
     Example:
         >>> from warehouse_core import FleetEnv
@@ -45,7 +46,7 @@ _CHARACTERS = bytes(map(ord, CELL_CODES)).ljust(256, b"?")
 
 
 def observation_of(arrays: FleetArrays, row: int) -> FleetObservation:
-    """Return one row of the arrays as a new dictionary."""
+    """Return a row of the arrays as a new dictionary."""
     window = arrays["local_grid"][row].tobytes().translate(_CHARACTERS).decode("ascii")
     side = round(len(window) ** 0.5)
     observation: FleetObservation = {

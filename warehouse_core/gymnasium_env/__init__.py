@@ -1,8 +1,8 @@
 """The warehouse as Gymnasium environments, ``Warehouse-v0`` and ``WarehouseGoal-v0``.
 
-Importing ``warehouse_core`` registers them, and so does
-``gymnasium.make("warehouse_core.gymnasium_env:Warehouse-v0", backend="physics")``. The rules are
-not here: this package adds spaces and infos to ``WarehouseEnv`` and ``BatchEnv``.
+Importing ``warehouse_core`` registers them. Calling
+``gymnasium.make("warehouse_core.gymnasium_env:Warehouse-v0", backend="physics")`` does so too. This
+package has no rules. It adds spaces and infos to ``WarehouseEnv`` and ``BatchEnv``.
 
 Example:
     >>> import gymnasium

@@ -1,4 +1,4 @@
-"""One warehouse as a ``gymnasium.Env``."""
+"""A single warehouse as a ``gymnasium.Env``."""
 
 from __future__ import annotations
 
@@ -40,12 +40,12 @@ from warehouse_core.task.encoding import (
 from warehouse_core.task.rules import useful_actions
 from warehouse_core.task.starts import (
     DRAWS,
-    Drawn,
+    Randomized,
     check_room,
     draw_episode,
     has_start,
     motion_seed,
-    what_is_drawn,
+    randomized_parts,
 )
 from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.world.actions import ACTIONS, valid_action
@@ -54,53 +54,54 @@ from warehouse_core.world.named_layouts import GivenLayout, as_layout
 from warehouse_core.world.tiles import Cell
 
 _Known = tuple[Window, NDArray[np.int32], NDArray[np.int8]]
-"""The window, the numbers and the mask of a cell."""
+"""The window, the numbers and the action mask of a cell."""
 
 UNSTARTED = "there has been no reset() yet"
 ENDED = "the episode has ended; a reset() must come first"
 
 
 class WarehouseGymnasiumEnv(CopiedWhole, Limited, gymnasium.Env[Any, Any]):
-    """``Warehouse-v0``: ``WarehouseEnv`` with the interface of Gymnasium.
+    """The environment ``Warehouse-v0``: ``WarehouseEnv`` with the interface of Gymnasium.
 
     Description:
-        A robot takes an item from a pickup to a dropoff, past walls, before its battery is empty.
+        A robot takes an item from a pickup to a dropoff, around walls, before its battery is empty.
 
     Actions:
-        ``Discrete(7)``: N, E, S, W, WAIT, PICK, DROP. ``info["action_mask"]``, ``[7]`` int8, has a
-        1 for each action that does something now.
+        ``Discrete(7)``: N, E, S, W, WAIT, PICK, DROP. ``info["action_mask"]``, ``[7]`` int8, is 1
+        for each action with an effect.
 
     Observations:
-        A window of the grid around the robot, its position and load, the budgets and the stations,
-        in one of the forms of ``make_form``, and what its ``Sensors`` say, if it has any. After a
-        step ``info["motion"]`` is its ``Outcome``.
+        The window of the grid around the robot, its cell and load, the battery and steps, and the
+        stations, in a form of ``make_form``. Robots with ``Sensors`` also observe their readings.
+        After a step ``info["motion"]`` is the ``Outcome`` of the robot.
 
     Rewards:
         The table in ``task/rules.py``.
 
     Ends:
-        Terminated by the delivery; truncated when the steps or the battery are used up.
+        An episode is terminated by the delivery, and truncated when the steps or the battery are
+        used up.
 
     Args:
         layout: a ``Layout``, its rows, its text, its name or the path of its file, see
-            ``world/named_layouts.py``; ``None`` is the chapter's.
+            ``world/named_layouts.py``; ``None`` is the chapter's layout.
         backend: name, class or instance of a motion; an instance is copied.
-        observation: name of a form, see ``make_form``.
-        start_pos: start of the robot if none is drawn; ``None`` is the usual one.
+        observation: name of the form of observations, see ``make_form``.
+        start_pos: start of the robot if it is not random; ``None`` is the default start.
         max_steps: limit of an episode, 1 to ``MAX_STEPS``.
-        battery: units of a full charge, 1 to ``MAX_STEPS``; every step costs one.
+        battery: units of a full charge, 1 to ``MAX_STEPS``; every step costs one unit.
         view_radius: cells seen in each direction, 0 to ``MAX_VIEW_RADIUS``.
-        randomize: parts drawn for each episode: ``True`` for pickup, dropoff and start, or
-            ``"stations"`` or ``"start"`` for one of the two.
+        randomize: ``True`` for a random pickup, dropoff and start in each episode, ``"stations"``
+            for the first two, or ``"start"`` for the last.
         render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``. Without a
             display ``metadata`` does not list ``"human"``.
         tile_pixels: side of a cell in a picture, at least 2; ``None`` fits it to the layout.
-        scan: rays of a scan of the walls, which observations then have, see ``Sensors``; 0 for no
-            scan. A scan needs bodies, and observations of the form ``"dict"``.
+        scan: number of rays of a distance scan, which is added to observations, see ``Sensors``; 0
+            for no scan. A scan needs a backend with bodies, and the form ``"dict"``.
 
     Raises:
-        ValueError: a value that is not allowed; also as ``LayoutError`` or ``BackendError``.
-        TypeError: an argument of another type.
+        ValueError: an argument is not allowed; it may be a ``LayoutError`` or ``BackendError``.
+        TypeError: an argument has the wrong type.
 
     Example:
         >>> import gymnasium
@@ -110,7 +111,7 @@ class WarehouseGymnasiumEnv(CopiedWhole, Limited, gymnasium.Env[Any, Any]):
         >>> observation, reward, terminated, truncated, info = env.step(action)
     """
 
-    metadata: dict[str, Any] = {  # noqa: RUF012 - as declared by Gymnasium
+    metadata: dict[str, Any] = {  # noqa: RUF012 - declared this way in Gymnasium
         "render_modes": ["human", "rgb_array", "ansi"],
         "render_fps": RENDER_FPS,
     }
@@ -133,13 +134,13 @@ class WarehouseGymnasiumEnv(CopiedWhole, Limited, gymnasium.Env[Any, Any]):
         self.metadata = listed(self.metadata)
         self._layout = as_layout(layout)
         self._start = None if start_pos is None else as_cell("start_pos", start_pos)
-        # Environments that share a motion would move each other's robots.
+        # Two environments that share a motion would move each other's robots.
         own = backend if isinstance(backend, (str, type)) else deepcopy(make_motion(backend))
         self._warehouse = env = WarehouseEnv(
             self._layout, self._start, max_steps, battery, view_radius, backend=own
         )
-        self.max_steps, self._drawn = env.max_steps, what_is_drawn(randomize)
-        if self._drawn.stations:
+        self.max_steps, self._randomized = env.max_steps, randomized_parts(randomize)
+        if self._randomized.stations:
             check_room(self._layout)
         extent = Extent(env.height, env.width, env.view_radius, env.max_battery, env.max_steps)
         form = make_form(observation, extent)
@@ -161,7 +162,7 @@ class WarehouseGymnasiumEnv(CopiedWhole, Limited, gymnasium.Env[Any, Any]):
 
     @property
     def warehouse(self) -> WarehouseEnv:
-        """The wrapped environment of the chapter."""
+        """The wrapped ``WarehouseEnv``."""
         return self._warehouse
 
     def reset(
@@ -170,28 +171,28 @@ class WarehouseGymnasiumEnv(CopiedWhole, Limited, gymnasium.Env[Any, Any]):
         """Start an episode.
 
         Args:
-            seed: seed of ``np_random``, from which pickup, dropoff, start and the seed of the
-                motion are drawn; ``None`` continues its stream.
+            seed: seed of ``np_random``, which determines pickup, dropoff, start and the seed of
+                the motion; ``None`` continues the random stream.
             options: ``randomize``, ``layout`` (of the same size) and ``start_pos`` for this
                 episode only.
 
         Raises:
-            ValueError: an unknown option or a bad value; nothing has changed.
-            TypeError: a value of another type; nothing has changed.
-            gymnasium.error.Error: a seed that is negative or not an integer.
+            ValueError: an option is unknown or its value is not allowed; nothing has changed.
+            TypeError: a value has the wrong type; nothing has changed.
+            gymnasium.error.Error: the seed is negative or not an integer.
         """
-        layout, start, drawn = self._options(
+        layout, start, randomized = self._options(
             check_options(options, {"layout", "randomize", "start_pos"})
         )
         try:
             super().reset(seed=seed_number(seed))
         except (TypeError, ValueError) as error:
             raise gymnasium.error.Error(str(error)) from None
-        # As many numbers whatever is drawn, so that later episodes do not depend on the options.
+        # The count of numbers is fixed, so that later episodes do not depend on the options.
         uniforms = self.np_random.random(DRAWS)
-        layout, random_start = draw_episode(layout, uniforms, drawn)
+        layout, random_start = draw_episode(layout, uniforms, randomized)
         start = start or random_start
-        assert start is not None, "a start is drawn or given"
+        assert start is not None, "the start is random or given"
         self._warehouse.reset_to(layout, start, motion_seed(uniforms))
         self._forget()
         self._over = ""
@@ -204,9 +205,9 @@ class WarehouseGymnasiumEnv(CopiedWhole, Limited, gymnasium.Env[Any, Any]):
         """Carry out one action, an integer 0 to 6.
 
         Raises:
-            ValueError: an action out of range; nothing has changed.
-            TypeError: an action that is not an integer.
-            ResetNeeded: before a reset or after the end of an episode.
+            ValueError: the action is out of range; nothing has changed.
+            TypeError: the action is not an integer.
+            ResetNeeded: there has been no reset, or the episode has ended.
         """
         index = valid_action(action)
         if self._over:
@@ -224,17 +225,17 @@ class WarehouseGymnasiumEnv(CopiedWhole, Limited, gymnasium.Env[Any, Any]):
         return observation, reward, terminated, truncated, info
 
     def action_masks(self) -> NDArray[np.int8]:
-        """Return ``[7]`` int8: 1 for each action that does something now.
+        """Return the mask ``[7]`` int8: 1 for each action with an effect.
 
         Raises:
-            ResetNeeded: before a reset.
+            ResetNeeded: there has been no reset.
         """
         if self._over == UNSTARTED:
             raise ResetNeeded(f"action_masks(): {self._over}")
         return self._look()[1]
 
     def render(self) -> Any:
-        """Return a picture ``[H, W, 3]`` uint8 or the text; a window needs no call."""
+        """Return a picture ``[H, W, 3]`` uint8, or the text; windows are updated without it."""
         if self.render_mode == "rgb_array":
             return self._picture()
         if self.render_mode == "ansi":
@@ -251,8 +252,8 @@ class WarehouseGymnasiumEnv(CopiedWhole, Limited, gymnasium.Env[Any, Any]):
         self._warehouse.close()
         self._over = "the environment has been closed"
 
-    def _options(self, options: dict[str, Any]) -> tuple[Layout, Cell | None, Drawn]:
-        """Return the layout, the start (``None`` to draw it) and what to draw."""
+    def _options(self, options: dict[str, Any]) -> tuple[Layout, Cell | None, Randomized]:
+        """Return the layout, the start (``None`` if it is random) and the random parts."""
         other = options.get("layout")
         layout = self._layout if other is None else as_layout(other)
         if (layout.height, layout.width) != (self._layout.height, self._layout.width):
@@ -261,19 +262,19 @@ class WarehouseGymnasiumEnv(CopiedWhole, Limited, gymnasium.Env[Any, Any]):
                 f"made for {self._layout.height} x {self._layout.width}"
             )
         randomize = options.get("randomize")
-        drawn = self._drawn if randomize is None else what_is_drawn(randomize)
-        if drawn.stations:
+        randomized = self._randomized if randomize is None else randomized_parts(randomize)
+        if randomized.stations:
             check_room(layout)
         given = options.get("start_pos")
-        if given is None and drawn.start and has_start(layout, drawn):
-            return layout, None, drawn
+        if given is None and randomized.start and has_start(layout, randomized):
+            return layout, None, randomized
         start = self._start if given is None else as_cell("start_pos", given)
         start = start or layout.default_start()
         check_open(layout, start, "start_pos")
-        return layout, start, drawn
+        return layout, start, randomized
 
     def _forget(self) -> None:
-        """Clear what is cached by cell, except for what follows from the walls if they stay."""
+        """Clear the caches by cell, except the cache of open sides if the walls are the same."""
         self._known: dict[tuple[Cell, bool], _Known] = {}
         walls = self._warehouse.layout.open_cells
         if walls is not self._walls:
@@ -281,7 +282,7 @@ class WarehouseGymnasiumEnv(CopiedWhole, Limited, gymnasium.Env[Any, Any]):
             self._sides: dict[Cell, tuple[bool, ...]] = {}
 
     def _observed(self) -> tuple[Any, NDArray[np.int8]]:
-        """Return the observation now, in its form, and the mask."""
+        """Return the current observation in its form, and the action mask."""
         arrays, mask = self._look()
         observation = self._form(arrays)
         if self._sensors.spaces:
@@ -289,7 +290,7 @@ class WarehouseGymnasiumEnv(CopiedWhole, Limited, gymnasium.Env[Any, Any]):
         return observation, mask
 
     def _look(self) -> tuple[ObservationArrays, NDArray[np.int8]]:
-        """Return what ``encode`` gives for the observation now, and the mask, both fresh."""
+        """Return the current observation as ``encode`` does, and the mask, in new arrays."""
         state = self._warehouse.state
         key = (state.robot_pos, state.has_item)
         known = self._known.get(key)

@@ -1,4 +1,4 @@
-"""One warehouse with goals, for hindsight: what a robot has done counts as what it was to do."""
+"""A warehouse with goals, for learning from failures by hindsight."""
 
 from __future__ import annotations
 
@@ -21,45 +21,46 @@ from warehouse_core.wording import brief
 from warehouse_core.world.tiles import PICKUP, WALL
 
 SEEN = (WALL, PICKUP)
-"""Tiles that the observation tells apart; the dropoff is the goal, which may be another cell."""
+"""Tiles that are marked in observations. The dropoff is not, as the goal may be another cell."""
 
 GOAL_NUMBERS = 3
-"""Row, column, and whether there is an item."""
+"""Numbers of a goal: row, column, and whether the robot has an item."""
 
 DROPOFF_NUMBERS = [-6, -5, -4]
-"""Places of the dropoff in a vector."""
+"""Indices of the dropoff's numbers in a vector."""
 
 
 class WarehouseGoalEnv(WarehouseGymnasiumEnv):
-    """``WarehouseGoal-v0``: ``Warehouse-v0`` with goals, as hindsight experience replay needs them.
+    """The environment ``WarehouseGoal-v0``, with goals for hindsight experience replay.
 
     Description:
-        A robot is to be in a cell, with an item or without one. Its goal is to be in the cell of
-        the dropoff with the item from the pickup.
+        A goal is to be in a cell, either with an item or without one. The goal of an episode is to
+        be in the cell of the dropoff with the item from the pickup. Otherwise the environment
+        equals ``Warehouse-v0``.
 
     Actions:
-        The same as in ``Warehouse-v0``. The goal needs no ``DROP``.
+        The same as in ``Warehouse-v0``. Achieving the goal takes no ``DROP``.
 
     Observations:
-        ``observation``, a ``Box``: the form ``"vector"`` without the dropoff; ``achieved_goal`` and
-        ``desired_goal``, row and column of the robot and of its goal, in tens of cells, and whether
-        it holds an item, ``[3]`` float32.
+        ``observation`` is a ``Box``, the form ``"vector"`` without the dropoff. ``achieved_goal``
+        is ``[3]`` float32: row and column of the robot, in tens of cells, and 1 if it holds an
+        item. ``desired_goal`` has the same numbers of the goal.
 
     Rewards:
-        -1 for each step, 0 for the one that achieves the goal; ``compute_reward`` gives the same
-        for any goals.
+        0 for the step that achieves the goal, and -1 for every other step. ``compute_reward``
+        returns the reward for any goals.
 
     Ends:
-        Terminated when the goal is achieved, or the item delivered to another dropoff; truncated
-        as ``Warehouse-v0``.
+        An episode is terminated when the goal is achieved, or when the item is delivered to another
+        dropoff. It is truncated like ``Warehouse-v0``.
 
     Args:
-        settings: all arguments of ``Warehouse-v0`` but ``observation`` and ``scan``.
+        settings: arguments of ``Warehouse-v0``, except ``observation`` and ``scan``.
 
     Raises:
-        LayoutError: the layout has no pickup or no dropoff, and none are drawn.
-        ValueError: a value that is not allowed.
-        TypeError: an argument of another type.
+        LayoutError: the layout has no pickup or no dropoff, and the stations are not random.
+        ValueError: an argument is not allowed.
+        TypeError: an argument has the wrong type.
 
     Source: Andrychowicz et al., Hindsight Experience Replay, 2017.
 
@@ -117,29 +118,29 @@ class WarehouseGoalEnv(WarehouseGymnasiumEnv):
     def compute_reward(
         self, achieved_goal: ArrayLike, desired_goal: ArrayLike, info: Any
     ) -> NDArray[np.float32]:
-        """Return 0 where goals are achieved and -1 elsewhere, ``[...]`` for goals ``[..., 3]``.
+        """Return the rewards ``[...]``: 0 for each goal that is achieved, otherwise -1.
 
         Args:
-            achieved_goal: goals that have been achieved.
-            desired_goal: goals that were to be achieved, as many.
+            achieved_goal: ``[..., 3]`` achieved goals.
+            desired_goal: ``[..., 3]`` desired goals.
             info: not used.
 
         Raises:
-            ValueError: goals of another shape.
-            TypeError: goals that are not numbers.
+            ValueError: the goals have a wrong shape, or different shapes.
+            TypeError: the goals are not numbers.
         """
         achieved = _checked("achieved_goal", achieved_goal)
         desired = _checked("desired_goal", desired_goal)
         if achieved.shape != desired.shape:
             raise ValueError(
-                f"desired_goal has the shape {desired.shape}; it must be that of achieved_goal, "
-                f"{achieved.shape}"
+                f"desired_goal has the shape {desired.shape}; it must have the shape of "
+                f"achieved_goal, {achieved.shape}"
             )
         return -np.asarray((achieved != desired).any(axis=-1), np.float32)
 
 
 def _with_goals(arrays: ObservationArrays) -> dict[str, NDArray[np.float32]]:
-    """Return the observation and the goals, given one observation as arrays."""
+    """Return an observation with its goals, given the observation as arrays."""
     return {
         "observation": _without_dropoff(vector(arrays, SEEN)),
         "achieved_goal": _goal(arrays["robot_pos"], arrays["has_item"]),
@@ -157,7 +158,7 @@ def _checked(name: str, goals: ArrayLike) -> NDArray[Any]:
         raise TypeError(f"{name} is {given.dtype}; it must be numbers")
     if given.shape[-1:] != (GOAL_NUMBERS,):
         raise ValueError(
-            f"{name} has the shape {given.shape}; the last number must be {GOAL_NUMBERS}"
+            f"{name} has the shape {given.shape}; its last axis must have {GOAL_NUMBERS} numbers"
         )
     return given
 

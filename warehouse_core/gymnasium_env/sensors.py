@@ -1,4 +1,4 @@
-"""What a robot with sensors observes beyond the chapter's keys."""
+"""Sensors of a robot, which add keys to the chapter's observation."""
 
 from __future__ import annotations
 
@@ -16,26 +16,27 @@ from warehouse_core.warehouse_env import WarehouseEnv
 
 
 class Sensors:
-    """The sensors of the robot of an environment, as keys of its observations.
+    """The sensors of an environment's robot, whose readings are keys of its observations.
 
     ============  =================================================================================
-    ``scan``      ``[n]`` float32 metres to the nearest wall in ``n`` directions: the first leads
-                  east, the others follow towards south; at most ``SCAN_RANGE``
-    ``odometry``  ``[3]`` float32, x and y in metres and heading in radians that the robot believes
-                  in, where its backend has odometry that drifts
+    ``scan``      ``[n]`` float32, distance in metres to the nearest wall in ``n`` directions, at
+                  most ``SCAN_RANGE``. The first direction is east, and the second is further
+                  towards south.
+    ``odometry``  ``[3]`` float32, estimated x and y in metres and heading in radians. Present only
+                  if the backend has odometry that drifts.
     ============  =================================================================================
 
     Args:
         env: environment of the robot, after a reset.
-        scan: number of rays, ``n``; 0 for no scan.
+        scan: number of rays ``n``; 0 for no scan.
         observation: name of the form of the observations.
 
     Attributes:
-        spaces: space of each key; empty without sensors.
+        spaces: space of each key; empty for a robot without sensors.
 
     Raises:
-        ValueError: a number of rays that is not allowed, a backend that cannot scan
-            (``BackendError``), or a form without keys.
+        ValueError: the number of rays is not allowed, or the form of observations has no keys.
+        BackendError: the backend does not support scans.
     """
 
     def __init__(self, env: WarehouseEnv, scan: int, observation: str) -> None:
@@ -45,12 +46,12 @@ class Sensors:
         if self._rays:
             if motion.scan(0, self._rays) is None:
                 raise BackendError(
-                    f"scan is {scan}, but backend {env.backend!r} has no bodies to be seen; "
+                    f"scan is {scan}, but backend {env.backend!r} does not support scans; "
                     "allowed: 0, or a backend with a scan, such as 'physics'"
                 )
             self.spaces["scan"] = spaces.Box(0.0, SCAN_RANGE, (self._rays,), np.float32)
         if motion.odometry(0) is not None:
-            # No step is longer than a cell, nor measured as three times as long.
+            # A step is at most a cell long, and is never measured as three times as long.
             farthest = (max(env.height, env.width) + 3 * env.max_steps) * motion.cell_size
             limits = np.array([farthest, farthest, math.pi], np.float32)
             self.spaces["odometry"] = spaces.Box(-limits, limits, dtype=np.float32)
@@ -60,7 +61,7 @@ class Sensors:
             )
 
     def read(self) -> dict[str, NDArray[np.float32]]:
-        """Return what the robot senses now, as fresh arrays."""
+        """Return the current readings of the sensors as new arrays."""
         motion = self._motion
         sense = {"scan": lambda: motion.scan(0, self._rays), "odometry": lambda: motion.odometry(0)}
         return {key: np.array(sense[key](), np.float32) for key in self.spaces}

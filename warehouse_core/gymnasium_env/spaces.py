@@ -1,4 +1,4 @@
-"""Observation spaces, and checks of options for both environments."""
+"""Observation spaces, and checks of options that several environments share."""
 
 from __future__ import annotations
 
@@ -20,22 +20,26 @@ from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import CELL_CODES
 
 FORMS = ("dict", "vector", "image")
-"""Names of the forms of observations, see ``make_form``."""
+"""Names of the forms of observations; see ``make_form``."""
 
 MARKED = {"vector": MARKED_TILES}
-"""Tiles of the forms that are made of ``marks`` instead of codes, which is faster."""
+"""Tiles for forms that are made from ``marks`` instead of codes, which is faster."""
 
 RENDER_FPS = 8
 
 MAX_VIEW_RADIUS = 500
-"""Largest view radius, whose window has a million cells."""
+"""Limit on the view radius. The window then has a million cells."""
 
 MIN_SIDE = 2
-"""Fewest rows and columns of a space; Gymnasium warns if low and high bounds are equal."""
+"""Fewest rows and columns of a space; Gymnasium warns of equal lower and upper bounds."""
 
 
 class Form(NamedTuple):
     """A form of observations: their space, and the function that makes them from arrays.
+
+    Attributes:
+        space: space of the observations.
+        of: function that returns an observation in this form, given its arrays.
 
     Example:
         >>> from warehouse_core import WarehouseEnv
@@ -67,19 +71,19 @@ class Extent(NamedTuple):
 
 
 def make_form(name: str, extent: Extent) -> Form:
-    """Return the form of observations with a name.
+    """Return a form of observations by name.
 
     ============  =================================================================================
-    ``"dict"``    a flat ``Dict`` with the keys of the chapter's observation, as
-                  ``ObservationArrays`` in ``task/encoding.py`` says; a pickup or dropoff that does
-                  not exist is ``(-1, -1)``
-    ``"vector"``  a ``Box`` of one dimension, as ``encoding.vector`` says
+    ``"dict"``    a flat ``Dict`` with the keys of the chapter's observation, see
+                  ``ObservationArrays`` in ``task/encoding.py``. The cell of a pickup or dropoff
+                  that does not exist is ``(-1, -1)``.
+    ``"vector"``  a ``Box`` of one dimension, see ``encoding.vector``
     ``"image"``   a ``Box`` of uint8 ``[8 (H + 1), 8 W, 3]``, see ``render/observation_image.py``
     ============  =================================================================================
 
     Raises:
-        ValueError: an unknown name, a battery or steps above ``MAX_STEPS``, or a view radius
-            above ``MAX_VIEW_RADIUS``.
+        ValueError: the name is unknown, battery or steps exceed ``MAX_STEPS``, or the view radius
+            exceeds ``MAX_VIEW_RADIUS``.
 
     Example:
         >>> from warehouse_core.gymnasium_env import Extent, make_form
@@ -127,9 +131,9 @@ def _dict_space(extent: Extent) -> spaces.Dict:
 
 
 def listed(metadata: dict[str, Any]) -> dict[str, Any]:
-    """Return metadata whose modes can be used here: without a display, not ``"human"``.
+    """Return the metadata without the mode ``"human"`` if there is no display.
 
-    Checkers try all modes that are listed.
+    Checkers of environments try all listed modes.
     """
     if may_have_display():
         return metadata
@@ -138,16 +142,16 @@ def listed(metadata: dict[str, Any]) -> dict[str, Any]:
 
 
 class Limited:
-    """An environment whose spec has the limit of steps that holds, and can be written as JSON."""
+    """A base class of environments whose spec has the right limit of steps and works as JSON."""
 
     max_steps: int
     _spec: EnvSpec | None = None
 
     @property
     def spec(self) -> EnvSpec | None:
-        """The spec that Gymnasium made it from.
+        """The spec from which Gymnasium has made the environment.
 
-        ``max_steps`` is its ``max_episode_steps``, and layouts are their rows.
+        Its ``max_episode_steps`` is ``max_steps``, and layouts are given by their rows.
         """
         return self._spec
 
@@ -162,7 +166,7 @@ class Limited:
 
 
 def _rows_of(layout: Any) -> Any:
-    """Return the rows of a layout, or of each of several; other forms are JSON already."""
+    """Return the rows of a layout or of several; other values are returned unchanged."""
     if isinstance(layout, Layout):
         return list(layout.rows)
     if isinstance(layout, (list, tuple)):
@@ -171,7 +175,7 @@ def _rows_of(layout: Any) -> Any:
 
 
 def check_options(options: object, allowed: set[str]) -> dict[str, Any]:
-    """Return ``options`` as a dict, which may have no other keys than these."""
+    """Return ``options`` as a dict, after checking that all its keys are allowed."""
     if options is None:
         return {}
     if not isinstance(options, dict):

@@ -36,43 +36,45 @@ from warehouse_core.world.named_layouts import GivenLayout, as_layout
 from warehouse_core.world.tiles import TILES, Cell
 
 AutoresetMode: Any = getattr(gymnasium.vector, "AutoresetMode", str)
-"""Gymnasium's enumeration; version 1.0 has none, and strings are used."""
+"""Gymnasium's enumeration. Version 1.0 has none, so strings are used."""
 
 
 class WarehouseVectorEnv(CopiedWhole, Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
-    """``Warehouse-v0`` as a batch: ``BatchEnv`` with the vector interface of Gymnasium.
+    """A batch of ``Warehouse-v0``: ``BatchEnv`` with the vector interface of Gymnasium.
 
     Description:
-        Row ``b`` is the ``WarehouseGymnasiumEnv`` with the seed ``seed + b``.
+        Row ``b`` equals a ``WarehouseGymnasiumEnv`` with the seed ``seed + b``.
 
     Actions:
-        ``MultiDiscrete``, ``[B]``, as for ``WarehouseGymnasiumEnv``.
+        ``MultiDiscrete``, ``[B]``, the actions of ``WarehouseGymnasiumEnv``.
 
     Observations:
-        The observations of ``WarehouseGymnasiumEnv``, batched. ``info["motion"]`` has ``blocked``,
-        ``seconds`` and ``joules`` of all rows, and neither paths nor contacts.
+        A batch of the observations of ``WarehouseGymnasiumEnv``. ``info["motion"]`` has
+        ``blocked``, ``seconds`` and ``joules`` of all rows, but neither paths nor contacts.
 
     Rewards:
         The table in ``task/rules.py``, ``[B]`` float64.
 
     Ends:
-        As for ``WarehouseGymnasiumEnv``; rows that have ended restart by ``autoreset_mode``.
+        Rows end like ``WarehouseGymnasiumEnv``, and restart as ``autoreset_mode`` determines.
 
     Args:
-        num_envs: ``B``, at least 1.
-        layout: one layout for all rows, in a form that ``WarehouseGymnasiumEnv`` takes, or a list
+        num_envs: number of rows ``B``, at least 1.
+        layout: one layout for all rows, in a form that ``WarehouseGymnasiumEnv`` accepts, or a list
             of ``B``. A list of strings is one layout if any string is a row of tiles.
-        autoreset_mode: an ``AutoresetMode`` or its value, ``"NextStep"``, ``"SameStep"`` or
+        autoreset_mode: an ``AutoresetMode`` or its value: ``"NextStep"``, ``"SameStep"`` or
             ``"Disabled"``.
-        max_episode_steps: a lower limit than ``max_steps``, as ``gymnasium.make`` sets it by a
-            wrapper; ``None`` or -1 is no other. Spaces still follow ``max_steps``.
-        backend: the same as in ``WarehouseGymnasiumEnv``, like all other arguments. On the physics
-            backend a batch can be neither pickled nor copied.
-        scan: must be 0: a batch has no sensors.
+        max_episode_steps: limit of an episode that is lower than ``max_steps``, for which
+            ``gymnasium.make`` uses a wrapper; ``None`` or -1 for no such limit. Spaces still depend
+            on ``max_steps``.
+        backend: name, class or instance of a motion, as in ``WarehouseGymnasiumEnv``. All other
+            arguments are the same too. With the physics backend a batch can be neither pickled nor
+            copied.
+        scan: must be 0, because a batch has no sensors.
 
     Raises:
-        ValueError: a value that is not allowed; also as ``LayoutError`` or ``BackendError``.
-        TypeError: an argument of another type.
+        ValueError: an argument is not allowed; it may be a ``LayoutError`` or ``BackendError``.
+        TypeError: an argument has the wrong type.
 
     Example:
         >>> from warehouse_core.gymnasium_env import WarehouseVectorEnv
@@ -102,7 +104,7 @@ class WarehouseVectorEnv(CopiedWhole, Limited, gymnasium.vector.VectorEnv[Any, A
     ) -> None:
         if whole_number("scan", scan, 0):
             raise ValueError(
-                f"scan is {brief(scan)}; a batch has no sensors, so it must be 0: use "
+                f"scan is {brief(scan)}; a batch has no sensors, so it must be 0; for a scan use "
                 'gymnasium.make_vec(..., vectorization_mode="sync")'
             )
         modes = ["rgb_array"]
@@ -149,10 +151,10 @@ class WarehouseVectorEnv(CopiedWhole, Limited, gymnasium.vector.VectorEnv[Any, A
 
     @property
     def np_random_seed(self) -> Any:
-        """The seed of each row, ``B`` integers, as of Gymnasium's ``SyncVectorEnv``."""
+        """The seed of each row, ``B`` integers, like in Gymnasium's ``SyncVectorEnv``."""
         return self._batch.seeds
 
-    @property  # type: ignore[misc] # it has no setter, as that of SyncVectorEnv
+    @property  # type: ignore[misc] # it has no setter, like in SyncVectorEnv
     def np_random(self) -> Any:
         """The random stream of each row, ``B`` generators."""
         return self._batch.streams
@@ -160,12 +162,12 @@ class WarehouseVectorEnv(CopiedWhole, Limited, gymnasium.vector.VectorEnv[Any, A
     def reset(
         self, *, seed: Seeds = None, options: dict[str, Any] | None = None
     ) -> tuple[Any, dict[str, Any]]:
-        """Start an episode in every row, or in the rows that ``options["reset_mask"]`` marks.
+        """Start an episode in every row, or in the rows of ``options["reset_mask"]``.
 
         Raises:
-            ValueError: an unknown option or a bad value; nothing has changed.
-            TypeError: a value of another type.
-            ResetNeeded: a mask before the first reset.
+            ValueError: an option is unknown or its value is not allowed; nothing has changed.
+            TypeError: a value has the wrong type.
+            ResetNeeded: the first reset has a mask.
         """
         mask = check_options(options, {"reset_mask"}).get("reset_mask")
         try:
@@ -178,9 +180,9 @@ class WarehouseVectorEnv(CopiedWhole, Limited, gymnasium.vector.VectorEnv[Any, A
         """Carry out one action in each row; see ``BatchEnv.step``.
 
         Raises:
-            ValueError: a wrong shape, or an action out of range; nothing has changed.
-            TypeError: actions that are not integers.
-            ResetNeeded: before a reset, or where rows have ended with autoreset disabled.
+            ValueError: the shape is wrong, or an action is out of range; nothing has changed.
+            TypeError: the actions are not integers.
+            ResetNeeded: there has been no reset, or rows have ended in the disabled mode.
         """
         try:
             arrays, rewards, terminated, truncated, info = self._batch.step(actions)
@@ -191,10 +193,10 @@ class WarehouseVectorEnv(CopiedWhole, Limited, gymnasium.vector.VectorEnv[Any, A
         return self._form(arrays), rewards, terminated, truncated, info
 
     def action_masks(self) -> NDArray[np.int8]:
-        """Return ``[B, 7]`` int8: 1 for each action that does something now.
+        """Return the masks ``[B, 7]`` int8: 1 for each action with an effect.
 
         Raises:
-            ResetNeeded: before a reset.
+            ResetNeeded: there has been no reset.
         """
         try:
             return self._batch.action_masks()
@@ -202,10 +204,10 @@ class WarehouseVectorEnv(CopiedWhole, Limited, gymnasium.vector.VectorEnv[Any, A
             raise ResetNeeded(str(error)) from error
 
     def render(self) -> Any:
-        """Return a picture of each row, ``[H, W, 3]`` uint8.
+        """Return a picture ``[H, W, 3]`` uint8 of each row.
 
         Raises:
-            ResetNeeded: before a reset.
+            ResetNeeded: there has been no reset.
         """
         if self.render_mode == "rgb_array":
             try:
@@ -226,9 +228,9 @@ class WarehouseVectorEnv(CopiedWhole, Limited, gymnasium.vector.VectorEnv[Any, A
             self._batch.close()
 
     def _final(self, arrays: dict[str, NDArray[Any]], ended: NDArray[np.bool_]) -> NDArray[Any]:
-        """Return ``[B]`` final observations, ``None`` for rows that have not ended."""
+        """Return the final observations ``[B]``, ``None`` for rows that have not ended."""
         final, rows = np.full(self.num_envs, None, object), np.flatnonzero(ended)
-        # Only of the rows that have ended, since making all would take longer than the step.
+        # Only rows that have ended are converted, as converting all takes longer than the step.
         some: Any = {key: values[rows] for key, values in arrays.items()}
         observations = iterate(self.observation_space, self._form(some))
         for row, observation in zip(rows, observations, strict=True):
@@ -237,7 +239,7 @@ class WarehouseVectorEnv(CopiedWhole, Limited, gymnasium.vector.VectorEnv[Any, A
 
 
 def _layouts(given: GivenLayout | Sequence[GivenLayout] | None) -> Layout | list[Layout]:
-    """Return one layout or several; a list of strings is one if any of them is a row of tiles."""
+    """Return one layout or several; strings are one layout if any of them is a row of tiles."""
     if isinstance(given, Sequence) and not isinstance(given, (str, bytes, range)) and given:
         strings = [each for each in given if isinstance(each, str)]
         if len(strings) < len(given) or not any(set(text) <= TILES.keys() for text in strings):

@@ -1,12 +1,12 @@
-"""Find installed motion backends by name.
+"""Installed motion backends by name.
 
 A backend is a class in the entry-point group ``warehouse_core.backends`` of any installed
-distribution; ``grid`` and ``physics`` are registered in the same way as third-party backends.
+distribution. ``grid`` and ``physics`` are registered in the same way as third-party backends.
 
-Numbers may follow a name, as in ``physics:top_speed=2,turn_seconds=1.5``, if the class of the
-backend has a class method ``from_numbers(numbers)``, which returns a motion for a dict of them, or
-raises ``ValueError``. Values are words where the class lists their names in ``WORDS``, as in
-``physics:drive=differential``.
+Options may follow a name, as in ``physics:top_speed=2,turn_seconds=1.5``, if the class of the
+backend has a class method ``from_numbers(numbers)``. It takes a dict of the options, and returns a
+motion or raises ``ValueError``. The values are numbers, except for the options that the class lists
+in ``WORDS``, whose values are words, as in ``physics:drive=differential``.
 """
 
 from __future__ import annotations
@@ -35,9 +35,9 @@ def make_motion(backend: Backend) -> Motion:
     """Return a motion for a backend given by name, as a class or as an instance.
 
     Raises:
-        BackendError: the name is not installed, or its requirements are missing or broken; or the
-            backend does not take the numbers after its name.
-        TypeError: ``backend`` is none of the three.
+        BackendError: no backend of this name is installed, its requirements are missing or broken,
+            or the backend does not accept the options after its name.
+        TypeError: ``backend`` is neither a name, nor a class or instance of a motion.
 
     Example:
         >>> from warehouse_core.motion import make_motion
@@ -57,10 +57,10 @@ def make_motion(backend: Backend) -> Motion:
 
 
 def make_batch_motion(backend: Backend, layouts: Sequence[Layout]) -> BaseBatchMotion:
-    """Return a motion of a backend for a lone robot in each of these layouts.
+    """Return a motion of a backend for one robot in each of these layouts.
 
     Raises:
-        BackendError: as for ``make_motion``; or the backend has no ``batch``.
+        BackendError: ``make_motion`` fails, or the backend has no ``batch``.
         ValueError: the settings of the motion do not allow a batch.
     """
     motion, batch = make_motion(backend), None
@@ -76,12 +76,13 @@ def make_batch_motion(backend: Backend, layouts: Sequence[Layout]) -> BaseBatchM
 
 
 def make_fleet_motion(backend: Backend, layouts: Sequence[Layout], robots: int) -> BaseBatchMotion:
-    """Return a motion of a backend for so many robots, at least 1, in each of these layouts.
+    """Return a motion of a backend for ``robots`` robots, at least 1, in each of these layouts.
 
-    If the backend cannot move them by arrays, each layout has a motion of its own.
+    If the backend has no array version, each layout gets a motion of its own.
 
     Raises:
-        BackendError: as for ``make_motion``; or an instance that would have to be several motions.
+        BackendError: ``make_motion`` fails, or several motions are needed and ``backend`` is only a
+            single instance.
     """
     motion, batch = make_motion(backend), None
     with suppress(ValueError):
@@ -99,9 +100,9 @@ def make_fleet_motion(backend: Backend, layouts: Sequence[Layout], robots: int) 
 
 
 def is_outdated(motion: Motion, method: str) -> bool:
-    """Return whether a method that makes batches comes from a class whose ``advance`` is not used.
+    """Return whether a class overrides ``advance`` without its method that makes batches.
 
-    A subclass that overrides ``advance`` alone inherits batches that move as its parent does.
+    The inherited batches would move robots like the parent class does.
     """
     kinds = type(motion).__mro__
     nearest = {name: kind for kind in reversed(kinds) for name in vars(kind)}
@@ -109,7 +110,7 @@ def is_outdated(motion: Motion, method: str) -> bool:
 
 
 def _make_named(backend: str) -> Motion:
-    """Return a motion for a backend given by name, which numbers may follow."""
+    """Return a motion for a backend given by name, which options may follow."""
     name, colon, numbers = backend.partition(":")
     kind = load_backend(name)
     if not colon:
@@ -127,7 +128,7 @@ def _make_named(backend: str) -> Motion:
 
 
 def _read_numbers(text: str, words: Collection[str]) -> dict[str, float | str]:
-    """Return numbers, or words where they are allowed, by the names before them."""
+    """Return options by name: numbers, and words for the options that take words."""
     numbers: dict[str, float | str] = {}
     for part in text.split(","):
         name, _, value = part.partition("=")
@@ -152,11 +153,12 @@ def backend_names() -> list[str]:
 
 @cache
 def load_backend(name: str) -> type[Motion]:
-    """Import the backend called ``name``.
+    """Import a backend, and return its class.
 
     Raises:
-        BackendError: the name is not installed, or its requirements are missing or broken; the
-            message lists the installed names, or gives the command to install what is missing.
+        BackendError: no backend of this name is installed, or its requirements are missing or
+            broken. The message lists the installed backends, or gives the command that installs the
+            requirements.
 
     Example:
         >>> from warehouse_core.motion import load_backend
@@ -182,7 +184,7 @@ def _entry_points() -> dict[str, EntryPoint]:
 
 
 def _complaint(error: Exception, entry_point: EntryPoint) -> str:
-    """Return one line with the cause of an import error and a command that may fix it."""
+    """Return a line with the cause of an import error and a command that may fix it."""
     command = pip_install(_requirements(entry_point))
     if isinstance(error, ModuleNotFoundError):
         return f"needs {error.name or error}, which is not installed: {command}"
@@ -191,15 +193,16 @@ def _complaint(error: Exception, entry_point: EntryPoint) -> str:
 
 
 def _requirements(entry_point: EntryPoint) -> list[str]:
-    """Return the requirements of the extra with the backend's name, or else its distribution.
+    """Return the requirements of a backend: the requirements of an extra, or the distribution.
 
-    Backends of one module have the same requirements, so the name of any of them will do.
+    The extra has the name of the backend, or of another backend in the same module, whose
+    requirements are the same.
     """
     distribution = entry_point.dist
     if distribution is None:
         return [entry_point.module.partition(".")[0]]
-    beside = [name for name, each in _entry_points().items() if each.module == entry_point.module]
-    for name in (entry_point.name, *beside):
+    siblings = [name for name, each in _entry_points().items() if each.module == entry_point.module]
+    for name in (entry_point.name, *siblings):
         if needed := requirements_of(name, distribution.requires or []):
             return needed
     return [distribution.metadata["Name"]]

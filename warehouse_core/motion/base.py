@@ -1,17 +1,17 @@
-"""The interface of a motion, which carries out moves, and the outcome that it returns.
+"""The interface of motions, which carry out moves, and the outcomes that they return.
 
-A *motion* moves ``R`` robots at once; in the chapter's environment ``R = 1``. It knows walls and
-robots, but no rewards, items or batteries: those are in ``task/rules.py``, which reads only the
+A *motion* moves ``R`` robots at once. In the chapter's environment ``R = 1``. A motion knows walls
+and robots, but no rewards, items or batteries. Those belong to ``task/rules.py``, which reads only
 ``cell`` and ``blocked`` of an outcome.
 
-A *position* is ``(x, y)`` in metres with ``x = (col + 0.5) * cell_size`` and
-``y = (row + 0.5) * cell_size``; rows grow downward and so does y. A *heading* is in radians from
-the x axis towards the y axis: east 0, south pi/2.
+A *position* is ``(x, y)`` in metres, with ``x = (col + 0.5) * cell_size`` and
+``y = (row + 0.5) * cell_size``. Like rows, y grows downward. A *heading* is an angle in radians
+from the x axis towards the y axis: 0 is east and pi/2 is south.
 
-A *batch motion* moves ``R`` robots in each of ``B`` layouts. Floor ``b`` of the batch equals a
-separate motion in ``layouts[b]``, in ``cell`` and ``blocked``. Its arrays have a row for each of
-the ``N = B * R`` robots, floor by floor: robot ``r`` of floor ``b`` is row ``b * R + r``. Here the
-cell of a robot is a single number, ``row * W + col``, where ``W`` is the width of its layout.
+A *batch motion* moves ``R`` robots in each of ``B`` layouts. Floor ``b`` of the batch has the same
+``cell`` and ``blocked`` as a separate motion in ``layouts[b]``. The arrays have a row for each of
+the ``N = B * R`` robots, floor by floor: robot ``r`` of floor ``b`` is row ``b * R + r``. Here
+the cell of a robot is a number ``row * W + col``, where ``W`` is the width of its layout.
 """
 
 from __future__ import annotations
@@ -31,15 +31,15 @@ from warehouse_core.world.tiles import Cell
 WALL_CONTACT = "wall"
 
 NOTHING, WALL = -1, -2
-"""Values of ``stopped_by`` besides the robots of the floor, which have numbers from 0."""
+"""Values of ``stopped_by`` that are not robots. The robots of a floor have numbers from 0."""
 
 
 class Conditions(NamedTuple):
-    """How far the floor and the motors of a motion are known to differ from the nominal.
+    """Known conditions of the floor and the motors of a motion.
 
     Attributes:
         slippery: cells with slippery floor.
-        motor_strength: actual share of the motor force, 0 to 1.
+        motor_strength: actual share of the nominal motor force, 0 to 1.
 
     Example:
         >>> from warehouse_core.motion import Conditions
@@ -52,20 +52,20 @@ class Conditions(NamedTuple):
 
 
 def robot_contact(robot: int) -> str:
-    """Return the name of a robot as the counterpart of a contact."""
+    """Return the name that a robot has as the counterpart of a contact."""
     return f"robot {robot}"
 
 
 class Contact(NamedTuple):
-    """One hit during a motion.
+    """A hit during a motion.
 
     Attributes:
-        seconds: time of the hit, from the start of the motion.
-        impulse: impulse in N·s, positive: the speed at which the two approached right before, times
-            the mass of the robot, or of two robots their reduced mass. The push of their motors
-            during and after the hit is not in it, nor the push of others who touch them.
-        point: position ``(x, y)`` in metres.
-        counterpart: ``"wall"`` or ``"robot 3"``.
+        seconds: time of the hit since the start of the motion.
+        impulse: impulse in N·s, above 0. It is the speed of approach right before the hit, times
+            the mass of the robot, or the reduced mass of two robots. It does not include the force
+            of motors during and after the hit, nor the push of other bodies.
+        point: position ``(x, y)`` of the hit in metres.
+        counterpart: body that was hit, such as ``"wall"`` or ``"robot 3"``.
 
     Example:
         >>> from warehouse_core import WarehouseEnv
@@ -84,19 +84,20 @@ class Contact(NamedTuple):
 
 
 class Outcome(NamedTuple):
-    """The outcome of one action of one robot, in the same fields for every backend.
+    """The outcome of one action of one robot, with the same fields for every backend.
 
     Attributes:
         cell: cell of the robot after the action.
-        blocked: something stopped the robot on its way to another cell.
-        seconds: its duration.
-        joules: its cost.
-        path: ``[K, 4]`` float64, read-only, ``K >= 2``: time from the start of the motion in
-            seconds, x, y, heading. The first row is the start, the last row the end.
-        contacts: every hit, in order of time. Not empty when ``blocked``, unless the robot that
-            had been in the next cell came back and this one gave way before they touched.
-        cut_off: the action took too long and ended before the robot was at rest where it had to
-            be; its values are those at that moment.
+        blocked: ``True`` if something stopped the robot before it reached its target cell.
+        seconds: duration of the action.
+        joules: energy that the action used.
+        path: ``[K, 4]`` float64, read-only, with ``K >= 2``. Each row has the time since the start
+            of the motion in seconds, x, y and heading. The first row is the start, the last row the
+            end.
+        contacts: all hits in order of time. A blocked robot has at least one, unless it gave way to
+            a robot that came back to the target cell before they touched.
+        cut_off: ``True`` if the action took too long and was ended before the robot was at rest
+            where it had to be. All values are those at that moment.
 
     Example:
         >>> from warehouse_core import WarehouseEnv
@@ -117,11 +118,11 @@ class Outcome(NamedTuple):
     cut_off: bool = False
 
     def copy(self) -> Outcome:
-        """Return the same outcome with a copy of its path."""
+        """Return a copy of the outcome, with a copy of its path."""
         return self._replace(path=self.path.copy())
 
     def __eq__(self, other: object) -> bool:
-        # A tuple would ask the arrays of the paths for one truth value, which they do not have.
+        # Tuples compare with ==, which for paths returns an array without a truth value.
         if not isinstance(other, Outcome):
             return NotImplemented
         return np.array_equal(self.path, other.path) and all(
@@ -131,7 +132,7 @@ class Outcome(NamedTuple):
         )
 
     def __ne__(self, other: object) -> bool:
-        return not self == other  # a tuple has a __ne__ of its own
+        return not self == other  # otherwise the __ne__ of tuple would be used
 
     def __hash__(self) -> int:
         return hash(
@@ -141,7 +142,7 @@ class Outcome(NamedTuple):
 
 @runtime_checkable
 class Motion(Protocol):
-    """The interface of a backend; ``warehouse_core/conformance`` checks an implementation.
+    """The interface of motion backends; ``warehouse_core/conformance`` checks implementations.
 
     Example:
         >>> from warehouse_core import GridMotion, Motion
@@ -154,32 +155,35 @@ class Motion(Protocol):
     """Side of a cell in metres."""
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
-        """Put ``R = len(cells)`` robots at rest in the middle of their cells, heading east.
+        """Place ``R = len(cells)`` robots at rest in the middle of their cells, heading east.
+
+        Nothing changes if an error is raised.
 
         Args:
-            layout: layout that has the walls.
-            cells: one open cell for each robot, all different.
-            seed: seed of the backend's random numbers; ``None`` lets the backend choose.
+            layout: layout with the walls.
+            cells: open cell of each robot, all different.
+            seed: seed of the backend's random numbers; ``None`` lets the backend choose one.
 
         Raises:
-            LayoutError: a cell is a wall, off the grid, or given twice, or there is none; nothing
-                has changed.
+            LayoutError: a cell is a wall, is off the grid, or is given twice, or there are no
+                cells.
         """
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
         """Carry out one action for each robot, all at the same time.
 
         Args:
-            displacements: ``(0, 0)`` or one cell north, east, south or west for each robot.
-            loaded: flag of each robot that carries an item.
+            displacements: rows and columns to move for each robot: ``(0, 0)``, or one cell north,
+                east, south or west.
+            loaded: whether each robot carries an item.
 
         Returns:
-            One outcome for each robot.
+            The outcome for each robot.
 
         Raises:
-            ValueError: another number of arguments than robots, or another displacement; nothing
-                has changed.
-            RuntimeError: ``advance`` before ``reset`` or after ``close``.
+            ValueError: the number of arguments differs from the number of robots, or a displacement
+                is not allowed. Nothing has changed.
+            RuntimeError: the motion has not been reset, or is closed.
         """
 
     def close(self) -> None:
@@ -192,10 +196,10 @@ class Routes(NamedTuple):
     Attributes:
         ends: last cell of each route, where the next move of the robot begins. All are different,
             except that two failed robots may stand between the same two cells.
-        has_room: whether the next move may extend the route.
-        at_rest: whether the robot is at rest at the end of its route. Only then can it pick, drop
-            or charge.
-        failed: whether the robot has stopped for good.
+        has_room: ``True`` for each route that the next move may extend.
+        at_rest: ``True`` for each robot that is at rest at the end of its route. Only then can it
+            pick, drop or charge.
+        failed: ``True`` for each robot that has stopped for good.
         closed: cells that nobody can enter because a failed robot occupies at least a part of them.
     """
 
@@ -207,30 +211,31 @@ class Routes(NamedTuple):
 
 
 Pose = tuple[float, float, float]
-"""A position x and y in metres, and a heading."""
+"""Position x and y in metres, and heading in radians."""
 
 MAX_RAYS = 1_000
-"""Most rays of a scan."""
+"""Limit on the rays of a scan."""
 
 SCAN_RANGE = 10.0
-"""Metres beyond which a scan sees nothing."""
+"""Range of a scan in metres."""
 
 
 class BatchOutcome(NamedTuple):
-    """The outcome of one action of each robot; the arrays belong to the caller.
+    """The outcomes of one action of each robot, in arrays that belong to the caller.
 
     Attributes:
-        cells: ``[N]`` intp, where the robots are now.
-        blocked: ``[N]`` bool, whether something stopped the robot on its way to another cell.
+        cells: ``[N]`` intp, cells of the robots after the action.
+        blocked: ``[N]`` bool, ``True`` if something stopped the robot before its target cell.
         seconds: ``[N]`` float64, duration of each action.
-        joules: ``[N]`` float64, cost of each action.
-        stopped_by: ``[N]`` intp, what stopped the robot: ``NOTHING``, ``WALL``, or the number of
-            another robot on its floor. ``None`` if robots are alone and only walls block them.
-        ends: ``[N]`` intp, where their next moves begin, of a motion that drives
-            through. ``None``: where they are.
-        driving: ``[N]`` bool, whether the robot has not come to rest, so that it can neither pick,
-            drop nor charge. ``None``: all are at rest after each action.
-        failed: ``[N]`` bool, whether the robot stays where it is for good. ``None``: none can.
+        joules: ``[N]`` float64, energy that each action used.
+        stopped_by: ``[N]`` intp, obstacle of each robot: ``NOTHING``, ``WALL``, or the number of
+            another robot on its floor. ``None`` if each robot is alone and only walls can block it.
+        ends: ``[N]`` intp, cells where the next moves begin, for motions that drive through.
+            ``None`` if they begin in ``cells``.
+        driving: ``[N]`` bool, ``True`` for robots that are not at rest. They cannot pick, drop or
+            charge. ``None`` if all robots are at rest after each action.
+        failed: ``[N]`` bool, ``True`` for robots that have stopped for good. ``None`` if robots
+            cannot fail.
 
     Example:
         >>> import numpy as np
@@ -253,7 +258,7 @@ class BatchOutcome(NamedTuple):
 
 
 class BatchMotion(Protocol):
-    """The interface of a motion of ``R`` robots in each of ``B`` layouts.
+    """The interface of motions of ``R`` robots in each of ``B`` layouts.
 
     Example:
         >>> from warehouse_core import DEFAULT_LAYOUT, GridMotion
@@ -264,25 +269,26 @@ class BatchMotion(Protocol):
     def place(
         self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
     ) -> None:
-        """Put the robots of some floors at rest in the middle of their cells, heading east.
+        """Place the robots of some floors at rest in the middle of their cells, heading east.
+
+        Backends need not check the arguments.
 
         Args:
             rows: ``[F * R]``, all robots of ``F`` different floors, in order on each floor.
-            cells: ``[F * R]``, for each of them an open cell of its layout, on a floor all
-                different. A backend need not check either.
-            seeds: ``F``, for the backend's random numbers on each of these floors; ``None`` lets
-                the backend choose.
+            cells: ``[F * R]``, an open cell for each of these robots, all different on a floor.
+            seeds: ``[F]`` seed of the backend's random numbers on each of these floors; ``None``
+                lets the backend choose.
         """
 
     def advance(self, actions: Integers, loaded: Flags) -> BatchOutcome:
-        """Carry out one action for each robot; all must have been placed.
+        """Carry out one action for each robot; all robots must have been placed.
 
         Args:
-            actions: ``[N]``, indices into ``DISPLACEMENTS``.
-            loaded: ``[N]``, whether the robot carries an item.
+            actions: ``[N]`` index into ``DISPLACEMENTS`` for each robot.
+            loaded: ``[N]`` flag of each robot that carries an item.
 
         Raises:
-            RuntimeError: after ``close``.
+            RuntimeError: the motion is closed.
         """
 
     def close(self) -> None:
@@ -290,10 +296,11 @@ class BatchMotion(Protocol):
 
 
 class BaseBatchMotion(BatchMotion):
-    """A base class of batch motions, with a default for everything that one need not do.
+    """A base class of batch motions, with a default for every optional part.
 
     Attributes:
-        changes_layouts: ``True`` if ``change`` replaces the layouts of floors; pools need it.
+        changes_layouts: ``True`` if ``change`` can replace the layouts of floors. Pools of layouts
+            need this.
 
     Example:
         >>> from warehouse_core import DEFAULT_LAYOUT, GridMotion
@@ -306,9 +313,9 @@ class BaseBatchMotion(BatchMotion):
     changes_layouts: bool = False
 
     def outcomes(self, floor: int) -> Sequence[Outcome]:
-        """Return what the last ``advance`` did on one floor, with paths and contacts.
+        """Return the last outcomes of the robots on one floor, with paths and contacts.
 
-        A batch of lone robots need not tell that.
+        Batches of single robots need not support this, and may return nothing.
 
         Raises:
             RuntimeError: the robots of the floor have not moved since they were placed.
@@ -316,31 +323,31 @@ class BaseBatchMotion(BatchMotion):
         return ()
 
     def change(self, floors: Integers, layouts: Sequence[Layout]) -> None:
-        """Replace the layouts of different floors by others of their sizes.
+        """Replace the layouts of different floors with others of the same sizes.
 
-        The robots there must be placed before they move.
+        The robots on these floors must be placed before they move.
         """
 
     def face(self, actions: Integers) -> None:
         """Let robots that stay in their cells turn in the next ``advance``; by default they wait.
 
         Args:
-            actions: ``[N]``, indices into ``DISPLACEMENTS`` of the directions that the robots turn
-                to; ``WAIT`` for those that do not turn.
+            actions: ``[N]`` index into ``DISPLACEMENTS`` of each robot's new direction; ``WAIT``
+                for robots that do not turn.
         """
 
     def fail(self, rows: Integers) -> None:
-        """Let robots stay where they are for good; see ``BaseMotion.fail``."""
+        """Stop some robots for good; see ``BaseMotion.fail``."""
 
 
 class BaseMotion(Motion):
-    """A base class of motions, with a default for everything that a motion need not do.
+    """A base class of motions, with a default for every optional part.
 
-    A motion that does not derive from it is used ``with_defaults``.
+    Motions that do not derive from it get these defaults from ``with_defaults``.
 
     Attributes:
-        conditions: conditions of floor and motors, which are recorded and drawn in replays.
-        cell_steps: calls of ``advance`` in which a robot crosses a cell at top speed.
+        conditions: conditions of floor and motors. Records store them, and replays show them.
+        cell_steps: number of calls of ``advance`` in which a robot at top speed crosses a cell.
         cell_joules: joules that a robot should expect to use for a cell; ``None`` for the nominal
             cost.
         drives_through: ``True`` if robots drive through the cells of routes ahead of them, see
@@ -366,61 +373,61 @@ class BaseMotion(Motion):
         """Let robots that stay in their cells turn in the next ``advance``; by default they wait.
 
         Args:
-            directions: displacement of a move in the direction that each robot turns to, the
-                shorter way round; ``(0, 0)`` for robots that do not turn.
+            directions: new direction of each robot, as the displacement of a move. The robot turns
+                by the smaller angle. ``(0, 0)`` stands for robots that do not turn.
 
         Raises:
-            ValueError: another number of directions than robots, or another displacement; nothing
-                has changed.
-            RuntimeError: before ``reset`` or after ``close``.
+            ValueError: the number of directions differs from the number of robots, or a direction
+                is not allowed. Nothing has changed.
+            RuntimeError: the motion has not been reset, or is closed.
         """
 
     def routes(self) -> Routes:
         """Return the route ahead of each robot if the motion ``drives_through``.
 
         Raises:
-            RuntimeError: before ``reset`` or after ``close``.
+            RuntimeError: the motion has not been reset, or is closed.
         """
         return Routes((), (), ())
 
     def fail(self, robot: int) -> None:
-        """Let a robot brake and stay where it is for good; without ``drives_through``, do nothing.
+        """Make a robot brake and stop for good; without ``drives_through``, do nothing.
 
-        Robots that are then caught between others, with no cell to come to rest in, fail too.
+        Other robots fail too if they have no cell left in which they can come to rest.
 
         Raises:
-            RuntimeError: before ``reset`` or after ``close``.
+            RuntimeError: the motion has not been reset, or is closed.
         """
 
     def scan(self, robot: int, rays: int) -> NDArray[np.float64] | None:
-        """Return how far walls and other robots are in ``rays`` directions.
+        """Return the distances to walls and other robots in ``rays`` directions.
 
         Args:
             robot: number of the robot.
-            rays: number of directions, at equal angles: the first leads east, the others follow
+            rays: number of directions, at equal angles. The first is east and the second is further
                 towards south, whatever the heading of the robot is.
 
         Returns:
-            ``[rays]`` metres from the middle of the robot, ``SCAN_RANGE`` if nothing is nearer;
+            ``[rays]`` distances in metres from the middle of the robot, at most ``SCAN_RANGE``;
             ``None`` for robots without sensors.
 
         Raises:
-            ValueError: there is no such robot, or no ray.
-            RuntimeError: before ``reset`` or after ``close``.
+            ValueError: the robot does not exist, or ``rays`` is less than 1.
+            RuntimeError: the motion has not been reset, or is closed.
         """
         return None
 
     def odometry(self, robot: int) -> Pose | None:
-        """Return where a robot believes to be, or ``None`` without odometry.
+        """Return the pose that a robot estimates by odometry, or ``None`` without odometry.
 
         Raises:
-            ValueError: there is no such robot.
-            RuntimeError: before ``reset`` or after ``close``.
+            ValueError: the robot does not exist.
+            RuntimeError: the motion has not been reset, or is closed.
         """
         return None
 
     def batch(self, layouts: Sequence[Layout]) -> BatchMotion | None:
-        """Return a motion for a lone robot in each of these layouts, or ``None`` if it has none.
+        """Return a motion for one robot in each of these layouts, or ``None`` if unsupported.
 
         Raises:
             ValueError: the settings of this motion do not allow a batch.
@@ -428,19 +435,19 @@ class BaseMotion(Motion):
         return None
 
     def fleet_batch(self, layouts: Sequence[Layout], robots: int) -> BatchMotion | None:
-        """Return a motion for so many robots, at least 1, in each layout, or ``None``.
+        """Return a motion for ``robots`` robots, at least 1, in each layout, or ``None``.
 
         Raises:
-            ValueError: the settings of this motion do not allow a batch of so many robots.
+            ValueError: the settings of this motion do not allow such a batch.
         """
         return None
 
 
 def with_defaults(motion: Any, base: Any = BaseMotion) -> Any:
-    """Return a motion with the defaults of a base class for everything that it lacks.
+    """Return a motion with the defaults of a base class for all parts that it lacks.
 
-    A motion that derives from the base class, ``BaseMotion`` or ``BaseBatchMotion``, is
-    returned itself.
+    A motion that derives from the base class is returned unchanged. The base class is
+    ``BaseMotion`` or ``BaseBatchMotion``.
     """
     if isinstance(motion, base):
         return motion
@@ -458,16 +465,16 @@ def conditions_of(motion: object, layout: Layout) -> Conditions:
 
 
 def centre_of(cell: Cell, cell_size: float) -> tuple[float, float]:
-    """Return the position of the middle of ``cell`` in metres."""
+    """Return the position of the middle of a cell in metres."""
     row, col = cell
     return (col + 0.5) * cell_size, (row + 0.5) * cell_size
 
 
 def check_starts(layout: Layout, cells: Sequence[Cell]) -> None:
-    """Raise if robots cannot be put on these cells; for backends to call in ``reset``.
+    """Raise an error if robots cannot be placed in these cells; backends call it in ``reset``.
 
     Raises:
-        LayoutError: naming the robot and the cell; or there are no cells.
+        LayoutError: a cell is not open or is given twice, or there are no cells.
     """
     if not cells:
         raise LayoutError("no robots: cells is empty; it needs a cell for each robot")
@@ -476,28 +483,28 @@ def check_starts(layout: Layout, cells: Sequence[Cell]) -> None:
         check_open(layout, cell, f"robot {robot}:")
         first = robot_in.setdefault(cell, robot)
         if first != robot:
-            raise LayoutError(f"robots {first} and {robot} are both given {cell}")
+            raise LayoutError(f"robots {first} and {robot} are both placed in {cell}")
 
 
 _ALLOWED = frozenset(DISPLACEMENTS)
 
 
 def check_directions(robots: int, directions: Sequence[Cell]) -> None:
-    """Raise unless there is one direction to turn to for each robot; for backends, in ``face``.
+    """Raise an error unless there is a valid direction per robot; backends call it in ``face``.
 
     Raises:
-        ValueError: naming the robot and the direction, or the two counts.
+        ValueError: the number of directions is wrong, or a direction is not allowed.
     """
     if len(directions) != robots:
-        raise ValueError(f"{len(directions)} directions for {robots} robots; one each")
+        raise ValueError(f"{len(directions)} directions for {robots} robots; each robot needs one")
     _check_displacements("direction", directions)
 
 
 def check_moves(robots: int, displacements: Sequence[Cell], loaded: Sequence[bool]) -> None:
-    """Raise unless there is one action for each robot; for backends to call in ``advance``.
+    """Raise an error unless there is a valid action per robot; backends call it in ``advance``.
 
     Raises:
-        ValueError: naming the robot and the displacement, or the two counts.
+        ValueError: the number of actions is wrong, or a displacement is not allowed.
     """
     if not len(displacements) == len(loaded) == robots:
         raise ValueError(

@@ -1,7 +1,7 @@
-"""The grid backend: a robot moves by whole cells.
+"""The grid backend, in which robots move by whole cells.
 
-Time and cost are nominal, for comparison with the measurements of a physical backend. A robot of
-``NOMINAL_KG`` crosses a cell in ``NOMINAL_SECONDS``; see ``nominal_joules`` for the cost.
+Times and costs are nominal. They allow a comparison with a physical backend, which measures them. A
+robot of ``NOMINAL_KG`` crosses a cell in ``NOMINAL_SECONDS``. For its cost see ``nominal_joules``.
 """
 
 from __future__ import annotations
@@ -38,7 +38,7 @@ NOMINAL_KG = 50.0
 NOMINAL_SECONDS = 1.0
 NOMINAL_IDLE_WATTS = 20.0
 ROLLING_RESISTANCE = 0.015
-"""Rolling force over weight; 0.01 to 0.02 is typical for a hard tyre on concrete."""
+"""Ratio of rolling force to weight; 0.01 to 0.02 is typical for a hard tyre on concrete."""
 GRAVITY = 9.81
 
 MAX_CELL_SIZE = 1e9
@@ -46,22 +46,22 @@ MAX_CELL_SIZE = 1e9
 
 STAY, EAST = (0, 0), (0, 1)
 NOT_MOVED = -1
-"""Stands for the cell before the last action if a robot has not moved since it was placed."""
+"""Value of the cell before the last action if a robot has not moved since it was placed."""
 
 ANGLES = {delta: math.atan2(*delta) for delta in MOVE_DELTAS.values()}
-"""Heading in radians of a move; atan2 takes y (rows, downward) before x."""
+"""Heading of each move in radians; atan2 takes y (rows, downward) before x."""
 
 _WALL_OR_NOTHING = np.array([NOTHING, WALL])
-"""Counterpart of a robot that only walls can block, for blocked False and True."""
+"""Obstacle of a robot that only walls can block, indexed by whether it is blocked."""
 
 _pack = Struct("8d").pack
 
 MAX_CACHED = 100_000
-"""Limit on the cached outcomes of a lone robot, about half a kilobyte each."""
+"""Limit on the cached outcomes of a single robot, about half a kilobyte each."""
 
 
 class GridMotion(BaseMotion):
-    """Moves robots by whole cells; several at once by the table in ``traffic.py``.
+    """Motion of robots by whole cells, with the rules of right of way in ``traffic.py``.
 
     Args:
         cell_size: side of a cell in metres.
@@ -88,7 +88,7 @@ class GridMotion(BaseMotion):
         self._lone: dict[tuple[Cell, Cell, Cell], tuple[Outcome]] = {}
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
-        """Put robots in their cells; see ``Motion.reset``. The seed is not used."""
+        """Place the robots in their cells; see ``Motion.reset``. The seed is not used."""
         check_starts(layout, cells)
         if self._layout.open_cells is not layout.open_cells:
             self._lone = {}
@@ -106,7 +106,7 @@ class GridMotion(BaseMotion):
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
         """Move every robot by one action; see ``Motion.advance``.
 
-        The outcome for a lone robot depends only on the walls, so it is cached for each cell,
+        The outcome for a single robot depends only on the walls. So it is cached by cell,
         displacement and heading.
         """
         if self._facing or not len(self._cells) == len(displacements) == len(loaded) == 1:
@@ -127,11 +127,11 @@ class GridMotion(BaseMotion):
         self._cells, self._headings, self._lone = [], [], {}
 
     def batch(self, layouts: Sequence[Layout]) -> GridBatch:
-        """Return a motion for a lone robot in each of these layouts; see ``BaseMotion.batch``."""
+        """Return a motion for one robot in each of these layouts; see ``BaseMotion.batch``."""
         return GridBatch(layouts, self.cell_size)
 
     def fleet_batch(self, layouts: Sequence[Layout], robots: int) -> GridFleetBatch:
-        """Return a motion for so many robots in each layout; see ``BaseMotion.fleet_batch``."""
+        """Return a motion for several robots in each layout; see ``BaseMotion.fleet_batch``."""
         return GridFleetBatch(layouts, self.cell_size, robots)
 
     def _advance_all(
@@ -156,7 +156,7 @@ class GridMotion(BaseMotion):
         return outcomes
 
     def _first_outcome(self, cell: Cell, displacement: Cell, heading: Cell) -> Outcome:
-        """Return an outcome that is not in the cache, and make room for it."""
+        """Return an outcome that is not in the cache yet, and make room for it in a full cache."""
         target = moved(cell, displacement)
         check_moves(1, (displacement,), (False,))
         if len(self._lone) >= MAX_CACHED:
@@ -174,13 +174,13 @@ class GridMotion(BaseMotion):
         angle = before = ANGLES[heading]
         if start is not None and start != heading:
             before -= math.remainder(angle - ANGLES[start], math.tau)
-        # An array over bytes is read-only, and faster to make than one from tuples.
+        # An array made from bytes is read-only, and is made faster than an array from tuples.
         data = _pack(0.0, x0, y0, before, NOMINAL_SECONDS, x1, y1, angle)
         path = np.ndarray((2, 4), np.float64, data)
         joules = self._waiting_joules if target == cell else self._moving_joules
         if stop is None:
             return Outcome(end, False, NOMINAL_SECONDS, joules, path)
-        # The nominal hit is half-way, at the edge of the cell, and all momentum is lost.
+        # The nominal hit happens halfway, at the edge of the cell, and takes all momentum.
         down, right = heading
         hit = Contact(
             seconds=NOMINAL_SECONDS / 2,
@@ -192,10 +192,7 @@ class GridMotion(BaseMotion):
 
 
 class GridBatch(BaseBatchMotion):
-    """Moves one robot in each of ``B`` layouts; one table lookup moves all of them.
-
-    See ``BatchMotion``.
-    """
+    """Motion of one robot in each of ``B`` layouts, by table lookup; see ``BatchMotion``."""
 
     changes_layouts = True
 
@@ -213,7 +210,7 @@ class GridBatch(BaseBatchMotion):
     def place(
         self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
     ) -> None:
-        """Put some of the robots in their cells; see ``BatchMotion.place``."""
+        """Place some of the robots in their cells; see ``BatchMotion.place``."""
         self._cells[rows] = cells
 
     def change(self, floors: Integers, layouts: Sequence[Layout]) -> None:
@@ -235,12 +232,12 @@ class GridBatch(BaseBatchMotion):
         return BatchOutcome(self._cells.astype(np.intp), blocked, self._seconds.copy(), joules)
 
     def close(self) -> None:
-        """Make ``advance`` raise from now on; see ``BatchMotion.close``."""
+        """Make later calls of ``advance`` raise an error; see ``BatchMotion.close``."""
         self._closed = True
 
 
 class GridFleetBatch(GridBatch):
-    """Moves ``R`` robots in each of ``B`` layouts by the table in ``traffic.py``.
+    """Motion of ``R`` robots in each of ``B`` layouts, with the rules of ``traffic.py``.
 
     See ``BatchMotion``.
     """
@@ -259,7 +256,7 @@ class GridFleetBatch(GridBatch):
     def place(
         self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
     ) -> None:
-        """Put the robots of some floors in their cells; see ``BatchMotion.place``."""
+        """Place the robots of some floors in their cells; see ``BatchMotion.place``."""
         super().place(rows, cells)
         self._before[rows] = NOT_MOVED
         self._headings[rows] = DISPLACEMENTS.index(EAST)
@@ -288,7 +285,7 @@ class GridFleetBatch(GridBatch):
         return BatchOutcome(cells, blocked, seconds, joules, stops)
 
     def outcomes(self, floor: int) -> Sequence[Outcome]:
-        """Return what the last ``advance`` did on one floor; see ``BaseBatchMotion.outcomes``."""
+        """Return the last outcomes on one floor; see ``BaseBatchMotion.outcomes``."""
         rows = slice(floor * self._robots, (floor + 1) * self._robots)
         starts, moving = self._before[rows].tolist(), self._moving[rows].tolist()
         if NOT_MOVED in starts:
@@ -301,7 +298,7 @@ class GridFleetBatch(GridBatch):
         )
         self._motion._headings = starts
         self._motion.face(ends)
-        moves = [way if moves else STAY for way, moves in zip(starts, moving, strict=True)]
+        moves = [move if moves else STAY for move, moves in zip(starts, moving, strict=True)]
         return self._motion.advance(moves, moving)
 
 
@@ -311,14 +308,14 @@ def _next_cells(layout: Layout) -> Integers:
     steps = layout.numbers(DISPLACEMENTS)
     cells = np.repeat(np.arange(len(sides))[:, None], len(DISPLACEMENTS), axis=1)
     cells[:, :WAIT] += sides * steps[:WAIT]
-    return cells.ravel().astype(np.int32)  # int32 is faster to read than intp
+    return cells.ravel().astype(np.int32)  # int32 is read faster than intp
 
 
 def nominal_joules(cell_size: float, *, moving: bool) -> float:
     """Return the nominal cost of one action in joules.
 
-    Every action costs idle power. A move, blocked or not, adds the kinetic energy at its mean speed
-    and the work against rolling resistance over one cell.
+    Every action costs idle power. A move, even if it is blocked, also costs the kinetic energy at
+    its mean speed and the work against rolling resistance over one cell.
     """
     idle = NOMINAL_IDLE_WATTS * NOMINAL_SECONDS
     if not moving:

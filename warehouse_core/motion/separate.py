@@ -1,4 +1,4 @@
-"""A batch motion that is made of single motions, one for each floor; it serves any backend."""
+"""A batch motion that consists of one motion for each floor, for backends without batches."""
 
 from __future__ import annotations
 
@@ -29,11 +29,12 @@ from warehouse_core.world.tiles import Cell, moved
 
 
 class SeparateMotions(BaseBatchMotion):
-    """Moves ``R`` robots in each of ``B`` layouts by a motion for each; see ``BatchMotion``.
+    """Motion of ``R`` robots in each of ``B`` layouts, with one motion per layout.
 
-    ``stopped_by`` is the counterpart of the first contact of a blocked robot. Without a contact it
-    is the robot that is in the cell it was on its way to, or was on its way there too. What is not
-    a robot counts as a wall. The motions are all different, and this one closes them.
+    See ``BatchMotion``. ``stopped_by`` of a blocked robot is the counterpart of its first contact.
+    Without a contact it is the robot that is in its target cell, or another robot with the same
+    target cell. Anything that is not a robot counts as a wall. The motions must all be different,
+    and ``close`` closes them.
     """
 
     def __init__(self, motions: Sequence[Motion], layouts: Sequence[Layout], robots: int) -> None:
@@ -46,10 +47,14 @@ class SeparateMotions(BaseBatchMotion):
     def place(
         self, rows: Integers, cells: Integers, seeds: Sequence[int | None] | None = None
     ) -> None:
-        """Put the robots of some floors in their cells; see ``BatchMotion.place``.
+        """Place the robots of some floors in their cells; see ``BatchMotion.place``.
 
-        Cells that are not open or given twice on a floor, and rows that are not all robots of
-        different floors in order, are refused before anything has changed.
+        Nothing changes if an argument is refused.
+
+        Raises:
+            LayoutError: a cell is not open, or is given twice on a floor.
+            ValueError: the rows are not all robots of different floors in order, or the numbers of
+                cells or seeds do not fit.
         """
         floors = self._whole_floors(rows)
         seeds = [None] * len(floors) if seeds is None else seeds
@@ -79,7 +84,7 @@ class SeparateMotions(BaseBatchMotion):
         """Carry out one action for each robot; see ``BatchMotion.advance``.
 
         Raises:
-            RuntimeError: before every floor has been placed, or after ``close``.
+            RuntimeError: a floor has not been placed yet, or the motion is closed.
         """
         if not all(self._cells):
             raise RuntimeError("advance() needs a place() of every floor before it")
@@ -117,13 +122,13 @@ class SeparateMotions(BaseBatchMotion):
             motion.face([DISPLACEMENTS[action] for action in chosen])
 
     def outcomes(self, floor: int) -> Sequence[Outcome]:
-        """Return what the last ``advance`` did on one floor; see ``BaseBatchMotion.outcomes``."""
+        """Return the last outcomes on one floor; see ``BaseBatchMotion.outcomes``."""
         if not self._outcomes[floor]:
             raise RuntimeError(f"outcomes() needs an advance() after the place() of floor {floor}")
         return self._outcomes[floor]
 
     def fail(self, rows: Integers) -> None:
-        """Let robots stay where they are for good; see ``BaseBatchMotion.fail``."""
+        """Stop some robots for good; see ``BaseBatchMotion.fail``."""
         for row in rows.tolist():
             floor, robot = divmod(row, self._robots)
             self._motions[floor].fail(robot)
@@ -145,7 +150,7 @@ class SeparateMotions(BaseBatchMotion):
         return np.reshape(values, (-1, self._robots))
 
     def _whole_floors(self, rows: Integers) -> list[int]:
-        """Return the floors that the rows are all robots of."""
+        """Return the floors of the rows, which must be all robots of these floors."""
         floors = np.asarray(rows)[:: self._robots] // self._robots
         whole = floors[:, None] * self._robots + np.arange(self._robots)
         numbers: list[int] = floors.tolist()
@@ -160,7 +165,7 @@ class SeparateMotions(BaseBatchMotion):
     def _stoppers(
         self, targets: Sequence[Cell], ends: Sequence[Cell], outcomes: Sequence[Outcome]
     ) -> Iterator[int]:
-        """Yield what stopped each robot on its way to its target."""
+        """Yield the obstacle that stopped each robot: a robot, ``WALL`` or ``NOTHING``."""
         rivals = defaultdict[Cell, list[int]](list)
         for robot, target in enumerate(targets):
             rivals[target].append(robot)

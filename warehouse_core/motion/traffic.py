@@ -1,4 +1,4 @@
-"""Which robots may move when several move at once; every nominal backend follows this rule.
+"""Rules of right of way for robots that move at once; every nominal backend follows them.
 
 Robots start together, each towards its own or a neighbouring cell. The first line of the table that
 applies to a robot decides.
@@ -15,11 +15,11 @@ applies to a robot decides.
 | cycle         | is in a ring of three or more robots   | moves   | nothing                |
 |               | that all move on                       |         |                        |
 
-If several robots have the same target, all of them stay, as rigid bodies would; the result does not
-depend on the order of the robots. "Occupied" spreads backwards along a queue of robots.
+If several robots have the same target, all of them stay, as rigid bodies would. So the result does
+not depend on the order of the robots. "Occupied" spreads backwards along a queue of robots.
 
-``find_stops`` applies the table to the robots of one floor in lists, ``ArrayTraffic`` to all robots
-of many floors in NumPy arrays.
+``find_stops`` applies the table to the robots of one floor, using lists. ``ArrayTraffic`` applies
+it to all robots of many floors, using NumPy arrays.
 """
 
 from __future__ import annotations
@@ -37,19 +37,22 @@ from warehouse_core.world.tiles import Cell
 Numbers = NDArray[np.intp]
 
 MAX_SMALL_FLEET = 32
-"""Up to this many robots are faster as lists, as each call of NumPy takes about a microsecond."""
+"""Most robots for which lists are faster; each call of NumPy takes about a microsecond."""
 
 MAX_SMALL_FRONT = 100
-"""Queues up to this many are followed one by one, which is then faster than all together."""
+"""Most queues for which following one after the other is faster than following all at once."""
 
 Obstacle = int | str | None
-"""Obstacle of a robot: another robot's number, the wall, or nothing."""
+"""Obstacle of a robot: the number of another robot, the wall, or nothing."""
 
 
 def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -> list[Obstacle]:
-    """Return what stops each of ``R`` robots on its way from ``cells`` to ``targets``.
+    """Return the obstacle that stops each of ``R`` robots when it moves to its target.
 
-    The cells are open and different; each target is the robot's cell, or a neighbour of it.
+    Args:
+        layout: layout with the walls.
+        cells: open cell of each robot, all different.
+        targets: next cell of each robot, which is its own cell or a neighbour of it.
     """
     stops: list[Obstacle] = [None if layout.is_open(target) else WALL_CONTACT for target in targets]
     stop_by_robots(stops, cells, targets)
@@ -59,9 +62,12 @@ def find_stops(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -
 def stop_by_robots(
     stops: list[Obstacle], cells: Sequence[Hashable], targets: Sequence[Hashable]
 ) -> None:
-    """Fill in the robots that stop those which no wall stops; see ``find_stops``.
+    """Fill in the robots that stop other robots; see ``find_stops``.
 
-    ``stops`` are obstacles of ``R`` robots, ``None`` but for walls; cells may be numbers.
+    Args:
+        stops: obstacles of ``R`` robots, in which only walls are filled in. It is changed.
+        cells: cell of each robot, in any form, such as a number.
+        targets: next cell of each robot.
     """
     robot_in = {cell: robot for robot, cell in enumerate(cells)}
     movers_to: dict[Hashable, list[int]] = {}
@@ -79,7 +85,7 @@ def stop_by_robots(
             stops[first] = ahead
         elif ahead is not None:
             followers[ahead] = first
-    # Only now is it known who stays, for whatever reason; each stops the robot behind it.
+    # Now all robots that stay for another reason are known. Each stops the robot behind it.
     staying = [i for i, stop in enumerate(stops) if stop is not None or targets[i] == cells[i]]
     while staying:
         ahead = staying.pop()
@@ -90,40 +96,43 @@ def stop_by_robots(
 
 
 def check_joint_step(layout: Layout, cells: Sequence[Cell], targets: Sequence[Cell]) -> None:
-    """Raise unless ``R`` robots can all move to their targets at once, with nothing to stop them.
+    """Raise an error unless ``R`` robots can move to their targets at once without a conflict.
 
     Raises:
-        ValueError: naming the robots and cells: there are not ``R`` targets, a target is neither
-            the robot's cell nor an open cell beside it, or two robots have the same target or
-            change places.
+        ValueError: there are not ``R`` targets, a target is neither the robot's cell nor an open
+            neighbour of it, or two robots have the same target or swap places. The message names
+            the robots and cells.
     """
     if len(targets) != len(cells):
-        raise ValueError(f"{len(targets)} cells for {len(cells)} robots; one each")
+        raise ValueError(f"{len(targets)} cells for {len(cells)} robots; each robot needs one")
     robot_in, robot_to = {cell: robot for robot, cell in enumerate(cells)}, dict[Cell, int]()
     for robot, (cell, target) in enumerate(zip(cells, targets, strict=True)):
         if abs(cell[0] - target[0]) + abs(cell[1] - target[1]) > 1 or not layout.is_open(target):
             raise ValueError(
-                f"robot {robot} is to go from {cell} to {target}, which is not an open cell beside "
-                "it"
+                f"robot {robot} cannot move from {cell} to {target}, which is not an open cell "
+                "next to it"
             )
         other = robot_to.setdefault(target, robot)
         if other != robot:
-            raise ValueError(f"robots {other} and {robot} are both to go to {target}")
+            raise ValueError(f"robots {other} and {robot} cannot both move to {target}")
         other = robot_in.get(target, robot)
         if other < robot and targets[other] == cell:
             raise ValueError(
-                f"robots {other} and {robot} are to change places, {target} and {cell}"
+                f"robots {other} and {robot} cannot swap the cells {target} and {cell}"
             )
 
 
 class ArrayTraffic:
-    """Finds what stops each of ``N`` robots on ``B`` floors; equal to ``find_stops`` on each floor.
+    """The table for ``N`` robots on ``B`` floors, equal to ``find_stops`` on each floor.
 
-    The floors are laid end to end, so that a cell is one number over all of them. An array leads
-    from a cell to a robot. It is never cleared: an old entry names a robot that is in another cell
-    now.
+    The floors are joined end to end, so that a cell has one number across all of them. An array
+    gives the robot in each cell. It is never cleared: an old entry names a robot that is in another
+    cell now.
 
-    ``cells`` is their number on all floors together, ``robots`` their number on each floor.
+    Args:
+        cells: number of cells of all floors together.
+        floors: number of floors ``B``.
+        robots: number of robots on each floor.
     """
 
     def __init__(self, cells: int, floors: int, robots: int) -> None:
@@ -133,9 +142,13 @@ class ArrayTraffic:
         self._robot_of = np.zeros(cells, np.intp)
 
     def find_stops(self, cells: Integers, targets: Integers, walled: Flags) -> Numbers:
-        """Return ``[N]``: ``NOTHING``, ``WALL``, or the number of a robot on its floor.
+        """Return the obstacles ``[N]``: ``NOTHING``, ``WALL``, or a robot's number on its floor.
 
-        Targets are neighbours or the robots' own cells; their own for those at a wall, ``walled``.
+        Args:
+            cells: ``[N]`` cell of each robot.
+            targets: ``[N]`` next cell of each robot, its own cell or a neighbour. It is the own
+                cell of robots that a wall stops.
+            walled: ``[N]`` flags of robots that a wall stops.
         """
         if len(cells) <= MAX_SMALL_FLEET:
             return self._on_floor.take(_listed_stops(cells, targets, walled))
@@ -157,7 +170,7 @@ class ArrayTraffic:
         return self._on_floor.take(stops)
 
     def _stop_rivals(self, stops: Numbers, movers: Numbers, goals: Integers) -> None:
-        """Stop movers with the same target: the first by the second, the others by the first."""
+        """Stop robots with the same target: the second stops the first, which stops all others."""
         self._robot_of[goals] = len(stops)
         np.minimum.at(self._robot_of, goals, movers)
         first = self._robot_of.take(goals)
@@ -168,16 +181,20 @@ class ArrayTraffic:
 
 
 def _listed_stops(cells: Integers, targets: Integers, walled: Flags) -> list[int]:
-    """Return the stops of a few robots, numbered over all floors; see ``ArrayTraffic``."""
+    """Return the obstacles of a few robots, numbered across all floors; see ``ArrayTraffic``."""
     stops: list[Obstacle] = [WALL if is_walled else None for is_walled in walled.tolist()]
     stop_by_robots(stops, cells.tolist(), targets.tolist())
     return [stop if isinstance(stop, int) else NOTHING for stop in stops]
 
 
 def _stop_queues(stops: Numbers, is_still: Flags, followers: Numbers, ahead: Numbers) -> None:
-    """Stop the followers of robots that stay, then theirs, and so on; ``stops`` is changed.
+    """Stop the followers of robots that stay, then their followers, and so on.
 
-    Each of ``followers`` would move into the cell of the one ``ahead`` of it; no two have the same.
+    Args:
+        stops: obstacles of all robots, which are changed.
+        is_still: flags of robots that stay.
+        followers: robots that would move into the cell of the robot ahead, all different.
+        ahead: robot ahead of each of ``followers``, all different.
     """
     behind = np.full(len(stops), NOTHING, np.intp)
     behind[ahead] = followers
@@ -194,6 +211,6 @@ def _stop_queues(stops: Numbers, is_still: Flags, followers: Numbers, ahead: Num
 
 
 def _chosen(flags: Flags, ones: Numbers, others: Numbers) -> tuple[Numbers, Numbers]:
-    """Return the elements of two arrays at the flags; faster than indexing both by flags."""
+    """Return the flagged elements of two arrays, faster than by indexing both with flags."""
     places = flags.nonzero()[0]
     return ones.take(places), others.take(places)

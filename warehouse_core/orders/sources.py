@@ -46,7 +46,7 @@ class ListedOrders:
         return self._arrays
 
 
-class DrawnOrders:
+class RandomOrders:
     """Random orders of each episode, from one or more streams in the order of their starts.
 
     All orders are released before the end of an episode of ``steps`` steps.

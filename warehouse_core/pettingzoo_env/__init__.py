@@ -1,6 +1,6 @@
-"""A fleet as environments of PettingZoo; needs the extra ``fleet``.
+"""A fleet as environments of PettingZoo, which need the extra ``fleet``.
 
-The rules are not here: this package adds spaces and dictionaries to ``FleetEnv``.
+This package has no rules. It adds spaces and dictionaries to ``FleetEnv``.
 """
 
 from __future__ import annotations
@@ -24,10 +24,10 @@ parallel_env = WarehouseParallelEnv
 
 
 def env(**arguments: Any) -> Any:
-    """Return ``parallel_env`` as an ``AECEnv``, in which robots act in turn; see there.
+    """Return an ``AECEnv``, in which robots act in turn, with the arguments of ``parallel_env``.
 
-    PettingZoo's ``api_test`` warns of ``observation="dict"``, as of every ``Dict`` outside of its
-    own games; ``observation="vector"`` passes it without a warning.
+    PettingZoo's ``api_test`` warns about ``observation="dict"``, as it does about every ``Dict``
+    except in its own games. With ``observation="vector"`` it prints no warning.
 
     Example:
         >>> from warehouse_core.pettingzoo_env import env

@@ -25,7 +25,7 @@ from warehouse_core.world.named_layouts import GivenLayout, as_layout
 from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED
 
 Dicts = tuple[dict[str, Any], dict[str, dict[str, Any]]]
-"""Observations and infos, by agent."""
+"""Observations and infos by agent."""
 
 ParallelStep = tuple[
     dict[str, Any], dict[str, float], dict[str, bool], dict[str, bool], dict[str, dict[str, Any]]
@@ -33,41 +33,42 @@ ParallelStep = tuple[
 
 
 class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
-    """``FleetEnv`` with the interface of PettingZoo: its agents are ``robot_0``, ``robot_1``, ...
+    """``FleetEnv`` with the interface of PettingZoo and the agents ``robot_0``, ``robot_1``, ...
 
     Description:
-        ``R`` robots bring items from pickups to dropoffs, by the rules of ``FleetEnv``.
+        ``R`` robots move items from pickups to dropoffs with the rules of ``FleetEnv``.
 
     Actions:
         ``Discrete(7)`` for each robot: N, E, S, W, WAIT, PICK, DROP. ``info["action_mask"]``,
-        ``[7]`` int8, has a 1 for each action that does something now. With ``moves="turn"``,
+        ``[7]`` int8, is 1 for each action with an effect. With ``moves="turn"`` the space is
         ``Discrete(6)``: FORWARD, RIGHT, LEFT, WAIT, PICK, DROP.
 
     Observations:
-        ``"dict"``: a flat ``Dict`` of the keys of ``FleetArrays``, and ``action_mask``.
-        ``"vector"``: a ``Box``, see ``encoding.vector``, with ``FLEET_TILES``. The arrays of
+        With ``"dict"`` a flat ``Dict`` with the keys of ``FleetArrays`` and ``action_mask``. With
+        ``"vector"`` a ``Box``, see ``encoding.vector``, with ``FLEET_TILES``. The arrays of
         different calls share no memory. ``state()`` describes all robots and open orders.
 
     Rewards:
         The same as in ``FleetEnv``.
 
     Ends:
-        The same as in ``FleetEnv``. A robot that has ended leaves ``agents`` and stays in the way.
+        The same as in ``FleetEnv``. A robot that has ended leaves ``agents``, but stays in its cell
+        and blocks others.
 
     Args:
-        layout: a layout in a form that ``WarehouseGymnasiumEnv`` takes.
-        robots: ``R``, number of ``possible_agents``.
-        max_cycles: ``max_steps`` of ``FleetEnv``.
+        layout: a layout in a form that ``WarehouseGymnasiumEnv`` accepts.
+        robots: number of robots ``R``, which are the ``possible_agents``.
+        max_cycles: limit of an episode, ``max_steps`` of ``FleetEnv``.
         observation: ``"dict"`` or ``"vector"``.
         render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``. Without a
             display ``metadata`` does not list ``"human"``.
         tile_pixels: side of a cell in a picture, at least 2; ``None`` fits it to the layout.
-        settings: all other arguments of ``FleetEnv``, such as ``orders``.
+        settings: other arguments of ``FleetEnv``, such as ``orders``.
 
     Raises:
-        ValueError: a value that is not allowed; also as ``LayoutError``, ``OrderError`` or
+        ValueError: an argument is not allowed; it may be a ``LayoutError``, ``OrderError`` or
             ``BackendError``.
-        TypeError: an argument of another type.
+        TypeError: an argument has the wrong type.
 
     Example:
         >>> from warehouse_core.pettingzoo_env import parallel_env
@@ -78,7 +79,7 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
         {'robot_0': -0.1, 'robot_1': -0.1}
     """
 
-    metadata: dict[str, Any] = {  # noqa: RUF012 - as declared by PettingZoo
+    metadata: dict[str, Any] = {  # noqa: RUF012 - declared this way in PettingZoo
         "name": "warehouse_v0",
         "render_modes": ["human", "rgb_array", "ansi"],
         "render_fps": RENDER_FPS,
@@ -115,11 +116,11 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
         self._window: PictureWindow | None = None
 
     def observation_space(self, agent: str) -> gymnasium.Space[Any]:
-        """Return the space of the observations of a robot, the same for all."""
+        """Return the observation space, which is the same for all robots."""
         return self._space
 
     def action_space(self, agent: str) -> gymnasium.Space[Any]:
-        """Return the space of the actions of a robot, which has its own random numbers."""
+        """Return the action space of a robot, which has a random stream of its own."""
         if not isinstance(agent, str) or agent not in self._actions:
             raise ValueError(f"agent is {brief(agent)}; allowed: {', '.join(self._actions)}")
         return self._actions[agent]
@@ -135,8 +136,8 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
             Observations and infos by agent, see the class.
 
         Raises:
-            ValueError: a negative seed; nothing has changed.
-            TypeError: a seed that is not an integer.
+            ValueError: the seed is negative; nothing has changed.
+            TypeError: the seed is not an integer.
         """
         arrays, info = self.fleet.reset(seed)
         self.agents = self.possible_agents.copy()
@@ -149,14 +150,14 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
         """Carry out one action, an integer, for each of ``agents``.
 
         Returns:
-            Observations, rewards, terminated, truncated and infos of these agents. When all have
+            Observations, rewards, terminated, truncated and infos by agent. When all agents have
             ended, a step without actions changes nothing and returns five empty dictionaries.
 
         Raises:
-            ValueError: an action out of range, for another robot, or none for one of ``agents``;
-                nothing has changed.
-            TypeError: an action that is not an integer, or no mapping.
-            EndedError: before the first reset, or actions when all robots have ended.
+            ValueError: an action is out of range or belongs to another robot, or one of ``agents``
+                has no action; nothing has changed.
+            TypeError: ``actions`` is not a mapping, or an action is not an integer.
+            EndedError: there is no episode yet, or all robots have ended.
         """
         if not isinstance(actions, Mapping):
             raise TypeError(f"actions is {brief(actions)}; it must be a mapping from agents")
@@ -174,15 +175,15 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
         return observations, rewards, terminated, truncated, infos
 
     def state(self) -> NDArray[np.float32]:
-        """Return a new vector of all robots and the oldest open orders, see ``spaces.state_of``.
+        """Return a new vector of all robots and the oldest open orders; see ``spaces.state_of``.
 
         Raises:
-            EndedError: before the first reset.
+            EndedError: there is no episode yet.
         """
         return state_of(self.fleet)
 
     def render(self) -> Any:
-        """Return a picture ``[H, W, 3]`` uint8 or the text; a window needs no call."""
+        """Return a picture ``[H, W, 3]`` uint8, or the text; windows are updated without it."""
         if self.render_mode == "rgb_array":
             return self._picture()
         if self.render_mode == "ansi":
@@ -199,13 +200,13 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
         self.fleet.close()
 
     def _chosen(self, actions: Mapping[str, int]) -> NDArray[np.intp]:
-        """Return the actions of all robots, checked; those that have ended wait."""
+        """Return the checked actions of all robots; robots that have ended wait."""
         if not self.agents:
             raise EndedError("step() needs a reset() before it: there are no agents")
         if actions.keys() != set(self.agents):
             odd = sorted(actions.keys() ^ set(self.agents), key=str)[0]
-            what = "an action for" if odd in actions else "no action for"
-            raise ValueError(f"{what} {odd}; needed: one for each of agents and no other")
+            problem = "an action for" if odd in actions else "no action for"
+            raise ValueError(f"{problem} {odd}; needed: one for each of agents and no other")
         allowed = self.fleet.settings.actions
         chosen = [allowed.wait] * len(self.possible_agents)
         for row, agent in zip(self._rows, self.agents, strict=True):
@@ -227,7 +228,7 @@ class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
         return self._by_agent(observed), infos
 
     def _by_agent(self, values: Sequence[Any]) -> dict[str, Any]:
-        """Return the values ``[R]`` of ``agents``."""
+        """Return the values of ``agents`` by name, given the values ``[R]`` of all robots."""
         return {agent: values[row] for agent, row in zip(self.agents, self._rows, strict=True)}
 
     def _picture(self) -> NDArray[np.uint8]:

@@ -1,6 +1,6 @@
-"""Spaces of a fleet's observations and of its state, and what makes them from arrays.
+"""Spaces of a fleet's observations and state, with functions that make both from arrays.
 
-``R`` is the number of robots, ``K`` is ``MAX_STATE_ORDERS``.
+``R`` is the number of robots, and ``K`` is ``MAX_STATE_ORDERS``.
 """
 
 from __future__ import annotations
@@ -18,17 +18,17 @@ from warehouse_core.task.encoding import FLEET_TILES, ObservationArrays, vector,
 from warehouse_core.world.moves import HEADINGS
 
 MAX_STATE_ORDERS = 32
-"""Number of open orders in a state, the oldest ones; missing ones are filled with -1."""
+"""Number of open orders in a state. These are the oldest; missing orders are -1."""
 
 ORDER_FEATURES = 6
-"""Numbers of an order in a state: its cells, release and due time."""
+"""Count of the numbers of an order in a state: its cells, release and due time."""
 
 
 def make_fleet_form(name: str, extent: Extent, fleet: FleetEnv) -> Form:
-    """Return the form of a robot's observations with a name.
+    """Return a form of a robot's observations by name.
 
     Raises:
-        ValueError: an unknown name, or as for ``make_form``.
+        ValueError: the name is unknown, or ``make_form`` fails.
     """
     if one_of("observation", name, ("dict", "vector")) == "dict":
         form = make_form("dict", extent)
@@ -53,7 +53,7 @@ def _fleet_vector(arrays: ObservationArrays) -> NDArray[np.float32]:
 
 
 def state_space(extent: Extent, fleet: FleetEnv) -> spaces.Box[Any]:
-    """Return the space of ``state_of``."""
+    """Return the space of the vectors of ``state_of``."""
     cell = (extent.height, extent.width)
     heading = (len(HEADINGS) - 1,) if fleet.settings.has_headings else ()
     robot = (*cell, 1, extent.battery, *cell, *cell, MAX_STEPS, 1, *heading)
@@ -65,17 +65,17 @@ def state_space(extent: Extent, fleet: FleetEnv) -> spaces.Box[Any]:
 
 
 def state_of(fleet: FleetEnv) -> NDArray[np.float32]:
-    """Return the state of a fleet as one vector of ``1 + 10 R + 6 K`` numbers.
+    """Return the state of a fleet as a vector of ``1 + 10 R + 6 K`` numbers, float32.
 
     ======  =======================================================================================
     1       steps taken
-    10 R    for each robot: row, column, whether it holds an item, battery units, row and column of
-            its pickup, of its dropoff, step by which its order is due, and whether it has not ended
-    6 K     for each of the oldest ``K`` open orders: row and column of its pickup, of its dropoff,
-            steps at which it was released and is due
+    10 R    for each robot: row and column; 1 if it holds an item; battery units; row and column of
+            its pickup, and of its dropoff; step by which its order is due; 1 if it has not ended
+    6 K     for each of the oldest ``K`` open orders: row and column of its pickup, and of its
+            dropoff; steps at which it was released and is due
     ======  =======================================================================================
 
-    What does not exist is -1. With headings there are 11 numbers for each robot, its heading last.
+    Missing values are -1. Robots with headings have 11 numbers, of which the heading is the last.
 
     Args:
         fleet: a fleet that has been reset.

@@ -1,8 +1,9 @@
-"""An observation as arrays, for spaces, networks and tables.
+"""Observations as arrays, for spaces, networks and tables.
 
-``encode`` turns the chapter's observation into arrays; ``vector`` concatenates them. Both use only
-the observation, so that an agent can call them too. ``K`` is ``2 * view_radius + 1``. Functions
-that take arrays accept any leading shape ``...``: one observation or a batch.
+``encode`` converts the chapter's observation into arrays, and ``vector`` joins them into a single
+vector. Both need only the observation, so agents can call them too. ``K`` is
+``2 * view_radius + 1``. Functions that take arrays accept any leading shape ``...``, a single
+observation or a batch.
 """
 
 from __future__ import annotations
@@ -29,16 +30,16 @@ from warehouse_core.world.tiles import (
 )
 
 NOWHERE: Cell = (-1, -1)
-"""Cell of a pickup or dropoff that the layout does not have; ``None`` in other forms."""
+"""Cell of a pickup or dropoff that does not exist; observations without arrays have ``None``."""
 
 CELLS_PER_UNIT, STEPS_PER_UNIT = 10.0, 100.0
-"""Units of distances and times in a vector, which make typical values about 1."""
+"""Units of distances and times in a vector, chosen so that typical values are about 1."""
 
 MARKED_TILES = (WALL, PICKUP, DROPOFF)
-"""The characters of a window that have a number of their own in a vector."""
+"""Characters of a window that have entries of their own in a vector."""
 
 FLEET_TILES = (*MARKED_TILES, CHARGER, OTHER_EMPTY, OTHER_LOADED, PERSON)
-"""The same for a robot of a fleet, which sees chargers, other robots and people too."""
+"""Such characters for a robot of a fleet, which also sees chargers, other robots and people."""
 
 OTHER_NUMBERS = 11
 """Length of a vector without the window."""
@@ -51,17 +52,17 @@ _SCALES = np.array([_CELL, _CELL, *[1.0, _CELL, _CELL] * 2, 1.0, _STEP, _STEP], 
 _DIRECTIONS = np.array([MOVE_DELTAS[heading] for heading in HEADINGS], np.float32)
 
 Window = NDArray[np.uint8] | NDArray[np.bool_]
-"""Codes of cells, or ``marks`` of them."""
+"""Codes of cells, or the flags that ``marks`` returns for them."""
 
 
 class ObservationArrays(TypedDict):
-    """An observation as arrays, with the keys of the chapter's.
+    """An observation as arrays, with the keys of the chapter's observation.
 
     Attributes:
         local_grid: ``[..., K * K]`` uint8, the window row by row in ``CELL_CODES``; or
-            ``[..., K * K * T]`` bool, its ``marks``.
+            ``[..., K * K * T]`` bool, the ``marks`` of the window.
         robot_pos: ``[..., 2]`` int32, row and column.
-        has_item: ``[...]`` int64, 0 or 1; an ``int`` if there is no batch.
+        has_item: ``[...]`` int64, 0 or 1; an ``int`` for a single observation.
         battery: ``[..., 1]`` int32, units left.
         steps: ``[..., 1]`` int32, steps taken.
         pickup_pos: ``[..., 2]`` int32, ``NOWHERE`` if the layout has none.
@@ -81,10 +82,11 @@ class FleetArrays(ObservationArrays, total=False):
     """The observations of ``N`` robots: ``ObservationArrays`` with three more keys.
 
     Attributes:
-        due: ``[N, 1]`` int32, the step by which the robot's order is due, or -1; with orders only.
-        charger_pos: ``[N, 2]`` int32, the nearest charger; with chargers only, and not for a robot
-            that is alone without orders.
-        heading: ``[N]`` int64, 0 to 3 for N, E, S and W; of robots with headings only.
+        due: ``[N, 1]`` int32, step by which the robot's order is due, or -1. Present only if the
+            fleet has orders.
+        charger_pos: ``[N, 2]`` int32, nearest charger. Present only if the layout has chargers, and
+            not for a single robot without orders.
+        heading: ``[N]`` int64, 0 to 3 for N, E, S and W. Present only if robots have headings.
     """
 
     due: NDArray[np.int32]
@@ -93,7 +95,7 @@ class FleetArrays(ObservationArrays, total=False):
 
 
 def encode(observation: Observation) -> ObservationArrays:
-    """Return an observation as new arrays, which share nothing with it.
+    """Return an observation as new arrays that share no memory with it.
 
     Example:
         >>> from warehouse_core import WarehouseEnv
@@ -106,13 +108,13 @@ def encode(observation: Observation) -> ObservationArrays:
 
 
 def window_of(observation: Observation) -> NDArray[np.uint8]:
-    """Return the window of an observation, ``[K * K]`` codes."""
+    """Return the window of an observation as codes ``[K * K]``."""
     text = "".join(observation["local_grid"]).encode()
     return np.frombuffer(bytearray(text.translate(CODE_OF_BYTE)), np.uint8)
 
 
 def numbers_of(observation: Observation) -> NDArray[np.int32]:
-    """Return all numbers of an observation as one array, twice as fast as five arrays."""
+    """Return all numbers of an observation as one array, which is faster than five arrays."""
     pickup, dropoff = observation["pickup_pos"] or NOWHERE, observation["dropoff_pos"] or NOWHERE
     budgets = observation["battery"], observation["steps"]
     return np.array((*observation["robot_pos"], *pickup, *dropoff, *budgets), np.int32)
@@ -132,21 +134,21 @@ def arrays_of(window: Window, numbers: NDArray[np.int32], has_item: bool) -> Obs
 
 
 def vector(arrays: ObservationArrays, tiles: tuple[str, ...] = MARKED_TILES) -> NDArray[np.float32]:
-    """Return an observation as one vector of ``T * K * K + 11`` numbers, ``[..., L]`` float32.
+    """Return an observation as a vector ``[..., L]`` float32, with ``L = T * K * K + 11``.
 
-    With headings there are two more.
+    Robots with headings have two more numbers.
 
     ======================  =====================================================================
-    ``T * K * K``           for each cell of the window, row by row, a number for each of
-                            ``tiles``: whether it is this one; by default wall, pickup, dropoff;
-                            all else counts as floor
-    2                       with headings only: rows and columns to the cell that the robot heads
-                            for
+    ``T * K * K``           1 or 0 for each cell of the window, row by row, and each of ``tiles``:
+                            whether the cell has this tile. By default these are wall, pickup and
+                            dropoff. Everything else counts as floor.
+    2                       rows and columns to the next cell in the direction of the heading, only
+                            for robots with headings
     2                       row and column of the robot, in tens of cells
-    3                       pickup: whether there is one, then rows and columns from the robot to
-                            it, in tens of cells, 0 without a pickup
+    3                       1 if there is a pickup, then the rows and columns from the robot to it,
+                            in tens of cells; 0 without a pickup
     3                       dropoff, likewise
-    1                       whether the robot holds an item
+    1                       1 if the robot holds an item
     2                       battery units left and steps taken, in hundreds
     ======================  =====================================================================
 
@@ -158,7 +160,7 @@ def vector(arrays: ObservationArrays, tiles: tuple[str, ...] = MARKED_TILES) -> 
     """
     window = arrays["local_grid"]
     marked = window if window.dtype == np.bool_ else marks(window, tiles)
-    # Each number of all rows side by side, which is several times as fast as row by row.
+    # Writing each number for all rows at once is several times as fast as writing row by row.
     rest = np.empty((OTHER_NUMBERS, *marked.shape[-2::-1]), np.float32)
     rest[0:2] = robot = arrays["robot_pos"].T
     for first, station in ((2, arrays["pickup_pos"].T), (5, arrays["dropoff_pos"].T)):
@@ -174,7 +176,7 @@ def vector(arrays: ObservationArrays, tiles: tuple[str, ...] = MARKED_TILES) -> 
 
 
 def marks(window: NDArray[Any], tiles: tuple[str, ...]) -> NDArray[np.bool_]:
-    """Return for ``[..., C]`` codes of cells which of ``T`` tiles each is, ``[..., C * T]``."""
+    """Return ``[..., C * T]``, whether each of the cells ``[..., C]`` has each of ``T`` tiles."""
     is_tile = np.empty((*window.shape, len(tiles)), np.bool_)
     for number, tile in enumerate(tiles):
         np.equal(window, CELL_CODES[tile], out=is_tile[..., number])

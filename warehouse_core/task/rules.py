@@ -1,7 +1,7 @@
-"""The rules of the warehouse: the rewards, the battery, and when an episode ends.
+"""The rules of the warehouse: rewards, battery, and the end of an episode.
 
-Nothing here moves a robot. A motion backend reports where the robot is and whether something
-stopped it; these pure functions compute the reward, whether the robot holds an item, how its
+Nothing here moves a robot. A motion backend reports the robot's cell and whether something stopped
+the robot. These pure functions then compute the reward, whether the robot holds an item, how its
 battery charges, and whether the episode ends. They are the same for every backend.
 
 | action              | effect                            | reward, added to `STEP_REWARD` |
@@ -14,7 +14,7 @@ battery charges, and whether the episode ends. They are the same for every backe
 | DROP on a D, loaded | the item is delivered; terminated | `DROP_REWARD`                  |
 | any other           | none                              | `MISTAKE_REWARD`               |
 
-Every step first costs one unit of the battery, which then gains no more than makes it full.
+Every step first costs one unit of the battery. Charging then stops at a full battery.
 
 Source: the chapter's exercise, section 1.6 of the course book, except for the charger.
 """
@@ -47,16 +47,16 @@ class Verdict(NamedTuple):
     charges: bool = False
 
 
-# Eight actions, five tiles and two flags: the cache holds the whole table.
+# There are eight actions, five tiles and two flags, so the cache soon has the whole table.
 @cache
 def judge(action: int, tile: str, has_item: bool, blocked: bool) -> Verdict:
-    """Return the reward and effect of one step, by the table at the top of this file.
+    """Return the reward and effect of one step, as in the table at the top of this file.
 
     Args:
         action: index into ``ACTIONS``, or ``INVALID``.
-        tile: the tile under the robot after its motion.
-        has_item: the robot held an item before the step.
-        blocked: something stopped the motion.
+        tile: tile under the robot after its motion.
+        has_item: ``True`` if the robot held an item before the step.
+        blocked: ``True`` if something stopped the motion.
 
     Example:
         >>> from warehouse_core import WarehouseEnv
@@ -77,12 +77,12 @@ def judge(action: int, tile: str, has_item: bool, blocked: bool) -> Verdict:
 
 @cache
 def useful_actions(open_sides: tuple[bool, ...], tile: str, has_item: bool) -> tuple[bool, ...]:
-    """Return for each action whether it has an effect; all others only cost a penalty.
+    """Return a flag for each action that has an effect; other actions only cost a penalty.
 
     Args:
-        open_sides: flag for each neighbouring cell, N, E, S and W, that is open.
-        tile: the tile under the robot.
-        has_item: the robot holds an item.
+        open_sides: flags of the open neighbours to the N, E, S and W.
+        tile: tile under the robot.
+        has_item: ``True`` if the robot holds an item.
 
     Example:
         >>> from warehouse_core import WarehouseEnv
@@ -91,13 +91,13 @@ def useful_actions(open_sides: tuple[bool, ...], tile: str, has_item: bool) -> t
         >>> [action for action, useful in zip(WarehouseEnv.ACTIONS, is_useful) if useful]
         ['E', 'S', 'WAIT', 'PICK']
     """
-    # The table itself is asked, so that masks and rewards cannot disagree.
+    # This calls ``judge``, so that masks and rewards cannot disagree.
     picks = judge(PICK, tile, has_item, False).has_item != has_item
     return (*open_sides, True, picks, judge(DROP, tile, has_item, False).delivered)
 
 
 def charged(battery: int, max_battery: int) -> int:
-    """Return the battery units after a step that charges; the step's own cost is deducted."""
+    """Return the battery units after charging, given the units left after the step's cost."""
     return min(max_battery, battery + CHARGE)
 
 

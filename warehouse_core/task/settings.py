@@ -1,4 +1,4 @@
-"""The settings of an environment, which a record stores in order to be replayed."""
+"""The settings of an environment, which records store for replays."""
 
 from __future__ import annotations
 
@@ -12,11 +12,12 @@ from warehouse_core.world.tiles import Cell
 
 @dataclass(frozen=True, slots=True)
 class Settings:
-    """The arguments of ``WarehouseEnv`` that are not its layout.
+    """The arguments of ``WarehouseEnv``, except its layout.
 
     ``backend`` is the name of the backend, or of its class if it was given as a class or instance.
-    ``cell_size`` is in metres, ``battery`` in units of one step. ``slippery`` are the open cells
-    with slippery floor and ``motor_strength`` the actual share of the motor force, if known.
+    ``cell_size`` is in metres. ``battery`` is in units, of which a step costs one. ``slippery`` has
+    the open cells with slippery floor, and ``motor_strength`` is the actual share of the motor
+    force, if they are known.
 
     Example:
         >>> from warehouse_core import WarehouseEnv
@@ -39,10 +40,10 @@ class Settings:
         """Return the settings in a JSON object.
 
         Raises:
-            ValueError: a key is missing or unknown, or a value is of the wrong type or size.
+            ValueError: a key is missing or unknown, or a value has the wrong type or size.
         """
         if isinstance(values, dict):
-            values = {"slippery": [], "motor_strength": 1.0} | values  # older records have neither
+            values = {"slippery": [], "motor_strength": 1.0} | values  # older records lack both
         if not isinstance(values, dict) or values.keys() != set(cls.__slots__):
             raise ValueError(f"settings must have the keys {', '.join(cls.__slots__)}")
         limits = {
@@ -65,10 +66,10 @@ class Settings:
 
 
 def conditions_in(values: dict[str, Any]) -> dict[str, Any]:
-    """Return ``slippery`` and ``motor_strength`` of a JSON object, nominal if they are missing.
+    """Return ``slippery`` and ``motor_strength`` in a JSON object; their defaults are nominal.
 
     Raises:
-        ValueError: one of them is of the wrong type or size.
+        ValueError: one of them has the wrong type or size.
     """
     cells, strength = values.get("slippery", []), values.get("motor_strength", 1.0)
     if type(strength) is not float or not 0 <= strength <= 1:

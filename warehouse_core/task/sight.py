@@ -1,4 +1,4 @@
-"""What a robot sees around its cell, which depends on the layout alone."""
+"""The view of a robot around its cell, which depends only on the layout."""
 
 from __future__ import annotations
 
@@ -8,11 +8,11 @@ from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED, WALL, Cell
 
 MAX_CACHED_CHARACTERS = 32_000_000
-"""Limit on the windows in the cache, which is cleared when it is full."""
+"""Limit on the characters of all cached windows. A full cache is cleared."""
 
 
 class Sight:
-    """The windows of a layout, ``K = 2 * radius + 1`` strings of ``K`` tiles each, in a cache."""
+    """A cache of a layout's windows, each ``K = 2 * radius + 1`` strings of ``K`` tiles."""
 
     def __init__(self, radius: int) -> None:
         self._radius, self._side = radius, 2 * radius + 1
@@ -30,12 +30,12 @@ class Sight:
         self._windows: dict[tuple[Cell, bool], list[str]] = {}
 
     def window(self, cell: Cell, loaded: bool) -> list[str]:
-        """Return the window around ``cell``, the robot in the middle, as a new list."""
+        """Return the window around ``cell``, with the robot in the middle, as a new list."""
         window = self._windows.get((cell, loaded)) or self._cached(cell, loaded)
         return window.copy()
 
     def _cached(self, cell: Cell, loaded: bool) -> list[str]:
-        """Return a window that is not in the cache, and add it."""
+        """Return a window that is not in the cache yet, and add it to the cache."""
         (row, col), side, radius = cell, self._side, self._radius
         window = [line[col : col + side] for line in self._padded[row : row + side]]
         window[radius] = _with_robot(window[radius], loaded)

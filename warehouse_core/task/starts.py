@@ -1,8 +1,8 @@
-"""Draw pickup, dropoff and start of an episode from uniform random numbers.
+"""Random pickups, dropoffs and starts of episodes.
 
-The chapter's ``reset(randomize=True)`` (``warehouse_env.py``) draws from Python's ``random``, as
-its recorded episodes do. Here no episode depends on the one before it, and one function draws for a
-single warehouse and for a batch, so that the same numbers give the same episodes in both.
+The chapter's ``reset(randomize=True)`` in ``warehouse_env.py`` uses Python's ``random`` so that
+recorded episodes can be repeated. Here no episode depends on the one before it. The same functions
+serve a single warehouse and a batch, so the same random numbers give the same episodes in both.
 """
 
 from __future__ import annotations
@@ -19,47 +19,47 @@ from warehouse_core.world.tiles import Cell
 
 STATIONS, START = "stations", "start"
 RANDOMIZE = (False, True, STATIONS, START)
-"""Allowed values of ``randomize``: draw nothing, all, or one of the two."""
+"""Allowed values of ``randomize``: randomize nothing, everything, only stations or only starts."""
 
 MIN_OPEN_CELLS = 2
-"""Open cells that pickup and dropoff need."""
+"""Number of open cells that pickup and dropoff need."""
 
 DRAWS = 4
-"""Uniform random numbers for one episode: pickup, dropoff, start, and the motion's seed."""
+"""Random numbers of an episode: for pickup, dropoff, start, and the motion's seed."""
 
 NO_RANK = -1
-"""Rank of a start for which the stations leave no cell."""
+"""Index of a start if the stations leave no cell for it."""
 
 
-class Drawn(NamedTuple):
-    """Whether pickup and dropoff are drawn, and whether the start is."""
+class Randomized(NamedTuple):
+    """The random parts of an episode: the stations, which are pickup and dropoff, and the start."""
 
     stations: bool
     start: bool
 
 
-def what_is_drawn(randomize: bool | str) -> Drawn:
-    """Return what ``randomize`` stands for; raise ``ValueError`` if it is not allowed."""
+def randomized_parts(randomize: bool | str) -> Randomized:
+    """Return the random parts for a value of ``randomize``, or raise ``ValueError``."""
     is_flag = randomize is False or randomize is True
     if not is_flag and not (isinstance(randomize, (int, str, np.bool_)) and randomize in RANDOMIZE):
         allowed = ", ".join(map(repr, RANDOMIZE))
         raise ValueError(f"randomize is {brief(randomize)}; allowed: {allowed}")
-    return Drawn(randomize in (True, STATIONS), randomize in (True, START))
+    return Randomized(randomize in (True, STATIONS), randomize in (True, START))
 
 
 def check_room(layout: Layout) -> None:
-    """Raise ``LayoutError`` if a layout has no room for pickup and dropoff, beside chargers."""
+    """Raise ``LayoutError`` if a layout has too few open cells for a random pickup and dropoff."""
     room = _room(layout)
     if room < MIN_OPEN_CELLS:
-        beside = " beside its chargers" if layout.chargers else ""
+        without = " without a charger" if layout.chargers else ""
         raise LayoutError(
-            f"randomize needs two open cells for pickup and dropoff; the layout has {room}{beside}"
+            f"randomize needs two open cells for pickup and dropoff; the layout has {room}{without}"
         )
 
 
-def has_start(layout: Layout, drawn: Drawn) -> bool:
-    """Return whether the stations leave a cell to draw a start from."""
-    stations = MIN_OPEN_CELLS if drawn.stations else len(layout.pickups + layout.dropoffs)
+def has_start(layout: Layout, randomized: Randomized) -> bool:
+    """Return whether the stations leave a cell for a random start."""
+    stations = MIN_OPEN_CELLS if randomized.stations else len(layout.pickups + layout.dropoffs)
     return _room(layout) > stations
 
 
@@ -68,16 +68,20 @@ def _room(layout: Layout) -> int:
 
 
 def draw_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.intp]:
-    """Draw three different ``station_cells``, each uniformly from those not drawn yet.
+    """Choose three different ``station_cells`` at random, for pickup, dropoff and start.
 
-    Their numbers are ``counts``, ``[...]`` and at least ``MIN_OPEN_CELLS``; of the ``uniforms``,
-    ``[..., DRAWS]`` in [0, 1), the first three are used. Return the indices of pickup, dropoff and
-    start, ``[..., 3]``; the start is ``NO_RANK`` if no cell is left for it.
+    Args:
+        uniforms: ``[..., DRAWS]`` random numbers in [0, 1), of which the first three are used.
+        counts: ``[...]`` number of ``station_cells``, at least ``MIN_OPEN_CELLS``.
+
+    Returns:
+        ``[..., 3]`` indices among the ``station_cells``. The start is ``NO_RANK`` if no cell is
+        left for it.
     """
     left = np.asarray(counts)[..., None] - np.arange(3)
     ranks: NDArray[Any] = (uniforms[..., :3] * left).astype(np.intp)
     pickup, dropoff, start = ranks[..., 0], ranks[..., 1], ranks[..., 2]
-    # A rank among the cells that are left becomes one among all: it skips the cells drawn before.
+    # An index among the remaining cells becomes an index among all by skipping the chosen cells.
     dropoff += dropoff >= pickup
     lower, higher = np.minimum(pickup, dropoff), np.maximum(pickup, dropoff)
     start += start >= lower
@@ -87,9 +91,14 @@ def draw_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.i
 
 
 def draw_start_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArray[np.intp]:
-    """Draw a cell uniformly from the ``empty_cells``, of which there are ``counts``, ``[...]``.
+    """Choose one of the ``empty_cells`` at random, for the start.
 
-    Return its index among them, by the number of the start, or ``NO_RANK`` if there are none.
+    Args:
+        uniforms: ``[..., DRAWS]`` random numbers in [0, 1), of which the third is used.
+        counts: ``[...]`` number of ``empty_cells``.
+
+    Returns:
+        ``[...]`` indices among the ``empty_cells``, or ``NO_RANK`` if there are none.
     """
     choices = np.asarray(counts, np.intp)
     ranks = (uniforms[..., 2] * choices).astype(np.intp)
@@ -97,40 +106,46 @@ def draw_start_ranks(uniforms: NDArray[np.float64], counts: ArrayLike) -> NDArra
 
 
 def station_cells(layout: Layout) -> NDArray[np.intp]:
-    """Return the cells for stations: the open ones without a charger, in ascending order.
+    """Return the cells that can be stations: open cells without a charger.
 
-    Cells are ``row * W + col``.
+    The cells are numbers ``row * W + col`` in ascending order.
     """
     cells = layout.open_cells
     return np.delete(cells, layout.ranks(layout.chargers)) if layout.chargers else cells
 
 
 def empty_cells(layout: Layout) -> NDArray[np.intp]:
-    """Return the open cells without a station or a charger, in the same form."""
+    """Return the numbers of the open cells without a station or charger, in ascending order."""
     marked = layout.pickups + layout.dropoffs + layout.chargers
     return np.delete(layout.open_cells, layout.ranks(marked))
 
 
 def motion_seed(uniforms: NDArray[np.float64]) -> int:
-    """Return the seed of the motion from the ``[DRAWS]`` numbers of one episode."""
+    """Return the seed of the motion, given the ``[DRAWS]`` random numbers of an episode."""
     return int(uniforms[-1] * 2**32)
 
 
 def draw_episode(
-    layout: Layout, uniforms: NDArray[np.float64], drawn: Drawn
+    layout: Layout, uniforms: NDArray[np.float64], randomized: Randomized
 ) -> tuple[Layout, Cell | None]:
-    """Return the layout and the start of an episode, drawn by ``[DRAWS]`` numbers.
+    """Return the layout and the start of a random episode.
 
-    A layout whose stations are drawn needs room, see ``check_room``. The start is ``None`` if it is
-    not drawn, or the stations leave no cell.
+    Args:
+        layout: layout, which needs room for random stations, see ``check_room``.
+        uniforms: ``[DRAWS]`` random numbers in [0, 1).
+        randomized: random parts of the episode.
+
+    Returns:
+        The layout and the start. The start is ``None`` if it is not random, or if the stations
+        leave no cell for it.
     """
-    if drawn.stations:
+    if randomized.stations:
         cells = station_cells(layout)
         pickup, dropoff, start = draw_ranks(uniforms, len(cells)).tolist()
         layout = layout.with_stations(*layout.cells(cells[[pickup, dropoff]]))
-    elif drawn.start:
+    elif randomized.start:
         cells = empty_cells(layout)
         start = int(draw_start_ranks(uniforms, len(cells)))
-    if not drawn.start or start == NO_RANK:
+    if not randomized.start or start == NO_RANK:
         return layout, None
     return layout, layout.cell(cells[start])

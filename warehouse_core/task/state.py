@@ -1,4 +1,4 @@
-"""The state of a robot and its task, and the observation of a robot."""
+"""The state of a robot and its task, and the robot's observation."""
 
 from __future__ import annotations
 
@@ -12,8 +12,8 @@ from warehouse_core.world.tiles import Cell
 class WarehouseState:
     """Everything about a robot that changes from step to step.
 
-    It may be assigned between steps: a robot put on another open cell starts at rest in the middle
-    of it.
+    It can be assigned between steps. A robot that is put on another open cell is then at rest in
+    the middle of this cell.
 
     Example:
         >>> from warehouse_core import WarehouseEnv, WarehouseState
@@ -30,12 +30,12 @@ class WarehouseState:
 
 
 class Observation(TypedDict):
-    """One robot's view of the warehouse; observations share no mutable object.
+    """A robot's observation; observations share no mutable object.
 
-    ``local_grid`` is ``2 * view_radius + 1`` equally long strings centred on the robot: ``#``
-    outside the grid, ``R`` (empty) or ``r`` (loaded) for the robot, ``O`` or ``o`` for another
-    robot of a fleet and ``H`` for a person. ``pickup_pos`` and ``dropoff_pos`` are the first ``P``
-    and ``D`` in row-major order, or ``None``.
+    ``local_grid`` is a list of ``2 * view_radius + 1`` equally long strings with the robot in the
+    middle. Besides tiles it has ``#`` outside the grid, ``R`` (empty) or ``r`` (loaded) for the
+    robot, ``O`` or ``o`` for another robot of a fleet, and ``H`` for a person. ``pickup_pos`` and
+    ``dropoff_pos`` are the first ``P`` and ``D`` in row-major order, or ``None``.
 
     Example:
         >>> from warehouse_core import Observation, WarehouseEnv

@@ -58,7 +58,7 @@ def test_a_plan_is_driven_through_faster_and_with_less_energy() -> None:
 
 
 def test_a_plan_with_a_conflict_is_refused() -> None:
-    with pytest.raises(ValueError, match=r"robots 0 and 1 are to change places"):
+    with pytest.raises(ValueError, match=r"robots 0 and 1 cannot swap the cells"):
         drive_through(CORRIDOR, Plan.of([[0, 1], [1, 0]]).cells)
 
 

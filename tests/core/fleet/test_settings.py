@@ -24,10 +24,14 @@ ORDER = Order(0, 9, (0, 0), (0, 3))
 @pytest.mark.parametrize(
     ("settings", "error", "message"),
     [
-        ({"robots": 8}, LayoutError, "^8 robots and 0 people have no room on the 7 open cells"),
-        ({"people": 6}, LayoutError, "^2 robots and 6 people have no room on the 7 open cells"),
+        ({"robots": 8}, LayoutError, "^8 robots and 0 people do not fit on the 7 open cells"),
+        ({"people": 6}, LayoutError, "^2 robots and 6 people do not fit on the 7 open cells"),
         ({"starts": [(0, 1)]}, ValueError, "^1 starts for 2 robots; each needs one$"),
-        ({"starts": [(0, 1), (0, 1)]}, LayoutError, r"^robots 0 and 1 are both given \(0, 1\)$"),
+        (
+            {"starts": [(0, 1), (0, 1)]},
+            LayoutError,
+            r"^robots 0 and 1 are both placed in \(0, 1\)$",
+        ),
         ({"starts": [(0, 1), (1, 0)]}, LayoutError, "^robot 1: row 1, column 0 is wall; it must"),
         (
             {"starts": [(0, 1), "ab"]},
@@ -81,7 +85,7 @@ def fleet() -> FleetEnv:
 @pytest.mark.parametrize(
     ("actions", "error", "message"),
     [
-        (["N"], ValueError, r"^actions of the shape \(1,\) for 2 robots; one each$"),
+        (["N"], ValueError, r"^actions of the shape \(1,\) for 2 robots; each needs one$"),
         (np.zeros((2, 1), int), ValueError, r"^actions of the shape \(2, 1\)"),
         ({0: "N", 2: "N"}, ValueError, r"^an action for robot 2; allowed: 0..1$"),
         ({0: "N", 1: "N", "1": "N"}, ValueError, "^an action for robot '1'"),
@@ -147,11 +151,11 @@ def test_assignments_are_seen_at_once(fleet: FleetEnv) -> None:
 
 
 def test_too_few_chargers_are_warned_of() -> None:
-    with pytest.warns(UserWarning, match="1 charger can keep 10 of 11 robots going, and"):
+    with pytest.warns(UserWarning, match="1 charger can keep 10 of 11 robots running, and"):
         FleetEnv(["....C.", "......"], 11, max_steps=300)
     with pytest.warns(
         UserWarning,
-        match="^0 chargers can keep 0 of 2 robots going, and their batteries last [0-9]+ of ",
+        match="^0 chargers can keep 0 of 2 robots running, and a full battery lasts [0-9]+ of ",
     ):
         FleetEnv(["P..D"], 2, orders=0.1, battery=Battery(500, "joules"))
     with warnings.catch_warnings():

@@ -200,7 +200,7 @@ def test_directions_are_checked_before_anything_changes() -> None:
     with pytest.raises(RuntimeError, match=r"^face\(\) needs a reset\(\)"):
         motion.face([(0, 1)])
     motion.reset(Layout(["..", ".."]), [(0, 0), (1, 1)], None)
-    with pytest.raises(ValueError, match=r"^1 directions for 2 robots; one each"):
+    with pytest.raises(ValueError, match=r"^1 directions for 2 robots; each robot needs one"):
         motion.face([(0, 1)])
     with pytest.raises(ValueError, match=r"^direction \(1, 1\) of robot 1; allowed: \[\(-1, 0\)"):
         motion.face([(0, 1), (1, 1)])

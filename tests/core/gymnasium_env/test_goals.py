@@ -94,8 +94,14 @@ def test_a_layout_without_a_station_is_refused() -> None:
     [
         (([[0, 0, 1], [1]], [0, 0, 1]), "achieved_goal is .*; it must be numbers"),
         (([0, 0, 1], ["a", "b", "c"]), "desired_goal is <U1; it must be numbers"),
-        (([0, 1], [0, 1]), r"achieved_goal has the shape \(2,\); the last number must be 3"),
-        (([0, 0, 1], [[0, 0, 1]]), r"desired_goal has the shape \(1, 3\); it must be that of"),
+        (
+            ([0, 1], [0, 1]),
+            r"achieved_goal has the shape \(2,\); its last axis must have 3 numbers",
+        ),
+        (
+            ([0, 0, 1], [[0, 0, 1]]),
+            r"desired_goal has the shape \(1, 3\); it must have the shape of",
+        ),
     ],
 )
 def test_goals_that_are_none_are_refused(goals: tuple[Any, Any], problem: str) -> None:

@@ -95,7 +95,7 @@ def test_rows_that_are_not_whole_floors_raise(rows: list[int]) -> None:
     [
         ([0, 1, 2], None, ValueError, "3 cells and 2 seeds for 4 rows of 2 floors"),
         ([0, 1, 2, 3], [5], ValueError, "4 cells and 1 seeds for 4 rows"),
-        ([0, 1, 2, 2], None, LayoutError, r"robots 0 and 1 are both given \(0, 2\)"),
+        ([0, 1, 2, 2], None, LayoutError, r"robots 0 and 1 are both placed in \(0, 2\)"),
         ([0, 1, 2, 6], None, LayoutError, "robot 1: row 2, column 0 is off the grid"),
     ],
 )

@@ -6,7 +6,7 @@ import pytest
 from warehouse_core import Layout, LayoutError, Order, OrderError, OrderStream
 from warehouse_core.orders import sources
 from warehouse_core.orders.order import OPEN, OrderQueue
-from warehouse_core.orders.sources import DrawnOrders, ListedOrders, QueuedOrders
+from warehouse_core.orders.sources import ListedOrders, QueuedOrders, RandomOrders
 
 HALL = Layout(["PPP.D", "..#C.", "....D"])
 PICKUPS, DROPOFFS = [0, 1, 2], [4, 14]
@@ -14,7 +14,7 @@ GOOD = Order(0, 9, (0, 0), (0, 4))
 
 
 def drawn(*streams: OrderStream, steps: int = 100_000, seed: int = 1) -> Any:
-    return DrawnOrders(streams, HALL, steps).draw(np.random.default_rng(seed))
+    return RandomOrders(streams, HALL, steps).draw(np.random.default_rng(seed))
 
 
 def shares(cells: Any, among: list[int]) -> list[float]:
@@ -107,18 +107,18 @@ def test_an_order_names_what_is_wrong(changes: Any, error: Any, message: str) ->
 )
 def test_streams_name_what_is_wrong(streams: Any, message: str) -> None:
     with pytest.raises(OrderError, match=f"^{message}"):
-        DrawnOrders(streams, HALL, 1000)
+        RandomOrders(streams, HALL, 1000)
 
 
 def test_there_are_limits_and_stations(monkeypatch: pytest.MonkeyPatch) -> None:
     with pytest.raises(LayoutError, match=r"^the layout has no dropoff; orders are drawn from its"):
-        DrawnOrders([OrderStream()], Layout(["P.."]), 10)
+        RandomOrders([OrderStream()], Layout(["P.."]), 10)
     with pytest.raises(LayoutError, match=r"^the layout has no pickup; orders"):
         QueuedOrders(OrderQueue(1), Layout(["D.."]))
     monkeypatch.setattr(sources, "MAX_ORDERS", 1)
     with pytest.raises(OrderError, match=r"^2 orders are more than MAX_ORDERS = 1$"):
         ListedOrders([GOOD, GOOD], HALL, 1)
     assert len(ListedOrders([GOOD], HALL, 1).draw(np.random.default_rng(0)).released) == 1
-    DrawnOrders([OrderStream(0.125)], HALL, 8)
+    RandomOrders([OrderStream(0.125)], HALL, 8)
     with pytest.raises(OrderError, match="MAX_ORDERS = 1"):
-        DrawnOrders([OrderStream(0.125)], HALL, 9)
+        RandomOrders([OrderStream(0.125)], HALL, 9)

@@ -7,7 +7,7 @@ from warehouse_core import Layout, LayoutError
 from warehouse_core.task.starts import (
     DRAWS,
     NO_RANK,
-    Drawn,
+    Randomized,
     check_room,
     draw_episode,
     draw_ranks,
@@ -65,33 +65,33 @@ def test_a_layout_needs_room_for_pickup_and_dropoff() -> None:
     check_room(Layout(["P#D"]))
     with pytest.raises(LayoutError, match=r"needs two open cells .*; the layout has 1"):
         check_room(Layout(["P##"]))
-    with pytest.raises(LayoutError, match=r"needs two open .*; the layout has 1 beside its charg"):
+    with pytest.raises(LayoutError, match=r"needs two open .*; the layout has 1 without a charg"):
         check_room(Layout(["P#CC"]))
 
 
-@pytest.mark.parametrize("drawn", [Drawn(True, True), Drawn(False, True)])
-def test_nothing_is_drawn_onto_a_charger(drawn: Drawn) -> None:
+@pytest.mark.parametrize("randomized", [Randomized(True, True), Randomized(False, True)])
+def test_nothing_is_drawn_onto_a_charger(randomized: Randomized) -> None:
     before = Layout(["CP.C", ".CD.", "C.C."])
     empty = {cell for cell in product(range(3), range(4)) if before.rows[cell[0]][cell[1]] == "."}
     starts = set()
     for uniforms in np.random.default_rng(0).random((300, DRAWS)):
-        layout, start = draw_episode(before, uniforms, drawn)
+        layout, start = draw_episode(before, uniforms, randomized)
         assert layout.chargers == before.chargers
         assert layout.rows[start[0]][start[1]] == "."
         starts.add(start)
-    assert starts == empty | set((before.pickups + before.dropoffs) * drawn.stations)
+    assert starts == empty | set((before.pickups + before.dropoffs) * randomized.stations)
 
 
 @pytest.mark.parametrize(
-    ("rows", "drawn", "expected"),
+    ("rows", "randomized", "expected"),
     [
-        (["..C"], Drawn(True, True), False),
-        (["...C"], Drawn(True, True), True),
-        (["PD.C"], Drawn(False, True), True),
-        (["PDC"], Drawn(False, True), False),
+        (["..C"], Randomized(True, True), False),
+        (["...C"], Randomized(True, True), True),
+        (["PD.C"], Randomized(False, True), True),
+        (["PDC"], Randomized(False, True), False),
     ],
 )
 def test_a_start_needs_a_cell_beside_stations_and_chargers(
-    rows: list[str], drawn: Drawn, expected: bool
+    rows: list[str], randomized: Randomized, expected: bool
 ) -> None:
-    assert has_start(Layout(rows), drawn) is expected
+    assert has_start(Layout(rows), randomized) is expected

@@ -26,14 +26,17 @@ def motion_at(*cells: Cell, **options: Any) -> DrivingMotion:
 @pytest.mark.parametrize(
     ("cells", "message"),
     [
-        ([(0, 0)], "1 cells for 2 robots; one each"),
+        ([(0, 0)], "1 cells for 2 robots; each robot needs one"),
         (
             [(0, 2), (0, 1)],
-            r"robot 0 is to go from \(0, 0\) to \(0, 2\), which is not an open cell",
+            r"robot 0 cannot move from \(0, 0\) to \(0, 2\), which is not an open cell",
         ),
-        ([(-1, 0), (0, 1)], r"robot 0 is to go from \(0, 0\) to \(-1, 0\), which is not an open"),
-        ([(0, 1), (0, 1)], r"robots 0 and 1 are both to go to \(0, 1\)"),
-        ([(0, 1), (0, 0)], r"robots 0 and 1 are to change places, \(0, 0\) and \(0, 1\)"),
+        (
+            [(-1, 0), (0, 1)],
+            r"robot 0 cannot move from \(0, 0\) to \(-1, 0\), which is not an open",
+        ),
+        ([(0, 1), (0, 1)], r"robots 0 and 1 cannot both move to \(0, 1\)"),
+        ([(0, 1), (0, 0)], r"robots 0 and 1 cannot swap the cells \(0, 0\) and \(0, 1\)"),
     ],
 )
 def test_a_joint_step_with_a_conflict_is_refused_and_nothing_changes(

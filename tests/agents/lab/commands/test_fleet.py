@@ -253,8 +253,8 @@ def test_an_interrupt_ends_the_shift_and_prints_the_measures(warehouse: Warehous
 def test_a_fleet_that_will_run_empty_is_warned_of_once(warehouse: Warehouse) -> None:
     done = warehouse(*SMALL, "-n", 2, "--battery", 20, "--layout", "hall", "--no-show")
     assert done.err.startswith(
-        "warehouse: warning: 0 chargers can keep 0 of 3 robots going, and their batteries last "
-        "20 of 60 steps: robots will stop in the way of others"
+        "warehouse: warning: 0 chargers can keep 0 of 3 robots running, and a full battery lasts "
+        "20 of 60 steps: robots will run out of battery and block others"
     )
     assert done.err.count("\n") == 1
     hint = "6 robots ran out of battery or failed. More chargers or a larger --battery would help."
