@@ -114,7 +114,7 @@ class People:
 
     Args:
         count: number of people on each floor, 0 to ``MAX_BODIES``.
-        habit: how people walk. With ``"stations"`` they walk from station to station along
+        habit: route of people. With ``"stations"`` they walk from station to station along
             shortest paths. With ``"aisles"`` they mostly walk straight on, and turn at random.
         pause: probability that a person stands still in a step, 0 to 1.
 

@@ -88,8 +88,8 @@ class FleetEngine:
         battery: ``[N]`` float64, units left.
         steps: ``[B]`` steps taken.
         terminated: ``[N]`` flags of robots whose task is done.
-        truncated: ``[N]`` flags of robots whose steps or battery are used up, that have failed, or
-            whose fleet has lost all undelivered orders.
+        truncated: ``[N]`` flags of robots that are out of steps or battery or have failed, and of
+            all robots in a fleet without any order left to deliver.
         failed: ``[N]`` flags of robots that have stopped for good, as the motion reports.
         ended: ``[N]`` flags of robots that are terminated or truncated; see ``Engine``.
         running: number of robots that have not ended.

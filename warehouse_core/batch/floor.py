@@ -119,7 +119,7 @@ class BatchFloor:
             self._station_offsets[number, rows] = np.where(cells == NO_CELL, OUT_OF_SIGHT, offsets)
 
     def put_own_stations(self, rows: Integers) -> None:
-        """Set the first pickup and dropoff of some rows to those of their layouts."""
+        """Set the pickup and dropoff of some rows to the first ones of their layouts."""
         self.put_stations(rows, *self._first_stations[:, self._layouts.kind[rows]])
 
     def stations(self, cells: Integers) -> Integers:

@@ -21,7 +21,7 @@ from warehouse_core.world.tables import Flags, Integers, LayoutSet, sides_table,
 from warehouse_core.world.tiles import Cell
 
 MAX_GOALS = 32
-"""Limit on the stations between which people walk. Of more stations, an even selection is used."""
+"""Limit on the stations between which people walk. More are thinned out evenly."""
 
 MAX_GOAL_CELLS = 2**26
 """Limit on the number of these stations times the cells of the layout, at 4 bytes each."""
@@ -69,7 +69,7 @@ class Walkers:
             [stream.random((self.cells.shape[1], NUMBERS)) for stream in self._streams]
         )
         weights = self._to_stations(uniforms[..., -1]) if self._walks_to_stations else self._ahead()
-        # A blocked person may turn in any direction, and so makes way for waiting robots.
+        # A blocked person may turn in any direction, which frees robots that wait for it.
         weights = np.where(self._is_blocked[..., None], ASIDE, weights)
         weights *= self._sides.take(self._base + self.ends, axis=0)
         with np.errstate(divide="ignore"):

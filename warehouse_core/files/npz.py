@@ -56,7 +56,7 @@ def write_arrays(path: str | Path, arrays: Arrays, schema: Schema) -> None:
 
 
 def read_arrays(path: str | Path, *schemas: Schema) -> Arrays:
-    """Return the arrays in a file, read-only; they must be exactly those of one schema.
+    """Return the arrays in a file, read-only, whose names and types must match a schema.
 
     Args:
         path: file to read.

@@ -17,8 +17,8 @@ class FleetObservation(Observation, total=False):
     """The observation of a fleet's robot: the chapter's keys and up to three more.
 
     ``pickup_pos`` and ``dropoff_pos`` are the pickup and the dropoff of the robot's order. In
-    ``local_grid``, ``O`` and ``o`` are other robots without and with an item, ``H`` is a person,
-    ``C`` is a charger, and ``P`` is a cell where an order waits for this robot or for any robot.
+    ``local_grid``, ``O`` and ``o`` are other robots without and with an item, and ``H`` is a
+    person. ``C`` is a charger, and ``P`` is a cell where an order waits for this robot or for any.
 
     Attributes:
         due: step by which the robot's order is due, or ``None``. Present only if the fleet has

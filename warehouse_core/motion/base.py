@@ -175,7 +175,7 @@ class Motion(Protocol):
         Args:
             displacements: rows and columns to move for each robot: ``(0, 0)``, or one cell north,
                 east, south or west.
-            loaded: whether each robot carries an item.
+            loaded: flag of each robot that carries an item.
 
         Returns:
             The outcome for each robot.

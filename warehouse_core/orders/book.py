@@ -164,8 +164,8 @@ class OrderBook:
         """Give up the orders that robots which can no longer drive hold or block.
 
         An order is lost if one of the ``robots`` carries its item or is the only one that may take
-        it, or if its dropoff, or the pickup where its item still waits, is one of the ``cells``.
-        Other robots that had a lost order get their next one.
+        it. It is also lost if one of the ``cells`` is its dropoff, or the pickup where its item
+        still waits. Other robots that had a lost order get their next one.
 
         Args:
             robots: robots that can no longer drive.

@@ -68,11 +68,11 @@ def state_of(fleet: FleetEnv) -> NDArray[np.float32]:
     """Return the state of a fleet as a vector of ``1 + 10 R + 6 K`` numbers, float32.
 
     ======  =======================================================================================
-    1       steps taken
-    10 R    for each robot: row and column; 1 if it holds an item; battery units; row and column of
-            its pickup, and of its dropoff; step by which its order is due; 1 if it has not ended
-    6 K     for each of the oldest ``K`` open orders: row and column of its pickup, and of its
-            dropoff; steps at which it was released and is due
+    1       steps taken.
+    10 R    for each robot: row and column, 1 if it holds an item, battery units, row and column of
+            its pickup and of its dropoff, step by which its order is due, 1 if it has not ended.
+    6 K     for each of the oldest ``K`` open orders: row and column of its pickup and of its
+            dropoff, steps at which it was released and is due.
     ======  =======================================================================================
 
     Missing values are -1. Robots with headings have 11 numbers, of which the heading is the last.

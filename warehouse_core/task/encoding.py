@@ -142,14 +142,14 @@ def vector(arrays: ObservationArrays, tiles: tuple[str, ...] = MARKED_TILES) -> 
     ``T * K * K``           1 or 0 for each cell of the window, row by row, and each of ``tiles``:
                             whether the cell has this tile. By default these are wall, pickup and
                             dropoff. Everything else counts as floor.
-    2                       rows and columns to the next cell in the direction of the heading, only
-                            for robots with headings
-    2                       row and column of the robot, in tens of cells
+    2                       rows and columns to the next cell in the direction of the heading.
+                            Only robots with headings have these numbers.
+    2                       row and column of the robot, in tens of cells.
     3                       1 if there is a pickup, then the rows and columns from the robot to it,
-                            in tens of cells; 0 without a pickup
-    3                       dropoff, likewise
-    1                       1 if the robot holds an item
-    2                       battery units left and steps taken, in hundreds
+                            in tens of cells. All are 0 without a pickup.
+    3                       the same numbers for the dropoff.
+    1                       1 if the robot holds an item.
+    2                       battery units left and steps taken, in hundreds.
     ======================  =====================================================================
 
     Example:

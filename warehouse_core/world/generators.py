@@ -211,8 +211,8 @@ def _spread(
 def benchmark_warehouse(columns: int, rows: int, length: int, depth: int, aisle: int) -> Layout:
     """Return the benchmark map ``warehouse-C-R-L-W-A``, without stations.
 
-    It is ``C(L + A) - A + 5C + 2`` cells wide and ``R(W + A) + A + 2`` high. Of the ``5C`` columns
-    of open margin, ``5C // 2`` are on the left and the others on the right.
+    It is ``C(L + A) - A + 5C + 2`` cells wide and ``R(W + A) + A + 2`` high. The ``5C`` columns
+    are open margins: ``5C // 2`` on the left, and the others on the right.
 
     Args:
         columns: ``C``, shelf blocks from left to right, at least 1.
