@@ -38,8 +38,8 @@ from warehouse_core.world.named_layouts import find_layout
          "lone robots, without settings of fleets"),
         ({"robots": 2, "assignment": "fifo"},
          "assignment has no effect here; it applies only with a planner"),
-        ({"robots": 100, "layout": "random", "size": "5x5"}, "100 robots and 0 people have no "
-         "room on the 7 open cells of the layout; one cell is needed for each"),
+        ({"robots": 100, "layout": "random", "size": "5x5"}, "100 robots and 0 people do not fit "
+         "on the 7 open cells of the layout; each needs a cell"),
     ],
 )  # fmt: skip
 def test_a_choice_without_any_effect_or_room_is_an_error(
