@@ -18,8 +18,8 @@ The files are best read in this order:
 8. ``driving/``: the backend whose robots drive through cells without stopping in each.
 9. ``batch/``: many warehouses at once, with one robot in each.
 
-``wheeled_robot.py`` has robots with two driven wheels. ``disturbances.py`` has slippery floors, weak
-motors, noise and failures.
+``wheeled_robot.py`` has robots with two driven wheels. ``disturbances.py`` has slippery floors,
+weak motors, noise and failures.
 """
 
 # Check the version first: with a wrong one the other imports may fail for another reason.
