@@ -88,7 +88,7 @@ class Escapes:
         graph = fields.graph
         sides: list[list[int]] = graph.neighbours[:, :WAIT].tolist()
         self._fields = fields
-        self._near = [[each for each in beside if each != CLOSED] for beside in sides]
+        self._near = [[each for each in neighbours if each != CLOSED] for neighbours in sides]
         layout = graph.layout
         stations = [*layout.pickups, *layout.dropoffs, *layout.chargers]
         self._stations = layout.numbers(stations)

@@ -259,10 +259,10 @@ def parking_of(layout: Layout) -> NDArray[np.intp]:
     """
     width = layout.width
     busy = {*layout.pickups, *layout.dropoffs, *layout.chargers}
-    beside = {(row + down, col + right) for row, col in busy for down, right in DISPLACEMENTS}
+    adjacent = {(row + down, col + right) for row, col in busy for down, right in DISPLACEMENTS}
     cells = layout.cells(layout.open_cells)
     arrays = np.arange(layout.height * width)
-    for avoided in (busy | beside, busy):
+    for avoided in (busy | adjacent, busy):
         places = [cell for cell in cells if cell not in avoided]
         to = nearest(layout, places).ravel()
         if places:

@@ -51,8 +51,8 @@ class ShortestPaths:
     def moves(self, arrays: ObservationArrays) -> Flags:
         """Return the moves that reduce the distance to the goal."""
         rows, loaded = np.arange(self._batch.num_envs)[:, None], np.asarray(arrays["has_item"])
-        beside = arrays["robot_pos"][:, None] + MOVES + 1
-        near = self._fields[rows, loaded[:, None], beside[..., 0], beside[..., 1]]
+        neighbours = arrays["robot_pos"][:, None] + MOVES + 1
+        near = self._fields[rows, loaded[:, None], neighbours[..., 0], neighbours[..., 1]]
         row, col = arrays["robot_pos"].T + 1
         here = self._fields[rows[:, 0], loaded, row, col]
         nearer: Flags = near < here[:, None]

@@ -28,7 +28,7 @@ class CellSets:
         self.bits = [1 << cell + cell // layout.width for cell in range(graph.size)]
         self.open = self.of(set(layout.open_cells.tolist()) - graph.closed)
         self.bytes = self.row * layout.height // 8 + 1
-        self._beside: dict[int, list[int]] = {}
+        self._steps_from: dict[int, list[int]] = {}
 
     def of(self, cells: Iterable[int]) -> int:
         """Return the set of some cells."""
@@ -47,12 +47,12 @@ class CellSets:
         row = self.row
         return (cells | cells << 1 | cells >> 1 | cells << row | cells >> row) & self.open
 
-    def beside(self, bit: int) -> list[int]:
+    def steps_from(self, bit: int) -> list[int]:
         """Return the cells that a robot in a cell can reach in a step, each as a set of its own."""
         key = bit.bit_length()
-        if key not in self._beside:
-            self._beside[key] = list(bits_of(self.spread(bit)))
-        return self._beside[key]
+        if key not in self._steps_from:
+            self._steps_from[key] = list(bits_of(self.spread(bit)))
+        return self._steps_from[key]
 
 
 def bits_of(cells: int) -> Iterator[int]:

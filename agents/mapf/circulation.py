@@ -161,11 +161,11 @@ class Circulation(PlacePlanner):
 def auction_on(fields: Fields, robots: int, unit: int) -> Auction:
     """Return the buffers of an auction on a floor; see ``Auction``."""
     graph, has_headings = fields.graph, isinstance(fields, HeadedFields)
-    beside, step = graph.neighbours[:, :WAIT], fields.step
+    neighbours, step = graph.neighbours[:, :WAIT], fields.step
     if graph.costs is not None:  # so that even the cheapest move has a gain
-        cheapest = graph.costs[beside != CLOSED].min(initial=1.0) * step
+        cheapest = graph.costs[neighbours != CLOSED].min(initial=1.0) * step
         step = max(1, int(cheapest))
-    return auction_of(beside, robots, step, has_headings, unit)
+    return auction_of(neighbours, robots, step, has_headings, unit)
 
 
 def kept_aims(size: int, cells: Integers, aims: Integers) -> Integers:
@@ -185,12 +185,12 @@ def outward_cells(graph: Graph) -> Integers:
     Dead ends are found by removing cells with one neighbour repeatedly. A dead end reaches up to
     the first cell that has another exit.
     """
-    beside = graph.neighbours[:, :WAIT]
-    degree, outward = (beside != CLOSED).sum(axis=1), np.full(graph.size, NONE)
+    neighbours = graph.neighbours[:, :WAIT]
+    degree, outward = (neighbours != CLOSED).sum(axis=1), np.full(graph.size, NONE)
     ends = np.flatnonzero(degree == 1).tolist()
     while ends:
         cell = ends.pop()
-        for out in beside[cell].tolist():
+        for out in neighbours[cell].tolist():
             if degree[cell] == 1 and out != CLOSED and outward[out] == NONE:
                 outward[cell], degree[cell] = out, 0
                 degree[out] -= 1
@@ -201,11 +201,11 @@ def outward_cells(graph: Graph) -> Integers:
 
 def dead_ends(graph: Graph) -> Integers:
     """Return ``outward_cells`` without dead ends that lead only into one another, ``[size]``."""
-    outward, beside = outward_cells(graph), graph.neighbours[:, :WAIT]
+    outward, neighbours = outward_cells(graph), graph.neighbours[:, :WAIT]
     mouths = np.where(outward == NONE, np.arange(len(outward)), outward)
     while (outward[mouths] != NONE).any():
         mouths = mouths[mouths]
-    is_on_cycle = ((beside != CLOSED) & (outward[beside] == NONE)).any(axis=1)
+    is_on_cycle = ((neighbours != CLOSED) & (outward[neighbours] == NONE)).any(axis=1)
     return np.where(is_on_cycle[mouths], outward, NONE)
 
 

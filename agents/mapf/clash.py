@@ -89,7 +89,7 @@ def _after(sets: CellSets, with_us: dict[int, int], our: int, their: int) -> dic
     after: dict[int, int] = {}
     for before, cells in with_us.items():
         reached = sets.spread(cells) & their
-        for cell in sets.beside(before):
+        for cell in sets.steps_from(before):
             if cell & our:
                 there = reached & ~cell
                 # They must not swap cells: the other must not come from this robot's new cell.

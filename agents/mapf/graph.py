@@ -338,10 +338,10 @@ class Fields:
     def floor(self) -> Places:
         """The arrays ``near`` and ``prices`` in the form that kernels use."""
         size, places = self.graph.size, self.graph.places
-        beside = self.near[:size, :WAIT]
-        is_open = beside != places
+        ahead = self.near[:size, :WAIT]
+        is_open = ahead != places
         degree = is_open.sum(axis=1)
-        through = (is_open & (degree[beside % size] > 1)).sum(axis=1)
+        through = (is_open & (degree[ahead % size] > 1)).sum(axis=1)
         return Places(
             size=size, closed=places, near=buffer_of(self.near), price=buffer_of(self.prices),
             cell=buffer_of(np.arange(places) % size), degree=buffer_of(degree),

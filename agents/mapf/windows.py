@@ -259,9 +259,9 @@ class WindowedPlanner(PlacePlanner):
         """Replan robots with new goals, and then groups, until all are done or time is up."""
         floor, routes = self._fields.floor, self._routes
         reserve_only(floor, routes, np.arange(len(self._places)))
-        anew = buffer_of(np.flatnonzero(self._has_new_goal))
+        replanned = buffer_of(np.flatnonzero(self._has_new_goal))
         search = floor, routes, self._frontier, self._groups, self._table
-        for first in range(0, len(anew), PORTION):
+        for first in range(0, len(replanned), PORTION):
             if perf_counter() < deadline:
-                renew(*search, anew[first : first + PORTION])
+                renew(*search, replanned[first : first + PORTION])
         improve_until(*search, deadline, self.groups)

@@ -205,10 +205,10 @@ def swap_partner(floor: Places, robots: Robots, pibt: Pibt, fields: Table, robot
     ):
         return other
     for action in range(STAY):
-        beside = near[here * ACTIONS + action]
-        if beside == floor.closed or beside % size == ahead:
+        neighbour = near[here * ACTIONS + action]
+        if neighbour == floor.closed or neighbour % size == ahead:
             continue
-        other = robot_in[beside % size]
+        other = robot_in[neighbour % size]
         if (
             other != NOBODY
             and needs_swap(floor, robots, pibt, fields, other, robot, here, ahead)

@@ -75,7 +75,9 @@ def make_stepper(
     if not isinstance(made, Planner):
         raise AgentError(f"planner {name!r} has no next_cells; it directs a fleet, not a problem")
     if has_headings and not knows_headings(made):
-        raise AgentError(f"planner {name!r} does not know headings; it needs a method next_places")
+        raise AgentError(
+            f"planner {name!r} does not support headings; it needs a method next_places"
+        )
     return CheckedPlanner(made, name, Graph(layout), seconds)
 
 

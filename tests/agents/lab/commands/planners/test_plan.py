@@ -130,7 +130,7 @@ def test_bodies_that_need_pymunk_are_refused_before_the_plans(
     [
         (
             "--moves turn --planner pibt-lanes",
-            "planner 'pibt-lanes' does not know headings; it needs",
+            "planner 'pibt-lanes' does not support headings; it needs",
         ),
         ("bay.scen --robots 3", "--robots is 3; allowed: 1..2, the scenarios of bay.scen"),
         ("bay.scen --layout hall", "scenario 1 is for 2 x 3 cells"),
