@@ -1,8 +1,8 @@
-"""The settings of episodes, each declared once: values, default, range and words.
+"""The settings of episodes, each declared once with its default, range and description.
 
 Options, rubrics, plans of sweeps and files of results are checked against ``PARAMETERS``, and
-reports name the differences by it. A parameter that has no effect on a case, such as the escape of
-an agent that has none, is left out of the case, so that the same experiment is not run twice under
+reports use its names for what differs. A case leaves out every parameter that has no effect on it,
+such as the escape of an agent that has none. Otherwise the same experiment could run twice under
 two names.
 """
 
@@ -28,37 +28,40 @@ from warehouse_core.world.named_layouts import DEFAULT
 Value = str | int | float | bool
 
 PLANNER, NO_PLANNER = "planner", "none"
-"""The parameter that names what directs all robots of a fleet; by default each has an agent."""
+"""Name and default of the parameter that selects the planner of a fleet.
+
+By default each robot of a fleet has an agent.
+"""
 
 FLEET = "robots"
-"""The parameter that every case of a fleet has, and no other case."""
+"""Name of the parameter that every case of a fleet has, and no other case."""
 
 MAX_VALUE = 1_000_000_000
-"""Largest battery and number of steps; records keep them as 64-bit numbers."""
+"""Largest battery capacity and number of steps, which records store as 64-bit numbers."""
 
 MAX_SEED = 2**62
-"""Largest seed of the first episode; files of results store seeds as 64-bit numbers."""
+"""Largest seed of a first episode; files of results store seeds as 64-bit numbers."""
 
 MAX_NUMBER = sys.float_info.max
 
 MAX_TEXT = 10_000
-"""Most characters of a name."""
+"""Maximum number of characters in a name."""
 
 
 class Parameter(NamedTuple):
-    """A quantity that can be varied: declared here for options, rubrics, sweeps and exports.
+    """A setting that can be varied, as used by options, rubrics, sweeps and exports.
 
     Attributes:
         default: Value if none is given.
-        check: Function that returns a value as it is stored, or raises ``ValueError`` with what is
-            allowed.
-        values: Values that it takes, in words; ``{}`` stands for the range of the check.
-        needs: Values of parameters before it without which it has no effect.
+        check: Function that returns a value in the form in which it is stored, or raises
+            ``ValueError`` with a description of the allowed values.
+        values: Allowed values in words; ``{}`` stands for the range of the check.
+        needs: Values of earlier parameters without which this one has no effect.
         question: Question that varying it answers; the chapter asks some of them.
-        of_fleets: ``True`` if it has an effect only on fleets, ``False`` only on lone robots,
-            ``None`` on both.
-        is_planned: ``True`` if it has an effect only with a planner, ``False`` only without one,
-            ``None`` with and without.
+        of_fleets: ``True`` if it affects only fleets, ``False`` if it affects only lone robots, and
+            ``None`` if it affects both.
+        is_planned: ``True`` if it has an effect only with a planner, ``False`` if only without one,
+            and ``None`` if in both cases.
         help: Description of its option.
     """
 
@@ -72,7 +75,7 @@ class Parameter(NamedTuple):
     help: str = ""
 
     def applies(self, case: Mapping[str, Any]) -> bool:
-        """Return whether it has an effect, given the values of the parameters before it."""
+        """Return whether it has an effect, given the values of all earlier parameters."""
         has_planner = case.get(PLANNER, NO_PLANNER) != NO_PLANNER
         return (
             self.of_fleets in (None, FLEET in case)
@@ -82,11 +85,11 @@ class Parameter(NamedTuple):
 
     @property
     def where(self) -> str:
-        """Where it has an effect, in words, if not everywhere."""
+        """Condition under which it has an effect, in words that follow "it applies only"."""
         if self.is_planned is not None:
             return f"{'with' if self.is_planned else 'without'} a {PLANNER}"
         if self.of_fleets is not None:
-            return "to fleets" if self.of_fleets else "to lone robots, without settings of fleets"
+            return "to fleets" if self.of_fleets else "to lone robots, without settings for fleets"
         return "with " + " and ".join(
             f"{name}={shown(value)}" for name, value in self.needs.items()
         )
@@ -100,7 +103,7 @@ class Whole:
     maximum: int = MAX_VALUE
 
     def __call__(self, value: Any) -> int:
-        """Return a value that is allowed."""
+        """Return an allowed value, or raise ``ValueError`` with the range."""
         if type(value) is not int or not self.minimum <= value <= self.maximum:
             raise ValueError(f"a whole number {self}")
         return value
@@ -111,7 +114,7 @@ class Whole:
 
 
 CheckValue = Callable[[Any], Any]
-"""Returns a value as it is used, or raises ``ValueError`` with what is allowed."""
+"""Function that converts a value, or raises ``ValueError`` with what is allowed."""
 
 
 @dataclass(frozen=True)
@@ -122,7 +125,7 @@ class Number:
     maximum: float = MAX_NUMBER
 
     def __call__(self, value: Any) -> float:
-        """Return a value that is allowed as a ``float``; -0.0 becomes 0.0."""
+        """Return an allowed value as a ``float``, and 0.0 for -0.0."""
         if type(value) not in (int, float) or not self.minimum <= value <= self.maximum:
             raise ValueError("a number" if self == Number() else f"a number {self}")
         return float(value) + 0.0
@@ -140,14 +143,14 @@ def flag(value: Any) -> bool:
 
 
 def text(value: Any) -> str:
-    """Check that a value is text, not blank and not too long."""
+    """Check that a value is text that is neither blank nor too long."""
     if not isinstance(value, str) or not value.strip() or len(value) > MAX_TEXT:
         raise ValueError(f"a name of at most MAX_TEXT = {MAX_TEXT} characters")
     return value
 
 
 def one_of(*allowed: str, joint: str = ", ", before: str = "") -> Callable[[Any], str]:
-    """Return a check for words; an error lists those that are allowed."""
+    """Return a check for one of some words; its error lists the allowed words."""
 
     def check(value: Any) -> str:
         if value not in allowed:
@@ -163,7 +166,7 @@ def backend(value: Any) -> str:
 
 
 def due_times(value: Any) -> str:
-    """Check that a value is the fewest and the most steps until an order is due."""
+    """Check that a value gives the fewest and the most steps from release to due time."""
     times = re.fullmatch(r"(0|[1-9]\d{0,8}):(0|[1-9]\d{0,8})", str(value))
     if times is None or int(times[1]) > int(times[2]):
         raise ValueError('"FEWEST:MOST" steps, such as "50:150"')
@@ -171,7 +174,7 @@ def due_times(value: Any) -> str:
 
 
 def size(value: Any) -> str:
-    """Check that a value is a height and a width such as ``7x12``."""
+    """Check that a value is a height and a width, such as ``7x12``."""
     sides = re.fullmatch(r"([1-9]\d{0,3})x([1-9]\d{0,3})", str(value))
     if sides is None or min(map(int, sides.groups())) < 4:
         raise ValueError('a size "HEIGHTxWIDTH" of at least 4x4, such as "7x12"')
@@ -180,18 +183,18 @@ def size(value: Any) -> str:
 
 PARAMETERS = {
     FLEET: Parameter(
-        8, Whole(1, MAX_BODIES), "{}, makes it a fleet with orders",
+        8, Whole(1, MAX_BODIES), "{}; any value makes it a fleet with orders",
         question="How many robots are too many?", of_fleets=True, help="Number of robots.",
     ),
     PLANNER: Parameter(
-        NO_PLANNER, text, "none, or as in 'warehouse fleet', of fleets",
+        NO_PLANNER, text, "none, or a name as in 'warehouse fleet', for fleets",
         question="Which planner does best?", of_fleets=True,
     ),
     "assignment": Parameter(
         DEFAULT_ASSIGNMENT, one_of(*ASSIGNMENTS, before="one of "),
         ", ".join(ASSIGNMENTS),
         question="How should orders be assigned?", of_fleets=True, is_planned=True,
-        help=f"Which robot of a planner goes for which order: {', '.join(ASSIGNMENTS)}. "
+        help=f"How a planner assigns orders to robots: {', '.join(ASSIGNMENTS)}. "
         f"Default: {DEFAULT_ASSIGNMENT}.",
     ),
     "agent": Parameter(
@@ -199,72 +202,72 @@ PARAMETERS = {
         question="Which agent does best?", is_planned=False,
     ),
     "escape": Parameter(
-        True, flag, "on or off, of agent greedy", {"agent": "greedy"},
+        True, flag, "on or off, for agent greedy", {"agent": "greedy"},
         "Does escaping loops cut delivery time, or does it make the robot wander?",
     ),
     "memory": Parameter(
-        10, Whole(0), "{}, of agent greedy", {"agent": "greedy", "escape": True},
+        10, Whole(0), "{}, for agent greedy", {"agent": "greedy", "escape": True},
         "How much should an agent remember to notice a loop?",
-        help="Positions that the greedy agent remembers. Default: 10.",
+        help="Number of positions that the greedy agent remembers. Default: 10.",
     ),
     "layout": Parameter(
         DEFAULT, text, "a file, a name, or random", question="Which layout is hardest?"
     ),
     "size": Parameter(
-        "7x12", size, "HEIGHTxWIDTH, of layout random", {"layout": RANDOM},
-        "What does a larger grid do?",
+        "7x12", size, "HEIGHTxWIDTH, for layout random", {"layout": RANDOM},
+        "What is the effect of a larger grid?",
     ),
     "density": Parameter(
-        0.2, Number(0, MAX_DENSITY), "{}, of layout random", {"layout": RANDOM},
-        "What do more obstacles do?",
+        0.2, Number(0, MAX_DENSITY), "{}, for layout random", {"layout": RANDOM},
+        "What is the effect of more obstacles?",
     ),
-    "stations": Parameter(  # for a layout file its default is another, see case.py
+    "stations": Parameter(  # layout files have another default, see case.py
         str(Stations.DRAWN), one_of(*Stations, joint=" or "),
-        "drawn or kept, of lone robots",
+        "drawn or kept, for lone robots",
         question="What do random pickups and dropoffs change?", of_fleets=False,
     ),
     "order_rate": Parameter(
-        0.06, Number(0, MAX_VALUE), "orders that arrive in a step, of fleets",
+        0.06, Number(0, MAX_VALUE), "mean number of orders per step, for fleets",
         question="How many orders can the fleet carry out?", of_fleets=True,
-        help="Orders that arrive in a step on average.",
+        help="Mean number of orders that arrive in a step.",
     ),
     "due": Parameter(
-        "50:150", due_times, "FEWEST:MOST steps, of fleets",
-        question="What do earlier due times change?", of_fleets=True,
-        help="Steps from release to due time of an order.",
+        "50:150", due_times, "FEWEST:MOST steps, for fleets",
+        question="What is the effect of earlier due times?", of_fleets=True,
+        help="Steps from the release of an order to its due time.",
     ),
     "chargers": Parameter(  # by default as many as the layout has, see case.py
-        0, Whole(0), "at most those of the layout, of fleets",
+        0, Whole(0), "at most as many as the layout has, for fleets",
         question="How many chargers does the fleet need?", of_fleets=True,
     ),
     "people": Parameter(
-        0, Whole(0, MAX_BODIES), "{}, of fleets",
-        question="What do people on the floor change?", of_fleets=True,
-        help="People who walk on the floor.",
+        0, Whole(0, MAX_BODIES), "{}, for fleets",
+        question="What is the effect of people on the floor?", of_fleets=True,
+        help="Number of people who walk on the floor.",
     ),
     "battery": Parameter(
         200, Whole(1), question="How does battery capacity affect success?",
-        help="Steps that a full battery lasts.",
+        help="Number of steps that a full battery lasts.",
     ),
     "max_steps": Parameter(
         200, Whole(1), question="How long should an episode be?",
-        help="Maximum steps of an episode.",
+        help="Maximum number of steps in an episode.",
     ),
     "view_radius": Parameter(
-        2, Whole(0, MAX_VIEW_RADIUS), question="What does it help to see further?",
-        help=f"Cells seen in each direction, up to {MAX_VIEW_RADIUS}.",
+        2, Whole(0, MAX_VIEW_RADIUS), question="How much does it help to see farther?",
+        help=f"Number of cells that the robot sees in each direction, up to {MAX_VIEW_RADIUS}.",
     ),
     "backend": Parameter(
-        "grid", backend, "grid, physics, of fleets driving",
+        "grid", backend, "grid or physics, and driving for fleets",
         question="What does the real robot do with the same policy?",
     ),
 }  # fmt: skip
 
 PHYSICAL = {"robot": "RobotSpec", "disturbances": "Disturbances"}
-"""Groups of parameters of the physics backend, and the class that has them as fields."""
+"""Groups of parameters of the physics backend, and the class whose fields each group sets."""
 
 
-def usual(name: str) -> Any:
+def default_value(name: str) -> Any:
     """Return the default of a parameter."""
     return PARAMETERS[name].default
 
@@ -273,7 +276,7 @@ def find(name: str) -> Parameter:
     """Return a parameter by its name, such as ``battery`` or ``robot.mass``.
 
     Raises:
-        ParameterError: there is none; the message lists those that there are.
+        ParameterError: there is no such parameter; the message lists all names.
     """
     if name in PARAMETERS:
         return PARAMETERS[name]
@@ -288,7 +291,7 @@ def find(name: str) -> Parameter:
 
 
 def field_defaults(group: str) -> dict[str, float]:
-    """Return the numeric fields of ``RobotSpec`` or ``Disturbances`` with their defaults.
+    """Return the numeric fields of ``RobotSpec`` or ``Disturbances`` and their defaults.
 
     Raises:
         BackendError: the physics backend is not installed.
@@ -301,10 +304,15 @@ def field_defaults(group: str) -> dict[str, float]:
 
 
 def checked(name: str, value: Any, check: Callable[[Any], Value] | None = None) -> Value:
-    """Return a value of a parameter as it is stored, by its own check or by another one.
+    """Check a value of a parameter and return it in the form in which it is stored.
+
+    Args:
+        name: name of the parameter.
+        value: value to check.
+        check: check to use instead of the parameter's own.
 
     Raises:
-        ParameterError: the value is not allowed; the message says what is.
+        ParameterError: the value is not allowed; the message says which values are.
     """
     check = check or find(name).check
     try:
@@ -314,7 +322,7 @@ def checked(name: str, value: Any, check: Callable[[Any], Value] | None = None) 
 
 
 def shown(value: Value | None) -> str:
-    """Return a value as text that can be written."""
+    """Return a value as printable text."""
     if value is None:
         return "none"
     if isinstance(value, bool):

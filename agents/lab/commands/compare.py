@@ -1,4 +1,4 @@
-"""The command ``warehouse compare``: agents, backends, planners or searches."""
+"""The command ``warehouse compare``, which compares agents, backends, planners or searches."""
 
 from __future__ import annotations
 
@@ -27,12 +27,12 @@ FLEETS = "backends --robots"
 
 
 class Comparison(NamedTuple):
-    """What a comparison runs, the options that it takes, and the files that it saves.
+    """A comparison: its function, its options and the files that it saves.
 
     Attributes:
-        run: function that is given the options of the command line by name.
-        options: names of the options.
-        suffixes: allowed suffixes of files, of replays if there are none.
+        run: function that is called with the options from the command line, by name.
+        options: names of its options.
+        suffixes: allowed suffixes of files; if empty, the suffixes of replays are allowed.
     """
 
     run: Callable[..., None]
@@ -81,11 +81,11 @@ COMPARISONS = {
     ),
     "search": Comparison(compare_search, "layout start goal seed weights heuristic show"),
 }
-"""Comparisons by the word for them."""
+"""Comparisons by name."""
 
 
 class CompareCommand(CommandOfKinds):
-    """The command, whose help knows which options a comparison takes."""
+    """The command ``compare``, whose help shows the options of each comparison."""
 
     argument = "what"
     names: ClassVar = {
@@ -95,7 +95,7 @@ class CompareCommand(CommandOfKinds):
 
 
 def only(help_text: str, name: str) -> str:
-    """Return the description of an option with the comparisons that take it."""
+    """Return the description of an option, followed by the comparisons that have it."""
     takers = [kind for kind, each in COMPARISONS.items() if name in each.options.split()]
     return f"{help_text} For {', '.join(takers)}."
 
@@ -110,7 +110,7 @@ def compare(
         list[Path] | None,
         typer.Argument(
             metavar="FILE",
-            help="MovingAI scenarios .scen, or folders of them, for planners.",
+            help="For planners: MovingAI scenario files (.scen), or folders of such files.",
             show_default=False,
         ),
     ] = None,
@@ -119,8 +119,8 @@ def compare(
         list[str],
         option(
             "--agent NAME",
-            f"{options.AGENT} May be repeated for agents. Default: {', '.join(AGENTS)}; "
-            "greedy for backends.",
+            f"{options.AGENT} May be repeated for agents. Default: {', '.join(AGENTS)}; for "
+            "backends greedy.",
             **MANY,
         ),
     ],
@@ -128,8 +128,8 @@ def compare(
         list[str],
         option(
             "--backend NAME",
-            f"{options.BACKEND.format('')} May be repeated for backends. Default: grid; "
-            "grid and physics for backends.",
+            f"{options.BACKEND.format('')} May be repeated for backends. Default: grid; for "
+            "backends grid and physics.",
             **MANY,
         ),
     ],
@@ -137,8 +137,8 @@ def compare(
         list[str],
         option(
             "--planner NAME",
-            f"{options.PLANNER} May be repeated for planners. Default: several; pibt-lanes for "
-            f"{FLEETS}.",
+            f"{options.PLANNER} May be repeated for planners. Default: several planners; for "
+            f"{FLEETS} pibt-lanes.",
             **MANY,
         ),
     ],
@@ -146,9 +146,9 @@ def compare(
         list[Path],
         option(
             "--save -o FILE",
-            f"{options.SAVE} For agents and planners a figure, .svg or .png, or trials of "
-            "planners, .csv; for backends and search a replay, .gif, .mp4, .html, .svg or .png; "
-            f"for {FLEETS} a page, .html, or values, .csv. May be repeated.",
+            f"{options.SAVE} For agents and planners a figure (.svg, .png), or for planners the "
+            "trials (.csv). For backends and search a replay (.gif, .mp4, .html, .svg, .png). "
+            f"For {FLEETS} a page (.html) or the measures of each run (.csv). May be repeated.",
             callback=writable(".csv", replays=True),
             **MANY,
         ),
@@ -157,16 +157,17 @@ def compare(
         str | None,
         option(
             "--robots -r N,N",
-            f"{options.ROBOTS} With it, backends carry out the plan of a fleet; for planners "
-            "several, separated by commas.",
+            f"{options.ROBOTS} With it, backends carry out the plan of a fleet. For planners "
+            "several numbers, separated by commas.",
         ),
     ] = None,
     layout: Annotated[
         Path | None,
         option(
             "--layout FILE",
-            f"{options.LAYOUT} Or random for agents, another for each episode. Default: default, "
-            f"{DEPOT} for {FLEETS}, kiva of 33 x 46 cells for planners.",
+            f"{options.LAYOUT} For agents also random, which uses another random layout in each "
+            f"episode. Default: default; for {FLEETS} {DEPOT}; for planners kiva, which has 33 x "
+            "46 cells.",
         ),
     ] = None,
     stations: options.StationsOption = None,
@@ -176,7 +177,7 @@ def compare(
         int | None,
         option(
             "--episodes -n N",
-            f"{options.EPISODES} Default: 100 for agents, 5 for planners, 4 for {FLEETS}.",
+            f"{options.EPISODES} Default: 100 for agents, 5 for planners and 4 for {FLEETS}.",
             Whole(1, options.MAX_EPISODES),
         ),
     ] = None,
@@ -184,8 +185,8 @@ def compare(
         int | None,
         option(
             "--seed N",
-            f"{options.SEED} Default: 0; a random one for backends. With one, search has a random "
-            "start and goal.",
+            f"{options.SEED} Default: 0; for backends a random seed. With a seed, search has a "
+            "random start and goal.",
             Whole(0, MAX_SEED),
         ),
     ] = None,
@@ -201,7 +202,10 @@ def compare(
         str | None,
         option(
             "--weights W,W",
-            only("Weights of the heuristic, 0 to inf, up to six. Default: 0,1,5,inf.", "weights"),
+            only(
+                "Up to six weights of the heuristic, each from 0 to inf. Default: 0,1,5,inf.",
+                "weights",
+            ),
         ),
     ] = None,
     heuristic: Annotated[
@@ -212,7 +216,11 @@ def compare(
         int | None,
         option(
             "--lifelong N",
-            only("Steps in which a robot at its goal gets another.", "lifelong"),
+            only(
+                "Number of steps of a lifelong run, in which a robot that reaches its goal gets "
+                "another.",
+                "lifelong",
+            ),
             Whole(1),
         ),
     ] = None,
@@ -225,15 +233,16 @@ def compare(
     ] = None,
     count: Annotated[
         int | None,
-        option("--count N", only("Orders of an episode.", "count"), Whole(1, MAX_ORDERS)),
+        option("--count N", only("Number of orders in an episode.", "count"), Whole(1, MAX_ORDERS)),
     ] = None,
     disturbed: Annotated[
         str | None,
         option(
             "--disturbed NOISE:SECONDS",
             only(
-                "Standard deviation of disturbed speeds as a share, up to 0.5, and seconds that "
-                f"one robot stands still; with inf it dies. Default: {DISTURBED}.",
+                "Standard deviation of disturbed speeds as a share of the commanded speeds, up to "
+                "0.5, and seconds for which one robot stops; with inf it stops forever. Default: "
+                f"{DISTURBED}.",
                 "disturbed",
             ),
         ),
@@ -241,19 +250,20 @@ def compare(
     jobs: options.Jobs = None,
     show: options.Show = None,
 ) -> None:
-    """Compare agents, backends or planners.
+    """Compare agents, backends, planners or searches.
 
-    agents: a table of deliveries, steps, nodes expanded, time and energy over
-    the same seeds, in a layout or with --layout random in unseen ones, where
-    several sizes share a figure.
+    agents: print deliveries, steps, expanded nodes, time and energy over the
+    same seeds, in one layout or, with --layout random, in unseen layouts.
+    Several sizes share a figure.
 
-    backends: an episode on two backends, side by side. With --robots a fleet
-    on the grid, on bodies that stop in every cell or drive through, and on
-    disturbed bodies.
+    backends: run an episode on two backends and show both side by side. With
+    --robots run a fleet on the grid, on bodies that stop in every cell, on
+    bodies that drive through, and on disturbed bodies.
 
-    planners: goals that robots reach in a step, over numbers of robots.
+    planners: print the goals that robots reach per step, for several numbers
+    of robots.
 
-    search: searches on one floor, with several weights of the heuristic.
+    search: search one layout with several weights of the heuristic.
 
     Example: warehouse compare agents --agent greedy --agent my_agent.py -n 50
     """
@@ -272,19 +282,21 @@ def compare(
         if comparison.suffixes or path.suffix.lower() == ".csv":
             check_suffix(path, comparison.suffixes or replay_suffixes())
     if kind == "agents" and len(save) > 1:
-        raise typer.BadParameter("'compare agents' saves one figure; --save is given twice")
+        raise typer.BadParameter(
+            f"'compare agents' saves one figure; --save is given {len(save)} times"
+        )
     comparison.run(save=save, **{name: context.params[name] for name in names if name in given})
 
 
 def replay_suffixes() -> tuple[str, ...]:
-    """Return the suffixes of replays."""
+    """Return the allowed suffixes of replays."""
     from warehouse_core.viz.export import FORMATS  # here, because other comparisons do not need it
 
     return (*FORMATS,)
 
 
 def _one(name: str, values: tuple[str, ...] | list[str]) -> str:
-    """Return the only value of an option that other comparisons may repeat."""
+    """Return the single value of an option that only other comparisons may repeat."""
     if len(values) > 1:
         raise typer.BadParameter(f"{name} is given {len(values)} times; here it may be given once")
     return values[0]

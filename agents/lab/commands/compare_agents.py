@@ -1,4 +1,4 @@
-"""Agents over the same seeds: a table and a figure, for ``warehouse compare agents``."""
+"""Comparison of agents over the same seeds, for ``warehouse compare agents``."""
 
 from __future__ import annotations
 
@@ -34,7 +34,7 @@ AGENTS = {
     "ucs": "uniform-cost",
     "astar": "A*",
 }
-"""The agents that are compared if none is named, and their names in the table."""
+"""Agents that are compared by default, and their names in the table."""
 
 
 def compare_agents(
@@ -53,14 +53,14 @@ def compare_agents(
 ) -> None:
     """Compare agents over the same seeds, by default ``AGENTS``.
 
-    Prints a table of deliveries, steps, nodes expanded, time and energy, and saves its figure.
-    Several sizes of random layouts are compared in one figure.
+    Prints tables of deliveries, steps, expanded nodes, time and energy, and saves them as a figure.
+    Several sizes of random layouts share one figure.
     """
     tasks = make_tasks(layout, size, density, stations, start)
     tasks = [task._replace(battery=battery, max_steps=max_steps, backend=backend) for task in tasks]
     names = {name: AGENTS.get(name, name) for name in agent or AGENTS}
     seeds = range(seed, seed + episodes)
-    for name in names:  # a wrong name is an error before the episodes
+    for name in names:  # so that a wrong name is an error before any episode runs
         make_agent(name, seeds[-1], tasks[0].layout_for(seeds[-1]))
     groups = {
         title_of(task, seeds): {
@@ -88,29 +88,31 @@ def make_tasks(
     stations: Stations | None,
     start: str | None,
 ) -> list[Task]:
-    """Return a task for each size of random layouts, or the one in a layout, from the options."""
+    """Return a task for each size of random layouts, or one task for another layout."""
     if not random_layouts.are_wanted(layout, size=sizes, density=density):
         place = load_place(layout, stations, start)
         return [Task(place.layout, start_pos=place.start_pos, randomize=place.randomize)]
     if start is not None:
-        raise typer.BadParameter("--start does not go with --layout random, which draws it")
-    drawn = what_to_draw(stations or Stations.DRAWN)
+        raise typer.BadParameter(
+            "--start cannot be combined with --layout random, where starts are random"
+        )
+    randomize = what_to_draw(stations or Stations.DRAWN)
     wanted: Sequence[str | None] = sizes or [None]
-    return [Task(random_layouts.parse(size, density), randomize=drawn) for size in wanted]
+    return [Task(random_layouts.parse(size, density), randomize=randomize) for size in wanted]
 
 
 def title_of(task: Task, seeds: range) -> str:
-    """Return what episodes of a task have in common."""
-    floors = "" if isinstance(task.layout, Layout) else f"{task.layout.name}, "
+    """Return a title with the settings that the episodes of a task share."""
+    layouts = "" if isinstance(task.layout, Layout) else f"{task.layout.name}, "
     stations = Stations.DRAWN if task.randomize in (True, STATIONS) else Stations.KEPT
     return (
-        f"{floors}{counted(len(seeds), 'episode')} each, backend {task.backend}, "
+        f"{layouts}{counted(len(seeds), 'episode')} each, backend {task.backend}, "
         f"seeds from {seeds.start}, stations {stations}"
     )
 
 
 def evaluate_watched(name: str, shown: str, task: Task, seeds: Sequence[int]) -> Scores:
-    """Return the scores of an agent by its name, with a progress bar."""
+    """Run the episodes of an agent, show a progress bar, and return the scores."""
     from agents.lab.console.progress import track
 
     def make(seed: int) -> Agent:
@@ -123,7 +125,7 @@ def evaluate_watched(name: str, shown: str, task: Task, seeds: Sequence[int]) ->
 
 
 def scores_tables(scores: Mapping[str, Scores], title: str) -> Iterator[TextTable]:
-    """Yield two tables of the agents' scores, with 95% intervals; both fit 80 columns."""
+    """Yield two tables of the agents' scores with 95% intervals; each fits into 80 columns."""
     half = len(MEASURES) // 2
     for measures, above in ((MEASURES[:half], title), (MEASURES[half:], "")):
         rows = [(name, *(_words(each, one) for one in measures)) for name, each in scores.items()]

@@ -1,4 +1,4 @@
-"""An episode on two backends, side by side, for ``warehouse compare backends``."""
+"""Comparison of an episode on two backends, for ``warehouse compare backends``."""
 
 from __future__ import annotations
 
@@ -30,9 +30,9 @@ ROWS: dict[str, Callable[[Episode], str]] = {
 
 
 def first_difference(left: Episode, right: Episode) -> int | None:
-    """Return the first step, counted from 1, whose action, cell, load or reward differs.
+    """Return the number, from 1, of the first step whose action, cell, load or reward differs.
 
-    Time, energy and contacts are not compared. ``None`` if no step differs.
+    Time, energy and contacts are not compared. Return ``None`` if no step differs.
     """
     steps = [
         list(zip(e.actions, e.cells[1:], e.loaded[1:], e.rewards[1:], strict=True))
@@ -45,7 +45,7 @@ def first_difference(left: Episode, right: Episode) -> int | None:
 
 
 def comparison_table(left: Episode, right: Episode) -> TextTable:
-    """Return a table of the outcomes of two episodes."""
+    """Return a table that compares the results of two episodes."""
     step = first_difference(left, right)
     differs = "none" if step is None else f"step {step}"
     rows = [(name, value(left), value(right)) for name, value in ROWS.items()]
@@ -68,9 +68,9 @@ def compare_backends(
     save: Sequence[Path] = (),
     show: bool | None = None,
 ) -> None:
-    """Run an episode on two backends, by default ``BACKENDS``, and replay both side by side.
+    """Run an episode on two backends and show both replays side by side.
 
-    One backend is compared with the first of these.
+    The default is ``BACKENDS``. A single backend is compared with the first of them.
     """
     backends = [*BACKENDS[: 2 - len(backend)], *backend]
     if len(backends) != 2:

@@ -1,4 +1,4 @@
-"""Searches with several weights of the heuristic, for ``warehouse compare search``."""
+"""Comparison of searches with several heuristic weights, for ``warehouse compare search``."""
 
 from __future__ import annotations
 
@@ -38,21 +38,21 @@ HEURISTICS: dict[str, MakeHeuristic] = {
 }
 
 NAMES = {0.0: "uniform-cost", 1.0: "A*", math.inf: "greedy best-first"}
-"""Names of weighted A* at special weights."""
+"""Names of weighted A* with special weights."""
 
 ALL_DIFFER: tuple[Cell, Cell] = (2, 10), (1, 3)
-"""A start and a goal in the chapter's layout between which the four default searches differ."""
+"""Start and goal in the chapter's layout for which all four default searches differ."""
 
-FoundWay = Solution[Cell, str]
+FoundPath = Solution[Cell, str]
 
 
 def algorithm(weight: float) -> str:
-    """Return the name of weighted A* at a weight."""
+    """Return the name of weighted A* with a weight."""
     return NAMES.get(weight, "weighted A*")
 
 
 def parse_weights(text: str) -> list[float]:
-    """Return the weights in a text, separated by commas."""
+    """Return the weights in a text, which are separated by commas."""
     weights = [_parse_weight(part) for part in text.split(",")]
     if len(weights) > MAX_PANELS:
         raise typer.BadParameter(
@@ -64,10 +64,13 @@ def parse_weights(text: str) -> list[float]:
 def choose_ends(
     layout: Layout, start: Cell | None, goal: Cell | None, seed: int | None
 ) -> tuple[Cell, Cell]:
-    """Return the start and the goal, random cells if they are not given and a seed is.
+    """Return the start and the goal, after choosing those that are not given.
 
-    Without a seed they are the first pickup, and the cell that is farthest from it; in the
-    chapter's layout ``ALL_DIFFER``. If there is none, it is a ``LayoutError``.
+    With a seed they are random. Without a seed the goal is the first pickup, and the start is the
+    cell that is farthest from the goal. The default in the chapter's layout is ``ALL_DIFFER``.
+
+    Raises:
+        LayoutError: the layout has no pickup, and neither a goal nor a seed is given.
     """
     if seed is None:
         if goal is None and not layout.pickups:
@@ -77,18 +80,18 @@ def choose_ends(
         goal = goal or layout.pickups[0]
         check_open(layout, goal, "goal")
         return start or farthest_from(goal, layout), goal
-    usual, count = layout.default_start(), len(layout.open_cells)
-    # Three, because one of them may be the given end.
+    default, count = layout.default_start(), len(layout.open_cells)
+    # Three cells, because one of them may be the given start or goal.
     ranks = random.Random(seed).sample(range(count), min(count, 3))
     cells = [layout.open_cell(rank) for rank in ranks]
-    begin = start or next((cell for cell in cells if cell != goal), usual)
-    return begin, goal or next((cell for cell in cells if cell != begin), usual)
+    begin = start or next((cell for cell in cells if cell != goal), default)
+    return begin, goal or next((cell for cell in cells if cell != begin), default)
 
 
 def farthest_from(goal: Cell, layout: Layout) -> Cell:
-    """Return the cell from which the shortest path to a goal is longest.
+    """Return the cell with the longest shortest path to a goal.
 
-    For a goal that no other cell leads to it is another open cell, if there is one.
+    If the goal cannot be reached from any other cell, return another open cell, if there is one.
     """
     steps = distances(layout, [goal])
     row, col = np.unravel_index(np.where(np.isfinite(steps), steps, -1).argmax(), steps.shape)
@@ -97,8 +100,8 @@ def farthest_from(goal: Cell, layout: Layout) -> Cell:
     return farthest if farthest != goal else next((end for end in ends if end != goal), goal)
 
 
-def search_table(weights: Sequence[float], solutions: Sequence[FoundWay], title: str) -> TextTable:
-    """Return a table of the results of searches."""
+def search_table(weights: Sequence[float], solutions: Sequence[FoundPath], title: str) -> TextTable:
+    """Return a table with the results of each search."""
     rows = [
         (
             algorithm(weight),
@@ -122,7 +125,10 @@ def compare_search(
     save: Sequence[Path] = (),
     show: bool | None = None,
 ) -> None:
-    """Compare searches on one floor, with several weights of a heuristic; see ``choose_ends``."""
+    """Search for a path with several weights of a heuristic, and compare the searches.
+
+    ``choose_ends`` chooses the start and the goal.
+    """
     values = parse_weights(weights)
     given = parse_cell(start, "--start"), parse_cell(goal, "--goal")
     if heuristic not in HEURISTICS:
@@ -137,7 +143,7 @@ def compare_search(
     title = f"Search from {begin} to {end}, heuristic: {heuristic}"
     print_table(search_table(values, found, title))
     if not found[0].found:
-        say(f"no path leads from {begin} to {end}")
+        say(f"no path exists from {begin} to {end}")
 
     named = zip(map(_panel_name, values), found, strict=True)
     courses = [SearchCourse(name, grid, (begin, end), each) for name, each in named]

@@ -1,4 +1,4 @@
-"""The options of commands for ``--layout random``."""
+"""Options of commands for random layouts, which ``--layout random`` selects."""
 
 from __future__ import annotations
 
@@ -22,11 +22,12 @@ LayoutOrRandom = Annotated[
     Path | None,
     option(
         "--layout FILE",
-        f"{LAYOUT} Default: default, of the chapter. With {RANDOM}, another for each episode.",
+        f"{LAYOUT} Default: default, the chapter's layout. {RANDOM} uses another random layout in "
+        "each episode.",
     ),
 ]
 
-SIZE = f"Rows and columns of random layouts. Default: {DEFAULTS.height}x{DEFAULTS.width}."
+SIZE = f"Height and width of random layouts. Default: {DEFAULTS.height}x{DEFAULTS.width}."
 Sizes = Annotated[
     list[str] | None,
     option("--size HxW", f"{SIZE} May be repeated.", check_size, show_default=False),
@@ -36,7 +37,7 @@ Density = Annotated[
     str | None,
     option(
         "--density LOW:HIGH",
-        f"{DENSITY} Default: {DEFAULTS.lowest}:{DEFAULTS.highest}, drawn for each.",
+        f"{DENSITY} It is random for each layout. Default: {DEFAULTS.lowest}:{DEFAULTS.highest}.",
     ),
 ]
 
@@ -44,7 +45,7 @@ Pool = Annotated[
     int | None,
     option(
         "--layouts N",
-        "Random layouts of the training; each episode is in one of them. "
+        "Number of random layouts for training; each episode takes place in one of them. "
         f"Default: {DEFAULTS.count}.",
         Whole(1, MAX_POOL),
         show_default=False,
@@ -53,7 +54,11 @@ Pool = Annotated[
 
 
 def are_wanted(layout: Path | None, **options: object) -> bool:
-    """Return whether ``--layout`` asks for random layouts, and refuse their options if not."""
+    """Return whether ``--layout`` asks for random layouts.
+
+    Raises:
+        typer.BadParameter: it does not, but an option for random layouts is given.
+    """
     if layout == Path(RANDOM):
         return True
     for name, value in options.items():
@@ -65,7 +70,7 @@ def are_wanted(layout: Path | None, **options: object) -> bool:
 def parse(
     size: str | None, density: str | None, count: int | None = None, pool_seed: int = 1
 ) -> RandomLayouts:
-    """Return random layouts as described by options; ``None`` is the default of each."""
+    """Return the random layouts that some options describe; ``None`` stands for the default."""
     height, width = DEFAULTS.height, DEFAULTS.width
     lowest, highest = DEFAULTS.lowest, DEFAULTS.highest
     if size is not None:

@@ -1,1 +1,1 @@
-"""Datasets of episodes for offline learning, in the files of Minari."""
+"""Export of episodes as Minari datasets, MCAP recordings and CSV tables."""

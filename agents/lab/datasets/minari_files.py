@@ -1,7 +1,7 @@
-"""Datasets in the files of Minari, whole or not there.
+"""Datasets in the file format of Minari.
 
-Minari's own writer makes each array of an episode anew with room to grow, which takes several times
-as long as the episode.
+This module does not use Minari's own writer, which creates each array of an episode as a resizable
+array. That takes several times as long as running the episode.
 
 Source: https://minari.farama.org/content/dataset_standards/
 """
@@ -35,24 +35,25 @@ except ImportError as error:
     ) from error
 
 NAME = re.compile(r"(?:[\w-]{2,}/)*[\w-]+-v\d{1,9}", re.ASCII)
-"""A name of a dataset: namespaces, if any, its own name and its version."""
+"""Pattern for the name of a dataset: optional namespaces, its own name and its version."""
 
 DATA, FILE = "data", "main_data.hdf5"
 
 
 def save_dataset(name: str, source: Source, episodes: Iterable[EpisodeArrays]) -> Path:
-    """Write episodes as a dataset of Minari, and return its folder.
+    """Write episodes as a Minari dataset, and return its folder.
 
-    It is where ``minari.load_dataset`` looks: in ``MINARI_DATASETS_PATH``, or else in
-    ``~/.minari/datasets``. The same episodes give the same bytes.
+    The dataset is written where ``minari.load_dataset`` finds it: in ``MINARI_DATASETS_PATH``, or
+    else in ``~/.minari/datasets``. No incomplete dataset is left after an error. The same episodes
+    always give the same bytes.
 
     Args:
-        name: name and version, as in ``warehouse/greedy-v0``.
+        name: name and version, such as ``warehouse/greedy-v0``.
         source: source of the episodes.
-        episodes: the episodes, in the order in which they are numbered.
+        episodes: episodes in the order of their numbers.
 
     Raises:
-        StoreError: the name has another form, or there is a dataset of this name.
+        StoreError: the name has another form, or a dataset with this name exists.
     """
     path = _prepare(name)
     with atomic_path(path) as folder:
@@ -75,20 +76,24 @@ def save_dataset(name: str, source: Source, episodes: Iterable[EpisodeArrays]) -
 
 
 def check_name(name: str) -> str:
-    """Return the name of a dataset that does not exist yet; see ``save_dataset``."""
+    """Return the name of a new dataset.
+
+    Raises:
+        StoreError: the name has another form, or a dataset with this name exists.
+    """
     if not NAME.fullmatch(name):
         raise StoreError(
-            f"{brief(name)} cannot name a dataset; allowed: a name and a version, after "
-            "namespaces if you like, as in warehouse/greedy-v0"
+            f"{brief(name)} cannot name a dataset; allowed: optional namespaces, a name and a "
+            "version, such as warehouse/greedy-v0"
         )
     if (path := get_dataset_path(name)).exists():
-        raise StoreError(f"{path} exists; give the dataset another name or version than {name}")
+        raise StoreError(f"{path} exists; choose another name or version than {name}")
     return name
 
 
 def _prepare(name: str) -> Path:
-    """Return the path of a new dataset, whose namespace exists."""
-    # Absolute, as the sizes of files at relative paths are not found by Minari.
+    """Return the path of a new dataset, after creating its namespace."""
+    # Absolute, because Minari does not find the sizes of files at relative paths.
     path = Path(get_dataset_path(check_name(name))).absolute()
     space = Path(name).parent.as_posix()
     if space != "." and space not in list_local_namespaces():
@@ -97,9 +102,9 @@ def _prepare(name: str) -> Path:
 
 
 def _write_episodes(path: Path, episodes: Iterable[EpisodeArrays]) -> dict[str, int]:
-    """Write a file of episodes as Minari lays it out, and return how many there are.
+    """Write episodes to a file in Minari's layout, and return the numbers of episodes and steps.
 
-    The low level of h5py takes a third of the time of its high level.
+    The low-level interface of h5py takes a third of the time of the high-level one.
     """
     undated, nested = h5p.create(h5p.DATASET_CREATE), h5p.create(h5p.LINK_CREATE)
     undated.set_obj_track_times(False)

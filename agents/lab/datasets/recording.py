@@ -1,12 +1,12 @@
-"""An episode as a recording for robotics tools, in the format MCAP.
+"""Recordings of episodes for robotics tools, in the MCAP format.
 
 Times are simulated, in nanoseconds from the start of the episode, so that a record always gives the
-same bytes with the same version of the library. Messages are JSON objects. Those named
-``foxglove.*`` have the fields that Foxglove publishes, which is how its 3D panel knows them.
+same bytes with the same version of the library. Messages are JSON objects. The fields of messages
+named ``foxglove.*`` follow Foxglove's schemas, so that its 3D panel can show them.
 
-The frame ``warehouse`` has its origin at the north-west corner of the layout, x east, y north and z
-up, in metres. The core's y axis leads south, so that y and headings change their signs here:
-robotics tools expect right-handed frames.
+The frame ``warehouse`` has its origin at the north-west corner of the layout. Its x axis points
+east, y north and z up, in metres. In the core the y axis points south. Therefore y and headings
+change their signs here, because robotics tools expect right-handed frames.
 
 Sources: https://mcap.dev/spec; https://github.com/foxglove/foxglove-sdk/tree/main/schemas/jsonschema;
 for the axes REP 103, https://www.ros.org/reps/rep-0103.html
@@ -52,14 +52,14 @@ from warehouse_core.world.tiles import (
 MCAP = ".mcap"
 
 POSE_SECONDS = 0.1
-"""Time between two poses of a robot inside a motion; tools interpolate."""
+"""Seconds between two poses of a robot during a motion; tools interpolate between them."""
 
 Message = dict[str, Any]
 
 FRAME = "warehouse"
 
 SHAPES = ("arrows", "cubes", "spheres", "cylinders", "lines", "triangles", "texts", "models")
-"""The lists of shapes in an entity of a scene; the last four stay empty."""
+"""Names of the lists of shapes in a scene entity; the last four lists are always empty."""
 
 SCENE = "foxglove.SceneUpdate"
 LAYOUT, BODIES, POSES, HITS = "/layout", "/bodies", "/tf", "/hits"
@@ -71,27 +71,27 @@ SCHEMA_OF = {
     CONTACTS: "warehouse.Contact",
     ENERGY: "warehouse.Energy",
 }
-"""The name of the schema of each topic."""
+"""Name of the schema for each topic."""
 
 MEANINGS = {
     **dict.fromkeys("xy", "m, in the frame 'warehouse'"),
     "impulse": "N s",
-    "joules": "used so far by each robot",
-    "battery": "units left of each robot",
+    "joules": "energy that each robot has used so far",
+    "battery": "battery units that each robot has left",
 }
-"""Meanings of the fields of messages that are this project's own."""
+"""Descriptions of the fields in this project's own messages."""
 
 HEIGHTS = {WALL: 0.5, PICKUP: 0.02, DROPOFF: 0.02, CHARGER: 0.02}
-"""Heights of the tiles that are drawn on the floor, in cells; so are all sizes here."""
+"""Height of each tile on the floor, in cells like the other sizes below."""
 
 FLOOR = 0.02
 DIAMETER, BODY, NOSE, HIT_SIZE = 0.62, 0.3, 0.25, 0.2
 HIT_SECONDS = 0.6
-"""Time for which a hit is shown."""
+"""Seconds for which a hit is shown."""
 
 
 class Entry(NamedTuple):
-    """A message of a recording, its time in nanoseconds and its topic."""
+    """A message of a recording, with its time in nanoseconds and its topic."""
 
     time: int
     topic: str
@@ -99,11 +99,11 @@ class Entry(NamedTuple):
 
 
 def save_recording(target: Path, record: Episode) -> None:
-    """Write a record as MCAP, whole or not at all.
+    """Write a record as an MCAP file, and leave no incomplete file after an error.
 
     Raises:
-        FormatError: mcap is not installed.
-        RecordError: its motions take more than ``MAX_FRAMES`` frames.
+        FormatError: the package mcap is not installed.
+        RecordError: the motions of the record take more than ``MAX_FRAMES`` frames.
     """
     try:
         from mcap.writer import Writer
@@ -127,13 +127,13 @@ def save_recording(target: Path, record: Episode) -> None:
 
 
 def entries(record: Episode) -> Iterator[Entry]:
-    """Yield the messages of a record in order of time."""
+    """Yield the messages of a record in the order of their times."""
     recording = _Recording(record)
     frames = track_of_record(record, POSE_SECONDS).frames
     yield Entry(0, LAYOUT, layout_scene(record.layout, recording.size))
     steps = groupby(frames, lambda frame: math.ceil(frame.progress))
     with progress_bar(len(frames), "recording") as progress:
-        begin, done = math.nan, 0  # the first frame is of no step
+        begin, done = math.nan, 0  # the first frame does not belong to a step
         for step, found in steps:
             moments = list(found)
             yield from sorted(recording.step(step, begin, moments), key=lambda entry: entry.time)
@@ -142,9 +142,9 @@ def entries(record: Episode) -> Iterator[Entry]:
 
 
 def contacts_of(record: Episode, step: int) -> Iterator[tuple[int, Contact]]:
-    """Yield the contacts in a step, and for each the body that it is of; step 0 has none.
+    """Yield the number of the body and the contact for each contact in a step; step 0 has none.
 
-    Bodies are the robots and then the people, which are numbered on as counterparts too.
+    Bodies are numbered with the robots first and then the people, also as counterparts.
     """
     if step == 0:
         return
@@ -158,7 +158,7 @@ def contacts_of(record: Episode, step: int) -> Iterator[tuple[int, Contact]]:
 
 
 def _nominal(record: Episode, step: int) -> Iterator[tuple[int, Contact]]:
-    """Yield the contacts of ``GridMotion``, which a fleet's record does not keep."""
+    """Yield the nominal contacts on the grid, which the record of a fleet does not store."""
     size, actions = record.cell_size, record.counted_actions(step)
     for robot in np.flatnonzero(record.stopped_by[step] != NOTHING).tolist():
         by = int(record.stopped_by[step, robot])
@@ -197,7 +197,7 @@ class _Recording:
         self._hits = 0
 
     def step(self, step: int, begin: float, frames: Sequence[Frame]) -> Iterator[Entry]:
-        """Yield the messages of a step that began at ``begin`` seconds, in no order."""
+        """Yield the messages of a step that began at ``begin`` seconds, in any order."""
         for frame in frames:
             yield from self._moment(frame)
         for body, contact in contacts_of(self._record, step):
@@ -220,14 +220,15 @@ class _Recording:
             name: pose.loaded if number < self._robots else None
             for number, (name, pose) in enumerate(poses.items())
         }
-        # All of them if any changes, because a viewer that jumps to a time reads the last message.
+        # If any load changes, all bodies are sent, because a viewer that jumps to a time reads only
+        # the previous message.
         if loads != self._loads:
             self._loads = loads
             yield Entry(time, BODIES, bodies_scene(time, loads, self.size))
 
 
 def _about(record: Episode) -> dict[str, str]:
-    """Return what the recording says of the episode as a whole."""
+    """Return the metadata of an episode."""
     about = {
         "agent": record.agent,
         "backend": record.backend,
@@ -246,13 +247,13 @@ def _json(value: Any) -> bytes:
 
 
 def stamp(nanoseconds: int) -> Message:
-    """Return a time or a duration."""
+    """Return a time or a duration as a message with ``sec`` and ``nsec``."""
     sec, nsec = divmod(nanoseconds, 10**9)
     return {"sec": sec, "nsec": nsec}
 
 
 def transforms(time: int, poses: dict[str, Pose], size: float) -> Message:
-    """Return the frames of bodies at a time, by their names, in cells of ``size`` metres."""
+    """Return the message with the poses of bodies by name, for cells of ``size`` metres."""
     return {
         "transforms": [
             {
@@ -268,7 +269,7 @@ def transforms(time: int, poses: dict[str, Pose], size: float) -> Message:
 
 
 def layout_scene(layout: Layout, size: float) -> Message:
-    """Return floor, walls, stations and chargers, in cells of ``size`` metres."""
+    """Return the scene of floor, walls, stations and chargers, for cells of ``size`` metres."""
     height, width = layout.height * size, layout.width * size
     below = -FLOOR * size
     floor = _box(width / 2, -height / 2, below / 2, (width, height, -below), COLORS[EMPTY])
@@ -283,12 +284,12 @@ def layout_scene(layout: Layout, size: float) -> Message:
 
 
 def bodies_scene(time: int, loads: dict[str, bool | None], size: float) -> Message:
-    """Return the shapes of bodies by name: robots, loaded or not, and people (``None``)."""
+    """Return the scene of all bodies by name; ``loads`` has ``None`` for people."""
     return _scene(*[_body(time, name, loaded, size) for name, loaded in loads.items()])
 
 
 def hit_scene(time: int, number: int, contact: Contact, size: float) -> Message:
-    """Return a mark of a contact that is shown for ``HIT_SECONDS``."""
+    """Return the scene with a mark for a contact, which is shown for ``HIT_SECONDS``."""
     x, y = contact.point
     sphere = _box(x, -y, BODY / 2 * size, (HIT_SIZE * size,) * 3, HIT)
     lifetime = round(HIT_SECONDS * 10**9)
@@ -296,7 +297,7 @@ def hit_scene(time: int, number: int, contact: Contact, size: float) -> Message:
 
 
 def contact_message(time: int, robot: str, counterpart: str, contact: Contact) -> Message:
-    """Return a contact of a robot with a counterpart."""
+    """Return the message about a contact between a robot and a counterpart."""
     x, y = contact.point
     return {
         "timestamp": stamp(time),
@@ -309,7 +310,7 @@ def contact_message(time: int, robot: str, counterpart: str, contact: Contact) -
 
 
 def energy_message(time: int, step: int, joules: list[float], battery: list[float]) -> Message:
-    """Return what the robots have used and have left after a step."""
+    """Return the message about each robot's used energy and remaining battery after a step."""
     return {
         "timestamp": stamp(time),
         "step": step,
@@ -319,7 +320,7 @@ def energy_message(time: int, step: int, joules: list[float], battery: list[floa
 
 
 def _body(time: int, name: str, loaded: bool | None, size: float) -> Message:
-    """Return the shape of a body, which moves with its frame."""
+    """Return the scene entity of a body, which moves with the frame of the body."""
     tile = PERSON if loaded is None else ROBOT_LOADED if loaded else ROBOT_EMPTY
     side, tall, nose = DIAMETER * size, BODY * size, NOSE * size
     disc = _box(0, 0, tall / 2, (side, side, tall), COLORS[tile])
@@ -364,7 +365,7 @@ def _vector(x: float, y: float, z: float = 0.0) -> Message:
 
 
 def _turned(angle: float) -> Message:
-    """Return a turn about the z axis as a quaternion."""
+    """Return a rotation about the z axis as a quaternion."""
     return {"x": 0, "y": 0, "z": _number(math.sin(angle / 2)), "w": _number(math.cos(angle / 2))}
 
 
@@ -373,12 +374,12 @@ def _color(color: Color) -> Message:
 
 
 def _number(value: float) -> float:
-    """Return a number with six decimals, micrometres of a position, and no negative zero."""
+    """Round a number to six decimals, which are micrometres of a position, and -0.0 to 0.0."""
     return round(float(value), 6) + 0.0
 
 
 def schemas() -> dict[str, Message]:
-    """Return the JSON schemas of messages by name, derived from one example of each."""
+    """Return the JSON schema of each kind of message by name, derived from an example."""
     box = _box(0, 0, 0, (1, 1, 1), INK)
     body = _body(0, "", False, 1)
     scene = _scene({**body, "cubes": [box], "spheres": [box]})
@@ -398,7 +399,7 @@ def schemas() -> dict[str, Message]:
 
 
 def schema_of(value: Any, name: str = "") -> Message:
-    """Return the JSON schema of values such as an example that has a name."""
+    """Return the JSON schema that describes an example value of the field ``name``."""
     match value:
         case {"sec": _, "nsec": _}:
             title = "duration" if name == "lifetime" else "time"

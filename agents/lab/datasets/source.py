@@ -1,4 +1,4 @@
-"""Episodes as arrays, many side by side in a ``BatchEnv``."""
+"""Episodes as arrays, many of which run side by side in a ``BatchEnv``."""
 
 from __future__ import annotations
 
@@ -23,38 +23,38 @@ from warehouse_core.world.actions import ACTIONS, INVALID, WAIT, action_index
 from warehouse_core.world.tables import Flags
 
 ROWS = 256
-"""Most episodes side by side."""
+"""Maximum number of episodes that run side by side."""
 
 MAX_BYTES = 2**28
-"""Memory for unfinished episodes, which bounds the number of rows."""
+"""Memory for unfinished episodes in bytes, which limits the number of rows."""
 
 OF_STEPS = ("actions", "rewards", "terminations", "truncations")
-"""Names of the arrays that have an element for each step; others have one more, for the start."""
+"""Names of arrays with an element for each step; other arrays have another one for the start."""
 
 MOTION = ("blocked", "seconds", "joules")
 """Names of the columns of ``infos/motion``."""
 
 FIELDS = {
-    "observations": "what the robot observes: warehouse_core.task.vector",
+    "observations": "observation as a vector, see warehouse_core.task.vector",
     "actions": f"index of the action: {', '.join(ACTIONS)}",
     "rewards": "reward of the step",
     "terminations": "whether the step delivered the item",
-    "truncations": "whether steps or battery were used up",
+    "truncations": "whether the steps or the battery ran out",
     "infos/action_mask": "1 for each action that has an effect",
-    "infos/motion": "whether something stopped the robot, seconds and joules of the move",
+    "infos/motion": "whether the robot was blocked, and seconds and joules of its move",
 }
-"""Meaning of each array."""
+"""Description of each array."""
 
 
 class EpisodeArrays(NamedTuple):
-    """An episode of ``T`` steps as arrays, by the names that they have in a file of Minari.
+    """An episode of ``T`` steps as arrays with the names that Minari uses in files.
 
     Attributes:
-        seed: seed of the environment and of the agent.
-        arrays: ``observations`` ``[T + 1, ...]`` float32, from the start to the end; of the steps
-            ``actions`` ``[T, ...]`` int64, ``rewards`` ``[T]`` float64, ``terminations`` and
-            ``truncations`` ``[T]`` bool; and ``infos/NAME`` ``[T + 1, ...]``, whose first element
-            is from before any step.
+        seed: seed of the environment and the agent.
+        arrays: ``observations`` ``[T + 1, ...]`` float32 from the start to the end, ``actions``
+            ``[T, ...]`` int64, ``rewards`` ``[T]`` float64, ``terminations`` and ``truncations``
+            ``[T]`` bool, and ``infos/NAME`` ``[T + 1, ...]``, whose first element describes the
+            state before any step.
     """
 
     seed: int
@@ -62,23 +62,23 @@ class EpisodeArrays(NamedTuple):
 
     @property
     def steps(self) -> int:
-        """The number of steps, ``T``."""
+        """Number of steps, ``T``."""
         return len(self.arrays["rewards"])
 
 
 class Source:
-    """Episodes of an agent of a lone robot.
+    """A source of episodes of an agent that controls a lone robot.
 
-    The episode of a seed is the one of ``Warehouse-v0`` after a reset with it, and the agent has
-    the same seed.
+    An episode is the same as in ``Warehouse-v0`` after a reset with its seed. The agent has the
+    same seed.
 
     Args:
         agent: name of the agent, see ``agents/registry.py``.
-        place: layout and start, and what is drawn.
+        place: layout and start, and which of them are random.
         backend: name of an installed motion backend.
-        battery: units of a full battery.
-        max_steps: most steps of an episode.
-        view_radius: cells seen in each direction.
+        battery: number of units in a full battery.
+        max_steps: maximum number of steps in an episode.
+        view_radius: number of cells that the robot sees in each direction.
     """
 
     def __init__(
@@ -100,24 +100,24 @@ class Source:
         with closing(gymnasium.make(ID, observation="vector", **self._arguments)) as env:
             self.observation_space, self.action_space = env.observation_space, env.action_space
             self.spec = env.spec
-        self.task = f"Agent {agent} takes an item to its dropoff on the backend {backend}."
+        self.task = f"Agent {agent} delivers an item to its dropoff on the backend {backend}."
         low = cast("spaces.Box[Any]", self.observation_space).low
         most = MAX_BYTES // (low.nbytes * max_steps)
-        # An agent of a user may draw from the global random numbers of Python or NumPy, which
-        # belong to one episode at a time.
+        # A user's agent may use the global random generators of Python or NumPy, which only one
+        # episode at a time may use.
         self._rows = 1 if is_own_code(agent) else int(np.clip(most, 1, ROWS))
 
     def episodes(self, seeds: Sequence[int]) -> Iterator[EpisodeArrays]:
-        """Yield one whole episode for each seed, in order.
+        """Yield a complete episode for each seed, in order.
 
         Raises:
-            EpisodeError: the agent raised an exception, or its action does not exist.
+            EpisodeError: the agent raised an exception or returned an invalid action.
         """
         for first in range(0, len(seeds), self._rows):
             yield from self._together(seeds[first : first + self._rows])
 
     def _together(self, seeds: Sequence[int]) -> Iterator[EpisodeArrays]:
-        """Yield the episodes of some seeds, which run side by side until the longest has ended."""
+        """Yield the episodes of some seeds, which run side by side until the longest one ends."""
         agents = [make_agent(self.agent, seed, self.layout) for seed in seeds]
         for agent in agents:
             agent.reset()
@@ -146,13 +146,13 @@ class Source:
         self, agents: list[Agent], observed: ObservationArrays, acts: Flags, seeds: Sequence[int],
         step: int,
     ) -> NDArray[np.intp]:  # fmt: skip
-        """Return the actions of a step; rows that have ended wait and are not recorded."""
+        """Return the actions of a step; finished rows wait, and their steps are not recorded."""
         actions = np.full(len(agents), WAIT)
         for row in np.flatnonzero(acts).tolist():
             seen = observation_of(cast(FleetArrays, observed), row)
             try:
                 actions[row] = _recorded(agents[row].act(seen))
-            except (Exception, SystemExit) as error:  # an agent may raise anything
+            except (Exception, SystemExit) as error:  # a user's agent may raise anything
                 reason = reason_of(error, agent_file(self.agent))
                 where = f"seed {seeds[row]}, step {step}, agent {self.agent}"
                 raise EpisodeError(f"{where}: {reason}") from error
@@ -160,20 +160,26 @@ class Source:
 
 
 def _recorded(action: Any) -> int:
-    """Return the index of an action; one that does not exist is an ``AgentError``.
+    """Return the index of an action.
 
-    The chapter lets it cost a step, but the action space of a dataset has no place for it.
+    In the chapter an invalid action costs a step, but the action space of a dataset does not
+    contain it.
+
+    Raises:
+        AgentError: the action is invalid.
     """
     index = action_index(action)
     if index == INVALID:
-        raise AgentError(f"the action is {brief(action)}; a dataset takes {', '.join(ACTIONS)}")
+        raise AgentError(
+            f"the action is {brief(action)}; allowed in a dataset: {', '.join(ACTIONS)}"
+        )
     return index
 
 
 def _moment(observed: ObservationArrays, info: dict[str, Any]) -> dict[str, NDArray[Any]]:
-    """Return what is recorded of a moment, a row for each episode.
+    """Return the arrays to record after a reset or a step, with a row for each episode.
 
-    A reset has no motion: nothing is blocked, and takes neither time nor energy.
+    After a reset, ``infos/motion`` is 0, because nothing has moved.
     """
     seen = vector(observed)
     motion = np.zeros((len(seen), len(MOTION)))

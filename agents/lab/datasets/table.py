@@ -1,6 +1,6 @@
-"""Results of a sweep as one CSV table.
+"""The results of a sweep as one CSV table.
 
-A line is an episode: its settings, a column for each, its outcome, and the program that ran it.
+Each line describes an episode by its settings, its results and the program that ran it.
 """
 
 from __future__ import annotations
@@ -15,23 +15,25 @@ from agents.lab.experiments.store import Store
 from agents.lab.trials.rows import Row
 
 ROWS_END = "/"
-"""Sign between the rows of a layout, so that an episode is one line of text."""
+"""Separator between the rows of a layout, so that each episode is a single line of text."""
 
 TableLine = tuple[Any, ...]
 
 
 def save_table(target: Path, results: Path) -> None:
-    """Write the episodes of a sweep as one table, whole or not at all."""
+    """Write the episodes of a sweep as one table, and leave no incomplete file after an error."""
     with Store(results, read_only=True) as store:
         columns = columns_of(store)
         write_csv(target, columns, lines_of(store, columns))
 
 
 def columns_of(store: Store) -> list[str]:
-    """Return the columns of the table: settings, results and program.
+    """Return the names of the table's columns: settings, results and program.
 
-    Each column belongs to one case or more; it is empty in the lines of the others. Rows that no
-    sweep has written are a ``StoreError``.
+    A column is empty in the lines of cases to which it does not apply.
+
+    Raises:
+        StoreError: no sweep can have written the rows.
     """
     store.check_rows()
     cases = store.cases().values()
@@ -51,6 +53,6 @@ def lines_of(store: Store, columns: list[str]) -> Iterator[TableLine]:
 
 
 def _plain(case: Case, name: str) -> Any:
-    """Return a setting as one value; ``None`` if it does not apply to the case."""
+    """Return a setting as a single value, or ``None`` if it does not apply to the case."""
     value = case.get(name)
     return ROWS_END.join(value) if name == TILES and value is not None else value

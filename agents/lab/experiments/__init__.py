@@ -1,1 +1,1 @@
-"""Experiments: many episodes under many settings, stored as they finish."""
+"""Experiments that run many episodes under many settings and store each one as it finishes."""

@@ -1,10 +1,11 @@
-"""A case: a value for every parameter that applies, as a dict that can be written as JSON.
+"""A case: one combination of settings, as a dict that can be written as JSON.
 
-A case with ``robots`` is one of a fleet, with orders; any other is the chapter's task. Each of its
-episodes has a seed and gives a row.
+A case has a value for every parameter that applies to it. A case with ``robots`` describes a fleet
+with orders; any other case describes the chapter's task with a lone robot. Each episode of a case
+has a seed and produces one row.
 
-It contains the tiles of its layout and a digest of its agent's code: changed code is another case,
-and workers do not need the layout's file.
+A case also contains the tiles of its layout, so that workers do not need the layout's file, and a
+digest of its agent's code, so that changed code makes a different case.
 """
 
 from __future__ import annotations
@@ -39,7 +40,7 @@ from agents.lab.place import RANDOM, Stations, check_stations, default_stations,
 from agents.lab.runs.programs import fingerprint, program_for
 from agents.lab.runs.run import Watch, Whereabouts, run
 from agents.lab.trials.rows import AnyRow, FleetRow, Row, row_of
-from agents.lab.trials.workers import teller
+from agents.lab.trials.workers import line_printer
 from agents.registry import agent_file, agent_module, make_agent, make_fleet_agent, make_team
 from warehouse_core import (
     Agent,
@@ -61,33 +62,38 @@ from warehouse_core.world.named_layouts import DEFAULT, DEPOT, find_layout
 Case = Mapping[str, Any]
 
 TILES, FINGERPRINT = "tiles", "fingerprint"
-"""Keys beside the parameters: the rows of the layout, and the digest of the agent's code."""
+"""Keys that are not parameters: the rows of the layout, and the digest of the agent's code."""
 
 FLEET_DEFAULTS: dict[str, Value] = {"layout": DEPOT, "battery": 400, "max_steps": 1000}
-"""Defaults of a fleet for parameters that lone robots have too."""
+"""Defaults for fleets of parameters that have another default for lone robots."""
 
 IMPLIED = {"stations": str(Stations.DRAWN)}
-"""Values that a case as text leaves out; the files that exist do so."""
+"""Values that the text of a case leaves out, because existing files of results leave them out."""
 
 MAX_KEYS = 100
-"""Limit on the keys of a case as text."""
+"""Maximum number of keys in the text of a case."""
 
 MAX_LENGTH = 4 * MAX_CELLS
-"""Bytes of a text at most: a case with a column of ``MAX_CELLS``, each a row of its own."""
+"""Maximum length of the text of a case, in bytes.
+
+The longest layout is a single column of ``MAX_CELLS`` cells, in which each cell is a separate row.
+"""
 
 SLOW_SECONDS = 10.0
-"""Seconds that an episode may take before it is reported."""
+"""Seconds after which a running episode is reported as slow."""
 
 PHYSICAL_NAME = re.compile(rf"({'|'.join(PHYSICAL)})\.[a-z_]{{1,50}}")
 
 _layout = lru_cache(2)(Layout)
-"""Few, because one may be large."""
+"""``Layout`` with a cache, which is small because a layout may be large."""
 
 
 def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
-    """Return the case of some checked values; the other parameters have their defaults.
+    """Return the case that has the given checked values, and defaults for all other parameters.
 
-    Raises ``ValueError`` for a layout, an agent or a robot that cannot be used, and ``OSError``.
+    Raises:
+        ValueError: the layout, the agent or the robot cannot be used.
+        OSError: a file cannot be read.
     """
     case: dict[str, Any] = {}
     if any(find(name).of_fleets for name in values):
@@ -99,9 +105,9 @@ def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
         parameter = find(name)
         if parameter.applies(case):
             case[name] = values.get(name, default_of(name, case))
-    if TILES in case and not is_fleet(case):  # a random layout has its stations
-        kept_or_drawn = Stations(case["stations"])
-        check_stations(layout_of(case), kept_or_drawn, layout_name, "stations=drawn")
+    if TILES in case and not is_fleet(case):  # random layouts always have stations
+        stations = Stations(case["stations"])
+        check_stations(layout_of(case), stations, layout_name, "stations=drawn")
     layout = layout_for(case, seed=0)
     make_env(case, layout).close()
     make_agent_for(case, 0, layout)
@@ -112,12 +118,12 @@ def make_case(values: Mapping[str, Value]) -> dict[str, Any]:
 
 
 def is_fleet(case: Case) -> bool:
-    """Return whether a case is one of a fleet."""
+    """Return whether a case describes a fleet."""
     return FLEET in case
 
 
 def row_type(case: Case) -> type[AnyRow]:
-    """Return the kind of the rows of a case."""
+    """Return the type of the rows that the episodes of a case produce."""
     return FleetRow if is_fleet(case) else Row
 
 
@@ -133,16 +139,19 @@ def default_of(name: str, case: Case) -> Value | None:
 
 
 def key_of(case: Case) -> str:
-    """Return the case as text, the same for equal cases."""
-    told = {name: value for name, value in case.items() if IMPLIED.get(name) != value}
-    return json.dumps(told, sort_keys=True, separators=(",", ":"))
+    """Return the case as text; equal cases have equal texts."""
+    written = {name: value for name, value in case.items() if IMPLIED.get(name) != value}
+    return json.dumps(written, sort_keys=True, separators=(",", ":"))
 
 
 def read_case(written: str) -> Case:
-    """Return the case that ``key_of`` has written as text, or raise ``ValueError``.
+    """Return the case that ``key_of`` has written as text.
 
-    Its values are checked as those in a plan, but its backend need not be installed here, and its
-    agent is not looked for.
+    Its values are checked like the values in a plan. However, its backend need not be installed
+    here, and its agent need not exist.
+
+    Raises:
+        ValueError: the text is not a valid case.
     """
     case = parse_object(written.encode(), MAX_LENGTH)
     if len(case) > MAX_KEYS:
@@ -174,11 +183,11 @@ def _digest(value: Any) -> str:
 CHECKS: dict[str, Callable[[Any], Value]] = {
     TILES: _tiles, FINGERPRINT: _digest, "backend": text,
 }  # fmt: skip
-"""Checks of the keys of a case that are not parameters, or need not be installed to be read."""
+"""Checks of keys that are not parameters, and of the backend, which need not be installed."""
 
 
 def flags_of(case: Case) -> list[str]:
-    """Return what is not the default in a case, as command-line flags."""
+    """Return the values of a case that are not defaults, as ``NAME=VALUE``."""
     return [
         f"{name}={shown(value)}"
         for name, value in case.items()
@@ -188,18 +197,18 @@ def flags_of(case: Case) -> list[str]:
 
 
 def in_words(case: Case) -> str:
-    """Return what is not the default in a case, as part of a sentence."""
+    """Return the values of a case that are not defaults, as part of a sentence."""
     return ", ".join(flags_of(case)) or "the defaults"
 
 
 def agent_fingerprint(case: Case) -> str | None:
-    """Return the digest of the present code of a case's agent, see ``fingerprint``."""
+    """Return the digest of the current code of a case's agent; see ``fingerprint``."""
     name = director_of(case)
     return fingerprint(agent_file(name), agent_module(name))
 
 
 def director_of(case: Case) -> str:
-    """Return the name of what chooses the actions: the planner, or else the agent."""
+    """Return the name of the planner that chooses the actions, or else of the agent."""
     planner: str = case.get(PLANNER, NO_PLANNER)
     return case["agent"] if planner == NO_PLANNER else planner
 
@@ -210,14 +219,20 @@ def layout_of(case: Case) -> Layout:
 
 
 def cells_of(case: Case) -> int:
-    """Return how many cells the layouts of a case have."""
+    """Return the number of cells in each layout of a case."""
     if TILES in case:
         return len(case[TILES]) * len(case[TILES][0])
     return math.prod(_pair(case["size"], "x"))
 
 
 def layout_for(case: Case, seed: int) -> Layout:
-    """Return the layout of one episode; a fleet's has as many chargers as the case, or fails."""
+    """Return the layout of the episode with a seed.
+
+    The layout of a fleet is given the number of chargers that the case asks for.
+
+    Raises:
+        LayoutError: the layout has fewer chargers.
+    """
     if TILES in case:
         layout = layout_of(case)
     else:
@@ -228,13 +243,13 @@ def layout_for(case: Case, seed: int) -> Layout:
 
 
 def make_env(case: Case, layout: Layout, *, dispatch: bool = True) -> WarehouseEnv | FleetEnv:
-    """Return a new environment for one episode; for ``dispatch`` see ``FleetEnv``."""
+    """Return a new environment for one episode; ``dispatch`` is an argument of ``FleetEnv``."""
     shared: dict[str, Any] = {name: case[name] for name in ("max_steps", "battery", "view_radius")}
     shared["backend"] = _backend(case)
     if not is_fleet(case):
         return WarehouseEnv(layout, start_pos=None, **shared)
     with warnings.catch_warnings():
-        # An experiment may be about chargers that supply too little.
+        # An experiment may study chargers that supply too little.
         warnings.simplefilter("ignore")
         return FleetEnv(
             layout,
@@ -247,23 +262,23 @@ def make_env(case: Case, layout: Layout, *, dispatch: bool = True) -> WarehouseE
 
 
 def randomize_for(case: Case) -> bool | str:
-    """Return what the reset of a lone robot draws; a fleet draws its starts by itself."""
+    """Return the ``randomize`` argument of a lone robot's reset, and ``True`` for a fleet."""
     return is_fleet(case) or what_to_draw(Stations(case["stations"]))
 
 
 def make_agent_for(case: Case, seed: int, layout: Layout) -> Agent | FleetAgent:
-    """Return what directs the robots of a case: a planner, a team of agents, or one agent."""
+    """Return the planner, the team of agents or the single agent that controls the robots."""
     if not is_fleet(case):
         return make_agent(_agent_name(case), seed, layout)
     if case[PLANNER] == NO_PLANNER:
         return make_team(_agent_name(case), case[FLEET], seed, layout)
-    # A planner that assigns orders itself takes no assignment, not even the default.
+    # A planner that assigns orders itself accepts no assignment, not even the default.
     chosen = None if case["assignment"] == DEFAULT_ASSIGNMENT else case["assignment"]
     return make_fleet_agent(case[PLANNER], chosen, seed, layout, case[FLEET])
 
 
 def _agent_name(case: Case) -> str:
-    """Return the name of the agent of a case, with its arguments."""
+    """Return the name and arguments of the agent of a case."""
     name: str = case["agent"]
     if name == "greedy":
         name += f":memory={case['memory']}" if case["escape"] else ":escape_steps=0"
@@ -271,7 +286,7 @@ def _agent_name(case: Case) -> str:
 
 
 def _some(chargers: Sequence[Cell], count: int) -> list[Cell]:
-    """Return so many of the chargers of a layout, from all parts of it."""
+    """Return ``count`` chargers, spread evenly over the chargers of a layout."""
     if count > len(chargers):
         raise LayoutError(f"chargers is {count}; the layout has {len(chargers)}")
     return [chargers[number * len(chargers) // count] for number in range(count)]
@@ -296,9 +311,14 @@ def _backend(case: Case) -> Backend:
 
 
 class Done(NamedTuple):
-    """The outcome of a task: its time, its episodes up to one that failed, and their program.
+    """The outcome of a task, which ends at the first episode that fails.
 
-    A failure is text, because an exception of a user agent may not be picklable.
+    Attributes:
+        seconds: time that the task took.
+        rows: rows of the episodes before the failure, or of all episodes.
+        program: program that ran them, see ``program_for``.
+        failure: description of the failure. It is text, because an exception of a user's agent may
+            not be picklable.
     """
 
     seconds: float
@@ -308,9 +328,9 @@ class Done(NamedTuple):
 
 
 def run_task(case: Case, seeds: Sequence[int]) -> Done:
-    """Run one episode for each seed, each in a new environment with a new agent, until one fails.
+    """Run one episode for each seed until one fails, each in a new environment with a new agent.
 
-    The rows depend only on the case and the seeds. An episode that takes long is reported.
+    The rows depend only on the case and the seeds. Slow episodes are reported while they run.
     """
     start, rows, failure = perf_counter(), list[AnyRow](), None
     program = program_for(case["backend"])
@@ -318,15 +338,15 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
         check_fingerprint(case)
     except EpisodeError as error:
         return Done(perf_counter() - start, rows, program, str(error))
-    file, tell = agent_file(director_of(case)), teller()
-    nowhere: Whereabouts = str  # which returns ""
+    file, print_line = agent_file(director_of(case)), line_printer()
+    nowhere: Whereabouts = str  # str() is ""
     seed, place = seeds[0], nowhere
 
-    def present() -> str:
+    def current() -> str:
         return about(case, seed, place())
 
-    def tell_slow(seconds: float, line: str) -> None:
-        tell(f"{present()} has run for {seconds:g} s{line}")
+    def report_slow(seconds: float, line: str) -> None:
+        print_line(f"{current()} has run for {seconds:g} s{line}")
 
     def watch(begun: Whereabouts) -> AbstractContextManager[None]:
         nonlocal place
@@ -334,25 +354,25 @@ def run_task(case: Case, seeds: Sequence[int]) -> Done:
         return nullcontext()
 
     try:
-        with slow_reported(lambda: seed, SLOW_SECONDS, file, tell_slow):
+        with slow_reported(lambda: seed, SLOW_SECONDS, file, report_slow):
             for seed in seeds:
                 place = nowhere
                 rows.append(row_of(run_one(case, seed, watch)))
-    # User agents may raise anything, even SystemExit.
+    # A user's agent may raise anything, even SystemExit.
     except BaseException as error:
         cause = cause_of(error)
-        is_clear = isinstance(cause, AgentError)  # its message says all
-        failure = f"{present()}: {cause if is_clear else reason_of(cause, file)}"
+        is_clear = isinstance(cause, AgentError)  # its message is enough
+        failure = f"{current()}: {cause if is_clear else reason_of(cause, file)}"
     return Done(perf_counter() - start, rows, program, failure)
 
 
 def about(case: Case, seed: int, place: str = "") -> str:
-    """Return an episode in words: its seed, a place in it, and what is not the default."""
+    """Return an episode in words: its seed, a place in it, and the values that are not defaults."""
     return f"seed {seed}{place and f', {place},'} with {in_words(case)}"
 
 
 def run_one(case: Case, seed: int, watch: Watch = nullcontext) -> Episode:
-    """Run one episode of a case and return its record; for its errors see ``run``."""
+    """Run one episode of a case and return its record; errors are the errors of ``run``."""
     layout = layout_for(case, seed)
     agent: Any = make_agent_for(case, seed, layout)
     made: Any = make_env(case, layout, dispatch=is_fleet(case) and wants_dispatch(agent))
@@ -363,7 +383,7 @@ def run_one(case: Case, seed: int, watch: Watch = nullcontext) -> Episode:
 
 
 def cause_of(error: BaseException) -> BaseException:
-    """Return what an agent has raised, if ``run`` has named where it did."""
+    """Return the exception that an agent raised, without the wrapper that ``run`` added."""
     if isinstance(error, EpisodeError | EpisodeInterrupted) and error.episode is not None:
         return error.__cause__ or error
     return error

@@ -1,6 +1,6 @@
-"""The values to run, as a TOML file and as flags, checked before anything runs.
+"""The values to run, read from a TOML file and from flags, and checked before anything runs.
 
-A plan file has these keys, all of them optional::
+A plan file has these keys, all of which are optional::
 
     episodes = 200
     seed = 0
@@ -37,7 +37,12 @@ WORDS: dict[str, bool] = {"on": True, "off": False, "true": True, "false": False
 
 
 class PlanFile(NamedTuple):
-    """The value, list of values or range of each parameter, and two numbers if they are given.
+    """The contents of a plan file.
+
+    Attributes:
+        choices: value, list of values or range for each parameter.
+        episodes: number of episodes of each combination, if the file has it.
+        seed: first seed, if the file has it.
 
     Example:
         >>> from agents.lab.experiments.choices import PlanFile
@@ -54,8 +59,9 @@ def read_plan_file(path: Path) -> PlanFile:
     """Read a plan file.
 
     Raises:
-        ParameterError: the file is no plan; the message names file, key and what is allowed.
-        OSError: the file is longer than ``toml_text.MAX_BYTES``, or cannot be read.
+        ParameterError: the file is not a plan. The message names the file, the key and what is
+            allowed.
+        OSError: the file cannot be read, or is longer than ``toml_text.MAX_BYTES``.
 
     Example:
         >>> from pathlib import Path
@@ -94,7 +100,10 @@ def _parse(content: Mapping[str, Any]) -> PlanFile:
 
 
 def parse_flags(flags: Sequence[str]) -> dict[str, Any]:
-    """Return the choices of ``NAME=VALUE``, ``NAME=VALUE,VALUE,...`` or ``NAME=FROM:TO:STEP``.
+    """Parse flags such as ``NAME=VALUE``, ``NAME=VALUE,VALUE,...`` and ``NAME=FROM:TO:STEP``.
+
+    Returns:
+        Value, list of values or range for each name.
 
     Example:
         >>> from agents.lab.experiments.choices import parse_flags
@@ -122,7 +131,7 @@ def _choice(words: str) -> Any:
 
 
 def _value(word: str) -> Any:
-    """Return a word as a flag or a number if it is one, else as text."""
+    """Return a word as a Boolean or a number if it is one, else as text."""
     word = word.strip()
     if word.lower() in WORDS:
         return WORDS[word.lower()]

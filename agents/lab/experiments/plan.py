@@ -1,4 +1,4 @@
-"""A plan: the cases of an experiment and the seeds of each, checked before anything runs."""
+"""The plan of an experiment: its cases and their seeds, checked before anything runs."""
 
 from __future__ import annotations
 
@@ -18,12 +18,12 @@ MAX_CASES = 10_000
 MAX_EPISODES = 100_000_000
 
 DIGITS = 12
-"""Significant digits of the numbers of a range."""
+"""Significant digits of the numbers in a range."""
 
 
 @dataclass(frozen=True, slots=True)
 class SweepPlan:
-    """The episodes to run: as many of each case, with seeds ``seed``, ``seed + 1``, ...
+    """The episodes to run: ``episodes`` of each case, with seeds ``seed``, ``seed + 1``, ...
 
     Example:
         >>> from agents.lab.experiments.plan import make_plan
@@ -38,7 +38,7 @@ class SweepPlan:
 
     @property
     def seeds(self) -> range:
-        """The seeds of each case."""
+        """The seeds, which all cases share."""
         return range(self.seed, self.seed + self.episodes)
 
     @property
@@ -48,10 +48,15 @@ class SweepPlan:
 
 
 def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> SweepPlan:
-    """Return the plan of every combination of choices, or raise for what cannot be used.
+    """Return the plan with every combination of the choices.
 
-    Each parameter has a value, a list of values, or ``{from, to, step}``; each combination has
-    episodes with seeds from the first one on.
+    Args:
+        choices: value, list of values or range ``{from, to, step}`` for each parameter.
+        episodes: number of episodes of each combination.
+        seed: seed of the first episode of each combination.
+
+    Raises:
+        ParameterError: a value cannot be used, or the plan is too large.
 
     Example:
         >>> from agents.lab.experiments.plan import make_plan
@@ -77,7 +82,7 @@ def make_plan(choices: Mapping[str, Any], episodes: int, seed: int) -> SweepPlan
 
 
 def spread(name: str, choice: Any) -> list[Value]:
-    """Return the values of a choice, each checked."""
+    """Return the checked values of a choice, which is a value, a list or a range."""
     if isinstance(choice, Mapping):
         return [checked(name, value) for value in _range(name, choice)]
     values = choice if isinstance(choice, list) else [choice]
@@ -87,7 +92,7 @@ def spread(name: str, choice: Any) -> list[Value]:
 
 
 def _range(name: str, limits: Mapping[str, Any]) -> list[int | float]:
-    """Return the numbers from a first to a last, both included."""
+    """Return the numbers of a range, including both ends."""
     if limits.keys() != {"from", "to", "step"}:
         raise ParameterError(f"{name} is {dict(limits)!r}; a range has the keys from, to and step")
     first, last, step = (limits[key] for key in ("from", "to", "step"))
@@ -97,13 +102,15 @@ def _range(name: str, limits: Mapping[str, Any]) -> list[int | float]:
         if not abs(value) <= MAX_VALUE:
             raise ParameterError(f"{name}.{key} is not within {-MAX_VALUE}..{MAX_VALUE}")
     if not (step > 0 and first <= last):
-        raise ParameterError(f"{name} goes from {first} to {last} by {step}; it must go up")
+        raise ParameterError(
+            f"{name} goes from {first} to {last} in steps of {step}; the range must increase"
+        )
     steps = (last - first) / step + 1e-9
     if steps >= MAX_CASES:
         raise ParameterError(
             f"{name} has {steps + 1:.0f} values; MAX_CASES = {MAX_CASES} are allowed"
         )
-    # Rounded as they would be typed: 0.1 + 0.2 is 0.3, so that no value is there twice.
+    # Rounded to what a user would type, such as 0.3 for 0.1 + 0.2, so that no value occurs twice.
     numbers = (first + step * number for number in range(math.floor(steps) + 1))
     return [each if isinstance(each, int) else float(f"{each:.{DIGITS}g}") for each in numbers]
 
@@ -113,7 +120,7 @@ def _check_number(values: Mapping[str, Sequence[Value]], episodes: int) -> None:
     if count > MAX_CASES:
         longest = max(values, key=lambda name: len(values[name]))
         raise ParameterError(
-            f"{count} combinations, {len(values[longest])} of them by {longest}; "
+            f"the plan has {count} combinations, and {longest} has {len(values[longest])} values; "
             f"MAX_CASES = {MAX_CASES} are allowed"
         )
     if count * episodes > MAX_EPISODES:

@@ -1,11 +1,13 @@
-"""Run the episodes of a plan that are missing, and store them as they finish.
+"""Run the missing episodes of a plan, and store them as they finish.
 
-Workers get episodes in tasks of about half a second: long enough that the cost of sending them
-is negligible, short enough that little is lost after an error and the progress bar moves. The rows
-of a task depend only on its case and seeds, so they are the same with any number of workers.
+Workers receive episodes in tasks of about half a second. Tasks of this length are long enough that
+the cost of sending them is negligible, and short enough that an error loses little and the progress
+bar keeps moving. The rows of a task depend only on its case and seeds, so they do not depend on the
+number of workers.
 
-An episode that fails is reported, and the others go on. If a worker ends, any seed of its task may
-be the reason: each is run again as a task of its own, and one whose worker ends again has failed.
+An episode that fails is reported, and the others continue. When a worker process ends, any seed of
+its task may be the cause. Therefore each seed is run again as a separate task, and a seed whose
+worker ends a second time has failed.
 """
 
 from __future__ import annotations
@@ -27,23 +29,26 @@ __all__ = ["run_missing"]
 TASK_SECONDS, MAX_TASK_EPISODES = 0.5, 10_000
 
 SEEDS_AT_ONCE = 100_000
-"""Seeds that are looked up in the store at once."""
+"""Number of seeds that are looked up in the store at once."""
 
 TASKS_PER_WORKER = 2
-"""Tasks that are submitted for each worker, so that none has to wait for its next."""
+"""Number of submitted tasks per worker, so that no worker has to wait for its next task."""
 
 TICK = 0.1
-"""Seconds after which ``report`` is called even if no task is done."""
+"""Seconds after which ``report`` is called even if no task has finished."""
 
 MAX_FAILURES = 20
-"""Episodes of a case that fail before its other seeds are left out."""
+"""Number of failed episodes of a case after which its remaining seeds are skipped."""
 
-TellRows = Callable[[Sequence[AnyRow], Sequence[str]], None]
-"""Takes rows after they are stored, and messages of failures, often neither; may end the run."""
+ReportRows = Callable[[Sequence[AnyRow], Sequence[str]], None]
+"""Function that receives stored rows and messages of failures; it may raise to end the run.
+
+It is also called with empty sequences, see ``TICK``.
+"""
 
 
 class WorkerTask(NamedTuple):
-    """Seeds of a case; ``is_retry`` if the worker has ended that ran them before."""
+    """Seeds of a case for one worker; ``is_retry`` if an earlier worker ended while running it."""
 
     case_id: int
     case: Case
@@ -52,28 +57,28 @@ class WorkerTask(NamedTuple):
 
 
 def paced(episodes: int, seconds: float) -> int:
-    """Return how many episodes make the next tasks, after some took so many seconds."""
+    """Return the number of episodes of the next tasks, given the duration of a finished task."""
     wanted = episodes * TASK_SECONDS / max(seconds, 1e-6)
-    # At most four times as many: one short episode proves little.
+    # At most four times as many, because one short episode says little about the others.
     return max(1, min(round(wanted), 4 * episodes, MAX_TASK_EPISODES))
 
 
 class Queue:
-    """The tasks of a plan that are to be run, and the number of failures of each case."""
+    """The remaining tasks of a plan, and the number of failures of each case."""
 
     def __init__(self, plan: SweepPlan, store: Store) -> None:
         self.failed, self._task_episodes = Counter[int](), 1
         self._missing, self._again = self._missing_tasks(plan, store), list[WorkerTask]()
 
     def take(self) -> WorkerTask | None:
-        """Return the next task, if there is one."""
+        """Return the next task, or ``None`` if no task is left."""
         while self._again:
             if self._is_wanted(task := self._again.pop()):
                 return task
         return next(self._missing, None)
 
     def done(self, task: WorkerTask, outcome: Done) -> list[str]:
-        """Take account of a task that is done, and return the messages of failures."""
+        """Record that a task has finished, and return messages about its failures."""
         if outcome.failure is None:
             self._task_episodes = paced(len(task.seeds), outcome.seconds)
             return []
@@ -82,7 +87,7 @@ class Queue:
         return self._failed(task, outcome.failure)
 
     def ended(self, task: WorkerTask, ending: str) -> list[str]:
-        """Take account of a task whose worker has ended, and return the messages of failures."""
+        """Record that the worker of a task has ended, and return messages about its failures."""
         if not task.is_retry:
             self._again += [task._replace(seeds=[seed], is_retry=True) for seed in task.seeds]
             return []
@@ -93,11 +98,11 @@ class Queue:
     def _failed(self, task: WorkerTask, message: str) -> list[str]:
         self.failed[task.case_id] += 1
         if not self._is_wanted(task):
-            message += f"; its other seeds are left out after MAX_FAILURES = {MAX_FAILURES}"
+            message += f"; its other seeds are skipped after MAX_FAILURES = {MAX_FAILURES}"
         return [message]
 
     def _missing_tasks(self, plan: SweepPlan, store: Store) -> Iterator[WorkerTask]:
-        """Yield what is missing in tasks of the present size, while few have failed."""
+        """Yield the missing episodes in tasks of the current size, skipping cases that fail."""
         for case in plan.cases:
             case_id = store.case_id(case)
             seeds = _missing_seeds(store, case_id, plan.seeds)
@@ -111,11 +116,12 @@ class Queue:
 
 
 def run_missing(
-    plan: SweepPlan, store: Store, executor: Executor, workers: int, report: TellRows
+    plan: SweepPlan, store: Store, executor: Executor, workers: int, report: ReportRows
 ) -> Counter[int]:
-    """Run what is not in the store, and return how many episodes of each case have failed.
+    """Run the missing episodes of a plan, and return the number of failures by case number.
 
-    An error of the store, the executor or ``report`` ends the run; the rows written before stay.
+    An error of the store, the executor or ``report`` ends the run. Rows that have been written
+    remain in the store.
 
     Example:
         >>> from concurrent.futures import ThreadPoolExecutor
@@ -136,7 +142,7 @@ def run_missing(
             return queue.failed
         done, _ = wait(running, TICK, return_when=FIRST_COMPLETED)
         report([], [])
-        # Those without an outcome come last, because they may end the run.
+        # Tasks without an outcome come last, because they may end the run.
         for future in sorted(done, key=lambda each: each.cancelled() or bool(each.exception())):
             task = running.pop(future)
             try:
@@ -149,7 +155,7 @@ def run_missing(
 
 
 def _missing_seeds(store: Store, case_id: int, seeds: range) -> Iterator[int]:
-    """Yield the seeds that are not in the store, looked up in parts to save memory."""
+    """Yield the seeds that are not in the store, looking them up in parts to save memory."""
     for start in range(0, len(seeds), SEEDS_AT_ONCE):
         some = seeds[start : start + SEEDS_AT_ONCE]
         done = store.seeds_done(case_id, some)

@@ -1,10 +1,10 @@
 """The results of an experiment: one SQLite file with a row for each episode.
 
-Rows are written as episodes finish, and stay whatever happens to the program or the machine: every
-batch of rows is one transaction, and it is on the disk before the next begins. The key of a row is
-its case and its seed, so that no episode is stored twice.
+Rows are written as episodes finish, and survive whatever happens to the program or the machine.
+Every batch of rows is one transaction, which is on the disk before the next one begins. The key of
+a row is its case and its seed, so that no episode is stored twice.
 
-A file may come from a stranger: views, triggers and other tables are not run but refused.
+A file may come from a stranger. Files with views, triggers or other tables are therefore refused.
 """
 
 from __future__ import annotations
@@ -34,24 +34,24 @@ from warehouse_core.files.reading import not_a_file
 __all__ = ["Store"]
 
 TIMEOUT = 30.0
-"""Seconds to wait for another program that writes to the same file."""
+"""Seconds to wait while another program writes to the same file."""
 
 UNKNOWN = "an unknown program"
-"""Name of the program of a row if the file names none."""
+"""Name shown for the program of a row if the file does not name it."""
 
 APPLICATION, VERSION = 0x57617265, 3
 """``application_id`` and ``user_version`` of a file of results."""
 
 TABLE_OF: dict[type[AnyRow], str] = {Row: "episodes", FleetRow: "shifts"}
-"""Table that has the rows of each kind."""
+"""Table that contains the rows of each type."""
 
 BOTH = " UNION ALL ".join(
     f"SELECT case_id, seed, program_id FROM {table}" for table in TABLE_OF.values()
 )
-"""Query that finds the rows of both kinds."""
+"""Query for the rows of both types."""
 
 MAX_REAL = 1e30
-"""Limit on the absolute value of a number of a row."""
+"""Maximum absolute value of a real number in a row."""
 
 TOO_LARGE = f"ifnull(abs({{0}}), 0) > {MAX_REAL}"
 
@@ -62,7 +62,7 @@ COLUMN = {
     float | None: ("REAL", f"typeof({{0}}) NOT IN ('real', 'null') OR {TOO_LARGE}"),
     str: ("TEXT NOT NULL", "FALSE"),
 }
-"""Column of SQLite for each type of a field, and the condition that its value is damaged."""
+"""SQLite column for each field type, and the condition under which its value is damaged."""
 
 
 def _create(kind: type[AnyRow], program: str) -> str:
@@ -88,26 +88,27 @@ CREATE TABLE writers (
 PRAGMA application_id = {APPLICATION};
 PRAGMA user_version = {VERSION};
 """
-"""Statements that make the tables of an empty file.
+"""Statements that create the tables in an empty file.
 
-``writers`` has the programs of the episodes of each case, so that nobody has to look for them among
-millions of episodes. The default of a program is never used; the files that exist have it.
+``writers`` lists the programs that wrote episodes of each case, so that they need not be searched
+for among millions of episodes. The default value of ``program_id`` is never used; it is there
+because existing files have it.
 """
 
 MAX_CASES = 50_000
 
 MAX_NAMED = 20
-"""Programs that are named at most."""
+"""Maximum number of programs that are named."""
 
 PROGRAM = "CAST(substr(name, 1, 1000) AS TEXT)"
-"""Name of a program in a query; a hostile file may have a long one, or one that is no text."""
+"""SQL expression for the name of a program, which may be very long or no text in a hostile file."""
 
 BELOW_ZERO = {"battery_left"}
-"""Whole numbers of a row that may be below 0."""
+"""Integer fields of a row that may be negative."""
 
 
 def _damaged(kind: type[AnyRow]) -> str:
-    """Return the query that finds a row that no sweep has written."""
+    """Return the query that finds a row that no sweep can have written."""
     types = get_type_hints(kind)
     wrong = [f"mode NOT IN {MODES_OF[kind]}", "case_id NOT IN (SELECT id FROM cases)"]
     for name in kind._fields:
@@ -121,13 +122,14 @@ DAMAGED = {kind: _damaged(kind) for kind in TABLE_OF}
 
 
 class Store:
-    """A file of results, created if there is none. It is a context manager.
+    """A file of results, which is created if it does not exist; a context manager.
 
-    All that goes wrong, such as a damaged file or a full disk, is a ``StoreError`` with its path.
+    Every failure, such as a damaged file or a full disk, raises a ``StoreError`` that names the
+    file.
 
     Args:
         path: Path of the file.
-        read_only: Create no file and write to none; one without write permission can be read.
+        read_only: Do not create or change the file. It needs no write permission then.
 
     Example:
         >>> from agents.lab.experiments.plan import make_plan
@@ -170,12 +172,12 @@ class Store:
         self._connection.close()
 
     def case_id(self, case: Case) -> int:
-        """Return the number of a case, which is added if it is new."""
+        """Return the number of a case, after adding the case if it is new."""
         self.add_cases([case])
         return int(next(self.query("SELECT id FROM cases WHERE settings = ?", key_of(case)))[0])
 
     def add_cases(self, cases: Iterable[Case]) -> None:
-        """Add the cases that are new, in one transaction."""
+        """Add the new ones among some cases, in one transaction."""
         with self._transaction():
             self._connection.executemany(
                 "INSERT OR IGNORE INTO cases (settings) VALUES (?)",
@@ -184,7 +186,7 @@ class Store:
             self._check_count()
 
     def count(self, case: Case, seeds: range) -> int:
-        """Return how many episodes of a case with these seeds are stored."""
+        """Return the number of stored episodes of a case with the given seeds."""
         statement = (
             f"SELECT count(*) FROM {TABLE_OF[row_type(case)]} JOIN cases ON id = case_id "
             "WHERE settings = ? AND seed >= ? AND seed < ?"
@@ -192,18 +194,19 @@ class Store:
         return int(next(self.query(statement, key_of(case), seeds.start, seeds.stop))[0])
 
     def seeds_done(self, case_id: int, seeds: range) -> set[int]:
-        """Return the seeds whose episodes are stored, among some seeds."""
+        """Return the seeds, among the given ones, whose episodes of a case are stored."""
         statement = f"SELECT seed FROM ({BOTH}) WHERE case_id = ? AND seed >= ? AND seed < ?"
         return {seed for (seed,) in self.query(statement, case_id, seeds.start, seeds.stop)}
 
     def add(self, case_id: int, rows: Sequence[AnyRow], program: str = UNKNOWN) -> None:
-        """Write the episodes of a case, all or none; those that are stored already stay unchanged.
+        """Write the rows of a case in one transaction, and keep rows that are stored already.
 
-        The case may have no episodes of another program.
+        Raises:
+            StoreError: another program has written episodes of the case, or writing failed.
         """
         # SQLite would continue to write to a file that has been removed.
         if _identity(self.path) != self._identity:
-            raise StoreError(f"{self.path}: it has been removed or replaced meanwhile")
+            raise StoreError(f"{self.path}: the file has been removed or replaced meanwhile")
         if not rows:
             return
         places = ", ".join("?" * (2 + len(rows[0])))
@@ -216,7 +219,7 @@ class Store:
             )
 
     def _add_writer(self, case_id: int, program: str) -> int:
-        """Return the number of a program, as one of those that have written episodes of a case."""
+        """Register a program as the writer of a case's episodes, and return its number."""
         others = [name for name in self.programs(case_id) if name != program]
         if others:
             [(text,)] = self.query("SELECT settings FROM cases WHERE id = ?", case_id)
@@ -231,7 +234,7 @@ class Store:
         return int(number)
 
     def programs(self, case_id: int) -> list[str]:
-        """Return the programs that have written episodes of a case, in the order of their first."""
+        """Return the names of the programs that have written episodes of a case, oldest first."""
         statement = (
             f"SELECT {PROGRAM} FROM writers JOIN programs ON id = program_id "
             f"WHERE case_id = ? ORDER BY id LIMIT {MAX_NAMED}"
@@ -239,7 +242,7 @@ class Store:
         return [name for (name,) in self.query(statement, case_id)]
 
     def episodes(self) -> list[tuple[str, int]]:
-        """Return programs and how many episodes are of each, most first."""
+        """Return each program and its number of episodes, in descending order of this number."""
         statement = (
             f"SELECT (SELECT {PROGRAM} FROM programs WHERE id = program_id), count(*) AS number "
             f"FROM ({BOTH}) GROUP BY program_id ORDER BY number DESC LIMIT {MAX_NAMED}"
@@ -247,18 +250,22 @@ class Store:
         return [(name or UNKNOWN, count) for name, count in self.query(statement)]
 
     def cases(self) -> dict[int, Case]:
-        """Return every case by its number, and raise for one that no sweep has written."""
+        """Return all cases by their numbers.
+
+        Raises:
+            StoreError: no sweep can have written one of them.
+        """
         self._check_count()
         cases, layouts = dict[int, Case](), dict[tuple[str, ...], list[str]]()
         for number, text in self.query("SELECT id, settings FROM cases ORDER BY id"):
             case = self._case(number, text)
-            if TILES in case:  # kept once, because layouts may be large
+            if TILES in case:  # equal layouts share one list, because they may be large
                 case = {**case, TILES: layouts.setdefault(tuple(case[TILES]), case[TILES])}
             cases[number] = case
         return cases
 
     def rows(self, case_id: int, kind: type[AnyRow] = Row) -> Iterator[tuple[AnyRow, str]]:
-        """Yield the episodes of a case and their programs in the order of their seeds."""
+        """Yield the row and the program of each episode of a case, in the order of the seeds."""
         statement = (
             f"SELECT {', '.join(kind._fields)}, "
             f"(SELECT {PROGRAM} FROM programs WHERE id = program_id) "
@@ -268,7 +275,7 @@ class Store:
             yield kind._make(values), program or UNKNOWN
 
     def check_rows(self) -> None:
-        """Raise if there are rows that no sweep has written; reports rely on this."""
+        """Raise ``StoreError`` if no sweep can have written the rows; reports rely on it."""
         if self._is_checked:
             return
         for statement in DAMAGED.values():
@@ -281,19 +288,19 @@ class Store:
             for (case_id,) in self.query(f"SELECT DISTINCT case_id FROM {table}"):
                 if kinds[case_id] is not kind:
                     raise StoreError(
-                        f"{self.path}: case {case_id} has rows in {table!r}, where another kind of "
-                        "case has them"
+                        f"{self.path}: case {case_id} has rows in {table!r}, which is for another "
+                        "kind of case"
                     )
-        self._is_checked = self._read_only  # whose view does not change
+        self._is_checked = self._read_only  # a read-only view of the file does not change
 
     def query(self, statement: str, *values: Any) -> Iterator[tuple[Any, ...]]:
-        """Yield the rows that a statement finds."""
+        """Yield the rows that a statement selects."""
         with self._errors_reported():
-            # Not the cursor itself: left half read, it would fail when the file is closed.
+            # Not the cursor itself, which would fail if it is half read when the file is closed.
             yield from map(tuple, self._connection.execute(statement, values))
 
     def _case(self, number: int, text: str) -> Case:
-        """Return a case that ``key_of`` has written, and raise for any other text."""
+        """Return the case in a text, or raise ``StoreError`` if ``key_of`` has not written it."""
         try:
             return read_case(text)
         except (ValueError, TypeError, RecursionError) as error:
@@ -305,9 +312,12 @@ class Store:
             raise StoreError(f"{self.path}: {count} cases; MAX_CASES = {MAX_CASES} are allowed")
 
     def _is_closed(self) -> bool:
-        """Return whether the file can only be read, and its folder does not allow new files.
+        """Return whether the file or its folder is read-only, so that it is opened as immutable.
 
-        Even for reading SQLite creates files beside it, unless the file is opened as immutable.
+        Otherwise SQLite creates files next to it even for reading.
+
+        Raises:
+            StoreError: the newest rows are still in the log, which could not be read.
         """
         if not self.path.is_file() or all(
             os.access(each, os.W_OK) for each in (self.path, self.path.parent)
@@ -316,14 +326,14 @@ class Store:
         log = Path(f"{self.path}-wal")
         if log.is_file() and log.stat().st_size:
             raise StoreError(
-                f"{self.path}: it is read-only here, and its newest rows are still in {log.name}; "
+                f"{self.path}: the file is read-only, and its newest rows are still in {log.name}; "
                 "read it where it can be written, or after the sweep has ended"
             )
         return True
 
     def _prepare(self) -> None:
         connection, read_only = self._connection, self._read_only
-        # In one transaction: another sweep may be creating the tables at this moment.
+        # In one transaction, because another sweep may be creating the tables at this moment.
         with self._transaction("DEFERRED" if read_only else "IMMEDIATE"):
             is_empty = not has_tables(connection, self.path)
             if is_empty and not read_only:
@@ -331,16 +341,19 @@ class Store:
                     connection.execute(statement)
         if read_only:
             if is_empty:
-                raise StoreError(f"{self.path}: there are no results in it")
+                raise StoreError(f"{self.path}: the file has no results")
             connection.execute("PRAGMA query_only = ON")
-            # One view of the file, whatever a sweep adds meanwhile.
+            # The transaction keeps one view of the file, whatever a sweep adds meanwhile.
             connection.execute("BEGIN")
             return
         self._let_others_read()
         connection.execute("PRAGMA synchronous = FULL")
 
     def _let_others_read(self) -> None:
-        """Let others read while this program writes; SQLite itself does not wait for this."""
+        """Let other programs read while this one writes.
+
+        SQLite itself does not wait for another program before it changes the journal mode.
+        """
         end = monotonic() + TIMEOUT
         while True:
             try:
@@ -360,22 +373,22 @@ class Store:
                 yield
                 self._connection.execute("COMMIT")
             except BaseException:
-                # A full disk has ended the transaction already.
+                # If the disk was full, the transaction has already ended.
                 if self._connection.in_transaction:
                     self._connection.execute("ROLLBACK")
                 raise
 
     @contextmanager
     def _errors_reported(self) -> Iterator[None]:
-        """Turn errors of SQLite into a ``StoreError`` with the name of the file."""
+        """Turn errors of SQLite into a ``StoreError`` that names the file."""
         try:
             yield
-        except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter of a damaged schema
+        except (sqlite3.Error, UnicodeDecodeError) as error:  # the latter for a damaged schema
             raise StoreError(f"{self.path}: {error}") from error
 
 
 def _identity(path: Path) -> tuple[int, int] | None:
-    """Return what distinguishes a file from one that has replaced it."""
+    """Return the device and inode of a file, which differ for a file that has replaced it."""
     try:
         status = path.stat()
     except FileNotFoundError:
@@ -384,9 +397,12 @@ def _identity(path: Path) -> tuple[int, int] | None:
 
 
 def has_tables(connection: sqlite3.Connection, path: Path) -> bool:
-    """Return whether a file has the tables; without them it is empty.
+    """Return ``True`` if a file has the tables of results, and ``False`` if it is empty.
 
-    The connection is in a transaction. Other tables and damaged ones are errors with the path.
+    The connection must be in a transaction.
+
+    Raises:
+        StoreError: the file has other tables, or is damaged.
     """
     [(owner, version)] = connection.execute(
         "SELECT application_id, user_version FROM pragma_application_id, pragma_user_version"
@@ -395,15 +411,15 @@ def has_tables(connection: sqlite3.Connection, path: Path) -> bool:
     if not schema:
         return False
     if owner != APPLICATION:
-        raise StoreError(f"{path}: it is a database without results of a sweep")
+        raise StoreError(f"{path}: this database does not have the results of a sweep")
     if version != VERSION:
-        raise StoreError(f"{path}: its version is {version}; only {VERSION} can be read")
+        raise StoreError(f"{path}: its version is {version}; only version {VERSION} can be read")
     if schema != _schema():
         raise StoreError(f"{path}: it was not written by a sweep")
-    # A damaged file might be read for ever, and writing to it would do more damage.
+    # Reading a damaged file might never end, and writing to it would do more damage.
     [(state,)] = connection.execute("PRAGMA quick_check(1)")
     if state != "ok":
-        raise StoreError(f"{path}: it is damaged: {state}")
+        raise StoreError(f"{path}: the file is damaged: {state}")
     return True
 
 
@@ -416,6 +432,6 @@ def _schema() -> list[list[list[str]]]:
 
 
 def _schema_of(connection: sqlite3.Connection) -> list[Any]:
-    """Return all tables and whatever else there is, with the words of their statements."""
+    """Return the name, type, table and statement of everything in the schema, split into words."""
     rows = connection.execute("SELECT name, type, tbl_name, sql FROM sqlite_master ORDER BY name")
     return [[str(each).split() for each in row] for row in rows]

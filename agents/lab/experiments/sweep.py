@@ -1,6 +1,7 @@
-"""The command ``warehouse sweep``: run every combination of settings, and store each episode.
+"""The command ``warehouse sweep``, which runs every combination of settings.
 
-The same command run again does what is missing; one with more episodes or values adds those.
+Each episode is stored as it finishes. When the same command is run again, it runs only the missing
+episodes, so that more episodes or values can be added later.
 """
 
 from __future__ import annotations
@@ -20,7 +21,7 @@ from agents.lab.console.options import option
 from agents.lab.console.terminal import print_error, say
 from agents.lab.experiments.choices import PlanFile, parse_flags, read_plan_file
 from agents.lab.experiments.plan import MAX_EPISODES, SweepPlan, make_plan
-from agents.lab.experiments.running import TellRows, run_missing
+from agents.lab.experiments.running import ReportRows, run_missing
 from agents.lab.experiments.store import Store
 from agents.lab.parameters import MAX_SEED, PARAMETERS, PHYSICAL, Whole
 from agents.lab.trials.rows import AnyRow
@@ -29,17 +30,20 @@ from warehouse_core.wording import counted
 
 
 @contextmanager
-def sweep_bar(episodes: int, check: CheckInterrupt) -> Iterator[TellRows]:
-    """Show a bar while the block runs, and yield the function that takes rows and then checks."""
+def sweep_bar(episodes: int, check: CheckInterrupt) -> Iterator[ReportRows]:
+    """Show a progress bar, and yield a function that advances it and checks for interrupts.
+
+    The function also prints each new message of a failure.
+    """
     from agents.lab.console.progress import progress_bar
 
-    done, told = 0, set[str]()
+    done, reported = 0, set[str]()
     with progress_bar(episodes) as advance:
 
         def report(rows: Sequence[AnyRow], failures: Sequence[str]) -> None:
             nonlocal done
-            for failure in {*failures} - told:
-                told.add(failure)  # one for a whole case comes with each seed
+            for failure in {*failures} - reported:
+                reported.add(failure)  # a failure of a whole case is repeated for each seed
                 print_error(failure)
             if rows:
                 done += len(rows)
@@ -53,19 +57,22 @@ PRESETS = {
     name: Path(__file__).parent / "presets" / f"{name}.toml"
     for name in ("escape", "battery", "obstacles", "size", "backends", "fleet")
 }
-"""Plan files of the chapter's questions and one of fleets, each under a minute on two cores."""
+"""Plan files for the chapter's questions and one for fleets.
+
+Each takes less than a minute on two cores.
+"""
 
 EPISODES = 100
-"""Default number of episodes of each combination."""
+"""Default number of episodes per combination."""
 
 NAMES = "\n".join(
     [
         "\b\nNames of --set:",
         *(f"  {name:<12}{each.values.format(each.check)}" for name, each in PARAMETERS.items()),
-        f"  {' and '.join(f'{group}.NAME' for group in PHYSICAL)}, of physics",
+        f"  {' and '.join(f'{group}.NAME' for group in PHYSICAL)}, for physics",
     ]
 )
-"""Names of parameters, and the values that each takes in words, as lines of the help."""
+"""Names of the parameters and descriptions of their values, as lines of the help."""
 
 
 def sweep(
@@ -73,7 +80,8 @@ def sweep(
         Path | None,
         typer.Argument(
             metavar="PLAN",
-            help="A .toml file with episodes, seed and the tables settings, robot, disturbances.",
+            help="A .toml file with the keys episodes and seed and the tables settings, robot and "
+            "disturbances.",
             show_default=False,
         ),
     ] = None,
@@ -81,13 +89,16 @@ def sweep(
         list[str] | None,
         option(
             "--set NAME=VALUES",
-            "A value (agent=astar), a list (battery=20,60) or a range (battery=20:200:20) of a "
-            "setting. May be repeated; the names are below.",
+            "Set a setting to a value (agent=astar), a list (battery=20,60) or a range "
+            "(battery=20:200:20). May be repeated. The names are listed below.",
         ),
     ] = None,
     preset: Annotated[
         str | None,
-        option("--preset NAME", f"A question of the chapter, or of fleets: {', '.join(PRESETS)}."),
+        option(
+            "--preset NAME",
+            f"Run a prepared sweep for a question of the chapter: {', '.join(PRESETS)}.",
+        ),
     ] = None,
     episodes: Annotated[
         int | None,
@@ -106,14 +117,14 @@ def sweep(
         ),
     ] = None,
     output: Annotated[
-        Path, option("--save -o FILE", f"{options.SAVE} Results that it has are kept.")
+        Path, option("--save -o FILE", f"{options.SAVE} Results that it already has are kept.")
     ] = Path("results.sqlite"),
     jobs: options.Jobs = None,
 ) -> None:
     """Run every combination of settings.
 
-    Each episode is stored as it finishes. Run the same command again to resume, or with more
-    episodes or values to add those; 'warehouse report' shows the results.
+    Each episode is stored as it finishes. Run the same command again to resume, or run it with more
+    episodes or values to add those. See the results with 'warehouse report'.
 
     Example: warehouse sweep --set agent=greedy,astar --set battery=20:200:20
     """
@@ -150,7 +161,7 @@ def sweep(
 
 
 def _given(file: Path | None, preset: str | None) -> PlanFile:
-    """Return the plan file, or the preset as one; flags are added to it."""
+    """Return the contents of the plan file or of the preset, or an empty plan without either."""
     if preset is not None:
         if file is not None:
             raise ParameterError(f"both {file} and --preset {preset} are given; give one of them")
@@ -161,5 +172,5 @@ def _given(file: Path | None, preset: str | None) -> PlanFile:
 
 
 def _done(plan: SweepPlan, store: Store) -> int:
-    """Return how many episodes of a plan are stored."""
+    """Return the number of stored episodes of a plan."""
     return sum(store.count(case, plan.seeds) for case in plan.cases)

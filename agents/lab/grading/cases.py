@@ -15,7 +15,7 @@ from typing import Any, ClassVar, NamedTuple
 from agents.lab.grading.child import as_tuples
 from agents.lab.grading.sandbox import FAILS, AgentFailureError, Runner
 from agents.lab.grading.slipping import SlippingGrid
-from agents.lab.parameters import usual
+from agents.lab.parameters import default_value
 from agents.lab.place import RANDOM, Stations, default_stations, what_to_draw
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
@@ -123,14 +123,14 @@ class GradedCase:
     name: str
     layout: str = DEFAULT
     size: tuple[int, int] = (7, 12)
-    density: float = usual("density")
+    density: float = default_value("density")
     first_seed: int = 1
     episodes: int = 10
     stations: Stations | None = None
     start: Cell | None = None
-    battery: int = usual("battery")
-    max_steps: int = usual("max_steps")
-    view_radius: int = usual("view_radius")
+    battery: int = default_value("battery")
+    max_steps: int = default_value("max_steps")
+    view_radius: int = default_value("view_radius")
     visible: bool = True
     slip: float = 0.0
 
@@ -243,7 +243,7 @@ class GradedCase:
         words += ["--stations", str(self.stations)] if self.stations else []
         words += ["--start", "{},{}".format(*self.start)] if self.start else []
         for name in ("battery", "max_steps", "view_radius"):
-            if getattr(self, name) != usual(name):
+            if getattr(self, name) != default_value(name):
                 words += [f"--{name.replace('_', '-')}", str(getattr(self, name))]
         if self.slip:
             kind = f"{SlippingGrid.__module__}:{SlippingGrid.__name__}"

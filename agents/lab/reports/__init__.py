@@ -1,1 +1,1 @@
-"""Reports on the results of experiments: answers, figures, examples, one page."""
+"""Reports on the results of experiments: a page with answers, figures and examples."""

@@ -1,12 +1,12 @@
-"""The answers of a report: for each parameter that differs its question, answered from the data.
+"""The answers of a report: a question for each parameter that differs, answered from the data.
 
-Every question is answered in one way: by the series of its parameter that is nearest to the
-defaults, in which the best value is compared with another one, seed by seed. The verdict says how
-much better it is, or that no difference was found. The other series get a verdict each.
+The answer comes from the series of cases that is nearest to the defaults. In this series two values
+of the parameter are compared seed by seed. The verdict says how much better one value is, or that
+no difference was found. Each of the other series gets a verdict too.
 
-The best value is compared with the next, and where values have an order, the last with the first.
-The former needs no correction for having chosen the best: Gutmann and Maymin (1987), Is the
-selected population the best?
+If the values have an order, the last value is compared with the first. Otherwise the best value is
+compared with the second best. This needs no correction for having selected the best value: Gutmann
+and Maymin (1987), Is the selected population the best?
 """
 
 from __future__ import annotations
@@ -24,17 +24,17 @@ from warehouse_core.wording import counted, listed
 APART = "no two of the combinations differ in one setting alone, so they cannot be compared"
 
 HARDEST_FIRST = "layout"
-"""Factor whose question is which value is hardest; for others it is which value does best."""
+"""Factor whose question asks for the hardest value; other questions ask for the best value."""
 
 OTHER_TASKS = {"layout", "size", "density", "stations"}
-"""Parameters that make equal seeds different tasks if they differ."""
+"""Parameters whose values change the task, so that equal seeds are not equal tasks."""
 
 MAX_NAMED = 4
-"""Most values, series or combinations with words of their own."""
+"""Maximum number of values, series or combinations that are described individually."""
 
 
 class Answer(NamedTuple):
-    """A question, the sentence that answers it, and the sentences that say how it is known."""
+    """A question, the sentence that answers it, and the sentences with the evidence."""
 
     question: str
     verdict: str
@@ -42,7 +42,13 @@ class Answer(NamedTuple):
 
 
 class FactorValue(NamedTuple):
-    """A value of a factor: its name, such as ``battery 20``, perhaps empty, and its case."""
+    """A value of a factor with its results.
+
+    Attributes:
+        name: Name of the value, such as ``battery 20``; it may be empty.
+        case_id: Number of the case that has this value.
+        results: Results of the case.
+    """
 
     name: str
     case_id: int
@@ -50,40 +56,40 @@ class FactorValue(NamedTuple):
 
     @property
     def estimate(self) -> float:
-        """The estimate of the measure by which values are compared."""
+        """Estimate of the measure by which values are compared."""
         return self.results.main.estimate
 
     @property
     def short(self) -> str:
-        """That measure in words, without its interval."""
+        """The estimate in words, without its interval."""
         return self.results.kind.measures[0].short(self.estimate)
 
     @property
     def which(self) -> str:
-        """The name after ``with``, as a part of a sentence; nothing without a name."""
+        """The name with " with " before it, for a sentence, or "" without a name."""
         return f" with {self.name}" if self.name else ""
 
 
 def answers(experiment: Experiment) -> tuple[Answer, ...]:
-    """Return an answer for each factor, or one about all episodes if nothing differs."""
+    """Return an answer for each factor, or one answer about all episodes if nothing differs."""
     found = []
     for factor in experiment.design.factors:
         if series := experiment.design.series(factor):
             parameter = PARAMETERS.get(factor.name)
             question = parameter.question if parameter else f"What does {factor.name} change?"
             found.append(_answer(question, _compared(experiment, factor, series)))
-    return tuple(found) or (_answer("How does it do?", _apart(experiment)),)
+    return tuple(found) or (_answer("What are the results?", _apart(experiment)),)
 
 
-def _answer(question: str, told: Iterable[str]) -> Answer:
-    verdict, *sentences = map(sentence, told)
+def _answer(question: str, lines: Iterable[str]) -> Answer:
+    verdict, *sentences = map(sentence, lines)
     return Answer(question, verdict, tuple(sentences))
 
 
 def _compared(
     experiment: Experiment, factor: Factor, series: Sequence[CaseSeries]
 ) -> Iterator[str]:
-    """Answer the question of a factor: first the verdict, then how it is known."""
+    """Yield the verdict on a factor's question, and then the evidence."""
     lines = [_line(experiment, factor, each) for each in series]
     main = lines[0]
     yield _where(series[0]) + verdict(experiment, factor, main)
@@ -95,11 +101,11 @@ def _compared(
         yield _where(each) + verdict(experiment, factor, line)
     left = len(series) - 1 - MAX_NAMED
     if left > 0:
-        yield f"{counted(left, 'further combination')} are in the table"
+        yield f"the table has {counted(left, 'further combination')}"
 
 
 def _apart(experiment: Experiment) -> Iterator[str]:
-    """Describe the first cases one by one, as none of them can be compared with another."""
+    """Describe the first cases one by one, because no two cases can be compared."""
     design = experiment.design
     line = [
         FactorValue(design.name_of(case_id), case_id, experiment.results(case_id))
@@ -114,7 +120,7 @@ def _apart(experiment: Experiment) -> Iterator[str]:
 
 
 def verdict(experiment: Experiment, factor: Factor, line: Sequence[FactorValue]) -> str:
-    """Return which value is best and by how much, or that no difference was found."""
+    """Return a sentence that names the best value, or says that no difference was found."""
     measure = experiment.kind.measures[0]
     subject = measure.title.lower()
     if peak := _peak(experiment, factor, line):
@@ -127,7 +133,7 @@ def verdict(experiment: Experiment, factor: Factor, line: Sequence[FactorValue])
     found = _difference(experiment, factor, first, second)
     both = f"{first.short}{first.which} and {second.short}{second.which}"
     if not found.is_known:
-        return f"too few episodes to tell: {subject} is {both}"
+        return f"too few episodes to compare: {subject} is {both}"
     if found.low <= 0 <= found.high:
         return f"no difference was found: {subject} is {both}"
     change = measure.change(found)
@@ -142,7 +148,7 @@ def verdict(experiment: Experiment, factor: Factor, line: Sequence[FactorValue])
 def _difference(
     experiment: Experiment, factor: Factor, one: FactorValue, other: FactorValue
 ) -> Interval:
-    """Return how much better one value is, seed by seed where equal seeds are equal tasks."""
+    """Return how much better one value is, compared seed by seed if equal seeds are equal tasks."""
     measure, cases = experiment.kind.measures[0], (one.case_id, other.case_id)
     found = None if factor.name in OTHER_TASKS else experiment.paired(measure, *cases)
     return found or difference_interval(one.results.main, other.results.main)
@@ -151,7 +157,7 @@ def _difference(
 def _peak(
     experiment: Experiment, factor: Factor, line: Sequence[FactorValue]
 ) -> FactorValue | None:
-    """Return the best value if it is between the ends of a trend and better than both."""
+    """Return the best value if it is inside a trend and better than both ends, else ``None``."""
     best = max(line, key=lambda each: each.estimate)
     if not _is_trend(factor, line) or best in (line[0], line[-1]):
         return None
@@ -160,7 +166,7 @@ def _peak(
 
 
 def _pair(factor: Factor, line: Sequence[FactorValue]) -> tuple[FactorValue, FactorValue]:
-    """Return the last and the first value of a trend, or else the best and the next."""
+    """Return the last and the first value of a trend, or else the best and the second best."""
     if _is_trend(factor, line):
         return line[-1], line[0]
     best, following, *_ = _ranked(factor, line)
@@ -172,14 +178,14 @@ def _is_trend(factor: Factor, line: Sequence[FactorValue]) -> bool:
 
 
 def _ranked(factor: Factor, line: Sequence[FactorValue]) -> list[FactorValue]:
-    """Return values with the best first, or the hardest."""
+    """Return the values in order, with the best one first, or the hardest for layouts."""
     return sorted(line, key=lambda each: each.estimate, reverse=factor.name != HARDEST_FIRST)
 
 
 def _named(
     experiment: Experiment, factor: Factor, line: Sequence[FactorValue]
 ) -> list[FactorValue]:
-    """Return the values that are described: the ends and a peak, or the first of a ranking."""
+    """Return the values to describe: both ends and the peak of a trend, or the top of a ranking."""
     if not _is_trend(factor, line):
         return _ranked(factor, line)[:MAX_NAMED]
     peak = _peak(experiment, factor, line)
@@ -195,13 +201,13 @@ def _line(experiment: Experiment, factor: Factor, series: CaseSeries) -> list[Fa
 
 
 def _where(series: CaseSeries) -> str:
-    """Return the other settings of a series, as the beginning of a sentence."""
+    """Return the other settings of a series in words, to begin a sentence."""
     others = described(series.others)
     return f"with {others}, " if others else ""
 
 
 def _measures(line: Sequence[FactorValue]) -> Iterator[str]:
-    """Give every measure with each value, and the outcomes."""
+    """Yield a sentence for each measure, and one on the outcomes for each value."""
     for measure in line[0].results.kind.measures:
         parts = [
             f"{measure.words(interval)}{each.which}"
@@ -220,15 +226,18 @@ def _measures(line: Sequence[FactorValue]) -> Iterator[str]:
 def _where_both_deliver(
     experiment: Experiment, one: FactorValue, other: FactorValue
 ) -> Iterator[str]:
-    """Compare what deliveries cost on the seeds that both deliver: these are equally hard."""
+    """Compare the costs of deliveries on the seeds that both values deliver.
+
+    On these seeds both values had equally hard tasks.
+    """
     for measure in experiment.kind.measures[1:]:
         if not (one.results.has(measure) and other.results.has(measure)):
             continue
         found = experiment.paired(measure, one.case_id, other.case_id)
         if found is None or not found.is_known:
             continue
-        told = f"where both deliver, {one.name}"
+        begin = f"where both deliver, {one.name}"
         if found.low <= 0 <= found.high:
-            yield f"{told} and {other.name} show no difference in the {measure.title.lower()}"
+            yield f"{begin} and {other.name} show no difference in the {measure.title.lower()}"
         else:
-            yield f"{told} takes {measure.change(found)} than {other.name}"
+            yield f"{begin} takes {measure.change(found)} than {other.name}"

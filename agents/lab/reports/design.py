@@ -1,8 +1,8 @@
-"""What differs between the cases of an experiment, and which cases can be compared.
+"""The design of an experiment: how its cases differ, and which of them can be compared.
 
 A *factor* is a parameter that has several values. The cases of a *series* differ in one factor and
-in nothing else; a parameter that does not apply to a case, such as the memory of an agent that has
-none, is not a difference.
+in nothing else. A parameter that does not apply to a case, such as the memory of an agent without
+memory, does not count as a difference.
 """
 
 from __future__ import annotations
@@ -20,21 +20,21 @@ from agents.lab.experiments.case import FINGERPRINT, TILES, Case
 from agents.lab.parameters import PARAMETERS, PLANNER, Value, find, shown
 
 Labels = dict[str, Value | None]
-"""The values of a case as they are shown; ``None`` where a parameter does not apply."""
+"""Displayed values of a case by parameter; ``None`` where a parameter does not apply."""
 
 FOLDERS = re.compile(r"(\b[A-Za-z]:)?[^:]*[/\\]")
-"""Folders of a file, whose path may follow a word and a colon."""
+"""Pattern for the folders in the path of a file, which may follow a word and a colon."""
 
 Combination = tuple[Value | None, ...]
-"""Values of some factors, in their order."""
+"""Values of some factors, in the order of the factors."""
 
 MARK_LENGTH = 6
-"""Letters of a digest that distinguish two files of one name."""
+"""Number of digits of a digest that distinguish two files with the same name."""
 
 
 @dataclass(frozen=True, slots=True)
 class Factor:
-    """A parameter that differs, and its values in the order in which they are shown."""
+    """A parameter that differs, with its values in the order in which they are displayed."""
 
     name: str
     values: tuple[Value, ...]
@@ -51,7 +51,12 @@ class Factor:
 
 
 class CaseSeries(NamedTuple):
-    """Cases that differ in one factor alone, by its values, and the values of the other factors."""
+    """Cases that differ in one factor alone.
+
+    Attributes:
+        others: Values of the other factors.
+        cases: Numbers of the cases by their values of the factor.
+    """
 
     others: Labels
     cases: dict[Value, int]
@@ -59,9 +64,12 @@ class CaseSeries(NamedTuple):
 
 @dataclass(frozen=True)
 class Design:
-    """The cases of an experiment, by number, and which parameters differ between them.
+    """The cases of an experiment, and the parameters that differ between them.
 
-    The factors are in the order of ``PARAMETERS``; the other parameters are fixed.
+    Attributes:
+        labels: Displayed values of each case, by the number of the case.
+        factors: Parameters that differ, in the order of ``PARAMETERS``.
+        fixed: Values of the other parameters.
     """
 
     labels: dict[int, Labels]
@@ -69,7 +77,7 @@ class Design:
     fixed: Labels
 
     def series(self, factor: Factor) -> list[CaseSeries]:
-        """Return every series of a factor, the one nearest to the defaults first."""
+        """Return every series of a factor, beginning with the one nearest to the defaults."""
         others = [each.name for each in self.factors if each != factor]
         exact: dict[Combination, list[int]] = {}
         for case_id, labels in self.labels.items():
@@ -90,12 +98,12 @@ class Design:
         return sorted(series, key=lambda each: -_defaults_in(each.others))
 
     def name_of(self, case_id: int) -> str:
-        """Return what differs in a case, in words."""
+        """Return the values of a case that differ between cases, in words."""
         return described({each.name: self.labels[case_id][each.name] for each in self.factors})
 
 
 def make_design(cases: Mapping[int, Case]) -> Design:
-    """Return the design of some cases, by their numbers."""
+    """Return the design of an experiment, given its cases by number."""
     labels = _labels(cases)
     known = {name for each in labels.values() for name in each}
     names = [*PARAMETERS, *sorted(known - PARAMETERS.keys())]
@@ -113,15 +121,15 @@ def make_design(cases: Mapping[int, Case]) -> Design:
 
 
 def described(labels: Mapping[str, Value | None]) -> str:
-    """Return values as a list in words, ``battery 20, escape on``."""
+    """Return values as a list in words, such as ``battery 20, escape on``."""
     given = [f"{name} {shown(value)}" for name, value in labels.items() if value is not None]
     return ", ".join(given)
 
 
 def _labels(cases: Mapping[int, Case]) -> dict[int, Labels]:
-    """Return the values of each case, files without their folders.
+    """Return the displayed values of each case, with files named without their folders.
 
-    Files of one name and different contents have a mark.
+    Files that have the same name and different contents are marked with a digest.
     """
     contents = {"layout": TILES, "agent": FINGERPRINT, PLANNER: FINGERPRINT}
     found = {
@@ -143,9 +151,10 @@ def _labels(cases: Mapping[int, Case]) -> dict[int, Labels]:
 
 
 def _name_stations_with_layouts(labels: Collection[Labels]) -> None:
-    """Make stations a part of the layout where they differ, but in no layout: one factor, not two.
+    """Merge stations into the layout if they differ between layouts, but not within any layout.
 
-    By default the stations of a file are kept and others drawn.
+    This is common, because by default the stations of a layout file are kept, and other stations
+    are random. Layout and stations are then one factor instead of two.
     """
     pairs = {(each["layout"], each.get("stations")) for each in labels}
     layouts, stations = ({each[place] for each in pairs} for place in (0, 1))
@@ -155,7 +164,7 @@ def _name_stations_with_layouts(labels: Collection[Labels]) -> None:
 
 
 def _rank(value: Value) -> tuple[object, ...]:
-    """Return the sort key of a value: on before off, sizes by area, names in the given order."""
+    """Return a sort key for a value: on before off, sizes by area, names in their given order."""
     if isinstance(value, bool):
         return (0, not value)
     if isinstance(value, str):
@@ -168,9 +177,10 @@ def _rank(value: Value) -> tuple[object, ...]:
 def _comparable(
     combinations: Collection[Combination],
 ) -> dict[Combination, list[Combination]]:
-    """Return for each combination those that equal it wherever both have a value, itself last.
+    """Return the combinations that are comparable with each combination, and last itself.
 
-    Combinations that equal another one with some values left out are not among the keys.
+    Two combinations are comparable if they are equal wherever both have a value. A combination
+    that equals another one with some values left out is not among the keys.
     """
     groups: dict[tuple[bool, ...], list[Combination]] = {}
     for each in combinations:
@@ -188,7 +198,7 @@ def _comparable(
                     found.pop(each, None)
                 elif each in found:
                     found[each] += [other for other in equal if other != each]
-    # The combination itself is last, so that no case with fewer values takes its place.
+    # The combination itself is last, so that no case with fewer values replaces its case.
     return {each: [*others, each] for each, others in found.items()}
 
 

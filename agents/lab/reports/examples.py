@@ -1,4 +1,4 @@
-"""One example of each failure mode in the results, and of a delivery, run again as a replay."""
+"""Example episodes of a report: one for each outcome in the results, run again as a replay."""
 
 from __future__ import annotations
 
@@ -30,18 +30,21 @@ SELECT mode, case_id, steps, episodes, (
     ORDER BY seed LIMIT 1
 ) FROM first
 """
-"""Both inner queries follow the order of the table and end with the first row they find."""
+"""Query for the first of the shortest episodes with each outcome.
+
+Both inner queries follow the order of the table and end with the first row that they find.
+"""
 
 MAX_STEPS, MAX_PHYSICS_STEPS = 10_000, 1_000
-"""Steps of an episode that is run again, at most, on the grid and with physics."""
+"""Maximum length of an episode that is run again, on the grid and with physics."""
 
 CLEAR_ERRORS = (AgentError, BackendError, EpisodeError, LayoutError, OSError)
-"""Errors whose message is enough; of others the class and the place are shown too."""
+"""Errors whose message is enough; for other errors the class and the place are shown too."""
 
 
 @dataclass(frozen=True, slots=True)
 class FoundEpisode:
-    """An episode in the results, one of several ``episodes`` of its failure mode."""
+    """An episode in the results, which is one of ``episodes`` episodes with the same outcome."""
 
     mode: str
     case: Case
@@ -52,7 +55,13 @@ class FoundEpisode:
 
 @dataclass(frozen=True, slots=True)
 class Example:
-    """A replay; the sentence is the evidence for its mode, or says why there is no track."""
+    """A replayed episode.
+
+    Attributes:
+        found: The episode in the results.
+        sentence: Evidence for its outcome, or the reason why there is no track.
+        track: Track of the replay, if there is one.
+    """
 
     found: FoundEpisode
     sentence: str
@@ -60,9 +69,9 @@ class Example:
 
 
 def find_examples(store: Store) -> list[FoundEpisode]:
-    """Return for each mode that occurs its shortest episode, in the order of ``MODES``.
+    """Return the shortest episode with each outcome that occurs, in the order of ``MODES``.
 
-    Ties go to the first case, then to the smallest seed.
+    Among episodes of equal length, the first case and then the smallest seed is chosen.
     """
     store.check_rows()
     cases = store.cases()
@@ -76,15 +85,15 @@ def find_examples(store: Store) -> list[FoundEpisode]:
 def replay(found: FoundEpisode, *, run_own_code: bool) -> Example:
     """Run an episode again and return its replay, or the reason why there is none.
 
-    Agents and libraries may have changed since the results were written. User agents may raise
-    anything, which becomes the reason; they are run only if ``run_own_code``, because the results
-    name them, and may come from a stranger.
+    Agents and libraries may have changed since the results were written. Whatever a user's agent
+    raises becomes the reason. Users' agents run only with ``run_own_code``, because the results
+    name them and may come from a stranger.
     """
     if is_own_code(found.case["agent"]) and not run_own_code:
-        return Example(found, "Its agent is not part of this program; --replays runs it.")
+        return Example(found, "Its agent is not part of this program. Run its code with --replays.")
     if (why := _too_much(found)) is not None:
         return Example(found, f"It is not run again: {why}.")
-    # It may go on for longer than the results say.
+    # It may now take longer than in the results.
     case = {**found.case, "max_steps": min(found.case["max_steps"], found.steps + 1)}
     try:
         check_fingerprint(case)
@@ -102,7 +111,7 @@ def replay(found: FoundEpisode, *, run_own_code: bool) -> Example:
             now = f"it has not ended after {found.steps} steps"
         sentence = (
             f"Its outcome is different now: {now}, not "
-            f"{found.mode} after {found.steps}. The agent or a library has changed since the "
+            f"{found.mode} after {found.steps} steps. The agent or a library has changed since the "
             "results were written."
         )
         return Example(found, sentence)
@@ -110,14 +119,14 @@ def replay(found: FoundEpisode, *, run_own_code: bool) -> Example:
 
 
 def _too_much(found: FoundEpisode) -> str | None:
-    """Return why an episode is too much work to be run again, ``None`` if it is not.
+    """Return why an episode is too large to be run again, or ``None`` if it is small enough.
 
-    What limits it are numbers in the results, which may come from a stranger.
+    The numbers of the results are not trusted, because the file may come from a stranger.
     """
     cells = cells_of(found.case)
     if cells > MAX_CELLS:
-        return f"its map has {cells:,} cells, and at most {MAX_CELLS:,} are"
+        return f"its layout has {cells:,} cells, and the limit is {MAX_CELLS:,}"
     limit = MAX_STEPS if found.case["backend"] == "grid" else MAX_PHYSICS_STEPS
     return (
-        f"it has {found.steps:,} steps, and at most {limit:,} are" if found.steps > limit else None
+        f"it has {found.steps:,} steps, and the limit is {limit:,}" if found.steps > limit else None
     )

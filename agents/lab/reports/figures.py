@@ -1,8 +1,9 @@
-"""The figures of a report: charts of measures and of outcomes, and heat maps, with captions.
+"""The figures of a report and their captions: charts of measures and outcomes, and heat maps.
 
-The factor with most values is along the axis, the next two are colours and panels; over any others
-the episodes are pooled. A figure is as wide as a phone, whose text is then 12 CSS pixels high, and
-is shown larger on a desktop. ``H`` is the height of a layout and ``W`` its width, in cells.
+The factor with the most values is shown along the axis, and the next two as colours and panels.
+Episodes are pooled over all other factors. A figure is as wide as a phone, where its text is 12 CSS
+pixels high; a desktop shows it larger. ``H`` and ``W`` are the height and the width of a layout in
+cells.
 """
 
 from __future__ import annotations
@@ -40,20 +41,20 @@ from warehouse_core.viz.figure import SceneFigure, make_figure, save_svg
 from warehouse_core.wording import counted, listed
 
 MAX_MAPS = 4
-"""Heat maps at most; the layouts with most episodes have them."""
+"""Maximum number of heat maps, which show the layouts with the most episodes."""
 
 MAX_CELLS = 300_000
-"""Cells of a layout that has a heat map or a replay; in a larger one no cell could be seen."""
+"""Maximum number of cells in a heat map or a replay; cells of larger layouts would be invisible."""
 
 STATIONS = {
     "drawn": "Pickup and dropoff are random in each episode",
-    "kept": "Pickup (P) and dropoff (D) are those of the layout in every episode",
+    "kept": "Pickup (P) and dropoff (D) are the stations of the layout in every episode",
 }
 
 
 @dataclass(frozen=True, slots=True)
 class Picture:
-    """A figure as SVG with its caption; its name is the stem of its file."""
+    """A figure as SVG, its caption, and the stem of its file as its name."""
 
     name: str
     caption: str
@@ -88,17 +89,17 @@ def svg_of(figure: Figure) -> bytes:
 
 
 def _intervals(chart: DesignPoints, measure: ReportedMeasure) -> str:
-    """Return which intervals a chart shows."""
-    drawn = [interval for each in chart.points if (interval := measured(measure, each))]
-    known = sum(interval.is_known for interval in drawn)
+    """Return a phrase that says which intervals a chart shows."""
+    shown = [interval for each in chart.points if (interval := measured(measure, each))]
+    known = sum(interval.is_known for interval in shown)
     words = f"with {CONFIDENCE:.0%} intervals" if known else "without intervals"
-    if known < len(drawn):
+    if known < len(shown):
         words += f", which need {MIN_VALUES} different values of one combination"
     return words
 
 
 def _left_out(chart: DesignPoints) -> str:
-    """Return the end of a caption: what a chart does not show of its design."""
+    """Return the end of a caption, which says what the chart leaves out of its design."""
     roles, words = chart.roles, ""
     if roles.axis and len(roles.axis.values) < roles.values:
         words += f"; {len(roles.axis.values)} of {roles.values:,} values of {roles.axis.name}"
@@ -108,7 +109,7 @@ def _left_out(chart: DesignPoints) -> str:
 
 
 def _maps(experiment: Experiment) -> Iterator[Picture]:
-    """Yield a heat map for each layout and its stations, the one with most episodes first."""
+    """Yield a heat map for each layout and choice of stations, most episodes first."""
     layouts: dict[tuple[tuple[str, ...], str], list[int]] = {}
     for case_id, case in experiment.cases.items():
         if TILES in case and cells_of(case) <= MAX_CELLS:
@@ -120,9 +121,9 @@ def _maps(experiment: Experiment) -> Iterator[Picture]:
             continue
         episodes, name = experiment.results(*ids).episodes, experiment.cases[ids[0]]["layout"]
         caption = (
-            f"Where robots got stuck on layout {shown(name)}: of {counted(episodes, 'episode')} "
-            "those of each failure mode, by the cell where they were stuck or ended. "
-            f"{STATIONS[stations]}."
+            f"Where robots got stuck on layout {shown(name)}: number of episodes with each failure "
+            f"mode, out of {counted(episodes, 'episode')}, by the cell where the robot got stuck "
+            f"or the episode ended. {STATIONS[stations]}."
         )
         figure = stuck_heat_map(rows, stuck, episodes, with_stations=stations == "kept")
         yield Picture(f"stuck-{number}", caption, svg_of(figure))
@@ -131,13 +132,18 @@ def _maps(experiment: Experiment) -> Iterator[Picture]:
 MAX_COLORS, MAX_PANELS = 8, 6
 
 MAX_POINTS = 400
-"""Most points of a chart; each takes a bootstrap, and more could not be distinguished."""
+"""Maximum number of points in a chart; each needs a bootstrap, and more would not be legible."""
 
 
 class Roles(NamedTuple):
-    """The factors along the axis, of the lines and of the panels, if any; others are pooled.
+    """The role of each factor of a design in a chart.
 
-    The axis has the values that are drawn, of so many in all.
+    Attributes:
+        axis: Factor along the axis, with only the values that are shown.
+        color: Factor that is shown by colours.
+        panel: Factor with a panel for each value.
+        pooled: Factors over which the episodes are pooled.
+        values: Number of values of the axis factor, including values that are not shown.
     """
 
     axis: Factor | None
@@ -148,7 +154,7 @@ class Roles(NamedTuple):
 
 
 def roles_of(design: Design) -> Roles:
-    """Return which factor of a design is drawn where."""
+    """Assign the factors of a design to the axis, the colours and the panels."""
     if not design.factors:
         return Roles(None, None, None, ())
     *left, axis = sorted(design.factors, key=lambda each: (each.is_ordered, len(each.values)))
@@ -157,23 +163,23 @@ def roles_of(design: Design) -> Roles:
     panel = left.pop(0) if left and len(left[0].values) < MAX_PANELS else None
     lines = math.prod(len(each.values) for each in (color, panel) if each)
     count = len(axis.values)
-    drawn = min(count, max(MAX_POINTS // lines, 2))
-    # The first, the last, and those at equal distances between them.
-    values = tuple(axis.values[number * (count - 1) // (drawn - 1)] for number in range(drawn))
+    places = min(count, max(MAX_POINTS // lines, 2))
+    # The first value, the last one, and values at equal distances between them.
+    values = tuple(axis.values[number * (count - 1) // (places - 1)] for number in range(places))
     return Roles(Factor(axis.name, values), color, panel, tuple(left), count)
 
 
 Where = tuple[Value | None, Value | None]
-"""The values of the panel and of the colour."""
+"""Value of the panel and value of the colour."""
 
 
 class DesignPoints:
     """The results of a design as points of a chart.
 
     Attributes:
-        roles: Factors along the axis, of the colours and of the panels.
-        lines: Results by the value along the axis, for each panel and colour; those at ``None``
-            are the same along the whole axis.
+        roles: Role of each factor.
+        lines: Results by the value along the axis, for each panel and colour. The axis factor does
+            not apply to results at ``None``, which are the same along the whole axis.
         points: Results of all lines.
     """
 
@@ -198,22 +204,22 @@ class DesignPoints:
 
 
 WIDTH, PANEL_HEIGHT, FOOT, DPI = 3.4, 2.6, 0.45, 100
-"""Inches of the width, of a panel, and of the space below the last; dots per inch."""
+"""Width, height of a panel and space below the last panel, in inches, and dots per inch."""
 
 LEFT, RIGHT, ROW = 0.6, 0.12, 0.2
-"""Room beside the panels, and the height of a line of the title or the legend, in inches."""
+"""Margins left and right of the panels, and line height of title and legend, in inches."""
 
 LETTERS = 12.0
-"""Letters of the text of a chart in an inch."""
+"""Number of letters of a chart's text that fit into an inch."""
 
 AXIS_LETTERS = int((WIDTH - LEFT - RIGHT) * LETTERS)
-"""Letters that fit along an axis."""
+"""Number of letters that fit along an axis."""
 
 MAX_TICKS, MAX_LETTERS = 10, 20
-"""Most names of an axis, and most letters of each."""
+"""Maximum number of names along an axis, and maximum number of letters in each."""
 
 TITLE_SIZE, TEXT_SIZE = 11.0, 9.0
-"""Sizes in points; the smallest text is 12 CSS pixels high where the figure is ``WIDTH`` wide."""
+"""Text sizes in points; the smaller one is 12 CSS pixels if the figure is ``WIDTH`` inches wide."""
 
 SMALL: dict[str, Any] = {"fontsize": TEXT_SIZE, "color": INK}
 
@@ -224,7 +230,7 @@ Keys = Mapping[str, Any]
 def make_panels(
     title: str, count: int, labels: Sequence[str], names: AxisNames
 ) -> tuple[SceneFigure, list[Axes]]:
-    """Return a figure with panels below each other, a title and room for a legend and for names."""
+    """Return a figure with a title, a column of panels, and space for a legend and axis names."""
     lines = wrap(title, int(WIDTH * 9))
     above = ROW * (len(lines) + math.ceil(len(labels) / _legend_columns(labels))) + 0.4
     foot = FOOT + names.height
@@ -262,9 +268,13 @@ def _legend_columns(labels: Sequence[str]) -> int:
 
 
 class AxisNames(NamedTuple):
-    """The names of some values below an axis; ``step`` is of how many values each is the first.
+    """The names of values below an axis.
 
-    They stand upright if they do not fit side by side. Of long ones the middle is left out.
+    Names are upright if they do not fit side by side. Long names are shortened in the middle.
+
+    Attributes:
+        names: Names of every ``step``-th value.
+        step: Number of values from one name to the next.
     """
 
     names: list[str]
@@ -281,14 +291,14 @@ class AxisNames(NamedTuple):
         return max(map(len, self.names)) / LETTERS if self.is_upright else 0.0
 
     def write(self, axes: Axes, places: Sequence[float], label: str) -> None:
-        """Write the names below an axis at their places, and its label."""
+        """Write the names at their places below an axis, and the label of the axis."""
         rotation = 90 if self.is_upright else 0
         axes.set_xticks(places[:: self.step], self.names, rotation=rotation)
         axes.set_xlabel(label, **SMALL)
 
 
 def names_of(values: Sequence[str]) -> AxisNames:
-    """Return the names of values that are written below an axis."""
+    """Return the names to write below an axis for some values."""
     step, half = math.ceil(len(values) / MAX_TICKS), MAX_LETTERS // 2
     names = [
         name
@@ -308,12 +318,12 @@ def name_panel(axes: Axes, *named: tuple[Factor | None, Value | None]) -> None:
 MARKERS = "os^Dv*PX"
 
 DODGE = 0.012
-"""Distance between lines as a share of the width, so that no interval hides another."""
+"""Horizontal distance between lines as a share of the width, so that intervals do not overlap."""
 
 
 @mpl.rc_context({"text.parse_math": False})
 def measure_figure(chart: DesignPoints, title: str, measure: ReportedMeasure) -> SceneFigure | None:
-    """Draw a measure with its intervals, unless nothing differs or there is nothing to measure."""
+    """Draw a measure with its intervals, or return ``None`` if there is nothing to compare."""
     axis, color, panel = chart.roles[:3]
     lines = {
         where: {value: measured(measure, results) for value, results in line.items()}
@@ -353,7 +363,7 @@ def measure_figure(chart: DesignPoints, title: str, measure: ReportedMeasure) ->
 
 
 def measured(measure: ReportedMeasure, results: Results) -> Interval | None:
-    """Return a measure, without its interval if cases are pooled: they share their seeds."""
+    """Return a measure, without its interval if cases are pooled, because they share seeds."""
     interval = results.interval(measure)
     if interval is None or len(results.case_ids) == 1:
         return interval
@@ -368,7 +378,7 @@ def _draw_line(
     shift: float,
     number: int,
 ) -> Any:
-    """Draw the results of one colour and return what a legend shows of them."""
+    """Draw the results of one colour, and return the mark for the legend."""
     key: Any = None
     look: dict[str, Any] = {"color": SERIES[number], "linewidth": 1.6}
     points = [(places[value] + shift, point) for value, point in line.items()
@@ -410,16 +420,16 @@ MODE_COLORS = {
         (modes.LATE, "out-of-time"),
     )
 }
-"""Colours of how an episode ended; no chart has an episode of a lone robot and one of a fleet."""
+"""Colour of each outcome. Outcomes of lone robots and of fleets are never in the same chart."""
 
 LUMINANCE = (0.2126, 0.7152, 0.0722)
 """Weights of linear R, G and B. Source: WCAG 2.2, relative luminance."""
 
 MAX_DARK = 0.17
-"""Luminance of the colours on which black and nearly white have the same contrast."""
+"""Luminance of colours on which black and near-white text have the same contrast."""
 
 MIN_LEGIBLE, MAX_NUMBERED = 0.08, 7
-"""Minimum share of a bar for a number to fit into it, and most bars of a panel with numbers."""
+"""Minimum share of a segment with a number, and maximum number of bars in a panel with numbers."""
 
 
 @mpl.rc_context({"text.parse_math": False})
@@ -460,7 +470,7 @@ def _draw_bar(axes: Axes, place: int, results: Results, *, is_numbered: bool) ->
 
 
 def ink_on(color: str) -> str:
-    """Return black or nearly white, whichever is legible on a colour."""
+    """Return the colour for text on a colour: black or near-white, whichever is legible."""
     light = sum(weight * part**2.2 for weight, part in zip(LUMINANCE, to_rgb(color), strict=True))
     return "black" if light > MAX_DARK else "whitesmoke"
 
@@ -475,9 +485,12 @@ GROUP BY mode, row, col
 def stuck_cells(
     store: Store, rows: Sequence[str], case_ids: Sequence[int]
 ) -> dict[str, CellCounts]:
-    """Count the cells ``[H, W]`` where episodes ended or were stuck, by mode in their usual order.
+    """Count the episodes that got stuck or ended in each cell, ``[H, W]``, for each failure mode.
 
-    An episode that was stuck where the layout of the cases has no cell is a ``StoreError``.
+    Modes are in the order of ``MODES``.
+
+    Raises:
+        StoreError: an episode got stuck outside the layout.
     """
     stuck: dict[str, CellCounts] = {}
     for mode, row, col, count in store.query(STUCK, json.dumps(list(case_ids))):
@@ -495,9 +508,9 @@ def stuck_heat_map(
     *,
     with_stations: bool = False,
 ) -> Figure:
-    """Return the heat maps of a layout, one panel for each mode that ``stuck_cells`` gives.
+    """Return the heat maps of a layout, with a panel for each mode in ``stuck``.
 
-    Shares are of all episodes, deliveries included.
+    Shares refer to all episodes, including deliveries.
     """
     titled = {
         f"{mode}: {cells.sum():,} ({cells.sum() / episodes:.1%})": cells

@@ -1,7 +1,8 @@
-"""The report as one page of HTML, without anything loaded from elsewhere.
+"""The report as a single HTML page that loads nothing from elsewhere.
 
-It has answers, figures, examples, settings, and a table of all cases. The only script is the one of
-the players. Names given by users, of agents and layouts for example, are always escaped text.
+The page has answers, figures, examples, settings and a table of all cases. Its only script belongs
+to the replay players. Names from users, such as the names of agents and layouts, are always
+escaped.
 """
 
 from __future__ import annotations
@@ -36,13 +37,13 @@ from warehouse_core.viz.tracks.track import Track
 from warehouse_core.wording import counted, printable
 
 MAX_CASES = 200
-"""Cases in the table at most; the others are only in the file."""
+"""Maximum number of cases in the table; the others are only in the file of results."""
 
 METHODS = (
-    f"Ranges in brackets, whiskers and bands are {CONFIDENCE:.0%} intervals: Wilson's for shares, "
-    f"the studentised bootstrap's for means of at least {MIN_VALUES} values. Differences are taken "
-    "seed by seed where equal seeds are equal tasks, with Bonett and Price's interval for shares. "
-    "No difference was found if the interval of the difference contains 0."
+    f"Ranges in brackets, whiskers and bands are {CONFIDENCE:.0%} intervals: Wilson intervals for "
+    f"shares, and studentised bootstrap intervals for means of at least {MIN_VALUES} values. Where "
+    "equal seeds are equal tasks, differences are computed seed by seed, with intervals by Bonett "
+    "and Price for shares. No difference was found if the interval of the difference contains 0."
 )
 
 NUMBER = re.compile(r"-?\d[\d,.]*%?( .*)?")
@@ -52,7 +53,7 @@ MADE_WITH = ("warehouse-lab", "numpy", "matplotlib")
 
 @dataclass(frozen=True, slots=True)
 class Table:
-    """The names of columns, rows with as many cells, and a note below, perhaps empty."""
+    """A table: the names of its columns, its rows, and a note below it, which may be empty."""
 
     columns: tuple[str, ...]
     rows: tuple[tuple[str, ...], ...]
@@ -61,10 +62,18 @@ class Table:
 
 @dataclass(frozen=True, slots=True)
 class Page:
-    """The contents of the page: the summary tells the episodes, and the methods what ranges mean.
+    """The contents of the page.
 
-    There is a setting for each parameter, a table for each kind of episodes, an example for each
-    failure mode, and the versions of the programs that it was made with.
+    Attributes:
+        title: Title of the page.
+        summary: Numbers of episodes and combinations, and the seeds.
+        methods: Explanation of the intervals.
+        answers: Answers to the questions of the experiment.
+        pictures: Figures.
+        settings: Name and values of each parameter.
+        tables: A table for each kind of episode.
+        examples: An example for each outcome.
+        made_with: Names and versions of the programs that made the page and the results.
     """
 
     title: str
@@ -79,10 +88,14 @@ class Page:
 
 
 def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
-    """Return the report on everything in a file of results, or raise if there is no episode."""
+    """Return the report on a file of results.
+
+    Raises:
+        StoreError: the file has no episodes.
+    """
     parts = [each for kind in (LONE, FLEETS) if (each := Experiment(store, kind)).cases]
     if not parts:
-        raise StoreError(f"{store.path}: there is no episode in it")
+        raise StoreError(f"{store.path}: the file has no episodes")
     return Page(
         title=f"Report on {store.path.name}",
         summary="; ".join(map(_summary, parts)),
@@ -101,7 +114,7 @@ def make_page(store: Store, examples: tuple[Example, ...]) -> Page:
 
 
 def _summary(experiment: Experiment) -> str:
-    """Return the number of episodes, their seeds, and what is still missing."""
+    """Return the number of episodes, their seeds, and the number of missing combinations."""
     everything = experiment.results(*experiment.cases)
     first, last = everything.seeds
     counts = [experiment.results(case_id).episodes for case_id in experiment.cases]
@@ -113,12 +126,12 @@ def _summary(experiment: Experiment) -> str:
     if min(counts) < max(counts):
         parts.append(f"{min(counts):,} to {max(counts):,} episodes each")
     if experiment.unbegun:
-        parts.append(f"{counted(experiment.unbegun, 'further combination')} not yet begun")
+        parts.append(f"{counted(experiment.unbegun, 'further combination')} not yet started")
     return ", ".join(parts)
 
 
 def _settings(design: Design) -> Iterator[tuple[str, str]]:
-    """Yield the parameters that differ with their values, and then the others."""
+    """Yield names and values of the parameters that differ, and then of the other parameters."""
     for factor in design.factors:
         yield factor.name, ", ".join(map(shown, factor.values))
     for name, value in design.fixed.items():
@@ -126,7 +139,7 @@ def _settings(design: Design) -> Iterator[tuple[str, str]]:
 
 
 def _table(experiment: Experiment) -> Table:
-    """Return a line for each case: what differs, the number of episodes, and their results."""
+    """Return a table with a row for each case: its settings, number of episodes and results."""
     design = experiment.design
     chosen = list(design.labels)[:MAX_CASES]
     results = {case_id: experiment.results(case_id) for case_id in chosen}
@@ -152,7 +165,7 @@ def _table(experiment: Experiment) -> Table:
         for case_id, each in results.items()
     )
     left = len(design.labels) - len(chosen)
-    note = f"{counted(left, 'further combination')} in the file." if left else ""
+    note = f"The file has {counted(left, 'further combination')}." if left else ""
     columns = (measure.name.replace("_", " ") for measure in measures)
     return Table((*names, "episodes", "seeds", *columns, *modes), tuple(rows), note)
 
@@ -169,7 +182,7 @@ def _seeds(results: Results) -> str:
 
 
 def write_page(path: Path, page: Page) -> None:
-    """Write the page; the file is complete or not there."""
+    """Write the page as a whole, so that no incomplete file is left after an error."""
     has_players = any(example.track for example in page.examples)
     write_template(path, "page.html", page.title, has_players, page=page)
 
@@ -177,9 +190,14 @@ def write_page(path: Path, page: Page) -> None:
 def write_template(
     path: Path, template: str, title: str, has_players: bool, **values: object
 ) -> None:
-    """Write a page by a template of this folder; the file is complete or not there.
+    """Write a page with a template of this folder, and leave no incomplete file after an error.
 
-    Its policy has to allow the script of players; ``values`` are what the template names.
+    Args:
+        path: Path of the page.
+        template: File name of the template.
+        title: Title of the page.
+        has_players: True if the security policy of the page must allow the players' script.
+        values: Variables of the template.
     """
     environment = Environment(
         loader=FileSystemLoader(Path(__file__).parent),
@@ -200,19 +218,19 @@ def write_template(
 
 
 def _shown(value: object) -> object:
-    """Return a value as it is shown: text without invisible characters, markup as it is."""
+    """Return a value for display: text without invisible characters, and markup unchanged."""
     is_text = isinstance(value, str) and not isinstance(value, Markup)
     return printable(str(value)) if is_text else value
 
 
 def _player(example: Example) -> Markup:
-    assert example.track is not None, "only asked for if there is one"
+    assert example.track is not None, "the template asks for a player only if there is a track"
     title = f"Replay of an episode that ended as {example.found.mode}: {example.sentence}"
     return player_of(example.track, title)
 
 
 def player_of(track: Track, title: str) -> Markup:
-    """Return the player of an episode, as part of a page."""
+    """Return the HTML of a replay player for an episode."""
     return Markup(player_frame([track], title=title))
 
 
@@ -221,7 +239,7 @@ def _data_uri(data: bytes, kind: str) -> str:
 
 
 def _numeric(table: Table) -> list[bool]:
-    """Return for each column whether its cells are numbers, perhaps with units or intervals."""
+    """Return whether the cells of each column are numbers, with or without units and intervals."""
     columns = []
     for number in range(len(table.columns)):
         cells = {row[number] for row in table.rows} - {"", shown(None)}

@@ -1,4 +1,4 @@
-"""The command ``warehouse report``: answers on the terminal, a page, and figures."""
+"""The command ``warehouse report``, which prints answers and writes a page and figures."""
 
 from __future__ import annotations
 
@@ -23,25 +23,25 @@ def report(
     ],
     output: Annotated[
         Path | None,
-        option("--save -o FILE", f"{SAVE} The page, as .html. Default: RESULTS.html."),
+        option("--save -o FILE", f"{SAVE} The page, .html. Default: RESULTS.html."),
     ] = None,
     figures: Annotated[
-        Path | None, option("--figures FOLDER", "Also write each figure there, as .svg.")
+        Path | None, option("--figures FOLDER", "Also write each figure as .svg into this folder.")
     ] = None,
     replays: Annotated[
         bool | None,
         option(
             "--replays/--no-replays",
-            "Run one episode of each outcome again and show it, or do not. Default: do, but "
-            "not with agents from your own files; --replays runs their code too.",
+            "Run one episode with each outcome again and show its replay. Default: yes, except "
+            "for agents from your own files; --replays runs their code too.",
             show_default=False,
         ),
     ] = None,
 ) -> None:
     """Report on a sweep.
 
-    Answers are printed, and a page is written. It has the answers to the questions of the sweep,
-    figures, replays, and a table of all combinations. It is one file that loads nothing.
+    Prints the answers to the questions of the sweep, and writes a page with these answers, figures,
+    replays and a table of all combinations. The page is a single file that loads nothing else.
 
     Example: warehouse report results.sqlite --figures figures
     """
@@ -53,7 +53,7 @@ def report(
     check_suffix(target, [PAGE_SUFFIX])
     check_target(target)
     if target.resolve() == results.resolve():
-        raise StoreError(f"{target}: this is the file of results; the page needs another name")
+        raise StoreError(f"{target}: this is the file of results; save the page under another name")
     with Store(results, read_only=True) as store:
         wanted = [] if replays is False else find_examples(store)
         page = make_page(

@@ -1,4 +1,4 @@
-"""What reports measure of the episodes of some cases, each with its interval.
+"""The measures of a report and their intervals, computed from the episodes of some cases.
 
 Two cases are compared seed by seed, because equal seeds are equal tasks.
 """
@@ -28,17 +28,17 @@ CaseIds = tuple[int, ...]
 
 
 class ReportedMeasure(NamedTuple):
-    """A number that reports give: in the table, in a chart, and in sentences.
+    """A measure that reports show in the table, in a chart and in sentences.
 
     Attributes:
-        name: Name of its picture, and of its column in the table.
+        name: Name of its picture and of its column in the table.
         title: Title of its chart, and its name in verdicts.
         says: Beginning of a sentence that ends with values, such as ``"a delivery takes"``.
-        unit: Unit; ``"%"`` for a share.
-        value: Expression of SQL that gives the value of an episode, ``NULL`` if it has none.
-        of: Condition of SQL on the episodes that have it.
-        what: Definition of the number, for the caption.
-        is_physical: Only backends that measure time and energy have it.
+        unit: Unit, or ``"%"`` for a share.
+        value: SQL expression for its value in an episode, which is ``NULL`` if it has none.
+        of: SQL condition that selects the episodes that have a value.
+        what: Definition of the measure, for the caption.
+        is_physical: True if only backends that simulate time and energy measure it.
     """
 
     name: str
@@ -71,7 +71,7 @@ class ReportedMeasure(NamedTuple):
 def _of_deliveries(
     name: str, title: str, says: str, unit: str, *, is_physical: bool
 ) -> ReportedMeasure:
-    of, what = f"mode = '{DELIVERED}'", "mean of what was delivered, hard or easy"
+    of, what = f"mode = '{DELIVERED}'", "mean over all deliveries, hard or easy"
     return ReportedMeasure(name, title, says, unit, name, of, what, is_physical)
 
 
@@ -94,7 +94,7 @@ LATENESS = ReportedMeasure(
 )
 ENERGY = ReportedMeasure(
     "energy", "Energy of a delivery", "a delivery uses", "kJ", "joules_per_delivery / 1000",
-    what="that of all robots, mean of all episodes",
+    what="energy of all robots, mean of all episodes",
 )  # fmt: skip
 BLOCKED = ReportedMeasure(
     "blocked", "Share of moves that robots blocked", "the share of moves that robots blocked is",
@@ -103,9 +103,14 @@ BLOCKED = ReportedMeasure(
 
 
 class ReportKind(NamedTuple):
-    """What reports on lone robots, or on fleets, are made of; values are compared by the first.
+    """The contents of reports on lone robots or on fleets.
 
-    The picture of the outcomes has the name ``modes``.
+    Attributes:
+        name: Phrase that follows the number of episodes.
+        row: Type of the rows.
+        measures: Measures; values are compared by the first one.
+        modes: Name of the picture of the outcomes.
+        modes_title: Title of this picture.
     """
 
     name: str
@@ -125,13 +130,13 @@ FLEETS = ReportKind(
 
 
 class Results:
-    """The episodes of some cases, read when they are needed.
+    """The results of some cases, which are read from the file when they are needed.
 
     Attributes:
         episodes: Number of episodes.
         modes: Number of episodes with each mode that occurs, in the order of ``MODES_OF``.
         seeds: First seed and last seed.
-        is_measured: Seconds and joules are measured; the grid has nominal ones.
+        is_measured: True if seconds and joules are measured; on the grid they are nominal.
     """
 
     def __init__(self, experiment: Experiment, case_ids: CaseIds) -> None:
@@ -147,11 +152,11 @@ class Results:
         self._intervals: dict[ReportedMeasure, Interval | None] = {}
 
     def has(self, measure: ReportedMeasure) -> bool:
-        """Return whether a measure is measured, and not nominal."""
+        """Return whether these cases measure it, instead of assuming a nominal value."""
         return self.is_measured or not measure.is_physical
 
     def interval(self, measure: ReportedMeasure) -> Interval | None:
-        """Return the mean or the share of a measure; ``None`` if there is nothing to measure."""
+        """Return the mean or the share of a measure, or ``None`` if no episode has a value."""
         if measure not in self._intervals:
             values = self._values(measure)
             self._intervals[measure] = (
@@ -163,22 +168,23 @@ class Results:
 
     @property
     def main(self) -> Interval:
-        """The measure by which values are compared."""
+        """Interval of the measure by which values are compared."""
         interval = self.interval(self.kind.measures[0])
         assert interval is not None, "every case with episodes has it"
         return interval
 
     def _values(self, measure: ReportedMeasure) -> np.ndarray:
-        """Return the values of the episodes that have one, ``[n]``."""
+        """Return the values ``[n]`` of a measure in the episodes that have a value."""
         statement = f"SELECT value FROM ({_values_of(measure, self.kind)})"
         return np.concatenate([_numbers(self.store, statement, each) for each in self.case_ids])
 
 
 class Experiment:
-    """The cases of a file of results with episodes of one kind, and their results, computed once.
+    """The cases of one kind in a file of results, and their results, each computed once.
 
     Attributes:
-        tallies: Mode, number, first and last seed of episodes of one mode, by the number of a case.
+        tallies: Mode, number of episodes, first seed and last seed for each mode that occurs, by
+            the number of the case.
         cases: Cases with episodes, by their numbers.
         unbegun: Number of cases of this kind without an episode.
     """
@@ -199,19 +205,20 @@ class Experiment:
 
     @cached_property
     def design(self) -> Design:
-        """What differs between the cases."""
+        """Design of the experiment, with the differences between its cases."""
         return make_design(self.cases)
 
     def results(self, *case_ids: int) -> Results:
-        """Return the results of some cases, pooled."""
+        """Return the pooled results of some cases."""
         if case_ids not in self._results:
             self._results[case_ids] = Results(self, case_ids)
         return self._results[case_ids]
 
     def paired(self, measure: ReportedMeasure, one: int, other: int) -> Interval | None:
-        """Return how much larger a measure is in one case than in another, seed by seed.
+        """Return how much larger a measure is in one case than in another, compared seed by seed.
 
-        Only seeds count for which both have the measure; without any it is ``None``.
+        Only seeds for which both cases have a value are compared. Return ``None`` if there are no
+        such seeds.
         """
         values = _values_of(measure, self.kind)
         pairs = f"SELECT a.value - b.value FROM ({values}) a JOIN ({values}) b USING (seed)"
@@ -222,7 +229,7 @@ class Experiment:
 
 
 def _values_of(measure: ReportedMeasure, kind: ReportKind) -> str:
-    """Return the query that gives the seeds and the values of a case."""
+    """Return the query for the seeds and the values of a measure in a case."""
     return (
         f"SELECT seed, {measure.value} AS value FROM {TABLE_OF[kind.row]} "
         f"WHERE case_id = ? AND {measure.of} AND {measure.value} IS NOT NULL"

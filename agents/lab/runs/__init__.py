@@ -1,1 +1,1 @@
-"""Runs of agents in environments, and names of the program that ran them."""
+"""Runs of agents in environments, and the names of the programs that ran them."""

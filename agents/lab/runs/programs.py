@@ -1,7 +1,8 @@
-"""What an episode depends on beside its case: the program that runs it, and the code of its agent.
+"""Names of the program that runs an episode and of its agent's code.
 
-Both are named by digests of source files, so that no change of what they do goes unnoticed. Other
-packages that an agent imports, from ``site-packages``, are not part of its digest.
+An episode depends on both besides its case. The names contain digests of source files, so that a
+change of behaviour cannot go unnoticed. The digest of an agent does not cover the packages that it
+imports from ``site-packages``.
 """
 
 from __future__ import annotations
@@ -23,7 +24,7 @@ from warehouse_core.files.reading import not_a_file
 from warehouse_core.motion.backends import GROUP
 
 OWN = ("agents", "warehouse_core", "warehouse_physics")
-"""Packages of this program; no module of a user can have one of these names."""
+"""Packages of this program, whose names users' modules cannot have."""
 
 ROOT = Path(__file__).parents[3]
 
@@ -31,21 +32,22 @@ NO_EFFECT = {
     "viz", "warehouse_viz.py", "render", "gymnasium_env", "conformance", "reports", "grading",
     "commands", "console", "__main__.py", "run_episode.py",
 }  # fmt: skip
-"""Files and folders of these packages that have no effect on an episode of an experiment."""
+"""Files and folders in these packages that have no effect on the episodes of an experiment."""
 
 DIGITS = 10
-"""Length of the digest in the name of a program."""
+"""Number of digits of the digest in the name of a program."""
 
 MAX_BYTES = 64 * 1024 * 1024
-"""Most bytes in a file of an agent."""
+"""Maximum size of an agent's file in bytes."""
 
 
 @cache
 def program_for(backend: str) -> str:
-    """Return the name of the program that runs the episodes of a backend in this process.
+    """Return the name of the program that runs episodes on a backend in this process.
 
-    It has the version of this package and a digest of its sources, and the versions of NumPy and of
-    what the backend needs: pymunk, or its own distribution. Nothing is imported to find them.
+    The name contains the version of this package, a digest of its sources, and the versions of
+    NumPy and of the package that the backend needs. This package is pymunk or the distribution of
+    the backend. Nothing is imported to find the versions.
     """
     names = ["numpy", *(["pymunk"] if backend == "physics" else [])]
     for entry_point in entry_points(group=GROUP, name=backend):
@@ -63,7 +65,7 @@ def _version(name: str) -> str:
 
 
 def own_sources() -> list[Path]:
-    """Return the source files of this program that have an effect on episodes, in a fixed order."""
+    """Return the source files of this program that affect episodes, in a fixed order."""
     sources = {path: path.relative_to(ROOT / name) for name in OWN
                for path in (ROOT / name).rglob("*.py")}  # fmt: skip
     return sorted(
@@ -77,12 +79,15 @@ def _own_digest() -> str:
 
 
 def fingerprint(file: Path | None, module: str | None) -> str | None:
-    """Return the digest of the code or model of an agent; ``None`` for an agent of this program.
+    """Return the digest of an agent's code or model, or ``None`` for an agent of this program.
 
-    The code is its file, or its module, and what these import from the same folder, also in
-    functions. It is found without being run. A process imports a module once, so the digest of one
-    is made once too; files are read each time. A file that is a folder, a pipe, a device, or longer
-    than ``MAX_BYTES`` is an ``AgentError``.
+    The code consists of the agent's file or module, and of all files that it imports from the same
+    folder, including imports inside functions. It is found without running it. A process imports a
+    module only once. Therefore the digest of a module is computed only once, while files are read
+    each time.
+
+    Raises:
+        AgentError: a file is a folder, a pipe or a device, or is longer than ``MAX_BYTES``.
     """
     if module is not None:
         return _module_fingerprint(module)
@@ -109,9 +114,9 @@ def _module_fingerprint(name: str) -> str | None:
 
 
 def _with_imports(files: Iterable[Path], folder: Path, own: str | None) -> set[Path]:
-    """Return files, what they import from a folder, what that imports from there, and so on.
+    """Return some files and all files in a folder that they import, directly or indirectly.
 
-    Of a folder of installed packages only the files' own package is looked up.
+    In a folder of installed packages, only imports from the files' own package are followed.
     """
     is_shared = folder.resolve() in _installed()
     reached, waiting = set[Path](), list(files)
@@ -132,9 +137,9 @@ def _with_imports(files: Iterable[Path], folder: Path, own: str | None) -> set[P
 
 @lru_cache
 def imports_of(source: bytes) -> tuple[tuple[int, str], ...]:
-    """Return the names that a source imports, with the number of dots before each."""
+    """Return the names that a source file imports, with the number of dots before each name."""
     names = []
-    with suppress(SyntaxError, ValueError, RecursionError, MemoryError):  # it cannot be imported
+    with suppress(SyntaxError, ValueError, RecursionError, MemoryError):  # an import would fail too
         for node in ast.walk(ast.parse(source)):
             if isinstance(node, ast.Import):
                 names += [(0, each.name) for each in node.names]
@@ -145,9 +150,9 @@ def imports_of(source: bytes) -> tuple[tuple[int, str], ...]:
 
 
 def _files_of(parts: Sequence[str], folder: Path) -> Iterator[Path]:
-    """Yield the files of a module in a folder, after the packages around it."""
+    """Yield the files of a module in a folder, preceded by the files of its parent packages."""
     for part in parts:
-        if part == "*":  # perhaps modules
+        if part == "*":  # it may import modules
             yield from folder.glob("*.py")
         for name in (part, f"{part}/__init__"):
             files = (folder / f"{name}{suffix}" for suffix in all_suffixes())
@@ -164,7 +169,7 @@ def _installed() -> set[Path]:
 
 
 def digest_of(files: Iterable[Path], folder: Path, digest: Callable[[Path], str]) -> str:
-    """Return the digest of the names of files in a folder, and of the digest of each."""
+    """Return a digest of the names and contents of files, with their names relative to a folder."""
     lines = (f"{file.relative_to(folder).as_posix()} {digest(file)}" for file in sorted(files))
     return hashlib.sha256("\n".join(lines).encode(errors="surrogateescape")).hexdigest()
 

@@ -1,6 +1,6 @@
-"""One run: an agent acts in an environment until the episode is over, and everything is recorded.
+"""A run, in which an agent acts in an environment until the episode ends and is recorded.
 
-A lone robot and a fleet are run by the same function.
+The same function runs lone robots and fleets.
 """
 
 from __future__ import annotations
@@ -18,33 +18,34 @@ from warehouse_core.records import FleetAgent
 from warehouse_core.records.recorder import start_recording
 
 MAX_SEED = 999_999
-"""Largest seed that is drawn; it is short enough to type again."""
+"""Largest random seed, which is short enough to type again."""
 
 Whereabouts = Callable[[], str]
-"""Tells where an episode is, in words: ``"reset"``, or a step such as ``"step 3"``."""
+"""Function that describes where an episode is: ``"reset"``, or a step such as ``"step 3"``."""
 
 Watch = Callable[[Whereabouts], AbstractContextManager[object]]
-"""Makes the context that an episode runs in; it may report steps that take long."""
+"""Function that returns the context in which an episode runs; it may report slow steps."""
 
 
 def run(
     env: WarehouseEnv | FleetEnv, agent: Agent | FleetAgent, seed: int | None,
     watch: Watch = nullcontext, *, name: str = "", randomize: bool | str = True,
 ) -> Episode:  # fmt: skip
-    """Reset an environment and its agent, run one whole episode, and return its record.
+    """Reset an environment and its agent, run one episode to its end, and return its record.
 
     Args:
         env: environment of a lone robot or of a fleet; it is not closed.
-        agent: agent of the robot, or agent that directs the fleet.
-        seed: seed of the reset, not of the agent; ``None`` draws one.
-        watch: makes the context that the episode runs in.
-        name: name of the agent in messages and in the record of a fleet; the default is its class.
-            The record of a lone robot always has the class.
-        randomize: choice of what a lone robot's reset draws, see ``WarehouseEnv.reset``.
+        agent: agent of the robot, or agent that controls the fleet.
+        seed: seed of the reset, but not of the agent; ``None`` stands for a random seed.
+        watch: function that returns the context in which the episode runs.
+        name: name of the agent in messages and in the record of a fleet, by default the name of its
+            class. The record of a lone robot always has the name of the class.
+        randomize: option of a lone robot's ``WarehouseEnv.reset``.
 
     Raises:
-        EpisodeError: the agent or the backend raised an exception, or the agent returned something
-            that is no action; the message has the seed, the step and, of a ``Team``, the robot.
+        EpisodeError: the agent or the backend raised an exception, or the agent returned an object
+            that is not an action. The message names the seed, the step and, for a ``Team``, the
+            robot.
         EpisodeInterrupted: Ctrl-C was pressed.
     """
     kind = type(agent).__name__
@@ -80,7 +81,7 @@ def draw_seed() -> int:
 
 
 def own_code(agent: object) -> object:
-    """Return the part of an agent that a user may have written."""
+    """Return the part of an agent that may be a user's own code."""
     if isinstance(agent, Team):
         return agent.agents[0]
     return agent.planner if isinstance(agent, PlannedFleet) else agent

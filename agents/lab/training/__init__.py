@@ -1,1 +1,1 @@
-"""Trainings watched: exams of the agent, and the picture of its learning curve."""
+"""Support for training agents: exams, learning curves and checkpoints."""

@@ -1,7 +1,7 @@
-"""Checkpoints: all that a training needs to go on as if it had never stopped.
+"""Checkpoints, from which a training continues as if it had never stopped.
 
-A file is two lines of text, the digest of what follows and JSON of the options, and then pickled
-Python. Whoever writes such a file can have any program run where it is read.
+A file has two lines of text, which are a digest of the rest and the options as JSON, and then
+pickled Python objects. Load only files that you trust, because the pickle can run any program.
 """
 
 from __future__ import annotations
@@ -24,13 +24,13 @@ FORMAT = "warehouse-lab checkpoint 1"
 def save_checkpoint(
     path: Path, options: Mapping[str, Any], learner: Resumable, progress: object
 ) -> None:
-    """Write a checkpoint, whole or not at all.
+    """Write a checkpoint, and leave no incomplete file after an error.
 
     Args:
         path: file to write.
-        options: all that the training follows from, as values that JSON has.
-        learner: training that is being watched.
-        progress: anything else that is to be kept.
+        options: everything that determines the training, as JSON values.
+        learner: learner whose state is saved.
+        progress: any other object to save.
     """
     content = json.dumps(options).encode() + b"\n" + pickle.dumps((learner.state(), progress))
     with atomic_path(path) as part:
@@ -38,25 +38,25 @@ def save_checkpoint(
 
 
 def load_checkpoint(path: Path, options: Mapping[str, Any], learner: Resumable) -> Any:
-    """Restore a learner, and return the progress that was saved with it.
+    """Restore the state of a learner, and return the progress that was saved with it.
 
     Raises:
-        RecordError: the file is damaged or no checkpoint, or its options differ.
+        RecordError: the file is damaged or is not a checkpoint, or its options differ.
         OSError: the file cannot be read.
     """
     head, _, content = path.read_bytes().partition(b"\n")
     if not head.startswith(FORMAT.encode()):
-        raise RecordError(f"{path}: its first line is not that of a {FORMAT!r}")
+        raise RecordError(f"{path}: its first line does not begin with {FORMAT!r}")
     if head.decode(errors="replace") != f"{FORMAT} {_digest(content)}":
-        raise RecordError(f"{path}: it is damaged; its digest is another")
+        raise RecordError(f"{path}: the file is damaged; its digest does not match")
     text, _, pickled = content.partition(b"\n")
     stored = json.loads(text)
-    # JSON has no tuples.
+    # Compared after a conversion to JSON, which has no tuples.
     for name, value in json.loads(json.dumps(options)).items():
         if stored.get(name) != value:
             raise RecordError(
-                f"{path}: {name} was {brief(stored.get(name))} and is {brief(value)} now; a "
-                "training is resumed with the options and versions with which it began"
+                f"{path}: {name} was {brief(stored.get(name))} and is {brief(value)} now; resume "
+                "a training with the options and versions with which it began"
             )
     state, progress = pickle.loads(pickled)
     learner.restore(state)

@@ -1,4 +1,4 @@
-"""The picture of a training: deliveries and episode lengths over the steps of training."""
+"""The learning curve of a training: deliveries and episode lengths over the training steps."""
 
 from __future__ import annotations
 
@@ -23,7 +23,7 @@ from warehouse_core.viz.figure import SceneFigure, make_figure
 SIZE, DPI = (9.0, 3.8), 150
 STEP_TICKS = [digit * 10**power for power in range(9) for digit in (1, 2, 5)]
 ROOM = 1.5
-"""Factor of space for the names of the lines, above the highest and below the lowest."""
+"""Factor by which the axis extends beyond the lowest and highest values, for the line names."""
 
 LEARNER, GREEDY = color_named("accent"), WARNING
 
@@ -31,7 +31,7 @@ LEARNER, GREEDY = color_named("accent"), WARNING
 def save_learning_curve(
     path: Path, name: str, title: str, points: Sequence[ExamPoint], greedy: Scores | FleetScores
 ) -> None:
-    """Write the picture of at least one point as PNG, whole or not at all."""
+    """Write the learning curve as a PNG file, and leave no incomplete file after an error."""
     figure = learning_curve(name, title, points, greedy)
     with atomic_path(path) as part:
         figure.pixels().save(part, format="PNG")
@@ -40,7 +40,14 @@ def save_learning_curve(
 def learning_curve(
     name: str, title: str, points: Sequence[ExamPoint], greedy: Scores | FleetScores
 ) -> SceneFigure:
-    """Draw at least one point."""
+    """Draw the learning curve of an agent next to the scores of the greedy agent.
+
+    Args:
+        name: name of the agent.
+        title: title of the figure.
+        points: exams, of which there must be at least one.
+        greedy: scores of the greedy agent.
+    """
     figure = make_figure(SIZE, DPI)
     left, right = figure.subplots(1, 2)
     figure.subplots_adjust(left=0.065, right=0.975, top=0.82, bottom=0.21, wspace=0.16)
@@ -48,7 +55,7 @@ def learning_curve(
     method = "Wilson"
     if isinstance(greedy, FleetScores):
         method = "bootstrap"
-        rate, blocked = "items delivered in an hour", "steps of robots that others blocked"
+        rate, blocked = "deliveries per hour", "share of steps blocked by other robots"
         _draw(left, f"{rate} (mean)", name, points, greedy, lambda each: each.per_hour, "{:.0f}")
         _draw(right, f"{blocked} (mean)", name, points, greedy, lambda each: each.blocked, "{:.1%}")
         right.yaxis.set_major_formatter(PercentFormatter(1.0, decimals=0))
@@ -56,7 +63,7 @@ def learning_curve(
             high = axes.get_ylim()[1]
             axes.set_ylim(-0.1 * high, 1.1 * high)
     else:
-        success = "delivers, of random starts"
+        success = "deliveries, share of random starts"
         _draw(left, success, name, points, greedy, lambda each: each.success, "{:.1%}")
         left.set_ylim(-0.1, 1.1)
         left.set_yticks(np.linspace(0, 1, 6))
@@ -64,7 +71,7 @@ def learning_curve(
         _draw_lengths(right, name, points, greedy)
     count = len(points[0].scores.rows)
     caption = (
-        f"each point: {count:,} random starts, the same ones every time, band: 95% ({method});  "
+        f"each point: the same {count:,} random starts; band: 95% interval ({method});  "
         f"greedy: {len(greedy.rows):,} random starts"
     )
     figure.text(0.065, 0.03, caption, fontsize=8.5, color="0.4")
@@ -75,7 +82,7 @@ def _draw_lengths(axes: Axes, name: str, points: Sequence[ExamPoint], greedy: Sc
     def length(scores: Any) -> Interval:
         return Interval(mean_length(scores))
 
-    title = "steps of an episode, failures included (mean)"
+    title = "steps per episode, including failures (mean)"
     _draw(axes, title, name, points, greedy, length, "{:.1f} steps")
     axes.set_yscale("log")
     each: list[Any] = [greedy, *(point.scores for point in points)]
@@ -96,12 +103,13 @@ def _draw(
     measure: Callable[[Any], Interval],
     form: str,
 ) -> None:
-    """Draw the learner's line with a band and the greedy one's, with their names and last values.
+    """Draw the learner's line with its band and the greedy agent's line.
 
-    The names are above the higher line and below the lower, so they cannot overlap.
+    Each line is labelled with its name and final value. The labels are above the higher line and
+    below the lower one, so that they cannot overlap.
     """
     axes.set_title(title, fontsize=9.5, loc="left", color=INK, pad=6)
-    axes.set_xlabel("steps of training", fontsize=8.5, color=INK)
+    axes.set_xlabel("training steps", fontsize=8.5, color=INK)
     axes.set_xlim(0, points[-1].steps * 1.01)
     axes.xaxis.set_major_locator(MaxNLocator(nbins=6))
     axes.xaxis.set_major_formatter(EngFormatter(sep=""))

@@ -1,4 +1,4 @@
-"""Examinations of an agent during its training: the points of its learning curve."""
+"""Exams of an agent during its training, which are the points of its learning curve."""
 
 from __future__ import annotations
 
@@ -10,11 +10,11 @@ from agents.learning.learner import MakeAgent
 from agents.learning.q_learning import TRAINING_SEEDS
 
 EXAMS = 25
-"""Examinations during a training, evenly spaced."""
+"""Number of exams during a training, which are evenly spaced."""
 
 EXAM_SEEDS = range(TRAINING_SEEDS, TRAINING_SEEDS + 200)
 FINAL_SEEDS = range(2 * TRAINING_SEEDS, 2 * TRAINING_SEEDS + 1000)
-"""Starts of the comparison with the greedy agent; they are used for nothing else."""
+"""Seeds for the comparison with the greedy agent, which are used for nothing else."""
 
 
 class ExamPoint(NamedTuple):
@@ -25,9 +25,11 @@ class ExamPoint(NamedTuple):
 
 
 class Examiner:
-    """Evaluates an agent at regular intervals during a training of some steps.
+    """An examiner that evaluates an agent at regular intervals during its training.
 
-    It has a point for each examination, and a summary of the last one in words.
+    Attributes:
+        points: scores of each exam.
+        summary: result of the last exam in words.
     """
 
     def __init__(self, task: Task | FleetTask, steps: int) -> None:
@@ -37,9 +39,13 @@ class Examiner:
         self._next_exam = steps / EXAMS
 
     def watch(self, steps: int, make_agent: MakeAgent) -> bool:
-        """Examine the agent after ``steps`` of its training if it is time, and return whether."""
+        """Examine the agent after ``steps`` training steps if an exam is due.
+
+        Returns:
+            ``True`` if there was an exam.
+        """
         is_time = steps >= min(self._next_exam, self._goal)
-        # A training that is resumed is watched again where it had stopped.
+        # A resumed training is watched again at the step where it had stopped.
         is_time &= not self.points or self.points[-1].steps < steps
         if is_time:
             scores = self._task.evaluate(make_agent, EXAM_SEEDS[:: self._task.seed_stride])

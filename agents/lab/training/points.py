@@ -1,4 +1,4 @@
-"""The points of a learning curve as numbers in a CSV file."""
+"""The points of a learning curve as a CSV file."""
 
 from __future__ import annotations
 
@@ -11,12 +11,12 @@ from agents.lab.trials.scores import FleetScores, Scores
 
 
 def mean_length(scores: Scores) -> float:
-    """Return the mean number of steps of all episodes, including those without a delivery."""
+    """Return the mean number of steps of all episodes, including episodes without a delivery."""
     return float(scores.lengths.mean())
 
 
 def numbers(point: ExamPoint) -> dict[str, float]:
-    """Return the measures of an exam by name, with the ends of 95% intervals."""
+    """Return the measures of an exam by name, with the ends of a 95% interval."""
     scores = point.scores
     if isinstance(scores, FleetScores):
         name, measured = "delivered_per_hour", scores.per_hour
@@ -28,6 +28,9 @@ def numbers(point: ExamPoint) -> dict[str, float]:
 
 
 def save_points(path: Path, points: Sequence[ExamPoint]) -> None:
-    """Write a line for each of at least one point, whole or not at all."""
+    """Write a line for each point, of which there must be at least one.
+
+    No incomplete file is left after an error.
+    """
     lines = [(point.steps, *numbers(point).values()) for point in points]
     write_csv(path, ("steps", *numbers(points[0])), lines)

@@ -1,1 +1,1 @@
-"""One trial: an environment, an agent and a seed; the rows, scores and intervals it gives."""
+"""Trials of an agent in an environment with a seed, and their rows, scores and intervals."""

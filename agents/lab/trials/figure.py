@@ -1,4 +1,4 @@
-"""Figures that compare agents: a panel for each measure, a row for each agent."""
+"""Figures that compare agents, with a panel for each measure and a row for each agent."""
 
 from __future__ import annotations
 
@@ -17,36 +17,36 @@ from warehouse_core.viz.figure import SceneFigure, make_figure
 from warehouse_core.wording import counted, listed, printable
 
 WIDTH, ROW_HEIGHT, DPI = 11.5, 0.4, 110
-"""Inches of the width and of a row; dots per inch."""
+"""Width of the figure and height of a row in inches, and dots per inch."""
 
 MESSAGE_LETTERS, LINE, MAX_BEST = 76, 0.26, 4
-"""Letters of a line of the message, its height in inches, and most agents that it names as best."""
+"""Letters in a line of the message, line height in inches, and most agents named as the best."""
 
 MAX_LETTERS, LETTER = 36, 0.0068
-"""Most letters of an agent's name, whose beginning may go, and a letter's share of the width."""
+"""Maximum length of an agent's name in letters, and width of a letter as a share of the figure."""
 
 CAPTION_LETTERS = 165
-"""Letters in a line of the caption."""
+"""Number of letters in a line of the caption."""
 
 BAR, GREY = 0.62, "0.35"
-"""Height of a bar as a share of its row, and the colour of what explains."""
+"""Height of a bar as a share of its row, and colour of explanatory text."""
 
 ROOM = 1.4
-"""Factor of space on a logarithmic axis, below the lowest value and above the highest."""
+"""Factor by which a logarithmic axis extends below the lowest value and above the highest."""
 
 COLUMNS, RIGHT, GAP = 3, 0.965, 0.055
-"""Panels in a line, their right end, and the gap between two, the latter as shares of the width."""
+"""Number of panels in a line, their right end, and the gap between two as shares of the width."""
 
 TITLE, ABOVE, BELOW, FOOT = 0.3, 0.42, 0.5, 0.55
 """Heights in inches of a title, of the space above and below a line of panels, and of the
 caption."""
 
 CURVES_SIZE, CURVES_DPI, MARKERS = (8.0, 4.6), 150, "osD^vPX*"
-"""Inches and dots per inch of a figure of curves, and the markers of its lines."""
+"""Size in inches and dots per inch of a figure of curves, and the markers of its lines."""
 
 
 def message(scores: Mapping[str, Scores]) -> str:
-    """Return which agents deliver most, and at what cost in steps."""
+    """Return a sentence that names the agents with most deliveries and their steps per delivery."""
     delivered = {name: int(each.delivered.sum()) for name, each in scores.items()}
     total, most = len(next(iter(scores.values())).rows), max(delivered.values())
     if most == 0:
@@ -56,22 +56,22 @@ def message(scores: Mapping[str, Scores]) -> str:
     steps = sorted(round(each.steps.estimate) for name in best if (each := scores[name]).steps)
     cost = " to ".join(dict.fromkeys(f"{each:,}" for each in (steps[0], steps[-1])))
     share = f"All {total:,}" if most == total else f"Most, {most:,} of {total:,},"
-    return f"{share} delivered by {names}, at {cost} steps a delivery"
+    return f"{share} delivered by {names}, at {cost} steps per delivery"
 
 
 def scores_figure(groups: Mapping[str, Mapping[str, Scores]], caption: str = "") -> SceneFigure:
-    """Draw the scores of the same agents in one task or several, with 95% intervals.
+    """Draw the scores of the same agents in one or several tasks, with 95% intervals.
 
-    Above the panels of each task are the message that they give and the title of the task.
+    The panels of each task have a message with the result, and the title of the task, above them.
     """
-    said = [wrap(message(scores), MESSAGE_LETTERS) for scores in groups.values()]
+    messages = [wrap(message(scores), MESSAGE_LETTERS) for scores in groups.values()]
     agents = len(next(iter(groups.values())))
     panels = ABOVE + ROW_HEIGHT * agents + BELOW
-    heights = [LINE * len(lines) + TITLE + len(MEASURES) / COLUMNS * panels for lines in said]
+    heights = [LINE * len(lines) + TITLE + len(MEASURES) / COLUMNS * panels for lines in messages]
     figure = make_figure((WIDTH, sum(heights) + FOOT), DPI)
     inch, top = 1 / figure.get_figheight(), sum(heights) + FOOT - 0.12
     style: dict[str, Any] = {"ha": "left", "va": "top", "parse_math": False}
-    for (title, scores), lines, height in zip(groups.items(), said, heights, strict=True):
+    for (title, scores), lines, height in zip(groups.items(), messages, heights, strict=True):
         below, words = top - LINE * len(lines), "\n".join(lines)
         figure.text(0.012, top * inch, words, fontsize=15, fontweight="bold", color=INK, **style)
         figure.text(0.012, below * inch, title, fontsize=10, color=GREY, **style)
@@ -83,7 +83,7 @@ def scores_figure(groups: Mapping[str, Mapping[str, Scores]], caption: str = "")
 
 
 def _draw_panels(figure: SceneFigure, top: float, scores: Mapping[str, Scores]) -> None:
-    """Draw a panel for each measure below ``top``, in inches from the bottom."""
+    """Draw a panel for each measure below ``top``, which is in inches from the bottom."""
     inch, names = 1 / figure.get_figheight(), list(map(fitting, scores))
     left = 0.035 + LETTER * max(map(len, names))
     width = (RIGHT - left - GAP * (COLUMNS - 1)) / COLUMNS
@@ -101,20 +101,20 @@ def _draw_panels(figure: SceneFigure, top: float, scores: Mapping[str, Scores]) 
 
 
 def _draw_failures(axes: Axes, scores: Mapping[str, Scores]) -> None:
-    """Fill bars of deliveries up to 100%, and write the number of failures beside them."""
-    beside: dict[str, Any] = {"va": "center", "fontsize": 10, "annotation_clip": False}
-    axes.annotate("failed", (1.03, -0.9), **beside, color=GREY)
+    """Fill bars of deliveries up to 100%, and write the number of failures next to them."""
+    style: dict[str, Any] = {"va": "center", "fontsize": 10, "annotation_clip": False}
+    axes.annotate("failed", (1.03, -0.9), **style, color=GREY)
     for place, each in enumerate(scores.values()):
         failed = len(each.rows) - int(each.delivered.sum())
         share = failed / len(each.rows)
         if failed:
             axes.barh(place, share, BAR, left=1 - share, color=PALE_WARNING, zorder=0.5)
         weight, color = ("bold", INK) if failed else ("normal", GREY)
-        axes.annotate(f"{failed:,}", (1.03, place), **beside, color=color, fontweight=weight)
+        axes.annotate(f"{failed:,}", (1.03, place), **style, color=color, fontweight=weight)
 
 
 def fitting(name: str) -> str:
-    """Return the name of an agent as one line of at most ``MAX_LETTERS``, its end if it is long."""
+    """Return an agent's name on one line, shortened at the beginning to ``MAX_LETTERS``."""
     name = printable(name)
     return name if len(name) <= MAX_LETTERS else f"\N{HORIZONTAL ELLIPSIS}{name[1 - MAX_LETTERS :]}"
 
@@ -122,7 +122,7 @@ def fitting(name: str) -> str:
 def _draw_measure(
     axes: Axes, measure: Measure, names: Sequence[str], scores: Iterable[Scores]
 ) -> None:
-    """Draw bars from 0, or points on a logarithmic axis, which has no 0."""
+    """Draw a measure as bars from 0, or as points if its axis is logarithmic and has no 0."""
     found = [measure.of(each) for each in scores]
     known = [(place, interval) for place, interval in enumerate(found) if interval is not None]
     for place in set(range(len(found))) - {place for place, _ in known}:
@@ -164,7 +164,10 @@ def _scale_log(axes: Axes, values: Sequence[float]) -> None:
 def curves_figure(
     curves: Mapping[str, Mapping[int, Interval]], title: str, measure: str, bound: str = ""
 ) -> SceneFigure:
-    """Draw a measure for each number of robots with its 95% intervals; the bound is dashed."""
+    """Draw curves of a measure over the number of robots, with 95% intervals.
+
+    The curve called ``bound`` is dashed and has no intervals.
+    """
     figure = make_figure(CURVES_SIZE, CURVES_DPI)
     axes = figure.subplots()
     figure.subplots_adjust(left=0.075, right=0.975, top=0.9, bottom=0.125)

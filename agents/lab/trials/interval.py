@@ -12,17 +12,17 @@ __all__ = ["Interval", "mean_interval", "ratio_interval", "share_interval"]
 CONFIDENCE, RESAMPLES = 0.95, 999
 
 QUANTILE = 1.959963984540054
-"""Standard errors from a normal mean to the ends of its interval."""
+"""Half the width of a normal confidence interval, in standard errors."""
 
 BATCH_VALUES = 2_000_000
-"""Values that a bootstrap draws at once; it limits the memory."""
+"""Maximum number of values that a bootstrap draws at once, which limits its memory."""
 
 MIN_VALUES = 20
-"""Values that a bootstrap needs; from fewer its intervals are far too narrow."""
+"""Minimum number of values for a bootstrap; with fewer, its intervals are far too narrow."""
 
 
 class Interval(NamedTuple):
-    """An estimate and the ends of its interval, NaN if they are unknown.
+    """An estimate and the ends of its interval, which are NaN if they are unknown.
 
     Example:
         >>> from agents.lab.trials.interval import Interval
@@ -40,12 +40,12 @@ class Interval(NamedTuple):
         return not math.isnan(self.low)
 
     def __abs__(self) -> Interval:
-        """The interval of the absolute value, if all of it is on one side of 0."""
+        """Return the interval of the absolute value, if the whole interval is on one side of 0."""
         return Interval(abs(self.estimate), *sorted((abs(self.low), abs(self.high))))
 
 
 def share_interval(count: int, total: int) -> Interval:
-    """Return the Wilson interval of a share of at least one trial.
+    """Return the Wilson interval of the share ``count / total``, where ``total`` is at least 1.
 
     Source: Wilson (1927), Probable inference, the law of succession, and statistical inference.
 
@@ -63,10 +63,12 @@ def share_interval(count: int, total: int) -> Interval:
 
 
 def paired_share_interval(more: int, fewer: int, total: int) -> Interval:
-    """Return the interval of the difference of two shares of the same trials.
+    """Return the interval of the difference between two success rates over the same trials.
 
-    ``more`` are the trials in which only the first succeeds, ``fewer`` those in which only the
-    second does.
+    Args:
+        more: number of trials in which only the first succeeds.
+        fewer: number of trials in which only the second succeeds.
+        total: number of all trials.
 
     Source: Bonett and Price (2012), Adjusted Wald confidence interval for a difference of binomial
     proportions based on paired data.
@@ -78,7 +80,7 @@ def paired_share_interval(more: int, fewer: int, total: int) -> Interval:
 
 
 def difference_interval(one: Interval, other: Interval) -> Interval:
-    """Return the interval of the difference of two independent estimates.
+    """Return the interval of the difference between two independent estimates.
 
     Source: Zou and Donner (2008), Construction of confidence limits about effect measures: a
     general approach.
@@ -93,9 +95,15 @@ def ratio_interval(costs: np.ndarray, successes: np.ndarray) -> Interval | None:
     """Return the interval of a sum of costs divided by the number of successes.
 
     The ratio is linearised: its error is the error of the mean of
-    ``(cost - ratio * success) / share``. That is poor with few successes, so fewer than
-    ``MIN_VALUES`` have no interval. Costs and successes are ``[n]``; without a success it is
-    ``None``.
+    ``(cost - ratio * success) / share``. This is a poor approximation with few successes, so that
+    the interval is unknown with fewer than ``MIN_VALUES`` of them.
+
+    Args:
+        costs: costs of the trials, ``[n]``.
+        successes: 1 or ``True`` for each trial that succeeded, ``[n]``.
+
+    Returns:
+        Ratio with its interval, or ``None`` without a success.
 
     Source: Cochran (1977), Sampling techniques, 3rd ed., chapter 6.
 
@@ -117,13 +125,14 @@ def ratio_interval(costs: np.ndarray, successes: np.ndarray) -> Interval | None:
 
 
 def mean_interval(values: np.ndarray) -> Interval | None:
-    """Return the interval of a mean by the studentised bootstrap; equal values give an equal one.
+    """Return the studentised bootstrap interval of the mean of some values ``[n]``.
 
-    Of skewed values, as counts of steps are, it contains the mean more often than the percentile
-    bootstrap does; ``tests/benchmarks/bench_sweep.py`` measures how often.
+    For skewed values, such as numbers of steps, this interval contains the mean more often than the
+    percentile bootstrap does; ``tests/benchmarks/bench_sweep.py`` measures how often. The random
+    numbers are fixed, so that the same values always have the same interval.
 
-    Fewer than ``MIN_VALUES`` of the ``[n]`` values have a mean and no interval, nor have values of
-    which nearly all are equal. Without any it is ``None``.
+    Equal values have an interval of width 0. The interval is unknown with fewer than ``MIN_VALUES``
+    values, and if nearly all values are equal. Return ``None`` without any value.
 
     Source: Efron and Tibshirani (1993), An introduction to the bootstrap, section 12.5.
 
@@ -142,7 +151,7 @@ def mean_interval(values: np.ndarray) -> Interval | None:
         return Interval(mean)
     if np.ptp(values) == 0:
         return Interval(mean, mean, mean)
-    # Without their mean, so that large values lose no digits.
+    # The mean is subtracted first, so that large values lose no digits.
     errors = _studentised(values - mean)
     tail = (1 - CONFIDENCE) / 2
     low, high = np.quantile(errors, [tail, 1 - tail], method="nearest")
@@ -152,17 +161,17 @@ def mean_interval(values: np.ndarray) -> Interval | None:
 
 
 def _studentised(values: np.ndarray) -> np.ndarray:
-    """Return the mean of each resample of values ``[n]`` of mean 0, in its own standard errors.
+    """Return the mean of each resample, divided by the standard error of the resample.
 
-    It is infinite for a resample of equal values.
+    The values ``[n]`` must have the mean 0. The result is infinite for a resample of equal values.
     """
     stream = np.random.default_rng(0)
     count, means = len(values), list[np.ndarray]()
     at_once = max(1, BATCH_VALUES // count)
     for start in range(0, RESAMPLES, at_once):
-        drawn = values[stream.integers(0, count, (min(at_once, RESAMPLES - start), count))]
-        errors = drawn.std(axis=1, ddof=1) / math.sqrt(count)
-        errors[np.ptp(drawn, axis=1) == 0] = 0.0  # it may have been rounded up
+        resamples = values[stream.integers(0, count, (min(at_once, RESAMPLES - start), count))]
+        errors = resamples.std(axis=1, ddof=1) / math.sqrt(count)
+        errors[np.ptp(resamples, axis=1) == 0] = 0.0  # rounding may have made it positive
         with np.errstate(divide="ignore"):
-            means.append(drawn.mean(axis=1) / errors)
+            means.append(resamples.mean(axis=1) / errors)
     return np.concatenate(means)

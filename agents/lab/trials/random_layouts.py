@@ -1,4 +1,4 @@
-"""Random layouts of one size, one for each seed: some to learn in, all others to be tested in."""
+"""Random layouts with seeds, some of which are for training and all others for evaluation."""
 
 from __future__ import annotations
 
@@ -11,29 +11,37 @@ from warehouse_core.world.generators import maze_layout
 from warehouse_core.world.tiles import WALL
 
 TRAINING_LAYOUTS = 2**40
-"""Layouts with seeds from this one on are for training, those with lower ones for evaluation."""
+"""First seed of the layouts for training; layouts with lower seeds are for evaluation."""
 
 MAX_POOL = 100_000
-"""Limit on the layouts of a pool, so that the pools of two training seeds share no seed."""
+"""Maximum number of layouts in a pool, so that the pools of two training seeds share no seed."""
 
 MAZES = 0.4
 """Share of mazes among varied layouts."""
 
 SMALLEST = 5
-"""Fewest rows and columns of varied layouts."""
+"""Minimum number of rows and of columns in varied layouts."""
 
 
 @dataclass(frozen=True)
 class RandomLayouts:
-    """Random layouts of one size; every open cell of each can be reached.
+    """Random layouts of one size, in which all open cells are connected.
 
-    The density of each is drawn between the lowest and the highest, in whole percents; what
-    ``random_layout`` does not allow is a ``LayoutError``.
+    The density of each layout is a random multiple of one percent between the lowest and the
+    highest density.
 
     Args:
-        count: layouts of the pool for training, 1 to ``MAX_POOL``.
-        pool_seed: seed of this pool.
-        left_out: numbers of layouts of the pool that are left out of it.
+        height: number of rows.
+        width: number of columns.
+        lowest: lowest density.
+        highest: highest density.
+        count: number of layouts in the pool for training, 1 to ``MAX_POOL``.
+        pool_seed: seed of the pool.
+        left_out: numbers of layouts that are excluded from the pool.
+
+    Raises:
+        LayoutError: the number of layouts is out of range, or ``random_layout`` does not allow a
+            size or density.
     """
 
     height: int = 7
@@ -49,14 +57,14 @@ class RandomLayouts:
             random_layout(self.height, self.width, density, seed=0)
         if self.lowest > self.highest:
             raise LayoutError(
-                f"density is from {self.lowest} to {self.highest}; the first must be the lower one"
+                f"density is from {self.lowest} to {self.highest}; the first must not be higher"
             )
         if not 1 <= self.count <= MAX_POOL:
             raise LayoutError(f"the number of layouts is {self.count}; allowed: 1..{MAX_POOL}")
 
     @property
     def name(self) -> str:
-        """The size and the densities in words."""
+        """Description with the size and the densities."""
         densities = dict.fromkeys((self.lowest, self.highest))
         return (
             f"random layouts of {self.height} x {self.width} with density "
@@ -68,7 +76,7 @@ class RandomLayouts:
         if seed >= TRAINING_LAYOUTS:
             raise LayoutError(
                 f"the seed of a random layout is {seed}; allowed: 0..{TRAINING_LAYOUTS - 1}; "
-                "larger ones are for training"
+                "larger seeds are for training"
             )
         return self._made(seed)
 
@@ -79,32 +87,37 @@ class RandomLayouts:
         return [self._made(first + number) for number in numbers]
 
     def without(self, seeds: Iterable[int]) -> RandomLayouts:
-        """Leave out of the pool what has the walls of the layouts of some episodes.
+        """Return these layouts without the pool layouts that have the same walls as some episodes.
+
+        Args:
+            seeds: seeds of the episodes.
 
         Raises:
-            LayoutError: nothing is left.
+            LayoutError: no layout is left in the pool.
         """
         seen = {_walls(self.layout(seed)) for seed in seeds}
         pool = enumerate(replace(self, left_out=frozenset()).pool())
         left_out = frozenset(number for number, layout in pool if _walls(layout) in seen)
         if len(left_out) == self.count:
             raise LayoutError(
-                f"{self.name}: each of the {self.count} of the training is also one of the exams; "
+                f"{self.name}: each of the {self.count} training layouts is also in an exam; "
                 "use a larger size or a wider range of densities"
             )
         return replace(self, left_out=left_out)
 
     def _made(self, seed: int) -> Layout:
-        stream = random.Random(f"density {seed}")  # not the stream of the walls
+        stream = random.Random(f"density {seed}")  # independent of the random walls
         density = round(stream.uniform(self.lowest, self.highest), 2)
         return random_layout(self.height, self.width, density, seed)
 
 
 @dataclass(frozen=True)
 class VariedLayouts(RandomLayouts):
-    """Random layouts of any size up to one, and among them perfect mazes.
+    """Random layouts and perfect mazes of any size up to a maximum.
 
-    Walls fill what a smaller layout leaves of the size, so that a batch can draw from all.
+    Smaller layouts are filled up with walls to the maximum size, so that a batch can use all of
+    them. The arguments are the arguments of ``RandomLayouts``, but height and width are the maximum
+    size.
     """
 
     height: int = 25
@@ -114,14 +127,14 @@ class VariedLayouts(RandomLayouts):
     def __post_init__(self) -> None:
         if min(self.height, self.width) < SMALLEST:
             raise LayoutError(
-                f"the largest size is {self.height} x {self.width}; it must be at least "
+                f"the maximum size is {self.height} x {self.width}; it must be at least "
                 f"{SMALLEST} x {SMALLEST}"
             )
         super().__post_init__()
 
     @property
     def name(self) -> str:
-        """The sizes and kinds in words."""
+        """Description with the kinds of layouts and the maximum size."""
         return f"random layouts and mazes of up to {self.height} x {self.width}"
 
     def _made(self, seed: int) -> Layout:

@@ -1,4 +1,4 @@
-"""What is kept of an episode: one row of numbers, of a lone robot or of a fleet."""
+"""Rows of numbers that summarize an episode of a lone robot or of a fleet."""
 
 from __future__ import annotations
 
@@ -14,12 +14,16 @@ class Row(NamedTuple):
     """One episode of a lone robot.
 
     Attributes:
-        seed: Seed of layout, start and agent.
+        seed: Seed of the layout, the start and the agent.
         mode: Outcome, see ``warehouse_core/records/failure_modes.py``.
-        needed: Fewest steps of a delivery; ``None`` if no way leads there.
-        battery_left: Units in the battery at the end.
-        seconds: Simulated time.
-        row: Row of the cell where the robot ended or was stuck; ``col`` is its column.
+        steps: Number of steps.
+        needed: Fewest steps of a delivery; ``None`` if no path exists.
+        reward: Total reward.
+        battery_left: Battery units at the end.
+        seconds: Simulated time in s.
+        joules: Energy in J.
+        row: Row of the cell where the robot got stuck or the episode ended.
+        col: Column of this cell.
     """
 
     seed: int
@@ -37,10 +41,10 @@ class Row(NamedTuple):
 class FleetRow(NamedTuple):
     """One episode of a fleet; ``FleetMeasures`` describes the fields that are not listed here.
 
-    ``None`` stands where nothing was measured.
+    Fields are ``None`` if nothing was measured.
 
     Attributes:
-        seed: Seed of layout, starts, orders, people and agents.
+        seed: Seed of the layout, the starts, the orders, the people and the agents.
         mode: Outcome, see ``warehouse_core/records/failure_modes.py``.
     """
 
@@ -68,11 +72,11 @@ class FleetRow(NamedTuple):
 AnyRow = Row | FleetRow
 
 MODES_OF: dict[type[AnyRow], tuple[str, ...]] = {Row: MODES, FleetRow: FLEET_MODES}
-"""Outcomes that a row of each kind can have, in the order in which they are shown."""
+"""Possible outcomes for each type of row, in the order in which they are displayed."""
 
 
 def row_of(episode: Episode) -> AnyRow:
-    """Return the row of an episode that has a seed."""
+    """Return the row of an episode, which must have a seed."""
     return fleet_row(episode) if episode.is_fleet else lone_row(episode)
 
 

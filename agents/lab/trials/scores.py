@@ -1,4 +1,4 @@
-"""What the rows of an agent's episodes come to, with 95% intervals."""
+"""Scores of an agent or a fleet over several episodes, with 95% intervals."""
 
 from __future__ import annotations
 
@@ -26,11 +26,15 @@ __all__ = ["FleetScores", "Scores"]
 
 @dataclass(frozen=True)
 class Scores:
-    """The episodes of an agent of a lone robot, and what they come to.
+    """The scores of an agent that controls a lone robot.
 
-    Steps, seconds and joules a delivery are sums over all episodes divided by the deliveries. Means
-    over the deliveries alone would favour an agent that delivers only what is near. ``nodes`` are
-    those that the agent expanded in each episode; 0 without a search.
+    Steps, seconds and joules per delivery are sums over all episodes divided by the number of
+    deliveries. Means over the deliveries alone would favour an agent that delivers only nearby
+    items.
+
+    Args:
+        rows: row of each episode.
+        nodes: number of nodes that the agent expanded in each episode, 0 without a search.
 
     Example:
         >>> from agents import GreedyAgent
@@ -45,32 +49,32 @@ class Scores:
 
     @property
     def delivered(self) -> NDArray[np.bool_]:
-        """``[N]`` whether each episode ended with the delivery."""
+        """Whether each episode ended with the delivery, ``[N]``."""
         return np.array([row.mode == DELIVERED for row in self.rows], np.bool_)
 
     @property
     def lengths(self) -> NDArray[np.int64]:
-        """``[N]`` the steps of each episode."""
+        """Number of steps in each episode, ``[N]``."""
         return np.array([row.steps for row in self.rows], np.int64)
 
     @property
     def summary(self) -> str:
-        """The share of deliveries, for a line of progress."""
+        """Share of episodes with a delivery, for a progress line."""
         return f"{self.delivered.mean():.0%}"
 
     @property
     def success(self) -> Interval:
-        """The share of episodes that ended with the delivery."""
+        """Share of episodes that ended with the delivery."""
         return share_interval(int(self.delivered.sum()), len(self.rows))
 
     @property
     def steps(self) -> Interval | None:
-        """The steps of all episodes divided by the deliveries; ``None`` without a delivery."""
+        """Steps of all episodes divided by the deliveries, or ``None`` without a delivery."""
         return ratio_interval(self.lengths, self.delivered)
 
     @property
     def ratio(self) -> Interval | None:
-        """The mean, over deliveries, of their steps divided by the fewest; at least 1."""
+        """Mean ratio, at least 1, of the steps of a delivery to the fewest possible steps."""
         ratios = [
             row.steps / row.needed for row in self.rows if row.needed and row.mode == DELIVERED
         ]
@@ -78,23 +82,23 @@ class Scores:
 
     @property
     def seconds(self) -> Interval | None:
-        """The simulated time of all episodes divided by the deliveries, in s."""
+        """Simulated time of all episodes divided by the number of deliveries, in s."""
         return ratio_interval(np.array([row.seconds for row in self.rows]), self.delivered)
 
     @property
     def joules(self) -> Interval | None:
-        """The energy of all episodes divided by the deliveries, in J."""
+        """Energy of all episodes divided by the number of deliveries, in J."""
         return ratio_interval(np.array([row.joules for row in self.rows]), self.delivered)
 
     @property
     def expanded(self) -> Interval | None:
-        """The nodes expanded in an episode."""
+        """Mean number of nodes expanded in an episode."""
         return mean_interval(np.array(self.nodes, dtype=float))
 
 
 @dataclass(frozen=True)
 class FleetScores:
-    """The episodes of a fleet, and what they come to.
+    """The scores of a fleet, given the rows of its episodes and its number of robots.
 
     Example:
         >>> from agents.lab.trials.task import FleetTask
@@ -110,17 +114,17 @@ class FleetScores:
 
     @property
     def summary(self) -> str:
-        """The deliveries in an hour, for a line of progress."""
+        """Deliveries per hour, for a progress line."""
         return f"{self.per_hour.estimate:.0f} an hour"
 
     @property
     def per_hour(self) -> Interval:
-        """The items delivered in an hour, a mean over the episodes."""
+        """Mean number of deliveries per hour over the episodes."""
         return _mean([math.nan if row.per_hour is None else row.per_hour for row in self.rows])
 
     @property
     def blocked(self) -> Interval:
-        """The share of the robots' steps in which others blocked them, a mean over the episodes."""
+        """Mean share of the robots' steps in which another robot blocked them."""
         return _mean([row.blocked_by_robot / (row.steps * self.robots) for row in self.rows])
 
 
@@ -130,9 +134,13 @@ def _mean(values: Sequence[float]) -> Interval:
 
 
 class Measure(NamedTuple):
-    """A number by which agents are compared: its name in a table, and above a chart.
+    """A measure by which agents are compared.
 
-    Its axis may be logarithmic, because agents differ by orders of magnitude.
+    Attributes:
+        column: Name of its column in a table.
+        title: Title of its panel in a figure.
+        of: Function that returns the measure of some scores.
+        is_log: True if its axis is logarithmic, because agents differ by orders of magnitude.
     """
 
     column: str
@@ -143,22 +151,26 @@ class Measure(NamedTuple):
 
 MEASURES = (
     Measure("success", "delivered", lambda scores: scores.success),
-    Measure("steps a delivery", "steps a delivery", lambda scores: scores.steps, is_log=True),
+    Measure("steps per delivery", "steps per delivery", lambda scores: scores.steps, is_log=True),
     Measure(
-        "of the fewest\n(deliveries)",
-        "steps over the fewest, of deliveries",
+        "steps / fewest\n(deliveries)",
+        "steps / fewest possible steps",
         lambda scores: scores.ratio,
         is_log=True,
     ),
-    Measure("expanded", "nodes expanded an episode", lambda scores: scores.expanded),
-    Measure("seconds a delivery", "seconds a delivery", lambda scores: scores.seconds, is_log=True),
-    Measure("joules a delivery", "joules a delivery", lambda scores: scores.joules, is_log=True),
+    Measure("expanded", "nodes expanded per episode", lambda scores: scores.expanded),
+    Measure(
+        "seconds per delivery", "seconds per delivery", lambda scores: scores.seconds, is_log=True
+    ),
+    Measure(
+        "joules per delivery", "joules per delivery", lambda scores: scores.joules, is_log=True
+    ),
 )
 
 EXPLANATION = (
-    "Steps, seconds and joules a delivery are those of all episodes, failures included, divided "
-    "by the deliveries. Steps over the fewest possible: a mean over the deliveries alone. "
-    f"Ranges are {CONFIDENCE:.0%} intervals; means and ratios of fewer than {MIN_VALUES} "
-    "deliveries or episodes have none."
+    "Steps, seconds and joules per delivery are sums over all episodes, including failures, "
+    "divided by the number of deliveries. The ratio of steps to the fewest possible steps is a "
+    f"mean over the deliveries alone. Ranges are {CONFIDENCE:.0%} intervals. Means and ratios of "
+    f"fewer than {MIN_VALUES} deliveries or episodes have no intervals."
 )
-"""Definition of the measures, for a reader of a table or a figure."""
+"""Explanation of the measures below a table or a figure."""

@@ -1,6 +1,6 @@
-"""What agents have to do: tasks whose episodes are the same for every agent.
+"""Tasks for agents, whose episodes are the same for every agent.
 
-Each episode has a seed, so ``warehouse run --seed`` shows any of them.
+Each episode has a seed, so that ``warehouse run --seed`` can show it.
 """
 
 from __future__ import annotations
@@ -24,7 +24,7 @@ from warehouse_core.records import FleetAgent
 __all__ = ["FleetTask", "Task"]
 
 MakeWatch = Callable[[object, str], Watch]
-"""Makes what watches an agent, given its name, through an episode."""
+"""Function that returns a ``Watch`` of an episode, given the agent and its name."""
 
 
 @runtime_checkable
@@ -35,9 +35,18 @@ class Searching(Protocol):
 
 
 class Task(NamedTuple):
-    """What a lone robot has to do, by arguments of ``WarehouseEnv`` and of its ``reset``.
+    """A task for a lone robot.
 
-    The layout has walls, and the stations if they are not drawn; random ones differ for each seed.
+    Random layouts differ for each seed. The stations of a layout are used unless ``randomize``
+    replaces them with random stations.
+
+    Attributes:
+        layout: Layout, or random layouts.
+        battery: Number of steps that a full battery lasts.
+        max_steps: Maximum number of steps in an episode.
+        backend: Name of the backend.
+        start_pos: Start cell, see ``WarehouseEnv``.
+        randomize: Option of ``WarehouseEnv.reset``.
 
     Example:
         >>> from agents import GreedyAgent
@@ -56,7 +65,7 @@ class Task(NamedTuple):
 
     @property
     def seed_stride(self) -> int:
-        """1: each seed of an evaluation is used; 4 on varied layouts, with their long ways."""
+        """Distance between the seeds of an evaluation: 1, or 4 if layouts are varied and large."""
         return 4 if isinstance(self.layout, VariedLayouts) else 1
 
     def layout_for(self, seed: int) -> Layout:
@@ -75,7 +84,10 @@ class Task(NamedTuple):
         )
 
     def make_batch(self, rows: int) -> BatchEnv:
-        """Return a batch for training, on the grid backend, with random stations and starts."""
+        """Return a batch of environments for training on the grid.
+
+        Stations and starts are random.
+        """
         return BatchEnv(
             rows,
             self.layout if isinstance(self.layout, Layout) else None,
@@ -92,7 +104,17 @@ class Task(NamedTuple):
         name: str = "",
         make_watch: MakeWatch = lambda agent, name: nullcontext,
     ) -> Scores:
-        """Run one whole episode for each seed, with an agent of its own; for errors see ``run``."""
+        """Run one episode for each seed, each with a new agent, and return the scores.
+
+        Args:
+            make_agent: function that returns the agent for a seed.
+            seeds: seeds of the episodes.
+            name: name of the agent.
+            make_watch: function that returns a ``Watch`` for an agent and its name.
+
+        Raises:
+            EpisodeError: see ``run``.
+        """
         rows, expanded = [], []
         for seed in seeds:
             agent = make_agent(seed)
@@ -105,7 +127,7 @@ class Task(NamedTuple):
 
 
 class FleetTask(NamedTuple):
-    """What the robots of a fleet have to do: arguments of ``FleetEnv`` and ``FleetBatch``.
+    """A task for a fleet, with arguments of ``FleetEnv`` and ``FleetBatch``.
 
     Example:
         >>> from agents.lab.trials.task import FleetTask
@@ -124,22 +146,22 @@ class FleetTask(NamedTuple):
 
     @property
     def seed_stride(self) -> int:
-        """10: an episode has many deliveries, so that every tenth seed is enough."""
+        """Distance between the seeds of an evaluation; few episodes have enough deliveries."""
         return 10
 
     def make_env(self) -> FleetEnv:
-        """Return a fleet for the task."""
+        """Return an environment for the fleet."""
         return FleetEnv(**self._asdict())
 
     def make_batch(self, rows: int) -> FleetBatch:
-        """Return a batch for training, of at most so many robots and at least one fleet."""
+        """Return a batch for training with at most ``rows`` robots, but at least one fleet."""
         fleets = max(rows // self.robots, 1)
         return FleetBatch(fleets, **self._asdict(), autoreset_mode=SAME_STEP)
 
     def evaluate(self, make_agent: MakeAgent, seeds: Iterable[int]) -> FleetScores:
-        """Run one whole episode for each seed, with an agent for each robot, which does as it says.
+        """Run one episode for each seed, with a separate agent for each robot.
 
-        Each robot of each episode has its own seed.
+        The agent of each robot in each episode has a seed of its own.
         """
 
         def make_all(seed: int) -> FleetAgent:
@@ -151,14 +173,14 @@ class FleetTask(NamedTuple):
     def evaluate_fleet(
         self, make_agent: Callable[[int], FleetAgent], seeds: Iterable[int]
     ) -> FleetScores:
-        """Run one whole episode for each seed, with an agent that directs all robots."""
+        """Run one episode for each seed, with one agent that controls all robots."""
         with closing(self.make_env()) as env:
             rows = [fleet_row(run(env, make_agent(seed), seed)) for seed in seeds]
         return FleetScores(rows, self.robots)
 
 
 class _Each:
-    """Robots each of which does what its agent says."""
+    """A fleet agent that combines a separate agent for each robot."""
 
     def __init__(self, agents: Sequence[Agent]) -> None:
         self._agents = agents

@@ -1,4 +1,4 @@
-"""Numbers and lists in sentences."""
+"""Functions that format numbers and sentences."""
 
 from __future__ import annotations
 
@@ -8,16 +8,16 @@ from agents.lab.trials.interval import Interval
 
 
 def share(interval: Interval) -> str:
-    """Return a share with its interval, ``87.4% (85.2 to 89.3)``, unless that is unknown."""
+    """Format a share with its interval if that is known, as in ``87.4% (85.2 to 89.3)``."""
     if not interval.is_known:
         return f"{interval.estimate:.1%}"
     return f"{interval.estimate:.1%} ({interval.low * 100:.1f} to {interval.high * 100:.1f})"
 
 
 def mean(interval: Interval, unit: str) -> str:
-    """Return a mean with its interval to three digits, ``49.9 steps (47.6 to 52.3)``.
+    """Format a mean with its interval to three digits, as in ``49.9 steps (47.6 to 52.3)``.
 
-    Ends that are unknown are left out, and so is a unit of "".
+    An unknown interval and an empty unit are left out.
     """
     estimate, low, high = interval
     digits = max(0, 2 - int(math.log10(max(abs(estimate), 1))))
@@ -27,17 +27,17 @@ def mean(interval: Interval, unit: str) -> str:
 
 
 def above_interval(interval: Interval) -> str:
-    """Return a mean above its interval, to save width in a table."""
+    """Format a mean with its interval on a second line, to save width in a table."""
     return mean(interval, "").replace(" (", "\n(")
 
 
 def percent(part: float) -> str:
-    """Return a share in whole percents; ``<1%`` and ``>99%`` instead of a rounded 0% or 100%."""
+    """Format a share in whole percent, with ``<1%`` and ``>99%`` for a rounded 0% or 100%."""
     if 0 < part < 0.005:
         return "<1%"
     return ">99%" if 0.995 <= part < 1 else f"{part:.0%}"
 
 
 def sentence(words: str) -> str:
-    """Return words with a capital letter and a full stop."""
+    """Return words as a sentence, with a capital letter and a full stop."""
     return f"{words[0].upper()}{words[1:]}."

@@ -1,4 +1,4 @@
-"""Processes of this machine that run episodes, and interrupts."""
+"""Worker processes that run episodes, and the handling of interrupts."""
 
 from __future__ import annotations
 
@@ -24,56 +24,56 @@ from agents.lab.console.terminal import print_error
 DEFERRED = (signal.SIGINT, signal.SIGTERM)
 
 LOOK_SECONDS = 0.001
-"""Seconds between two looks at a process that has ended."""
+"""Seconds between two checks for the exit code of a process that has ended."""
 
 ENDING_SECONDS = 5.0
-"""Time in which a process whose connection has ended must end."""
+"""Seconds after which a process that has closed its connection is killed."""
 
 CheckInterrupt = Callable[[], None]
-"""Raises ``KeyboardInterrupt`` if a deferred signal has come."""
+"""Function that raises ``KeyboardInterrupt`` if a deferred signal has arrived."""
 
 T = TypeVar("T")
 Group = TypeVar("Group")
 
 _parent: Connection[Any, Any] | None = None
-"""Connection of a worker process to the process that has started it."""
+"""Connection of a worker process to the process that started it; ``None`` in other processes."""
 
 
 @contextmanager
 def deferred_interrupts() -> Iterator[CheckInterrupt]:
-    """Defer SIGINT and SIGTERM to the calls of the function that is yielded."""
-    came = False
+    """Defer SIGINT and SIGTERM until the yielded function is called."""
+    has_arrived = False
 
     def remember(number: int, frame: FrameType | None) -> None:
-        nonlocal came
-        came = True
+        nonlocal has_arrived
+        has_arrived = True
 
     def check() -> None:
-        if came:
+        if has_arrived:
             raise KeyboardInterrupt
 
     before = {number: signal.signal(number, remember) for number in DEFERRED}
     try:
         yield check
     finally:
-        # After the first one the program is ending; further ones must not disturb that.
+        # After the first signal the program is ending, which further signals must not disturb.
         for number, handler in before.items():
-            signal.signal(number, signal.SIG_IGN if came else handler)
+            signal.signal(number, signal.SIG_IGN if has_arrived else handler)
 
 
 @contextmanager
 def blocked_interrupts() -> Iterator[None]:
-    """Block SIGINT in this thread, so that processes started meanwhile inherit that.
+    """Block SIGINT in this thread, so that processes started meanwhile inherit the block.
 
-    Ctrl-C goes to every process of a terminal, also to those that cannot ignore it yet. One that
-    comes to this thread meanwhile is delivered at the end.
+    Ctrl-C reaches every process of a terminal, including new processes that do not ignore it yet.
+    A SIGINT that arrives in this thread meanwhile is delivered at the end of the block.
     """
-    if not hasattr(signal, "pthread_sigmask"):  # Windows: workers ignore it once they have started
+    if not hasattr(signal, "pthread_sigmask"):  # on Windows workers ignore it after they start
         yield
         return
     from multiprocessing import resource_tracker
 
-    # Started later, it would unblock the signal.
+    # If the tracker started later, it would unblock the signal.
     resource_tracker.ensure_running()
     before = signal.pthread_sigmask(signal.SIG_BLOCK, {signal.SIGINT})
     try:
@@ -83,12 +83,14 @@ def blocked_interrupts() -> Iterator[None]:
 
 
 class Processes(ThreadPoolExecutor):
-    """Run each call in one of ``count`` processes of this machine, which start when needed.
+    """An executor that runs each call in one of ``count`` processes, which start when needed.
 
-    A thread for each process waits for its answers. A process that ends is an error of its own
-    call alone, says how it has ended, and is replaced; it ends with the process that started it,
-    and what a call tells is printed while the call runs. A ``ProcessPoolExecutor`` gives none of
-    these: one process that ends is an error of every call, and others outlive a killed parent.
+    A thread for each process waits for its results. If a process ends, only the call that it was
+    running fails, with an error that says how the process ended, and the process is replaced. All
+    processes end with their parent. Lines that a call prints appear while it runs.
+
+    A ``ProcessPoolExecutor`` has none of these properties. There, one process that ends makes every
+    call fail, and processes outlive a parent that is killed.
     """
 
     def __init__(self, count: int) -> None:
@@ -99,11 +101,11 @@ class Processes(ThreadPoolExecutor):
             self._idle.put(process)
 
     def submit(self, call: Callable[..., T], /, *args: Any, **named: Any) -> Future[T]:
-        """Run a call; its future has a ``WorkerError`` if the process ends meanwhile."""
+        """Submit a call; its future raises ``WorkerError`` if the process ends meanwhile."""
         return super().submit(self._run, partial(call, *args, **named))
 
     def __exit__(self, *error: object) -> None:
-        """Cancel the calls that wait, and kill the processes, whatever they have left running."""
+        """Cancel the waiting calls and kill the processes, even if they are still running calls."""
         self.shutdown(wait=False, cancel_futures=True)
         for process in self._processes:
             process.close()
@@ -119,14 +121,14 @@ class Processes(ThreadPoolExecutor):
 
 
 class _Process:
-    """A process that runs calls, and is started again for the next call when it has ended."""
+    """A process that runs calls; if it ends, a new one is started for the next call."""
 
     def __init__(self) -> None:
         self._lock, self._is_closed = threading.Lock(), False
         self._process: BaseProcess | None = None
 
     def run(self, call: Callable[[], Any]) -> Any:
-        """Return what a call returns, and print what it tells."""
+        """Run a call in the process, print the lines that it sends, and return its result."""
         if self._process is None:
             self._start()
         try:
@@ -141,7 +143,7 @@ class _Process:
         return result
 
     def close(self) -> None:
-        """Kill the process, and start no other."""
+        """Kill the process, and do not start another one."""
         with self._lock:
             self._is_closed = True
             if self._process is not None:
@@ -149,7 +151,7 @@ class _Process:
                 self._process.join()
 
     def _start(self) -> None:
-        # Spawned on every system: a fork of a process that has threads may hang.
+        # Spawned on every system, because a fork of a process that has threads may hang.
         context = multiprocessing.get_context("spawn")
         with self._lock, blocked_interrupts():
             if self._is_closed:
@@ -158,16 +160,16 @@ class _Process:
             process = context.Process(target=_work, args=(theirs,))
             process.start()
             self._process = process
-            theirs.close()  # the end of the process is then the end of the connection
+            theirs.close()  # so that the connection ends when the process ends
 
     def _reason(self) -> str:
-        """Return how the process has ended."""
+        """Return a description of how the process has ended."""
         with self._lock:
             assert self._process is not None, "it has run a call"
             self._process.join(ENDING_SECONDS)
-            self._process.kill()  # if an agent has only closed its files
+            self._process.kill()  # in case an agent has only closed its files
             self._process.join()
-            # A thread that starts a process looks after all others, and may be about to know.
+            # Another thread that starts a process may be about to collect the exit code.
             while (code := self._process.exitcode) is None:
                 time.sleep(LOOK_SECONDS)
             self._process = None
@@ -178,7 +180,7 @@ class _Process:
 
 
 def _work(parent: Connection[Any, Any]) -> None:
-    """Run the calls that come from the parent process, and end with it in whatever way it ends."""
+    """Run the calls that the parent process sends, and end when it ends, however it ends."""
     global _parent
     _parent = parent
     signal.signal(signal.SIGINT, signal.SIG_IGN)
@@ -201,8 +203,8 @@ def _end_with_parent() -> None:
     os._exit(1)
 
 
-def teller() -> Callable[[str], None]:
-    """Return a function that prints a line in the process that waits for the call."""
+def line_printer() -> Callable[[str], None]:
+    """Return a function that prints a line, in a worker by sending it to the parent process."""
     return print_error if _parent is None else _parent.send
 
 
@@ -213,11 +215,21 @@ def run_trials(
     jobs: int | None,
     label: str = "runs",
 ) -> dict[Group, list[T]]:
-    """Return what a call returns for each group, in the order of the seeds, which all share.
+    """Run a call for each group and each seed in parallel, with a progress bar.
 
-    A progress bar is shown. The first error of a call is raised, or a ``WorkerError`` if its
-    process has ended. The call has to be at the top level of its module; ``jobs`` of 1 run it in
-    this process, and by default there are as many as processors.
+    Args:
+        call: function of a group and a seed, defined at the top level of its module.
+        groups: first arguments of the call.
+        seeds: second arguments, the same for each group.
+        jobs: number of processes. By default there is one for each processor; with 1 the calls run
+            in this process.
+        label: label of the progress bar.
+
+    Returns:
+        Results for each group, in the order of the seeds.
+
+    Raises:
+        WorkerError: a process has ended. Errors of a call are raised as they are.
     """
     from agents.lab.console.progress import progress_bar, track
 

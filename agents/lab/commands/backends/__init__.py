@@ -1,1 +1,1 @@
-"""Fleets on the grid and on bodies, in four worlds, for ``warehouse compare backends``."""
+"""Comparison of a fleet on the grid and on rigid bodies, for ``warehouse compare backends``."""

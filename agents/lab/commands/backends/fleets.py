@@ -1,4 +1,4 @@
-"""A fleet in four worlds, for ``warehouse compare backends --robots N``."""
+"""Comparison of a fleet in four worlds, for ``warehouse compare backends --robots N``."""
 
 from __future__ import annotations
 
@@ -42,22 +42,24 @@ def compare_fleets(
     jobs: int | None = None,
     save: Sequence[Path] = (),
 ) -> None:
-    """Run the same fleet, orders and planner in all worlds, and print a table and what is lost.
+    """Run the same fleet, orders and planner in all worlds, and print their measures and losses.
 
-    An episode ends when all orders are delivered. A step of ``order_rate`` is 1 s.
+    An episode ends when all orders are delivered. Here ``order_rate`` is the mean number of orders
+    per second.
     """
     if not order_rate:
         raise typer.BadParameter("--order-rate is 0; allowed: a number above 0")
     noise, stop = parse_disturbed(disturbed)
     setting = Setting(find_layout(layout), robots, planner, order_rate, count, noise, stop)
     check(setting, seed)
-    seeds, keeps = range(seed, seed + episodes), any(path.suffix.lower() == PAGE for path in save)
-    call = partial(run_trial, setting=setting, kept=seed if keeps else None)
+    seeds = range(seed, seed + episodes)
+    needs_record = any(path.suffix.lower() == PAGE for path in save)
+    call = partial(run_trial, setting=setting, kept=seed if needs_record else None)
     results = run_trials(call, WORLDS, seeds, jobs)
     scores = {world: [score for score, _ in runs] for world, runs in results.items()}
     which = f"seed {seed}" if episodes == 1 else f"seeds {seed} to {seeds[-1]}"
     title = (
-        f"{counted(robots, 'robot')} ({planner}), {counted(count, 'order')} at {order_rate:g} a "
+        f"{counted(robots, 'robot')} ({planner}), {counted(count, 'order')} at {order_rate:g} per "
         f"second, layout {layout.stem}, disturbed: noise of {noise:.0%} and a stop of {stop:g} s, "
         f"{which}"
     )
@@ -84,13 +86,13 @@ def parse_disturbed(text: str) -> tuple[float, float]:
         Number(0, math.inf)(stop)
     except ValueError:
         raise typer.BadParameter(
-            f"--disturbed is {text!r}; it must be a share 0..0.5 and seconds, as in {DISTURBED}"
+            f"--disturbed is {text!r}; it must be a share 0..0.5 and seconds, such as {DISTURBED}"
         ) from None
     return noise, stop
 
 
 def check(setting: Setting, seed: int) -> None:
-    """Raise before any run if the fleet of a setting cannot be made."""
+    """Raise an error before anything runs if the fleet of a setting cannot be made."""
     try:
         make_fleet_agent(setting.planner, None, seed, setting.layout, 1)
         orders = draw_orders(setting, seed)

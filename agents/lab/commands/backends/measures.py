@@ -1,4 +1,4 @@
-"""The measures of a fleet in all worlds: tables, a page, and a file of values."""
+"""The measures of a fleet in all worlds, as a table, a page and a file of values."""
 
 from __future__ import annotations
 
@@ -17,25 +17,24 @@ from warehouse_core import FleetEpisode
 from warehouse_core.wording import counted, listed
 
 SeedScores = Mapping[str, Sequence[Score]]
-"""The measures of each world, of the same seeds in the same order."""
+"""Measures of each run by world; all worlds have the same seeds in the same order."""
 
 Value = Callable[[Score, Score], float]
-"""Function that returns a value of a run, given the run on the grid with the same seed."""
+"""Function that returns a value of a run, given the run and the grid plan with the same seed."""
 
 MEASURES: dict[str, Value] = {
-    "deliveries an hour": lambda score, _: score.per_hour,
-    "% of the plan's": lambda score, plan: (
+    "deliveries per hour": lambda score, _: score.per_hour,
+    "% of the plan": lambda score, plan: (
         100 * score.per_hour / plan.per_hour if plan.per_hour else math.nan
     ),
     "% on time": lambda score, _: 100 * score.on_time,
-    "kJ a delivery": lambda score, _: score.joules / 1000,
+    "kJ per delivery": lambda score, _: score.joules / 1000,
     "last delivery (s)": lambda score, _: score.makespan,
     "hits": lambda score, _: score.hits,
 }
 
 FRAME_SECONDS, SPEED, HEIGHT = 0.5, 2.0, 860
-"""Simulated seconds from one frame of the replay to the next, factor on its playing speed, and its
-height in pixels."""
+"""Simulated seconds per frame of the replay, its playing speed, and its height in pixels."""
 
 
 def table_of(scores: SeedScores, title: str) -> TextTable:
@@ -50,7 +49,7 @@ def table_of(scores: SeedScores, title: str) -> TextTable:
 
 
 def cell_of(runs: Sequence[Score], plans: Sequence[Score], value: Value) -> str:
-    """Return the mean of a value over the seeds, and its interval if it has a width."""
+    """Format the mean of a value over the seeds, with its interval unless its width is 0."""
     values = np.array([value(score, plan) for score, plan in zip(runs, plans, strict=True)])
     mean = mean_interval(values[~np.isnan(values)]) or Interval(math.nan)
     if math.isnan(mean.estimate):  # a share of nothing
@@ -61,7 +60,12 @@ def cell_of(runs: Sequence[Score], plans: Sequence[Score], value: Value) -> str:
 
 
 def losses(scores: SeedScores, orders: int) -> list[str]:
-    """Return a warning for each world that lost robots, steps, or some of each run's orders."""
+    """Return a warning for each world with undelivered orders, lost robots or missing plans.
+
+    Args:
+        scores: measures of all runs.
+        orders: number of orders in each run.
+    """
     found = []
     for world, runs in scores.items():
         counts = {
@@ -78,7 +82,7 @@ def losses(scores: SeedScores, orders: int) -> list[str]:
 
 
 def write_values(path: Path, scores: SeedScores, seeds: Sequence[int]) -> None:
-    """Write a line for each run."""
+    """Write a CSV file with a line for each run."""
     lines = (
         [world, seed, *run]
         for world, runs in scores.items()
@@ -88,7 +92,7 @@ def write_values(path: Path, scores: SeedScores, seeds: Sequence[int]) -> None:
 
 
 def write_page(path: Path, table: TextTable, records: Mapping[str, FleetEpisode]) -> None:
-    """Write a page with the table and a replay of the records by world, on one clock."""
+    """Write a page with the table and a replay of the records of all worlds on one clock."""
     from markupsafe import Markup
 
     from agents.lab.reports.page import Table, write_template  # imports matplotlib
@@ -98,11 +102,11 @@ def write_page(path: Path, table: TextTable, records: Mapping[str, FleetEpisode]
     tracks = []
     for world, record in records.items():
         track = track_of_record(record, FRAME_SECONDS)
-        track.title, track.lateness = world, ()  # lateness is in steps, which last differently long
+        track.title, track.lateness = world, ()  # it is in steps, whose length differs by world
         for frame in track.frames:
-            frame.energy = 0.0  # the chart of all worlds has it
+            frame.energy = 0.0  # the chart of all worlds shows the energy
         tracks.append(track)
-    title = "A fleet on the grid and on bodies"
+    title = "A fleet on the grid and on rigid bodies"
     rows = tuple(tuple(cell.replace("\n", " ") for cell in row) for row in table.rows)
     shown = Table(table.header, rows, table.caption)
     replay = player_frame(tracks, title=title, speed=SPEED, height=HEIGHT)

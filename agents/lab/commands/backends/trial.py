@@ -1,7 +1,8 @@
 """A run of a fleet in one of four worlds, and its measures in seconds.
 
-The worlds are the plan on the grid, bodies that stop in every cell, bodies that drive through, and
-these with disturbances. Orders arrive and are due at the same seconds in all of them.
+The worlds are the plan on the grid, rigid bodies that stop in every cell, bodies that drive through
+cells, and such bodies with disturbances. In all worlds, orders are released and due at the same
+times in seconds.
 """
 
 from __future__ import annotations
@@ -36,27 +37,35 @@ PLAN, STOPPING, DRIVING, DISTURBED = WORLDS = (
 )
 
 STEPS_OF_A_CELL = 4
-"""Steps in which a robot that drives through crosses a cell. With one, paths would grow no faster
-than they are driven, so that corners would be known too late, and robots that have come to rest
-would wait for the next step."""
+"""Number of steps in which a robot crosses a cell if it drives through.
+
+With a single step, paths would be extended no faster than they are driven. Robots would then learn
+of corners too late, and robots that have come to rest would wait for the next step.
+"""
 
 BATTERY, DUE = Battery(30_000, "joules"), (100, 300)
-"""Battery of the robots, and fewest and most seconds from the release of an order to its due time.
-A charger supplies as much in a second in all worlds."""
+"""Battery of the robots, and minimum and maximum seconds from release to due time of an order.
+
+A charger supplies the same power in all worlds.
+"""
 
 MAX_SECONDS = 600.0
-"""Time allowed for each order of a robot beyond the last due time; a longer run is ended."""
+"""Seconds allowed for each order of a robot after the last due time; longer runs are ended."""
 
 
 @dataclass(frozen=True)
 class Setting:
-    """The fleet, floor and orders that the worlds have in common.
+    """The fleet, layout and orders that all worlds share.
 
     Attributes:
-        rate: orders that are released in a second on average.
-        count: orders of an episode.
-        noise: standard deviation of disturbed speeds as a share of the commanded ones.
-        stop: seconds that one disturbed robot stands still; with 0 none does, with inf it dies.
+        layout: layout.
+        robots: number of robots.
+        planner: name of the planner.
+        rate: mean number of orders that are released per second.
+        count: number of orders in an episode.
+        noise: standard deviation of disturbed speeds as a share of the commanded speeds.
+        stop: seconds for which one disturbed robot stops; with 0 no robot stops, and with inf it
+            stops forever.
     """
 
     layout: Layout
@@ -69,7 +78,7 @@ class Setting:
 
 
 class TimedOrder(NamedTuple):
-    """An item to be brought from a pickup to a dropoff; times are seconds from the reset."""
+    """An order to bring an item from a pickup to a dropoff; times are seconds after the reset."""
 
     released: float
     due: float
@@ -78,24 +87,24 @@ class TimedOrder(NamedTuple):
 
 
 class World(NamedTuple):
-    """A factory of the motion of a fleet, and the nominal seconds of a step."""
+    """A factory for the motion of a fleet, and the nominal duration of a step in seconds."""
 
     motion: Callable[[], Motion]
     step_seconds: float
 
 
 class Score(NamedTuple):
-    """The measures of a run; times are by the clock of its world.
+    """The measures of a run, with times by the clock of its world.
 
     Attributes:
-        per_hour: deliveries in an hour, until the last one.
+        per_hour: deliveries per hour until the last delivery.
         on_time: share of all orders that were delivered by their due times.
-        joules: energy of all robots for a delivery.
-        hits: contacts, of which two robots that touch have one.
+        joules: energy of all robots per delivery.
+        hits: number of contacts; two robots that touch have one contact.
         makespan: seconds until the last delivery.
         delivered: number of delivered orders.
-        lost: robots whose battery is empty, or that have died.
-        late_plans: steps in which all robots waited for a plan.
+        lost: number of robots with a flat battery or a defect.
+        late_plans: number of steps in which all robots waited for a plan.
     """
 
     per_hour: float
@@ -111,12 +120,12 @@ class Score(NamedTuple):
 def draw_orders(setting: Setting, seed: int) -> list[TimedOrder]:
     """Return the first orders of a Poisson process, in order of release.
 
-    Stations are drawn equally often, and so are times from release to due time.
+    Stations and times from release to due time are random, with uniform distributions.
     """
     layout, count, stream = setting.layout, setting.count, np.random.default_rng(seed)
     for kind, places in (("pickup", layout.pickups), ("dropoff", layout.dropoffs)):
         if not places:
-            raise LayoutError(f"the layout has no {kind}; orders are drawn from its stations")
+            raise LayoutError(f"the layout has no {kind}, so that it cannot have orders")
     released = stream.exponential(1 / setting.rate, count).cumsum()
     dues = released + stream.uniform(*DUE, count)
     pickups, dropoffs = (
@@ -127,9 +136,9 @@ def draw_orders(setting: Setting, seed: int) -> list[TimedOrder]:
 
 
 def in_steps(orders: Sequence[TimedOrder], seconds: float) -> list[Order]:
-    """Return orders for a fleet whose steps last so many seconds.
+    """Convert orders to the steps of a fleet, given the seconds of a step.
 
-    None is released too early, and none is due too late, unless it is due before it is released.
+    Releases are rounded up and due times down. No order is due before it is released.
     """
     releases = [math.ceil(order.released / seconds) for order in orders]
     return [
@@ -139,11 +148,12 @@ def in_steps(orders: Sequence[TimedOrder], seconds: float) -> list[Order]:
 
 
 def make_world(name: str, setting: Setting, busy_seconds: float, seed: int) -> World:
-    """Return a world by name.
+    """Return the world with a name.
 
-    A step of the grid lasts for the time of a cell at top speed, and has ``STEPS_OF_A_CELL`` steps
-    of robots that drive through. Where all robots stop in each cell, a step lasts until a loaded
-    robot is at rest. A disturbed robot stops in the first half of the time in which orders come.
+    A step on the grid lasts as long as crossing a cell at top speed. Robots that drive through
+    cross a cell in ``STEPS_OF_A_CELL`` steps. If all robots stop in every cell, a step lasts until
+    a loaded robot is at rest. With disturbances, one robot stops at a random time in the first half
+    of ``busy_seconds``, in which orders are released.
     """
     if name == PLAN:
         return World(load_backend("grid"), NOMINAL_SECONDS)
@@ -154,7 +164,7 @@ def make_world(name: str, setting: Setting, busy_seconds: float, seed: int) -> W
     period = driving().period / STEPS_OF_A_CELL
     if name == DRIVING:
         return World(partial(driving, period=period), period)
-    from warehouse_physics import Disturbances, Stop  # loading pymunk takes long
+    from warehouse_physics import Disturbances, Stop  # here, because it loads pymunk
 
     stream = np.random.default_rng(seed)
     robot, at = int(stream.integers(setting.robots)), float(stream.uniform(0, busy_seconds / 2))
@@ -166,13 +176,17 @@ def make_world(name: str, setting: Setting, busy_seconds: float, seed: int) -> W
 def make_env(
     setting: Setting, world: World, orders: Sequence[TimedOrder], dispatch: bool = True
 ) -> FleetEnv:
-    """Return the fleet of a setting in a world; a ``ValueError`` says why it cannot be made."""
+    """Return the environment of a setting in a world.
+
+    Raises:
+        ValueError: it cannot be made; the message gives the reason.
+    """
     motion = world.motion()
     charge = BATTERY.step_charge(motion.cell_size) * world.step_seconds
     seconds = max(order.due for order in orders)
     seconds += MAX_SECONDS * math.ceil(len(orders) / setting.robots)
     with warnings.catch_warnings():
-        warnings.simplefilter("ignore")  # that batteries would not last for so long
+        warnings.simplefilter("ignore")  # about batteries that would not last for the episode
         return FleetEnv(
             setting.layout,
             setting.robots,
@@ -187,25 +201,29 @@ def make_env(
 def run_trial(
     world: str, seed: int, *, setting: Setting, kept: int | None = None
 ) -> tuple[Score, FleetEpisode | None]:
-    """Run a fleet until all orders are delivered; return the record only for the seed ``kept``."""
+    """Run a fleet until all orders are delivered.
+
+    Returns:
+        Measures, and the record of the run if its seed is ``kept``.
+    """
     orders = draw_orders(setting, seed)
     made = make_world(world, setting, orders[-1].released, seed)
     agent = make_fleet_agent(setting.planner, None, seed, setting.layout, setting.robots)
-    told = slow_steps_reported(agent, setting.planner)
+    watch = slow_steps_reported(agent, setting.planner)
     with closing(make_env(setting, made, orders, wants_dispatch(agent))) as env:
         try:
-            record = run(env, agent, seed, told, name=setting.planner)
+            record = run(env, agent, seed, watch, name=setting.planner)
         except EpisodeError as error:
-            # Without its record, which would go from process to process.
+            # Without its record, which would be sent from process to process.
             raise EpisodeError(f"world {world}, {error}") from None
     late_plans = len(agent.lost) if isinstance(agent, PlannedFleet) else 0
     return score_of(record, orders, late_plans), record if seed == kept else None
 
 
 def score_of(record: FleetEpisode, orders: Sequence[TimedOrder], late_plans: int) -> Score:
-    """Return the measures of a record, whose orders were made of ``orders``, one by one."""
+    """Return the measures of a record, whose orders correspond to ``orders`` one by one."""
     steps = record.seconds.max(axis=1)
-    # A drop that takes longer than the step in which it begins has not ended with it.
+    # A drop that takes longer than the step in which it begins ends after this step.
     clock = np.append(0.0, steps.cumsum() + np.maximum(NOMINAL_SECONDS - steps, 0.0))
     times = [
         clock[done.delivered] if done.delivered is not None else math.inf for done in record.orders
@@ -227,7 +245,7 @@ def score_of(record: FleetEpisode, orders: Sequence[TimedOrder], late_plans: int
 
 
 def count_hits(steps: Iterable[Sequence[Outcome]]) -> int:
-    """Return the number of contacts, each of which is in the outcomes of both robots that touch."""
+    """Return the number of contacts; two robots that touch have one contact in common."""
     found = {
         (step, contact.seconds, frozenset((f"robot {robot}", contact.counterpart)))
         for step, outcomes in enumerate(steps)

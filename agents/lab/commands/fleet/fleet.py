@@ -28,7 +28,7 @@ from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say, warnings_printed
 from agents.lab.console.values import parse_battery, parse_due
 from agents.lab.console.watch import slow_steps_reported
-from agents.lab.parameters import usual
+from agents.lab.parameters import default_value
 from agents.lab.runs.run import draw_seed, run
 from agents.registry import make_backend, make_fleet_agent, make_team
 from warehouse_core import Episode, FleetEnv, OrderStream, WarehouseError
@@ -39,7 +39,7 @@ from warehouse_core.wording import counted
 from warehouse_core.world.moves import COMPASS, TURN
 from warehouse_core.world.named_layouts import DEPOT, find_layout
 
-RATE, DUE = usual("order_rate"), parse_due(usual("due"))
+RATE, DUE = default_value("order_rate"), parse_due(default_value("due"))
 
 PUSHES = "pushes"
 

@@ -1,1 +1,1 @@
-"""The commands that measure planners of several robots."""
+"""Commands that run planners for several robots and measure them."""

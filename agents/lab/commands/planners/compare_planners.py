@@ -1,4 +1,4 @@
-"""Planners on many problems, in one table, for ``warehouse compare planners``."""
+"""Comparison of planners on many problems, for ``warehouse compare planners``."""
 
 from __future__ import annotations
 
@@ -44,13 +44,19 @@ from warehouse_core.world.scenarios import load_scenarios
 SIZES = (32, 64, 96, 128, 160, 192)
 
 FIRST_SIZE = 10
-"""Fewest robots on scenarios by default; each number after it is twice the one before."""
+"""Smallest default number of robots on scenarios; each further number is twice as large."""
 
 VALUES = ".csv"
 
 
 class PlannerOutcome(NamedTuple):
-    """Goals that were reached in a step, milliseconds of a step, and steps that were cut off."""
+    """The outcome of a lifelong run.
+
+    Attributes:
+        throughput: goals reached per step.
+        milliseconds: mean planning time per step in ms.
+        lost: number of steps whose planning was cut off.
+    """
 
     throughput: float
     milliseconds: float
@@ -58,18 +64,21 @@ class PlannerOutcome(NamedTuple):
 
 
 PlannerCase = tuple[str, int]
-"""A planner, or ``BOUND``, and a number of robots."""
+"""Name of a planner, or ``BOUND``, and number of robots."""
 
 
 class PlannerTrials(NamedTuple):
-    """The trials of planners over numbers of robots, and how they are shown.
+    """The trials of planners with several numbers of robots, and their presentation.
 
     Attributes:
         outcomes: outcomes of each case, one for each of ``labels``.
         labels: seeds or files of the trials.
-        label: title of their column.
+        label: title of the column with the labels.
         rates: value of each case in the figure.
         cells: text of each case in the table.
+        measure: title of the vertical axis of the figure.
+        title: title of the table and the figure.
+        caption: note below the table.
     """
 
     outcomes: Mapping[PlannerCase, Sequence[PlannerOutcome | Attempt]]
@@ -93,11 +102,11 @@ def compare_planners(
     jobs: int | None = None,
     save: Sequence[Path] = (),
 ) -> None:
-    """Compare planners over fleet sizes and seeds, or on scenarios if there are ``files``.
+    """Compare planners with several fleet sizes and seeds, or on scenarios if there are ``files``.
 
-    In a lifelong run of so many steps a robot that reaches its goal gets another. Prints the goals
-    that are reached in a step, next to a bound. For scenarios it prints how many are solved within
-    ``plan_seconds``.
+    In a lifelong run a robot that reaches its goal gets another one, until ``lifelong`` steps have
+    passed. The table shows the goals reached per step, next to a bound. For scenarios it shows the
+    number of problems that are solved within ``plan_seconds``.
     """
     name = None if layout is None else str(layout)
     sizes = parse_sizes(robots) if robots is not None else []
@@ -126,7 +135,7 @@ def compare_planners(
 def run_trial(
     case: PlannerCase, seed: int, *, layout: str | None, steps: int, seconds: float
 ) -> PlannerOutcome:
-    """Return the outcome of a lifelong run in which a step is cut off after some seconds."""
+    """Return the outcome of a lifelong run that allows ``seconds`` for planning each step."""
     (name, robots), floor = case, find_floor(layout)
     graph = Graph(floor.layout)
     planner: Unhindered | CheckedPlanner = Unhindered(graph)
@@ -144,15 +153,16 @@ def run_all(
     episodes: int,
     jobs: int | None,
 ) -> PlannerTrials:
-    """Return the lifelong runs of planners and of the bound."""
+    """Return the lifelong runs of all planners and of the bound."""
     layout, steps, seconds = (call.keywords[name] for name in ("layout", "steps", "seconds"))
     floor = find_floor(layout)
     for name in names:
-        # A wrong name is an error at once; planners that learn take least time for one robot.
+        # A wrong name is an error before the runs; planners that learn start fastest for one robot.
         make_stepper(name, 0, floor.layout, 1, seconds)
     if max(sizes) > len(floor.starts):
         raise PlanError(
-            f"--robots has {max(sizes)}; allowed: 1 to {len(floor.starts)}, the cells to start from"
+            f"--robots has {max(sizes)}; allowed: 1 to {len(floor.starts)}, the number of start "
+            "cells"
         )
     outcomes = run_trials(call, list(product((*names, BOUND), sizes)), range(episodes), jobs)
 
@@ -160,16 +170,16 @@ def run_all(
     for case, found in outcomes.items():
         rate, milliseconds, _ = np.array(found).T
         rates[case] = mean_interval(rate) or Interval(math.nan)
-        cells[case] = f"{above_interval(rates[case])}\n{milliseconds.mean():.1f} ms a step"
+        cells[case] = f"{above_interval(rates[case])}\n{milliseconds.mean():.1f} ms per step"
         if case[0] == BOUND:
             cells[case] = f"{rates[case].estimate:.2f}"
     title = (
-        f"Goals reached in a step: layout {layout or KIVA}, {counted(steps, 'step')}, "
+        f"Goals reached per step: layout {layout or KIVA}, {counted(steps, 'step')}, "
         f"{counted(episodes, 'seed')} from 0"
     )
     few = f"Intervals need at least {MIN_VALUES} episodes." if episodes < MIN_VALUES else ""
     return PlannerTrials(
-        outcomes, range(episodes), "seed", rates, cells, "goals reached in a step", title, few
+        outcomes, range(episodes), "seed", rates, cells, "goals reached per step", title, few
     )
 
 
@@ -181,17 +191,18 @@ def solve_scenarios(
     seconds: float,
     jobs: int | None,
 ) -> PlannerTrials:
-    """Return the attempts of planners at the first robots of files.
+    """Return the attempts of planners at the first scenarios of each file.
 
     Raises:
-        PlanError: a file has fewer scenarios than robots, or as for ``scenario_problem``.
+        PlanError: a file has fewer scenarios than robots, or for the reasons of
+            ``scenario_problem``.
     """
     least = min(len(load_scenarios(path)) for path in files)
     if not sizes:
         sizes = [FIRST_SIZE * 2**power for power in range(least.bit_length())]
         sizes = [size for size in sizes if size <= least] or [least]
     for path in files:
-        scenario_problem(path, layout, max(sizes))  # what is wrong is told before anything runs
+        scenario_problem(path, layout, max(sizes))  # so that errors appear before anything runs
     call = partial(attempt_at, files=files, layout=layout, seconds=seconds)
     outcomes = run_trials(call, list(product(names, sizes)), range(len(files)), jobs, "plans")
 
@@ -205,10 +216,10 @@ def solve_scenarios(
         costs = f"\n{np.mean(ratios):.3f}" if ratios else ""
         seconds_each = np.mean([each.seconds for each in found])
         cells[case] = f"{solved} of {len(found)}{costs}\n{seconds_each:.3f} s"
-    title = f"{counted(len(files), 'scenario file')}, {seconds:g} s a plan"
+    title = f"{counted(len(files), 'scenario file')}, {seconds:g} s per plan"
     caption = (
-        "Files of whose first robots a plan was found; its costs over the sum of the fewest steps, "
-        "mean; processor time of all files, mean."
+        "Each cell has the number of files with a plan for their first robots, the mean ratio of "
+        "the costs to the sum of the fewest steps, and the mean processor time."
     )
     return PlannerTrials(outcomes, files, "file", rates, cells, "scenarios solved", title, caption)
 
@@ -216,7 +227,7 @@ def solve_scenarios(
 def attempt_at(
     case: PlannerCase, number: int, *, files: Sequence[Path], layout: str | None, seconds: float
 ) -> Attempt:
-    """Return the attempt of a planner at the first robots of a file."""
+    """Return the attempt of a planner at the first scenarios of a file."""
     planner, robots = case
     return attempt(planner, 0, scenario_problem(files[number], layout, robots), seconds)
 
@@ -229,7 +240,7 @@ def table_of(trials: PlannerTrials) -> TextTable:
 
 
 def write_trials(path: Path, trials: PlannerTrials) -> None:
-    """Write each trial as a line, or what planners reach as curves."""
+    """Write a CSV file with a line for each trial, or a figure with a curve for each planner."""
     if path.suffix.lower() == VALUES:
         lines = [
             [name, size, str(label), *each]

@@ -1,4 +1,4 @@
-"""The problems that planners are measured on: from files, or generated."""
+"""Problems for measuring planners, which are read from files or generated."""
 
 from __future__ import annotations
 
@@ -26,18 +26,20 @@ FloorOption = Annotated[
     str | None,
     option(
         "--layout FILE",
-        f"{LAYOUT} Default: kiva, of 33 x 46 cells with 192 starts and 480 goals, as in papers.",
+        f"{LAYOUT} Default: kiva, which has 33 x 46 cells, 192 starts and 480 goals, as in papers.",
         show_default=False,
     ),
 ]
 
 
 class PlannerFloor(NamedTuple):
-    """A floor with the cells that starts and goals are drawn from.
+    """A layout with the cells in which robots may start and have goals.
 
     Attributes:
-        layout: its walls. Chargers are floor, as planners of one command would avoid them, and so
-            are stations where goals may be anywhere; pickups tell planners that learn of the goals.
+        layout: walls, and a pickup in each goal cell for planners that learn. It has no chargers,
+            because some planners would avoid them. If goals may be anywhere, it has no stations.
+        starts: numbers of the start cells.
+        goals: numbers of the goal cells.
     """
 
     layout: Layout
@@ -46,7 +48,10 @@ class PlannerFloor(NamedTuple):
 
 
 def find_floor(name: str | None) -> PlannerFloor:
-    """Return the floor of a name or a file, by default ``KIVA``; robots are in its largest part."""
+    """Return the floor with a name or from a file, by default ``KIVA``.
+
+    Starts and goals are in the largest connected part of the layout.
+    """
     if name is None or name == KIVA:
         layout, starts, goals = kiva_warehouse()
         places = layout.cells(goals)
@@ -58,7 +63,7 @@ def find_floor(name: str | None) -> PlannerFloor:
 
 
 def random_problem(floor: PlannerFloor, robots: int, seed: int, moves: str = COMPASS) -> Problem:
-    """Return a problem with starts and goals drawn at random."""
+    """Return a problem with random starts and goals."""
     most = min(len(floor.starts), len(floor.goals))
     if robots > most:
         raise PlanError(f"--robots is {robots}; allowed: 1..{most} on this layout")
@@ -70,9 +75,18 @@ def random_problem(floor: PlannerFloor, robots: int, seed: int, moves: str = COM
 def scenario_problem(
     path: Path, layout_file: str | None, robots: int | None, moves: str = COMPASS
 ) -> Problem:
-    """Return the problem of the first scenarios of a ``.scen``, one for each robot.
+    """Return the problem in the first scenarios of a ``.scen`` file, one for each robot.
 
-    Without a map it is the file next to it that the scenarios name. By default a robot has each.
+    Args:
+        path: path of the file.
+        layout_file: name or file of the layout. By default it is the map that the scenarios name,
+            in the same folder.
+        robots: number of robots, by default one for each scenario.
+        moves: name of the moves of a robot.
+
+    Raises:
+        PlanError: the file has too few scenarios.
+        LayoutError: the layout cannot be used.
     """
     scenarios = load_scenarios(path)
     count = len(scenarios) if robots is None else robots
@@ -94,21 +108,21 @@ def scenario_problem(
 
 
 def first_headings(robots: int, moves: str) -> list[int] | None:
-    """Return the headings of robots at first, all east, if they have any."""
+    """Return the initial headings of the robots, all east, or ``None`` without headings."""
     return [EAST] * robots if moves == TURN else None
 
 
 def find_scenarios(paths: Sequence[Path]) -> list[Path]:
-    """Return the files of scenarios among paths and in folders.
+    """Return the scenario files in a list of files and folders.
 
     Raises:
-        PlanError: a folder has none, or a file is something else.
+        PlanError: a folder has no scenario file, or a file has another format.
     """
     found = list[Path]()
     for path in paths:
         inside = sorted(path.glob(f"*{SCENARIO}")) if path.is_dir() else [path]
         if not inside:
-            raise PlanError(f"{path}: the folder has no {SCENARIO}")
+            raise PlanError(f"{path}: the folder has no {SCENARIO} file")
         if inside[0].suffix.lower() != SCENARIO:
             raise PlanError(f"{path}: unknown format of a problem; allowed: {SCENARIO}")
         found += inside

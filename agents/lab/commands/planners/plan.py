@@ -1,4 +1,4 @@
-"""The command ``warehouse plan``: planners on one problem of several robots."""
+"""The command ``warehouse plan``, which runs planners on one problem with several robots."""
 
 from __future__ import annotations
 
@@ -40,7 +40,7 @@ from warehouse_core.world.moves import COMPASS, HEADINGS, MOVES, TURN
 ROBOTS = 32
 PATHS = ".csv"
 
-PLANNER = f"{options.PLANNER} Arguments may follow, as in pibt:turn_cost=1; may be repeated."
+PLANNER = f"{options.PLANNER} Arguments may follow, as in pibt:turn_cost=1. May be repeated."
 ONCE = listed([name for name in SOLVERS if name not in PLANNERS])
 KNOW_HEADINGS = ", ".join(HEADED_SOLVERS)
 
@@ -50,7 +50,8 @@ def plan(
         Path | None,
         typer.Argument(
             metavar="FILE",
-            help="A MovingAI scenario .scen. Without it starts and goals are drawn on --layout.",
+            help="A MovingAI scenario file (.scen). Without it, starts and goals on --layout are "
+            "random.",
             show_default=False,
         ),
     ] = None,
@@ -58,8 +59,8 @@ def plan(
         list[str] | None,
         option(
             "--planner NAME",
-            f"{PLANNER} Also {ONCE}, or file.py:function; ecbs:w=1.2 costs at most 1.2 times the "
-            "optimum.",
+            f"{PLANNER} Also {ONCE}, or file.py:function. Plans of ecbs:w=1.2 cost at most 1.2 "
+            "times the optimum.",
             show_default=False,
         ),
     ] = None,
@@ -68,7 +69,7 @@ def plan(
         int | None,
         option(
             "--robots -r N",
-            f"{options.ROBOTS} Default: all of the file, or {ROBOTS}.",
+            f"{options.ROBOTS} Default: all in FILE, or {ROBOTS} without it.",
             Whole(1, MAX_BODIES),
         ),
     ] = None,
@@ -86,7 +87,9 @@ def plan(
     drive: Annotated[
         bool,
         option(
-            "--drive", "Also let rigid bodies execute the plans, in joint steps and driven through."
+            "--drive",
+            "Also let rigid bodies execute the plans, once in joint steps and once driving through "
+            "cells.",
         ),
     ] = False,
     *,
@@ -94,8 +97,8 @@ def plan(
         list[Path],
         option(
             "--save -o FILE",
-            f"{options.SAVE} The paths of one planner as .csv, or as a replay: .html, .gif, .mp4, "
-            ".svg, .png; may be repeated.",
+            f"{options.SAVE} The paths of one planner as a table (.csv) or a replay (.html, .gif, "
+            ".mp4, .svg, .png). May be repeated.",
             callback=writable(PATHS, replays=True),
             **MANY,
         ),
@@ -103,16 +106,16 @@ def plan(
 ) -> None:
     """Plan paths for several robots.
 
-    Prints makespan, sum of costs and time of the plans, next to a bound. For
-    robots that get goal after goal, and for many scenarios, see: warehouse
-    compare planners.
+    Prints makespan, sum of costs and planning time of each planner, next to a
+    bound. For robots that get one goal after another, and for many scenarios,
+    use: warehouse compare planners.
 
     Example: warehouse plan --robots 64 --planner lacam --planner pibt --seed 1
     """
     if drive:
-        load_backend("driving")  # what it needs is missed here, and not after the plans
+        load_backend("driving")  # so that a missing package is an error before planning
     if save and len(planner or ()) != 1:
-        raise typer.BadParameter("--save takes the paths of one planner; name one by --planner")
+        raise typer.BadParameter("--save takes the paths of one planner; name it with --planner")
     if file is None:
         title = f"layout {layout or KIVA}, seed {seed}"
         problem = random_problem(find_floor(layout), robots or ROBOTS, seed, moves)
@@ -144,7 +147,7 @@ def plan(
     print_table(TextTable(header, rows, f"{counted(problem.robots, 'robot')}, {title}", caption))
     if executed:
         columns = "planner", "on bodies", "seconds", "joules", "hits"
-        caption = "until all robots are at rest; a hit of two robots counts for both"
+        caption = "until all robots are at rest; a hit between two robots counts for both"
         print_table(TextTable(columns, executed, caption=caption))
     for note in notes:
         print_error(note)
@@ -153,7 +156,7 @@ def plan(
 
 
 def check_file(file: Path) -> None:
-    """Raise if the file of the problem is missing or has another format."""
+    """Raise ``typer.BadParameter`` if the problem file is missing or has another format."""
     if not file.exists():
         raise typer.BadParameter(f"{file}: there is no such file or folder")
     if file.is_dir():
@@ -165,7 +168,7 @@ def check_file(file: Path) -> None:
 
 
 def measures_of(found: Plan, bound: int) -> tuple[str, ...]:
-    """Return makespan, sum of costs, its ratio to a bound, and the bound that is proved."""
+    """Return makespan, sum of costs, ratio of costs to a bound, and proved bound, as text."""
     cost = found.sum_of_costs
     ratio = cost / bound if bound else 1.0
     proved = "" if found.bound is None else str(found.bound)
@@ -173,12 +176,12 @@ def measures_of(found: Plan, bound: int) -> tuple[str, ...]:
 
 
 def execute(name: str, problem: Problem, found: Plan) -> Iterator[tuple[str, ...]]:
-    """Let bodies execute a plan in both ways, and yield a row of the table for each."""
+    """Let bodies execute a plan in each of ``EXECUTIONS``, and yield a table row for each."""
     from agents.mapf.execution import EXECUTIONS  # here, because it loads pymunk
 
-    for way, run in EXECUTIONS.items():
+    for mode, run in EXECUTIONS.items():
         took = run(problem.graph.layout, found.cells)
-        yield name, way, seconds_of(took.seconds), f"{took.joules:,.0f}", str(took.hits)
+        yield name, mode, seconds_of(took.seconds), f"{took.joules:,.0f}", str(took.hits)
 
 
 def save_plan(path: Path, problem: Problem, found: Plan, name: str) -> None:

@@ -1,4 +1,4 @@
-"""The replay of a plan, of which no episode was run."""
+"""The replay of a plan without running an episode."""
 
 from __future__ import annotations
 
@@ -12,24 +12,29 @@ from warehouse_core.viz.tracks.track import FleetFrame, Frame, Pose, Track, midd
 from warehouse_core.wording import counted
 from warehouse_core.world.tables import Integers
 
-SHOWN_WAYS = 3
-"""Robots whose ways are drawn: the last ones to arrive."""
+SHOWN_PATHS = 3
+"""Number of robots whose paths are shown; they are the last ones to arrive."""
 
 HEADINGS = (-math.pi / 2, 0.0, math.pi / 2, math.pi)
-"""Angles of robots that move N, E, S and W."""
+"""Angles of robots that head north, east, south and west, in radians."""
 
 
 def track_of_plan(
     graph: Graph, cells: Integers, title: str, facing: Integers | None = None
 ) -> Track:
-    """Return the track of cells of robots ``[T + 1, R]``, with the ways of the last to arrive.
+    """Return the track of a plan, with the paths of the last robots to arrive.
 
-    Robots head as ``facing`` says, ``[T + 1, R]``, or else as they have moved.
+    Args:
+        graph: graph of the layout.
+        cells: cell of each robot after each step, ``[T + 1, R]``.
+        title: title of the track.
+        facing: heading of each robot after each step, ``[T + 1, R]``. By default robots head in
+            the direction of their last move.
     """
     layout, robots = graph.layout, cells.shape[1]
     is_there = np.logical_and.accumulate((cells == cells[-1])[::-1])[::-1]
-    last = np.argsort(is_there.sum(axis=0), kind="stable")[:SHOWN_WAYS].tolist()
-    ways = {robot: layout.cells(cells[:, robot]) for robot in last}
+    last = np.argsort(is_there.sum(axis=0), kind="stable")[:SHOWN_PATHS].tolist()
+    paths = {robot: layout.cells(cells[:, robot]) for robot in last}
     headings: list[float | None] = [None] * robots
     items, battery = (None,) * robots, (1.0,) * robots
     frames = []
@@ -46,8 +51,8 @@ def track_of_plan(
             Pose(middle(cell), heading, loaded=False)
             for cell, heading in zip(layout.cells(row), headings, strict=True)
         )
-        plans = StepPlans({robot: way[step:] for robot, way in ways.items()})
-        arrived = f"{is_there[step].sum()} of {counted(robots, 'robot')} in their last cells"
+        plans = StepPlans({robot: path[step:] for robot, path in paths.items()})
+        arrived = f"{is_there[step].sum()} of {counted(robots, 'robot')} in their final cells"
         fleet = FleetFrame((), items, battery, plans)
         frames.append(
             Frame(layout.rows, poses, float(step), arrived, clock=float(step), fleet=fleet)

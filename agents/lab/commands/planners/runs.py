@@ -1,4 +1,4 @@
-"""Runs of planners by name: to goals once, and from goal to goal."""
+"""Runs of planners by name, with one goal for each robot or with one goal after another."""
 
 from __future__ import annotations
 
@@ -45,35 +45,38 @@ SOLVERS: dict[str, Solver] = {
     "cbs": solve_cbs,
     "ecbs": solve_eecbs,
 }
-"""Planners of robots that go to their goals once, by name."""
+"""Planners for robots that have one goal each, by name."""
 
 HEADED_SOLVERS = ("lacam", "lacam-star", "anytime")
 """Names of the solvers that plan for robots with headings."""
 
 STEPPERS = ("pibt", "pibt-lanes")
-"""Planners of robots that go from goal to goal, if none is named; see the registry for all."""
+"""Default planners for robots that get one goal after another; the registry has all of them."""
 
 BOUND = "nobody in the way"
-"""The name of ``Unhindered``."""
+"""Displayed name of ``Unhindered``."""
 
 
 def make_stepper(
     name: str, seed: int, layout: Layout, robots: int, seconds: float, *, has_headings: bool = False
 ) -> CheckedPlanner:
-    """Return a planner of step after step by a name of the registry.
+    """Return the planner with a name in the registry, which plans one step after another.
 
     Raises:
-        AgentError: as for ``make_planner``, or it is no ``Planner``, or does not know the headings
-            that the robots have.
+        AgentError: ``make_planner`` fails, the object is not a ``Planner``, or robots have headings
+            and it does not support them.
     """
     if name.partition(":")[0] not in PLANNERS and registry.make_solver(name, SOLVERS):
         raise AgentError(
-            f"planner {name!r} plans all ways at once, for one goal a robot; lifelong runs have "
+            f"planner {name!r} plans whole paths to one goal per robot; allowed in lifelong runs: "
             f"{', '.join(PLANNERS)}, or your own as file.py:Class or module:Class"
         )
     made = make_planner(name, seed, layout, robots)
     if not isinstance(made, Planner):
-        raise AgentError(f"planner {name!r} has no next_cells; it directs a fleet, not a problem")
+        raise AgentError(
+            f"planner {name!r} has no method next_cells; it controls a fleet and does not solve "
+            "problems"
+        )
     if has_headings and not knows_headings(made):
         raise AgentError(
             f"planner {name!r} does not support headings; it needs a method next_places"
@@ -82,7 +85,7 @@ def make_stepper(
 
 
 def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solver:
-    """Return a solver by name, or one that asks a planner of the registry for each step."""
+    """Return the solver with a name, or a solver that takes each step from a registered planner."""
     prepare_solvers()
     solver = registry.make_solver(name, SOLVERS, seed)
     if solver is not None:
@@ -99,11 +102,12 @@ def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solve
 
 
 def solve_checked(name: str, solve: Solver, problem: Problem, seconds: float) -> Solved:
-    """Return the plan of a solver, checked, with the time that it took.
+    """Run a solver, and return its checked plan and the time that it took.
 
     Raises:
-        PlanError: it found no plan.
-        AgentError: it failed, or what it returns is no plan for the problem; the message says why.
+        PlanError: the solver found no plan.
+        AgentError: the solver failed, or its result is not a plan for the problem; the message says
+            why.
     """
     begin = time.perf_counter(), time.process_time()
     try:
@@ -112,7 +116,7 @@ def solve_checked(name: str, solve: Solver, problem: Problem, seconds: float) ->
         raise
     except Exception as error:  # the solver of a user may raise anything
         if isinstance(error, ValueError) and name.partition(":")[0] in SOLVERS:
-            raise AgentError(f"planner {name!r}: {error}") from error  # an argument is not allowed
+            raise AgentError(f"planner {name!r}: {error}") from error  # a wrong argument
         reason = reason_of(error, agent_file(name))
         raise AgentError(f"planner {name!r} failed: {reason}") from error
     took = time.perf_counter() - begin[0], time.process_time() - begin[1]
@@ -124,7 +128,7 @@ def solve_checked(name: str, solve: Solver, problem: Problem, seconds: float) ->
 
 
 def check_plan(problem: Problem, plan: object) -> None:
-    """Raise ``PlanError`` if something is no plan of robots from their starts to their goals."""
+    """Raise ``PlanError`` if an object is not a plan that solves a problem."""
     robots = problem.robots
     if not (isinstance(plan, Plan) and plan.cells.ndim == 2 and plan.cells.shape[1] == robots):
         raise PlanError(f"it returned {brief(plan)}; needed: a Plan of {counted(robots, 'robot')}")
@@ -137,11 +141,11 @@ def check_plan(problem: Problem, plan: object) -> None:
     for what, ends, row in (("start", problem.starts, 0), ("goal", problem.goals, -1)):
         for robot in np.flatnonzero(plan.cells[row] != np.array(ends))[:1].tolist():
             place, wanted = map(problem.graph.layout.cell, (plan.cells[row, robot], ends[robot]))
-            raise PlanError(f"robot {robot} is in {place} and not at its {what} {wanted}")
+            raise PlanError(f"robot {robot} is in {place}, not at its {what} {wanted}")
     if plan.headings is not None:
         headings = np.array(problem.headings, np.intp)
         for robot in np.flatnonzero(plan.headings[0] != headings)[:1].tolist():
-            raise PlanError(f"robot {robot} does not head {SIDES[headings[robot]]} at first")
+            raise PlanError(f"robot {robot} does not head {SIDES[headings[robot]]} initially")
     places = plan.places(problem.graph)
     for step, cells in enumerate(plan.cells[:-1]):
         situation, after = Situation(cells, goals, nobody, none), places[step + 1]
@@ -155,7 +159,7 @@ def check_plan(problem: Problem, plan: object) -> None:
 
 
 class Solved(NamedTuple):
-    """A plan, and the time it took: by the clock, and of the processor."""
+    """A plan, and the wall-clock time and processor time that it took, in seconds."""
 
     plan: Plan
     seconds: float
@@ -166,11 +170,11 @@ class Attempt(NamedTuple):
     """The attempt of a planner at a problem.
 
     Attributes:
-        makespan: steps of the plan, ``None`` if none was found; so are ``costs``.
-        costs: sum of costs.
+        makespan: number of steps of the plan, or ``None`` if no plan was found.
+        costs: sum of costs of the plan, or ``None`` if no plan was found.
         bound: sum of the fewest steps from starts to goals.
         proved: true if the planner has proved that no plan has lower costs.
-        seconds: processor time.
+        seconds: processor time in s.
     """
 
     makespan: int | None
@@ -181,7 +185,7 @@ class Attempt(NamedTuple):
 
 
 def attempt(name: str, seed: int, problem: Problem, seconds: float) -> Attempt:
-    """Return the attempt of a planner by name; see ``make_solver`` and ``solve_checked``."""
+    """Run the planner with a name on a problem; see ``make_solver`` and ``solve_checked``."""
     solve = make_solver(name, seed, problem, seconds)
     bound, begin = problem.lower_bound, time.process_time()
     try:
@@ -193,12 +197,12 @@ def attempt(name: str, seed: int, problem: Problem, seconds: float) -> Attempt:
 
 
 class CheckedPlanner:
-    """A planner whose steps are checked, and cut off when they take too long.
+    """A planner whose steps are checked, and cut off if planning takes too long.
 
-    All robots wait in a step that was cut off, and the planner is reset.
+    In a step that was cut off, all robots wait and the planner is reset.
 
     Attributes:
-        lost: the numbers of the steps that were cut off, from 0.
+        lost: numbers, from 0, of the steps that were cut off.
     """
 
     def __init__(self, planner: Planner, name: str, graph: Graph, seconds: float) -> None:
@@ -207,7 +211,7 @@ class CheckedPlanner:
         self.lost: list[int] = []
 
     def reset(self) -> None:
-        """Forget the last episode."""
+        """Forget the previous episode."""
         self._planner.reset()
         self._numbers, self.lost = count(), []
 
@@ -224,10 +228,10 @@ class CheckedPlanner:
         )
 
     def next_places(self, situation: Situation, headings: Integers) -> Integers:
-        """Return the place of each robot after the next joint step, ``[R]``.
+        """Return the place (cell and heading) of each robot after the next joint step, ``[R]``.
 
         Raises:
-            PlanError: as for ``next_cells``.
+            PlanError: the step has a conflict, or the planner failed.
         """
         return self._checked(
             partial(next_steps, self._planner, situation, headings),
@@ -238,7 +242,7 @@ class CheckedPlanner:
     def _checked(
         self, choose: Callable[[], object], check: Callable[[object], Integers], here: Integers
     ) -> Integers:
-        """Return what a call chooses, checked, or where the robots are if it takes too long."""
+        """Return the checked result of ``choose``, or ``here`` if it takes too long."""
         number = next(self._numbers)
         try:
             with time_limit(self._seconds):
@@ -249,13 +253,16 @@ class CheckedPlanner:
             self._planner.reset()
             return here
         except Exception as error:  # the planner of a user may raise anything
-            is_told = isinstance(error, PlanError)
-            reason = str(error) if is_told else reason_of(error, agent_file(self._name))
+            is_clear = isinstance(error, PlanError)
+            reason = str(error) if is_clear else reason_of(error, agent_file(self._name))
             raise PlanError(f"planner {self._name!r}, step {number}: {reason}") from error
 
 
 class Unhindered:
-    """Leads each robot by a shortest way, as if it were alone: a bound if goals are given."""
+    """A planner that moves each robot along a shortest path as if it were alone.
+
+    Its throughput is an upper bound if goals are given.
+    """
 
     def __init__(self, graph: Graph) -> None:
         self._graph, self._fields = graph, Fields(graph)
@@ -264,7 +271,7 @@ class Unhindered:
         """Do nothing."""
 
     def next_cells(self, situation: Situation) -> Integers:
-        """Return the next cells, in which robots may meet."""
+        """Return the next cell of each robot, ``[R]``; several robots may enter the same cell."""
         reached = self._graph.neighbours[situation.cells]
         rows = self._fields.rows(situation.goals)
         steps = self._fields.matrix[rows[:, None], reached]

@@ -98,6 +98,6 @@ def test_a_goal_that_cannot_be_reached_is_reported_and_drawn(
         words = f"--layout split.txt --start 1,1 --heuristic {name} --weights 1,inf"
         out = search(*words.split(), "--save", "path.png")
         assert [row[2:4] for row in rows(out)] == [["none", str(expanded)]] * 2
-        assert "no path leads from (1, 1) to (2, 5)\n" in out
+        assert "no path exists from (1, 1) to (2, 5)\n" in out
         with Image.open("path.png") as image:
             assert len(image.convert("RGB").getcolors(1 << 20)) > 10

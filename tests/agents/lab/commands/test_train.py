@@ -240,9 +240,14 @@ def test_a_checkpoint_is_of_the_same_training_and_whole(
     assert "layout was " in refused(*words, "--layout", "room.txt", "--resume")
     content = path.read_bytes()
     path.write_bytes(content[:-1] + bytes([content[-1] ^ 1]))
-    assert refused(*words, "--resume") == "a.checkpoint: it is damaged; its digest is another"
+    assert (
+        refused(*words, "--resume")
+        == "a.checkpoint: the file is damaged; its digest does not match"
+    )
     path.write_bytes(pickle.dumps(0))
-    assert refused(*words, "--resume").startswith("a.checkpoint: its first line is not that of")
+    assert refused(*words, "--resume").startswith(
+        "a.checkpoint: its first line does not begin with"
+    )
 
 
 # PPO where PyTorch is missing.

@@ -110,10 +110,11 @@ def test_a_name_is_one_of_minari_and_is_new() -> None:
         "x-v0\n",
     ):
         with pytest.raises(
-            StoreError, match="cannot name a dataset; allowed: a name and a version"
+            StoreError,
+            match="cannot name a dataset; allowed: optional namespaces, a name and a version",
         ):
             check_name(name)
     source = lone()
     save_dataset("one/two/three-v0", source, source.episodes(range(1)))
-    with pytest.raises(StoreError, match="three-v0 exists; give the dataset another name"):
+    with pytest.raises(StoreError, match="three-v0 exists; choose another name"):
         check_name("one/two/three-v0")

@@ -107,7 +107,7 @@ def test_episodes_are_the_same_whatever_runs_beside_them(monkeypatch: pytest.Mon
     ("line", "returned", "reason"),
     [
         ("raise KeyError('way')", "'N'", "KeyError: 'way' (mine.py, line 9)"),
-        ("return 'FLY'", "'N'", f"AgentError: the action is 'FLY'; a dataset takes "
+        ("return 'FLY'", "'N'", f"AgentError: the action is 'FLY'; allowed in a dataset: "
                                 f"{', '.join(ACTIONS)}"),
         ("return None", "'N'", "TypeError: action None is NoneType"),
     ],

@@ -35,7 +35,7 @@ from warehouse_core.world.named_layouts import find_layout
         ({"robot.mass": [50, 70]},
          "robot.mass has no effect here; it applies only with backend=physics"),
         ({"robots": 2, "stations": "drawn"}, "stations has no effect here; it applies only to "
-         "lone robots, without settings of fleets"),
+         "lone robots, without settings for fleets"),
         ({"robots": 2, "assignment": "fifo"},
          "assignment has no effect here; it applies only with a planner"),
         ({"robots": 100, "layout": "random", "size": "5x5"}, "100 robots and 0 people do not fit "

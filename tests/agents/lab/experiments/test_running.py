@@ -193,7 +193,7 @@ def test_a_case_that_always_fails_ends_after_a_few_and_the_others_go_on() -> Non
     messages = failures_of(Here(), plan)
     assert len(messages) == MAX_FAILURES
     assert messages[-1].endswith(
-        f"; its other seeds are left out after MAX_FAILURES = {MAX_FAILURES}"
+        f"; its other seeds are skipped after MAX_FAILURES = {MAX_FAILURES}"
     )
     assert [len(done) for done in seeds_done(plan)] == [0, 1000]
 

@@ -96,7 +96,7 @@ def test_each_batch_is_committed_and_synchronised_to_disk() -> None:
 
 def test_an_empty_file_becomes_a_file_of_results_with_its_id_and_version() -> None:
     PATH.touch()
-    assert refused(read_only=True) == f"{PATH}: there are no results in it"
+    assert refused(read_only=True) == f"{PATH}: the file has no results"
     with Store(PATH) as store:
         assert store.cases() == {}
         assert next(store.query("PRAGMA application_id")) == (APPLICATION,)
@@ -116,7 +116,7 @@ def text(path: Path) -> None:
 @pytest.mark.parametrize(
     ("make", "message"),
     [
-        (database, "it is a database without results of a sweep"),
+        (database, "this database does not have the results of a sweep"),
         (text, "file is not a database"),
         (os.mkdir, "it is a folder, not a file"),
         (os.mkfifo, "it is a pipe, not a file"),
@@ -179,7 +179,7 @@ def test_writing_to_a_removed_or_replaced_file_is_an_error(is_replaced: bool) ->
             PATH.write_bytes(b"")
         with pytest.raises(StoreError) as caught:
             store.add(case_id, [row(2)])
-    assert str(caught.value) == f"{PATH}: it has been removed or replaced meanwhile"
+    assert str(caught.value) == f"{PATH}: the file has been removed or replaced meanwhile"
 
 
 PLAIN = make_case({})
@@ -225,7 +225,7 @@ def test_rows_of_a_case_of_another_kind_are_an_error(
         store.add(number, [wrong])
     with Store(PATH, read_only=True) as store, pytest.raises(StoreError) as caught:
         columns_of(store)
-    line = f"{PATH}: case 1 has rows in {table!r}, where another kind of case has them"
+    line = f"{PATH}: case 1 has rows in {table!r}, which is for another kind of case"
     assert str(caught.value) == line
 
 

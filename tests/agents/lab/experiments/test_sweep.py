@@ -159,6 +159,6 @@ def test_the_help_names_every_parameter(warehouse: Warehouse) -> None:
     lines = [line.split() for line in warehouse("sweep", "--help").out.splitlines()]
     shown = {words[0]: " ".join(words[1:]) for words in lines if len(words) > 1}
     assert PARAMETERS.keys() <= shown.keys()
-    assert shown["density"] == f"0..{MAX_DENSITY:g}, of layout random"
-    assert (shown["people"], shown["battery"]) == (f"0..{MAX_BODIES}, of fleets", "1..1000000000")
-    assert shown["robot.NAME"] == "and disturbances.NAME, of physics"
+    assert shown["density"] == f"0..{MAX_DENSITY:g}, for layout random"
+    assert (shown["people"], shown["battery"]) == (f"0..{MAX_BODIES}, for fleets", "1..1000000000")
+    assert shown["robot.NAME"] == "and disturbances.NAME, for physics"

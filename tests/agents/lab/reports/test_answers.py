@@ -159,12 +159,12 @@ def test_each_other_series_has_a_verdict_of_its_own_as_far_as_there_is_room() ->
     answer = answered(cases)[0]
     assert answer.verdict.startswith("With battery 200, escape on does best: 100%, 100 points more")
     assert answer.sentences[-MAX_NAMED - 1].startswith("With battery 1, escape on does best: 100%")
-    assert answer.sentences[-1] == "2 further combinations are in the table."
+    assert answer.sentences[-1] == "The table has 2 further combinations."
 
 
 def test_a_single_case_has_an_answer() -> None:
     [answer] = answered([({}, outcomes("dddw"))])
-    assert (answer.question, answer.verdict) == ("How does it do?", "Success is 75%.")
+    assert (answer.question, answer.verdict) == ("What are the results?", "Success is 75%.")
     assert answer.sentences[0] == "Success is 75.0% (30.1 to 95.4)."
     assert answer.sentences[-1] == "Outcomes are 75% delivered and 25% wandering (4 episodes)."
 

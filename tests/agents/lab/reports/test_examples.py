@@ -87,15 +87,18 @@ def test_an_agent_that_is_gone_or_no_longer_works_has_no_replay(
 
 
 FORGED = {
-    "steps": ({}, 10_001, "it has 10,001 steps, and at most 10,000 are"),
-    "map": ({"tiles": [1000 * "."] * 400}, 5, "its map has 400,000 cells, and at most 300,000 are"),
+    "steps": ({}, 10_001, "it has 10,001 steps, and the limit is 10,000"),
+    "map": (
+        {"tiles": [1000 * "."] * 400}, 5,
+        "its layout has 400,000 cells, and the limit is 300,000",
+    ),
     "size": (
         {"layout": "random", "tiles": None, "size": "999x9999", "density": 0.1}, 5,
-        "its map has 9,989,001 cells, and at most 300,000 are",
+        "its layout has 9,989,001 cells, and the limit is 300,000",
     ),
     "physics": (
         {"backend": "physics"}, 1001,
-        "it has 1,001 steps, and at most 1,000 are",
+        "it has 1,001 steps, and the limit is 1,000",
     ),
 }  # fmt: skip
 

@@ -241,9 +241,9 @@ def test_the_layouts_with_the_most_episodes_have_maps(tmp_path: Path) -> None:
     found = drawn(cases)
     maps = [found[name].caption for name in found if name.startswith("stuck")]
     assert len(maps) == MAX_MAPS
-    assert "hall5.txt: of 6 episodes" in maps[0]
-    assert "Pickup (P) and dropoff (D) are those of the layout in every episode." in maps[0]
-    assert "hall2.txt: of 3 episodes" in maps[-1]
+    assert "hall5.txt: number of episodes with each failure mode, out of 6 episodes," in maps[0]
+    assert "Pickup (P) and dropoff (D) are the stations of the layout in every episode." in maps[0]
+    assert "hall2.txt: number of episodes with each failure mode, out of 3 episodes," in maps[-1]
 
 
 def test_the_caption_names_pooled_settings() -> None:
@@ -263,7 +263,7 @@ def test_the_caption_names_pooled_settings() -> None:
 def test_the_caption_says_that_some_points_have_no_interval() -> None:
     cases = [(ON, [row(n, steps=n) for n in range(20)]), (OFF, [row(1), row(2)])]
     assert drawn(cases)["steps"].caption == (
-        "Steps of a delivery: mean of what was delivered, hard or easy, with 95% intervals, which "
+        "Steps of a delivery: mean over all deliveries, hard or easy, with 95% intervals, which "
         "need 20 different values of one combination."
     )
 

@@ -90,7 +90,7 @@ def test_invalid_results_and_outputs_are_errors(
 ) -> None:
     empty = tmp_path / "empty.sqlite"
     Store(empty).close()
-    assert refused("report", empty) == f"{empty}: there is no episode in it"
+    assert refused("report", empty) == f"{empty}: the file has no episodes"
     text = tmp_path / "r.txt"
     text.write_text("no results" * 100)
     assert refused("report", text).startswith(f"{text}: ")
@@ -108,13 +108,13 @@ def test_a_long_table_ends_with_the_number_of_further_combinations(
 ) -> None:
     monkeypatch.setattr(page_module, "MAX_CASES", 1)
     [short] = page_of((ON, outcomes("dddw")), (OFF, outcomes("dooo"))).tables
-    assert (len(short.rows), short.note) == (1, "1 further combination in the file.")
+    assert (len(short.rows), short.note) == (1, "The file has 1 further combination.")
 
 
 def test_the_summary_states_what_is_missing_and_the_settings_leave_it_out() -> None:
     page = page_of((ON, outcomes("dd")), (OFF, outcomes("ddd")), ({"battery": 33}, []))
     assert page.summary == (
         "5 episodes in 2 combinations of settings, seeds from 0 to 2, 2 to 3 episodes each, "
-        "1 further combination not yet begun"
+        "1 further combination not yet started"
     )
     assert "33" not in dict(page.settings)["battery"]

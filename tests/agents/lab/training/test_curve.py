@@ -55,9 +55,9 @@ def test_the_picture_has_its_captions_its_lines_and_the_band_of_their_intervals(
         "greedy 87.0%",
         "PPO 14.0 steps",
         "greedy 38.2 steps",
-        "each point: 200 random starts",
+        "each point: the same 200 random starts",
         "greedy: 1,000 random starts",
-        "steps of training",
+        "training steps",
     ):
         assert phrase in said
     success, length = (np.asarray(axes.lines[1].get_xydata()) for axes in figure.axes)

@@ -39,18 +39,18 @@ def test_an_agent_without_deliveries_has_a_text_instead_of_a_mark() -> None:
     ("scores", "said"),
     [
         ({"a": [BAD] * 2}, "No agent delivered in 2 episodes"),
-        ({"a": [GOOD]}, "All 1 delivered by a, at 20 steps a delivery"),
+        ({"a": [GOOD]}, "All 1 delivered by a, at 20 steps per delivery"),
         (
             {"a": [BAD] * 3, "b": [SLOW, SLOW, SLOW], "c": [GOOD, GOOD, BAD], "d": [GOOD] * 3},
-            "All 3 delivered by b and d, at 20 to 30 steps a delivery",
+            "All 3 delivered by b and d, at 20 to 30 steps per delivery",
         ),
         (
             {"a": [BAD] * 2, "b": [GOOD, BAD]},
-            "Most, 1 of 2, delivered by b, at 220 steps a delivery",
+            "Most, 1 of 2, delivered by b, at 220 steps per delivery",
         ),
         (
             dict.fromkeys("abcde", [GOOD] * 2),
-            "All 2 delivered by 5 agents, at 20 steps a delivery",
+            "All 2 delivered by 5 agents, at 20 steps per delivery",
         ),
     ],
 )

@@ -19,7 +19,7 @@ from agents.lab.trials.workers import (
     Processes,
     blocked_interrupts,
     deferred_interrupts,
-    teller,
+    line_printer,
 )
 
 ORPHAN_MAKER = """
@@ -91,7 +91,7 @@ def test_a_worker_that_ends_is_an_error_of_its_call_alone() -> None:
 
 
 def tell(text: str) -> None:
-    teller()(text)
+    line_printer()(text)
 
 
 def leave_a_thread() -> int:

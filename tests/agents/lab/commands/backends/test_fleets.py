@@ -82,7 +82,7 @@ def test_losses_are_reported() -> None:
 def test_disturbances_of_another_form_are_refused(text: str, refused: Refused) -> None:
     said = refused("compare", "backends", "-r", 2, "--disturbed", text, code=2)
     assert said == (
-        f"--disturbed is {text!r}; it must be a share 0..0.5 and seconds, as in 0.05:60"
+        f"--disturbed is {text!r}; it must be a share 0..0.5 and seconds, such as 0.05:60"
     )
 
 

@@ -154,7 +154,7 @@ def test_by_default_numbers_of_robots_double_as_far_as_the_files_go(
         ("scenes/hall-1.scen hall.json", "hall.json: unknown format of a problem; allowed: .scen"),
         (". scenes", "the folder has no .scen"),
         ("-r 0", "--robots has '0'; it must be whole numbers, at least 1, as in 32,64"),
-        ("--planner lacam", "planner 'lacam' plans all ways at once, for one goal a"),
+        ("--planner lacam", "planner 'lacam' plans whole paths to one goal per robot"),
     ],
 )
 def test_what_cannot_be_compared_is_named(

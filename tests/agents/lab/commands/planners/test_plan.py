@@ -172,7 +172,7 @@ def test_a_replay_shows_each_step_and_the_paths_of_the_last_to_arrive() -> None:
     cells = np.array([[4, 0, 7, 8], [4, 1, 6, 8], [5, 2, 7, 8], [5, 3, 7, 8]])
     track = track_of_plan(graph, cells, "T")
     assert [frame.caption for frame in track.frames] == [
-        f"{arrived} of 4 robots in their last cells" for arrived in (1, 1, 3, 4)
+        f"{arrived} of 4 robots in their final cells" for arrived in (1, 1, 3, 4)
     ]
     second = track.frames[2]
     assert [pose.at for pose in second.robots if pose] == [
@@ -191,7 +191,7 @@ def test_a_replay_shows_each_step_and_the_paths_of_the_last_to_arrive() -> None:
         ("return 7", "planner 'mine.py:mine': it returned 7; needed: a Plan of 2 robots"),
         (
             "return Plan.of([[0, 1], [1, 6]])",
-            "planner 'mine.py:mine': robot 0 is in (0, 1) and not at its goal (0, 2)",
+            "planner 'mine.py:mine': robot 0 is in (0, 1), not at its goal (0, 2)",
         ),
         (
             "return Plan.of([[0, 1, 2], [1, 1, 6]])",
