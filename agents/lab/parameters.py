@@ -183,11 +183,11 @@ def size(value: Any) -> str:
 
 PARAMETERS = {
     FLEET: Parameter(
-        8, Whole(1, MAX_BODIES), "{}; any value makes it a fleet with orders",
+        8, Whole(1, MAX_BODIES), "{}; makes it a fleet with orders",
         question="How many robots are too many?", of_fleets=True, help="Number of robots.",
     ),
     PLANNER: Parameter(
-        NO_PLANNER, text, "none, or a name as in 'warehouse fleet', for fleets",
+        NO_PLANNER, text, "none, or as in 'warehouse fleet', for fleets",
         question="Which planner does best?", of_fleets=True,
     ),
     "assignment": Parameter(

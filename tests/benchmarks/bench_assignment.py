@@ -1,7 +1,6 @@
-"""Task assignments compared, what was possible, robots that run empty, and the time of a step.
+"""Comparison of task assignments with each other and with the optimum.
 
-The floor is a warehouse of 33 x 46 cells with 16 chargers; there are always two orders for each
-robot.
+The layout is a warehouse of 33 x 46 cells with 16 chargers. There are always two orders per robot.
 """
 
 import time
@@ -36,7 +35,7 @@ STATIONS: Any = {"seed": 1, "pickups": 400, "dropoffs": 60, "chargers": 90}
 
 
 def warehouse() -> Layout:
-    """Return blocks of shelves, pickups above them, dropoffs and chargers in the margins."""
+    """Return blocks of shelves with pickups above them, and dropoffs and chargers at the sides."""
     bare = benchmark_warehouse(3, 10, 9, 2, 1)
     rows, columns = range(2, bare.height - 2), range(8, bare.width - 8, 3)
     pickups = [
@@ -85,19 +84,19 @@ def test_assignments_of_an_overloaded_fleet(measured) -> None:
     }
     for name, found in runs.items():
         late = max(each.worst_lateness for each in found)
-        stranded = sum(each.stranded for each in found)
+        flat = sum(each.stranded for each in found)
         measured(
             f"assignment {name}, {ROBOTS} robots",
-            f"{words(mean_interval(hourly[name]))} deliveries an hour, "
+            f"{words(mean_interval(hourly[name]))} deliveries per hour, "
             f"{words(mean_interval(on_time[name]), 1)}% on time, at most {late:.0f} steps late, "
-            f"{stranded} robots ran empty in {len(SEEDS)} shifts",
+            f"{flat} robots with a flat battery in {len(SEEDS)} shifts",
         )
     more = mean_interval(on_time["urgent"] - on_time["nearest"])
     share = mean_interval(100 * hourly["urgent"] / hourly["hungarian"])
     measured(
-        "urgent against nearest and hungarian",
-        f"{words(more, 1)} points more on time than nearest, at {words(share, 1)}% of the "
-        "deliveries of hungarian",
+        "urgent compared with nearest and hungarian",
+        f"{words(more, 1)} percentage points more on time than nearest, with {words(share, 1)}% "
+        "of the deliveries of hungarian",
     )
     assert more is not None
     assert share is not None
@@ -106,7 +105,7 @@ def test_assignments_of_an_overloaded_fleet(measured) -> None:
 
 
 SHIFTS = [
-    # more orders than the fleet can carry out, but for the last
+    # Except for the low rate of 0.06, there are more orders than the fleet can carry out.
     (find_layout(Path(DEPOT)), 2, 0.15, 150, 20),
     (find_layout(Path(DEPOT)), 4, 0.2, 150, 20),
     (find_layout(Path(DEPOT)), 8, 0.3, 200, 20),
@@ -119,7 +118,7 @@ SHIFTS = [
 def test_share_of_what_was_possible(
     layout: Layout, robots: int, rate: float, steps: int, shifts: int, measured
 ) -> None:
-    """Batteries do not get empty here: the optimum has none."""
+    """Batteries are so large that they do not run out, because the optimum ignores them."""
     proved, seconds, most = 0, list[float](), np.zeros(2)
     made = {name: np.zeros(2) for name in ASSIGNMENTS}
     for seed in range(shifts):
@@ -137,12 +136,12 @@ def test_share_of_what_was_possible(
         proved += sum(each.is_exact for each in found)
     shares = {name: 100 * counts / most for name, counts in made.items()}
     measured(
-        f"share of the possible deliveries, {robots} robots, {rate} orders a step, {steps} steps",
+        f"share of the possible deliveries, {robots} robots, {rate} orders per step, {steps} steps",
         ", ".join(f"{name} {every:.1f}%" for name, (every, _) in shares.items())
         + "; on time "
         + ", ".join(f"{name} {on_time:.1f}%" for name, (_, on_time) in shares.items())
-        + f"; {most[0] / shifts:.1f} deliveries possible, {most[1] / shifts:.1f} on time; "
-        f"{proved} of {2 * shifts} proved to be the optimum, the others bounds; one takes "
+        + f"; {most[0] / shifts:.1f} deliveries were possible, {most[1] / shifts:.1f} on time; "
+        f"{proved} of {2 * shifts} bounds are proved optima; a bound takes "
         f"{np.median(seconds):.1f} s, at most {max(seconds):.1f} s",
     )
     assert all((share <= 100).all() for share in shares.values())

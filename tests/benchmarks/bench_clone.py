@@ -1,8 +1,8 @@
-"""A network with a memory that was cloned from A*, on floors of many kinds that it has never seen.
+"""A network with memory that was cloned from A*, on many kinds of layouts that it has never seen.
 
 ``SEEDS=0 pytest tests/benchmarks/bench_clone.py`` trains with one seed. The settings were chosen
-with seeds from 100 on. Training takes the steps of ``warehouse train clone --layout random``, and
-each agent acts alone, by NumPy, without a penalty.
+with seeds from 100 on. Training takes as many steps as ``warehouse train clone --layout random``.
+Each agent acts alone, computes with NumPy, and has no penalty for repeated visits.
 """
 
 import os
@@ -25,7 +25,7 @@ from warehouse_core.world.tiles import EMPTY, WALL, Cell
 
 
 def rooms(height: int, width: int, seed: int) -> Layout:
-    """Return rooms that are halved again and again; one door leads from half to half."""
+    """Return a hall that is halved again and again, with one door between two halves."""
     stream, tiles = random.Random(f"rooms {seed}"), _hall(height, width)
 
     def halve(rows: range, columns: range) -> None:
@@ -35,8 +35,8 @@ def rooms(height: int, width: int, seed: int) -> Layout:
         is_high = len(rows) >= len(columns)
         length, across = (rows, columns) if is_high else (columns, rows)
 
-        def cell(at: int, beside: int) -> Cell:
-            return (at, beside) if is_high else (beside, at)
+        def cell(along: int, side: int) -> Cell:
+            return (along, side) if is_high else (side, along)
 
         places = list(length[2:-2])
         stream.shuffle(places)
@@ -44,9 +44,9 @@ def rooms(height: int, width: int, seed: int) -> Layout:
             ends = [cell(at, across[0] - 1), cell(at, across[-1] + 1)]
             if all(tiles[row][col] == WALL for row, col in ends):  # no wall ends at a door
                 door = stream.choice(across)
-                for beside in across:
-                    row, col = cell(at, beside)
-                    tiles[row][col] = EMPTY if beside == door else WALL
+                for side in across:
+                    row, col = cell(at, side)
+                    tiles[row][col] = EMPTY if side == door else WALL
                 for half in (range(length[0], at), range(at + 1, length[-1] + 1)):
                     halve(*((half, across) if is_high else (across, half)))
                 return
@@ -71,7 +71,7 @@ TRAINING_MINUTES = 30.0
 
 
 class Floors(NamedTuple):
-    """A kind of floors, the limit of steps, and the least share that the clone delivers."""
+    """A kind of layout, the maximum number of steps, and the share that a clone must deliver."""
 
     make: Callable[[int], Layout]
     max_steps: int
@@ -79,8 +79,8 @@ class Floors(NamedTuple):
 
 
 FLOORS = {
-    "the project's, 7 x 12": Floors(RandomLayouts().layout, 200, 0.99),
-    "the project's, 12 x 20": Floors(RandomLayouts(12, 20).layout, 200, 0.99),
+    "random layouts, 7 x 12": Floors(RandomLayouts().layout, 200, 0.99),
+    "random layouts, 12 x 20": Floors(RandomLayouts(12, 20).layout, 200, 0.99),
     "rooms, 7 x 12": Floors(partial(rooms, 7, 12), 200, 0.99),
     "rooms, 12 x 20": Floors(partial(rooms, 12, 20), 200, 0.9),
     "density 0.1, 25 x 25": Floors(partial(random_layout, 25, 25, 0.1), 200, 0.95),
@@ -108,7 +108,7 @@ def delivered(make_agent: MakeAgent, floors: Floors) -> float:
 
 @cache
 def clone_of_astar(seed: int) -> tuple[MakeAgent, float]:
-    """Return a clone, and the minutes of processor time of its training."""
+    """Return a clone, and the CPU time of its training in minutes."""
     task = Task(VariedLayouts(pool_seed=seed), 800, 800)
     begin = time.process_time()
     learner = make_clone_learner("astar", task, KINDS["clone"].steps, seed)
@@ -126,22 +126,23 @@ def agents() -> Iterator[tuple[str, MakeAgent]]:
 
 
 @pytest.mark.parametrize("seed", SEEDS)
-def test_the_clone_delivers_where_it_has_never_been(seed: int, measured) -> None:
+def test_the_clone_delivers_on_unseen_layouts(seed: int, measured) -> None:
     make_agent, minutes = clone_of_astar(seed)
     assert isinstance(make_agent(0), CloneAgent)
     shares = {name: delivered(make_agent, floors) for name, floors in FLOORS.items()}
-    words = ", ".join(f"{name} {share:.1%}" for name, share in shares.items())
+    words = "; ".join(f"{name}: {share:.1%}" for name, share in shares.items())
     measured(
-        f"delivered by a clone of A* with a memory, seed {seed}, {EPISODES} unseen floors each",
-        f"{words}; trained in {minutes:.1f} minutes of one processor",
+        f"deliveries of a clone of A* with memory, seed {seed}, {EPISODES} unseen layouts of each "
+        "kind",
+        f"{words}; trained in {minutes:.1f} min of CPU time",
     )
     assert minutes < TRAINING_MINUTES
     for name, floors in FLOORS.items():
         assert shares[name] >= floors.least, name
 
 
-def test_other_agents_on_the_same_floors(measured) -> None:
+def test_other_agents_on_the_same_layouts(measured) -> None:
     for agent, make_agent in agents():
         shares = {name: delivered(make_agent, floors) for name, floors in FLOORS.items()}
-        words = ", ".join(f"{name} {share:.1%}" for name, share in shares.items())
-        measured(f"delivered by {agent}, {EPISODES} floors each", words)
+        words = "; ".join(f"{name}: {share:.1%}" for name, share in shares.items())
+        measured(f"deliveries of {agent}, {EPISODES} layouts of each kind", words)

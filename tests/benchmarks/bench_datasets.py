@@ -1,4 +1,4 @@
-"""Datasets of Minari: steps that are recorded and written in a minute."""
+"""Minari datasets: the number of steps that are recorded and written per minute."""
 
 import shutil
 from pathlib import Path
@@ -11,7 +11,7 @@ from agents.lab.datasets.source import Source
 
 EPISODES, ROUNDS = 3_000, 3
 LEAST = 1e6
-"""Steps a minute of CPU time."""
+"""Minimum number of steps per minute of CPU time."""
 
 
 @pytest.mark.parametrize("agent", ["greedy", "astar", "random"])
@@ -23,7 +23,7 @@ def test_a_million_steps_a_minute_are_recorded_and_written(
     steps = sum(episode.steps for episode in source.episodes(seeds))
 
     def took() -> tuple[float, float]:
-        """Return the seconds of a dataset, by CPU time and by the clock."""
+        """Return the CPU time and the wall-clock time of writing a dataset, in seconds."""
         starts = process_time(), perf_counter()
         folder = save_dataset("bench-v0", source, source.episodes(seeds))
         seconds = process_time() - starts[0], perf_counter() - starts[1]
@@ -33,8 +33,8 @@ def test_a_million_steps_a_minute_are_recorded_and_written(
     rounds = [took() for _ in range(ROUNDS)]
     cpu, clock = (60 * steps / min(each) for each in zip(*rounds, strict=True))
     measured(
-        f"steps a minute in a dataset of Minari, {agent} agent",
-        f"{cpu / 1e6:.2f} million by CPU time, {clock / 1e6:.2f} million by the clock; "
-        f"{steps / EPISODES:.0f} steps an episode",
+        f"steps per minute written to a Minari dataset, {agent} agent",
+        f"{cpu / 1e6:.2f} million in CPU time, {clock / 1e6:.2f} million in wall-clock time; "
+        f"{steps / EPISODES:.0f} steps per episode",
     )
     assert cpu >= LEAST

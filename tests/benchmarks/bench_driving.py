@@ -1,15 +1,18 @@
-"""Robots that drive through plans: makespan, joules and hits, speed and memory.
+"""Robots that drive through plans: makespan, energy and hits, speed and memory.
 
-``WAREHOUSE_PLANS`` is the number of plans of each planner and number of robots, or of random plans.
+``WAREHOUSE_PLANS`` is the number of plans for each planner and number of robots, or the number of
+random plans.
 
-The bound of robots alone on the floor drives along straight lines between the middles of cells, and
-round each corner on a quarter circle from edge to edge of its cell. On the circle it has the
-highest constant speed whose centripetal acceleration is that of the robot. On the lines it
-accelerates and brakes as hard as the robot can, up to the top speed. It stops only where a path
-turns back or ends. Robots may be faster where they cut a corner along another curve.
+The bound for robots that are alone in a layout is the time of an ideal robot. It drives along
+straight lines between the centres of cells, and around each corner on a quarter circle from edge to
+edge of the cell. On the circle it has the highest constant speed whose centripetal acceleration
+does not exceed the acceleration of the robot. On the lines it accelerates and brakes as hard as the
+robot can, up to the top speed. It stops only where a path reverses or ends. Robots may be faster
+where they cut a corner along another curve.
 
-Random plans have noise, slippery floors, stops and failures. A plan of each hundred has 30 to 200
-robots, the others 2 to 12, on open floors, among walls, in narrow aisles, and among shelves.
+Random plans have noise, slippery cells, stops and failures. One plan in a hundred has 30 to 200
+robots, and the others have 2 to 12. Their layouts are open, have random walls, narrow aisles or
+shelves.
 """
 
 import math
@@ -35,24 +38,28 @@ from agents.mapf.lifelong import run_lifelong
 from agents.mapf.problem import Problem
 from agents.registry import PLANNERS, make_planner
 from warehouse_core import Cell, Layout
+from warehouse_core.wording import counted
 from warehouse_core.world.actions import DISPLACEMENTS, WAIT
 from warehouse_core.world.generators import kiva_warehouse, shelf_layout
 from warehouse_physics import Disturbances, DrivingMotion, RobotSpec, Stop
 
 PLANS, STEPS = int(os.environ.get("WAREHOUSE_PLANS", "1")), 100
 MAX_RATIO = {32: 0.8, 100: 0.9, 192: 0.9}
-"""Makespan driven through over that of joint steps, by number of robots."""
+"""Maximum ratio of the makespan of driving through to the makespan of joint steps, by robots."""
 
 MAX_JOULES = 0.8
 MEASURED = 2
-"""Plans of which the joint steps are executed too; of the others they take as long a step."""
+"""Number of plans that are also executed in joint steps.
+
+For the other plans, joint steps are assumed to take as long as in these plans.
+"""
 
 LAYOUT, STARTS, GOALS = kiva_warehouse()
 ONCE = "lacam"
-"""A planner of robots that go to their goals once."""
+"""A planner for robots that have one goal each."""
 
 SPELL = 10
-"""Simulated seconds whose duration is measured."""
+"""Number of simulated seconds whose duration is measured."""
 
 
 def plan_of(name: str, robots: int, seed: int) -> np.ndarray:
@@ -67,7 +74,7 @@ def plan_of(name: str, robots: int, seed: int) -> np.ndarray:
 
 
 class Comparison(NamedTuple):
-    """A plan driven through, and in joint steps if they were executed."""
+    """The executions of a plan by driving through and, for some plans, in joint steps."""
 
     steps: int
     driven: Execution
@@ -75,7 +82,7 @@ class Comparison(NamedTuple):
 
 
 def compare(name: str, robots: int, seed: int) -> Comparison:
-    """Execute a plan in both ways; the second only of the first plans."""
+    """Execute a plan by driving through and, if it is one of the first, in joint steps."""
     plan = plan_of(name, robots, seed)
     stepped = drive_steps(LAYOUT, plan) if seed < MEASURED else None
     has_moves = (np.diff(plan, axis=0) != 0).any(axis=1)
@@ -84,7 +91,7 @@ def compare(name: str, robots: int, seed: int) -> Comparison:
 
 
 def ratios_of(found: list[Comparison]) -> tuple[float, float, int]:
-    """Return the largest ratio of makespans and of joules, and the number of hits."""
+    """Return the largest ratio of makespans, the largest ratio of energies, and the hits."""
     step = max(each.stepped.seconds / each.steps for each in found if each.stepped)
     return (
         max(each.driven.seconds / (step * each.steps) for each in found),
@@ -102,9 +109,10 @@ def test_plans_are_driven_through_faster_than_in_joint_steps(
     makespan, joules, hits = ratios_of(found)
     mean = np.mean([each.driven.seconds / each.steps for each in found])
     measured(
-        f"driven through, {name}, {robots} robots, {PLANS} plans",
-        f"{mean:.2f} s a joint step; makespan at most {makespan:.3f} of joint steps; joules at "
-        f"most {joules:.3f} in {min(PLANS, MEASURED)} plans; {hits} hits",
+        f"driving through the plans of {name}, {robots} robots, {counted(PLANS, 'plan')}",
+        f"{mean:.2f} s per joint step; compared with stops in every cell, makespan at most "
+        f"{makespan:.3f}, energy at most {joules:.3f} in {counted(min(PLANS, MEASURED), 'plan')}; "
+        f"{hits} hits",
     )
     assert hits == 0
     assert joules <= MAX_JOULES
@@ -112,7 +120,7 @@ def test_plans_are_driven_through_faster_than_in_joint_steps(
 
 
 class Crowd:
-    """Robots on a large map that go straight on for a few cells at random, and turn."""
+    """Robots in a large layout that drive straight on for a random distance and then turn."""
 
     def __init__(self, robots: int) -> None:
         self.layout, self._stream = big_warehouse(), np.random.default_rng(robots)
@@ -122,12 +130,12 @@ class Crowd:
         self._actions = np.zeros(robots, np.intp)
 
     def drive(self, seconds: int) -> None:
-        """Drive on."""
+        """Advance the simulation by some seconds, and check that nothing is hit."""
         robots = len(self._actions)
         for _ in range(seconds):
             turns = self._stream.random(robots) < 0.3
-            drawn = self._stream.integers(0, WAIT, robots)
-            self._actions = np.where(turns, drawn, self._actions)
+            others = self._stream.integers(0, WAIT, robots)
+            self._actions = np.where(turns, others, self._actions)
             moves = [DISPLACEMENTS[action] for action in self._actions.tolist()]
             assert not any(each.contacts for each in self.motion.advance(moves, self._loaded))
 
@@ -140,9 +148,9 @@ def test_a_thousand_bodies_drive_faster_than_real_time(measured) -> None:
         rounds.append((time.perf_counter() - since, time.process_time() - used))
     wall, cpu = (SPELL / min(column) for column in zip(*rounds, strict=True))
     measured(
-        "simulated time over time taken, 1,000 bodies driven through",
-        f"{wall:.1f} by the clock, {cpu:.1f} by CPU time, with {os.getloadavg()[0]:.1f} processes "
-        "running or waiting",
+        "simulated seconds per second, 1,000 robots driving through",
+        f"{wall:.1f} in wall-clock time, {cpu:.1f} in CPU time, with {os.getloadavg()[0]:.1f} "
+        "processes running or waiting",
     )
     assert cpu >= 5
 
@@ -153,7 +161,7 @@ def test_memory_is_flat_over_a_thousand_seconds(measured) -> None:
     before = resident()
     crowd.drive(900)
     grown = resident() - before
-    measured("memory gained by 100 bodies in 900 simulated seconds", f"{grown / 1e6:.1f} MB")
+    measured("memory growth with 100 robots in 900 simulated seconds", f"{grown / 1e6:.1f} MB")
     assert grown < 1e6
 
 
@@ -165,16 +173,16 @@ ALONE_SPECS = {
 }
 MAX_ALONE = 1.06
 ALONE_SPELL, MOVES = 5.0, 1e-5
-"""Seconds of a spell, and metres in a substep that are a move."""
+"""Seconds of a spell, and minimum metres in a substep that count as a move."""
 
 
-def bound(way: list[Place], spec: RobotSpec) -> float:
-    """Return the seconds that the fastest robot needs for the cells of a way."""
+def bound(path: list[Place], spec: RobotSpec) -> float:
+    """Return the seconds that an ideal robot needs to drive along the cells of a path."""
     rate, half = spec.acceleration, spec.cell_size / 2
     corner_speed = min(spec.top_speed, math.sqrt(rate * half))
     runs = [
         (move, spec.cell_size * len(list(same)))
-        for move, same in groupby((b[0] - a[0], b[1] - a[1]) for a, b in pairwise(way))
+        for move, same in groupby((b[0] - a[0], b[1] - a[1]) for a, b in pairwise(path))
     ]
     seconds, before, cut = 0.0, 0.0, 0.0
     for (move, length), (after, _) in pairwise([*runs, ((0, 0), 0.0)]):
@@ -187,25 +195,27 @@ def bound(way: list[Place], spec: RobotSpec) -> float:
 
 
 def seconds_on_line(length: float, before: float, after: float, spec: RobotSpec) -> float:
-    """Return the least seconds over a length in metres, between two speeds in m/s."""
+    """Return the minimum time in s for a length in m, given the speeds in m/s at its ends."""
     rate = spec.acceleration
     peak = min(spec.top_speed, math.sqrt(rate * length + (before**2 + after**2) / 2))
     at_peak = length - (2 * peak**2 - before**2 - after**2) / (2 * rate)
     return (2 * peak - before - after) / rate + max(at_peak, 0.0) / peak
 
 
-def arrivals(ways: list[list[Place]], spec: RobotSpec) -> np.ndarray:
-    """Return the seconds in which each robot drives its way, on an empty floor of its own."""
-    height, steps = LAYOUT.height, max(map(len, ways))
+def arrivals(paths: list[list[Place]], spec: RobotSpec) -> np.ndarray:
+    """Return the seconds that each robot takes for its path, in an empty layout of its own."""
+    height, steps = LAYOUT.height, max(map(len, paths))
     motion = DrivingMotion(spec, path_every=1)
     joint = [
         [(robot * height + row, col) for robot, (row, col) in enumerate(cells)]
-        for cells in zip(*([*way, *[way[-1]] * (steps - len(way))] for way in ways), strict=True)
+        for cells in zip(
+            *([*path, *[path[-1]] * (steps - len(path))] for path in paths), strict=True
+        )
     ]
-    motion.reset(Layout(["." * LAYOUT.width] * (height * len(ways))), joint[0], 0)
+    motion.reset(Layout(["." * LAYOUT.width] * (height * len(paths))), joint[0], 0)
     for cells in joint[1:]:
         motion.extend(cells)
-    found, now = np.zeros(len(ways)), 0.0
+    found, now = np.zeros(len(paths)), 0.0
     while not all(motion.routes().at_rest):
         for robot, outcome in enumerate(motion.drive(ALONE_SPELL)):
             clock, moved = outcome.path[1:, 0], np.abs(np.diff(outcome.path[:, 1:3], axis=0))
@@ -222,14 +232,14 @@ def test_robots_alone_are_nearly_as_fast_as_force_and_speed_allow(
 ) -> None:
     mover = make_planner(planner, 0, LAYOUT, ROBOTS)
     run = run_lifelong(Graph(LAYOUT), mover, ROBOTS, STEPS, 0, STARTS, GOALS)
-    ways = routes_of([LAYOUT.cells(cells) for cells in run.cells])
-    least = np.array([bound(way, ALONE_SPECS[kind]) for way in ways])
-    driven = arrivals(ways, ALONE_SPECS[kind])
+    paths = routes_of([LAYOUT.cells(cells) for cells in run.cells])
+    least = np.array([bound(path, ALONE_SPECS[kind]) for path in paths])
+    driven = arrivals(paths, ALONE_SPECS[kind])
     ratios = driven[least > 0] / least[least > 0]
     measured(
-        f"{ROBOTS} ways of {planner} driven alone, {kind}",
-        f"{driven.max() / least.max():.3f} of the bound by the last arrival, "
-        f"{driven.sum() / least.sum():.3f} by the mean of all, at most {ratios.max():.3f}",
+        f"{ROBOTS} paths of {planner}, each driven alone, {kind}",
+        f"time divided by the bound: {driven.max() / least.max():.3f} for the last arrival, "
+        f"{driven.sum() / least.sum():.3f} for the mean, at most {ratios.max():.3f}",
     )
     assert ratios.max() <= MAX_ALONE
 
@@ -249,7 +259,7 @@ FAULT_SPECS = (
 
 
 def floor_of(stream: random.Random, is_large: bool) -> Layout:
-    """Return a random floor, with shelves if it is large."""
+    """Return a random layout, with shelves if it is large."""
     if is_large or stream.random() < 0.3:
         size = (4, 6, 5) if is_large else (2, 3, 3)
         return shelf_layout(*size, aisle=stream.choice([1, 2]), seed=stream.randrange(100))
@@ -259,7 +269,7 @@ def floor_of(stream: random.Random, is_large: bool) -> Layout:
 
 
 def disturbances_of(stream: random.Random, cells: Sequence[Cell], robots: int) -> Disturbances:
-    """Return random disturbances, of which some may be missing."""
+    """Return random disturbances; some kinds may be missing."""
     found: dict[str, Any] = {}
     if stream.random() < 0.7:
         found["actuation_noise"] = stream.uniform(0.05, 0.2)
@@ -278,15 +288,15 @@ def disturbances_of(stream: random.Random, cells: Sequence[Cell], robots: int) -
 
 
 def run_of(seed: int) -> Failures:
-    """Return robots that have carried out a random plan, and rest."""
+    """Return robots that have carried out a random plan and have come to rest."""
     stream, is_large = random.Random(seed), seed % 100 == 99
     layout = floor_of(stream, is_large)
     cells = layout.cells(layout.open_cells)
     robots = min(stream.randint(30, 200) if is_large else stream.randint(2, 12), len(cells))
-    ways, actions = [WAIT] * robots, []
-    for _ in range(stream.randint(3, 20)):  # most go straight on
-        ways = [stream.randrange(WAIT) if stream.random() < 0.3 else way for way in ways]
-        actions.append([way if stream.random() < 0.9 else WAIT for way in ways])
+    moves, actions = [WAIT] * robots, []
+    for _ in range(stream.randint(3, 20)):  # most robots drive straight on
+        moves = [stream.randrange(WAIT) if stream.random() < 0.3 else move for move in moves]
+        actions.append([move if stream.random() < 0.9 else WAIT for move in moves])
     plan = resolved(layout, stream.sample(cells, robots), actions)
     loaded = [stream.random() < 0.5 for _ in range(robots)]
     disturbances = disturbances_of(stream, cells, robots)
@@ -307,5 +317,6 @@ def test_nobody_is_hit_whatever_fails_or_slips(measured) -> None:
         robots, failed = robots + len(fails), failed + sum(fails)
     measured(
         f"driving with disturbances, {RANDOM_PLANS:,} random plans",
-        f"no hit, no overlap, and all come to rest; {robots:,} robots, of which {failed:,} failed",
+        f"no hits, no overlaps, and all robots come to rest; {robots:,} robots, {failed:,} of "
+        "which failed",
     )

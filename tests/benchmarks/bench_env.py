@@ -1,6 +1,6 @@
-"""One environment and batches: steps a second, imports, and memory.
+"""One environment and batches: steps per second, import time and memory.
 
-``STEPS_SHARE=0.1`` takes a tenth of the steps of long runs.
+``STEPS_SHARE=0.1`` runs a tenth of the steps in long runs.
 """
 
 import os
@@ -33,7 +33,7 @@ def random_actions() -> list[str]:
 
 
 def big_grid() -> list[str]:
-    """A hall of 100 x 100 with a pickup and a dropoff."""
+    """Return a hall of 100 x 100 cells with a pickup and a dropoff."""
     inside = ["#" + "." * 98 + "#"] * 96
     return ["#" * 100, "#P" + "." * 97 + "#", *inside, "#" + "." * 97 + "D#", "#" * 100]
 
@@ -49,9 +49,9 @@ def test_a_step_beats_frozen_lake(times_faster):
 
 @pytest.mark.parametrize(("randomize", "share"), [(False, 0.8), (True, 0.5)])
 def test_a_hundred_by_hundred_grid_is_about_as_fast(randomize, share, times_faster):
-    """Each random episode has new stations and cells, which no cache holds.
+    """Each random episode has new stations and cells, which are in no cache.
 
-    There is no target for that; below half, something is computed at every step.
+    There is no target for this case. Below one half, something would be computed in every step.
     """
     small, big, actions = WarehouseEnv(), WarehouseEnv(big_grid()), random_actions()
     for _ in range(6 * randomize):
@@ -65,7 +65,7 @@ def test_importing_the_core_costs_little_beyond_numpy(times_faster, capsys):
         subprocess.run([sys.executable, "-c", statement], check=True)
 
     ratio = times_faster(lambda: run("import warehouse_core"), lambda: run("import numpy"))
-    # NumPy takes 0.06 to 0.15 s in a new interpreter, so the core adds 0.15 s at most.
+    # NumPy takes 0.06 to 0.15 s in a new interpreter, so that the core adds at most 0.15 s.
     assert ratio >= 0.5
 
 
@@ -76,7 +76,7 @@ EPISODE, WAIT = 200, 4
 
 
 def stepping(env: Any, steps: int, actions: int) -> Callable[[], None]:
-    """Return the work of so many random steps; episodes that end are reset."""
+    """Return a function that takes random steps and resets episodes that end."""
     chosen = random.Random(0).choices(range(actions), k=steps)
     env.reset()
 
@@ -91,7 +91,7 @@ def stepping(env: Any, steps: int, actions: int) -> Callable[[], None]:
 
 
 def stepping_all(env: Any, actions: int, steps: int = BATCH_STEPS) -> Callable[[], None]:
-    """Return the work of so many random steps of a batch, after ``WARM_UP`` others."""
+    """Return a function that takes random steps of a batch, after ``WARM_UP`` other steps."""
     stream = np.random.default_rng(0)
     for _ in range(WARM_UP):
         env.step(stream.integers(actions, size=env.num_envs))
@@ -105,7 +105,7 @@ def stepping_all(env: Any, actions: int, steps: int = BATCH_STEPS) -> Callable[[
 
 
 def warehouses(count: int, layout: Layout = DEFAULT_LAYOUT, **settings: Any) -> Any:
-    """Return a batch in which some episodes end and some start at every step."""
+    """Return a batch in which some episodes end and others start in every step."""
     env = gymnasium.make_vec(ID, count, "vector_entry_point", layout=layout, **settings)
     env.reset(seed=0)
     for step in range(EPISODE):
@@ -116,7 +116,7 @@ def warehouses(count: int, layout: Layout = DEFAULT_LAYOUT, **settings: Any) -> 
 
 
 def carts(count: int) -> Any:
-    """Return the batch of CartPole, whose episodes are short and end at different steps."""
+    """Return a batch of CartPole, whose episodes are short and end in different steps."""
     env = gymnasium.make_vec("CartPole-v1", count, "vector_entry_point")
     env.reset(seed=0)
     return env
@@ -149,15 +149,15 @@ def test_a_picture_is_painted_three_times_as_fast_as_a_minigrid(times_faster) ->
 
 @pytest.mark.parametrize(("view_radius", "share"), [(2, 0.4), (0, 0.8)])
 def test_a_batch_against_gymnasiums_fastest(view_radius, share, times_faster) -> None:
-    """CartPole's batch is a few operations on one array of four numbers a row."""
+    """A batch of CartPole does only a few operations on an array with four numbers per row."""
     ours = stepping_all(warehouses(BATCH, view_radius=view_radius), 7)
     assert times_faster(ours, stepping_all(carts(BATCH), 2)) >= share
 
 
 @pytest.mark.parametrize("view_radius", [0, 2])
 @pytest.mark.parametrize("count", [4_096, 16_384, 65_536])
-def test_a_row_costs_no_more_where_there_are_more(count, view_radius, times_faster) -> None:
-    """Both take as many steps in total, in a batch of ``count`` rows and in one of 1,024."""
+def test_a_row_costs_no_more_in_a_larger_batch(count, view_radius, times_faster) -> None:
+    """Batches of ``count`` rows and of 1,024 rows take the same number of steps in total."""
     few = 1_024
     ours, theirs = (warehouses(rows, view_radius=view_radius) for rows in (count, few))
     works = stepping_all(ours, 7, steps=5), stepping_all(theirs, 7, steps=5 * count // few)
@@ -167,7 +167,7 @@ def test_a_row_costs_no_more_where_there_are_more(count, view_radius, times_fast
 SHARE = float(os.environ.get("STEPS_SHARE", "1"))
 TENTHS = 10
 MAX_GROWTH = 8 * 2**20
-"""Bytes between the second tenth, when all caches are filled, and the last."""
+"""Maximum growth in bytes from the second tenth, when all caches are filled, to the last."""
 
 
 def in_batch(steps: int) -> None:
@@ -203,7 +203,7 @@ def test_memory_does_not_grow(name, steps, work, measured) -> None:
         work(round(steps * SHARE / TENTHS))
         sizes.append(resident())
     measured(
-        f"memory of {round(steps * SHARE):,} steps, {name}",
-        f"{sizes[1] / 2**20:.1f} MB after two tenths, {sizes[-1] / 2**20:.1f} MB at the end",
+        f"memory during {round(steps * SHARE):,} steps, {name}",
+        f"{sizes[1] / 2**20:.1f} MB after 20% of the steps, {sizes[-1] / 2**20:.1f} MB at the end",
     )
     assert sizes[-1] - sizes[1] <= MAX_GROWTH

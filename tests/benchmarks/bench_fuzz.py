@@ -1,4 +1,4 @@
-"""A million changed inputs of all formats that are read, and hostile names in all pages."""
+"""A million mutated inputs in all formats, and hostile names in all pages."""
 
 import os
 from collections import Counter
@@ -17,7 +17,10 @@ INPUTS = {
     "rubric": 15_000, "archive": 10_000, "episode": 14_000, "fleet": 12_000, "q-table": 8_000,
     "ppo": 8_000, "results": 4_000,
 }  # fmt: skip
-"""Together 10^6; ``FUZZ_SHARE=0.1`` runs a tenth of each, and ``FUZZ_SEED`` other ones."""
+"""Number of inputs in each format.
+
+``FUZZ_SHARE=0.1`` runs a tenth of them, and ``FUZZ_SEED`` selects other inputs.
+"""
 
 SHARE, SEED = float(os.environ.get("FUZZ_SHARE", "1")), int(os.environ.get("FUZZ_SEED", "1"))
 MAX_SECONDS = 2.0
@@ -28,18 +31,18 @@ def test_only_documented_errors(name: str, measured: Callable[[str, object], Non
     with bounded_memory():
         report = fuzz(name, round(INPUTS[name] * SHARE), SEED)
     measured(
-        f"changed inputs of the format {name}",
-        f"{report.inputs:,}: {report.accepted:,} accepted, {report.refused:,} refused with "
-        f"documented errors; one at most {report.worst_seconds:.3f} s",
+        f"mutated inputs in the format {name}",
+        f"{report.inputs:,} inputs: {report.accepted:,} accepted, {report.refused:,} refused with "
+        f"documented errors; at most {report.worst_seconds:.3f} s per input",
     )
     assert report.worst_seconds <= MAX_SECONDS
 
 
-@pytest.mark.filterwarnings("ignore:Glyph")  # matplotlib says when a font lacks a character
+@pytest.mark.filterwarnings("ignore:Glyph")  # matplotlib warns if a font lacks a character
 def test_no_name_is_run_and_every_svg_is_well_formed(
     tmp_path: Path, measured: Callable[[str, object], None]
 ) -> None:
-    """Names have markup, scripts and control characters."""
+    """The names contain markup, scripts and control characters."""
     plain = tmp_path / "plain"
     plain.mkdir()
     write_documents(plain, "A plain name")

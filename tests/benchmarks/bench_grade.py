@@ -1,8 +1,9 @@
-"""Grading: its speed, classes in every form, and hostile agents among honest ones.
+"""Grading: its speed, submissions in every form, and hostile agents among honest ones.
 
-An episode has a process of its own, which must cost less than a start of Python. Each deed of a
-hostile agent is tried in each place, with and without a user of their own: the agent goes on like
-an honest one if its deed is refused, and fails if it succeeds, so that all must have all points.
+Each episode runs in a process of its own, which must cost less than starting Python. Each attack of
+a hostile agent is tried in each place, with and without a separate user for agents. If its attack
+is refused, the agent continues like an honest one. If the attack succeeds, the agent fails.
+Therefore all agents must get full points.
 """
 
 import os
@@ -34,12 +35,12 @@ PATIENT = (
     .replace("answer_seconds = 0.5", "answer_seconds = 3.0")
     .replace("episode_seconds = 3.0", "episode_seconds = 20.0")
 )
-"""The rubric with limits that honest agents keep on a machine with other work, too."""
+"""The rubric with limits that honest agents meet even on a busy machine."""
 
 USER = "nobody" if os.getuid() == 0 else None
 
 EVERY = 10
-"""Hostile agents for an honest one."""
+"""Number of hostile agents per honest agent."""
 
 
 BEFORE, AFTER = GOOD.split("class Agent:")
@@ -49,7 +50,7 @@ Write = Callable[[Path], object]
 
 
 class Sent(NamedTuple):
-    """A submission: what writes it to a path, and its points."""
+    """A submission: the function that writes it to a path, and the points that it deserves."""
 
     write: Write
     points: float
@@ -60,7 +61,7 @@ def text_of(text: str) -> Write:
 
 
 def tree_of(**files: str) -> Write:
-    """Return what writes a folder; names have ``__`` for ``/`` and ``_`` for a dot."""
+    """Return a function that writes a folder; names have ``__`` for ``/`` and ``_`` for a dot."""
 
     def write(path: Path) -> None:
         for name, text in files.items():
@@ -72,7 +73,7 @@ def tree_of(**files: str) -> Write:
 
 
 def archive_of(**files: str) -> Write:
-    """Return what writes an archive; names are as for ``tree_of``."""
+    """Return a function that writes an archive, with names as in ``tree_of``."""
 
     def write(path: Path) -> None:
         with ZipFile(path, "w") as archive:
@@ -107,11 +108,11 @@ FORMS = {
     "agents.java": Sent(text_of("class Agent {}"), 0),
     "link.py": Sent(lambda path: path.symlink_to(path.parent / "file.py"), 0),
 }
-"""Submissions beside those of ``SUBMISSIONS``, which are folders; their names are of files."""
+"""Submissions by the names of their files, in addition to the folders in ``SUBMISSIONS``."""
 
 
 def write_class(folder: Path, size: int) -> dict[str, Sent]:
-    """Write as many submissions, and return them by their names."""
+    """Write ``size`` submissions, and return them by name."""
     folder.mkdir()
     written = dict(islice(_sent(), size))
     for name, sent in written.items():
@@ -120,7 +121,7 @@ def write_class(folder: Path, size: int) -> dict[str, Sent]:
 
 
 def _sent() -> Iterator[tuple[str, Sent]]:
-    """Yield submissions without end, each time around under other names."""
+    """Yield names and submissions without end; each round has other names."""
     for number in count():
         start = f"{number} " if number else ""
         for name, each in SUBMISSIONS.items():
@@ -148,7 +149,7 @@ def test_an_episode_in_its_own_process_is_faster_than_a_start_of_python(
 
 
 def test_submissions_a_minute(tmp_path, measured) -> None:
-    """Of one process, with the rubric of the mini-lab, from its first episode to its report."""
+    """Measure one process with the mini-lab's rubric, from the first episode to the report."""
     file = tmp_path / "agent.py"
     file.write_text(GOOD, encoding="utf-8")
     submission, rubric = find_submission(str(file)), load_rubric(MINI_LAB)
@@ -156,13 +157,14 @@ def test_submissions_a_minute(tmp_path, measured) -> None:
     report = grade(submission, rubric)
     taken, used = perf_counter() - begin, processor_seconds() - used
     episode = (
-        f"{taken / report.episodes * 1000:.1f} ms, {used / report.episodes * 1000:.1f} of a core"
+        f"{taken / report.episodes * 1000:.1f} ms, {used / report.episodes * 1000:.1f} ms of CPU "
+        "time"
     )
-    measured("graded agents, an episode", episode)
-    measured("graded agents, submissions a minute in one process", f"{60 / taken:.0f}")
+    measured("graded agents, time per episode", episode)
+    measured("graded agents, submissions per minute in one process", f"{60 / taken:.0f}")
 
 
-def test_all_of_a_class_have_what_they_have_earned(tmp_path: Path, measured) -> None:
+def test_all_submissions_of_a_class_get_the_points_they_deserve(tmp_path: Path, measured) -> None:
     sent, table = write_class(tmp_path / "all", 60), tmp_path / "grades.csv"
     rubric = load_rubric(write_rubric(tmp_path, PATIENT))
     rows = grade_folder(tmp_path / "all", None, rubric, table, tmp_path, USER, 2)
@@ -178,12 +180,13 @@ def test_all_of_a_class_have_what_they_have_earned(tmp_path: Path, measured) -> 
     none = sum(row["points"] == "0" for row in rows.values())
     measured(
         "submissions of a class in all forms",
-        f"{len(rows)}: every grade as earned, {none} without points, each with its reason",
+        f"{len(rows)} submissions: all grades are correct; {none} are without points, each with a "
+        "reason",
     )
 
 
 def test_a_class_is_graded_and_resumed_after_it_was_killed(tmp_path: Path, measured) -> None:
-    """By the mini-lab's rubric, on two processors; killed when a third is done, and run again."""
+    """Grade with the mini-lab's rubric on two processors, kill after a third, and run again."""
     size, table = 200, tmp_path / "grades.csv"
     sent = write_class(tmp_path / "all", size)
     words = [
@@ -216,14 +219,14 @@ def test_a_class_is_graded_and_resumed_after_it_was_killed(tmp_path: Path, measu
     assert f"{len(before) - sum(not row['code'] for row in before.values())} unchanged" in out
     load = os.getloadavg()[2] / (os.cpu_count() or 1)
     measured(
-        "a class of 200 by the mini-lab's rubric, two at once",
-        f"{taken / 60:.1f} min with a kill and a resumption, on a machine with {load:.1f} running "
-        "processes for each processor",
+        "a class of 200 with the mini-lab's rubric, 2 at a time",
+        f"{taken / 60:.1f} min including a kill and a resumption, on a machine with {load:.1f} "
+        "running processes per processor",
     )
 
 
 def left_behind() -> set[str]:
-    """Return what agents of this machine may leave outside of their folders."""
+    """Return the objects and files that agents may have left outside their folders."""
     shared = [Path("/proc/sysvipc", name).read_text() for name in ("shm", "msg", "sem")]
     lines = {line for text in shared for line in text.splitlines()[1:]}
     return lines | {str(path) for place in ("/tmp", "/dev/shm") for path in Path(place).iterdir()}
@@ -231,7 +234,7 @@ def left_behind() -> set[str]:
 
 @pytest.mark.parametrize("user", dict.fromkeys((None, USER)))
 @pytest.mark.parametrize("jobs", [1, 2])
-def test_honest_agents_have_what_they_have_earned_among_hostile_ones(
+def test_honest_agents_get_the_points_they_deserve_among_hostile_ones(
     tmp_path, measured, user: str | None, jobs: int
 ) -> None:
     folder, table = tmp_path / "all", tmp_path / "grades.csv"
@@ -253,7 +256,7 @@ def test_honest_agents_have_what_they_have_earned_among_hostile_ones(
     assert not left
     who = f"as {user}" if user else "as the grader's user"
     measured(
-        f"hostile agents {who}, {jobs} at once",
-        f"{len(DEEDS) * len(PLACES)} with {len(grades) - len(DEEDS) * len(PLACES)} honest ones: "
-        "every grade as earned, nothing left",
+        f"hostile agents run {who}, {jobs} at a time",
+        f"{len(DEEDS) * len(PLACES)} hostile and {len(grades) - len(DEEDS) * len(PLACES)} honest "
+        "agents: all grades are correct, nothing is left behind",
     )

@@ -1,8 +1,8 @@
-"""Ctrl-C at any moment of any command: one line, exit code 130, no process and no file left.
+"""Ctrl-C at any moment of any command: it must end with one line and exit code 130.
 
-``MOMENTS=20 pytest tests/benchmarks/bench_interrupts.py`` takes so many moments. Each command runs
-in a process and a folder of its own. A moment is counted from the first line of the program: before
-that Python starts, and an interrupt is Python's to print.
+No process and no file may be left. ``MOMENTS=20 pytest tests/benchmarks/bench_interrupts.py``
+interrupts 20 times. Each command runs in a process and a folder of its own. Moments are counted
+from the first line of the program, because Python itself reports an interrupt while it starts.
 """
 
 import os
@@ -22,19 +22,19 @@ from helpers.command_line import DISPLAY_VARIABLES, LEAVES
 
 MOMENTS, SEED = int(os.environ.get("MOMENTS", "100")), 28
 FIRST_SECONDS = 0.2
-"""Every fourth moment is in this time, in which modules are imported."""
+"""Time at the start of a command, in which it imports modules; every fourth moment is in it."""
 
 MAX_SECONDS = 10.0
-"""Limit on the time from the start of a command to its interrupt."""
+"""Maximum time from the start of a command to its interrupt."""
 
 ENDING_SECONDS, GRACE_SECONDS = 20.0, 1.0
-"""Time in which a command must end, and time in which the system must have ended its processes."""
+"""Time in which a command must end, and time in which its processes must have disappeared."""
 
 MARK = "WAREHOUSE_INTERRUPTED"
-"""Variable that all processes of a command inherit, by which they are found."""
+"""Environment variable that identifies all processes of a command, because they inherit it."""
 
 OF_TORCH = "torchinductor_"
-"""Start of the name of a folder that PyTorch makes, empty, and keeps."""
+"""Prefix of the name of an empty folder that PyTorch creates and keeps."""
 
 PROGRAM = "from agents.__main__ import main; print('begun', flush=True); main()"
 
@@ -80,7 +80,7 @@ COMMANDS = {
     "layout": [],
     "layout trap": [],
 }
-"""Commands with small sizes, and the files that each may leave, if they are whole."""
+"""Commands with small sizes, and the complete files that each of them may leave."""
 
 AGENT = """
 class Agent:
@@ -103,7 +103,13 @@ zero = 0.1
 
 
 class Ended(NamedTuple):
-    """How a command ended; without an ``interrupted`` flag it had ended by itself."""
+    """The end of a command.
+
+    Attributes:
+        interrupted: true if it was interrupted, and false if it ended by itself.
+        seconds: time from the interrupt to the end, or from the start without an interrupt.
+        faults: descriptions of what went wrong.
+    """
 
     interrupted: bool
     seconds: float
@@ -134,26 +140,26 @@ def environment(**more: str) -> dict[str, str]:
 
 
 def processes_with(mark: str) -> list[str]:
-    """Return the processes with a mark among their variables."""
+    """Return the processes that have a mark in their environment."""
     found = []
     for folder in Path("/proc").glob("[0-9]*"):
         try:
             if f"{MARK}={mark}".encode() in (folder / "environ").read_bytes():
                 found.append((folder / "cmdline").read_bytes().replace(b"\0", b" ").decode()[:100])
-        except OSError:  # it has ended, or is another user's
+        except OSError:  # it has ended, or belongs to another user
             continue
     return found
 
 
 def left_in(folder: Path, allowed: list[str], before: set[str]) -> list[str]:
-    """Return the files and folders that are neither inputs nor allowed."""
+    """Return the files and folders that are neither inputs nor allowed outputs."""
     names = {str(path.relative_to(folder)) for path in folder.rglob("*")}
     whole = {str(path.relative_to(folder)) for pattern in allowed for path in folder.glob(pattern)}
     return sorted(names - before - whole)
 
 
 def interrupted(line: str, moment: float | None, given: Path, base: Path) -> Ended:
-    """Run a command, interrupt it at a moment, if one is given, and look at what is left."""
+    """Run a command, interrupt it if a moment is given, and check what it leaves."""
     folder, scratch, mark = base / "work", base / "scratch", uuid4().hex
     for each in (folder, scratch):
         shutil.rmtree(each, ignore_errors=True)
@@ -161,14 +167,14 @@ def interrupted(line: str, moment: float | None, given: Path, base: Path) -> End
     scratch.mkdir()
     before = {str(path.relative_to(folder)) for path in folder.rglob("*")}
     out, err = base / "out", base / "err"
-    with out.open("wb") as told, err.open("wb") as said:
+    with out.open("wb") as output, err.open("wb") as errors:
         process = subprocess.Popen(
             [sys.executable, "-c", PROGRAM, *line.split()],
             cwd=folder,
             env=environment(**{MARK: mark, "TMPDIR": str(scratch)}),
             stdin=subprocess.DEVNULL,
-            stdout=told,
-            stderr=said,
+            stdout=output,
+            stderr=errors,
             start_new_session=True,
         )
         while not out.stat().st_size and process.poll() is None:
@@ -176,7 +182,7 @@ def interrupted(line: str, moment: float | None, given: Path, base: Path) -> End
         begun = time.perf_counter()
         try:
             process.wait(moment)
-        except subprocess.TimeoutExpired:  # it still runs: the terminal's Ctrl-C, to the group
+        except subprocess.TimeoutExpired:  # like Ctrl-C in a terminal, which signals the group
             os.killpg(process.pid, signal.SIGINT)
         sent = time.perf_counter()
         try:
@@ -186,7 +192,7 @@ def interrupted(line: str, moment: float | None, given: Path, base: Path) -> End
             process.wait()
     ended = time.perf_counter()
     text, code = err.read_text(), process.returncode
-    # At the end of the program an interrupt ends Python at once.
+    # While Python shuts down, an interrupt ends it at once.
     by_itself = code in (0, -signal.SIGINT) or line == "play"
     faults = [f"stderr: {text}"] if (text.count("\n") != 1 or "interrupted" not in text) else []
     faults += [] if code == 130 else [f"exit code {code}"]
@@ -225,8 +231,9 @@ def test_an_interrupt_is_one_line_and_leaves_nothing(
             taken, early = taken + 1, early + is_early
             slowest = max(slowest, ended.seconds)
     measured(
-        f"interrupts at {MOMENTS} moments of {len(COMMANDS)} commands",
-        f"{early} of them in the first {FIRST_SECONDS:g} s: one line, exit code 130, no process "
-        f"and no file left; ended after at most {slowest:.2f} s; {len(faults)} faults",
+        f"{MOMENTS} interrupts of {len(COMMANDS)} commands at random times",
+        f"{early} of them in the first {FIRST_SECONDS:g} s; each command prints one line, exits "
+        "with code 130, and leaves no process and no file; it ends after at most "
+        f"{slowest:.2f} s; {len(faults)} faults",
     )
     assert not faults

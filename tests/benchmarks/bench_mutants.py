@@ -1,9 +1,9 @@
-"""The share of small changes to the code, chosen at random, that make a test fail.
+"""The share of small random changes to the code (mutants) that make a test fail.
 
-Each change is tried in a copy of the project with the tests in the folder that mirrors its own, and
-then with the other tests of its package.
-``MUTANTS`` is the number of changes, ``MUTANTS_SEED`` chooses others, and ``MUTANTS_IN`` limits
-them to files whose path contains one of its words.
+Each mutant is tried in a copy of the project, first with the tests in the folder that mirrors its
+own, and then with the other tests of its package. ``MUTANTS`` is the number of mutants,
+``MUTANTS_SEED`` selects other ones, and ``MUTANTS_IN`` limits them to files whose path contains one
+of its words.
 """
 
 import ast
@@ -26,7 +26,7 @@ NUMBER = int(os.environ.get("MUTANTS", 200))
 SEED = int(os.environ.get("MUTANTS_SEED", 0))
 WORDS = os.environ.get("MUTANTS_IN", "/").split()
 SECONDS = 3600
-"""Time after which tests that hang count as failed."""
+"""Seconds after which tests that hang count as failed."""
 
 LEAST_SHARE = 0.85
 
@@ -37,11 +37,17 @@ OTHER = {
     ast.Mod: ast.FloorDiv, ast.BitAnd: ast.BitOr, ast.And: ast.Or, ast.Or: ast.And,
 }  # fmt: skip
 UNSEEN = ("strict", "slots")
-"""Keywords that change nothing if they are false: a check of what holds already, and memory."""
+"""Keywords without visible effect; ``strict`` checks what is true, and ``slots`` saves memory."""
 
 
 class Mutant(NamedTuple):
-    """A change of one node of a file, counted in the order of ``ast.walk``."""
+    """A change of one node in a file.
+
+    Attributes:
+        path: path of the file.
+        node: number of the node in the order of ``ast.walk``.
+        text: description of the change.
+    """
 
     path: str
     node: int
@@ -49,7 +55,7 @@ class Mutant(NamedTuple):
 
 
 class Swap(ast.NodeTransformer):
-    """Puts a node in the place of another one."""
+    """A transformer that replaces one node by another."""
 
     def __init__(self, old: ast.AST, new: ast.AST) -> None:
         self.old, self.new = old, new
@@ -59,7 +65,7 @@ class Swap(ast.NodeTransformer):
 
 
 def changed(node: ast.AST) -> ast.AST | None:
-    """Return what may take the place of a node."""
+    """Return a node that may replace another one, or ``None``."""
     match node:
         case ast.Compare(left, [operator], others) if type(operator) in OTHER:
             return ast.Compare(left, [OTHER[type(operator)]()], others)
@@ -91,7 +97,7 @@ def mutants_of(path: str) -> Iterator[Mutant]:
 
 
 def is_noticed(mutant: Mutant, copy: Path) -> bool:
-    """Return whether tests fail in a copy of the project in which the mutant is."""
+    """Return whether tests fail in a copy of the project that contains the mutant."""
     source = (ROOT / mutant.path).read_text()
     tree = ast.parse(source)
     node = [*ast.walk(tree)][mutant.node]
@@ -138,5 +144,8 @@ def test_most_mutants_are_noticed(tmp_path, measured) -> None:
             mutant.text for mutant, it in zip(some, pool.map(is_missed, some), strict=True) if it
         ]
     share = 1 - len(missed) / len(some)
-    measured(f"mutants noticed, of {len(some)} drawn from {len(mutants)}", f"{share:.1%}")
+    measured(
+        f"mutants caught, {len(some)} random ones of {len(mutants):,} (seed {SEED})",
+        f"{share:.1%}",
+    )
     assert share >= LEAST_SHARE, missed

@@ -1,6 +1,6 @@
-"""Bodies against a bare ``space.step``, fleets of bodies, and long runs against what must hold.
+"""Bodies compared with a bare ``space.step``, fleets of bodies, and long runs with exact results.
 
-The number of robot moves of long runs is in the environment variable ``TRUTH_MOVES``.
+The environment variable ``TRUTH_MOVES`` sets the number of robot moves in long runs.
 """
 
 import os
@@ -27,14 +27,14 @@ from warehouse_core.world import benchmark_warehouse
 from warehouse_physics import RigidBodyMotion, RobotSpec, stepping
 
 MOVES = 2_000
-"""In a round of a measurement."""
+"""Number of moves in a round of a measurement."""
 
 FLEET = 200
 BATCH_STEPS = 4
-"""Actions of a whole batch in a round of a measurement, or more for as many ``MOVES``."""
+"""Minimum number of steps of a batch in a round; small batches take more, up to ``MOVES`` moves."""
 
 MIN_RATIOS = {1: 0.35, 16: 1.6, 64: 3.0, 256: 3.0, 1024: 3.0}
-"""Rows of a batch, and how many times more moves a second it must make than one environment."""
+"""Minimum ratio of moves per second in a batch and in one environment, by number of rows."""
 
 ENDLESS = 10**9
 
@@ -53,7 +53,7 @@ def random_moves(moves: int = MOVES) -> list[str]:
 
 
 def step_many(env: WarehouseEnv, actions: list[str]) -> int:
-    """Step, and return how many substeps of physics that took."""
+    """Step an environment, and return the number of physics substeps that this took."""
     substeps = 0
     per_second = 1 / env.motion.spec.time_step
     for action in actions:
@@ -63,7 +63,7 @@ def step_many(env: WarehouseEnv, actions: list[str]) -> int:
 
 
 def bare_loop(env: WarehouseEnv, substeps: int) -> None:
-    """Step the same space ``substeps`` times, and do nothing else."""
+    """Step the same space ``substeps`` times without doing anything else."""
     step, dt = env.motion._arena.space.step, env.motion.spec.time_step
     for _ in range(substeps):
         step(dt)
@@ -71,7 +71,7 @@ def bare_loop(env: WarehouseEnv, substeps: int) -> None:
 
 @over_layouts
 def test_moves_a_second_against_the_bare_space(layout, times_faster) -> None:
-    """The bare loop calls pymunk's public step, whose Python half is left out by ours."""
+    """The bare loop calls pymunk's public step, whose Python part our code skips."""
     env, actions = env_in(layout), random_moves()
     substeps = step_many(env, actions)
     ratio = times_faster(
@@ -102,39 +102,39 @@ def test_a_large_fleet_against_the_bare_space(times_faster) -> None:
 
 @pytest.mark.parametrize(("rows", "least"), MIN_RATIOS.items())
 def test_moves_a_second_of_a_batch_against_one_environment(rows, least, times_faster) -> None:
-    """The target is 4 at 256 rows."""
+    """The target is a ratio of 4 with 256 rows."""
     steps = max(BATCH_STEPS, MOVES // rows)
     batch, env = batch_in([DEFAULT_LAYOUT] * rows), env_in(DEFAULT_LAYOUT)
     actions, empty = random_moves(steps * rows), np.zeros(rows, bool)
-    drawn = np.array(["NESW".index(action) for action in actions]).reshape(steps, rows)
+    moves = np.array(["NESW".index(action) for action in actions]).reshape(steps, rows)
     ratio = times_faster(
-        lambda: [batch.advance(each, empty) for each in drawn],
+        lambda: [batch.advance(each, empty) for each in moves],
         lambda: [env.step(action) for action in actions],
     )
     assert ratio >= least
 
 
-def test_a_row_of_a_large_batch_costs_what_one_of_256_costs(times_faster) -> None:
+def test_a_row_of_a_large_batch_costs_as_much_as_a_row_of_256(times_faster) -> None:
     batches = [batch_in([DEFAULT_LAYOUT] * rows) for rows in (4096, 256)]
-    drawn, empty = np.random.default_rng(0).integers(0, 4, 4096), np.zeros(4096, bool)
+    moves, empty = np.random.default_rng(0).integers(0, 4, 4096), np.zeros(4096, bool)
     large, small = batches
     ratio = times_faster(
-        lambda: large.advance(drawn, empty),
-        lambda: [small.advance(each, empty[:256]) for each in drawn.reshape(16, 256)],
+        lambda: large.advance(moves, empty),
+        lambda: [small.advance(each, empty[:256]) for each in moves.reshape(16, 256)],
     )
     assert ratio >= 1 / 1.2
 
 
 LARGE = benchmark_warehouse(6, 30, 8, 2, 2)
-"""124 x 90 cells."""
+"""A layout of 124 x 90 cells."""
 
 DRIVES, ROBOT_MOVES = 4, 3000
 SUBSTEPS = 1 / RobotSpec().time_step
-"""In a second."""
+"""Number of substeps per second."""
 
 
 class Drive:
-    """Robots that carry out the same moves again and again, from the same cells."""
+    """Robots that carry out the same moves from the same cells in every run."""
 
     def __init__(self, robots: int, record_path: bool) -> None:
         stream = np.random.default_rng(robots)
@@ -148,7 +148,7 @@ class Drive:
             self.plan.append((moves, cells))
 
     def run(self) -> tuple[float, float, float]:
-        """Return simulated seconds, those taken by the clock, and of the processor."""
+        """Return the simulated time, the wall-clock time and the CPU time, in seconds."""
         self.motion.reset(LARGE, self.starts, 0)
         simulated = wall = cpu = 0.0
         for moves, targets in self.plan:
@@ -168,16 +168,17 @@ def test_many_bodies_cost_little_more_each_than_ten(record_path: bool, measured)
     for drive, found in zip(drives, zip(*rounds, strict=True), strict=True):
         simulated, wall, cpu = (min(column) for column in zip(*found, strict=True))
         costs[drive.robots] = cpu / (simulated * SUBSTEPS * drive.robots)
-        words.append(f"{costs[drive.robots] * 1e6:.2f} µs for {drive.robots:,}")
+        unit = " bodies" if not words else ""
+        words.append(f"{costs[drive.robots] * 1e6:.2f} µs for {drive.robots:,}{unit}")
         speed = simulated / wall, simulated / cpu
     paths = "with paths" if record_path else "without paths"
     measured(
-        f"CPU time of a body in a substep, {paths}",
-        f"{', '.join(words)}; 400 to 10: {costs[400] / costs[10]:.2f}",
+        f"CPU time per body and substep, {paths}",
+        f"{', '.join(words)}; ratio of 400 to 10: {costs[400] / costs[10]:.2f}",
     )
     measured(
-        f"simulated time over time taken, 1,000 bodies {paths}",
-        f"{speed[0]:.1f} by the clock, {speed[1]:.1f} by CPU time",
+        f"simulated seconds per second, 1,000 bodies {paths}",
+        f"{speed[0]:.1f} in wall-clock time, {speed[1]:.1f} in CPU time",
     )
     assert speed[1] >= 5
     assert costs[400] <= 1.3 * costs[10]
@@ -185,19 +186,21 @@ def test_many_bodies_cost_little_more_each_than_ten(record_path: bool, measured)
 
 TRUTH_MOVES = int(os.environ.get("TRUTH_MOVES", "60000"))
 BOOKED = TRUTH_MOVES // 10
-"""Moves that are booked in every substep, by slow code."""
+"""Number of moves whose energy is accounted for in every substep, by slow code."""
 
 
 @pytest.fixture
 def public_steps(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let each substep call ``space.step``, where the book is kept."""
+    """Let each substep call ``space.step``, which keeps the independent accounts."""
     monkeypatch.setattr(stepping, "IS_KNOWN", False)
 
 
 def test_random_robots_move_as_on_the_grid_alone_and_in_a_batch(measured) -> None:
     made, braked = random_robots_move_as_the_grid(TRUTH_MOVES)
-    what = f"{made:,} moves of random robots, {braked:,} braked by the floor"
-    measured(what, "0 differences to the grid and between batch and single")
+    measured(
+        f"{made:,} moves of random robots, {braked:,} with robots that the floor alone brakes",
+        "0 differences from the grid, and 0 between a batch and single robots",
+    )
 
 
 def test_heavy_jams_end_as_the_table_says(measured) -> None:
@@ -213,7 +216,8 @@ def test_queues_of_160_end_as_the_table_says(make_queue, measured) -> None:
         outcomes = queue(layout, cells, loaded)
         wrong = sum(it.cell != cell for it, cell in zip(outcomes, cells, strict=True))
         seconds = max(outcome.seconds for outcome in outcomes)
-        name = f"{make_queue.__name__.replace('_', ' ')} of 160{' with loads' if loaded else ''}"
+        kind = make_queue.__name__.replace("_", " ")
+        name = f"{kind} of 160 robots{' with loads' if loaded else ''}"
         measured(name, f"{wrong} differences, {seconds:.2f} s")
         assert wrong == 0
         assert not any(outcome.cut_off for outcome in outcomes)
@@ -223,13 +227,13 @@ def test_queues_of_160_end_as_the_table_says(make_queue, measured) -> None:
 @pytest.mark.parametrize("robots", [1, 8])
 def test_the_books_agree_within_a_hundredth(robots: int, measured) -> None:
     errors = errors_of_the_books(BOOKED, robots, seed=1000)
-    words = f"joules {_spread(errors.joules)}; impulses {_spread(errors.impulses)}"
-    measured(f"against a second book, {robots} random robots at once", words)
+    words = f"{_spread(errors.joules, 'energies')}; {_spread(errors.impulses, 'impulses')}"
+    measured(f"comparison with independent accounts, {robots} random robots at a time", words)
     for each in errors:
         assert max(each, default=0.0) <= 0.01
 
 
-def _spread(errors: Sequence[float]) -> str:
+def _spread(errors: Sequence[float], noun: str) -> str:
     above = Counter(error > 0.01 for error in errors)[True]
     worst = max(errors, default=0.0)
-    return f"of {len(errors)} at most {100 * worst:.2g}% off, {above} by more than 1%"
+    return f"{len(errors)} {noun} differ by at most {100 * worst:.2g}%, {above} by more than 1%"

@@ -1,8 +1,9 @@
-"""Planners of several robots: their plans, goals and seconds, next to bounds and other programs.
+"""Planners for several robots: plans, goals and times, compared with bounds and other programs.
 
 Some comparisons need more than the extra bench. ``PYPIBT`` names the folder of pypibt's repository.
-``MOVINGAI_DATA`` names a folder with a folder for each map, as they are unpacked from
-movingai.com/benchmarks/mapf: the map and its scenarios, of which the first random one is taken.
+``MOVINGAI_DATA`` names a folder with a subfolder for each map, as unpacked from
+movingai.com/benchmarks/mapf. A subfolder has the map and its scenarios, of which the first random
+one is used.
 """
 
 import importlib
@@ -47,11 +48,11 @@ from warehouse_core import Layout, random_layout
 from warehouse_core.world.moves import EAST
 
 FLOORS = {"32 x 32 cells, 20% walls": 50, "kiva": 100}
-"""Robots on each floor."""
+"""Number of robots in each layout."""
 
 PROBLEMS, SECONDS, STEPS, SEED = 2, (1, 10, 60), 300, 0
 SHARE = 0.8
-"""A planner that has ended before this share of its time would do the same in more."""
+"""Share of its time limit. A planner that ends earlier would find the same plan with more time."""
 
 FORM = "compiled" if IS_COMPILED else "plain"
 
@@ -65,14 +66,14 @@ def floor_of(name: str) -> PlannerFloor:
     return PlannerFloor(layout, layout.open_cells, layout.open_cells)
 
 
-def said(found: list[Attempt]) -> str:
+def described(found: list[Attempt]) -> str:
     plans = [each for each in found if each.costs is not None]
-    text = f"{len(plans)} of {len(found)}"
+    text = f"{len(plans)} of {len(found)} solved"
     if plans:
         ratio = np.mean([each.costs / each.bound for each in plans])
         text += f", costs {ratio:.3f}, makespan {np.mean([each.makespan for each in plans]):.0f}"
     proved = sum(each.proved for each in plans)
-    return f"{text}, {proved} proved" if proved else text
+    return f"{text}, {proved} proved optimal" if proved else text
 
 
 @pytest.mark.parametrize("planner", SOLVERS)
@@ -86,25 +87,25 @@ def test_plans(floor: str, planner: str, measured) -> None:
             if known.seconds > SHARE * before:
                 known = attempt(planner, SEED, problem, seconds)
             found.setdefault(seconds, []).append(known)
-    parts = [f"{seconds} s: {said(each)}" for seconds, each in found.items()]
+    parts = [f"{seconds} s: {described(each)}" for seconds, each in found.items()]
     measured(f"{planner}, {FLOORS[floor]} robots on {floor} ({FORM})", "; ".join(parts))
 
 
 @pytest.mark.parametrize("planner", PLANNERS)
 @pytest.mark.parametrize("floor", FLOORS)
-def test_goals_without_end(floor: str, planner: str, measured) -> None:
+def test_one_goal_after_another(floor: str, planner: str, measured) -> None:
     place, robots = floor_of(floor), FLOORS[floor]
     stepper = make_stepper(planner, SEED, place.layout, robots, 10.0)
     ends = place.starts, place.goals
     run = run_lifelong(Graph(place.layout), stepper, robots, STEPS, SEED, *ends)
     measured(
-        f"{planner}, {robots} robots from goal to goal on {floor} ({FORM})",
-        f"{run.reached / STEPS:.2f} goals a step, {1000 * np.mean(run.seconds):.1f} ms a step",
+        f"{planner}, {robots} robots with one goal after another on {floor} ({FORM})",
+        f"{run.reached / STEPS:.2f} goals per step, {1000 * np.mean(run.seconds):.1f} ms per step",
     )
 
 
 @pytest.mark.parametrize("size", [14, 32])
-def test_goals_a_step_of_circulations(size: int, measured) -> None:
+def test_goals_per_step_of_circulations(size: int, measured) -> None:
     layout = random_layout(size, size, 0.2, seed=1)
     robots = int(0.97 * len(layout.open_cells))
     every = None, lane_costs(layout, 4.0), directed_costs(layout, robots)
@@ -117,7 +118,7 @@ def test_goals_a_step_of_circulations(size: int, measured) -> None:
         for graph in (Graph(layout, costs) for costs in every)
     )  # fmt: skip
     measured(
-        f"goals a step, {robots} robots with headings on {len(layout.open_cells)} cells",
+        f"goals per step, {robots} robots with headings on {len(layout.open_cells)} cells",
         f"circulations {plain:.2f}; on lanes {lanes:.2f}; with directed costs {directed:.2f}",
     )
     assert size < 32 or directed > 1.08 * lanes
@@ -133,9 +134,9 @@ SCENARIOS = {
     ("random-32-32-20", 400, 10): 2.27,
     ("warehouse-10-20-10-2-1", 400, 10): 1.13,
 }
-"""Sum of costs over its lower bound, at most, by map, robots and seconds.
+"""Maximum ratio of the sum of costs to its lower bound, by map, robots and seconds.
 
-Those of random-32-32-20 in 10 s are LaCAM3's, built and run on this kind of machine.
+The ratios of random-32-32-20 in 10 s are results of LaCAM3, built and run on this kind of machine.
 """
 
 
@@ -148,13 +149,13 @@ def test_scenarios(place: tuple[str, int, int], measured) -> None:
     rows = problem.graph.layout.rows
     assert plan_conflict(rows, problem.starts, problem.goals, plan.cells.tolist()) is None
     ratio = plan.sum_of_costs / problem.lower_bound
-    what = f"{name}, {robots} robots, {seconds} s, costs over the lower bound ({FORM})"
+    what = f"{name}, {robots} robots, {seconds} s, ratio of costs to the lower bound ({FORM})"
     measured(what, f"{ratio:.3f}")
     assert ratio <= SCENARIOS[place]
 
 
 TURNING = {50: 1.08, 200: 1.42, 400: 4.8}
-"""Sum of costs over its lower bound, at most, of plans with headings after 10 s, by robots."""
+"""Maximum ratio of the sum of costs to its lower bound with headings after 10 s, by robots."""
 
 
 @pytest.mark.parametrize("robots", TURNING)
@@ -173,15 +174,16 @@ def test_plans_of_robots_with_headings(robots: int, measured) -> None:
     best = better.sum_of_costs / turning.lower_bound
     measured(
         f"LaCAM with headings, {robots} robots, 5 maps of 32 x 32 cells, 20% walls",
-        f"{median(times):.3f} s, without headings {median(plain):.3f} s; sum of costs of the last "
-        f"map {plan.sum_of_costs / turning.lower_bound:.2f}, and {best:.2f} by anytime in 10 s",
+        f"{median(times):.3f} s, without headings {median(plain):.3f} s; ratio of costs to the "
+        f"lower bound on the last map {plan.sum_of_costs / turning.lower_bound:.2f}, and "
+        f"{best:.2f} with anytime in 10 s",
     )
     assert best <= TURNING[robots]
     assert median(times) < 10 * median(plain)
 
 
 def cost_of_pymapf(problem: Problem) -> int | None:
-    """Return the sum of costs of pymapf's plan, or ``None`` if it has none in time."""
+    """Return the sum of costs of pymapf's plan, or ``None`` if it finds none in time."""
     from pymapf import Agent, ConflictBasedSearch, GridMap, MAPFProblem
 
     layout = problem.graph.layout
@@ -194,8 +196,8 @@ def cost_of_pymapf(problem: Problem) -> int | None:
     return None if solution is None else solution.sum_of_costs
 
 
-def test_costs_are_those_of_pymapf(measured) -> None:
-    """Random problems that pymapf solves in 5 s, ours in 20 s."""
+def test_costs_equal_the_costs_of_pymapf(measured) -> None:
+    """The problems are random; pymapf has 5 s for each, and our planner has 20 s."""
     equal = undecided = 0
     for problem in random_problems(2_000, seed=7, max_robots=6):
         cost = cost_of_pymapf(problem)
@@ -207,13 +209,13 @@ def test_costs_are_those_of_pymapf(measured) -> None:
         equal += 1
         if equal == 200:
             break
-    what = "problems of up to 6 robots with the costs of pymapf"
-    measured(what, f"{equal} of {equal}; {undecided} more that pymapf did not solve in 5 s")
+    what = "problems with up to 6 robots and the same costs as with pymapf"
+    measured(what, f"{equal} of {equal}; pymapf did not solve {undecided} more in 5 s")
 
 
 @pytest.mark.parametrize(("robots", "walls"), [(20, 10), (40, 20)])
 def test_seconds_of_conflict_based_search(robots: int, walls: int, measured) -> None:
-    """32 x 32 cells inside a border, connected, some walls."""
+    """The layouts have 32 x 32 connected cells with some walls inside a border."""
     times, late = [], 0
     for seed in range(25):
         problem = drawn_problem(random_layout(34, 34, walls / 100, seed), robots, seed)
@@ -224,20 +226,20 @@ def test_seconds_of_conflict_based_search(robots: int, walls: int, measured) -> 
             late += 1
         times.append(time.process_time() - start)
     measured(
-        f"CPU seconds of CBS, {robots} robots on 25 floors like random-32-32-{walls}",
+        f"CPU seconds of CBS, {robots} robots on 25 layouts like random-32-32-{walls}",
         f"median {median(times):.3f}, worst {max(times):.2f}; {late} without a plan in 20 s",
     )
 
 
 def draw(layout: Layout, robots: int) -> tuple[np.ndarray, np.ndarray]:
-    """Return starts and goals."""
+    """Return random starts and goals."""
     stream = np.random.default_rng(0)
     cells, goals = (stream.permutation(layout.open_cells)[:robots] for _ in range(2))
     return cells, goals
 
 
 def seconds_of(planner: PIBT, cells: np.ndarray, goals: np.ndarray) -> list[float]:
-    """Return the processor time of each of 40 steps."""
+    """Return the CPU time of each of 40 steps in seconds."""
     nobody, times = np.zeros(len(cells), np.bool_), []
     for _ in range(40):
         start = time.process_time()
@@ -247,7 +249,7 @@ def seconds_of(planner: PIBT, cells: np.ndarray, goals: np.ndarray) -> list[floa
 
 
 def seconds_of_pypibt(planner: Any, cells: list[Any]) -> float:
-    """Return the processor time of 40 steps of pypibt, with its way of changing priorities."""
+    """Return the CPU time of 40 steps of pypibt in seconds, with its own update of priorities."""
     priorities = [
         table.get(cell) / table.table.size
         for table, cell in zip(planner.dist_tables, cells, strict=True)
@@ -263,8 +265,8 @@ def seconds_of_pypibt(planner: Any, cells: list[Any]) -> float:
 
 
 @pytest.mark.parametrize("robots", [400, 1_000])
-def test_decisions_a_second(robots: int, measured, monkeypatch) -> None:
-    """Both begin with all distances known, and with the same starts and goals."""
+def test_decisions_per_second(robots: int, measured, monkeypatch) -> None:
+    """Both programs begin with the same starts and goals, and with all distances computed."""
     monkeypatch.syspath_prepend(os.environ["PYPIBT"])
     pypibt = importlib.import_module("pypibt")
     layout = random_layout(64, 64, 0.1, 1)
@@ -282,8 +284,8 @@ def test_decisions_a_second(robots: int, measured, monkeypatch) -> None:
     ]
     rates = [robots * 40 / min(column) for column in zip(*pairs, strict=True)]
     measured(
-        f"decisions of PIBT a second of CPU time, {robots:,} robots",
-        f"{rates[0]:,.0f}; pypibt {rates[1]:,.0f}; {rates[0] / rates[1]:.1f} times",
+        f"decisions of PIBT per second of CPU time, {robots:,} robots",
+        f"{rates[0]:,.0f}; pypibt {rates[1]:,.0f}; ratio {rates[0] / rates[1]:.1f}",
     )
     assert rates[0] >= 3 * rates[1]
 
@@ -298,6 +300,6 @@ def test_a_step_of_ten_thousand_robots(measured) -> None:
     measured(
         "a step of PIBT, 10,000 robots, 140 x 500 cells",
         f"{np.median(times):.3f} s of CPU time, at most {max(times):.3f} s; "
-        f"distances of 10,000 goals {first:.0f} s, {planner.fields.matrix.nbytes / 1e9:.2f} GB",
+        f"distances to 10,000 goals {first:.0f} s, {planner.fields.matrix.nbytes / 1e9:.2f} GB",
     )
     assert max(times) < 0.1

@@ -1,4 +1,4 @@
-"""Pages that play tracks: bytes, the time to write them, and drawing in Chromium without a GPU."""
+"""Pages that play tracks: size, writing time, and drawing speed in Chromium without a GPU."""
 
 from collections.abc import Callable, Iterator
 from functools import cache
@@ -26,16 +26,16 @@ FRAMES = 300
 ROUNDS = 5
 
 MAX_WRITING_SECONDS = 0.2
-"""Seconds in which the shorter episode of bodies is written."""
+"""Maximum seconds for writing the shorter episode of bodies."""
 
 MAX_MS = {200: 6.0, 1_000: 16.0}
-"""Milliseconds of a frame by robots; a display with 60 frames a second has 16."""
+"""Maximum milliseconds per frame by robots; a display with 60 frames per second allows 16 ms."""
 
 MAX_SECONDS = 3.0
-"""Seconds from a request to the first picture, of 1,000 robots and 1,000 steps."""
+"""Maximum seconds from a request to the first picture, with 1,000 robots and 1,000 steps."""
 
 MIN_RATE = 30.0
-"""Frames that a page of 1,000 robots plays in a second, at any zoom."""
+"""Minimum number of frames per second of a page with 1,000 robots, at any zoom."""
 
 ZOOMS = (1, 4, 8, 16)
 
@@ -53,7 +53,7 @@ async ([zoom, seconds]) => {
   return (1000 * (stamps.length - 1)) / (stamps.at(-1) - stamps[0]);
 }
 """
-"""Plays as a reader sees it, composed and on a screen, and returns the frames in a second."""
+"""Script that plays a page as a reader sees it, and returns the frames per second."""
 
 DRAW = """
 ([frames, setting]) => {
@@ -71,7 +71,7 @@ DRAW = """
   return spent;
 }
 """
-"""Draws frames as playing does; reading a pixel waits until all has been drawn."""
+"""Script that draws frames as playing does; reading a pixel waits until drawing has finished."""
 
 Measured = Callable[[str, object], None]
 
@@ -88,7 +88,7 @@ def shift_of(robots: int, steps: int = STEPS) -> Episode:
 
 
 def large_fleet(robots: int) -> Track:
-    """Return the track of a planned shift; at each step some robots are shown as blocked."""
+    """Return the track of a planned shift with some robots marked as blocked in each step."""
     track, random = track_of_record(shift_of(robots)), np.random.default_rng(2)
     for frame in track.frames:
         blocked = random.choice(robots, robots // 50, replace=False).tolist()
@@ -121,7 +121,7 @@ def test_a_page_of_bodies(seed: int, most: int, tmp_path: Path, measured: Measur
     path, episode = tmp_path / "page.html", run_episode(backend="physics", seed=seed)
     spent = median(seconds(lambda: replay_or_save(episode, [path], None)) for _ in range(ROUNDS))
     size = path.stat().st_size
-    what = f"page of {episode.steps} steps by physics, seed {seed}"
+    what = f"page with {episode.steps} steps of physics, seed {seed}"
     measured(what, f"{size / 1e3:.0f} kB, written in {spent:.2f} s")
     assert size <= most
     if seed == 12:
@@ -138,7 +138,7 @@ def test_a_page_of_a_fleet(
     path, episode = tmp_path / "page.html", shift_of(robots, steps)
     spent = seconds(lambda: replay_or_save(episode, [path], None))
     size, done = path.stat().st_size, episode.measures.delivered
-    what = f"page of {robots:,} robots x {steps:,} steps, {done:,} deliveries"
+    what = f"page with {robots:,} robots x {steps:,} steps, {done:,} deliveries"
     measured(what, f"{size / 1e6:.2f} MB, written in {spent:.1f} s")
     assert (episode.robots, episode.steps) == (robots, steps)
     assert size <= most
@@ -151,7 +151,7 @@ def test_frames_are_drawn_in_time(
     page = load(browser, files(f"{robots}", lambda: [large_fleet(robots)]))
     for words, setting in (("", {}), (", one chosen, with heat", {"chosen": 7, "hasHeat": True})):
         spent = page.evaluate(DRAW, [FRAMES, setting])
-        what = f"a frame of {robots:,} robots on 140 x 500 cells{words}"
+        what = f"a frame with {robots:,} robots on 140 x 500 cells{words}"
         measured(what, f"{median(spent):.1f} ms, at most {max(spent):.0f} ms")
         assert median(spent) <= MAX_MS[robots]
     page.close()
@@ -172,6 +172,6 @@ def test_a_page_of_a_thousand_robots_plays_smoothly(
     page = load(browser, files("1000", lambda: [large_fleet(1_000)]))
     for zoom in ZOOMS:
         rate = page.evaluate(PLAY, [zoom, 5])
-        measured(f"1,000 robots on 140 x 500 cells, zoom {zoom}", f"{rate:.0f} frames a second")
+        measured(f"1,000 robots on 140 x 500 cells, zoom {zoom}", f"{rate:.0f} frames per second")
         assert rate >= MIN_RATE
     page.close()

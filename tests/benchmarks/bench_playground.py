@@ -1,4 +1,4 @@
-"""The playground in headless Chromium: its size, its first animation, and steps a second."""
+"""The playground in headless Chromium: its size, its first animation, and steps per second."""
 
 from collections.abc import Callable, Iterator
 from os import cpu_count, getloadavg
@@ -13,10 +13,10 @@ from helpers.player_pages import headless_chromium
 from helpers.playground import MAX_DOWNLOAD, Playground, run_in_node, served, write_page
 
 MIN_STEPS = 15_000
-"""Steps a second."""
+"""Minimum number of steps per second."""
 
 MAX_COLD, MAX_WARM = 30.0, 8.0
-"""Seconds from a click on a link to the first animation, with nothing and with all in the cache."""
+"""Maximum seconds from a click to the first animation, with an empty and with a full cache."""
 
 ROUNDS = 3
 
@@ -34,11 +34,13 @@ def browser() -> Iterator[Any]:
         yield chromium
 
 
-def test_the_core_by_pyodide_in_node(page_folder: Path, measured: Measured) -> None:
+def test_the_core_with_pyodide_in_node(page_folder: Path, measured: Measured) -> None:
     steps = [float(line) for line in run_in_node(page_folder, Path(wasm_speed.__file__)).split()]
-    alone, directed = (f"{each:,.0f}" for each in steps)
-    figure = f"{alone} a second by random actions, {directed} by the greedy agent"
-    measured("steps of the default warehouse, by Pyodide in node", figure)
+    with_random, with_greedy = (f"{each:,.0f}" for each in steps)
+    measured(
+        "steps per second in the default warehouse, with Pyodide in Node.js",
+        f"{with_random} with random actions, {with_greedy} with the greedy agent",
+    )
     assert min(steps) >= MIN_STEPS
 
 
@@ -56,8 +58,9 @@ def test_the_first_animation_of_the_playground(
             context.close()
     measured(
         f"from a click to the first animation of the playground, median of {ROUNDS}",
-        f"{median(cold):.1f} s cold, {median(warm):.1f} s warm, {max(sizes) / 1e6:.1f} MB; "
-        f"{getloadavg()[0] / (cpu_count() or 1):.1f} running processes for each processor",
+        f"{median(cold):.1f} s with an empty cache, {median(warm):.1f} s with a full cache, "
+        f"{max(sizes) / 1e6:.1f} MB; {getloadavg()[0] / (cpu_count() or 1):.1f} running processes "
+        "per processor",
     )
     assert max(sizes) <= MAX_DOWNLOAD
     assert median(cold) <= MAX_COLD
@@ -65,7 +68,7 @@ def test_the_first_animation_of_the_playground(
 
 
 def first_animation(context: Any, address: str) -> tuple[float, int]:
-    """Return the seconds until the player of a new page shows an episode, and bytes loaded."""
+    """Return the seconds until a new page plays an episode, and the number of bytes loaded."""
     page, start = context.new_page(), perf_counter()
     playground = Playground(page, address)
     playground.press("run")

@@ -1,14 +1,15 @@
-"""Planners on the episodes of POGEMA's benchmark, next to its published results.
+"""Planners on the episodes of POGEMA's benchmark, compared with its published results.
 
-Random maps, mazes and the warehouse are drawn as the benchmark draws them, and so are starts and
-goals. The environment variable ``POGEMA_DATA`` names a copy of
-github.com/Cognitive-AI-Systems/pogema-benchmark for the maps of MovingAI and the puzzles, which are
+Random maps, mazes, the warehouse, starts and goals are generated exactly as in the benchmark. The
+environment variable ``POGEMA_DATA`` names a copy of
+github.com/Cognitive-AI-Systems/pogema-benchmark with the MovingAI maps and the puzzles, which are
 skipped without it.
 
-``published.csv`` has a line for each kind, set, number of robots and algorithm: the mean seconds of
-an episode by the clock, and for each episode the sum of costs, or the goals that were reached in
-256 steps. ``-`` stands for an episode that was not solved within the limit of steps, ``?`` for one
-that was not run. RHCR ran the mazes for 128 steps; its goals there are doubled.
+``published.csv`` has a line for each kind, set, number of robots and algorithm. It gives the mean
+wall-clock time of an episode in seconds and, for each episode, the sum of costs or the goals that
+were reached in 256 steps. ``-`` stands for an episode that was not solved within the maximum number
+of steps, and ``?`` for an episode that was not run. RHCR ran the mazes for 128 steps, so that its
+goals there are doubled.
 
 Source: Skrynnik et al. (2025), POGEMA: a benchmark platform for cooperative multi-agent
 pathfinding, ICLR; ``generator.py`` and ``envs.py`` of pogema, and pogema-toolbox.
@@ -37,10 +38,10 @@ from warehouse_core.world.generators import kiva_warehouse
 pytestmark = pytest.mark.usefixtures("processor_clock")
 
 SECONDS = 2.0
-"""Time for a plan, or for a step."""
+"""Seconds allowed for a plan or for a step."""
 
 STEPS = 256
-"""Steps of the lifelong episodes."""
+"""Number of steps in a lifelong episode."""
 
 ONE_SHOT = {
     ("random", 64, 20): (20, 0.95),
@@ -49,7 +50,7 @@ ONE_SHOT = {
     ("movingai", 256, 8): (7, 1.0),
     ("puzzles", 4, 160): (150, 1.0),
 }
-"""Fewest episodes to be solved and most costs relative to LaCAM3's, by set, robots and episodes."""
+"""Minimum solved episodes and maximum ratio of costs to LaCAM3's, by set, robots and episodes."""
 
 LIFELONG = {
     ("random", 64, 20): ("windowed:groups=400", 4.3),
@@ -57,7 +58,7 @@ LIFELONG = {
     ("warehouse", 192, 3): ("windowed:groups=100,window=30", 5.6),
     ("movingai", 256, 8): ("windowed:groups=200", 5.4),
 }
-"""A planner that takes about 10 ms a step if compiled, and the goals a step that it must reach."""
+"""Planner that takes about 10 ms per step if compiled, and goals per step that it must reach."""
 
 CITIES = (
     "Berlin_1", "Boston_0", "London_2", "Milan_0", "Moscow_0", "NewYork_1", "Paris_1", "Paris_2",
@@ -66,17 +67,17 @@ READ = {
     "movingai": ("04-movingai", [f"{city}_256_{n:02}" for n in range(16) for city in CITIES], 256),
     "puzzles": ("05-puzzles", [f"puzzle-{n:02}" for n in range(16)], 128),
 }
-"""Folder, maps and limit of steps of the sets whose maps are read; the limit of others is 128."""
+"""Folder, maps and maximum steps of the sets whose maps are read; other sets have 128 steps."""
 
-BESIDE = ((0, -2), (0, 2), (-2, 0), (2, 0))
-"""From a post of a maze to the next ones: west, east, north, south."""
+NEXT_POSTS = ((0, -2), (0, 2), (-2, 0), (2, 0))
+"""Offsets from a post of a maze to the next posts in the west, east, north and south."""
 
 Place = tuple[str, int, int]
 """Name of a set, number of robots, number of episodes."""
 
 
 class Episode(NamedTuple):
-    """A map with starts and goals; ``targets`` are the cells of the warehouse that have goals."""
+    """A map with starts and goals; ``targets`` are the possible goal cells of the warehouse."""
 
     layout: Layout
     seed: int
@@ -86,7 +87,7 @@ class Episode(NamedTuple):
 
 
 def random_map(seed: int) -> Layout:
-    """Return a map of 17 to 21 rows and columns, of which 10% to 30% of the cells are walls."""
+    """Return a map with 17 to 21 rows and columns, in which 10% to 30% of the cells are walls."""
     stream = np.random.default_rng(seed)
     width, height = int(stream.integers(17, 22)), int(stream.integers(17, 22))
     count = int(width * height * stream.uniform(0.1, 0.3))
@@ -98,9 +99,10 @@ def random_map(seed: int) -> Layout:
 
 
 def maze_map(seed: int) -> Layout:
-    """Return a maze of 17 to 21 rows and columns, whose walls grow from posts, often straight on.
+    """Return a maze with 17 to 21 rows and columns, whose walls grow from posts, mostly straight.
 
-    Posts stand in every second row and column of the maze with its border, which is not returned.
+    Posts are in every second row and column of the maze including its border, which is then
+    removed.
     """
     stream = np.random.default_rng(seed)
     width, height = (int(stream.integers(17, 22)) // 2 * 2 + 3 for _ in range(2))
@@ -116,7 +118,7 @@ def maze_map(seed: int) -> Layout:
         for _ in range(length):
             moves = [
                 (down, right)
-                for down, right in BESIDE
+                for down, right in NEXT_POSTS
                 if 0 <= row + down < height and 0 <= col + right < width
             ]
             chances = np.array([straight if move == last else 1 - straight for move in moves])
@@ -137,7 +139,7 @@ def layout_of(walls: set[tuple[int, int]], height: int, width: int) -> Layout:
 def read_maps(name: str) -> list[Layout]:
     """Return the maps of a set in the benchmark's file ``maps.yaml``."""
     if "POGEMA_DATA" not in os.environ:
-        pytest.skip("POGEMA_DATA names no copy of the benchmark")
+        pytest.skip("POGEMA_DATA does not name a copy of the benchmark")
     folder, names, _ = READ[name]
     text = Path(os.environ["POGEMA_DATA"], "raw_data_MAPF", folder, "maps.yaml").read_text()
     maps = dict(re.findall(r'^"?([\w-]+)"?: \|-?\n((?:  \S+\n?)+)', text, re.MULTILINE))
@@ -145,7 +147,7 @@ def read_maps(name: str) -> list[Layout]:
 
 
 def episodes_of(place: Place) -> list[Episode]:
-    """Return the first episodes of a set, as many as the place has.
+    """Return the first episodes of a set, given its name and the numbers of robots and episodes.
 
     Episode ``n`` is on map ``n % maps`` with seed ``n // maps``.
     """
@@ -173,7 +175,7 @@ def warehouse_episode(seed: int, robots: int) -> Episode:
 
 
 def draw_ends(layout: Layout, seed: int, robots: int) -> tuple[list[int], list[int]]:
-    """Return starts and goals: open cells in a random order, by turns one and one in each part."""
+    """Return starts and goals, which alternate among the shuffled open cells of each part."""
     order, labels = layout.open_cells.tolist(), Graph(layout).parts.tolist()
     np.random.default_rng(seed).shuffle(order)
     left = Counter(labels[cell] for cell in order)
@@ -190,10 +192,10 @@ def draw_ends(layout: Layout, seed: int, robots: int) -> tuple[list[int], list[i
 
 
 def new_goals_of(one: Episode) -> Callable[[np.ndarray, np.ndarray], np.ndarray]:
-    """Return a function that draws the goals of a lifelong episode; see ``run_with_goals``.
+    """Return a function that draws random goals for a lifelong episode; see ``run_with_goals``.
 
-    Each robot has random numbers of its own. In the warehouse a goal may come twice: pogema
-    compares it without the border of its map with the robot's cell, which has the border.
+    Each robot has its own random generator. In the warehouse a robot may get the same goal twice,
+    because pogema compares coordinates with and without the border of its map.
     """
     seeds = np.random.default_rng(one.seed).integers(np.iinfo(np.int32).max, size=len(one.starts))
     streams = [np.random.default_rng(seed) for seed in seeds]
@@ -218,7 +220,7 @@ def new_goals_of(one: Episode) -> Callable[[np.ndarray, np.ndarray], np.ndarray]
 
 
 def published(kind: str, place: Place) -> dict[str, tuple[np.ndarray, float]]:
-    """Return the values of the episodes by algorithm, and mean seconds of an episode."""
+    """Return the values of the episodes and the mean seconds per episode, for each algorithm."""
     name, robots, count = place
     words = {"-": math.inf, "?": math.nan}
     found = {}
@@ -245,7 +247,7 @@ def test_plans(place: Place, measured) -> None:
         optimal += found.proved
     bound, theirs = np.array(bounds), published("one-shot", place)
     reference = theirs["LaCAM"][0]
-    # Where starts, goals or maps differed from the published ones, costs could be below the bound.
+    # If starts, goals or maps differed from the published ones, costs could be below the bound.
     assert (reference >= bound).all()
     rows = theirs | {"anytime": (np.array(costs, float), float(np.mean(took)))}
     for name, (values, seconds) in rows.items():
@@ -270,7 +272,7 @@ def test_lifelong_windows(place: Place, measured) -> None:
     planner, least = LIFELONG[place]
     rates, took = [], []
     for one in episodes_of(place):
-        # Pickups tell planners that learn where goals are; paths lead through them.
+        # Pickups show the goals to planners that learn; robots can pass through them.
         layout = one.layout.with_tiles(one.layout.cells(one.targets), [], [])
         stepper = make_stepper(planner, 0, layout, len(one.starts), SECONDS)
         run = run_with_goals(
@@ -286,7 +288,7 @@ def test_lifelong_windows(place: Place, measured) -> None:
         over = values / reference
         measured(
             f"lifelong, {place[0]}, {place[1]} robots, {name}",
-            f"{np.nanmean(values):.2f} goals a step, {np.nanmean(values) / reference.mean():.3f} "
-            f"times RHCR, worst {np.nanmin(over):.2f}, {1000 * seconds / STEPS:.1f} ms a step",
+            f"{np.nanmean(values):.2f} goals per step, {np.nanmean(values) / reference.mean():.3f} "
+            f"times RHCR, worst {np.nanmin(over):.2f}, {1000 * seconds / STEPS:.1f} ms per step",
         )
     assert np.mean(rates) >= least

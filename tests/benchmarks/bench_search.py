@@ -1,7 +1,8 @@
-"""A* against networkx in a warehouse and among random walls.
+"""A* compared with networkx in a warehouse and among random walls.
 
-In a warehouse there are many shortest paths, of which A* follows one and networkx widens all: most
-of the ratio is expansions. Among random walls both expand about as many; what is left is the loop.
+A warehouse has many shortest paths. A* follows one of them, while networkx explores all of them, so
+that most of the speed comes from fewer expansions. Among random walls both expand about as many
+nodes, so that the ratio compares the search loops.
 """
 
 import random
@@ -19,7 +20,7 @@ from warehouse_core.world.generators import benchmark_warehouse
 
 PAIRS = 200
 WALLS, SIZES = 0.3, (50, 100, 150)
-"""Share of the cells that are walls, and the sides, of the layouts with random walls."""
+"""Share of wall cells in the layouts with random walls, and their side lengths."""
 
 Pair = tuple[Cell, Cell]
 
@@ -49,7 +50,7 @@ def random_pairs(cells: Sequence[Cell], count: int) -> list[Pair]:
 
 
 def random_walls(size: int) -> tuple[Layout, list[Pair]]:
-    """Return a layout where each cell is a wall by chance, and pairs of connected cells."""
+    """Return a layout whose cells are walls at random, and pairs of connected cells."""
     stream = random.Random(size)
     rows = ["".join(".#"[stream.random() < WALLS] for _ in range(size)) for _ in range(size)]
     layout = Layout(rows)
@@ -62,7 +63,7 @@ def grid_distance(here: Cell, there: Cell) -> int:
 
 
 def ours(layout: Layout, pairs: Sequence[Pair]) -> list[tuple[float, int]]:
-    """Return the cost and the expansions of each route."""
+    """Return the cost and the number of expansions of each search."""
     found = []
     for start, goal in pairs:
         problem = RouteProblem(layout, start, goal)
@@ -72,7 +73,7 @@ def ours(layout: Layout, pairs: Sequence[Pair]) -> list[tuple[float, int]]:
 
 
 def theirs(graph: nx.Graph, pairs: Sequence[Pair]) -> list[int]:
-    """Return the cost of each route."""
+    """Return the cost of each search with networkx."""
     return [len(nx.astar_path(graph, *ends, grid_distance)) - 1 for ends in pairs]
 
 

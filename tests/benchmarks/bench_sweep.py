@@ -1,7 +1,7 @@
-"""Sweeps, the rows of those that are killed, reports on them, and the intervals in reports.
+"""Rows of sweeps that are killed, reports on large sweeps, and coverage of intervals.
 
-``WAREHOUSE_PYTHONS`` names the interpreters that run sweeps, separated as in ``PATH``; the package
-must be installed for each with the extra ``physics``. Default: the running one.
+``WAREHOUSE_PYTHONS`` names the interpreters that run sweeps, separated as in ``PATH``. The package
+must be installed for each of them with the extra ``physics``. Default: the running interpreter.
 """
 
 import os
@@ -26,18 +26,18 @@ from warehouse_core import WarehouseEnv, record_episode
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.records.failure_modes import MODES
 
-# Rows of sweeps that are killed, and of several workers, programs and interpreters.
+# Rows of sweeps that are killed.
 
 PYTHONS = os.environ.get("WAREHOUSE_PYTHONS", sys.executable).split(os.pathsep)
 KILLED = {"lone robots": (100, 6_000, FLAGS), "fleets": (100, 1_500, [
     "robots=2,4", "planner=pibt", "order_rate=0.2", "max_steps=100", "battery=60",
 ])}  # fmt: skip
-"""Kills, episodes of each case, and cases of sweeps that are killed."""
+"""Number of kills, number of episodes of each case, and settings of the sweeps that are killed."""
 
 EARLY_SHARE = 0.5
-"""Share of the episodes that are there before a sweep is killed, so that it is killed late too."""
+"""Share of the episodes that are stored before the first kill, so that late kills occur too."""
 SECONDS = 600
-"""Of a sweep, at most."""
+"""Maximum duration of a sweep in seconds."""
 
 
 def version_of(python: str) -> str:
@@ -46,7 +46,7 @@ def version_of(python: str) -> str:
 
 
 def compared(path: Path, expected: list) -> tuple[int, int, int]:
-    """Return how many rows are lost, doubled and different."""
+    """Return the numbers of rows that are lost, duplicated and different."""
     found, wanted = table(path), dict(keyed(expected))
     counts = Counter(key for key, _ in keyed(found))
     differing = sum(wanted[key] != row for key, row in keyed(found))
@@ -68,13 +68,13 @@ def test_kill_9(tmp_path, measured, kind: str, python: str) -> None:
     left = len(table(path))
     assert Sweep(path, episodes, flags, python=python).end(SECONDS)[0] == 0
     expected = uninterrupted(tmp_path / "expected.sqlite", episodes, flags)
-    lost, doubled, different = compared(path, expected)
+    lost, duplicated, different = compared(path, expected)
     measured(
-        f"a sweep of {kind} that is killed with -9, {kills} times, Python {version_of(python)}",
-        f"{killed} of them while it ran, from {begun:,} to {left:,} of {len(expected):,} rows: "
-        f"{lost} lost, {doubled} doubled, {different} different",
+        f"a sweep of {kind}, killed {kills} times with SIGKILL, Python {version_of(python)}",
+        f"{killed} kills while it ran, with {begun:,} to {left:,} of {len(expected):,} rows: "
+        f"{lost} rows lost, {duplicated} duplicated, {different} different",
     )
-    assert (lost, doubled, different) == (0, 0, 0)
+    assert (lost, duplicated, different) == (0, 0, 0)
 
 
 # Reports.
@@ -83,7 +83,7 @@ REPORTED, BATTERIES = 1_000_000, range(20, 220, 20)
 
 
 def a_million(path: Path) -> None:
-    """Write episodes of physics, so that time and energy are to be reported too."""
+    """Write a million episodes with physics, so that time and energy are reported too."""
     stream = np.random.default_rng(0)
     settings = [
         {"battery": battery, "escape": escape, "backend": "physics"}
@@ -105,7 +105,7 @@ def a_million(path: Path) -> None:
 
 
 def test_a_million_episodes_take_less_than_a_minute_and_a_gibibyte(tmp_path, capsys) -> None:
-    """The examples of the modes are left out: these episodes have never been run."""
+    """Examples are left out, because these episodes have never been run."""
     path = tmp_path / "r.sqlite"
     a_million(path)
     begin = perf_counter()
@@ -130,14 +130,14 @@ LOWEST = 0.9
 
 
 def sampled() -> np.ndarray:
-    """Return the steps of episodes ``[n, 2]``, and whether they delivered."""
+    """Return the number of steps and the success (1 or 0) of episodes, ``[n, 2]``."""
     env = WarehouseEnv()
     found = [record_episode(env, GreedyAgent(seed), seed=seed) for seed in range(SAMPLED)]
     return np.array([(each.steps, each.outcome == DELIVERED) for each in found], float)
 
 
 def coverage(sample: Callable[[], tuple[float, float]], truth: float) -> float:
-    """Return the share of intervals, as their ends, that contain ``truth``."""
+    """Return the share of sampled intervals that contain ``truth``."""
     ends = np.array([sample() for _ in range(TRIALS)])
     return float(np.mean((ends[:, 0] <= truth) & (truth <= ends[:, 1])))
 
@@ -164,12 +164,13 @@ def test_intervals_contain_the_true_value_about_as_often_as_they_say(measured) -
     for size in SIZES:
         for name, values in populations.items():
             shares[name, size] = coverage(lambda v=values, n=size: means(v, n), values.mean())
-    for size in SIZES[1:]:  # of 20 episodes fewer than 20 are delivered
+    for size in SIZES[1:]:  # 20 episodes have fewer than the 20 deliveries that are needed
         shares["steps per delivery", size] = coverage(
             lambda n=size: ratios(n), steps.sum() / delivered.sum()
         )
     for (name, size), share in shares.items():
         measured(
-            f"{CONFIDENCE:.0%} intervals that contain the mean: {name}, n = {size}", f"{share:.1%}"
+            f"{CONFIDENCE:.0%} intervals that contain the true value: {name}, n = {size}",
+            f"{share:.1%}",
         )
     assert min(shares.values()) >= LOWEST

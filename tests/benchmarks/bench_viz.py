@@ -1,4 +1,4 @@
-"""Exports and replays, against matplotlib's own way of doing the same."""
+"""Exports and replays compared with plain matplotlib animations."""
 
 import subprocess
 import sys
@@ -20,7 +20,7 @@ TILES = "#.PDRr"
 
 
 class Waiter:
-    """Moves up and down, so that an episode has the maximum number of steps."""
+    """An agent that moves up and down, so that an episode has the maximum number of steps."""
 
     def reset(self) -> None:
         self.turn = 0
@@ -36,7 +36,7 @@ def episode_of(steps: int) -> Episode:
 
 
 def plain_animation(episode: Episode) -> FuncAnimation:
-    """Return the simplest animation: ``imshow`` and a line, both drawn again for each frame."""
+    """Return the simplest animation, which redraws ``imshow`` and a line in each frame."""
     images = [[[TILES.index(tile) for tile in row] for row in frame] for frame in episode.frames]
     figure = Figure(figsize=(11.05, 5.75), dpi=100)
     FigureCanvasAgg(figure)
@@ -69,7 +69,7 @@ def test_a_gif_of_a_hundred_steps(times_faster, tmp_path):
 
 
 def test_a_gif_of_a_physics_episode_is_small_in_memory(measured, tmp_path):
-    """Print its seconds, beyond imports, and the peak of memory of the whole process."""
+    """Measure the time without imports, and the peak memory of the whole process."""
     program = f"""
 import resource, time
 from agents.run_episode import run_episode

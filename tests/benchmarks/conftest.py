@@ -1,7 +1,7 @@
-"""What the benchmarks share: timing of two calls, and the tables of what has been measured.
+"""Fixtures of the benchmarks: timing of two calls, and tables of the results.
 
-``pytest tests/benchmarks/bench_fleet.py --measured`` writes the table of the subject "fleet" in
-``.github/MEASURED.md`` anew; the tables of other subjects stay.
+``pytest tests/benchmarks/bench_fleet.py --measured`` replaces the table of the subject "fleet" in
+``.github/MEASURED.md`` and keeps the tables of other subjects.
 """
 
 import re
@@ -25,7 +25,7 @@ Each table is written by the command above it.
 SECTION = re.compile(r"^## (\w+)\n.*?(?=^## |\Z)", flags=re.DOTALL | re.MULTILINE)
 
 FIGURES: dict[str, dict[str, str]] = {}
-"""Figures of this run by their names, by the subject that their file measures."""
+"""Results of this run by subject and name; the subject is in the name of the benchmark's file."""
 
 
 def pytest_addoption(parser: pytest.Parser) -> None:
@@ -39,32 +39,33 @@ def pytest_sessionfinish(session: pytest.Session) -> None:
 
 
 def write_table(path: Path, subject: str, figures: Mapping[str, str]) -> None:
-    """Write the table of a subject in place of its earlier one; subjects are in order."""
+    """Write the table of a subject, which replaces its earlier table; subjects are sorted."""
     text = path.read_text(encoding="utf-8") if path.exists() else ""
     sections = {found[1]: found[0].rstrip() for found in SECTION.finditer(text)}
     rows = "\n".join(f"| {name} | {figure} |" for name, figure in figures.items())
     command = f"`pytest tests/benchmarks/bench_{subject}.py --measured`"
-    sections[subject] = f"## {subject}\n\n{command}\n\n| what | figure |\n| --- | --- |\n{rows}"
+    head = "| measurement | result |\n| --- | --- |"
+    sections[subject] = f"## {subject}\n\n{command}\n\n{head}\n{rows}"
     written = "\n\n".join(section for _, section in sorted(sections.items()))
     path.write_text(f"{HEAD}\n{written}\n", encoding="utf-8")
 
 
 @pytest.fixture
 def measured(request: pytest.FixtureRequest, capsys) -> Callable[[str, object], None]:
-    """Return a function that prints a figure, and keeps it for the table of its subject."""
+    """Return a function that prints a result, and keeps it for the table of its subject."""
     subject = request.path.stem.removeprefix("bench_")
 
-    def say(what: str, figure: object) -> None:
+    def report(name: str, result: object) -> None:
         with capsys.disabled():
-            print(f"\n{what}: {figure}")
-        FIGURES.setdefault(subject, {})[what] = str(figure)
+            print(f"\n{name}: {result}")
+        FIGURES.setdefault(subject, {})[name] = str(result)
 
-    return say
+    return report
 
 
 @pytest.fixture
 def processor_clock(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Let planners look at the processor's time, so that other programs take none of theirs."""
+    """Let planners measure CPU time, so that other programs do not use up their time."""
     for name, module in list(sys.modules.items()):
         if name.startswith("agents.mapf.") and hasattr(module, "perf_counter"):
             monkeypatch.setattr(module, "perf_counter", time.process_time)
@@ -75,8 +76,8 @@ def processor_clock(monkeypatch: pytest.MonkeyPatch) -> None:
 def times_faster(benchmark, capsys):
     """Return a function that measures how many times faster ``ours`` is than ``baseline``.
 
-    Both run once unmeasured and then in turn; the median of the ratios counts. The ratio is
-    printed, and stored with the figures of pytest-benchmark for ``ours``.
+    Both run once without being measured, and then alternately; the result is the median of the
+    ratios. It is printed, and stored with the results of pytest-benchmark for ``ours``.
     """
 
     def measure(

@@ -1,7 +1,7 @@
-"""Steps POGEMA in a process of its own; it needs older versions of what it shares with this one.
+"""A program that steps POGEMA in a separate process, because POGEMA needs older packages.
 
-Reads a line of JSON with ``map``, ``starts`` and ``actions``, and then numbers of steps; for each
-it writes the seconds by the clock and of the processor.
+It reads a line of JSON with ``map``, ``starts`` and ``actions``, and then numbers of steps. For
+each number it writes the wall-clock time and the CPU time in seconds.
 """
 
 import json

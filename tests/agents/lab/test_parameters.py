@@ -1,4 +1,4 @@
-"""Parameters: valid values, and errors that list what is allowed for all others."""
+"""Parameters: valid values, and errors for invalid values that list what is allowed."""
 
 import math
 

@@ -227,7 +227,7 @@ def test_a_page_of_frames_without_an_episode_has_a_title(tmp_path: Path) -> None
 
 
 @pytest.mark.parametrize("name", HOSTILE_NAMES)
-@pytest.mark.filterwarnings("ignore:Glyph")  # matplotlib says when a font lacks a character
+@pytest.mark.filterwarnings("ignore:Glyph")  # matplotlib warns if a font lacks a character
 def test_names_are_text_in_a_page_and_shapes_in_a_still_svg(
     films: Path, tmp_path: Path, name: str
 ) -> None:

@@ -22,7 +22,7 @@ def rows(out: str) -> list[list[str]]:
 
 @pytest.fixture
 def search(warehouse: Warehouse) -> Search:
-    """Return what runs the command without a window, and returns what it prints."""
+    """Return a function that runs the command without a window and returns its output."""
 
     def run(*words: object) -> str:
         code, out, err = warehouse("compare", "search", "--no-show", *words)
@@ -62,7 +62,7 @@ def test_the_default_start_is_far_from_the_goal(search: Search) -> None:
     assert "Search from (1, 10) to (5, 1)" in search("--goal", "5,1")
 
 
-def test_a_seed_gives_random_ends_and_repeats_them(search: Search) -> None:
+def test_a_seed_gives_random_ends_that_are_repeatable(search: Search) -> None:
     printed = [search("--seed", seed) for seed in (1, 1, 2)]
     assert printed[0] == printed[1] != printed[2]
 
@@ -89,9 +89,7 @@ def test_a_layout_without_a_pickup_asks_for_a_goal() -> None:
         choose_ends(Layout(["..."]), None, None, None)
 
 
-def test_a_goal_that_cannot_be_reached_is_reported_and_drawn(
-    search: Search, tmp_path: Path
-) -> None:
+def test_an_unreachable_goal_is_reported_and_shown(search: Search, tmp_path: Path) -> None:
     Path("split.txt").write_text(SPLIT)
     # The true distance shows at the start that there is no path.
     for name, expanded in (("manhattan", 4), ("true", 1)):

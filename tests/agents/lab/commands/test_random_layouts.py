@@ -1,4 +1,4 @@
-"""``--layout random`` of ``warehouse train ppo`` and ``warehouse compare agents``."""
+"""``--layout random`` for ``warehouse train ppo`` and ``warehouse compare agents``."""
 
 from typing import Any
 
@@ -29,7 +29,7 @@ def test_agents_are_compared_in_each_size_in_one_figure(warehouse: Warehouse) ->
         assert picture.width > 900
 
 
-def test_the_pool_of_a_training_follows_from_the_options(
+def test_the_options_determine_the_pool_for_training(
     refused: Refused, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     tasks: list[Task] = []

@@ -1,4 +1,4 @@
-"""Datasets in the files of Minari: what is read is what was written, as by Minari itself."""
+"""Minari datasets, which Minari reads exactly as they were recorded."""
 
 from collections.abc import Iterator
 from pathlib import Path
@@ -26,7 +26,7 @@ def lone() -> Source:
 
 
 def nested(arrays: dict[str, Any]) -> dict[str, Any]:
-    """Return arrays by their names in dictionaries within each other, as Minari has infos."""
+    """Return the arrays of nested dictionaries by name, which is how Minari stores infos."""
     found: dict[str, Any] = {}
     for name, values in arrays.items():
         group, _, rest = name.partition("/")
@@ -61,7 +61,7 @@ def test_what_minari_loads_is_bit_for_bit_what_was_recorded() -> None:
         assert about == {"id": number, "seed": seed, "total_steps": len(arrays["rewards"])}
 
 
-def test_the_environment_comes_back_and_repeats_an_episode() -> None:
+def test_the_recovered_environment_repeats_an_episode() -> None:
     source = lone()
     save_dataset("again-v0", source, source.episodes(SEEDS))
     loaded = minari.load_dataset("again-v0")
@@ -83,7 +83,7 @@ def test_the_same_episodes_give_the_same_bytes() -> None:
     assert {*FIELDS} == {*next(source.episodes(SEEDS)).arrays}
 
 
-def test_a_dataset_is_whole_or_not_there(datasets: Path) -> None:
+def test_a_dataset_is_never_incomplete(datasets: Path) -> None:
     source = lone()
 
     def interrupted() -> Iterator[EpisodeArrays]:
@@ -97,7 +97,7 @@ def test_a_dataset_is_whole_or_not_there(datasets: Path) -> None:
     assert minari.list_local_datasets().keys() == {"space/part-v0"}
 
 
-def test_a_name_is_one_of_minari_and_is_new() -> None:
+def test_a_name_must_be_valid_in_minari_and_new() -> None:
     for name in (
         "test",
         "test-v",

@@ -1,4 +1,4 @@
-"""``warehouse export`` of an episode: a recording that is opened again."""
+"""Recordings that ``warehouse export`` writes of an episode, opened again."""
 
 import json
 import math
@@ -61,7 +61,7 @@ def lone(backend: str) -> Episode:
 
 
 def crowd(backend: str) -> tuple[FleetEpisode, list[list[tuple[int, Any]]]]:
-    """Return a record, and for each step the contacts of the motion, by the number of the robot."""
+    """Return a record, and the contacts of the motion in each step, by robot."""
     env = FleetEnv(SHELVES, 6, orders=0.5, people=2, max_steps=40, battery=90, backend=backend)
     recorder, agent = FleetRecorder(env, seed=3), Couriers()
     agent.reset()
@@ -75,7 +75,7 @@ def crowd(backend: str) -> tuple[FleetEpisode, list[list[tuple[int, Any]]]]:
 
 
 def opened(path: Path) -> tuple[dict[str, Rows], dict[str, Any], dict[str, str]]:
-    """Return messages by topic, the schema of each topic, and what is said of the episode."""
+    """Return messages by topic, the schema of each topic, and the metadata of the episode."""
     messages: dict[str, Rows] = {}
     schemas = {}
     with path.open("rb") as file:
@@ -118,7 +118,7 @@ def nanoseconds(seconds: float) -> int:
 
 
 def check(value: Any, schema: dict[str, Any]) -> None:
-    """Raise unless a value has the kinds and exactly the fields of a schema."""
+    """Raise an error unless a value has exactly the types and the fields of a schema."""
     assert isinstance(value, KINDS[schema["type"]]), (value, schema)
     if schema["type"] == "object":
         assert value.keys() == schema["properties"].keys() == set(schema["required"])
@@ -255,7 +255,7 @@ def test_a_record_always_gives_the_same_bytes(
     assert (tmp_path / "a.mcap").read_bytes() == (tmp_path / "b.MCAP").read_bytes()
 
 
-def test_an_episode_without_steps_is_its_start(tmp_path: Path) -> None:
+def test_an_episode_without_steps_has_only_its_start(tmp_path: Path) -> None:
     env = WarehouseEnv(ROOM)
     env.reset()
     messages, _, about = saved(tmp_path, EpisodeRecorder(env).episode)

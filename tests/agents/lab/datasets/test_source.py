@@ -1,4 +1,4 @@
-"""Episodes of a lone robot as arrays: the same as of ``Warehouse-v0``, step by step."""
+"""Episodes of a lone robot as arrays, which equal ``Warehouse-v0`` step by step."""
 
 from pathlib import Path
 from typing import Any
@@ -31,12 +31,12 @@ class Mine:
 
 @pytest.fixture(autouse=True)
 def few_rows(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Record few episodes side by side, so that rows begin the next seed, and then have none."""
+    """Record few episodes side by side, so that there are several batches of seeds."""
     monkeypatch.setattr(sources, "ROWS", 7)
 
 
 @pytest.mark.parametrize("agent", ["greedy", "astar", "random", "mine.py"])
-def test_each_episode_is_the_one_of_the_agent_in_gymnasium_with_the_seed(agent: str) -> None:
+def test_each_episode_equals_the_episode_in_gymnasium_with_the_same_seed(agent: str) -> None:
     Path("mine.py").write_text(DRAWING)
     source = Source(agent, max_steps=60, battery=50)
     episodes = [*source.episodes(SEEDS)]
@@ -58,7 +58,7 @@ def test_each_episode_is_the_one_of_the_agent_in_gymnasium_with_the_seed(agent: 
 
 
 def environment(source: Source) -> Any:
-    """Return the environment of Gymnasium that a source tells."""
+    """Return the Gymnasium environment that the spec of a source describes."""
     assert source.spec is not None
     env: Any = gymnasium.make(source.spec)
     assert env.observation_space == source.observation_space
@@ -67,7 +67,7 @@ def environment(source: Source) -> Any:
 
 
 @pytest.mark.parametrize(("backend", "tolerance"), [("grid", 0), ("physics", 1e-9)])
-def test_observations_and_infos_are_those_of_gymnasium_with_the_seed_and_the_actions(
+def test_observations_and_infos_equal_gymnasium_with_the_same_seed_and_actions(
     backend: str, tolerance: float
 ) -> None:
     source = Source("greedy", Place(named_layout("trap"), (2, 3), "stations"), backend, 40, 30)
@@ -90,7 +90,9 @@ def assert_same(one: Any, other: Any) -> None:
     assert one.tobytes() == other.tobytes()
 
 
-def test_episodes_are_the_same_whatever_runs_beside_them(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_episodes_do_not_depend_on_episodes_that_run_next_to_them(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     def digests(found: list[EpisodeArrays]) -> list[dict[str, bytes]]:
         return [{name: each.tobytes() for name, each in arrays.items()} for _, arrays in found]
 

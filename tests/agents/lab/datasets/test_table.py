@@ -1,4 +1,4 @@
-"""``warehouse export`` of results: one table, never a partial file."""
+"""The table that ``warehouse export`` writes of results, which is never incomplete."""
 
 import csv
 import sqlite3
@@ -87,7 +87,7 @@ def test_csv_has_the_values_of_the_store(
     [(ODD_NAME, printable(ODD_NAME)), ("hall\udcff.txt", "hall\\udcff.txt"), ("-1", "'-1")],
     ids=["special characters", "no UTF-8", "a number"],
 )
-def test_names_are_kept_and_run_nowhere(
+def test_names_are_kept_and_never_executed(
     warehouse: Warehouse, tmp_path: Path, name: str, in_csv: str
 ) -> None:
     results = stored(tmp_path / "r.sqlite", {**make_case({}), "agent": name})

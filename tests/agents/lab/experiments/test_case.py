@@ -1,4 +1,4 @@
-"""Cases: settings without effect are left out, and equal experiments have equal keys."""
+"""Cases, which leave out settings without effect, and their keys, which equal cases share."""
 
 from pathlib import Path
 from typing import Any
@@ -195,7 +195,7 @@ def test_the_settings_of_a_fleet_reach_it() -> None:
     assert episode != run_one(case, 6)
 
 
-def test_the_agents_of_a_fleet_are_those_of_the_case() -> None:
+def test_a_fleet_has_the_agents_of_its_case() -> None:
     cases = [make_case({**FLEET_CASE, **agent}) for agent in
              ({}, {"escape": False}, {"memory": 2}, {"agent": "astar"})]  # fmt: skip
     teams = [make_agent_for(case, 0, find_layout("depot")).agents for case in cases]
@@ -218,7 +218,7 @@ def test_chargers_are_taken_from_all_parts_of_the_layout() -> None:
         make_case({"chargers": 99})
 
 
-def test_a_planner_takes_the_place_of_the_agents() -> None:
+def test_a_planner_replaces_the_agents() -> None:
     write_mine("next_cells", "pass", "seen.cells")
     case = make_case({**FLEET_CASE, "planner": "mine.py:Mine", "agent": "astar"})
     assert not {"agent", "escape", "memory"} & case.keys()

@@ -1,4 +1,4 @@
-"""Plans: from files, flags and presets, checked, with every combination once."""
+"""Plans from files, flags and presets, which are checked and have every combination once."""
 
 from pathlib import Path
 from typing import Any

@@ -29,7 +29,7 @@ PLAN = make_plan({"escape": [True, False], "battery": [20, 60], "layout": "rando
 
 
 class LastFirst(Here):
-    """Runs the task that was submitted last before all others."""
+    """An executor that runs the newest task first."""
 
     def __init__(self) -> None:
         super().__init__()
@@ -67,7 +67,7 @@ def failures_of(executor: Executor, plan: SweepPlan, workers: int = 1) -> list[s
 
 
 def seeds_done(plan: SweepPlan) -> list[set[int]]:
-    """Return the seeds that are stored, for each case of a plan."""
+    """Return the stored seeds of each case of a plan."""
     with Store(PATH) as store:
         return [store.seeds_done(store.case_id(case), plan.seeds) for case in plan.cases]
 
@@ -125,7 +125,7 @@ def plan_of(begin: str = "pass", act: str = "pass") -> SweepPlan:
     ],
     ids=["acting", "being made", "an exit", "an invalid action", "a reset"],
 )  # fmt: skip
-def test_an_agent_that_fails_is_reported_with_its_case_seed_and_step_and_the_others_go_on(
+def test_a_failing_agent_is_reported_with_case_seed_and_step_and_the_others_continue(
     begin: str, act: str, reason: str
 ) -> None:
     plan = plan_of(begin, act)
@@ -141,7 +141,7 @@ def test_an_error_that_cannot_be_pickled_is_reported_too() -> None:
     assert "Odd: <function " in done.failure
 
 
-def test_an_episode_that_takes_long_is_reported_once_with_its_place(
+def test_a_slow_episode_is_reported_once_with_its_place(
     monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
 ) -> None:
     monkeypatch.setattr("agents.lab.experiments.case.SLOW_SECONDS", 0.2)
@@ -155,7 +155,7 @@ def test_an_episode_that_takes_long_is_reported_once_with_its_place(
 
 
 class Dying(Here):
-    """A worker ends with some calls, counted from 0, or whenever it runs one of some seeds."""
+    """An executor whose workers end in some calls, counted from 0, or with some seeds."""
 
     def __init__(self, calls: Collection[int] = (), seeds: Collection[int] = ()) -> None:
         super().__init__()
@@ -171,12 +171,12 @@ class Dying(Here):
         return future
 
 
-def test_a_worker_that_ends_once_loses_nothing_and_is_no_failure(expected: list[Any]) -> None:
+def test_a_worker_that_ends_once_loses_nothing_and_is_not_a_failure(expected: list[Any]) -> None:
     assert failures_of(Dying(calls=(0, 3)), PLAN) == []
     assert table(PATH) == expected
 
 
-def test_a_seed_whose_worker_ends_twice_has_failed_and_the_others_go_on() -> None:
+def test_a_seed_whose_worker_ends_twice_has_failed_and_the_others_continue() -> None:
     plan, executor = make_plan({}, 60, 0), Dying(seeds=(7, 41))
     messages = failures_of(executor, plan)
     assert sorted(messages) == [
@@ -186,7 +186,7 @@ def test_a_seed_whose_worker_ends_twice_has_failed_and_the_others_go_on() -> Non
     assert [len(task) for task in executor.tasks if 7 in task][-1] == 1
 
 
-def test_a_case_that_always_fails_ends_after_a_few_and_the_others_go_on() -> None:
+def test_a_case_that_always_fails_ends_after_a_few_and_the_others_continue() -> None:
     file = Path("agent.py")
     file.write_text(AGENT.format(name="Own", begin="pass", act="raise KeyError"))
     plan = make_plan({"agent": [f"{file}:Own", "greedy"], "max_steps": 5}, 1000, 0)

@@ -1,4 +1,4 @@
-"""The results file: rows are stored once and kept; of strangers' files nothing else is read."""
+"""The file of results, which stores rows once and keeps them, and files from strangers."""
 
 import os
 from collections.abc import Callable
@@ -49,7 +49,7 @@ def test_rows_are_equal_after_reopening() -> None:
         assert [found[1:] for found in store.query(ALL)] == sorted([*rows, row(4)]), "not replaced"
 
 
-def test_a_file_in_a_folder_that_cannot_be_written_is_read_unless_rows_would_be_missed(
+def test_a_file_in_a_read_only_folder_is_read_unless_rows_would_be_missed(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     begun()
@@ -71,7 +71,7 @@ def test_a_case_with_a_backend_that_is_not_installed_is_read() -> None:
         assert store.cases() == {number: case}
 
 
-def test_rows_are_added_all_or_none() -> None:
+def test_rows_are_added_in_one_transaction() -> None:
     case_id = begun()
     with Store(PATH) as store:
         broken = row(3)._replace(steps={})  # type: ignore[arg-type]
@@ -305,7 +305,7 @@ def path(tmp_path: Path) -> Path:
 
 
 def reason(path: Path) -> str:
-    """Return the message, which is the same for reading and for resuming."""
+    """Return the error message, which is the same for reading and for resuming."""
     messages = set()
     for read_only in (True, False):
         with pytest.raises(StoreError) as caught:

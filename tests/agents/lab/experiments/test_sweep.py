@@ -1,4 +1,4 @@
-"""The command ``warehouse sweep``: finished episodes are kept however it ends, and it resumes."""
+"""The command ``warehouse sweep``, which keeps finished episodes and resumes."""
 
 import os
 import signal
@@ -40,7 +40,7 @@ def path(tmp_path: Path) -> Iterator[Path]:
 
 @pytest.fixture
 def here(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Run the episodes of commands in this process; workers run them by the same function."""
+    """Run the episodes of commands in this process, with the function that workers use."""
     monkeypatch.setattr(sweep_command, "Processes", lambda count: nullcontext(Here()))
 
 
@@ -97,7 +97,7 @@ def test_flags_and_options_override_the_plan_file(
 
 
 def test_a_killed_sweep_loses_and_repeats_no_rows(path: Path, tmp_path: Path) -> None:
-    """``bench_sweep.py`` kills one 100 times, and one of fleets."""
+    """``bench_sweep.py`` kills sweeps of lone robots and of fleets 100 times each."""
     episodes = 400
     assert kill_sweeps(path, episodes, 1) == 1
     before = table(path)
@@ -130,7 +130,7 @@ DEADLY = """
             raise KeyError"""
 
 
-def test_agents_that_fail_or_end_their_process_are_named_and_the_others_go_on(
+def test_agents_that_fail_or_end_their_process_are_named_and_the_others_continue(
     warehouse: Warehouse, path: Path
 ) -> None:
     with TemporaryDirectory() as folder:

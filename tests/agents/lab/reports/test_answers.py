@@ -1,4 +1,4 @@
-"""The sentences of a report state what is in the data, and its verdicts claim no more."""
+"""The sentences of a report describe the data, and its verdicts do not claim more."""
 
 from collections.abc import Sequence
 from pathlib import Path
@@ -55,7 +55,7 @@ def test_a_question_is_answered_with_the_best_value_and_its_evidence() -> None:
         ("ww", "oo", "No difference was found: success is 0% with escape on and 0% with"),
     ],
 )
-def test_the_verdict_on_two_values_is_that_of_the_seeds_they_share(
+def test_two_values_are_compared_on_the_seeds_that_they_share(
     on: str, off: str, words: str
 ) -> None:
     assert verdict(of(on, off)).startswith(words)
@@ -71,7 +71,7 @@ def test_the_verdict_on_two_values_is_that_of_the_seeds_they_share(
                        "than with battery 1 and 60.0 points more (48.9 to 68.8) than with"),
     ],
 )  # fmt: skip
-def test_the_verdict_on_a_trend_is_that_of_its_ends_or_its_peak(
+def test_the_verdict_on_a_trend_is_about_its_ends_or_its_peak(
     shares: Sequence[int], words: str
 ) -> None:
     cases = [
@@ -116,12 +116,12 @@ def test_cases_without_a_common_seed_are_compared_by_their_intervals() -> None:
 def test_few_episodes_allow_no_verdict_on_a_mean() -> None:
     cases = [({"robots": n}, [fleet_row(0, per_hour=rate)]) for n, rate in ((4, 9.0), (8, 50.0))]
     assert verdict(cases, FLEETS) == (
-        "Too few episodes to tell: rate of deliveries is 50.0 an hour with robots 8 and 9.00 an "
+        "Too few episodes to compare: rate of deliveries is 50.0 an hour with robots 8 and 9.00 an "
         "hour with robots 4."
     )
 
 
-def test_too_many_robots_are_told_by_the_peak_with_the_measures_of_fleets() -> None:
+def test_the_peak_shows_how_many_robots_are_too_many() -> None:
     cases = [
         ({"robots": 2 * n}, [fleet_row(seed, per_hour=rate + seed % 3) for seed in range(30)])
         for n, rate in enumerate((40, 60, 60, 30), start=1)

@@ -1,4 +1,4 @@
-"""Which settings differ between cases, and which cases can be compared."""
+"""The settings that differ between cases, and the cases that can be compared."""
 
 from pathlib import Path
 from typing import Any

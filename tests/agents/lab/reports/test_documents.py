@@ -7,7 +7,7 @@ from helpers.documents import executable_nodes, write_documents
 from helpers.pages import HOSTILE
 
 
-@pytest.mark.filterwarnings("ignore:Glyph")  # matplotlib says when a font lacks a character
+@pytest.mark.filterwarnings("ignore:Glyph")  # matplotlib warns if a font lacks a character
 @pytest.mark.usefixtures("small_pictures")
 def test_hostile_names_add_nothing_that_runs(tmp_path: Path) -> None:
     found = []

@@ -1,4 +1,4 @@
-"""One example of each outcome: which episode is chosen, and its replay."""
+"""Example episodes with each outcome: their choice and their replays."""
 
 from collections.abc import Iterator
 from dataclasses import replace
@@ -40,7 +40,7 @@ def test_the_shortest_is_chosen_then_the_first_case_then_the_smallest_seed(store
     ]  # fmt: skip
 
 
-def test_a_replay_shows_every_step_and_the_outcome_unless_it_is_another_now(store: Store) -> None:
+def test_a_replay_shows_every_step_and_the_outcome_unless_it_has_changed(store: Store) -> None:
     found = found_in(store)[0]
     example = replay(found, run_own_code=True)
     assert found.mode == "delivered"
@@ -67,7 +67,7 @@ def test_a_replay_shows_every_step_and_the_outcome_unless_it_is_another_now(stor
     ],
     ids=["class missing", "raises in act", "raises when imported"],
 )
-def test_an_agent_that_is_gone_or_no_longer_works_has_no_replay(
+def test_an_agent_that_is_missing_or_no_longer_works_has_no_replay(
     store: Store, old: str, new: str, said: str
 ) -> None:
     write_mine("act", "pass", "'WAIT'")
@@ -104,7 +104,7 @@ FORGED = {
 
 
 @pytest.mark.parametrize(("change", "steps", "why"), FORGED.values(), ids=FORGED)
-def test_an_episode_that_is_too_much_work_is_not_run(
+def test_an_episode_that_is_too_large_is_not_run(
     monkeypatch: pytest.MonkeyPatch, change: dict[str, object], steps: int, why: str
 ) -> None:
     case = {k: v for k, v in {**make_case({}), **change}.items() if v is not None}
@@ -113,7 +113,7 @@ def test_an_episode_that_is_too_much_work_is_not_run(
     assert (example.sentence, example.track) == (f"It is not run again: {why}.", None)
 
 
-def test_an_episode_that_goes_on_for_longer_than_the_results_say_is_stopped(
+def test_an_episode_that_takes_longer_than_in_the_results_is_stopped(
     monkeypatch: pytest.MonkeyPatch,
 ) -> None:
     episodes = []
@@ -134,7 +134,7 @@ def test_an_episode_that_goes_on_for_longer_than_the_results_say_is_stopped(
     assert episodes[0].steps == 8
 
 
-def test_examples_are_found_only_among_rows_that_a_sweep_may_have_written(store: Store) -> None:
+def test_examples_are_found_only_among_rows_that_a_sweep_can_have_written(store: Store) -> None:
     store.add(77, [row(0, "stalled", 9)])
     with pytest.raises(StoreError, match="the row of case 77, seed 0 is damaged"):
         find_examples(store)

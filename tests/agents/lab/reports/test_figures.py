@@ -127,7 +127,9 @@ def test_without_deliveries_or_differences_there_is_no_chart_of_a_measure() -> N
     assert written == {"79%": (0, pytest.approx(11 / 28)), "14%": (0, pytest.approx(13 / 14))}
 
 
-def test_of_many_values_some_are_shown_at_equal_distances(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_only_some_of_many_values_are_shown_at_equal_distances(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(figures_module, "MAX_POINTS", 20)
     cases = [
         ({"battery": battery, "escape": escape}, outcomes("dw"))
@@ -143,7 +145,7 @@ def test_of_many_values_some_are_shown_at_equal_distances(monkeypatch: pytest.Mo
 
 
 @pytest.mark.parametrize("name", ["$x_{", "a very long name of a hall" * 3])
-def test_names_neither_overlap_nor_leave_the_figure_and_are_no_formulas(
+def test_names_neither_overlap_nor_leave_the_figure_and_are_not_formulas(
     tmp_path: Path, name: str
 ) -> None:
     files = [tmp_path / f"{name} {number}.txt" for number in range(5)]

@@ -1,4 +1,4 @@
-"""The page: its parts in order, and user input is escaped."""
+"""The page of a report: the order of its parts, and the escaping of user input."""
 
 from html.parser import HTMLParser
 from pathlib import Path

@@ -1,4 +1,4 @@
-"""Counts, shares and means of the episodes of selected cases, and two compared seed by seed."""
+"""Counts, shares and means over selected cases, and comparisons of two cases by seed."""
 
 from helpers.results_files import OFF, ON, experiment_of, fleet_row, outcomes, row
 
@@ -19,7 +19,7 @@ def estimates(results: Results) -> list[float | None]:
     return [interval and interval.estimate for interval in intervals]
 
 
-def test_counts_shares_and_means_are_those_of_the_selected_cases() -> None:
+def test_counts_shares_and_means_cover_the_selected_cases() -> None:
     cases = [
         (ON, [row(0, steps=10, needed=8), row(1, steps=30, needed=12), row(2, "wandering")]),
         (OFF, [row(0, "oscillation"), row(1, "oscillation")]),
@@ -36,7 +36,7 @@ def test_counts_shares_and_means_are_those_of_the_selected_cases() -> None:
         assert estimates(second) == [0, None, None, None]
 
 
-def test_time_and_energy_are_those_of_deliveries() -> None:
+def test_time_and_energy_are_means_over_deliveries() -> None:
     rows = [row(n, seconds=10.0 * n, joules=7.0) for n in range(1, 40)]
     rows.append(row(99, "stalled", seconds=1e9, joules=1e9))
     with experiment_of([({"backend": "physics"}, rows)]) as experiment:
@@ -74,7 +74,7 @@ def test_rows_that_a_sweep_adds_later_are_not_counted() -> None:
 
 
 def test_two_cases_are_compared_on_the_seeds_that_both_have() -> None:
-    """Steps differ far more between the seeds of a case than between the cases at a seed."""
+    """Steps differ far more between the seeds of a case than between cases with the same seed."""
     first = [row(seed, steps=10 * seed + 10) for seed in range(30)]
     second = [row(seed, steps=10 * seed + 11 + seed % 3) for seed in range(30)]
     lost = [row(50, "stalled", steps=999), row(51, steps=999)]

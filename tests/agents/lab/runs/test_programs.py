@@ -1,4 +1,4 @@
-"""What a row depends on beside its case: digests of this program and of the code of an agent."""
+"""Digests of this program and of an agent's code, on which a row depends besides its case."""
 
 import hashlib
 import os
@@ -44,7 +44,7 @@ def test_a_program_is_named_by_its_version_its_sources_and_its_libraries_unimpor
     assert (name, is_imported) == (program_for("physics"), "False")
 
 
-def test_the_sources_of_a_program_are_those_that_decide_rows() -> None:
+def test_the_sources_of_a_program_are_the_files_that_affect_rows() -> None:
     names = {path.relative_to(ROOT).as_posix() for path in own_sources()}
     assert names >= {
         "agents/lab/experiments/case.py", "agents/lab/place.py", "agents/registry.py",
@@ -68,7 +68,7 @@ def own_digest(folder: Path, name: str, text: str) -> str:
     ("name", "is_another"),
     [("agents/rules.py", True), ("agents/more.py", True), ("agents/viz/chart.py", False)],
 )
-def test_a_program_is_another_if_a_source_changes_that_decides_rows(
+def test_the_name_of_a_program_changes_with_a_source_that_affects_rows(
     tmp_path: Path, monkeypatch: pytest.MonkeyPatch, name: str, is_another: bool
 ) -> None:
     monkeypatch.setattr(programs, "ROOT", tmp_path)
@@ -88,7 +88,7 @@ def test_the_fingerprint_of_one_file_is_its_digest(folder: Path) -> None:
 
 
 @pytest.mark.parametrize("changed", MODULES)
-def test_a_fingerprint_is_of_the_file_and_what_it_imports_from_its_folder(
+def test_a_fingerprint_covers_the_file_and_its_imports_from_the_same_folder(
     folder: Path, changed: str
 ) -> None:
     before = fingerprint(folder / "mine.py", None)
@@ -120,7 +120,7 @@ print("inner.deep" in sys.modules)
 """
 
 
-def test_the_fingerprint_of_a_module_is_of_its_package_and_folder(folder: Path) -> None:
+def test_the_fingerprint_of_a_module_covers_its_package_and_folder(folder: Path) -> None:
     found = []
     for changed in ("helper.py", "inner/__init__.py", "mine.py", ""):
         result = in_a_process("-c", LOOK, folder, "inner.deep", folder=ROOT)
@@ -134,7 +134,7 @@ def test_the_fingerprint_of_a_module_is_of_its_package_and_folder(folder: Path) 
     assert found[2] == found[3]
 
 
-def test_of_installed_packages_only_that_of_the_agent_is_read(
+def test_only_the_agents_own_package_is_read_among_installed_packages(
     folder: Path, monkeypatch: pytest.MonkeyPatch
 ) -> None:
     monkeypatch.setattr(programs, "_installed", lambda: {folder})

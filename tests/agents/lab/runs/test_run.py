@@ -1,4 +1,4 @@
-"""One run of a lone robot or a fleet: its record, and where an agent fails."""
+"""Runs of a lone robot or a fleet: their records, and the place where an agent fails."""
 
 import re
 from collections.abc import Callable
@@ -17,7 +17,7 @@ ROOM = Layout(["########", "#P....P#", "#......#", "#D....D#", "########"])
 
 
 class Third:
-    """Moves north, and calls a function for its third action."""
+    """An agent that moves north and calls a function for its third action."""
 
     def __init__(self, third: Callable[[], Any]) -> None:
         self.third = third

@@ -20,7 +20,7 @@ def examined(goal: int, steps: range) -> Examiner:
     return examiner
 
 
-def test_examinations_are_evenly_spaced_and_the_last_is_at_the_end() -> None:
+def test_exams_are_evenly_spaced_and_the_last_one_is_at_the_end() -> None:
     examiner = examined(1000, range(0, 1011, 10))
     assert [point.steps for point in examiner.points] == [*range(40, 1001, 40), 1010]
     assert len(examiner.points) == EXAMS + 1
@@ -28,11 +28,11 @@ def test_examinations_are_evenly_spaced_and_the_last_is_at_the_end() -> None:
     assert examiner.summary == examiner.points[-1].scores.summary
 
 
-def test_a_short_training_is_examined_once() -> None:
+def test_a_short_training_has_one_exam() -> None:
     assert [point.steps for point in examined(1, range(0, 8193, 8192)).points] == [8192]
 
 
-def test_seeds_of_training_examination_and_comparison_differ() -> None:
+def test_seeds_of_training_exams_and_comparison_differ() -> None:
     assert min(EXAM_SEEDS) >= TRAINING_SEEDS
     assert min(FINAL_SEEDS) >= TRAINING_SEEDS
     assert not set(EXAM_SEEDS) & set(FINAL_SEEDS)

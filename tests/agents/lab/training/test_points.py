@@ -24,7 +24,7 @@ def test_a_line_has_the_share_its_interval_and_the_mean_of_all_lengths(tmp_path:
     assert second.startswith("1000,1.0,")
 
 
-def test_the_points_of_a_fleet_have_its_deliveries_an_hour() -> None:
+def test_the_points_of_a_fleet_have_its_deliveries_per_hour() -> None:
     scores = FleetTask(robots=2, max_steps=50).evaluate_fleet(
         lambda seed: make_team("greedy", 2, seed), range(3)
     )

@@ -22,25 +22,25 @@ from agents.lab.trials.interval import (
     [(0, 10, 0.0, 0.277533), (5, 10, 0.236593, 0.763407), (81, 263, 0.255289, 0.366210),
      (10, 10, 0.722467, 1.0), (1, 1, 0.206549, 1.0)],
 )  # fmt: skip
-def test_a_share_has_wilsons_interval(count: int, total: int, low: float, high: float) -> None:
+def test_a_share_has_the_wilson_interval(count: int, total: int, low: float, high: float) -> None:
     assert share_interval(count, total) == pytest.approx((count / total, low, high), abs=1e-6)
 
 
-def test_the_difference_of_paired_shares_has_bonett_and_prices_interval() -> None:
+def test_the_difference_of_paired_shares_has_the_interval_of_bonett_and_price() -> None:
     # By hand: (21 - 6) / 102 +- z sqrt((27 / 102 - (15 / 102)^2) / 102).
     assert paired_share_interval(20, 5, 100) == pytest.approx((0.15, 0.051379, 0.242739), abs=1e-6)
     assert paired_share_interval(5, 20, 100).low == pytest.approx(-0.242739, abs=1e-6)
     assert paired_share_interval(9, 0, 9).high == 1
 
 
-def test_the_difference_of_independent_shares_has_newcombes_interval() -> None:
+def test_the_difference_of_independent_shares_has_the_interval_of_newcombe() -> None:
     # Newcombe, Statistics in Medicine 17, 1998, page 873, table II, method 10: 56/70 - 48/80.
     found = difference_interval(share_interval(56, 70), share_interval(48, 80))
     assert found == pytest.approx((0.2, 0.0524, 0.3339), abs=1e-4)
     assert not difference_interval(Interval(1.0), Interval(0.5, 0.4, 0.6)).is_known
 
 
-def test_the_interval_of_a_mean_is_as_wide_as_that_of_a_normal_distribution() -> None:
+def test_the_interval_of_a_mean_is_as_wide_as_for_a_normal_distribution() -> None:
     values = np.random.default_rng(1).normal(50, 10, 4000)
     found = mean_interval(values)
     assert found is not None
@@ -56,7 +56,7 @@ def test_the_interval_of_a_mean_is_longer_on_the_side_of_outliers() -> None:
     assert found.high - found.estimate > 1.5 * (found.estimate - found.low)
 
 
-def test_values_of_which_nearly_all_are_equal_have_no_interval() -> None:
+def test_values_that_are_nearly_all_equal_have_no_interval() -> None:
     found = mean_interval(np.array([0.1] * 39 + [100.0]))
     assert found is not None
     assert found.estimate == pytest.approx(2.5975)
@@ -84,7 +84,7 @@ def test_a_ratio_to_few_successes_has_no_interval(count: int, is_known: bool) ->
     assert ratio_interval(np.arange(5.0), np.zeros(5, bool)) is None
 
 
-def test_few_values_have_a_mean_and_no_interval_and_equal_ones_one_of_width_zero() -> None:
+def test_few_values_have_no_interval_and_equal_values_have_one_of_width_zero() -> None:
     assert mean_interval(np.array([])) is None
     assert mean_interval(np.full(MIN_VALUES, 7.0)) == Interval(7.0, 7.0, 7.0)
     few = mean_interval(np.arange(MIN_VALUES - 1, dtype=float))

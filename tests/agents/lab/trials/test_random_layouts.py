@@ -20,7 +20,7 @@ def walls(layouts: RandomLayouts, seed: int) -> int:
     return sum(row[1:-1].count(WALL) for row in layouts.layout(seed).rows[1:-1])
 
 
-def test_a_seed_gives_the_same_layout_and_others_give_others() -> None:
+def test_a_seed_always_gives_the_same_layout_and_other_seeds_give_others() -> None:
     layouts = RandomLayouts()
     assert layouts.layout(3) == RandomLayouts().layout(3)
     assert len({layouts.layout(seed) for seed in range(100)}) == 100
@@ -34,7 +34,7 @@ def test_densities_are_spread_over_their_range() -> None:
     assert {walls(RandomLayouts(12, 12, 0.2, 0.2), seed) for seed in range(20)} == {20}
 
 
-def test_no_layout_of_a_pool_is_one_of_another_pool_or_of_an_episode() -> None:
+def test_a_pool_shares_no_layout_with_another_pool_or_an_episode() -> None:
     pools = [replace(RandomLayouts(count=300), pool_seed=seed).pool() for seed in (1, 2)]
     episodes = [RandomLayouts().layout(seed) for seed in range(300)]
     assert len({*pools[0], *pools[1], *episodes}) == 900
@@ -42,7 +42,7 @@ def test_no_layout_of_a_pool_is_one_of_another_pool_or_of_an_episode() -> None:
     assert RandomLayouts(count=300).without(range(300)).pool() == pools[0]
 
 
-def test_a_layout_that_is_also_that_of_an_episode_is_left_out_of_the_pool() -> None:
+def test_the_pool_leaves_out_the_layouts_of_episodes() -> None:
     episodes = range(2_000_000, 2_001_000)
     all_of_77 = RandomLayouts(pool_seed=77)
     some = all_of_77.without(episodes)
@@ -99,7 +99,7 @@ def test_varied_layouts_have_many_sizes_and_two_in_five_are_mazes() -> None:
     assert {(layout.height, layout.width) for layout in made} == {(15, 17)}
     free = [np.array([layout.cell(number) for number in layout.open_cells]) for layout in made]
     assert len({tuple(cells.max(axis=0)) for cells in free}) > 80
-    # A tree has a way less than it has cells.
+    # A tree has one edge fewer than it has cells.
     trees = sum(_ways(layout) == len(layout.open_cells) - 1 for layout in made)
     assert 70 < trees < 100
     assert varied.name == "random layouts and mazes of up to 15 x 17"

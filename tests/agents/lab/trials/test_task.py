@@ -1,4 +1,4 @@
-"""The episodes of a task are the same for every agent, and each robot has a seed of its own."""
+"""Tasks, whose episodes are the same for every agent, and the seeds of agents."""
 
 import math
 
@@ -17,7 +17,7 @@ ROOM = Layout(["#####", "#P.D#", "#...#", "#####"])
 
 
 class Waiter:
-    """Waits, and records the calls of its methods."""
+    """An agent that waits and records the calls of its methods."""
 
     def __init__(self, notes: list[object]) -> None:
         self.notes = notes
@@ -40,7 +40,7 @@ class Waiter:
         Task(ROOM, 50, 50, "grid", (2, 1), False),
     ],
 )
-def test_the_episodes_are_those_of_run_episode(task: Task) -> None:
+def test_the_episodes_equal_the_episodes_of_run_episode(task: Task) -> None:
     seeds = range(100, 115) if task.backend == "grid" else range(100, 102)
     scores = task.evaluate(GreedyAgent, seeds)
     episodes = [

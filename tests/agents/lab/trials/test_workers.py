@@ -1,4 +1,4 @@
-"""Workers end with their parent, one that ends is an error of its call, and interrupts wait."""
+"""Workers end with their parent, an ended worker fails only its call, and interrupts wait."""
 
 import multiprocessing
 import os
@@ -77,7 +77,7 @@ ENDINGS: dict[str, Callable[[], None]] = {
 }
 
 
-def test_a_worker_that_ends_is_an_error_of_its_call_alone() -> None:
+def test_a_worker_that_ends_fails_only_its_own_call() -> None:
     with Processes(2) as executor:
         for reason, end in ENDINGS.items():
             before = pids(executor)
@@ -99,7 +99,7 @@ def leave_a_thread() -> int:
     return os.getpid()
 
 
-def test_a_worker_goes_on_after_an_exception_prints_what_it_is_told_and_ends_in_spite_of_threads(
+def test_a_worker_survives_an_exception_prints_lines_and_ends_in_spite_of_threads(
     capsys: pytest.CaptureFixture[str],
 ) -> None:
     with Processes(1) as executor:

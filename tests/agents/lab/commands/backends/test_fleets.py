@@ -28,7 +28,7 @@ PLAIN = Score(100.0, 1.0, 2000.0, 0, 144.0, 4, 0, 0)
 
 
 def scores(*shares: float) -> dict[str, list[Score]]:
-    """Return scores of two seeds, the second half as fast, with shares of the plan's deliveries."""
+    """Return scores of two seeds with shares of the plan's deliveries; one is half as fast."""
     return {
         world: [PLAIN._replace(per_hour=rate * share) for rate in (100.0, 50.0)]
         for world, share in zip(WORLDS, shares, strict=True)
@@ -57,7 +57,7 @@ def test_worlds_are_compared_in_tables_a_page_and_a_file_of_values(warehouse: Wa
     assert "http" not in page.replace("http-equiv", "").replace("http://www.w3.org", "")
 
 
-def test_intervals_of_shares_are_of_pairs() -> None:
+def test_intervals_of_shares_come_from_pairs() -> None:
     many = {world: runs * 10 for world, runs in scores(1.0, 0.5, 0.9, 0.8).items()}
     rows = {name: cells for name, *cells in table_of(many, "").rows}
     assert re.fullmatch(r"75\.0\n\(\d\d\.\d to \d\d\.\d\)", rows[PLAN][0])
@@ -86,5 +86,5 @@ def test_disturbances_of_another_form_are_refused(text: str, refused: Refused) -
     )
 
 
-def test_a_robot_that_dies_stops_for_ever() -> None:
+def test_a_robot_that_fails_stops_forever() -> None:
     assert parse_disturbed("0:inf") == (0.0, inf)

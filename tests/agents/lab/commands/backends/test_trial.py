@@ -42,7 +42,7 @@ def records() -> dict[str, FleetEpisode]:
     return found
 
 
-def test_orders_are_drawn_at_the_rate_between_stations() -> None:
+def test_random_orders_have_the_given_rate_and_lead_from_pickups_to_dropoffs() -> None:
     setting = replace(SETTING, rate=0.5, count=2000)
     orders = draw_orders(setting, seed=1)
     assert orders[-1].released == pytest.approx(4000, rel=0.1)
@@ -52,7 +52,7 @@ def test_orders_are_drawn_at_the_rate_between_stations() -> None:
     assert orders == draw_orders(setting, seed=1) != draw_orders(setting, seed=2)
 
 
-def test_times_in_steps_are_never_too_early_nor_due_too_late() -> None:
+def test_orders_in_steps_are_never_released_too_early_nor_due_too_late() -> None:
     orders = [TimedOrder(0.0, 10.0, (0, 0), (0, 1)), TimedOrder(4.9, 5.1, (0, 0), (0, 1))]
     found = [(order.released, order.due) for order in in_steps(orders, 2.4)]
     assert found == [(0, 4), (3, 3)]
@@ -64,7 +64,7 @@ def test_a_step_lasts_for_a_cell_or_a_quarter_of_it_or_until_a_loaded_robot_is_a
 
 
 @pytest.mark.parametrize("world", WORLDS)
-def test_chargers_supply_as_much_in_a_second_in_all_worlds(world: str) -> None:
+def test_chargers_supply_the_same_power_in_all_worlds(world: str) -> None:
     made = make_world(world, SETTING, 60.0, 1)
     with closing(make_env(SETTING, made, draw_orders(SETTING, 3))) as env:
         supplied = env.settings.battery.step_charge(env.cell_size) / made.step_seconds
@@ -103,7 +103,7 @@ def test_orders_that_are_not_delivered_are_late(records: dict[str, FleetEpisode]
     assert (score.on_time, score.delivered, score.lost, score.late_plans) == (0.8, 4, 1, 2)
 
 
-def test_a_robot_that_dies_is_lost_once() -> None:
+def test_a_robot_that_fails_is_lost_once() -> None:
     score, _ = run_trial(DISTURBED, 3, setting=replace(SETTING, noise=0.0, stop=inf))
     assert score.lost == 1
 

@@ -22,7 +22,7 @@ SMALL = (
 run_in_hall = partial(run_trial, layout="hall", steps=30, seconds=10.0)
 
 
-def test_planners_are_compared_by_size_beside_the_bound(warehouse: Warehouse) -> None:
+def test_planners_are_compared_by_size_next_to_the_bound(warehouse: Warehouse) -> None:
     saved = ("--save", "curve.png", "--save", "runs.csv")
     code, out, err = warehouse(*SMALL, "-n", 20, *saved)
     assert (code, err) == (0, "")
@@ -51,7 +51,7 @@ def test_the_bound_is_more_than_any_planner_reaches_and_exact_for_one_robot() ->
     assert crowded[0] < crowded[1]
 
 
-def test_steps_that_took_too_long_are_told(warehouse: Warehouse) -> None:
+def test_steps_that_took_too_long_are_reported(warehouse: Warehouse) -> None:
     write_mine("next_cells", "while True: pass", "seen.cells", step=1)
     words = ("--planner", "mine.py:Mine", "--lifelong", 2, "--plan-seconds", 0.02, "-n", 2)
     code, _, err = warehouse(*SMALL, *words)
@@ -105,7 +105,7 @@ def scenario(*ends: tuple[int, int, int, int]) -> str:
 
 @pytest.fixture
 def folder() -> Path:
-    """Return a folder with three scenarios of two robots, the last of which has a longer path."""
+    """Return a folder with three scenarios of two robots; the last one has a longer path."""
     path = Path("scenes")
     path.mkdir()
     (path / "hall.map").write_text("type octile\nheight 2\nwidth 5\nmap\n.....\n.....\n")
@@ -157,7 +157,7 @@ def test_by_default_numbers_of_robots_double_as_far_as_the_files_go(
         ("--planner lacam", "planner 'lacam' plans whole paths to one goal per robot"),
     ],
 )
-def test_what_cannot_be_compared_is_named(
+def test_impossible_comparisons_are_refused_with_the_reason(
     words: str, message: str, folder: Path, warehouse: Warehouse
 ) -> None:
     result = warehouse("compare", "planners", *words.split())

@@ -1,4 +1,4 @@
-"""The command ``warehouse plan``, and solvers of users."""
+"""The command ``warehouse plan``, and users' solvers."""
 
 import csv
 import sys
@@ -16,7 +16,7 @@ from warehouse_core import Layout
 from warehouse_core.motion.backends import load_backend
 
 BAY = ("...", "#.#")
-"""Two robots at the ends of the corridor change places by the bay in its middle."""
+"""Two robots at the ends of a corridor swap places with the help of a bay in its middle."""
 
 TRIVIAL = "from agents.mapf.problem import Plan\n\ndef mine(problem, seconds, ways=0):\n    "
 """Start of the file of a solver for the scenario of ``hall``."""
@@ -103,7 +103,7 @@ def test_planners_that_know_headings_are_run_by_default(bay: str, warehouse: War
     assert [*rows_of(out)][-3:] == ["lacam", "lacam-star", "anytime"]
 
 
-def test_a_planner_without_a_plan_is_told_beside_those_with_one(
+def test_a_planner_without_a_plan_is_reported_next_to_the_others(
     bay: str, warehouse: Warehouse
 ) -> None:
     write_mine("next_cells", "pass", "seen.cells")
@@ -136,7 +136,7 @@ def test_bodies_that_need_pymunk_are_refused_before_the_plans(
         ("bay.scen --layout hall", "scenario 1 is for 2 x 3 cells"),
     ],
 )
-def test_what_cannot_be_found_or_done_is_named(
+def test_impossible_plans_are_refused_with_the_reason(
     bay: str, options: str, words: str, refused: Refused
 ) -> None:
     assert words in refused("plan", *options.split())
@@ -234,7 +234,7 @@ def test_a_solver_of_a_user_gets_the_seed(hall: str, warehouse: Warehouse) -> No
         ("mine.py:short", "function 'mine.py:short' takes no problem and seconds; needed: these"),
     ],
 )
-def test_a_solver_without_what_is_needed_is_named(
+def test_a_solver_that_lacks_something_is_named(
     name: str, message: str, hall: str, refused: Refused
 ) -> None:
     Path("mine.py").write_text(f"{TRIVIAL}pass\n\ndef short(problem): pass\n")
