@@ -237,7 +237,7 @@ PARAMETERS = {
         help="Steps from the release of an order to its due time.",
     ),
     "chargers": Parameter(  # by default as many as the layout has, see case.py
-        0, Whole(0), "at most as many as the layout has, for fleets",
+        0, Whole(0), "at most those in the layout, for fleets",
         question="How many chargers does the fleet need?", of_fleets=True,
     ),
     "people": Parameter(
