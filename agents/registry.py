@@ -210,7 +210,7 @@ def make_solver(name: str, known: Mapping[str, Solver], seed: int = 0) -> Solver
         takes_seed = "seed" in inspect.signature(rest).parameters
     except ValueError:
         raise AgentError(
-            f"function {source!r} takes no problem and seconds; needed: these two arguments"
+            f"function {source!r} cannot be called with two arguments; needed: problem and seconds"
         ) from None
     given = {"seed": seed} if takes_seed else {}
     return partial(solve, **given, **_options(f"planner {source!r}", rest, options))

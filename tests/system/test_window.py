@@ -146,7 +146,7 @@ def test_run_opens_a_window_that_q_closes(
     lines = program.rest()
     assert program.code() == 0, lines
     assert lines[0] == "GreedyAgent on the grid backend, seed 5, stations drawn"
-    assert lines[-1] == "space pauses, left and right step, q closes the window"
+    assert lines[-1] == "Space pauses, the left and right arrow keys step, and Q closes the window"
     assert [path.name for path in tmp_path.iterdir()] == option[2:]
 
 

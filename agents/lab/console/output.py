@@ -112,7 +112,7 @@ def show_or_save(film: Film, targets: Sequence[Path], show: bool | None, fallbac
         return
     if has_display():
         replay = film.replay(window=True)
-        say("space pauses, left and right step, q closes the window")
+        say("Space pauses, the left and right arrow keys step, and Q closes the window")
         replay.show()
         return
     consequence = "" if targets else ", so the replay is saved to a file"

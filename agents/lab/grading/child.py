@@ -421,9 +421,8 @@ def main() -> None:
         with suppress(ImportError, ValueError):
             import_name(name)
     sys.argv = [""]
-    tempfile.tempdir = (
-        "/tmp"  # libraries ask for this folder, and searching for one would write to it
-    )
+    # Libraries ask for this folder. To search for one, Python would write to it.
+    tempfile.tempdir = "/tmp"
     gc.freeze()
     control = socket.socket(fileno=int(number))
     control.sendall(b"r")

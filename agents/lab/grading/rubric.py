@@ -354,7 +354,7 @@ def _make_criterion(
             raise fail(message, "measure")
     earlier = [each.name for each in before]
     if found["name"] in earlier:
-        raise fail(f"name is {found['name']!r}, which an earlier one has", "name")
+        raise fail(f"name is {found['name']!r}, which an earlier criterion has", "name")
     if found.get("needs") not in (None, *earlier):
         allowed = ", ".join(earlier) or "none, as there is none before it"
         raise fail(f"needs is {found['needs']!r}; allowed: {allowed}", "needs")
@@ -365,6 +365,6 @@ def _make_criterion(
     measure = MEASURES[found["kind"]]
     if not measure.is_better(found["full"], found["zero"], or_equal=True):
         side = "above" if measure.more_is_better else "below"
-        raise fail(f"full is {found['full']:g} and zero {found['zero']:g}; "
+        raise fail(f"full is {found['full']:g} and zero is {found['zero']:g}; "
                    f"for this measure full must be {side} zero", "full")  # fmt: skip
     return Criterion(**found)

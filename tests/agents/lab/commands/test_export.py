@@ -1,4 +1,4 @@
-"""``warehouse export`` of datasets: what it writes, and what it refuses."""
+"""The command ``warehouse export`` for datasets."""
 
 import sys
 from pathlib import Path

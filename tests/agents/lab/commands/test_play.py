@@ -1,4 +1,7 @@
-"""Sends keys to a figure without a window; ``tests/system/test_window.py`` presses real ones."""
+"""The command ``warehouse play``, with keys sent to a figure without a window.
+
+``tests/system/test_window.py`` presses real keys.
+"""
 
 from collections.abc import Callable
 from pathlib import Path
@@ -19,7 +22,7 @@ from warehouse_core.viz.figure import SceneFigure
 
 @pytest.fixture
 def driver() -> KeyDriver:
-    # This seed puts the robot at (1, 1), P below it at (2, 1) and D beside that at (2, 2).
+    # This seed puts the robot at (1, 1), P below it at (2, 1), and D next to P at (2, 2).
     return KeyDriver(WarehouseEnv(ROOM, max_steps=8), SEED, Place(ROOM, None, True))
 
 
@@ -95,7 +98,7 @@ def test_the_window_closes(driver: KeyDriver, key: str) -> None:
 
 @pytest.fixture
 def keys(monkeypatch: pytest.MonkeyPatch) -> Callable[..., None]:
-    """Return a function that sets the keys to press once the window is open."""
+    """Return a function that chooses the keys that are pressed when the window is open."""
     monkeypatch.setattr(module, "has_display", lambda: True)
 
     def will_be(*pressed: str) -> None:

@@ -21,7 +21,7 @@ MAX_BYTES = 250_000
 
 
 def caption_at(track: Any, moment: float) -> str:
-    """Return the caption that a page shows of a track at the end of a step or at a second."""
+    """Return the caption of a track at the end of a step, or at a time in seconds."""
     frame = max(n for n, time in enumerate(track["time"]) if time <= moment + 1e-6)
     caption: str = track["captions"][track["captionAt"][frame]]
     return caption

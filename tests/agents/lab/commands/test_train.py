@@ -1,4 +1,4 @@
-"""The commands ``warehouse train``; training by PPO itself is in learning/test_ppo_training.py."""
+"""The command ``warehouse train``; learning/test_ppo_training.py tests PPO itself."""
 
 import pickle
 import re
@@ -31,14 +31,14 @@ WORDS = ("train", "q", "--layout", "room.txt", "--max-steps", 30)
 
 @pytest.fixture(autouse=True)
 def room(monkeypatch: pytest.MonkeyPatch) -> None:
-    """Work with a small layout and short examinations."""
+    """Use a small layout and short exams."""
     shorten_exams(monkeypatch)
     ROOM.save("room.txt")
 
 
 @pytest.fixture
 def curves(monkeypatch: pytest.MonkeyPatch) -> list[list[ExamPoint]]:
-    """Return a list that collects the points of each learning curve, which is not drawn."""
+    """Return a list that collects the points of learning curves, which are not drawn."""
     drawn: list[list[ExamPoint]] = []
 
     def draw(path: Path, name: str, title: str, points: list[ExamPoint], greedy: Scores) -> None:
@@ -62,7 +62,7 @@ class Waiter:
 
 
 class Learning:
-    """Calls ``watch`` after some steps, and then may end with an error."""
+    """A learner that calls ``watch`` after some steps, and may then raise an error."""
 
     def __init__(self, *steps: int, ends: type[BaseException] | None = None) -> None:
         self.steps, self.ends = list(steps), ends
@@ -82,7 +82,7 @@ class Learning:
 
 
 def trained(learning: Learning, name: str = "X", task: Task = TASK, steps: int = 1000) -> None:
-    """Train, and write two files of the agent."""
+    """Train an agent, and write two files."""
     writers = {".npz": write, ".zip": write}
     Training(name, task, steps, 7, Path("x.npz")).run(learning, writers, resume=False)
 
@@ -254,7 +254,7 @@ def test_a_checkpoint_is_of_the_same_training_and_whole(
 
 
 def without(monkeypatch: pytest.MonkeyPatch, library: str) -> None:
-    """Make the import of a library fail, whether it is installed or not."""
+    """Make the import of a library fail even if it is installed."""
     for name in ("ppo_training", "clone_training"):
         name = f"agents.learning.{name}"
         monkeypatch.delitem(sys.modules, name, raising=False)

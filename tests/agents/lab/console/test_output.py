@@ -13,7 +13,7 @@ from agents.lab.console.output import replay_or_save
 from warehouse_core.viz.tracks.track import Track
 
 NO_DISPLAY = "there is no display for a window"
-KEYS = "space pauses, left and right step, q closes the window"
+KEYS = "Space pauses, the left and right arrow keys step, and Q closes the window"
 TO_FILE = f"{NO_DISPLAY}, so the replay is saved to a file"
 
 
@@ -24,7 +24,7 @@ def folder(monkeypatch: pytest.MonkeyPatch, tmp_path: Path, small_pictures: None
 
 
 class FakeReplay:
-    """Replaces the replay of tracks, and records the calls."""
+    """A stand-in for the replay of tracks that records calls."""
 
     def __init__(self) -> None:
         self.speeds: list[float] = []

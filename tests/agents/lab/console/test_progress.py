@@ -10,7 +10,7 @@ from agents.lab.console.progress import progress_bar, track
 
 
 def shown(monkeypatch: pytest.MonkeyPatch, screen: io.StringIO, *steps: int) -> str:
-    """Return what a bar writes."""
+    """Return the output of a bar."""
     monkeypatch.setattr(sys, "stderr", screen)
     monkeypatch.setenv("COLUMNS", "100")
     monkeypatch.setenv("TERM", "xterm")

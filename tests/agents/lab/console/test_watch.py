@@ -1,4 +1,4 @@
-"""Agents that take long."""
+"""Reports of agents that take long."""
 
 import time
 from typing import Any

@@ -1,4 +1,4 @@
-"""Archives: what is in them is bounded, and leaves their folder by no path and no link."""
+"""Archives: sizes are limited, and neither paths nor links lead out of the folder."""
 
 import os
 import stat
@@ -33,7 +33,7 @@ def special(kind: int) -> ZipInfo:
 
 
 def lying(archive: ZipFile) -> None:
-    """Write a member that is longer than its size says."""
+    """Write a member that is longer than its stated size."""
     archive.writestr("agent.py", b"x" * 1000)
     archive.infolist()[0].file_size = 10
 

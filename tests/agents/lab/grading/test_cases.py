@@ -1,4 +1,4 @@
-"""Rubrics that call functions: which answers are right, and what is told of the others."""
+"""Rubrics that call functions: right answers, and reports of wrong ones."""
 
 from pathlib import Path
 

@@ -1,4 +1,4 @@
-"""What each measure makes of episodes, in points, in words and by the worst of them."""
+"""Measures: their points, words and worst episode."""
 
 from collections.abc import Sequence
 from types import SimpleNamespace
@@ -26,7 +26,7 @@ CRASH = AgentFailureError(FAILS, "ValueError: 3", "ValueError")
 
 
 def judged(criterion: Criterion, *runs: Run) -> Grade:
-    """Return the grade for episodes, with seeds from 1 on."""
+    """Return the grade for episodes, whose seeds begin at 1."""
     return report_of([criterion], *runs).grades[-1]
 
 
@@ -125,7 +125,7 @@ def test_a_measure_is_told_with_the_worst_episode(
 
 
 def test_the_greedy_agent_is_compared_in_the_same_episodes() -> None:
-    """It takes all steps of the trap, and those of the record of an open hall."""
+    """It uses all steps in the trap, and delivers in the open hall."""
     trap = GradedCase("open", "trap", max_steps=60)
     found = judged(on("greedy_steps", 3, 1), GOOD._replace(case=trap), GOOD._replace(case=trap))
     assert (found.points, found.seen) == (10, "3.00 times in 2 episodes: 2 delivered")

@@ -1,4 +1,4 @@
-"""The points that solutions, starting files and the solutions of other exercises score."""
+"""Points of solutions, of starting files, and of solutions of other exercises."""
 
 from itertools import pairwise
 from pathlib import Path
@@ -26,16 +26,16 @@ AGENTS = (
     "exercise-04", "exercise-05", "exercise-06", "exercise-08", "exercise-10", "exercise-13",
     "exercise-18", "exercise-21", "exercise-23",
 )  # fmt: skip
-"""Exercises that ask for an agent. Each asks for more than the one before it."""
+"""Exercises that ask for an agent, each more demanding than the previous one."""
 
 
 def graded(source: str, folder: Path, exercise: str) -> GradeReport:
-    """Grade a program in this process, which is as fast as the program."""
+    """Return the report of a program that is graded in this process, for speed."""
     return grade(written(source, folder), load(exercise), make_runner=SameProcess)
 
 
 def written(source: str, folder: Path) -> Submission:
-    """Write a program into a folder of its own, because agents may not read our files."""
+    """Write a program to a folder of its own, because agents must not read our files."""
     file = folder / "mine.py"
     file.write_text(source, encoding="utf-8")
     return find_submission(str(file))

@@ -1,4 +1,4 @@
-"""Tables of grades: what is read and refused, their summary, and what they are for others."""
+"""Tables of grades: reading, errors, summaries, and files for Moodle and Canvas."""
 
 import csv
 import os

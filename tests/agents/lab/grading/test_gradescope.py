@@ -1,4 +1,4 @@
-"""The autograder for Gradescope, in a folder like that of its containers."""
+"""The autograder for Gradescope, in a folder with the layout of Gradescope's containers."""
 
 import json
 import os
@@ -26,7 +26,7 @@ METADATA = {
 
 @pytest.fixture(scope="module")
 def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
-    """A folder with what Gradescope makes of an uploaded archive."""
+    """A folder with an archive unpacked as on Gradescope."""
     folder = tmp_path_factory.mktemp("autograder")
     (folder / "halls").mkdir()
     (folder / "halls" / "hall.txt").write_text("P....\n.....\n....D\n")
@@ -42,7 +42,7 @@ def root(tmp_path_factory: pytest.TempPathFactory) -> Path:
 
 
 def results(root: Path, python: str = sys.executable) -> Any:
-    """Return the results of the submission, by the autograder's own copy of this program."""
+    """Return the results that the autograder's copy of this program writes for the submission."""
     variables = {"AUTOGRADER_ROOT": str(root), "AUTOGRADER_PYTHON": python, "PATH": os.defpath}
     done = subprocess.run(
         ["bash", root / "source" / "run_autograder"],

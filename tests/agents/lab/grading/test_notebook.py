@@ -1,4 +1,4 @@
-"""Agents in notebooks: which statements of the cells count."""
+"""Agents in notebooks: which statements of the cells run."""
 
 from pathlib import Path
 from types import ModuleType

@@ -1,4 +1,4 @@
-"""Rubrics: what is refused, and how points grow."""
+"""Rubrics: errors, points and digests."""
 
 import os
 from dataclasses import fields
@@ -39,7 +39,7 @@ LINE = 1 + RUBRIC.splitlines().index("[cases.chapter]")
         ('cases = ["closed"]', 'cases = ["open"]', "cases has 'open'; allowed: chapter, loops"),
         ('name = "stays calm"', 'name = "delivers"', "name is 'delivers', which an earlier"),
         ("points = 20\n", "", "criterion 2 has no points; needed: name, points, measure, cases"),
-        ("full = 1.5", "full = 4", "full is 4 and zero 3; for this measure full must be below"),
+        ("full = 1.5", "full = 4", "full is 4 and zero is 3; for this measure full must be"),
         ('needs = "delivers"', 'needs = "fewest"', "needs is 'fewest'; allowed: delivers"),
         ('layout = "trap"', 'layout = "bare.txt"\nstations = "kept"', "there is no dropoff"),
         ("[[criteria]]", "[[criterion]]", "there is no key 'criterion'"),

@@ -1,4 +1,4 @@
-"""The slippery floor: where moves go, how often, and that a seed repeats them."""
+"""The slippery floor: directions and frequency of slips, and their seed."""
 
 from collections import Counter
 

@@ -1,4 +1,4 @@
-"""Agents, good, bad and hostile, get what they have earned, and leave nothing behind."""
+"""Good, bad and hostile agents get the points they deserve, and leave nothing behind."""
 
 import ast
 import json
@@ -45,12 +45,12 @@ full = 0.01
 """
 
 SLOWEST = ("ours", "sleeps", "leaves_a_daemon", "prints_much", "answers_much")
-"""Agents with others like them; together they take long enough to be left out by default."""
+"""Agents similar to others, which default tests skip because together they take long."""
 
 HIDDEN = re.sub(
     "max_steps.*", "max_steps = 60\nvisible = false", RUBRIC.replace("visible = false", "")
 )
-"""The rubric with no visible episode."""
+"""The rubric without visible episodes."""
 
 
 as_root = pytest.mark.skipif(os.getuid() != 0, reason="only root may run agents as another user")
@@ -58,7 +58,7 @@ as_root = pytest.mark.skipif(os.getuid() != 0, reason="only root may run agents 
 
 @pytest.fixture
 def no_walls(monkeypatch: pytest.MonkeyPatch) -> None:
-    """A system that keeps nothing from agents."""
+    """A system without walls around agents."""
     monkeypatch.setattr(walls, "enforced", frozenset)
 
 
@@ -91,7 +91,7 @@ def test_agents_get_what_they_have_earned_and_leave_nothing_behind(
 
 
 def test_the_same_agent_has_the_same_report(tmp_path: Path) -> None:
-    """Also if it depends on random numbers, the order of sets of words, or takes long."""
+    """This includes agents that use random numbers or the order of sets, or take long."""
     source = """
 import random, time
 import numpy
@@ -112,7 +112,7 @@ class Agent:
 
 @pytest.mark.parametrize(("error", "told"), [("ValueError", "ValueError"), ("Own", "an exception")])
 def test_hidden_episodes_stay_hidden(tmp_path: Path, error: str, told: str) -> None:
-    """What an agent says of them is not told, and their seeds it does not know."""
+    """Reports contain no words of the agent about them, and the agent does not know their seeds."""
     body = f"raise {error}(observation, self.seed)"
     source = f"""
 class Own(Exception):
@@ -141,7 +141,7 @@ def test_what_hidden_episodes_end_with_is_told_without_places(tmp_path: Path) ->
 
 
 def test_the_answers_of_an_episode_have_a_limit_together(tmp_path: Path) -> None:
-    """Not only each of them, so that an agent cannot use the limit 60 times over."""
+    """Otherwise an agent could use the limit of one answer 60 times."""
     rubric = RUBRIC.replace("episode_seconds = 3.0", "episode_seconds = 0.5")
     report = grade_source(tmp_path, idle("time.sleep(0.2)", "import time"), rubric)
     assert report.grades[0].worst.endswith("its answers took 0.5 s in all")
@@ -149,7 +149,7 @@ def test_the_answers_of_an_episode_have_a_limit_together(tmp_path: Path) -> None
 
 @pytest.mark.parametrize("user", [None, pytest.param("nobody", marks=as_root)])
 def test_the_kernel_refuses_what_is_outside_of_an_agent(tmp_path: Path, user: str | None) -> None:
-    """Each deed alone is tried by ``bench_grade.py``, also when an agent is loaded and acts."""
+    """``bench_grade.py`` tries each attack alone, also while an agent is loaded and acts."""
     tmp_path.chmod(0o700)  # the user of agents reads them all the same
     body = "\n".join(map(attempt, DEEDS.values()))
     (tmp_path / "rubric.toml").write_text("hidden")
@@ -162,7 +162,7 @@ def test_the_kernel_refuses_what_is_outside_of_an_agent(tmp_path: Path, user: st
 def test_an_agent_that_passes_by_the_rules_of_python_is_ended_with_all_it_has_started(
     tmp_path: Path, no_walls: None
 ) -> None:
-    """``daemon`` of C leaves a process that is no child of the agent, nor in its session."""
+    """``daemon`` of C leaves a process that is neither a child of the agent nor in its session."""
     body = (
         "for name in os.listdir():\n"
         "    if name.isdigit() and os.path.exists('/proc/' + name):\n"
@@ -199,7 +199,7 @@ def test_an_agent_that_ends_or_stops_what_has_started_it_ends_no_other_episode(
     before: str,
     found: str,
 ) -> None:
-    """Compiled code can send signals; the next episode has a new server then.
+    """Compiled code can send signals. In that case the next episode gets a new server.
 
     What is a daemon by then is nobody's but the grader's, which ends it.
     """
@@ -245,7 +245,7 @@ def test_agents_can_run_as_another_user(tmp_path_factory: pytest.TempPathFactory
 
 
 def test_a_folder_has_files_and_folders(tmp_path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
-    """Whatever is no submission has a line with the reason, so that it stops no other."""
+    """An entry that is not a submission gets a reason and does not stop the others."""
     monkeypatch.setattr(submissions, "MAX_BYTES", 100)
     for name in ("searches", "waits", "two: a", "zero", "folder", "folder/agent.py", "large"):
         (tmp_path / name).mkdir()
@@ -275,7 +275,7 @@ def test_a_folder_has_files_and_folders(tmp_path: Path, monkeypatch: pytest.Monk
 
 
 def test_notebooks_archives_and_nested_files_are_graded_and_leave_nothing(tmp_path: Path) -> None:
-    """An agent is found in each form, imports its own files, and is removed when unpacked."""
+    """Agents in all forms import their own files, and unpacked files are removed."""
     before, after = GOOD.split("class Agent:")
     nested = f"import helper\nfrom helper import *\nclass Agent:{after}"
     folder, rubric = tmp_path / "all", load_rubric(write_rubric(tmp_path))
@@ -360,7 +360,7 @@ def test_no_points_have_a_reason(tmp_path: Path) -> None:
 
 @pytest.mark.usefixtures("no_walls")
 def test_files_of_a_folder_hide_nothing_from_each_other(tmp_path: Path) -> None:
-    """Neither modules of this program nor others."""
+    """They hide neither modules of this program nor others."""
     (tmp_path / "all" / "own").mkdir(parents=True)
     rubric = load_rubric(write_rubric(tmp_path))
     heirs = "import numpy\nfrom agents import GreedyAgent\nclass Agent(GreedyAgent):\n    pass\n"

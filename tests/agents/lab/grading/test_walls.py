@@ -1,4 +1,4 @@
-"""The filter of system calls, run as the kernel runs it, and what Landlock is asked for."""
+"""The filter of system calls, run as in the kernel, and the rules of Landlock."""
 
 import os
 import struct
@@ -28,7 +28,7 @@ def numbers(machine: str) -> dict[str, int]:
 
 
 def verdict(machine: str, number: int, *arguments: int, audit: int | None = None) -> int:
-    """Return what the filter of a machine returns for a system call."""
+    """Return the result of a machine's filter for a system call."""
     told = {0: number, 4: MACHINES[machine] if audit is None else audit}
     told |= {16 + 8 * place: value for place, value in enumerate(arguments)}
     program, at, loaded = [*walls.program(machine)], 0, 0
@@ -90,7 +90,7 @@ def test_calls_by_another_convention_are_refused_or_end_the_process(machine: str
 
 
 class Kernel:
-    """A C library of a kernel with a version of Landlock, which notes what it is asked for."""
+    """A C library that records calls, of a kernel with a version of Landlock."""
 
     def __init__(self, version: int) -> None:
         self.version, self.asked = version, list[tuple[Any, ...]]()
@@ -119,10 +119,10 @@ class Kernel:
 def test_landlock_is_asked_for_all_that_its_version_can_refuse(
     monkeypatch: pytest.MonkeyPatch, tmp_path: Path, version: int, numbers: tuple[int, ...]
 ) -> None:
-    """Rights have 15 bits up to version 4 and 16 from then on; network and scopes, see landlock(7).
+    """Rights have 15 bits up to version 4, and 16 bits from version 5. See landlock(7).
 
-    A folder may be read (4) and listed (8), a file read, and a device also written (2) and cut
-    short (1 << 14).
+    A folder may be read (4) and listed (8). A file may be read. A device may also be written (2)
+    and truncated (1 << 14).
     """
     kernel, file = Kernel(version), tmp_path / "a.py"
     file.touch()
@@ -143,7 +143,7 @@ def test_landlock_is_asked_for_all_that_its_version_can_refuse(
 
 
 def _kept(pack: Any) -> Any:
-    """Return ``struct.pack`` that leaves the rights and the place of a rule as they are."""
+    """Return a ``struct.pack`` that returns the rights and the place of a rule unchanged."""
     return lambda form, *values: values if form == "=Qi" else pack(form, *values)
 
 
@@ -161,7 +161,7 @@ def _kept(pack: Any) -> Any:
 def test_privileges_are_given_up_behind_a_wall_but_for_what_another_user_reads(
     monkeypatch: pytest.MonkeyPatch, held: Any, user: Any, kept: int | None
 ) -> None:
-    """It keeps the capability ``CAP_DAC_READ_SEARCH``, bit 2, and only if both walls stand."""
+    """Only ``CAP_DAC_READ_SEARCH`` (bit 2) is kept, and only if there are both walls."""
     kernel, asked = Kernel(3), list[Any]()
     monkeypatch.setattr(walls, "_libc", lambda: kernel)
     for name in ("setgroups", "setgid", "setuid"):

@@ -23,7 +23,7 @@ AGENT = """class Agent:
 
 
 class Page:
-    """What the page asks a session, and is answered."""
+    """A page: requests to a session, and the answers."""
 
     def __init__(self, folder: Path) -> None:
         self.file = folder / "agent.py"

@@ -47,7 +47,7 @@ def rows_of(path: str) -> dict[str, dict[str, str]]:
 
 
 def test_each_replay_of_a_worst_case_shows_what_the_report_says(warehouse: Warehouse) -> None:
-    """On the chapter's layout, another one, generated ones, and where the agent fails."""
+    """On the default layout, another one, random ones, and for an agent that fails."""
     text = RUBRIC.replace("visible = false", "").replace("first_seed = 77123", "battery = 50")
     write_rubric(
         Path(), text.replace('"closed"\nepisodes = 2', '"closed"\nepisodes = 2\nstart = [1, 1]')
@@ -87,7 +87,7 @@ class Mine:
 
 
 def test_results_have_the_form_that_gradescope_reads(warehouse: Warehouse, rubric: Path) -> None:
-    """As gradescope-autograders.readthedocs.io/en/latest/specs says."""
+    """The form is documented at gradescope-autograders.readthedocs.io/en/latest/specs."""
     rubric.write_text(
         rubric.read_text().replace("points = 20\n", 'points = 20\nvisibility = "after_due_date"\n')
     )
@@ -158,7 +158,7 @@ def test_a_folder_is_graded_once_and_again_where_something_has_changed(
 
 
 def test_an_agent_that_ended_the_grader_has_no_points(rubric: Path) -> None:
-    """Compiled code may, where the system does not keep agents from other processes."""
+    """Compiled code can do this on systems that cannot keep agents from other processes."""
     future: Future[GradeRow] = Future()
     future.set_exception(WorkerError("its process was ended by signal 9"))
     file = Path("agent.py")

@@ -231,7 +231,7 @@ def test_a_solver_of_a_user_gets_the_seed(hall: str, warehouse: Warehouse) -> No
     [
         ("mine.py:mine:w=2", "planner 'mine.py:mine' takes no argument 'w'; allowed: ways=VALUE"),
         ("lacam:w=2", "planner 'lacam' takes no argument 'w'; allowed: "),
-        ("mine.py:short", "function 'mine.py:short' takes no problem and seconds; needed: these"),
+        ("mine.py:short", "function 'mine.py:short' cannot be called with two arguments; needed"),
     ],
 )
 def test_a_solver_that_lacks_something_is_named(
