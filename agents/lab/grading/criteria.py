@@ -197,8 +197,8 @@ MEASURES = {
         _times, _greedy_ratio, _slowness, outcomes, POSSIBLE,
     ),
     "calm_without_way": _share_of(
-        "in {} of the episodes in which delivery is impossible: no failure, and at most "
-        f"{MAX_USELESS} useless actions (picks, drops, bumps, unknown actions)",
+        f"no failure and at most {MAX_USELESS} useless actions (picks, drops, bumps, unknown "
+        "actions) in {} of the episodes in which delivery is impossible",
         lambda run: not run.failure and run.useless <= MAX_USELESS,
         lambda run: run.useless + 1000 * bool(run.failure), _useless, IMPOSSIBLE,
     ),

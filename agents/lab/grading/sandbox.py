@@ -32,7 +32,7 @@ from agents.lab.grading.submissions import Submission
 from agents.lab.grading.walls import FILES, PROCESSES
 from agents.lab.runs import programs
 from warehouse_core import Observation
-from warehouse_core.wording import printable
+from warehouse_core.wording import listed, printable
 
 VARIABLES = {
     "PYTHONHASHSEED": "0", "OPENBLAS_NUM_THREADS": "1", "OMP_NUM_THREADS": "1",
@@ -53,8 +53,8 @@ ENDING_SECONDS = 5.0
 """Time limit for the fork server to end an agent process, and to end itself."""
 
 DEEDS = {
-    FILES: "read files that are neither theirs nor Python's, or write any",
-    PROCESSES: "reach other processes or the network",
+    FILES: ("read files other than their own and Python's", "write files"),
+    PROCESSES: ("reach other processes", "use the network"),
 }
 """Actions of agents that each wall prevents, in words."""
 
@@ -249,13 +249,13 @@ class Sandbox:
         if submission.is_built_in:  # its package may be denied to other agents
             limits = limits._replace(allow_imports=None, deny_imports=())
         self._submission, self._limits = submission, limits
-        readable, listed = _files_of(submission, secrets, limits.deny_imports)
+        readable, listable = _files_of(submission, secrets, limits.deny_imports)
         self._bounds = {
             "user": None if user is None else _ids_of(user),
             "walls": sorted(walls.enforced()),
             "own": str(programs.ROOT),
             "readable": readable,
-            "listed": listed,
+            "listed": listable,
             "limits": limits.of_process(),
             "denied": [
                 str(programs.ROOT.joinpath(*name.split("."))) for name in limits.deny_imports
@@ -472,8 +472,8 @@ def check_trust(user: str | None, is_trusted: bool, are_many: bool) -> str:
             trusted could reach each other's files.
     """
     kept = walls.enforced()
-    prevented = [deed for wall, deed in DEEDS.items() if wall in kept]
-    possible = [deed for wall, deed in DEEDS.items() if wall not in kept]
+    prevented = [deed for wall, deeds in DEEDS.items() if wall in kept for deed in deeds]
+    possible = [deed for wall, deeds in DEEDS.items() if wall not in kept for deed in deeds]
     if not is_trusted and user is None:
         if sys.platform != "win32" and os.getuid() == 0:
             raise GradeError(
@@ -482,11 +482,11 @@ def check_trust(user: str | None, is_trusted: bool, are_many: bool) -> str:
             )
         if are_many and possible:
             raise GradeError(
-                f"on this system agents can {', and '.join(possible)}; grade as root with --user "
+                f"on this system agents can {listed(possible)}; grade as root with --user "
                 "nobody, or use --trust if you wrote the code yourself"
             )
-    cannot = f"agents cannot {', nor '.join(prevented)}" if prevented else ""
-    can = f"agents can {', and '.join(possible)}" if possible else ""
+    cannot = f"agents cannot {listed(prevented, 'or')}" if prevented else ""
+    can = f"agents can {listed(possible)}" if possible else ""
     return "; ".join(filter(None, (cannot, can)))
 
 
