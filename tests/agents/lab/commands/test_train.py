@@ -138,7 +138,7 @@ def test_an_interrupt_saves_an_agent_that_was_examined_and_a_fault_does_not(
         trained(Learning(steps, steps + 10, ends=kind))
     assert (files() == FILES) == is_saved
     assert (Path("x.npz").read_text() == "from before") != is_saved
-    # The agent is that of the last steps, although the last exam was earlier.
+    # The agent after the last steps is saved, although the last exam was earlier.
     assert capsys.readouterr().out.startswith("310 of 1,000 steps in ") == is_saved
 
 
