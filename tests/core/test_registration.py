@@ -20,7 +20,7 @@ def test_the_names_are_known_whatever_is_imported_first(first: str) -> None:
 
 
 def found(monkeypatch: pytest.MonkeyPatch, spec: Any) -> Any:
-    """Return what the finder finds for Gymnasium, and check that it goes."""
+    """Return the spec that the finder finds for Gymnasium, and check that the finder is removed."""
     finder = AfterGymnasium()
     monkeypatch.setattr(sys, "meta_path", [finder, *sys.meta_path])
     monkeypatch.setattr(registration, "find_spec", {"gymnasium": spec}.get)

@@ -1,4 +1,4 @@
-"""Counts have the right plural, lists end with a word, and text can be shown."""
+"""Counts have the right plural, lists end with a conjunction, and text is safe to show."""
 
 import pytest
 

@@ -141,7 +141,7 @@ class _Stations:
         layout: Layout,
     ) -> None:
         if not cells:
-            raise LayoutError(f"the layout has no {kind}; orders are drawn from its stations")
+            raise LayoutError(f"the layout has no {kind}; random orders need one")
         self._cells = layout.numbers(cells)
         for each in weights:
             if each is not None and len(each) != len(cells):

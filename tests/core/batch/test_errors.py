@@ -1,4 +1,4 @@
-"""Invalid arguments and calls raise, and change nothing."""
+"""Invalid arguments and calls raise errors, and change nothing."""
 
 import pickle
 from typing import Any

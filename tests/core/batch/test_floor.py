@@ -27,7 +27,7 @@ def put(floor: BatchFloor, row: int, layout: Layout, *stations: Cell) -> None:
 
 @pytest.mark.parametrize("radius", [0, 1, 2, 8])
 def test_windows_show_stations_only_where_they_are(radius: int) -> None:
-    """Every place of pickup, dropoff and robot, in layouts narrower and wider than the window."""
+    """Try all cells of pickup, dropoff and robot in layouts narrower and wider than the window."""
     floor, marked = (
         BatchFloor(LayoutSet(BARE), radius, moving_stations=True, tiles=tiles)
         for tiles in ((), MARKED_TILES)
@@ -62,7 +62,7 @@ def test_windows_whose_marks_are_too_large_are_codes(monkeypatch: pytest.MonkeyP
 
 
 def test_a_station_very_far_away_is_not_seen() -> None:
-    """An offset of 65,535 rows of 65,537 numbers is -1 in 32 bits."""
+    """In 32 bits, an offset of 65,535 rows of 65,537 numbers would be -1."""
     length = 2**16
     layouts = LayoutSet([Layout(["."] * length), Layout(["." * length])])
     ends: list[tuple[Cell, Cell]] = [((0, 0), (length - 1, 0)), ((length - 1, 0), (0, 0))]

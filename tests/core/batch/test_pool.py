@@ -1,4 +1,4 @@
-"""A row of a batch draws its layout anew for each episode from a pool."""
+"""Each episode of a row has a random layout from a pool."""
 
 from collections import Counter
 from collections.abc import Sequence
@@ -18,16 +18,16 @@ POOL.append(Layout(["#######", "##....#", "#.#P#.#", "#.D..C#", "#######"]))
 
 
 class FromPool(Single):
-    """A single warehouse that draws its layout from the pool before its start."""
+    """A single warehouse with a random layout from the pool, which is chosen before the start."""
 
-    drawn: Counter[Layout]
+    chosen: Counter[Layout]
 
     def begin(self, seed: int | None = None) -> None:
         if seed is not None:
             self.stream = np.random.default_rng(seed)
         self.layout = POOL[int(self.stream.random() * len(POOL))]
         self.default_start = self.layout.default_start()
-        self.drawn[self.layout] += 1
+        self.chosen[self.layout] += 1
         super().begin()
 
 
@@ -39,9 +39,9 @@ def test_each_row_equals_a_single_environment_in_the_layouts_it_draws(
 ) -> None:
     limits: dict[str, Any] = {"max_steps": 9, "battery": 8, "backend": backend}
     batch = BatchEnv(ROWS, pool=POOL, randomize=randomize, autoreset_mode=mode, **limits)
-    FromPool.drawn = Counter()
+    FromPool.chosen = Counter()
     Walk(batch, [FromPool(POOL[0], randomize, **limits) for _ in range(ROWS)], seed=5).go(40)
-    assert set(FromPool.drawn) == set(POOL)
+    assert set(FromPool.chosen) == set(POOL)
 
 
 @pytest.mark.parametrize(

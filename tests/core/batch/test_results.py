@@ -1,4 +1,4 @@
-"""What a batch returns is new each time, and its arguments are not changed."""
+"""A batch returns new arrays each time, and does not change its arguments."""
 
 from typing import Any
 

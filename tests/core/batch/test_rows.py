@@ -45,7 +45,7 @@ def walk_of(
     ],
 )
 def test_every_row_equals_a_single_warehouse(mode: str, randomize: bool | str, radius: int) -> None:
-    """With bumps, deliveries, truncations and resets of some rows."""
+    """The episodes have bumps, deliveries, truncations and resets of some rows."""
     limits = {"max_steps": 23, "battery": 31 - 5 * radius, "view_radius": radius}
     walk = walk_of(mode, randomize, radius, MIXED, **limits)
     walk.go()
@@ -68,7 +68,7 @@ def test_every_row_equals_a_single_warehouse(mode: str, randomize: bool | str, r
 def test_every_row_with_chargers_equals_a_single_warehouse(
     mode: str, randomize: bool | str, radius: int
 ) -> None:
-    """Batteries last from one step, which a charger still saves, to longer than any episode."""
+    """Batteries last from one step, after which a charger can still help, to a whole episode."""
     layouts = CHARGED if randomize in (False, "start") else CHARGED[:-1]
     for battery in (1, 5, 12, 60):
         limits = {"max_steps": 23, "battery": battery, "view_radius": radius}

@@ -21,7 +21,7 @@ STAY, NORTH, EAST, SOUTH, WEST = (0, 0), (-1, 0), (0, 1), (1, 0), (0, -1)
 
 
 def failed_by(make_motion: Callable[[], Motion]) -> dict[str, str]:
-    """Return the names of the checks that a motion fails, and how."""
+    """Return the checks that a motion fails, with the details of the failures."""
     return {result.name: result.detail for result in run_conformance(make_motion).failures}
 
 
@@ -147,7 +147,7 @@ class WithoutWalls(LoneGrid):
 
 
 class WithoutEdge(LoneGrid):
-    """Reads row -1 as the last row, as lists do."""
+    """Reads row -1 as the last row, like a list."""
 
     def reset(self, layout: Layout, cells: Sequence[Cell], seed: int | None) -> None:
         super().reset(layout, cells, seed)
@@ -181,7 +181,7 @@ class Ghosts(LoneGrid):
 
 
 class Cautious(LoneGrid):
-    """Robots do not enter a cell that another one leaves in the same step."""
+    """Robots do not enter a cell that another robot leaves in the same step."""
 
     def advance(self, displacements: Sequence[Cell], loaded: Sequence[bool]) -> Sequence[Outcome]:
         moves = zip(self._cells, displacements, strict=False)
@@ -293,7 +293,7 @@ class ForgetsItsOutcomes(GridMotion):
 
 
 class StubbornBatch(GridMotion):
-    """A grid whose batch keeps its layouts when they are to change."""
+    """A grid whose batch ignores changes of its layouts."""
 
     def batch(self, layouts: Sequence[Layout]) -> Any:
         batch: Any = super().batch(layouts)
@@ -302,7 +302,7 @@ class StubbornBatch(GridMotion):
 
 
 class TirelessBatch(GridMotion):
-    """A grid whose batch still moves after a close."""
+    """A grid whose closed batch still moves."""
 
     def batch(self, layouts: Sequence[Layout]) -> Any:
         batch: Any = super().batch(layouts)

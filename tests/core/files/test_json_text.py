@@ -1,4 +1,4 @@
-"""JSON of strangers is refused before it takes time or memory."""
+"""Hostile JSON is refused before it takes time or memory."""
 
 import json
 from collections.abc import Callable

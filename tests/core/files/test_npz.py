@@ -1,4 +1,4 @@
-"""Damaged and hostile files raise ``RecordError``, quickly and in little memory."""
+"""Damaged and hostile files raise ``RecordError`` quickly, without using much memory."""
 
 import io
 import struct
@@ -47,7 +47,7 @@ def zipped(
 
 
 def with_end_record(data: bytearray, **fields: int) -> bytearray:
-    """Return a zip file with other fields in its last record, which describes its directory."""
+    """Return a zip file with changed fields in the end record, which describes its directory."""
     names = ("signature", "disk", "start", "here", "entries", "size", "offset", "comment")
     record = dict(zip(names, struct.unpack("<4s4H2LH", data[-22:]), strict=True))
     return data[:-22] + struct.pack("<4s4H2LH", *(record | fields).values())

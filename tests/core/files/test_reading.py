@@ -1,4 +1,4 @@
-"""Only files are opened, and no more than a limit is read."""
+"""Only regular files are opened, and reading stops at a limit."""
 
 import os
 import socket

@@ -1,4 +1,4 @@
-"""Many fleets at once: each equals a ``FleetEnv``; the same seed gives the same episode."""
+"""Each of many fleets equals a ``FleetEnv``, and the same seed gives the same episode."""
 
 from typing import Any
 
@@ -32,13 +32,13 @@ def settings_of(kind: str) -> dict[str, Any]:
 
 
 def helpful_actions(mask: np.ndarray, stream: np.random.Generator) -> np.ndarray:
-    """Return random actions that do something, more often than not what only stations allow."""
+    """Return random actions with an effect, mostly those that only stations allow."""
     weights = mask * np.array([1, 1, 1, 1, 1, 20, 20])
     return (stream.random(weights.shape) * weights).argmax(axis=1)
 
 
 def equal(seen: Any, masks: np.ndarray, fleet: int, expected: tuple[Any, dict[str, Any]]) -> None:
-    """Compare the rows of a fleet with a ``FleetEnv``, which observes no charger if it has none."""
+    """Compare the rows of a fleet with a ``FleetEnv``, whose observations may lack chargers."""
     rows = slice(fleet * ROBOTS, (fleet + 1) * ROBOTS)
     arrays, info = expected
     assert arrays.keys() <= seen.keys()
@@ -50,7 +50,7 @@ def equal(seen: Any, masks: np.ndarray, fleet: int, expected: tuple[Any, dict[st
 @over_kinds
 @pytest.mark.parametrize("mode", AUTORESET_MODES)
 def test_each_fleet_is_a_fleet_env_that_restarts(mode: str, kind: str) -> None:
-    """Some of them are reset in between, with a seed and without."""
+    """Some fleets are reset in between, with and without a seed."""
     settings, steps = settings_of(kind), 12 if kind == "bodies" else STEPS
     many = FleetBatch(FLEETS, LAYOUTS, ROBOTS, autoreset_mode=mode, **settings)
     single = [FleetEnv(layout, ROBOTS, **settings) for layout in LAYOUTS]
@@ -69,7 +69,7 @@ def test_each_fleet_is_a_fleet_env_that_restarts(mode: str, kind: str) -> None:
             assert np.array_equal(info["motion"][f"_{key}"], info["_motion"])
         for fleet, env in enumerate(single):
             rows = slice(fleet * ROBOTS, (fleet + 1) * ROBOTS)
-            if over[fleet]:  # in this step no action is taken
+            if over[fleet]:  # this step takes no action
                 seen, said = env.reset()
                 zeros = rewards[rows], truncated[rows], *(motion[key][rows] for key in motion)
                 assert not np.any(zeros)
@@ -106,7 +106,7 @@ def test_bad_input_is_an_error() -> None:
         FleetBatch(3, YARD, 2).measures(3)
 
 
-def test_starts_are_drawn_from_empty_cells_first() -> None:
+def test_random_starts_are_empty_cells_first() -> None:
     for robots in (4, 6):
         fleet = FleetEnv(["P..", "D..", "C##"], robots, battery=10**6)
         cells = set()

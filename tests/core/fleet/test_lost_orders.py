@@ -1,4 +1,4 @@
-"""Orders that a robot without any battery left holds or blocks end as lost."""
+"""Orders are lost if a robot with an empty battery holds or blocks them."""
 
 import re
 from typing import Any
@@ -14,7 +14,7 @@ FLOOR = ["P..D", "P..D"]
 
 
 def after(steps: int, orders: Any, starts: Any = ((0, 0), (1, 1)), **settings: Any) -> FleetEnv:
-    """Return a fleet after some steps; then the battery of its first robot is empty."""
+    """Return a fleet after some steps, when the battery of its first robot is empty."""
     env = FleetEnv(FLOOR, 2, orders=orders, starts=starts, dispatch=False, **settings)
     env.reset(seed=0)
     for _ in range(steps):
@@ -32,7 +32,7 @@ def test_orders_are_lost_whose_station_a_dead_robot_stands_on_or_that_name_it() 
     with pytest.raises(OrderError, match=re.escape("cannot be assigned to robot 1: it is lost")):
         env.assign(1, 0)
     env.step(["WAIT", "WAIT"])
-    assert env.measures.lost == 4  # the last is released, with its dropoff blocked
+    assert env.measures.lost == 4  # the last order is released, and its dropoff is blocked
     for action in ("W", "PICK", "E", "E", "E", "N"):
         env.step(["WAIT", action])
     *_, terminated, truncated, _ = env.step(["WAIT", "DROP"])

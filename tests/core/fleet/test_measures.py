@@ -26,7 +26,7 @@ def test_an_episode_of_three_robots() -> None:
         [EAST, SOUTH, WAIT],
         [WAIT, WEST, WEST],  # robot 1 at a wall
         [EAST, NORTH, WEST],  # robot 0 and 2 head-on, robot 1 behind
-        [DROP, DROP, DROP],  # on time by no step, late by two, and in vain
+        [DROP, DROP, DROP],  # just on time, two steps late, and never delivered
     ):
         fleet.step(actions)
     measures = fleet.measures

@@ -14,7 +14,7 @@ over_habits = pytest.mark.parametrize("habit", HABITS)
 
 
 def walk(layout: Layout, crowd: People, steps: int, seed: int = 1) -> np.ndarray:
-    """Return the cells of the people, ``[steps, P, 2]``, while a robot waits in the last one."""
+    """Return the cells of people, ``[steps, P, 2]``, while a robot waits in the last open cell."""
     last = layout.open_cell(len(layout.open_cells) - 1)
     fleet = FleetEnv(layout, 1, starts=[last], people=crowd, max_steps=steps, battery=steps)
     fleet.reset(seed=seed)
@@ -43,11 +43,11 @@ def test_people_are_never_in_a_wall_in_a_robot_or_in_each_other(
         cells = fleet.cells + fleet.people
         assert len(set(cells)) == 11
         assert all(map(layout.is_open, cells))
-        ways = [
+        moves = [
             abs(a - c) + abs(b - d) for (a, b), (c, d) in zip(before, fleet.people, strict=True)
         ]
-        assert max(ways) <= 1
-        moved += sum(ways)
+        assert max(moves) <= 1
+        moved += sum(moves)
         assert info["motion"]["stopped_by"].shape == (6,)
         assert len(fleet.last_motion) == 11
         assert [outcome.cell for outcome in fleet.last_motion] == cells
@@ -70,7 +70,7 @@ def test_a_robot_that_runs_into_a_person_is_blocked_and_counted() -> None:
     assert (fleet.measures.blocked_by_person, fleet.measures.distance) == (1, 0)
 
 
-def test_people_walk_from_station_to_station_by_shortest_ways() -> None:
+def test_people_walk_from_station_to_station_on_shortest_paths() -> None:
     apart = Layout(["P.....", "######", "D....."])
     open_layout = Layout(["P....D", "......", "......"])
     cells = walk(open_layout, People(1, pause=0.0), 300)[:, 0]
@@ -78,7 +78,7 @@ def test_people_walk_from_station_to_station_by_shortest_ways() -> None:
     legs = np.diff(visits)
     assert len(visits) > 20
     assert (legs == 5).mean() > 0.8
-    # A goal without a way is never reached, and nobody stands still for it.
+    # A goal without a path is never reached, but nobody stands still because of it.
     assert (
         np.abs(np.diff(walk(apart, People(1, pause=0.0), 99)[:, 0], axis=0)).sum(1) > 0
     ).mean() > 0.5
@@ -87,10 +87,10 @@ def test_people_walk_from_station_to_station_by_shortest_ways() -> None:
 @over_habits
 def test_people_pause_as_often_as_is_set(habit: str) -> None:
     for pause in (0.0, 0.4, 1.0):
-        ways = np.abs(
+        moves = np.abs(
             np.diff(walk(Layout(["." * 20] * 20), People(3, habit, pause), 600), axis=0)
         ).sum(axis=-1)
-        assert (ways == 0).mean() == pytest.approx(pause, abs=0.06)
+        assert (moves == 0).mean() == pytest.approx(pause, abs=0.06)
 
 
 def test_a_person_in_front_of_a_robot_that_waits_turns_back() -> None:
@@ -98,7 +98,7 @@ def test_a_person_in_front_of_a_robot_that_waits_turns_back() -> None:
     assert len(set(cells.tolist())) > 2
 
 
-def test_people_and_their_ways_are_limited(monkeypatch: pytest.MonkeyPatch) -> None:
+def test_people_and_their_goals_are_limited(monkeypatch: pytest.MonkeyPatch) -> None:
     stations = Layout(["PD" * 40, "." * 80])
     assert len(people._goals(stations)) == 27
     monkeypatch.setattr(people, "MAX_GOAL_CELLS", 5 * 160)

@@ -1,4 +1,4 @@
-"""Bad input raises one clear error, and changes nothing."""
+"""Bad input raises a clear error, and changes nothing."""
 
 import warnings
 from typing import Any
@@ -65,7 +65,7 @@ def test_a_fleet_names_what_is_wrong(settings: Any, error: Any, message: str) ->
 
 
 def test_memory_is_bounded_before_it_is_used(little_memory: Any) -> None:
-    """By the layouts or by the robots, whichever need more."""
+    """The layouts or the robots set the limit, whichever need more memory."""
     with little_memory():
         for robots, radius in ((1, 1000), (3000, 120)):
             with pytest.raises(

@@ -1,4 +1,4 @@
-"""The order of a step, and who gets what in it."""
+"""The order of events in a step, and their effects on robots."""
 
 import math
 from typing import Any
@@ -87,13 +87,13 @@ def test_a_robot_on_a_charger_is_charged_past_the_knee() -> None:
     assert fleet.state_of_charge == [1.0]
     for action in [NORTH] * 50 + [WAIT]:
         fleet.step([action])
-    missing = 50 * math.exp(-29 / 50)  # the first of 30 units is charged at a constant current
+    missing = 50 * math.exp(-29 / 50)  # the first of 30 units is at a constant current
     assert fleet.state_of_charge == pytest.approx([1 - missing / 100])
     fleet.step([WAIT])
     assert fleet.battery == pytest.approx([100 - (missing + 1) * math.exp(-30 / 50)])
 
 
-def test_a_robot_with_an_empty_battery_stays_in_the_way() -> None:
+def test_a_robot_with_an_empty_battery_blocks_others() -> None:
     fleet = begun(
         ["......"], 2, starts=[(0, 3), (0, 0)], battery=Battery(25, "joules"), max_steps=9
     )
@@ -126,7 +126,7 @@ def test_a_robot_that_has_delivered_waits_in_the_way_of_others() -> None:
 
 def test_of_two_robots_over_one_cell_the_lower_number_is_served_first() -> None:
     class Together(GridMotion):
-        """Bodies that come to rest over one cell."""
+        """Two bodies come to rest over the same cell."""
 
         def fleet_batch(self, *_: Any) -> Any:
             raise ValueError("bodies")
@@ -152,8 +152,8 @@ def test_stations_are_those_of_the_orders() -> None:
     assert (second["pickup_pos"], second["charger_pos"]) == ((1, 0), (1, 4))
     assert "P" not in "".join(
         first["local_grid"]
-    )  # a robot stands on it; tiles of layouts do not count
-    arrays = fleet.step([PICK, PICK])[0]  # each is at the order of the other
+    )  # a robot stands there, and tiles of layouts do not count
+    arrays = fleet.step([PICK, PICK])[0]  # each robot is at the order of the other
     assert fleet.loaded == [False, False]
     assert plain(arrays["due"]) == ("int32", [[50], [50]])
     fleet.step([NORTH, WAIT])

@@ -26,13 +26,13 @@ def begun(*args: Any, **settings: Any) -> FleetEnv:
 
 
 class Model:
-    """The rules of robots with headings, as plainly as they can be written."""
+    """The simplest implementation of the rules of robots with headings."""
 
     def __init__(self, layout: Layout, cells: list[Cell]) -> None:
         self.layout, self.cells, self.headings = layout, cells, [1] * len(cells)
 
     def step(self, actions: list[int]) -> list[bool]:
-        """Carry out actions, and return who was blocked."""
+        """Carry out actions, and return flags of the blocked robots."""
         goals, cells = list(self.cells), self.cells
         for robot, action in enumerate(actions):
             row, col = cells[robot]
@@ -163,7 +163,7 @@ def test_fleets_of_a_batch_are_as_each_alone() -> None:
         batch.step([len(TURN_ACTIONS)] * 12)
 
 
-def test_the_grid_turns_robots_the_shorter_way_round() -> None:
+def test_the_grid_turns_robots_by_the_smaller_angle() -> None:
     fleet = begun(["..", ".."], 2, starts=[(0, 0), (1, 1)])
     turned = []
     for _ in range(4):

@@ -1,4 +1,4 @@
-"""What robots of a fleet see around them, cell by cell, from what a fleet shows of its state."""
+"""The windows of a fleet's robots, compared cell by cell with the state of the fleet."""
 
 import numpy as np
 import pytest
@@ -35,7 +35,7 @@ def tile_of(fleet: FleetEnv, robot: int, cell: Cell) -> str:
 
 @pytest.mark.parametrize(("radius", "orders"), [(4, None), (1, 0.15)])
 def test_windows_show_what_is_there_and_nothing_else(radius: int, orders: float | None) -> None:
-    """With few orders, most robots have none, wherever they are: next to the edge too."""
+    """With few orders, most robots have none, including robots next to the edge."""
     stream, tiles = np.random.default_rng(radius), set[str]()
     for robots in (1, 4):
         fleet = FleetEnv(

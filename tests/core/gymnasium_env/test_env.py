@@ -1,7 +1,7 @@
 """``Warehouse-v0`` with the checkers and wrappers of Gymnasium.
 
-Every warning is an error here (``pyproject.toml``), those of the checkers too. All versions of
-Gymnasium from 1.0 on run these tests; features that 1.0 does not have are left out there.
+Every warning is an error here (``pyproject.toml``), including the warnings of the checkers. The
+tests run with all versions of Gymnasium from 1.0 on, and skip features that 1.0 lacks.
 """
 
 import copy
@@ -141,7 +141,7 @@ class SeedRecorder(GridMotion):
         self.seeds.append(seed)
 
 
-@pytest.mark.parametrize("randomize", [False, True], ids=["as given", "drawn"])
+@pytest.mark.parametrize("randomize", [False, True], ids=["as given", "random"])
 def test_the_seed_of_the_motion_follows_from_the_seed(randomize: bool) -> None:
     env = plain(backend=SeedRecorder, randomize=randomize)
     SeedRecorder.seeds.clear()
@@ -154,7 +154,7 @@ def test_the_seed_of_the_motion_follows_from_the_seed(randomize: bool) -> None:
 
 
 def overwrite(data: Any) -> None:
-    """Overwrite every array in what an environment has returned."""
+    """Overwrite every array in a result of an environment."""
     if isinstance(data, np.ndarray):
         data[...] = 77
     elif isinstance(data, (dict, tuple)):
@@ -220,18 +220,18 @@ def test_an_invalid_action_raises_and_changes_nothing(
 def test_options_apply_to_one_episode() -> None:
     other = Layout(["#####", "#...#", "#DP.#", "#####"])
     env = plain(layout=ROOM, start_pos=(2, 3), randomize=False)
-    usual, _ = env.reset()
-    assert usual["robot_pos"].tolist() == [2, 3]
+    default, _ = env.reset()
+    assert default["robot_pos"].tolist() == [2, 3]
     found, _ = env.reset(options={"start_pos": [1, 2]})
     assert found["robot_pos"].tolist() == [1, 2]
     found, info = env.reset(options={"layout": other.rows})
     assert found["pickup_pos"].tolist() == [2, 2]
     assert info["action_mask"].tolist() == [1, 0, 0, 1, 1, 0, 0]
-    drawn = [env.reset(options={"randomize": True})[0] for _ in range(9)]
-    assert len({tuple(each["robot_pos"]) for each in drawn}) > 2
-    assert same(env.reset()[0], usual)
+    random = [env.reset(options={"randomize": True})[0] for _ in range(9)]
+    assert len({tuple(each["robot_pos"]) for each in random}) > 2
+    assert same(env.reset()[0], default)
     for options in ({}, {"layout": None}):
-        assert same(env.reset(options=options)[0], usual)
+        assert same(env.reset(options=options)[0], default)
     env = plain(layout=ROOM)
     found, _ = env.reset(seed=1, options={"randomize": False})
     assert found["pickup_pos"].tolist() == [1, 1]

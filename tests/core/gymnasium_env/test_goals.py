@@ -1,4 +1,4 @@
-"""``WarehouseGoal-v0``: its goals, and rewards of any goals."""
+"""The goals of ``WarehouseGoal-v0``, and rewards for any goals."""
 
 from typing import Any
 
@@ -34,8 +34,8 @@ def test_the_goal_is_to_be_at_the_dropoff_with_the_item() -> None:
     results = [env.step(action) for action in actions]
     seen += [result[0] for result in results]
     achieved = np.array([each["achieved_goal"] for each in seen])
-    way = [(2, 3), (1, 3), (1, 3), (1, 2), (1, 1), (1, 1), (2, 1), (2, 2), (2, 3), (1, 3)]
-    assert (achieved[:, :2] * CELLS_PER_UNIT).round(5).tolist() == [[*cell] for cell in way]
+    path = [(2, 3), (1, 3), (1, 3), (1, 2), (1, 1), (1, 1), (2, 1), (2, 2), (2, 3), (1, 3)]
+    assert (achieved[:, :2] * CELLS_PER_UNIT).round(5).tolist() == [[*cell] for cell in path]
     assert achieved[:, 2].tolist() == [0.0] * 5 + [1.0] * 5
     assert {tuple(each["desired_goal"].tolist()) for each in seen} == {tuple(achieved[-1].tolist())}
     assert [result[1] for result in results] == [-1.0] * 8 + [0.0]

@@ -1,4 +1,4 @@
-"""Cached observations and masks equal those of the environment."""
+"""Cached observations and masks equal the environment's own."""
 
 from helpers.gymnasium_envs import ROOM, plain
 

@@ -1,4 +1,4 @@
-"""Observation spaces contain all observations, and their bounds are reached."""
+"""Observation spaces contain all observations, which reach their bounds."""
 
 from functools import partial
 

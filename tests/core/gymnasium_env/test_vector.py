@@ -40,7 +40,7 @@ allow_fork = pytest.mark.filterwarnings("ignore:This process .* is multi-threade
 def assert_infos_equal(
     found: dict[str, Any], expected: dict[str, Any], is_exact: bool = True
 ) -> None:
-    """Compare each key in the rows that it applies to; motions have another form."""
+    """Compare each key in the rows to which it applies; motions have a different form."""
     for key in sorted({*found, *expected} - {"motion", "_motion"}):
         if key.startswith("_"):
             assert found[key].dtype == expected[key].dtype == bool
@@ -68,13 +68,13 @@ def assert_infos_equal(
     for row in rows:
         for key, values in found["motion"].items():
             if not key.startswith("_"):
-                # Bodies of a batch share a space, in which terms are summed in another order.
+                # Bodies of a batch share a space, where terms are added in another order.
                 one = getattr(expected["motion"][row], key)
                 assert values[row] == one if is_exact else values[row] == pytest.approx(one)
 
 
 def equal_values(value: Any, other: Any) -> bool:
-    """Compare observations; a number may be of Python or of NumPy."""
+    """Compare observations, whose numbers may be of Python or NumPy."""
     if isinstance(value, dict):
         return value.keys() == other.keys() and all(
             equal_values(value[key], other[key]) for key in value
@@ -154,7 +154,7 @@ def test_a_limit_of_steps_is_that_of_gymnasiums_wrapper(limit: int) -> None:
         assert (again.num_envs, again.spec.max_episode_steps) == (2, min(limit % 10, 6))
 
 
-def test_rows_without_a_seed_have_the_seeds_that_they_tell() -> None:
+def test_rows_without_a_seed_have_the_seeds_that_they_report() -> None:
     env, other = (WarehouseVectorEnv(3, ROOM) for _ in range(2))
     known = env.np_random_seed
     start = env.reset()[0]

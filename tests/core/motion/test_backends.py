@@ -79,7 +79,7 @@ def test_a_backend_of_another_type_raises(backend: Any) -> None:
 
 
 class WithoutBatch:
-    """The least that is a motion."""
+    """A motion with only the required parts."""
 
     cell_size = 1.0
 
@@ -90,7 +90,7 @@ class WithoutBatch:
 
 
 class LoneBatch(GridMotion):
-    """A grid that moves no fleets by arrays."""
+    """A grid without array motion of fleets."""
 
     def fleet_batch(self, layouts: Any, robots: int) -> Any:
         raise ValueError("lone robots only")
@@ -132,7 +132,7 @@ def test_a_batch_of_lone_robots_needs_a_backend_that_has_one() -> None:
 
 
 class Slower(GridMotion):
-    """A grid whose robots do not move, with the batches of one whose robots do."""
+    """A grid whose robots do not move, but move in its batches."""
 
     def advance(self, displacements: Any, loaded: Any) -> Any:
         return super().advance([(0, 0)] * len(displacements), loaded)

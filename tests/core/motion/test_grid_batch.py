@@ -12,7 +12,7 @@ MOVING, STANDING = (nominal_joules(0.5, moving=moving) for moving in (True, Fals
 
 @pytest.mark.parametrize(("floors", "robots"), [(3, 1), (3, 6), (1, 6), (1, 12)])
 def test_the_outcomes_of_a_floor_are_those_of_the_single_motion(floors: int, robots: int) -> None:
-    """Paths, headings and contacts too, and of floors that were placed anew."""
+    """This includes paths, headings and contacts, and floors that are placed again."""
     layouts = [random_layout(5, 7, 0.2, seed=seed) for seed in (1, 2, 1)[:floors]]
     stream = np.random.default_rng(0)
     batch = GridMotion(0.5).fleet_batch(layouts, robots)

@@ -19,7 +19,7 @@ def batch_of(layouts: Sequence[Layout], robots: int, make: Any = GridMotion) -> 
 
 
 class Separate(GridMotion):
-    """A grid whose batches are made of single motions."""
+    """A grid whose batches consist of single motions."""
 
     def batch(self, layouts: Sequence[Layout]) -> Any:
         return batch_of(layouts, 1)
@@ -34,7 +34,7 @@ def test_it_conforms(check: Any) -> None:
 
 
 class Scripted(GridMotion):
-    """A motion with given outcomes that records its resets and closes."""
+    """A motion with given outcomes, which records calls of ``reset`` and ``close``."""
 
     outcomes: Sequence[Outcome] = ()
     calls: list[Any]
@@ -68,12 +68,12 @@ def test_what_stopped_a_robot_is_read_from_its_outcome() -> None:
     ]
     actions = np.array([SOUTH, NORTH, EAST, NORTH, WAIT, EAST])
     found = batch.advance(actions, np.zeros(6, bool)).stopped_by
-    # Without a contact, 3 was stopped by 0 in the cell to the north, and 5 by what is no robot.
+    # Without contacts, robot 0 in the cell to the north stops 3, and something else stops 5.
     assert found.tolist() == [4, WALL, WALL, 0, NOTHING, WALL]
 
 
-def test_robots_on_their_way_to_one_cell_stop_each_other() -> None:
-    """As backends do that keep them from touching; a wall stops a robot that has no rival."""
+def test_robots_with_the_same_target_stop_each_other() -> None:
+    """Some backends keep them from touching. A robot without a rival is stopped by a wall."""
     batch = batch_of([HALL], 3, Scripted)
     batch.place(np.arange(3), np.array([0, 2, 3]))
     batch._motions[0].outcomes = [ended((0, 0)), ended((0, 2)), ended((1, 0))]

@@ -62,7 +62,7 @@ def test_both_forms_follow_the_table_in_crowds() -> None:
     ("queues", "length"), [(1, 3000), (MAX_SMALL_FRONT + 1, 9)], ids=["one", "many"]
 )
 def test_queues(queues: int, length: int) -> None:
-    """All queues stand at the east; that of the first row has a place to move to."""
+    """All queues end in the east. Only the queue of the first row has a free cell ahead."""
     layout = Layout(["." * (length + 1), *["." * length + "#"] * queues])
     cells = [(row, col) for row in range(queues + 1) for col in range(length)]
     stream = random.Random(0)

@@ -13,19 +13,19 @@ PICKUPS, DROPOFFS = [0, 1, 2], [4, 14]
 GOOD = Order(0, 9, (0, 0), (0, 4))
 
 
-def drawn(*streams: OrderStream, steps: int = 100_000, seed: int = 1) -> Any:
+def random_orders(*streams: OrderStream, steps: int = 100_000, seed: int = 1) -> Any:
     return RandomOrders(streams, HALL, steps).draw(np.random.default_rng(seed))
 
 
 def shares(cells: Any, among: list[int]) -> list[float]:
-    """Return how often each of some cells was drawn, of all."""
+    """Return the share of each of these cells in all chosen cells."""
     found = [(cells == cell).mean() for cell in among]
     assert sum(found) == pytest.approx(1)
     return found
 
 
 def test_a_stream_is_a_poisson_process() -> None:
-    orders = drawn(OrderStream(0.3, due=(10, 20)))
+    orders = random_orders(OrderStream(0.3, due=(10, 20)))
     assert len(orders.released) == pytest.approx(30_000, rel=0.03)
     assert (np.diff(orders.released) >= 0).all()
     in_a_step = np.bincount(orders.released, minlength=100_000)
@@ -39,14 +39,14 @@ def test_a_stream_is_a_poisson_process() -> None:
     assert set(orders.robot.tolist()) == {OPEN}
 
 
-def test_stations_are_drawn_by_their_weights() -> None:
-    orders = drawn(OrderStream(0.3, pickup_weights=(0, 3, 1), dropoff_weights=(1, 0)))
+def test_stations_occur_in_proportion_to_their_weights() -> None:
+    orders = random_orders(OrderStream(0.3, pickup_weights=(0, 3, 1), dropoff_weights=(1, 0)))
     assert shares(orders.pickup, PICKUPS) == pytest.approx([0, 0.75, 0.25], abs=0.01)
     assert shares(orders.dropoff, DROPOFFS) == [1, 0]
 
 
 def test_streams_follow_one_another() -> None:
-    orders = drawn(
+    orders = random_orders(
         OrderStream(0.5, start=20_000, pickup_weights=(1, 0, 0)),
         OrderStream(0, start=40_000),
         OrderStream(0.1, due=(7, 7), start=60_000, pickup_weights=(0, 1, 0)),
@@ -111,9 +111,9 @@ def test_streams_name_what_is_wrong(streams: Any, message: str) -> None:
 
 
 def test_there_are_limits_and_stations(monkeypatch: pytest.MonkeyPatch) -> None:
-    with pytest.raises(LayoutError, match=r"^the layout has no dropoff; orders are drawn from its"):
+    with pytest.raises(LayoutError, match=r"^the layout has no dropoff; random orders need one"):
         RandomOrders([OrderStream()], Layout(["P.."]), 10)
-    with pytest.raises(LayoutError, match=r"^the layout has no pickup; orders"):
+    with pytest.raises(LayoutError, match=r"^the layout has no pickup; random orders"):
         QueuedOrders(OrderQueue(1), Layout(["D.."]))
     monkeypatch.setattr(sources, "MAX_ORDERS", 1)
     with pytest.raises(OrderError, match=r"^2 orders are more than MAX_ORDERS = 1$"):

@@ -8,7 +8,7 @@ from unittest.mock import Mock
 import pytest
 
 with warnings.catch_warnings():
-    # The tests import one of PettingZoo's own games in a way that it deprecates.
+    # The tests import one of PettingZoo's own games by a deprecated path.
     warnings.simplefilter("ignore", DeprecationWarning)
     from pettingzoo.test import (
         api_test,
@@ -28,10 +28,10 @@ SETTINGS: list[dict[str, Any]] = [
     {"layout": YARD, "robots": 4, "orders": 0.1, "max_cycles": 80, "battery": 25},
     {"layout": YARD, "robots": 3, "orders": 0.3, "max_cycles": 60, "moves": "turn"},
 ]
-"""Robots that end by deliveries, together, and one after the other; and robots with headings."""
+"""Robots that end together or one after the other, and robots with headings."""
 
 NOT_LISTED = "Observation is not a NumPy array|Observation space for each agent probably should be"
-"""What ``api_test`` says of every ``Dict`` unless the environment is one of PettingZoo's own."""
+"""Warning of ``api_test`` about every ``Dict``, except in PettingZoo's own environments."""
 
 
 @pytest.fixture(params=range(len(SETTINGS)))

@@ -1,4 +1,4 @@
-"""What PettingZoo's own tests do not ask of the environment."""
+"""Properties of the environment that PettingZoo's own tests do not check."""
 
 import importlib
 import sys
@@ -50,7 +50,7 @@ def test_each_robot_gets_its_row_of_the_fleet() -> None:
         assert list(rewards.values()) == expected_rewards.tolist()
 
 
-def test_a_robot_that_has_ended_leaves_the_agents_and_stays_in_the_way() -> None:
+def test_a_robot_that_has_ended_leaves_the_agents_and_blocks_others() -> None:
     env = pettingzoo_env.parallel_env(["PD.", "..."], 2, starts=[(0, 0), (1, 1)])
     env.reset(seed=1)
     env.step({"robot_0": 5, "robot_1": 4})

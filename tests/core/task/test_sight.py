@@ -14,7 +14,7 @@ def sight_of(layout: Layout, radius: int) -> Sight:
 
 
 def window_of(layout: Layout, radius: int, cell: Cell, robot: str) -> list[str]:
-    """Return a window, computed cell by cell."""
+    """Return a window that is computed cell by cell."""
     lines = []
     for row in range(cell[0] - radius, cell[0] + radius + 1):
         line = ""

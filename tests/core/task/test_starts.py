@@ -32,7 +32,7 @@ BELOW_ONE = 1 - 2**-53
         ((0, BELOW_ONE, BELOW_ONE, 0.3), [0, 4, 3]),
     ],
 )
-def test_each_cell_is_drawn_from_those_not_drawn_yet(
+def test_each_cell_is_chosen_from_the_cells_that_are_left(
     uniforms: tuple[float, ...], expected: list[int]
 ) -> None:
     assert draw_ranks(np.array(uniforms), 5).tolist() == expected
@@ -48,7 +48,7 @@ def test_every_triple_has_the_same_probability(count: int) -> None:
     assert sorted(map(tuple, found.tolist())) == sorted(permutations(range(count), 3))
 
 
-def test_with_only_two_cells_no_start_is_drawn() -> None:
+def test_with_only_two_cells_there_is_no_random_start() -> None:
     uniforms = np.array([[0, 0, 0, 0], [0.6, 0, 0.9, 0], [0.6, 0, 0.9, 0]])
     found = draw_ranks(uniforms, np.array([2, 2, 3]))
     assert found.tolist() == [[0, 1, NO_RANK], [1, 0, NO_RANK], [1, 0, 2]]
@@ -70,7 +70,7 @@ def test_a_layout_needs_room_for_pickup_and_dropoff() -> None:
 
 
 @pytest.mark.parametrize("randomized", [Randomized(True, True), Randomized(False, True)])
-def test_nothing_is_drawn_onto_a_charger(randomized: Randomized) -> None:
+def test_nothing_random_is_on_a_charger(randomized: Randomized) -> None:
     before = Layout(["CP.C", ".CD.", "C.C."])
     empty = {cell for cell in product(range(3), range(4)) if before.rows[cell[0]][cell[1]] == "."}
     starts = set()
@@ -91,7 +91,7 @@ def test_nothing_is_drawn_onto_a_charger(randomized: Randomized) -> None:
         (["PDC"], Randomized(False, True), False),
     ],
 )
-def test_a_start_needs_a_cell_beside_stations_and_chargers(
+def test_a_start_needs_a_cell_besides_stations_and_chargers(
     rows: list[str], randomized: Randomized, expected: bool
 ) -> None:
     assert has_start(Layout(rows), randomized) is expected

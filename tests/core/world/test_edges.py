@@ -13,8 +13,8 @@ def networks(draw: st.DrawFn) -> Edges:
     """Return random edges in both directions, of different costs, between a few nodes."""
     nodes = draw(st.integers(1, 12))
     pairs = st.tuples(st.integers(0, nodes - 1), st.integers(0, nodes - 1))
-    drawn = sorted({pair for pair in draw(st.lists(pairs, max_size=30)) if len({*pair}) == 2})
-    both = sorted({*drawn, *((end, start) for start, end in drawn)})
+    directed = sorted({pair for pair in draw(st.lists(pairs, max_size=30)) if len({*pair}) == 2})
+    both = sorted({*directed, *((end, start) for start, end in directed)})
     starts, ends = np.array(both, np.intp).reshape(-1, 2).T
     stream = np.random.default_rng(draw(st.integers(0, 99)))
     return Edges(starts, ends, stream.choice([0.1, 0.7, 1.0, 3.0], len(both)), nodes)
@@ -26,7 +26,9 @@ def without_scipy(monkeypatch: pytest.MonkeyPatch) -> None:
 
 @settings(max_examples=100)
 @given(networks(), st.data())
-def test_ways_cost_the_same_bits_without_scipy(network: Edges, data: st.DataObject) -> None:
+def test_costs_of_paths_are_the_same_bits_without_scipy(
+    network: Edges, data: st.DataObject
+) -> None:
     nodes = len(network.parts())
     sources = data.draw(st.lists(st.integers(0, nodes - 1), min_size=1, max_size=3, unique=True))
     expected, parts = network.cheapest(sources), network.parts()
@@ -38,7 +40,7 @@ def test_ways_cost_the_same_bits_without_scipy(network: Edges, data: st.DataObje
 
 
 @pytest.mark.parametrize("has_scipy", [True, False])
-def test_a_longer_way_may_be_cheaper(has_scipy: bool, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_a_longer_path_may_be_cheaper(has_scipy: bool, monkeypatch: pytest.MonkeyPatch) -> None:
     if not has_scipy:
         without_scipy(monkeypatch)
     starts, ends, costs = np.array([0, 0, 1]), np.array([2, 1, 2]), np.array([3.0, 1.0, 1.0])

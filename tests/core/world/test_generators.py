@@ -40,7 +40,7 @@ SHELVES = (
 
 
 def assert_usable(layout: Layout) -> None:
-    """Check that every open cell can be reached, and that there is a border."""
+    """Check that every open cell is reachable, and that there is a border."""
     everywhere = {layout.open_cell(index) for index in range(len(layout.open_cells))}
     assert layout.reachable_from((1, 1)) == everywhere
     assert set(layout.rows[0]) == set(layout.rows[-1]) == {"#"}
@@ -183,16 +183,16 @@ def test_a_wrong_size_is_named(make: Callable[[], object], message: str) -> None
         make()
 
 
-def test_one_way_leads_between_any_two_cells_of_a_maze() -> None:
+def test_exactly_one_path_connects_any_two_cells_of_a_maze() -> None:
     mazes = {maze_layout(7, 11, seed) for seed in range(30)}
     assert len(mazes) == 30
     assert maze_layout(7, 11, 3) == maze_layout(7, 11, 3)
     for maze in mazes:
         assert_usable(maze)
         cells = {maze.open_cell(index) for index in range(len(maze.open_cells))}
-        ways = [pair for pair in combinations(cells, 2) if manhattan_distance(*pair) == 1]
-        assert len(cells) == 29, "each of 15 rooms, and the ways that join them"
-        assert len(ways) == len(cells) - 1
+        edges = [pair for pair in combinations(cells, 2) if manhattan_distance(*pair) == 1]
+        assert len(cells) == 29, "each of 15 rooms, and the cells between them"
+        assert len(edges) == len(cells) - 1
 
 
 @pytest.mark.parametrize("size", [(6, 7), (7, 8), (3, 7)])

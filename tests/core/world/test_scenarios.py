@@ -11,7 +11,7 @@ WAYS = "version 1\n0\thall.map\t4\t3\t1\t0\t3\t2\t3.41421\n"
 
 
 @pytest.fixture
-def ways(tmp_path: Path) -> Path:
+def path(tmp_path: Path) -> Path:
     return tmp_path / "hall.map.scen"
 
 
@@ -34,9 +34,9 @@ def scenario(**changed: object) -> Scenario:
     ],
     ids=["spaces", "both", "Windows", "1.0", "empty lines"],
 )
-def test_x_is_the_column_in_all_variants_of_the_format(ways: Path, text: str) -> None:
-    ways.write_bytes(text.encode())
-    assert load_scenarios(ways) == [scenario()]
+def test_x_is_the_column_in_all_variants_of_the_format(path: Path, text: str) -> None:
+    path.write_bytes(text.encode())
+    assert load_scenarios(path) == [scenario()]
 
 
 @pytest.mark.parametrize(
@@ -58,24 +58,24 @@ def test_x_is_the_column_in_all_variants_of_the_format(ways: Path, text: str) ->
         ("x" * 1001, "column 1001: the line is longer than MAX_LINE = 1000 bytes"),
     ],
 )  # fmt: skip
-def test_an_invalid_scenario_raises_with_its_place(ways: Path, line: str, message: str) -> None:
-    assert refused(ways, f"{WAYS}\n{line}\n").startswith(f"line 4, {message}")
+def test_an_invalid_scenario_raises_with_its_place(path: Path, line: str, message: str) -> None:
+    assert refused(path, f"{WAYS}\n{line}\n").startswith(f"line 4, {message}")
 
 
 @pytest.mark.parametrize("first", ["", "version 2"])
-def test_scenarios_of_another_version_raise(ways: Path, first: str) -> None:
-    message = refused(ways, f"{first}\n")
+def test_scenarios_of_another_version_raise(path: Path, first: str) -> None:
+    message = refused(path, f"{first}\n")
     allowed = "it must be 'version 1' or 'version 1.0'"
     assert message == f"line 1, column 1: {first!r} is not allowed; {allowed}"
 
 
-def test_too_many_scenarios_raise(ways: Path, monkeypatch: pytest.MonkeyPatch) -> None:
+def test_too_many_scenarios_raise(path: Path, monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(scenarios_module, "MAX_SCENARIOS", 3)
     line = WAYS.splitlines()[1]
-    ways.write_text(f"version 1\n{line}\n{line}\n{line}\n")
-    assert len(load_scenarios(ways)) == 3
+    path.write_text(f"version 1\n{line}\n{line}\n{line}\n")
+    assert len(load_scenarios(path)) == 3
     for more in (line, ""):
-        message = refused(ways, f"version 1\n{line}\n{line}\n{line}\n{more}\n")
+        message = refused(path, f"version 1\n{line}\n{line}\n{line}\n{more}\n")
         assert message == "line 5, column 1: more than MAX_SCENARIOS = 3 lines"
 
 
