@@ -266,10 +266,10 @@ def walks(env: FleetEnv) -> list[Any]:
     crowd: Any = env._engine.crowd
     if not crowd._walks_to_stations:
         return [None] * len(env.people)
-    ways, fields = crowd._ways, []
+    paths, fields = crowd._paths, []
     for goal in crowd._goals[0].tolist():
-        first = ways._first[0] + goal * ways._size[0]
-        number = int(np.flatnonzero(ways._is_goal[first : first + ways._size[0]])[0])
+        first = paths._first[0] + goal * paths._size[0]
+        number = int(np.flatnonzero(paths._is_goal[first : first + paths._size[0]])[0])
         fields.append(distances(env.layout, [env.layout.cell(number)]))
     return fields
 
