@@ -187,7 +187,7 @@ class Escapes:
         return []
 
     def _around(self, cell: int, others: set[int]) -> list[int]:
-        """Return the nearest cells around a cell that other robots or people occupy."""
+        """Return the occupied cells that are nearest to a cell."""
         reached, known = [cell], {cell}
         for place in reached:
             new = [each for each in self._near[place] if each not in known]

@@ -152,7 +152,7 @@ class Scheduler:
         return self._escapes.aims(robots.cells, goals, distances, walls, people, is_done)
 
     def _close(self, cells: frozenset[int]) -> None:
-        """Close the cells of robots that have failed to all paths."""
+        """Close the cells of failed robots, so that no path uses them."""
         if cells != self.graph.closed:
             self.graph.close(cells)
             self._times.graph.close(cells)

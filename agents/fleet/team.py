@@ -48,7 +48,7 @@ Goal = tuple[Cell | None, Cell | None]
 
 
 class Site:
-    """Shared knowledge of the robots of a fleet about their warehouse, after its reset.
+    """Knowledge about a warehouse that the robots of a fleet share, made after a reset.
 
     Attributes:
         stations: cells in which no robot should wait without a reason.

@@ -21,7 +21,7 @@ WORDS = tuple(MOVE_DELTAS)
 
 
 class CloneAgent:
-    """An agent that takes the move that its network ranks highest among those not into a wall.
+    """An agent that takes the move its network ranks highest, apart from moves into walls.
 
     At its goal it picks or drops. It has a ``MapMemory`` of its own, which each reset clears.
 

@@ -1,6 +1,6 @@
 """The agent that ``warehouse train ppo`` trains; running it needs only NumPy.
 
-It uses only its current observation.
+It uses only its observations.
 """
 
 from __future__ import annotations

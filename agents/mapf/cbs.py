@@ -164,7 +164,7 @@ class ConflictTree:
         raise PlanError(NO_PLAN)
 
     def _root(self) -> ConflictNode:
-        """Return the root, with which the tree starts again."""
+        """Return the root of a new tree."""
         node = ConflictNode(None, (), [], [], {})
         for robot in range(self.problem.robots):
             node.routes.append(self._route(robot, node))

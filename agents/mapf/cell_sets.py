@@ -43,7 +43,7 @@ class CellSets:
         return place - place // self.row
 
     def spread(self, cells: int) -> int:
-        """Return the cells that a robot in one of some cells can reach in a step."""
+        """Return the cells that a robot can reach in a step, from any of these."""
         row = self.row
         return (cells | cells << 1 | cells >> 1 | cells << row | cells >> row) & self.open
 

@@ -83,7 +83,7 @@ class ExplicitTree(ConflictTree):
 
 
 def solve_eecbs(problem: Problem, seconds: float, w: float = W) -> Plan:
-    """Return a plan that costs at most ``w`` times its bound; see ``problem.Solver``.
+    """Return a plan that costs at most ``w`` times the optimum; see ``problem.Solver``.
 
     Raises:
         ValueError: ``w`` is below 1.
