@@ -263,11 +263,11 @@ def can_work(env: FleetEnv) -> bool:
 
 def walks(env: FleetEnv) -> list[Any]:
     """Return the distances to the goal of each person, or ``None`` for people without a goal."""
-    crowd: Any = env._engine.crowd
-    if not crowd._walks_to_stations:
+    walkers: Any = env._engine.walkers
+    if not walkers._walks_to_stations:
         return [None] * len(env.people)
-    paths, fields = crowd._paths, []
-    for goal in crowd._goals[0].tolist():
+    paths, fields = walkers._paths, []
+    for goal in walkers._goals[0].tolist():
         first = paths._first[0] + goal * paths._size[0]
         number = int(np.flatnonzero(paths._is_goal[first : first + paths._size[0]])[0])
         fields.append(distances(env.layout, [env.layout.cell(number)]))
