@@ -1,4 +1,4 @@
-"""Search: algorithms, problems, heuristics, and agents that plan."""
+"""Search algorithms, search problems, heuristics, and agents that plan by searching."""
 
 from agents.search.agents import ExploringAgent, SearchAgent
 from agents.search.algorithms import (

@@ -1,4 +1,4 @@
-"""Agents that search: ``SearchAgent`` knows the map, ``ExploringAgent`` only what it has seen.
+"""Agents that plan by searching: one that knows the map, and one that explores it.
 
 Source: Russell and Norvig, 4th ed., ch. 3, and section 4.5 on online search.
 """
@@ -31,7 +31,7 @@ WEIGHT = 2.0
 """Default weight of the heuristic in weighted A*."""
 
 PATIENCE = 10
-"""Most times per goal that an exploring agent forgets the walls that it has not seen."""
+"""Number of times per goal that an exploring agent discards the walls that it only assumes."""
 
 ALGORITHMS: dict[str, Callable[[DeliveryProblem, float], Solution[DeliveryState, str]]] = {
     "bfs": lambda problem, _: breadth_first_search(problem),
@@ -44,25 +44,25 @@ ALGORITHMS: dict[str, Callable[[DeliveryProblem, float], Solution[DeliveryState,
         problem, manhattan_delivery(problem), weight
     ),
 }
-"""Planners of a delivery by name; the weight is for weighted A* only."""
+"""Functions that plan a delivery, by name. Only weighted A* uses the weight."""
 
 
 class SearchAgent:
-    """Knows the walls, plans the delivery once, and follows the plan.
+    """An agent that knows the map, plans the whole delivery once, and follows the plan.
 
-    If a motion leads off the plan, it makes a new one. If there is no path, it waits.
+    If a motion leads off the plan, the agent makes a new plan. If there is no path, it waits.
 
     Args:
-        layout: the walls, and the stations if the observation agrees with them.
+        layout: layout with the walls. Its stations are used if the observations agree with them.
         algorithm: one of ``ALGORITHMS``.
         cost: measure to minimise: ``"steps"``, ``"seconds"`` or ``"joules"``.
         weight: weight of the heuristic in weighted A*.
-        backend: motion backend on which seconds and joules are measured.
+        backend: motion backend with which seconds and joules are measured.
 
     Attributes:
         reason: reason of the last action.
-        expanded: nodes since the last reset.
-        plans: number of plans since the last reset.
+        expanded: number of nodes expanded since the last reset.
+        plans: number of plans made since the last reset.
 
     Raises:
         ValueError: the algorithm, the cost or the weight is not allowed.
@@ -106,7 +106,7 @@ class SearchAgent:
         if action is None:
             return self._make_plan(observation)
         if state == self._before and action in ("PICK", "DROP"):
-            # It had no effect, so the station is not there; only the observed ones are.
+            # The action had no effect, so there is no station here. Use only the observed stations.
             self._knows_stations = False
             return self._make_plan(observation)
         self._before = state
@@ -122,24 +122,24 @@ class SearchAgent:
         self.expanded += solution.expanded
         if not solution.found:
             self._plan = {(here, has_item): "WAIT"}
-            self.reason = f"no way leads to the {'dropoff' if has_item else 'pickup and dropoff'}"
+            self.reason = f"no path to the {'dropoff' if has_item else 'pickup and dropoff'}"
             return "WAIT"
         # The last state, the delivery, has no action.
         self._plan = {
             ((row, col), loaded): action
             for (row, col, loaded), action in zip(solution.states, solution.actions, strict=False)
         }
-        self.reason = "has a plan" if self.plans == 1 else "is off its plan, makes a new one"
+        self.reason = "has a plan" if self.plans == 1 else "left its plan, makes a new one"
         self._before, self._is_new = (here, has_item), True
         return self._plan[here, has_item]
 
     def _problem(self, observation: Observation) -> DeliveryProblem:
-        """Return the rest of the delivery."""
+        """Return the problem of completing the delivery from here."""
         here, has_item = observation["robot_pos"], observation["has_item"]
         stations = [observation["pickup_pos"], observation["dropoff_pos"]]
         own = [self.layout.pickups, self.layout.dropoffs]
-        # The layout has all stations, the observation the first of each kind. If they differ, the
-        # episode has random stations.
+        # The layout has all stations, and the observation has the first of each kind. If these
+        # differ, the episode has random stations.
         pickups, dropoffs = (
             theirs if self._knows_stations and theirs[:1] == (seen,) else [seen] if seen else []
             for seen, theirs in zip(stations, own, strict=True)
@@ -150,16 +150,17 @@ class SearchAgent:
 
 
 class ExploringAgent:
-    """Knows only its observations; it plans as if all cells that it has not seen were free.
+    """An agent that knows only its observations, and plans as if all unseen cells were free.
 
-    It makes a new plan whenever it meets a wall: along a wall of n cells that is n searches. It
-    takes a cell that is not in view for a wall if two successive moves did not reach it.
+    Whenever it discovers a wall on its path, it makes a new plan, so following a wall of n cells
+    can take n searches. If two successive moves fail to reach a cell that it has not seen, it
+    assumes a wall there.
 
     Attributes:
-        belief: the cells that it has seen.
+        belief: knowledge and assumptions about the cells.
         reason: reason of the last action.
-        expanded: nodes since the last reset.
-        plans: number of plans since the last reset.
+        expanded: number of nodes expanded since the last reset.
+        plans: number of plans made since the last reset.
 
     Example:
         >>> from agents import ExploringAgent
@@ -184,7 +185,7 @@ class ExploringAgent:
         self._target: Cell | None = None
 
     def act(self, observation: Observation) -> str:
-        """Return the next action, of the plan if it is still valid, or else of a new one."""
+        """Return the next action of the plan, after making a new plan if the old one is invalid."""
         here, has_item = observation["robot_pos"], observation["has_item"]
         if here == self._left and self._target is not None:
             self.belief.bump(self._target)
@@ -192,36 +193,36 @@ class ExploringAgent:
         goal = goal_of(observation)
         self._left, self._target = here, None
         if goal is None:
-            return self._choose("WAIT", "there is nowhere to go")
+            return self._choose("WAIT", "has no goal")
         if here == goal:
-            return self._choose("DROP" if has_item else "PICK", "is there")
+            return self._choose("DROP" if has_item else "PICK", "is at the goal")
         why = self._why_to_plan(here, goal)
         if why:
             self._make_plan(here, goal)
         move = self._moves.get(here)
         if move is None:
-            return self._choose("WAIT", f"no way leads to {goal}, as far as it has seen")
+            return self._choose("WAIT", f"no path to {goal} around the walls seen so far")
         self._target = moved(here, MOVE_DELTAS[move])
         return self._choose(move, why or "follows its plan")
 
     @property
     def route(self) -> tuple[Cell, ...]:
-        """The cells of the plan, from the one of the last action."""
+        """Cells of the plan, beginning with the cell of the last action."""
         cells = [] if self._left is None else [self._left]
         while cells and cells[-1] in self._moves:
             cells.append(moved(cells[-1], MOVE_DELTAS[self._moves[cells[-1]]]))
         return tuple(cells)
 
     def _why_to_plan(self, here: Cell, goal: Cell) -> str:
-        """Return the reason for a new plan; it is empty if the old one holds."""
+        """Return the reason for making a new plan, or an empty text if the old plan is valid."""
         if goal != self._goal:
-            return f"plans its way to {goal}"
-        # The plan avoids all other walls: what is new since then is in view or was just run into.
+            return f"plans a path to {goal}"
+        # The plan avoids the walls known before, so only cells seen or hit since then matter.
         new = self._planned.intersection(self.belief.news) | (self._planned & self.belief.bumps)
         if any(not self.belief.is_free(cell) for cell in new):
-            return "meets a wall, plans round it"
+            return "meets a wall, plans around it"
         if self._moves and here not in self._moves:
-            return "is off its plan, makes a new one"
+            return "left its plan, makes a new one"
         return ""
 
     def _make_plan(self, here: Cell, goal: Cell) -> None:
@@ -229,7 +230,7 @@ class ExploringAgent:
             self._goal, self._patience = goal, PATIENCE
         solution = self._search(here, goal)
         if not solution.found and self.belief.bumps and self._patience:
-            # The moves may have failed for another reason than a wall.
+            # The moves may have failed for a reason other than a wall.
             self._patience -= 1
             self.belief.forget_bumps()
             solution = self._search(here, goal)

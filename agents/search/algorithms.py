@@ -1,9 +1,9 @@
-"""Search algorithms in Russell and Norvig's words, all by one best-first search.
+"""Search algorithms, in the terms of Russell and Norvig, all based on one best-first search.
 
 A *problem* has an initial state, actions, a transition model, action costs and a goal test. A
-*node* is a state with the path that led to it. The *frontier* holds the nodes that have been
-generated and not yet expanded; *reached* holds the best known path to each state. The algorithms
-differ only in which node is expanded next, the one with the least f:
+*node* is a state with the path that led to it. The *frontier* contains the nodes that have been
+generated but not yet expanded. *Reached* contains the best known path to each state. Each algorithm
+expands the node with the lowest value of f next. The algorithms differ only in f:
 
 | algorithm         | evaluation function f                 | section |
 | ----------------- | ------------------------------------- | ------- |
@@ -13,13 +13,14 @@ differ only in which node is expanded next, the one with the least f:
 | A*                | g + h                                 | 3.5.2   |
 | weighted A*       | g + W h                               | 3.5.4   |
 
-Among nodes of equal f the last one generated is expanded first: on a grid, where many paths are
-equally long, this follows one of them instead of widening all together. So the frontier is a stack
-of nodes for each value of f, and a heap of these values.
+Among nodes with equal f, the node generated last is expanded first. On a grid, where many paths are
+equally long, the search then follows one of these paths instead of extending all of them. The
+frontier is therefore a heap of values of f, with a stack of nodes for each value.
 
-A better path to a state that has been expanded *reopens* it: it is expanded again. A* needs this
-for the best path if its heuristic is inconsistent, weighted A* for its bound. For greedy best-first
-search, which promises no bound, it is off by default: the same state could be expanded many times.
+A better path to a state that has been expanded *reopens* the state, so it is expanded again. A*
+with an inconsistent heuristic needs this to find the best path, and weighted A* needs it for its
+bound. Greedy best-first search gives no bound, and might expand the same state many times, so
+reopening is off by default there.
 
 Source: Russell and Norvig, Artificial Intelligence, 4th ed., ch. 3.
 """
@@ -39,26 +40,27 @@ S = TypeVar("S", bound=Hashable)
 A = TypeVar("A")
 
 Evaluation = Callable[[S, float], float]
-"""f: function of a node's state and of the cost of its path; the least is expanded first."""
+"""The evaluation function f of a node's state and the cost of its path."""
 
 MAX_WEIGHT = 1_000_000
-"""Limit on finite weights; with much larger ones estimates overflow to infinity."""
+"""Largest finite weight; with much larger weights, estimates overflow to infinity."""
 
 Heuristic = Callable[[S], float]
-"""h: an estimate of the cost from a state to the nearest goal."""
+"""The heuristic h, an estimate of the cost from a state to the nearest goal."""
 
 Node = tuple[float, S, Any, A | None]
-"""The cost of a path, its last state, and the node and the action before it, or twice ``None``."""
+"""The cost of a path, its last state, its parent node and the last action. The initial node has
+``None`` for the parent and the action."""
 
 CLOSED: Node[Any, Any] = (-math.inf, None, None, None)
-"""Replaces the node of an expanded state that is not reopened: no path to it is better."""
+"""Replaces the node of an expanded state that must not be reopened: no path can cost less."""
 
 
 class Problem(ABC, Generic[S, A]):
     """A search problem (section 3.1.1).
 
     Attributes:
-        initial: the first state.
+        initial: the initial state.
 
     Example:
         >>> from agents.search import Problem, breadth_first_search
@@ -85,28 +87,28 @@ class Problem(ABC, Generic[S, A]):
 
     @abstractmethod
     def actions(self, state: S) -> Iterable[A]:
-        """Return the actions that can be executed in a state."""
+        """Return the actions that are possible in a state."""
 
     @abstractmethod
     def result(self, state: S, action: A) -> S:
-        """Return the state that an action leads to: the transition model."""
+        """Return the state to which an action leads: the transition model."""
 
     def action_cost(self, state: S, action: A, successor: S) -> float:
-        """Return the cost of an action, at least 0; 1 by default."""
+        """Return the cost of an action, which must be at least 0; the default is 1."""
         return 1.0
 
     def expand(self, state: S) -> Sequence[tuple[A, S, float]]:
-        """Return each action with its result and its cost: EXPAND of figure 3.7."""
+        """Return each action with its result and cost: EXPAND in figure 3.7."""
         results = [(action, self.result(state, action)) for action in self.actions(state)]
         return [(action, to, self.action_cost(state, action, to)) for action, to in results]
 
 
 class Event(NamedTuple):
-    """One expansion, for a picture.
+    """One expansion of a node, recorded for pictures.
 
     Attributes:
-        expanded: the state of the node.
-        reached: the states to which it found a first or a better path.
+        expanded: state of the node.
+        reached: states to which this expansion found a first or a better path.
     """
 
     expanded: Hashable
@@ -118,13 +120,13 @@ class Solution(Generic[S, A]):
     """The result of a search.
 
     Attributes:
-        states: the path from the initial state to a goal; empty if there is none.
-        actions: one fewer than the states; empty if there is no path.
-        cost: cost of the path; infinite if there is none.
-        generated: number of nodes generated, including the first.
+        states: states of the path from the initial state to a goal; empty without a path.
+        actions: actions of the path; empty without a path.
+        cost: cost of the path; infinite without a path.
+        generated: number of nodes generated, including the initial node.
         expanded: number of nodes expanded.
-        largest_frontier: most nodes in the frontier at once, including outdated ones.
-        events: one for each node expanded, in order, if requested.
+        largest_frontier: largest number of nodes in the frontier, including outdated ones.
+        events: one event for each expansion, in order, if they were requested.
 
     Example:
         >>> from agents.search import RouteProblem, Solution, uniform_cost_search
@@ -156,16 +158,16 @@ def best_first_search(
     reopen: bool = True,
     expand: Callable[[S], Sequence[tuple[A, S, float]]] | None = None,
 ) -> Solution[S, A]:
-    """Expand the node with the least evaluation until it is a goal (figure 3.7).
+    """Repeatedly expand the node with the lowest f until this node is a goal (figure 3.7).
 
-    Nodes that are evaluated at infinity are not put on the frontier: no path leads on from there.
+    A node with an infinite f is not added to the frontier, because no goal is reachable from it.
 
     Args:
         problem: problem to solve.
-        evaluate: the evaluation function f.
+        evaluate: evaluation function f.
         with_events: record each expansion.
         reopen: expand a state again if a better path to it is found.
-        expand: used instead of ``problem.expand``.
+        expand: function to use instead of ``problem.expand``.
 
     Raises:
         ValueError: the cost of an action that leads to a new state or on a better path is negative
@@ -185,7 +187,7 @@ def best_first_search(
     waiting = largest = generated = 1
     expanded = 0
     events: list[Event] = []
-    # Methods are looked up once, not for each node: this loop is most of the time of a search.
+    # Methods are looked up once instead of for each node, because this loop dominates the run time.
     expand, is_goal = expand or problem.expand, problem.is_goal
     best_known, stack_of = reached.get, stacks.get
     while values:
@@ -197,7 +199,7 @@ def best_first_search(
         waiting -= 1
         cost, state, _, _ = node
         if node is not reached[state]:
-            continue  # outdated: a better path has been found since
+            continue  # outdated: a better path to this state has been found
         if is_goal(state):
             states, actions = _path(node)
             return Solution(states, actions, cost, generated, expanded, largest, tuple(events))
@@ -215,7 +217,7 @@ def best_first_search(
                     raise ValueError(f"{action!r} in {state!r} costs {action_cost!r}; at least 0")
                 value = evaluate(successor, path_cost)
                 if value == math.inf:
-                    continue  # no path leads on from there
+                    continue  # no goal is reachable from there
                 reached[successor] = child = (path_cost, successor, node, action)
                 equals = stack_of(value)
                 if equals is None:
@@ -234,7 +236,7 @@ def best_first_search(
 
 
 def breadth_first_search(problem: Problem[S, A], *, with_events: bool = False) -> Solution[S, A]:
-    """Find a path of the fewest actions, regardless of their costs (section 3.4.1).
+    """Find a path with the fewest actions, regardless of their costs (section 3.4.1).
 
     Example:
         >>> from agents.search import RouteProblem, breadth_first_search
@@ -253,7 +255,7 @@ def breadth_first_search(problem: Problem[S, A], *, with_events: bool = False) -
 
 
 def uniform_cost_search(problem: Problem[S, A], *, with_events: bool = False) -> Solution[S, A]:
-    """Find a path of least cost, nearest states first (section 3.4.2).
+    """Find a path of least cost by expanding states in order of path cost (section 3.4.2).
 
     Example:
         >>> from agents.search import RouteProblem, uniform_cost_search
@@ -271,9 +273,9 @@ def greedy_best_first_search(
     with_events: bool = False,
     reopen: bool = False,
 ) -> Solution[S, A]:
-    """Find a path by expanding the node with the least heuristic (section 3.5.1).
+    """Find a path by expanding the node with the lowest heuristic value (section 3.5.1).
 
-    No state is expanded twice unless ``reopen`` is true, which often gives a better path.
+    No state is expanded twice, unless ``reopen`` is true, which often gives a better path.
 
     Example:
         >>> from agents.search import RouteProblem, greedy_best_first_search, manhattan
@@ -290,7 +292,7 @@ def greedy_best_first_search(
 def astar_search(
     problem: Problem[S, A], heuristic: Heuristic[S], *, with_events: bool = False
 ) -> Solution[S, A]:
-    """Find a path of least cost, if the heuristic never overestimates (section 3.5.2).
+    """Find a path with A*, of least cost if the heuristic never overestimates (section 3.5.2).
 
     Example:
         >>> from agents.search import RouteProblem, astar_search, manhattan
@@ -311,16 +313,17 @@ def weighted_astar_search(
     with_events: bool = False,
     reopen: bool | None = None,
 ) -> Solution[S, A]:
-    """Find a path that may not be the best, often much faster (section 3.5.4).
+    """Find a path with weighted A*, often much faster but not always optimal (section 3.5.4).
 
     Args:
         problem: problem to solve.
-        heuristic: h.
-        weight: 0 is uniform-cost search, 1 is A*, infinity is greedy best-first search. If h never
-            overestimates, the path costs at most ``max(1, weight)`` times the least.
+        heuristic: heuristic h.
+        weight: weight W of the heuristic. With 0 this is uniform-cost search, with 1 A*, and with
+            infinity greedy best-first search. If h never overestimates, the path costs at most
+            ``max(1, weight)`` times the least cost.
         with_events: record each expansion.
-        reopen: expand a state again if a better path to it is found; by default at any weight but
-            infinity. Without this the bound needs a consistent heuristic.
+        reopen: expand a state again if a better path to it is found. By default this is on for all
+            weights except infinity. Without it, the bound requires a consistent heuristic.
 
     Raises:
         ValueError: ``check_weight`` does not allow the weight.
@@ -341,7 +344,7 @@ def weighted_astar_search(
 
 
 def path_cost(state: Hashable, cost: float) -> float:
-    """Evaluate a node by the cost of its path: g."""
+    """Return the path cost g as the evaluation of a node."""
     return cost
 
 
@@ -362,10 +365,10 @@ def weighted(heuristic: Heuristic[S], weight: float) -> Evaluation[S]:
 
 
 def check_weight(weight: float) -> None:
-    """Check a weight of a heuristic.
+    """Check the weight of a heuristic.
 
     Raises:
-        ValueError: it is neither in 0 to ``MAX_WEIGHT`` nor infinity.
+        ValueError: the weight is neither infinity nor a number from 0 to ``MAX_WEIGHT``.
     """
     is_number = isinstance(weight, (int, float)) and not isinstance(weight, bool)
     if not is_number or not (0 <= weight <= MAX_WEIGHT or weight == math.inf):

@@ -1,4 +1,4 @@
-"""The belief of a robot without a map: the cells that it has seen, and that others are free."""
+"""The belief of a robot without a map, which assumes that all unseen cells are free."""
 
 from __future__ import annotations
 
@@ -10,15 +10,16 @@ from warehouse_core.world.tiles import EMPTY, WALL, Cell
 
 
 class Belief:
-    """The cells that have been seen; every other cell is believed to be free.
+    """The cells that a robot has seen. Unseen cells are believed to be free, except for bumps.
 
     Attributes:
-        known: the tile of each cell that has been seen, ``"#"`` or ``"."``.
-        news: the part of ``known`` that the last look has added.
-        bumps: cells that have not been seen and that two successive moves did not reach; probably
-            walls.
-        moves: moves from each cell to neighbours believed to be free.
-        rows, cols: ranges that have the cells of ``known`` and ``bumps`` and the ends of routes.
+        known: tile of each cell that has been seen, ``"#"`` or ``"."``.
+        news: part of ``known`` that the last call of ``look`` added.
+        bumps: unseen cells that two successive moves failed to reach, which are probably walls.
+        moves: moves from each cell to the neighbours that are believed to be free.
+        rows: range of rows that contains all cells of ``known`` and ``bumps`` and the ends of all
+            routes.
+        cols: range of columns that contains the same cells.
     """
 
     def __init__(self) -> None:
@@ -30,7 +31,7 @@ class Belief:
         self._failed: set[Cell] = set()
 
     def look(self, observation: Observation) -> None:
-        """Add the cells in view."""
+        """Add the cells in view to the belief."""
         self.news = {
             cell: WALL if tile == WALL else EMPTY
             for cell, tile in cells_in_view(observation).items()
@@ -43,9 +44,10 @@ class Belief:
                 self.moves.recompute(cell)
 
     def bump(self, cell: Cell) -> None:
-        """Note that a move to a cell did not reach it.
+        """Record that a move to a cell did not reach it.
 
-        One failure is no proof: a robot that slips may reach the cell at the next attempt.
+        Only the second failure in a row counts as a bump, because a robot that slipped may reach
+        the cell at its next attempt.
         """
         if cell in self._failed and cell not in self.known:
             self.bumps.add(cell)
@@ -54,12 +56,12 @@ class Belief:
         self._failed = {cell}
 
     def forget_bumps(self) -> None:
-        """Believe the cells of ``bumps`` to be free."""
+        """Assume again that the cells of ``bumps`` are free."""
         while self.bumps:
             self.moves.recompute(self.bumps.pop())
 
     def include(self, *cells: Cell) -> None:
-        """Extend ``rows`` and ``cols`` to cells."""
+        """Extend ``rows`` and ``cols`` to contain these cells."""
         if cells:
             rows, cols = zip(*cells, strict=True)
             self.rows, self.cols = _extended(self.rows, rows), _extended(self.cols, cols)
@@ -70,10 +72,10 @@ class Belief:
 
 
 class BeliefProblem(GridProblem[Cell]):
-    """Drive from ``start`` to ``goal`` through cells that are believed to be free.
+    """The problem of driving from ``start`` to ``goal`` through cells that are believed to be free.
 
-    All cells outside the rows and columns of the belief are believed to be free, so no shortest
-    path leads further out than one cell; the search is limited to that.
+    All cells outside the rows and columns of the belief are believed to be free. A shortest path
+    therefore never leaves them by more than one cell, and the search is limited to this area.
     """
 
     def __init__(self, belief: Belief, start: Cell, goal: Cell) -> None:
@@ -94,7 +96,7 @@ class BeliefProblem(GridProblem[Cell]):
         return [edge for edge in self._moves[state] if self._is_within(edge[1])]
 
     def _is_within(self, cell: Cell) -> bool:
-        """Return whether a cell is at most one outside the rows and columns of the belief."""
+        """Return whether a cell is at most one cell outside the rows and columns of the belief."""
         spans = zip(cell, (self._rows, self._cols), strict=True)
         return all(span.start - 1 <= number <= span.stop for number, span in spans)
 
@@ -112,6 +114,6 @@ def cells_in_view(observation: Observation) -> dict[Cell, str]:
 
 
 def _extended(span: range, numbers: Sequence[int]) -> range:
-    """Return the least range that has all numbers of a range and these."""
+    """Return the smallest range that contains a range and some more numbers."""
     ends = [*numbers, span[0], span[-1]] if span else numbers
     return range(min(ends), max(ends) + 1)

@@ -1,4 +1,7 @@
-"""A replay of an exploring agent's belief, beside the world. ``T`` is the number of steps."""
+"""A replay that shows the belief of an exploring agent next to the world.
+
+``T`` is the number of steps.
+"""
 
 from __future__ import annotations
 
@@ -17,9 +20,11 @@ from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, Cell
 
 
 class Insight(NamedTuple):
-    """Cells that an agent had not seen before it chose an action, and the cells of its plan.
+    """The knowledge that an agent gained before an action, and its plan at this action.
 
-    Tiles are ``"#"`` or ``"."``; the plan begins with the cell of the robot.
+    Attributes:
+        seen: tile, ``"#"`` or ``"."``, of each cell that the agent saw for the first time.
+        route: cells of the plan, beginning with the cell of the robot.
     """
 
     seen: dict[Cell, str]
@@ -27,7 +32,7 @@ class Insight(NamedTuple):
 
 
 def noted(agent: ExploringAgent, layout: Layout) -> list[Insight]:
-    """Return a list to which each further action of an agent on a layout adds an insight."""
+    """Return a list to which each future action of an agent adds an ``Insight``."""
     cells = {*product(range(layout.height), range(layout.width))}
     history: list[Insight] = []
     act = agent.act
@@ -43,10 +48,10 @@ def noted(agent: ExploringAgent, layout: Layout) -> list[Insight]:
 
 
 def believed_tiles(layout: Layout, history: Sequence[Insight]) -> list[TileRows]:
-    """Return ``[T]`` the layout as the agent believed it to be when it chose each action.
+    """Return ``[T]`` the layout that the agent believed in when it chose each action.
 
-    Cells not seen are ``UNSEEN``, except the two stations that observations name. If nothing new
-    was seen, the rows are the same object as before.
+    Unseen cells are ``UNSEEN``, except for the two stations whose cells the observations contain.
+    If an action added no new cells, its rows are the same object as the previous rows.
     """
     grid = [[UNSEEN] * layout.width for _ in range(layout.height)]
     sensed = dict.fromkeys(layout.pickups[:1], PICKUP)
@@ -66,9 +71,9 @@ def believed_tiles(layout: Layout, history: Sequence[Insight]) -> list[TileRows]
 
 
 def belief_tracks(episode: Episode, history: Sequence[Insight]) -> tuple[Track, Track]:
-    """Return the tracks of the agent's belief and of the world, with the same frames in time.
+    """Return the tracks of the agent's belief and of the world, with frames at the same times.
 
-    The charts, captions and ending belong to the belief, because the agent acts on it.
+    The charts, captions and ending are in the track of the belief, because the agent acts on it.
 
     Raises:
         ValueError: ``history`` is not as long as ``episode``.
@@ -88,15 +93,15 @@ def belief_tracks(episode: Episode, history: Sequence[Insight]) -> tuple[Track, 
     counts = list(accumulate(len(insight.seen) for insight in history))
     words, last = step_captions(episode), belief.frames[-1]
     for index, frame in enumerate(belief.frames):
-        # The last frame shows the result of the last action, and no further one.
+        # No action follows the last frame, so it shows the choice of the last action.
         choice = min(belief.step_at(index), len(history) - 1)
         frame.tiles = tiles[choice]
         [pose] = frame.robots
         ahead = history[choice].route[1:]
-        if pose is not None and ahead:  # the robot covers the beginning
+        if pose is not None and ahead:  # the robot covers the first cell of the plan
             frame.route = (pose.at, *map(middle, ahead))
-        if frame is not last:  # which keeps the diagnosis
-            frame.caption = f"now {words[choice]}, {counts[choice]} cells seen"
-    belief.tells_next = True
+        if frame is not last:  # the last frame keeps the diagnosis as its caption
+            frame.caption = f"{words[choice]} ({counts[choice]} cells seen)"
+    belief.captions_next = True
     belief.title = f"Belief of {belief.title}"
     return belief, world

@@ -1,6 +1,7 @@
-"""Costs of a robot's actions: steps, or seconds or joules as measured with a backend.
+"""Costs of a robot's actions in steps, or in seconds or joules measured with a backend.
 
-The measurement is a short run on an open floor, of a move and of standing still, empty and loaded.
+A measurement is a short run on an open floor. It measures a move and standing still, each with and
+without an item.
 """
 
 from __future__ import annotations
@@ -14,17 +15,17 @@ from warehouse_core.world.layout import Layout
 
 STEPS, SECONDS, JOULES = "steps", "seconds", "joules"
 COSTS = (STEPS, SECONDS, JOULES)
-"""Measures of cost."""
+"""Names of the measures of cost."""
 
 FLOOR = Layout(["......."] * 3)
-"""Layout of a measurement, large enough for its moves."""
+"""Layout for measurements, large enough for their moves."""
 
 WARM_UP = 1
-"""Moves before the one that is measured; after them the robot faces its direction."""
+"""Number of moves before the measured move, which turn the robot in its direction."""
 
 
 class ActionCosts(NamedTuple):
-    """The cost of each action; a move is one cell, without or with the item."""
+    """The cost of each action. A move by one cell has a cost without and with the item."""
 
     move_empty: float
     move_loaded: float
@@ -36,11 +37,15 @@ ONE_EACH = ActionCosts(1.0, 1.0, 1.0, 1.0)
 
 
 def action_costs(measure: str = STEPS, backend: Backend = "physics") -> ActionCosts:
-    """Return the costs of actions by one of ``COSTS``; seconds and joules depend on the backend.
+    """Return the costs of the actions in one of the measures ``COSTS``.
+
+    Args:
+        measure: measure of cost.
+        backend: motion backend with which seconds and joules are measured.
 
     Raises:
-        ValueError: ``measure`` is unknown.
-        BackendError: there is no such backend.
+        ValueError: ``measure`` is not one of ``COSTS``.
+        BackendError: the backend does not exist.
     """
     if one_of("cost", measure, COSTS) == STEPS:
         return ONE_EACH
@@ -54,7 +59,7 @@ def action_costs(measure: str = STEPS, backend: Backend = "physics") -> ActionCo
 
 
 def _measured(backend: Backend, measure: str, displacement: tuple[int, int], loaded: bool) -> float:
-    """Return the cost of one action, from rest to rest in the middle of a cell."""
+    """Return the cost of one action, from rest to rest, between centres of cells."""
     with closing(make_motion(backend)) as motion:
         motion.reset(FLOOR, [(1, 1)], 0)
         for _ in range(WARM_UP + 1):

@@ -1,7 +1,8 @@
 """Heuristics for routes and deliveries: estimates of the cost to the goal.
 
-Each is admissible, it never overestimates, and consistent, it never decreases by more than the cost
-of an action (section 3.5.2). So A* finds a path of least cost and expands no state twice.
+Each heuristic is admissible: it never overestimates. Each is also consistent: an action never
+reduces it by more than the cost of the action (section 3.5.2). A* therefore finds a path of least
+cost and expands no state twice.
 """
 
 from __future__ import annotations
@@ -21,19 +22,20 @@ from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
 CostTable = NDArray[np.float64]
-"""``[H, W]``: a cost for each cell, infinite without a path."""
+"""``[H, W]`` cost of each cell, infinite without a path."""
 
 MAX_COMPARED = 16
-"""Most stations of a kind compared for each state; for more, a table of all cells is made once."""
+"""Most stations of a kind that are compared for each state. For more stations, a table of the costs
+of all cells is computed once."""
 
 
 def zero(state: Hashable) -> float:
-    """Return 0; with this heuristic A* is uniform-cost search."""
+    """Return 0. With this heuristic, A* is uniform-cost search."""
     return 0.0
 
 
 def manhattan(problem: RouteProblem | BeliefProblem) -> Heuristic[Cell]:
-    """Return the heuristic of the steps to the goal without walls.
+    """Return the Manhattan distance to the goal as a heuristic, which ignores walls.
 
     Example:
         >>> from agents.search import RouteProblem, manhattan
@@ -52,7 +54,7 @@ def manhattan(problem: RouteProblem | BeliefProblem) -> Heuristic[Cell]:
 
 
 def true_distance(problem: RouteProblem, layout: Layout) -> Heuristic[Cell]:
-    """Return the exact steps to the goal as a heuristic; A* then expands only the path.
+    """Return the exact number of steps to the goal as a heuristic. A* then expands only the path.
 
     Example:
         >>> from agents.search import RouteProblem, true_distance
@@ -67,7 +69,7 @@ def true_distance(problem: RouteProblem, layout: Layout) -> Heuristic[Cell]:
 
 
 def manhattan_delivery(problem: DeliveryProblem) -> Heuristic[DeliveryState]:
-    """Return the heuristic of the cost of the delivery without walls.
+    """Return the least cost of a delivery without walls as a heuristic.
 
     Example:
         >>> from agents.search import DeliveryProblem, manhattan_delivery
@@ -93,12 +95,12 @@ def manhattan_delivery(problem: DeliveryProblem) -> Heuristic[DeliveryState]:
 def _least_cost(
     stations: dict[Cell, float], move: float, size: tuple[int, int]
 ) -> Callable[[int, int], float]:
-    """Return the function of the least cost, from a row and a column, by way of a station.
+    """Return a function from a row and a column to the least cost of a path through a station.
 
-    ``stations`` has the cost from each station on, and ``move`` is the cost of a move.
+    ``stations`` has the remaining cost at each station, and ``move`` is the cost of a move.
     """
     if len(stations) > MAX_COMPARED:
-        # The search would otherwise compare all stations at each of its nodes.
+        # Otherwise the search would compare all stations at each of its nodes.
         table = np.full(size, np.inf)
         table[tuple(np.transpose([*stations]))] = [*stations.values()]
         return _spread(table, move).item
@@ -114,9 +116,10 @@ def _least_cost(
 
 
 def _spread(costs: CostTable, move: float) -> CostTable:
-    """Return for each cell the least sum of the cost at a cell and of the moves to it.
+    """Return for each cell the least sum of the cost at any cell and the cost of the moves to it.
 
-    One axis after the other, each from both ends, so in time that grows with the cells alone.
+    The two axes are processed one after the other, each in both directions, so the run time is
+    linear in the number of cells.
 
     Source: Felzenszwalb and Huttenlocher, Distance Transforms of Sampled Functions, Theory of
     Computing 8 (2012): the transform under the L1 norm.

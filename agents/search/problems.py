@@ -1,10 +1,10 @@
 """Search problems on a layout: the route to a cell, and the delivery of an item.
 
 Both take their moves from a ``MoveTable``, which all problems with the same walls share. The
-transition model is the table in ``warehouse_core/task/rules.py`` for a robot whose moves succeed;
-``expand`` has all of it, and the other methods read it there.
+transition model follows the table in ``warehouse_core/task/rules.py`` for a robot whose moves
+always succeed. It is implemented in ``expand``, on which the other methods are based.
 
-A state of a route is a cell. A state of a delivery is ``(row, col, has_item)``, and ``DELIVERED``
+A state of a route is a cell. A state of a delivery is ``(row, col, has_item)``, or ``DELIVERED``
 after the drop.
 """
 
@@ -21,7 +21,7 @@ from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.tiles import MOVE_DELTAS, NO_STATIONS, Cell, moved
 
 Edges = tuple[tuple[str, Cell, float], ...]
-"""The result of EXPAND for a cell: each open move, the cell that it leads to, and 1.0 step."""
+"""The result of EXPAND for a cell: each open move, the cell to which it leads, and the cost 1.0."""
 
 DeliveryState = tuple[int, int, bool]
 
@@ -30,9 +30,9 @@ DELIVERED: DeliveryState = (-1, -1, False)
 
 
 class MoveTable(dict[Cell, Edges]):
-    """The open moves from each cell, computed when a cell is first looked up.
+    """The open moves from each cell, computed when a cell is looked up for the first time.
 
-    Equal cells of a table are one object: dictionaries find them faster.
+    Equal cells in a table are the same object, because dictionaries find identical keys faster.
     """
 
     def __init__(self, is_open: Callable[[Cell], bool]) -> None:
@@ -41,22 +41,22 @@ class MoveTable(dict[Cell, Edges]):
         self._cells: dict[Cell, Cell] = {}
 
     def __missing__(self, cell: Cell) -> Edges:
-        beside = ((move, moved(cell, delta)) for move, delta in MOVE_DELTAS.items())
+        neighbours = ((move, moved(cell, delta)) for move, delta in MOVE_DELTAS.items())
         same = self._cells.setdefault
         moves = self[same(cell, cell)] = tuple(
-            (move, same(ahead, ahead), 1.0) for move, ahead in beside if self._is_open(ahead)
+            (move, same(ahead, ahead), 1.0) for move, ahead in neighbours if self._is_open(ahead)
         )
         return moves
 
     def recompute(self, cell: Cell) -> None:
-        """Note that a cell may have become open or closed."""
-        # Only its neighbours have a move to it; the next search asks for theirs again.
+        """Update the table after a cell has become open or closed."""
+        # Only the neighbours have a move to this cell. Their moves are computed again when needed.
         for delta in MOVE_DELTAS.values():
             self.pop(moved(cell, delta), None)
 
 
 def move_table(layout: Layout) -> MoveTable:
-    """Return the move table of a layout; layouts with the same walls share one."""
+    """Return the move table of a layout. Layouts with the same walls share a table."""
     return _table(tuple(row.translate(NO_STATIONS) for row in layout.rows))
 
 
@@ -66,11 +66,11 @@ def _table(walls: tuple[str, ...]) -> MoveTable:
 
 
 class GridProblem(Problem[S, str]):
-    """A problem on a grid, whose actions are words."""
+    """A problem on a grid whose actions are words."""
 
     @abstractmethod
     def expand(self, state: S) -> Sequence[tuple[str, S, float]]:
-        """Return each action with its result and its cost."""
+        """Return each action that has an effect, with its result and its cost."""
 
     def actions(self, state: S) -> list[str]:
         """Return the actions that have an effect."""
@@ -86,10 +86,10 @@ class GridProblem(Problem[S, str]):
 
 
 class RouteProblem(GridProblem[Cell]):
-    """Drive from ``start`` to ``goal`` around the walls of ``layout``; each move costs 1.
+    """The problem of driving from ``start`` to ``goal`` on a layout. Each move costs 1.
 
     Raises:
-        LayoutError: one of the cells is not open.
+        LayoutError: the start or the goal is not an open cell.
 
     Example:
         >>> from agents.search import RouteProblem
@@ -111,7 +111,7 @@ class RouteProblem(GridProblem[Cell]):
         return state == self.goal
 
     def expand(self, state: Cell) -> Edges:
-        """Return each open move with its result and its cost."""
+        """Return each open move with its result and cost."""
         return self._moves[state]
 
 
@@ -121,18 +121,18 @@ def _stations(name: str, cells: Sequence[Cell]) -> frozenset[Cell]:
 
 
 class DeliveryProblem(GridProblem[DeliveryState]):
-    """Pick the item up at a pickup and drop it at a dropoff.
+    """The problem of picking the item up at a pickup and dropping it at a dropoff.
 
     Args:
-        layout: the walls, and the default stations.
-        start: the cell of the robot.
-        has_item: the robot holds the item already.
-        pickups: cells of the item; ``None`` stands for the pickups of the layout.
-        dropoffs: cells where it can be delivered; ``None`` stands for the dropoffs of the layout.
+        layout: layout with the walls and the default stations.
+        start: cell of the robot.
+        has_item: true if the robot already holds the item.
+        pickups: cells where the item can be picked up; ``None`` means the pickups of the layout.
+        dropoffs: cells where it can be delivered; ``None`` means the dropoffs of the layout.
         costs: costs of the actions.
 
     Raises:
-        LayoutError: the start or a station is not open.
+        LayoutError: the start or a station is not an open cell.
 
     Example:
         >>> from agents.search import DeliveryProblem, uniform_cost_search

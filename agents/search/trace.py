@@ -1,4 +1,4 @@
-"""The course of a search over cells: its marks after each expansion, and a track of them."""
+"""The course of a search over cells: its marks after each expansion, and its track for a replay."""
 
 from __future__ import annotations
 
@@ -17,16 +17,16 @@ from warehouse_core.wording import printable
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import EMPTY, PICKUP, WALL, Cell
 
-# Most are in the palette of a replay's files, which have no other colours.
+# Most of these colours are in the palette of files, which limits the colours of a saved replay.
 SHADES: tuple[Color, ...] = tuple(
     blend(COLORS[PICKUP], COLORS[EMPTY], share) for share in (0.75, 0.5, 0.25, 0.0)
 )
-"""Colours of expanded cells: the first quarter of them, the second, and so on."""
+"""Colours of expanded cells, one for each quarter of the expansions."""
 
 FRONTIER: Color = HIT
 
 MAX_PANELS = 6
-"""Most searches side by side."""
+"""Most searches that are shown side by side."""
 
 MARK_COLORS = {
     "frontier": FRONTIER,
@@ -36,26 +36,26 @@ MARK_COLORS = {
     "third quarter": SHADES[2],
     "expanded last": SHADES[3],
 }
-"""Colours of the marks, by the names of the marks."""
+"""Colours of the marks by name."""
 
 WAITING, NOW, FIRST_SHADE, LAST_SHADE = 0, 1, 2, len(MARK_COLORS) - 1
-"""Values of marks: indices into ``MARK_COLORS``."""
+"""Values of marks, which are indices into ``MARK_COLORS``."""
 
 MAX_TRACK_FRAMES = 120
-"""Most frames of a track; the marks of a page are exact between them."""
+"""Most frames of a track. On a page, marks also change at the right time between frames."""
 
 UNTOUCHED = -1
-"""Mark of a cell that is not reached yet."""
+"""Value of a cell that has not been reached yet."""
 
 MarkGrid = NDArray[np.int8]
-"""``[H, W]``: ``UNTOUCHED``, or the value of the mark of each cell."""
+"""``[H, W]`` value of the mark of each cell, or ``UNTOUCHED``."""
 
 
 class SearchCourse:
-    """The marks of a search from one end to the other, after any number of its expansions.
+    """The marks of a search for a route between two cells, after any number of expansions.
 
     Attributes:
-        marks: all marks in the order of their times, which are numbers of expansions.
+        marks: all marks in order of their times, which are numbers of expansions.
 
     Raises:
         ValueError: the solution has no events.
@@ -66,11 +66,11 @@ class SearchCourse:
     ) -> None:
         if len(solution.events) != solution.expanded:
             raise ValueError(
-                f"{name} has {len(solution.events)} events of {solution.expanded} expansions; "
-                "a search is recorded by with_events=True"
+                f"{name} has {len(solution.events)} events for {solution.expanded} expansions; "
+                "run the search with with_events=True"
             )
         self.name, self.layout, self.ends, self.solution = name, layout, ends, solution
-        times, cells, values = zip(*self._found(), strict=True)
+        times, cells, values = zip(*self._marks(), strict=True)
         self.marks = Marks(times, cells, values, [*MARK_COLORS.values()], [*MARK_COLORS], ends)
         self._numbers, self._values = layout.numbers(cells), np.array(values, np.int8)
 
@@ -82,23 +82,23 @@ class SearchCourse:
         return count >= len(self)
 
     def marks_after(self, count: int) -> MarkGrid:
-        """Return the marks after ``count`` expansions, or after all if there are fewer."""
+        """Return the marks after ``count`` expansions, or at the end if there are fewer."""
         end = bisect_right(self.marks.times, count)
         grid = np.full((self.layout.height, self.layout.width), UNTOUCHED, np.int8)
-        # A cell that is reached or expanded again has several marks, and NumPy keeps the last.
+        # A cell that is reached or expanded again has several marks; the last assignment counts.
         grid.flat[self._numbers[:end]] = self._values[:end]
         return grid
 
     def words_after(self, count: int) -> list[str]:
-        """Return in words what ``marks_after`` shows, and the cost at the end."""
+        """Return in words the numbers of expanded and waiting cells, and at the end the cost."""
         waiting = int((self.marks_after(count) == WAITING).sum())
-        words = [f"expanded {min(count, len(self))}", f"frontier {waiting}"]
+        words = [f"{min(count, len(self))} expanded", f"{waiting} in the frontier"]
         if self.is_over(count):
             words.append(f"cost {self.solution.cost:g}" if self.solution.found else "no path")
         return words
 
-    def _found(self) -> Iterator[tuple[int, Cell, int]]:
-        """Yield the time, the cell and the value of each mark."""
+    def _marks(self) -> Iterator[tuple[int, Cell, int]]:
+        """Yield the time, cell and value of each mark."""
         events: Any = self.solution.events  # a state is a cell here
         last = max(len(self), 1)
         before, goal = self.ends
@@ -109,12 +109,12 @@ class SearchCourse:
             yield number, expanded, LAST_SHADE if number == len(self) else NOW
             yield from ((number, cell, WAITING) for cell in reached)
             before = expanded
-        if self.solution.found:  # the goal was the last cell taken from the frontier
+        if self.solution.found:  # the goal is the last cell taken from the frontier
             yield len(self), goal, LAST_SHADE
 
 
 def track_of_course(course: SearchCourse) -> Track:
-    """Return the track of a search; its clock is the number of expansions."""
+    """Return the track of a search. Its clock counts expansions."""
     rows = tuple(re.sub(f"[^{WALL}]", EMPTY, row) for row in course.layout.rows)
     counts = np.linspace(0, len(course), min(len(course) + 1, MAX_TRACK_FRAMES)).round().tolist()
     frames = [

@@ -196,7 +196,7 @@ def test_replay_reports_and_saves(warehouse: Warehouse, tmp_path: Path, record: 
     assert result.out.splitlines() == [
         "Tester on the grid backend, seed 4",
         "outcome         delivered",
-        "diagnosis       delivered in 6 steps; the shortest way takes 5",
+        "diagnosis       delivered in 6 steps; the minimum is 5",
         "total reward    13.40",
         "final battery   4 of 10",
         "episode length  6 of at most 30 steps",

@@ -57,7 +57,7 @@ def test_keys_and_buttons_go_to_steps(page: Shown, track: Track) -> None:
     for key, step in keys:
         page.press(key)
         assert (key, steps(page)) == (key, step)
-    names = {"To the start": 0, "One step on": 1, "One step back": 0, "To the end": last}
+    names = {"Go to the start": 0, "One step forward": 1, "One step back": 0, "Go to the end": last}
     for name, step in names.items():
         page.page.get_by_role("button", name=name, exact=True).click()
         assert (name, steps(page)) == (name, step)
@@ -204,7 +204,7 @@ def test_n_goes_from_event_to_event_and_says_which(page: Shown, track: Track) ->
             break
         said[steps(page)] = page.part("event").inner_text()
     picked, dropped = events(track, 0)
-    assert (said.pop(picked), said.pop(dropped)) == ("item picked", "item delivered")
+    assert (said.pop(picked), said.pop(dropped)) == ("item picked up", "item delivered")
     # In between, the robot enters cells for the third time.
     assert {*said.values()} == {"stuck"}
     assert all(picked < step < dropped for step in said)

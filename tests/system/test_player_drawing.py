@@ -192,12 +192,12 @@ def test_the_map_next_to_a_fleet_has_the_cells_in_which_robots_were_held_up(
         hot = {divmod(n, 8): color for n, color in colors if color in PALETTE["heat"][scheme]}
         seen.append((hot, page.part("most").inner_text(), page.part("peak").inner_text()))
     assert seen == [
-        ({(0, 2): full, (3, 7): half}, "2", "most at row 0, column 2"),
-        ({}, "0", "nowhere yet"),
-        ({(0, 2): full}, "1", "most at row 0, column 2"),
+        ({(0, 2): full, (3, 7): half}, "2 times", "most often at row 0, column 2"),
+        ({}, "", "No robot was held up so far."),
+        ({(0, 2): full}, "1 time", "most often at row 0, column 2"),
     ]
     assert page.part("map").get_attribute("aria-label") == (
-        "Robots were held up most at row 0, column 2: 1 times"
+        "Robots were held up most often at row 0, column 2: 1 time"
     )
 
 

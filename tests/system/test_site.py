@@ -138,9 +138,9 @@ def test_the_first_episode_of_the_mini_lab_plays(browser: Any, site: Path) -> No
         reading.page.goto((site / "mini_lab.html").as_uri())
         player = reading.page.frame_locator("iframe").first
         player.locator("main canvas").first.wait_for()
-        player.get_by_label("To the start").click()
+        player.get_by_label("Go to the start").click()
         player.get_by_text("step 0 of").first.wait_for()
-        player.get_by_label("One step on").click()
+        player.get_by_label("One step forward").click()
         player.get_by_text("step 1 of").first.wait_for()
 
 

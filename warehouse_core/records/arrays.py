@@ -1,8 +1,8 @@
-"""The fields of an ``Episode`` as arrays, and back: the content of a ``.npz`` file.
+"""Conversion between an ``Episode`` and the arrays of its ``.npz`` file.
 
-Words are stored as codes; the words themselves and all other values are in ``header``, which is
-JSON text. The outcomes of all bodies are concatenated, step by step, and so are their paths and
-contacts. A file is not trusted: what does not fit together is refused.
+Words are stored as codes. The words themselves and all values that are not arrays are in
+``header``, which is JSON text. The outcomes of all bodies are concatenated step by step, and so are
+their paths and contacts. Files are not trusted: inconsistent content is refused.
 """
 
 from __future__ import annotations
@@ -33,20 +33,21 @@ MAX_NUMBER = 1e12
 """Limit on the size of a reward, time, energy, impulse or coordinate, so that sums are finite."""
 
 MAX_OBJECTS = 500_000
-"""Limit on the steps of a lone robot, the motions, contacts, orders and assignments of a record.
+"""Most objects of a record: steps of a single robot, motions, contacts, orders and assignments.
 
-The limit is on their sum: each is an object of several hundred bytes, and a byte of a file or less.
+The limit is on their sum. Each object takes several hundred bytes of memory, but at most about one
+byte of a compressed file, so a small file could otherwise exhaust the memory.
 """
 
 NONE = -1
 """Number that stands for ``None`` in the arrays of orders and assignments."""
 
 ColumnSpecs = dict[str, tuple[str, str]]
-"""Type of each array, and its axes: a letter each, see ``LENGTHS`` and ``_lengths``."""
+"""Type of each array, and its axes, one letter each; see ``LENGTHS`` and ``_lengths``."""
 
 LENGTHS = {"2": 2, "3": 3, "4": 4, "O": 10}
-"""Lengths of axes that all records share. ``O`` is an order: the fields of ``Order``, with two
-numbers for each of its cells."""
+"""Lengths of the axes that are the same in all records. ``O`` counts the numbers of an order: the
+fields of ``Order``, with two numbers for each cell."""
 
 MOTION_COLUMNS: ColumnSpecs = {
     "motion_cells": ("<i4", "M2"),
@@ -95,10 +96,10 @@ REASONED_COLUMNS: ColumnSpecs = FLEET_COLUMNS | {"reasons": ("<i4", "TR")}
 """Columns of a fleet whose agent gave reasons."""
 
 HEADED_COLUMNS: ColumnSpecs = REASONED_COLUMNS | {"headings": ("|i1", "FR")}
-"""Columns of a fleet whose robots have headings; it has reasons too, if only empty ones."""
+"""Columns of a fleet whose robots have headings. They always include reasons, possibly empty."""
 
 FIELD_OF = {"seconds": "step_seconds", "joules": "step_joules"}
-"""Fields of ``Episode`` whose arrays have another name."""
+"""Field of ``Episode`` for each array that has a different name."""
 
 LONE_FORMAT, FLEET_FORMAT = "warehouse-lab episode 1", "warehouse-lab fleet episode 1"
 
@@ -108,7 +109,7 @@ SCALARS: dict[str, dict[str, tuple[type, ...]]] = {
     },
     FLEET_FORMAT: {"backend": (str,), "cell_size": (float,), "seed": (int,), "agent": (str,)},
 }  # fmt: skip
-"""Types of fields that are in the header, by format."""
+"""Types of the fields that are stored in the header, by format."""
 
 HEADER_KEYS = {
     LONE_FORMAT: (
@@ -119,7 +120,7 @@ HEADER_KEYS = {
         "unknown_actions", "reasons", "counterparts", "cut_off",
     ),
 }  # fmt: skip
-"""Keys that a header may have beside its format, by format."""
+"""Keys that a header may have in addition to ``format``, by format."""
 
 EpisodeFields = dict[str, Any]
 """Fields of an ``Episode`` by name."""
@@ -133,7 +134,7 @@ SCHEMAS: tuple[Schema, ...] = tuple(
 
 
 def schema_of(arrays: Arrays) -> Schema:
-    """Return the schema that has these arrays."""
+    """Return the schema that consists of these arrays."""
     return next(schema for schema in SCHEMAS if schema.keys() == arrays.keys())
 
 
@@ -147,12 +148,12 @@ def is_equal(one: object, other: object) -> bool:
 
 
 def pack(fields: EpisodeFields) -> Arrays:
-    """Return the arrays of an episode, in the types of their schema.
+    """Return the arrays of an episode, with the types of their schema.
 
     Raises:
-        RecordError: a value has no place in its array.
-        ValueError: no episode has such fields; also ``TypeError``, ``AttributeError`` or
-            ``OverflowError``.
+        RecordError: a value does not fit the type of its array.
+        ValueError: the fields are not the fields of an episode. Depending on the field, this may
+            also be a ``TypeError``, ``AttributeError`` or ``OverflowError``.
     """
     is_fleet = isinstance(fields["settings"], FleetSettings)
     motions = [*chain.from_iterable(fields["motions"])] if is_fleet else fields["motions"]
@@ -173,10 +174,10 @@ def pack(fields: EpisodeFields) -> Arrays:
 
 
 def unpack(arrays: Arrays) -> EpisodeFields:
-    """Undo ``pack``, checking that the fields fit together.
+    """Return the fields of an episode from its arrays, and check that they are consistent.
 
     Raises:
-        ValueError: they do not; it may be a ``RecordError`` or a ``LayoutError``.
+        ValueError: they are not consistent; it may be a ``RecordError`` or a ``LayoutError``.
     """
     is_fleet = "orders" in arrays
     form = FLEET_FORMAT if is_fleet else LONE_FORMAT
@@ -196,7 +197,7 @@ def unpack(arrays: Arrays) -> EpisodeFields:
 
 
 def _typed(name: str, array: NDArray[Any], dtype: str, dimensions: int) -> NDArray[Any]:
-    """Return an array in the type of the schema, which must not change its values."""
+    """Return an array with the type of the schema, which must not change its values."""
     if array.dtype.kind in "biuf" and array.ndim == dimensions:
         with np.errstate(all="ignore"):
             typed = array.astype(dtype)
@@ -254,8 +255,8 @@ def _unpack_fleet(arrays: Arrays, header: EpisodeFields, fields: EpisodeFields) 
     layout, settings = fields["layout"], fields["settings"]
     if fields["seed"] < 0 or not 0 < fields["cell_size"] < np.inf:
         raise RecordError(
-            f"seed is {brief(fields['seed'])} and cell_size {fields['cell_size']}; the first must "
-            "be at least 0, the second positive and finite"
+            f"seed is {brief(fields['seed'])} and cell_size is {fields['cell_size']}; seed must be "
+            "at least 0, and cell_size positive and finite"
         )
     fields |= conditions_in(header)
     _check_open("slippery", fields["slippery"], layout)
@@ -282,12 +283,12 @@ def _unpack_fleet(arrays: Arrays, header: EpisodeFields, fields: EpisodeFields) 
 
 
 def _check_arrays(arrays: Arrays, columns: ColumnSpecs, settings: Any) -> None:
-    """Raise if an array has another shape than the others allow, or an impossible number."""
+    """Raise if the shape of an array does not fit the other arrays, or a number is impossible."""
     lists = ["motion_cells", "contacts"]
     lists += ["orders", "assignments"] if "orders" in arrays else ["cells"]
     objects = sum(len(arrays[name]) for name in lists)
     if objects > MAX_OBJECTS:
-        raise RecordError(f"{listed(lists)} have {objects} rows; MAX_OBJECTS = {MAX_OBJECTS}")
+        raise RecordError(f"{listed(lists)} have {objects} rows; at most {MAX_OBJECTS} are allowed")
     lengths = _lengths(arrays, settings)
     for name, array in arrays.items():
         shape, (dtype, axes) = array.shape, columns[name]
@@ -297,17 +298,17 @@ def _check_arrays(arrays: Arrays, columns: ColumnSpecs, settings: Any) -> None:
         if dtype == "<f8" and not (np.abs(array) <= MAX_NUMBER).all():  # NaN neither
             raise RecordError(f"{name} has a number outside {-MAX_NUMBER:g}..{MAX_NUMBER:g}")
     if arrays["path_lengths"].min(initial=2) < 2 or arrays["contact_counts"].min(initial=0) < 0:
-        raise RecordError("a path has fewer than two rows, or a count is negative")
+        raise RecordError("path_lengths has a number below 2, or contact_counts one below 0")
     seconds, joules = (
         [arrays[name].min(initial=1) for name in (unit, f"motion_{unit}") if name in arrays]
         for unit in ("seconds", "joules")
     )
     if min(seconds) <= 0 or min(joules) < 0:
-        raise RecordError("a motion took no time, or less than no energy")
+        raise RecordError("a motion has seconds that are not positive, or negative joules")
 
 
 def _lengths(arrays: Arrays, settings: Any) -> dict[str, int]:
-    """Return the length of each axis that has to have one."""
+    """Return the length of each axis whose length is fixed."""
     steps = len(arrays["actions"])
     lengths = {"T": steps, "F": steps + 1, "M": steps}
     if isinstance(settings, FleetSettings):
@@ -325,10 +326,10 @@ def _check_open(name: str, cells: Sequence[Cell], layout: Layout) -> None:
 
 
 def _check_ends(arrays: Arrays, cells: NDArray[Any]) -> None:
-    """Raise unless the motions, if there are any, end in these cells."""
+    """Check that the motions, if there are any, end in these cells."""
     ends = arrays["motion_cells"]
     if not np.array_equal(ends, cells[: len(ends)]):
-        raise RecordError("the motions end in other cells than robots and people were in")
+        raise RecordError("the motions do not end in the recorded cells of the robots and people")
 
 
 def _check_numbers(arrays: Arrays, settings: FleetSettings) -> None:
@@ -345,12 +346,13 @@ def _check_numbers(arrays: Arrays, settings: FleetSettings) -> None:
 
 
 def _check_headings(arrays: Arrays, settings: FleetSettings) -> None:
-    """Raise unless there are headings with ``moves="turn"`` only, and actions of these moves."""
+    """Check that headings exist if and only if ``moves="turn"``, and that the actions fit."""
     if ("headings" in arrays) != settings.has_headings:
-        raise RecordError(f"headings do not go with moves {settings.moves!r}, or are missing")
+        state = "missing" if settings.has_headings else "not allowed"
+        raise RecordError(f"headings are {state} for moves {settings.moves!r}")
     last, actions = len(settings.actions) - 1, arrays["actions"]
     if not ((actions <= last) | (actions == INVALID)).all():
-        raise RecordError(f"actions: a number is outside 0..{last}, and not {INVALID}")
+        raise RecordError(f"actions: a number is outside 0..{last} and is not {INVALID}")
     if not np.isin(arrays.get("headings", 0), range(WAIT)).all():
         raise RecordError(f"headings: a number is outside 0..{WAIT - 1}")
 
@@ -362,13 +364,13 @@ def _check_orders(orders: NDArray[Any], layout: Layout, robots: int, steps: int)
         _check_open(f"the {name} of an order", [*pairs], layout)
     was_taken, was_delivered = taken != NONE, delivered != NONE
     rules = {
-        "released before step 0 or after the last, or due before": (
+        "released before step 0 or after the last step, or due before its release": (
             (released >= 0) & (released <= steps) & (due >= released)
         ),
-        "for or taken by a robot that does not exist": (
+        "assigned to or taken by a robot that does not exist": (
             (np.minimum(robot, taken_by) >= NONE) & (np.maximum(robot, taken_by) < robots)
         ),
-        "taken before it was released, after the last step, or by nobody": (
+        "taken before its release, after the last step, or by no robot": (
             (was_taken == (taken_by != NONE))
             & (~was_taken | ((released <= taken) & (taken <= steps)))
         ),
@@ -383,7 +385,7 @@ def _check_orders(orders: NDArray[Any], layout: Layout, robots: int, steps: int)
 
 def _read_measures(values: Any) -> FleetMeasures:
     kinds = FleetMeasures.__annotations__
-    if isinstance(values, dict):  # older records have no lost items
+    if isinstance(values, dict):  # older records do not count lost orders
         values = {"lost": 0} | values
     if not isinstance(values, dict) or values.keys() != kinds.keys():
         raise RecordError(f"measures must have the keys {', '.join(kinds)}")
@@ -396,7 +398,7 @@ def _read_measures(values: Any) -> FleetMeasures:
 
 
 def _read_unknown_actions(header: EpisodeFields, is_unknown: NDArray[np.bool_]) -> dict[Any, Any]:
-    """Return the actions that are not allowed, as given, by step and robot."""
+    """Return the actions that do not exist, as the agent gave them, by step and robot."""
     entries, (steps, robots) = header.get("unknown_actions", []), is_unknown.shape
     if not isinstance(entries, list) or not all(
         isinstance(entry, list)
@@ -406,7 +408,9 @@ def _read_unknown_actions(header: EpisodeFields, is_unknown: NDArray[np.bool_]) 
         and is_unknown[entry[0], entry[1]]
         for entry in entries
     ):
-        raise RecordError("unknown_actions must be lists of a step, a robot and its action")
+        raise RecordError(
+            "unknown_actions must be a list of [step, robot, action], each for an invalid action"
+        )
     return {(step, robot): action for step, robot, action in entries}
 
 
@@ -417,16 +421,16 @@ def pack_layout(layout: Layout) -> NDArray[np.uint8]:
 
 
 def unpack_layout(tiles: NDArray[np.uint8]) -> Layout:
-    """Undo ``pack_layout``."""
-    # Checked first: rows without columns take no room in a file, but could be very many.
+    """Return the layout from the bytes of its characters, ``[H, W]``."""
+    # The size is checked first: empty rows take no space in a file, but could be very many.
     if not 0 < tiles.size <= MAX_CELLS:
-        raise RecordError(f"layout: {tiles.shape} tiles; there must be 1..{MAX_CELLS}")
+        raise RecordError(f"layout has the shape {tiles.shape}; it must have 1..{MAX_CELLS} tiles")
     check_size(*tiles.shape)
     return Layout([row.tobytes().decode("ascii") for row in tiles])
 
 
 def encode_words(words: Iterable[Word]) -> tuple[list[Word], NDArray[np.int32]]:
-    """Return the different words and, for each of ``words``, its index among them."""
+    """Return the distinct words, and the index of each of ``words`` among them."""
     codes: dict[Word, int] = {}
     indices = [codes.setdefault(word, len(codes)) for word in words]
     return list(codes), np.array(indices, dtype=np.int32)
@@ -435,7 +439,7 @@ def encode_words(words: Iterable[Word]) -> tuple[list[Word], NDArray[np.int32]]:
 def decode_words(
     header: EpisodeFields, name: str, codes: NDArray[Any], kinds: Iterable[type] = (str,)
 ) -> list[Any]:
-    """Undo ``encode_words``, with the different words in the header."""
+    """Return the words with these codes; the header has the distinct words."""
     words = header.get(name)
     if not isinstance(words, list) or not {type(word) for word in words} <= set(kinds):
         raise RecordError(f"{name} must be a list of words")
@@ -445,7 +449,7 @@ def decode_words(
 
 
 def pack_motions(motions: Sequence[Outcome]) -> tuple[Arrays, list[str]]:
-    """Return the arrays of ``MOTION_COLUMNS``, and the words of their contacts."""
+    """Return the arrays of ``MOTION_COLUMNS``, and the names of the counterparts in contacts."""
     contacts = [contact for motion in motions for contact in motion.contacts]
     counterparts, codes = encode_words(contact.counterpart for contact in contacts)
     arrays: Arrays = {
@@ -465,7 +469,7 @@ def pack_motions(motions: Sequence[Outcome]) -> tuple[Arrays, list[str]]:
 
 
 def unpack_motions(arrays: Arrays, header: EpisodeFields) -> list[Outcome]:
-    """Undo ``pack_motions``; the arrays fit together."""
+    """Return the motions from their arrays, which have been checked."""
     count, cut_off = len(arrays["motion_cells"]), header.get("cut_off", [])
     if not isinstance(cut_off, list) or not all(
         type(number) is int and 0 <= number < count for number in cut_off

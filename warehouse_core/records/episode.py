@@ -1,9 +1,10 @@
 """The record of an episode: enough to draw it, to measure it and to run it again bit for bit.
 
-``R`` is the number of robots, ``P`` of people, ``T`` of steps and ``F = T + 1`` of frames; frame 0
-is the state after ``reset``. The record of a ``WarehouseEnv`` has lists with an entry a frame or a
-step. The record of a ``FleetEnv`` has arrays with an axis more, for the robots. The file format is
-in ``arrays.py`` and ``files/npz.py``.
+``R`` is the number of robots, ``P`` the number of people, ``T`` the number of steps and
+``F = T + 1`` the number of frames; frame 0 is the state after ``reset``. The record of a
+``WarehouseEnv`` has lists with one entry for each frame or step. The record of a ``FleetEnv`` has
+arrays with one more axis, for the robots. The file format is defined in ``arrays.py`` and
+``files/npz.py``.
 """
 
 from __future__ import annotations
@@ -40,53 +41,55 @@ Action = str | int
 GridFrame = list[list[str]]
 
 Column = Any
-"""A list of a lone robot's values, or an array of a fleet's; ``Episode`` says which values."""
+"""A list of values of a single robot, or an array of values of a fleet; see ``Episode``."""
 
 NOT_MEASURED = FleetMeasures(
     0, 0.0, 0, 0, math.nan, math.nan, math.nan, math.nan, 0.0, math.nan, 0, 0, 0, 0, 0, 0
 )
-"""Measures of a lone robot, whose record says the same in ``metrics``."""
+"""Placeholder in the record of a single robot, which has ``metrics`` instead of measures."""
 
 
 @dataclass(slots=True, eq=False)
 class Episode:
-    """The record of one episode. Two records are equal when every value in them is.
+    """The record of one episode. Two records are equal if all their values are equal.
 
-    The first shape is the record of a lone robot, the second the record of a fleet. Arrays are not
-    to be changed. Cells of a fleet are numbers, ``row * W + col``.
+    Where two shapes are given, the first is for a single robot and the second for a fleet. Do not
+    change the arrays. The cells of a fleet are numbers, ``row * W + col``.
 
     Attributes:
         layout: Walls, stations and chargers during the episode.
         settings: Arguments of the environment, ``Settings`` or ``FleetSettings``.
-        seed: Seed given to ``reset``, or ``None``; a fleet always has one.
+        seed: Seed given to ``reset``, or ``None``; the record of a fleet always has a seed.
         agent: Name of the agent.
-        cells: ``[F]`` cells, or ``[F, R]`` int32: where the robots were.
-        loaded: ``[F]`` or ``[F, R]`` bool, whether they held an item.
-        battery: ``[F]`` int or ``[F, R]`` float64, units left.
-        rewards: ``[F]`` reward of the step before the frame, first a 0; or ``[T, R]`` float64.
-        actions: ``[T]`` words and indices as the agent gave them; or ``[T, R]`` int8 indices,
-            ``INVALID`` for those that are not allowed, see ``unknown_actions``.
-        reasons: ``[T]`` reasons that the agent gave, "" for none; for a fleet tuples of ``R``,
-            and no entries if the agent gave none at all.
-        motions: ``[T]`` outcomes of the motion backend; for a fleet tuples of the outcomes of the
-            robots and then the people, and no entries if the robots drive straight from cell to
-            cell.
+        cells: ``[F]`` cells, or ``[F, R]`` int32: cells of the robots.
+        loaded: ``[F]`` or ``[F, R]`` bool: whether the robots held an item.
+        battery: ``[F]`` int or ``[F, R]`` float64: battery units left.
+        rewards: ``[F]`` reward of the step before each frame, beginning with 0; or ``[T, R]``
+            float64.
+        actions: ``[T]`` words and indices as the agent gave them; or ``[T, R]`` int8 indices, with
+            ``INVALID`` for actions that do not exist, see ``unknown_actions``.
+        reasons: ``[T]`` reasons that the agent gave, "" for none. For a fleet tuples of ``R``
+            reasons, or an empty list if the agent never gave any.
+        motions: ``[T]`` outcomes of the motion backend. For a fleet tuples with the outcomes of
+            the robots and then of the people, or an empty list if the robots drive straight from
+            cell to cell.
         terminated: ``True`` if the task is done; or ``[R]`` bool.
-        truncated: ``True`` if the battery or the steps are used up; or ``[R]`` bool.
+        truncated: ``True`` if the battery is empty or the step limit is reached; or ``[R]`` bool.
         backend: Name of the motion backend, or of its class.
         cell_size: Side of a cell in metres.
-        slippery: Open cells whose floor the backend says is slippery.
-        motor_strength: Actual share of the motor force.
-        unknown_actions: Actions of a fleet that are not allowed, as given, by step and robot.
-        people: ``[F, P]`` int32, where the people were; () for a lone robot.
-        headings: ``[F, R]`` int8, 0 to 3 for N, E, S and W, where the robots headed; () without
+        slippery: Open cells that the backend reports as slippery.
+        motor_strength: Actual motor force, as a share of the nominal force.
+        unknown_actions: Actions of a fleet that do not exist, as given, by step and robot.
+        people: ``[F, P]`` int32: cells of the people; () for a single robot.
+        headings: ``[F, R]`` int8: headings of the robots, 0 to 3 for N, E, S and W; () without
             headings.
-        stopped_by: ``[T, R]`` int32, what blocked a move, see ``BatchOutcome``; people have the
-            numbers from ``R`` on. () for a lone robot.
-        step_seconds: ``[T, R]`` float64, duration of each motion; () for a lone robot.
-        step_joules: ``[T, R]`` float64, cost of each motion; () for a lone robot.
-        orders: Orders released, and what has become of them.
-        assignments: Calls of ``FleetEnv.assign``: steps taken before, robot, and order or ``None``.
+        stopped_by: ``[T, R]`` int32: what blocked each move, see ``BatchOutcome``; people have
+            the numbers from ``R`` on. () for a single robot.
+        step_seconds: ``[T, R]`` float64: duration of each motion; () for a single robot.
+        step_joules: ``[T, R]`` float64: energy of each motion; () for a single robot.
+        orders: Released orders, each with its pickup and delivery so far.
+        assignments: Calls of ``FleetEnv.assign``: number of steps taken before the call, robot,
+            and order or ``None``.
         measures: Measures of a fleet over the whole episode.
 
     Example:
@@ -125,7 +128,7 @@ class Episode:
     assignments: list[tuple[int, int, int | None]] = field(default_factory=list)
     measures: FleetMeasures = NOT_MEASURED
 
-    _repr_html_ = display  # which notebooks call
+    _repr_html_ = display  # called by notebooks
 
     def __post_init__(self) -> None:
         settings = self.settings
@@ -145,7 +148,7 @@ class Episode:
 
     @property
     def is_fleet(self) -> bool:
-        """Whether the record has an axis for the robots, as the record of a ``FleetEnv`` has."""
+        """Whether this is the record of a ``FleetEnv``, with an axis for the robots."""
         return isinstance(self.settings, FleetSettings)
 
     @property
@@ -165,19 +168,19 @@ class Episode:
 
     @property
     def seconds(self) -> Any:
-        """The simulated time that all motions of a lone robot took; or ``step_seconds``."""
+        """The duration of all motions of a single robot, in seconds; or ``step_seconds``."""
         return self.step_seconds if self.is_fleet else math.fsum(m.seconds for m in self.motions)
 
     @property
     def joules(self) -> Any:
-        """The energy that all motions of a lone robot cost; or ``step_joules``."""
+        """The energy of all motions of a single robot, in joules; or ``step_joules``."""
         return self.step_joules if self.is_fleet else math.fsum(m.joules for m in self.motions)
 
     @property
     def outcome(self) -> str:
-        """How it ended, or how many items of a fleet were delivered.
+        """The ending in words; for a fleet the number of items delivered.
 
-        A delivery with the last battery unit is a delivery.
+        A delivery with the last battery unit counts as a delivery.
         """
         if self.is_fleet:
             items = counted(self.robots, "item")
@@ -192,9 +195,10 @@ class Episode:
 
     @property
     def words(self) -> list[Any]:
-        """``[T]`` the actions of a lone robot; for a fleet tuples of ``R``, in words.
+        """``[T]`` actions of a single robot as given; for a fleet tuples of ``R`` words.
 
-        An action that is not allowed is as the agent gave it, or ``INVALID`` if that is not known.
+        An action that does not exist appears as the agent gave it, or as ``INVALID`` if this was
+        not recorded.
         """
         if not self.is_fleet:
             return list(self.actions)
@@ -209,13 +213,13 @@ class Episode:
         ]  # fmt: skip
 
     def counted_actions(self, steps: int | slice = slice(None)) -> NDArray[np.integer]:
-        """Return what the actions of a fleet in some steps count as; see ``world/moves.py``.
+        """Return the move that each action of a fleet amounts to; see ``world/moves.py``.
 
         Args:
-            steps: a step, or ``T`` of them; all if none are given.
+            steps: the number of a step, or a slice; default: all steps.
 
         Returns:
-            ``[R]`` or ``[T, R]`` indices into ``ACTIONS``, or ``INVALID``.
+            ``[R]`` for one step, ``[T, R]`` for several: indices into ``ACTIONS``, or ``INVALID``.
         """
         actions: NDArray[np.integer] = self.actions[steps]
         if not self.settings.has_headings:
@@ -225,9 +229,9 @@ class Episode:
 
     @property
     def frames(self) -> list[GridFrame]:
-        """``[F]`` frames as ``WarehouseEnv.render_grid`` returned them, as new lists.
+        """``[F]`` frames as new lists, in the format of ``WarehouseEnv.render_grid``.
 
-        Every robot of a fleet is shown as the lone robot is, and people are shown too.
+        Frames of a fleet show all robots and people.
         """
         frames = []
         for bodies in self._bodies():
@@ -239,9 +243,10 @@ class Episode:
 
     @property
     def metrics(self) -> dict[str, list[float]]:
-        """The chapter's four lists of one robot, one entry a frame; empty for several robots.
+        """The chapter's four lists for one robot, one entry per frame; empty for several robots.
 
-        Distances are NaN without a station. With orders, which change the stations, there are none.
+        Distances are NaN without a station. With orders, the stations change, so the distances are
+        left out.
         """
         if self.robots > 1:
             return {}
@@ -256,12 +261,13 @@ class Episode:
         return metrics
 
     def save(self, path: str | Path) -> None:
-        """Write the record to a ``.npz`` file, whole or not at all.
+        """Write the record to a ``.npz`` file, either completely or not at all.
 
         Raises:
-            RecordError: it is larger than ``npz.MAX_BYTES``, which paths of many robots soon are
-                (``motions`` may be emptied), has more than ``arrays.MAX_OBJECTS`` motions and
-                other objects, or ``load`` would not return it.
+            RecordError: the record is larger than ``npz.MAX_BYTES``, has more than
+                ``arrays.MAX_OBJECTS`` motions and other objects, or could not be loaded unchanged.
+                Records of many robots are large because of their paths; setting ``motions`` to an
+                empty list makes them small.
             OSError: the file cannot be written.
         """
         try:
@@ -272,7 +278,7 @@ class Episode:
         except (TypeError, ValueError, AttributeError, OverflowError) as error:
             raise RecordError(f"{path}: the fields cannot be stored: {error}") from error
         if changed:
-            raise RecordError(f"{path}: {changed} would be loaded with other values or types")
+            raise RecordError(f"{path}: {changed} would change its values or types when loaded")
         write_arrays(path, arrays, schema_of(arrays))
 
     @staticmethod
@@ -280,7 +286,7 @@ class Episode:
         """Read a record from a ``.npz`` file that ``save`` wrote.
 
         Raises:
-            RecordError: the file is damaged or no record; the message names what is wrong.
+            RecordError: the file is damaged or is not a record; the message says what is wrong.
             OSError: the file cannot be read.
         """
         arrays = read_arrays(path, *SCHEMAS)
@@ -290,13 +296,13 @@ class Episode:
             raise RecordError(f"{path}: {error}") from error
 
     def _differences(self, other: Episode) -> Iterator[str]:
-        """Yield the fields in which another record differs."""
+        """Yield the names of the fields in which another record differs."""
         for name in self.__slots__:
             if not is_equal(getattr(self, name), getattr(other, name)):
                 yield name
 
     def _bodies(self) -> Iterator[Iterator[tuple[Cell, str]]]:
-        """Yield for each frame the cells of robots and people, and their characters."""
+        """Yield for each frame the cells of the robots and people, each with its character."""
         loads = (ROBOT_EMPTY, ROBOT_LOADED)
         if not self.is_fleet:
             for cell, loaded in zip(self.cells, self.loaded, strict=True):
@@ -310,7 +316,7 @@ class Episode:
 
 
 def _distances(cells: Sequence[Cell], stations: Sequence[Cell]) -> list[float]:
-    """Return the distance from each cell to the first of the stations."""
+    """Return the Manhattan distance from each cell to the first station."""
     if not stations:
         return [math.nan] * len(cells)
     return [float(manhattan_distance(cell, stations[0])) for cell in cells]

@@ -1,54 +1,56 @@
-"""The failure mode of an episode: the pattern that a viewer of its replay would name.
+"""Diagnosis of the failure mode of an episode: the pattern that a viewer of its replay would see.
 
-``diagnose`` returns the first mode that applies; one always does. Most modes are for the record of
-a lone robot or for the record of a fleet only.
+``diagnose`` returns the first mode of the table that applies; at least one always does. Most modes
+exist either for the record of a single robot or for the record of a fleet. The last column says
+which steps ``Diagnosis.steps`` counts.
 
 | mode             | who   | applies when                                          | ``steps``     |
 | ---------------- | ----- | ----------------------------------------------------- | ------------- |
 | delivered        | robot | the item was delivered                                | all           |
-| unreachable      | robot | no path leads to a pickup and then to a dropoff, or,  | all           |
-|                  |       | with the item picked up, to a dropoff                 |               |
-|                  | fleet | no way leads from a robot to the pickup of the order  | all           |
-|                  |       | that waits for it or to where its item is due; or     |               |
-|                  |       | from any robot to an open order                       |               |
-| stalled          | robot | ``CAUSE_SHARE`` of the lost steps missed their cell:  | that missed   |
-|                  |       | with nothing in its way the robot stayed, or slid to  |               |
-|                  |       | another cell                                          |               |
-| ineffective      | robot | ``LOST_SHARE`` of the lost steps had no effect:       | no effect     |
+| unreachable      | robot | no path leads to a pickup and then to a dropoff or,   | all           |
+|                  |       | once the item is picked up, to a dropoff              |               |
+|                  | fleet | no path leads from a robot to the pickup or dropoff   | all           |
+|                  |       | of its order, or from any robot to an unassigned      |               |
+|                  |       | order                                                 |               |
+| stalled          | robot | in ``CAUSE_SHARE`` of the lost steps the robot did    | these steps   |
+|                  |       | not reach its target cell although nothing blocked it |               |
+|                  |       | (it stayed, or slid to another cell)                  |               |
+| ineffective      | robot | ``LOST_SHARE`` of the lost steps had no effect:       | these steps   |
 |                  |       | unknown actions, useless picks or drops, waits, or    |               |
 |                  |       | bumps                                                 |               |
-| oscillation      | robot | for ``CAUSE_SHARE`` of the lost steps up to the end   | at the end    |
-|                  |       | it stayed on one cell, swung between up to            |               |
-|                  |       | ``MAX_SWING_CELLS``, or repeated one loop of any size |               |
-|                  |       | ``ROUNDS`` times                                      |               |
+| oscillation      | robot | for ``CAUSE_SHARE`` of the lost steps, up to the end, | at the end    |
+|                  |       | it stayed in one cell, moved back and forth between   |               |
+|                  |       | up to ``MAX_SWING_CELLS`` cells, or repeated one loop |               |
+|                  |       | of any size at least ``ROUNDS`` times                 |               |
 | wandering        | robot | ``LOST_SHARE`` of its moves from cell to cell were    | lost moves    |
 |                  |       | lost                                                  |               |
-| battery depleted | robot | none of these, and the battery ran out                | still needed  |
-| out of time      | robot | none of these, and the steps ran out                  | still needed  |
-| unfinished       | robot | none of these, and the driver of the robot stopped    | still needed  |
-| stranded         | fleet | the battery of a robot ran out, or a robot failed for | others' moves |
-|                  |       | good                                                  |               |
-| deadlock         | fleet | for ``MIN_STANDING`` steps up to the end robots did   | at the end    |
-|                  |       | not leave their cells, each stopped by the next one   |               |
-|                  |       | in ``STOPPED_SHARE`` of these steps: in a ring, or in |               |
-|                  |       | a queue behind one that stays                         |               |
-| starvation       | fleet | an order that was not delivered when it was due       | of the wait   |
-|                  |       | waited while ``MIN_OVERTAKING`` orders that were      |               |
-|                  |       | released after it were taken                          |               |
-| congested        | fleet | ``BLOCKED_SHARE`` of the moves were stopped by robots | stopped moves |
+| battery depleted | robot | none of the above, and the battery ran out            | still needed  |
+| out of time      | robot | none of the above, and the step limit was reached     | still needed  |
+| unfinished       | robot | none of the above, and the episode was stopped early  | still needed  |
+| stranded         | fleet | a robot ran out of battery, or failed permanently     | blocked moves |
+|                  |       |                                                       | of others     |
+| deadlock         | fleet | during the last ``MIN_STANDING`` steps or more,       | at the end    |
+|                  |       | robots did not leave their cells, and each was        |               |
+|                  |       | blocked by the next one in ``STOPPED_SHARE`` of these |               |
+|                  |       | steps: in a ring, or in a queue behind a robot that   |               |
+|                  |       | does not move                                         |               |
+| starvation       | fleet | an order that missed its deadline waited while        | of the wait   |
+|                  |       | ``MIN_OVERTAKING`` orders that were released after it |               |
+|                  |       | were picked up                                        |               |
+| congested        | fleet | ``BLOCKED_SHARE`` of the moves were blocked by robots | blocked moves |
 |                  |       | or people                                             |               |
-| idle             | fleet | in ``IDLE_SHARE`` of its steps a robot waited, not on | waits         |
-|                  |       | a charger                                             |               |
+| idle             | fleet | in ``IDLE_SHARE`` of all steps of all robots a robot  | waits         |
+|                  |       | waited, and not on a charger                          |               |
 | late             | fleet | more than ``LATE_SHARE`` of the deliveries were late  | all           |
-| served           | fleet | none of these                                         | all           |
+| served           | fleet | none of the above                                     | all           |
 
-*Needed* is the minimum number of steps to the delivery, ``PICK`` and ``DROP`` included. *Lost*
-steps did not bring the robot nearer: all steps, less the ones needed at the start and no longer
-needed at the end. Fewer than ``MIN_STEPS`` steps of a kind, or lost, are no evidence. Waiting and
-running into walls change no pattern, because a visit to a cell may be of any length. Steps that
-charged the battery are not lost, and count in no pattern.
+*Needed* is the minimum number of steps to the delivery, including ``PICK`` and ``DROP``. *Lost*
+steps brought the robot no closer to the delivery: their number is all steps minus the reduction of
+the needed steps between the start and the end. Fewer than ``MIN_STEPS`` steps are never evidence.
+Waiting and running into walls do not change a pattern, because a visit to a cell may have any
+length. Steps in which the battery charged are not lost and do not count in any pattern.
 
-A fleet that has delivered everything is late or served.
+A fleet that has delivered everything is either late or served.
 """
 
 from __future__ import annotations
@@ -83,42 +85,44 @@ STRANDED, DEADLOCK, STARVATION = "stranded", "deadlock", "starvation"
 CONGESTED, IDLE, LATE, SERVED = "congested", "idle", "late", "served"
 
 CAUSE_SHARE = 0.4
-"""Share of the lost steps; less than half, because a robot may be stuck more than once."""
+"""Share of the lost steps that one cause explains; less than half, because a robot may get stuck
+more than once."""
 
 LOST_SHARE = 0.5
-"""Share of all moves, which a path twice as long as the shortest loses; and of the lost steps."""
+"""Share of the moves, or of the lost steps. A path of twice the optimal length loses half."""
 
 MAX_SWING_CELLS = 4
-"""Number of cells of a swing: the cell where the robot is stuck and up to three neighbours."""
+"""Most cells of a swing: the cell where the robot is stuck and up to three neighbours."""
 
 MIN_STEPS = 2 * MAX_SWING_CELLS
-"""Least evidence; fewer steps cannot show that it comes back to ``MAX_SWING_CELLS`` cells."""
+"""Fewest steps that are evidence: two visits to each of ``MAX_SWING_CELLS`` cells."""
 
 ROUNDS = 3
-"""Repetitions of the same cells in the same order that make a loop."""
+"""Repetitions of the same cells in the same order that count as a loop."""
 
 MIN_STANDING = 10
-"""Steps in one cell at the end; fewer may be a short stop."""
+"""Steps in one cell at the end that count as a deadlock; fewer may be a short stop."""
 
 STOPPED_SHARE = 0.5
 """Share of these steps in which the same robot has to be in the way."""
 
 MIN_OVERTAKING = 10
-"""Orders taken before one that was released earlier; fewer may be a matter of place."""
+"""Later orders picked up first; fewer may just be closer to a robot."""
 
 BLOCKED_SHARE, IDLE_SHARE, LATE_SHARE = 0.25, 0.5, 0.5
-"""Shares of the moves, of the steps of all robots, and of the deliveries."""
+"""Shares of the moves, of the steps of all robots, and of the deliveries, respectively."""
 
 NO_MOVES = {INVALID: "unknown action", PICK: "useless pick", DROP: "useless drop", WAIT: "wait"}
-"""Actions that move no robot by index, in the order in which they are checked."""
+"""Names of the actions that do not move a robot, by index, in the order in which they are
+checked."""
 
 BUMP = "bump"
-"""Name of a move that something stopped; it is checked last."""
+"""Name of a blocked move; it is checked last."""
 
 ENDINGS = {
     BATTERY_DEPLETED: "the battery ran out",
     OUT_OF_TIME: "the time ran out",
-    UNFINISHED: "it was stopped",
+    UNFINISHED: "the episode was stopped",
 }
 
 CellState = tuple[Cell, bool]
@@ -130,17 +134,18 @@ class Diagnosis(NamedTuple):
 
     Attributes:
         mode: One of ``MODES``, or of ``FLEET_MODES``.
-        cells: Cells of the pattern in the order of the visits, for ``oscillation``; for
-            ``unreachable`` the stations without a path, if there are any; for ``stalled`` the cell
-            from which most steps missed theirs, and for ``congested`` the cell from which most
-            moves were stopped; for ``starvation`` the pickup of the order; for other modes the
-            last cells of the robots.
+        cells: Cells of the evidence. ``oscillation``: cells of the pattern, in the order of the
+            visits. ``unreachable``: stations that cannot be reached, if there are any.
+            ``stalled``: the cell where most of the steps failed. ``congested``: the cell where
+            most moves were blocked. ``starvation``: the pickup of the order. Other modes: the last
+            cells of the robots.
         steps: Number of steps of the evidence; the table at the top of this file says which.
-        needed: Minimum number of steps from the start to the delivery, ``None`` without a path and
+        needed: Minimum number of steps from the start to the delivery; ``None`` without a path and
             for fleets.
         sentence: The evidence in words.
-        robots: Numbers of the robots it is about, in ascending order; a queue or a ring from its
-            first robot on; for ``starvation`` the robot that took the order, if one did.
+        robots: Numbers of the robots involved, in ascending order. ``deadlock``: the robots of the
+            queue or ring, in its order. ``starvation``: the robot that picked the order up, if
+            one did.
 
     Example:
         >>> from agents import GreedyAgent
@@ -151,7 +156,7 @@ class Diagnosis(NamedTuple):
         >>> diagnosis.mode, diagnosis.needed
         ('oscillation', 17)
         >>> diagnosis.sentence
-        'swung between (1, 5), (2, 5), (3, 5) and (2, 6) for the last 200 steps'
+        'kept moving between (1, 5), (2, 5), (3, 5) and (2, 6) for the last 200 steps'
     """
 
     mode: str
@@ -163,7 +168,7 @@ class Diagnosis(NamedTuple):
 
 
 class Evidence(NamedTuple):
-    """What a rule of ``TABLE`` says of an episode; see ``Diagnosis``."""
+    """The evidence that a rule of ``TABLE`` finds in an episode; fields as in ``Diagnosis``."""
 
     sentence: str
     cells: Sequence[Cell]
@@ -176,12 +181,13 @@ Rule = Callable[[Any], Evidence | None]
 
 
 class Alone:
-    """The episode of a lone robot, and what the rules need to know about it.
+    """The episode of a single robot, with the quantities that the rules use.
 
     Attributes:
-        needed: Minimum number of steps from the start to the delivery, ``None`` without a path.
-        left: The same from the ``end``, which is the last cell and load of the robot.
-        nearer: Number of needed steps that the robot has taken.
+        needed: Minimum number of steps from the start to the delivery; ``None`` without a path.
+        left: Minimum number of steps from the ``end`` to the delivery; ``None`` without a path.
+            The ``end`` is the last cell and load of the robot.
+        nearer: Number of steps by which the robot has come closer to the delivery.
     """
 
     def __init__(self, episode: Episode) -> None:
@@ -192,17 +198,17 @@ class Alone:
 
     @cached_property
     def charging(self) -> set[int]:
-        """The steps after which the battery had more units than before."""
+        """Numbers of the steps in which the battery level rose."""
         return {step for step, (a, b) in enumerate(pairwise(self.episode.battery)) if b > a}
 
     @cached_property
     def lost(self) -> int:
-        """The number of lost steps."""
+        """Number of lost steps."""
         return self.episode.steps - len(self.charging) - self.nearer
 
     @cached_property
     def missed(self) -> list[Cell]:
-        """The start of each step that missed its cell with nothing in the way."""
+        """Start cell of each step that missed its target cell although nothing blocked it."""
         episode = self.episode
         deltas = {action: DISPLACEMENTS[action_index(action)] for action in set(episode.actions)}
         moves = zip(episode.cells, episode.actions, episode.motions, strict=False)
@@ -213,17 +219,20 @@ class Alone:
         ]
 
     def least(self, share: float) -> float:
-        """Return how many steps are this share of the lost steps, and enough to be evidence."""
+        """Return the number of steps that make this share of the lost steps evidence.
+
+        It is infinite if too few steps were lost.
+        """
         return max(MIN_STEPS, share * self.lost) if self.lost >= MIN_STEPS else math.inf
 
     @property
     def misses(self) -> str:
-        """The end of a sentence that tells of steps that missed their cell."""
-        return f"; {_count(len(self.missed))} missed their cell" if self.missed else ""
+        """End of a sentence that mentions the steps in ``missed``, if there are any."""
+        return f"; {_count(len(self.missed))} missed their target cell" if self.missed else ""
 
 
 def diagnose(episode: Episode) -> Diagnosis:
-    """Return the failure mode of an episode; it depends on the record only, not on the agent.
+    """Return the failure mode of an episode. It depends only on the record, not on the agent.
 
     Example:
         >>> from agents import GreedyAgent
@@ -254,7 +263,7 @@ def _delivered(alone: Alone) -> Evidence | None:
 
 
 def _cut_off(alone: Alone) -> Evidence | None:
-    """Name the stations that no path leads to."""
+    """Find the stations that cannot be reached."""
     if alone.left is not None:
         return None
     (here, loaded), layout = alone.end, alone.episode.layout
@@ -264,7 +273,7 @@ def _cut_off(alone: Alone) -> Evidence | None:
         name, stations = "pickup", layout.pickups
     sentence = f"there is no {name}"
     if stations:
-        sentence = f"no way leads from {here} to the {name} at {listed(stations, 'or')}"
+        sentence = f"no path leads from {here} to the {name} at {listed(stations, 'or')}"
     return Evidence(sentence, stations, alone.episode.steps)
 
 
@@ -274,14 +283,14 @@ def _stalled(alone: Alone) -> Evidence | None:
         return None
     [(worst, times)] = Counter(alone.missed).most_common(1)
     sentence = (
-        f"{misses} of {_count(alone.episode.steps)} missed their cell with nothing in the way, "
-        f"{times} of them from {worst}"
+        f"{misses} of {_count(alone.episode.steps)} missed their target cell although nothing "
+        f"blocked them, {times} of them from {worst}"
     )
     return Evidence(sentence, (worst,), misses)
 
 
 def _ineffective(alone: Alone) -> Evidence | None:
-    """Count the steps that had no effect; if one kind is enough, only the first such kind."""
+    """Count the steps without effect. If a single kind is enough evidence, count only this kind."""
     episode, least = alone.episode, alone.least(LOST_SHARE)
     details: dict[str, Counter[str]] = {kind: Counter() for kind in (*NO_MOVES.values(), BUMP)}
     states = list(zip(episode.cells, episode.loaded, strict=True))
@@ -320,13 +329,13 @@ def _wandering(alone: Alone) -> Evidence | None:
     moves = sum(map(ne, cells, cells[1:]))
     if alone.lost < MIN_STEPS or moves - nearer < max(MIN_STEPS, LOST_SHARE * moves):
         return None
-    came = f"came {_count(nearer)} nearer to the delivery" if nearer else "came no nearer"
-    sentence = f"{came} in {moves} moves over {len(set(cells))} cells{alone.misses}"
-    return Evidence(sentence, alone.end[:1], moves - nearer)
+    sentence = f"{moves} moves over {len(set(cells))} cells "
+    sentence += f"brought it only {_count(nearer)} closer" if nearer else "without getting closer"
+    return Evidence(f"{sentence} to the delivery{alone.misses}", alone.end[:1], moves - nearer)
 
 
 def _out_of(ending: str) -> Callable[[Alone], Evidence | None]:
-    """Return the rule of a mode that says how the episode ended."""
+    """Return the rule of the mode for an ending of an episode."""
 
     def find(alone: Alone) -> Evidence | None:
         if alone.episode.outcome != ending or alone.left is None:
@@ -338,19 +347,19 @@ def _out_of(ending: str) -> Callable[[Alone], Evidence | None]:
 
 
 def _shortest(alone: Alone) -> str:
-    return "" if alone.needed is None else f"; the shortest way takes {alone.needed}"
+    return "" if alone.needed is None else f"; the minimum is {alone.needed}"
 
 
 def fewest_steps(layout: Layout, *states: CellState) -> tuple[int | None, ...]:
     """Return the minimum number of steps from each state to the delivery, ``None`` without a path.
 
-    The search is breadth first and backwards from the dropoffs, with the item; at a pickup it
-    continues without the item too.
+    A breadth-first search runs backwards from the dropoffs, with the item. When it reaches a
+    pickup, it also continues from there without the item.
     """
     stride = layout.width + 1
     edge = WALL * stride
     floor = edge + "".join([row + WALL for row in layout.rows]) + edge
-    unloaded = len(floor)  # added to the number of a state with the item gives that without
+    unloaded = len(floor)  # the number of a state without the item minus the number with it
     fresh = bytearray((floor * 2).replace(WALL, "\0"), "ascii")
 
     def number(cell: Cell) -> int:
@@ -377,31 +386,33 @@ def fewest_steps(layout: Layout, *states: CellState) -> tuple[int | None, ...]:
 
 
 def _find_swing(leg: Sequence[Cell], least: float) -> tuple[tuple[Cell, ...], int]:
-    """Return the fewest cells that the robot stayed among at the end, and for how many steps.
+    """Return the smallest set of cells that the robot did not leave at the end, and how long.
 
-    Its cells of the ``leg`` are all with the item or all without. If there were fewer steps than
-    ``least``, the result is empty.
+    Args:
+        leg: Cells of the robot, step by step, either all with the item or all without it.
+        least: Fewest steps that count. If there are fewer, the result is ``((), 0)``.
     """
     arrivals = [step for step, cell in enumerate(leg) if step == 0 or cell != leg[step - 1]]
-    way = [leg[step] for step in arrivals]
-    # After the last visit to a cell, it stayed among the cells whose last visits are later.
-    farewells = sorted({cell: visit for visit, cell in enumerate(way)}.values(), reverse=True)
-    for begin in [visit + 1 for visit in [*farewells[1:], -1][:MAX_SWING_CELLS]]:
+    path = [leg[step] for step in arrivals]
+    # After the last visit to a cell, the robot visited only cells whose last visits are later.
+    last_visits = sorted({cell: visit for visit, cell in enumerate(path)}.values(), reverse=True)
+    for begin in [visit + 1 for visit in [*last_visits[1:], -1][:MAX_SWING_CELLS]]:
         steps = len(leg) - 1 - arrivals[begin]
-        if steps >= least and (begin == len(way) - 1 or way[begin] in way[begin + 1 :]):
-            return tuple(dict.fromkeys(way[begin:])), steps
-    begin = _loop_begin(way)
+        if steps >= least and (begin == len(path) - 1 or path[begin] in path[begin + 1 :]):
+            return tuple(dict.fromkeys(path[begin:])), steps
+    begin = _loop_begin(path)
     steps = len(leg) - 1 - arrivals[begin]
-    return (tuple(dict.fromkeys(way[begin:])), steps) if steps >= least else ((), 0)
+    return (tuple(dict.fromkeys(path[begin:])), steps) if steps >= least else ((), 0)
 
 
-def _loop_begin(way: Sequence[Cell]) -> int:
-    """Return the visit after which a way is at least ``ROUNDS`` times one loop, or the last visit.
+def _loop_begin(path: Sequence[Cell]) -> int:
+    """Return the visit from which on a path repeats one loop at least ``ROUNDS`` times.
 
-    This is the failure function of Knuth, Morris and Pratt, of the way backwards: the first ``k``
-    visits begin and end with the same ``border[k]`` visits, so their period is ``k - border[k]``.
+    Without a loop this is the last visit. The function computes the failure function of Knuth,
+    Morris and Pratt for the reversed path: its first ``k`` visits begin and end with the same
+    ``border[k]`` visits, so they repeat with the period ``k - border[k]``.
     """
-    back, border, longest = way[::-1], [0, 0], 1
+    back, border, longest = path[::-1], [0, 0], 1
     for k, cell in enumerate(back[1:], start=2):
         shared = border[-1]
         while shared and back[shared] != cell:
@@ -410,23 +421,23 @@ def _loop_begin(way: Sequence[Cell]) -> int:
         border.append(shared)
         if k >= ROUNDS * (k - shared):
             longest = k
-    return len(way) - longest
+    return len(path) - longest
 
 
 def _describe(swing: Sequence[Cell]) -> str:
     if len(swing) == 1:
-        return f"stood on {swing[0]}"
+        return f"stayed in {swing[0]}"
     if len(swing) <= MAX_SWING_CELLS:
-        return f"swung between {listed(swing)}"
-    return f"went round and round over {len(swing)} cells, {swing[0]} among them,"
+        return f"kept moving between {listed(swing)}"
+    return f"repeated a loop of {len(swing)} cells through {swing[0]}"
 
 
 def _count(steps: int) -> str:
     return counted(steps, "step")
 
 
-def _no_way(episode: Episode) -> Evidence | None:
-    """Name the first order, not delivered, that no way leads to."""
+def _no_path(episode: Episode) -> Evidence | None:
+    """Find the first undelivered order whose next station its robots cannot reach."""
     cells = _ends(episode)
     left = {number: each for number, each in enumerate(episode.orders) if each.delivered is None}
     for number, order in left.items():
@@ -436,7 +447,7 @@ def _no_way(episode: Episode) -> Evidence | None:
         reached = episode.layout.reachable_from(goal)
         if reached.isdisjoint(cells[robot] for robot in robots):
             who = _named(robots, cells) if len(robots) == 1 else "any robot"
-            sentence = f"no way leads from {who} to the {name} of order {number} at {goal}"
+            sentence = f"no path leads from {who} to the {name} of order {number} at {goal}"
             return Evidence(sentence, (goal,), episode.steps, robots)
     return None
 
@@ -444,19 +455,19 @@ def _no_way(episode: Episode) -> Evidence | None:
 def _stranded(episode: Episode) -> Evidence | None:
     robots, cells = np.flatnonzero(episode.battery[-1] <= 0).tolist(), _ends(episode)
     lost, failed = episode.measures.lost, episode.measures.stranded
-    with_them = f", and {counted(lost, 'order')} with them" if lost else ""
+    with_them = f"; {counted(lost, 'order')} can no longer be delivered" if lost else ""
     if not robots:
-        # A record says of each robot when its battery is empty, and of failures how many there are.
-        sentence = f"{counted(failed, 'robot')} failed for good{with_them}"
+        # A record has the battery level of each robot, but of failures only their number.
+        sentence = f"{counted(failed, 'robot')} failed permanently{with_them}"
         return Evidence(sentence, (), 0, ()) if failed else None
     blocked = int(np.isin(episode.stopped_by, robots).sum())
-    in_the_way = f" and stopped {counted(blocked, 'move')} of others" if blocked else ""
-    sentence = f"the battery of {_named(robots, cells)} ran out{in_the_way}{with_them}"
+    in_the_way = f" and blocked {counted(blocked, 'move')} of other robots" if blocked else ""
+    sentence = f"{_named(robots, cells)} ran out of battery{in_the_way}{with_them}"
     return Evidence(sentence, [cells[robot] for robot in robots], blocked, robots)
 
 
 def _deadlock(episode: Episode) -> Evidence | None:
-    """Find robots that stop each other in a ring, or the longest queue behind one that stays."""
+    """Find robots that block each other in a ring, or the longest queue behind a standing robot."""
     steps, ahead = _standing(episode)
     queues = {robot: _queue(robot, ahead) for robot in ahead}
     rings = [queue for queue in queues.values() if ahead.get(queue[-1]) == queue[0]]
@@ -467,24 +478,25 @@ def _deadlock(episode: Episode) -> Evidence | None:
     since = min(steps[robot] for robot in longest)
     cells = _ends(episode)
     if rings:
-        what = f"{_named(longest, cells)} stop each other"
+        what = f"{_named(longest, cells)} blocked each other"
         behind = [robot for robot in ahead if queues[robot] == longest and robot not in longest]
     else:
         *waiting, first = longest
-        what = f"{_named(waiting, cells)} are stopped by {_named([first], cells)}, which stays"
+        were = "were" if len(waiting) > 1 else "was"
+        what = f"{_named(waiting, cells)} {were} blocked by {_named([first], cells)}, which stayed,"
         behind = []
-    more = f"; behind them {_named(behind, cells)}" if behind else ""
-    sentence = f"{what}, for the last {_count(since)}{more}"
+    more = f"; waiting behind them: {_named(behind, cells)}" if behind else ""
+    sentence = f"{what} for the last {_count(since)}{more}"
     return Evidence(sentence, [cells[robot] for robot in longest], since, longest)
 
 
 def _standing(episode: Episode) -> tuple[list[int], dict[int, int]]:
-    """Return for how many steps each robot has not left its cell, and who stops whom."""
+    """Return how many steps each robot has stayed in its last cell, and which robot blocks it."""
     steps: list[int] = []
     ahead: dict[int, int] = {}
-    for robot, way in enumerate(episode.cells.T):
-        changes = np.flatnonzero(way != way[-1])
-        steps.append(len(way) - 2 - int(changes[-1]) if len(changes) else len(way) - 1)
+    for robot, path in enumerate(episode.cells.T):
+        changes = np.flatnonzero(path != path[-1])
+        steps.append(len(path) - 2 - int(changes[-1]) if len(changes) else len(path) - 1)
         stops = episode.stopped_by[len(episode.stopped_by) - steps[-1] :, robot]
         [(by, times)] = Counter(stops.tolist()).most_common(1) or [(NOTHING, 0)]
         is_robot = 0 <= by < episode.robots
@@ -494,7 +506,7 @@ def _standing(episode: Episode) -> tuple[list[int], dict[int, int]]:
 
 
 def _queue(robot: int, ahead: dict[int, int]) -> list[int]:
-    """Return the robot, the one that stops it, and so on; or the ring that this leads to."""
+    """Return the robot, the robot that blocks it, and so on, or the ring in which this ends."""
     queue = [robot]
     while queue[-1] in ahead:
         following = ahead[queue[-1]]
@@ -507,7 +519,7 @@ def _queue(robot: int, ahead: dict[int, int]) -> list[int]:
 
 
 def _starvation(episode: Episode) -> Evidence | None:
-    """Look whether the late order that waited longest was overtaken."""
+    """Check whether later orders overtook the late order that waited longest."""
     steps = episode.steps
     waits = {
         number: (steps if order.taken is None else order.taken) - order.released
@@ -526,7 +538,7 @@ def _starvation(episode: Episode) -> Evidence | None:
         return None
     sentence = (
         f"order {worst} at {order.pickup}, due at step {order.due}, waited for "
-        f"{_count(waits[worst])}, while {overtaking} that were released after it were taken"
+        f"{_count(waits[worst])} while {overtaking} orders released after it were picked up"
     )
     robots = () if order.taken_by is None else (order.taken_by,)
     return Evidence(sentence, (order.pickup,), waits[worst], robots)
@@ -541,8 +553,8 @@ def _congested(episode: Episode) -> Evidence | None:
     cell = episode.layout.cell(worst)
     people = int((by >= episode.robots).sum())
     sentence = (
-        f"{blocked} of {counted(moves, 'move')} were stopped by robots or people, {people} of them "
-        f"by people; most, {times}, from {cell}"
+        f"{blocked} of {counted(moves, 'move')} were blocked by robots or people, {people} of them "
+        f"by people; the worst cell is {cell}, with {times}"
     )
     return Evidence(sentence, (cell,), blocked, range(episode.robots))
 
@@ -565,8 +577,8 @@ def _late(episode: Episode) -> Evidence | None:
         return None
     late = round((1 - measures.on_time) * measures.delivered)
     sentence = (
-        f"{late} of {measures.delivered} deliveries were late; the mean over all is "
-        f"{measures.mean_lateness:.0f} steps"
+        f"{late} of {measures.delivered} deliveries were late; the mean lateness of all "
+        f"deliveries is {_count(round(measures.mean_lateness))}"
     )
     return _of_all(episode, sentence, episode.steps)
 
@@ -576,23 +588,23 @@ def _served(episode: Episode) -> Evidence:
 
 
 def _of_all(episode: Episode, sentence: str, steps: int) -> Evidence:
-    """Return the evidence for a mode of all robots, with their last cells."""
+    """Return the evidence for a mode that involves all robots, with their last cells."""
     return Evidence(sentence, _ends(episode), steps, range(episode.robots))
 
 
 def _ends(episode: Episode) -> list[Cell]:
-    """Return where the robots are at the end."""
+    """Return the last cells of the robots."""
     return episode.layout.cells(episode.cells[-1])
 
 
 def _named(robots: Sequence[int], cells: Sequence[Cell]) -> str:
-    """Return robots and their cells in words."""
+    """Return the robots and their cells in words."""
     return listed(f"robot {robot} at {cells[robot]}" for robot in robots)
 
 
 TABLE: tuple[tuple[str, Rule | None, Rule | None], ...] = (
     (DELIVERED, _delivered, None),
-    (UNREACHABLE, _cut_off, _no_way),
+    (UNREACHABLE, _cut_off, _no_path),
     (STALLED, _stalled, None),
     (INEFFECTIVE, _ineffective, None),
     (OSCILLATION, _oscillation, None),
@@ -606,11 +618,11 @@ TABLE: tuple[tuple[str, Rule | None, Rule | None], ...] = (
     (LATE, None, _late),
     (SERVED, None, _served),
 )
-"""Every mode, with its rule for ``Alone`` and its rule for the record of a fleet, in the order in
-which they are checked; ``None`` where the mode does not apply."""
+"""Each mode, its rule for ``Alone``, and its rule for the record of a fleet, in the order in which
+they are checked. ``None`` means that the mode does not exist for this kind of record."""
 
 MODES = tuple(mode for mode, alone, _ in TABLE if alone)
-"""Modes of a lone robot."""
+"""Modes of a single robot."""
 
 FLEET_MODES = tuple(mode for mode, _, fleet in TABLE if fleet)
 """Modes of a fleet."""

@@ -13,9 +13,9 @@ from warehouse_core.world.actions import WAIT
 def held_up(episode: FleetEpisode) -> NDArray[np.bool_]:
     """Return for each step and robot of a fleet whether the robot was held up, as ``[T, R]``.
 
-    A robot is held up if it is blocked, if it turns back into the cell that it has left in the step
-    before, or if it waits with an order at hand and not on a charger. In episodes without orders
-    each wait counts.
+    A robot is held up if it is blocked, or if it turns back into the cell that it has just left. It
+    is also held up if it waits although it has an order, unless it is on a charger. In episodes
+    without orders every wait counts.
     """
     layout, cells = episode.layout, episode.cells
     chargers = layout.numbers(layout.chargers)
@@ -26,9 +26,10 @@ def held_up(episode: FleetEpisode) -> NDArray[np.bool_]:
 
 
 def _has_order(episode: FleetEpisode) -> NDArray[np.bool_]:
-    """Return for each step and robot whether the robot carries an order or is to take one.
+    """Return for each step and robot whether the robot carries an order or is assigned to one.
 
-    Without a record of who was to take an order, the robot that took it was, from its release on.
+    If the record has no assignments, each order counts as assigned, from its release on, to the
+    robot that picked it up.
     """
     if episode.settings.orders is None:
         return np.ones(episode.actions.shape, np.bool_)

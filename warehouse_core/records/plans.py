@@ -1,4 +1,4 @@
-"""What a planner meant the robots of a fleet to do, kept beside a record for its replay."""
+"""The plans of a fleet's planner, step by step, which a replay shows together with the record."""
 
 from __future__ import annotations
 
@@ -13,13 +13,14 @@ class StepPlans(NamedTuple):
     """The plans of some robots before a joint step.
 
     Attributes:
-        ways: cells of each robot's plan from its own cell on, one for each step.
-        wishes: cells from the end of each robot's plan to its goal that it would take if nobody
-            were in its way.
-        pushers: robot that made each robot choose its next cell before its turn, see ``PIBT``.
+        paths: cells of each robot's plan, one for each step, beginning with its own cell.
+        wishes: cells of the path from the end of each robot's plan to its goal, as if no other
+            robot were in the way.
+        pushers: robot that pushed another one, by the number of the pushed robot, which had to
+            choose its next cell before its turn; see ``PIBT``.
     """
 
-    ways: Mapping[int, Sequence[Cell]] = {}
+    paths: Mapping[int, Sequence[Cell]] = {}
     wishes: Mapping[int, Sequence[Cell]] = {}
     pushers: Mapping[int, int] = {}
 
@@ -28,21 +29,23 @@ NO_PLANS = StepPlans()
 
 
 def check_plans(plans: Sequence[StepPlans], episode: FleetEpisode) -> None:
-    """Raise unless plans fit an episode.
+    """Check that plans fit an episode.
 
     Raises:
-        ValueError: more plans than frames, or a robot or a cell that does not exist.
+        ValueError: there are more plans than frames, or a robot or cell does not exist.
     """
     if len(plans) > episode.steps + 1:
-        raise ValueError(f"{len(plans)} plans for {episode.steps} steps; allowed: one for each")
+        raise ValueError(
+            f"{len(plans)} plans for {episode.steps} steps; allowed: at most {episode.steps + 1}"
+        )
     height, width = episode.layout.height, episode.layout.width
-    for step, (ways, wishes, pushers) in enumerate(plans):
-        for robot in (*ways, *wishes, *pushers, *pushers.values()):
+    for step, (paths, wishes, pushers) in enumerate(plans):
+        for robot in (*paths, *wishes, *pushers, *pushers.values()):
             if not 0 <= robot < episode.robots:
                 raise ValueError(
                     f"plan {step}: there is no robot {robot}; allowed: 0..{episode.robots - 1}"
                 )
-        for row, col in (cell for way in (*ways.values(), *wishes.values()) for cell in way):
+        for row, col in (cell for path in (*paths.values(), *wishes.values()) for cell in path):
             if not (0 <= row < height and 0 <= col < width):
                 raise ValueError(
                     f"plan {step}: cell {(row, col)} is not in the layout of {height} rows and "

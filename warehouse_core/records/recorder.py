@@ -1,4 +1,4 @@
-"""Recording and replaying episodes of one robot or of a fleet."""
+"""Functions and classes that record and replay episodes of one robot or of a fleet."""
 
 from __future__ import annotations
 
@@ -22,20 +22,20 @@ from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.world.actions import INVALID
 
 NO_PATHS = ("grid", GridMotion.__name__)
-"""Backends whose robots drive straight from cell to cell, so that the cells say it all."""
+"""Backends whose robots drive straight from cell to cell, so that the record needs no paths."""
 
 OF_FRAMES = ("cells", "loaded", "battery", "people")
 OF_STEPS = ("rewards", "actions", "stopped_by", "seconds", "joules")
-"""Arrays of a fleet with a row a frame, and with a row a step."""
+"""Arrays of a fleet with one row per frame, and with one row per step."""
 
 HEADINGS_TOO = ("headings",)
-"""Array with a row a frame that a fleet with headings has too."""
+"""Additional array, with one row per frame, of a fleet with headings."""
 
 
 class Agent(Protocol):
-    """What ``record_episode`` needs of an agent that directs a lone robot.
+    """Protocol of an agent that controls a single robot, as ``record_episode`` requires it.
 
-    An agent may also be ``Explaining``; the record keeps its reasons.
+    An agent may also be ``Explaining``; then the record keeps its reasons.
 
     Example:
         >>> from warehouse_core import Agent, WarehouseEnv, record_episode
@@ -54,13 +54,13 @@ class Agent(Protocol):
         """Forget the last episode."""
 
     def act(self, observation: Observation) -> str | SupportsIndex:
-        """Return the next action, a word of ``WarehouseEnv.ACTIONS`` or its index."""
+        """Return the next action: a word of ``WarehouseEnv.ACTIONS``, or its index."""
 
 
 class FleetAgent(Protocol):
-    """What ``record_episode`` needs of an agent that directs all robots of a fleet.
+    """Protocol of an agent that controls all robots of a fleet, as ``record_episode`` requires it.
 
-    An agent may also be ``Explaining``; the record keeps its reasons.
+    An agent may also be ``Explaining``; then the record keeps its reasons.
 
     Example:
         >>> from warehouse_core import FleetEnv, record_episode
@@ -80,34 +80,36 @@ class FleetAgent(Protocol):
         """Forget the last episode."""
 
     def act(self, env: FleetEnv) -> Actions:
-        """Return the next action of each robot, as ``FleetEnv.step`` takes them.
+        """Return the next action of each robot, in the format of ``FleetEnv.step``.
 
         Args:
-            env: Fleet to inspect; the agent must not step it, but may ``assign`` orders.
+            env: Fleet to inspect. The agent may ``assign`` orders, but must not call ``step``.
         """
 
 
 class Explaining(Protocol):
-    """An agent that explains its last action, or its last actions, one for each robot.
+    """An agent that explains its last action, or the last action of each of its robots.
 
     Attributes:
-        reason: Words; they may be missing until the agent has some.
+        reason: Reason in words, or one reason for each robot. The attribute may be missing until
+            the agent has acted.
     """
 
     reason: str | Sequence[str]
 
 
 def explanation_of(agent: Agent | FleetAgent | Explaining) -> str | Sequence[str]:
-    """Return the words of an ``Explaining`` agent, and none of another.
+    """Return the reason of an ``Explaining`` agent, and ``""`` for any other agent.
 
-    It is asked at every step, so by name: ``isinstance`` with a protocol takes longer than a step.
+    The attribute is read by name, because this happens at every step, and ``isinstance`` with a
+    protocol takes longer than a step.
     """
     reason: str | Sequence[str] = getattr(agent, "reason", "")
     return reason
 
 
 class EpisodeRecorder:
-    """Steps an environment and records it; for environments that are driven by hand.
+    """A recorder that steps a ``WarehouseEnv``, for callers that choose each action themselves.
 
     It starts from the present state of the environment, which should be the state after ``reset``.
 
@@ -140,7 +142,7 @@ class EpisodeRecorder:
 
     @property
     def place(self) -> str:
-        """Where ``run`` is, in words: ``"reset"``, or the step such as ``"step 3"``."""
+        """The present position of ``run``: ``"reset"``, or the step, such as ``"step 3"``."""
         return f"step {self.episode.steps + 1}" if self._is_acting else "reset"
 
     @property
@@ -180,16 +182,16 @@ class EpisodeRecorder:
 
 
 class FleetRecorder:
-    """Resets a fleet, steps it and records it; for fleets that are driven by hand.
+    """A recorder that resets and steps a ``FleetEnv``, for callers that choose the actions.
 
     Args:
         env: Fleet with any backend.
-        seed: Seed for ``reset``; ``None`` draws one.
+        seed: Seed for ``reset``; ``None`` chooses one at random.
         agent: Name of the agent.
 
     Attributes:
-        ended: ``True`` once all robots have ended.
-        place: Place of ``run`` in words: ``"reset"``, or the step such as ``"step 3"``.
+        ended: ``True`` once the episode of every robot is over.
+        place: Present position of ``run``: ``"reset"``, or the step, such as ``"step 3"``.
 
     Example:
         >>> from warehouse_core import FleetEnv
@@ -203,8 +205,8 @@ class FleetRecorder:
     def __init__(self, env: FleetEnv, *, seed: int | None = None, agent: str = "") -> None:
         self._env = instance_of("env", env, FleetEnv)
         self._agent = instance_of("agent", agent, str)
-        drawn = int(np.random.default_rng().integers(2**32))
-        self._seed = drawn if seed is None else whole_number("seed", seed, 0, MAX_SEED)
+        random = int(np.random.default_rng().integers(2**32))
+        self._seed = random if seed is None else whole_number("seed", seed, 0, MAX_SEED)
         self._settings = FleetSettings.from_json(env.settings.to_json())
         self._of_frames = OF_FRAMES + HEADINGS_TOO * env.settings.has_headings
         self._columns: dict[str, list[Any]] = {name: [] for name in (*self._of_frames, *OF_STEPS)}
@@ -220,8 +222,8 @@ class FleetRecorder:
         """Take one step and record it.
 
         Args:
-            actions: Action of each robot, see ``FleetEnv.step``.
-            reason: Reason for all actions, or a list or tuple with one for each robot.
+            actions: Action of each robot; see ``FleetEnv.step``.
+            reason: One reason for all actions, or a list or tuple with a reason for each robot.
         """
         step, robots = self._env.steps, self._env.settings.robots
         chosen = self._env.action_indices(actions)
@@ -290,9 +292,9 @@ def start_recording(
     agent: str = "",
     randomize: bool | str = True,
 ) -> EpisodeRecorder | FleetRecorder:
-    """Reset an environment and return the recorder of the episode that begins.
+    """Reset an environment and return a recorder of the new episode.
 
-    The arguments are the same as in ``record_episode``, but for the name of the agent.
+    It has the arguments of ``record_episode``, except that ``agent`` is a name.
     """
     if isinstance(env, FleetEnv):
         return FleetRecorder(env, seed=seed, agent=agent)
@@ -311,15 +313,16 @@ def record_episode(
     """Reset an environment and its agent, and run one whole episode.
 
     Args:
-        env: Environment of a lone robot or of a fleet, with any backend.
-        agent: ``Agent`` of a lone robot, or ``FleetAgent``.
-        seed: Seed for ``env.reset``, not for the agent; where stations are drawn, it gives the same
-            episode in each use of the environment. A fleet draws one if it is ``None``.
-        randomize: Argument of a lone robot's ``env.reset``.
+        env: Environment of a single robot or of a fleet, with any backend.
+        agent: ``Agent`` of a single robot, or ``FleetAgent``.
+        seed: Seed for ``env.reset``, not for the agent. If the stations are random, the same seed
+            gives the same episode whenever the environment is used. For a fleet, ``None`` chooses
+            a seed at random.
+        randomize: Argument of ``env.reset`` for a single robot.
 
     Returns:
-        The record, which ends with the delivery or when the steps or the battery run out; a
-        fleet's ends when all robots have.
+        The record. It ends with the delivery, with an empty battery or at the step limit; the
+        record of a fleet ends when the episode of every robot is over.
 
     Example:
         >>> from agents import GreedyAgent
@@ -336,17 +339,18 @@ def record_episode(
 
 
 def replay_episode(episode: Episode, backend: Backend | None = None) -> Episode:
-    """Run the actions of a record again in a fresh environment.
+    """Run the actions of a record again in a new environment.
 
     With the same backend the result equals the record bit for bit.
 
     Args:
-        episode: Record of a lone robot or of a fleet.
+        episode: Record of a single robot or of a fleet.
         backend: Backend to use instead of the recorded one.
 
     Raises:
-        ValueError: the settings of a fleet do not fit the layout, or an assignment the orders.
-        TypeError: an argument of another type.
+        ValueError: the settings of a fleet do not fit the layout, or an assignment names an order
+            that does not exist.
+        TypeError: an argument has the wrong type.
 
     Example:
         >>> from agents import GreedyAgent

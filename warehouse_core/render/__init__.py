@@ -1,4 +1,4 @@
-"""Pictures as arrays of pixels, by NumPy."""
+"""Pictures as arrays of pixels, painted with NumPy."""
 
 from warehouse_core.render.observation_image import ObservationImage
 from warehouse_core.render.painter import TilePainter, tile_pixels_for

@@ -1,9 +1,9 @@
 """The tiles of pictures, each drawn once for each size, with NumPy only.
 
-Their geometry is in ``tiles.json``. A tile is first drawn with ``n = T * samples`` points a side,
-each of one colour, which are then averaged; ``T`` is the side of the tile in pixels. A shape is a
-mask of points, ``[n, n]`` or broadcast to it, computed from their places ``x`` ``[1, n]`` and ``y``
-``[n, 1]`` in pixels.
+Their geometry is defined in ``tiles.json``. ``T`` is the side of a tile in pixels. A tile is first
+drawn with ``n = T * samples`` points per side, each of a single colour, and these points are then
+averaged. A shape is a mask of points, ``[n, n]`` or broadcastable to it. It is computed from the
+coordinates of the points in pixels, ``x`` ``[1, n]`` and ``y`` ``[n, 1]``.
 """
 
 from __future__ import annotations
@@ -45,7 +45,7 @@ from warehouse_core.world.tiles import (
 )
 
 Pixels = NDArray[np.uint8]
-"""Red, green and blue, 0..255, in the last axis."""
+"""Pixels with red, green and blue from 0 to 255 in the last axis."""
 
 Places = NDArray[np.float64]
 Shape = NDArray[np.bool_]
@@ -55,7 +55,7 @@ NO_ROBOT, UNSEEN, WAITING_ITEM, SLIPPERY = "", "?", "item", "ice"
 STATIONS = (PICKUP, DROPOFF, CHARGER)
 
 SHELVES, BORDERS = "shelf", ("N", "S", "W", "E", "NW", "NE", "SW", "SE")
-"""Sign on a wall that is a shelf, and signs on walls of a border: its sides of the layout."""
+"""Sign of walls that are shelves, and signs of walls of a border, named after their sides."""
 
 CELLS = (
     *((sign, NO_ROBOT) if sign in TILES else (EMPTY, sign) for sign in CELL_CODES),
@@ -66,14 +66,14 @@ CELLS = (
     *product((WALL,), (SHELVES, *BORDERS)),
     *product((EMPTY, *STATIONS), (SLIPPERY,)),
 )
-"""Everything that can be painted: a tile and what is on it, such as a robot. The index is its code.
+"""Everything that can be painted: each tile with each sign on it, such as a robot.
 
-The first are the characters of a window in the order of ``CELL_CODES``, so that the codes of a
-window can be painted without a change.
+The code of a cell is its index in this tuple. The first cells are the characters of an observed
+window in the order of ``CELL_CODES``, so the codes of a window can be painted directly.
 """
 
 CODES = {cell: code for code, cell in enumerate(CELLS)}
-"""The code of a tile and the robot on it."""
+"""The code of each tile with the sign on it."""
 
 ROBOT_CODES = np.array(
     [
@@ -82,7 +82,7 @@ ROBOT_CODES = np.array(
     ],
     np.uint8,
 )
-"""The code with a robot, by whether it is loaded and the code without; 255 for walls."""
+"""The code of each cell with a robot on it, ``[loaded, code without robot]``; 255 for walls."""
 ROBOT_CODES.setflags(write=False)
 
 BAND = 1 - LOOK["border"]["outer"]
@@ -92,16 +92,16 @@ ROBOT_RADIUS, OUTLINE = LOOK["robot"]["radius"], LOOK["robot"]["rim"]
 """Radius of the robot and width of the line around it, in cells."""
 
 PERSON_RADIUS = LOOK["shapes"]["H"][1][0]
-"""Distance of the corners of a person from its middle, in cells."""
+"""Distance of the corners of a person from the centre, in cells."""
 
 CAPITAL = 0.73
-"""Height of a capital letter, as a share of the size of its font."""
+"""Height of a capital letter, as a share of the font size."""
 
 MIN_RADIUS, MIN_PERSON, MIN_CORNER_LETTER, MIN_ROBOT_LETTER = 3.0, 3.75, 6, 6
-"""Smallest sizes in pixels; smaller shapes could not be recognised."""
+"""Least sizes in pixels; smaller shapes would be unrecognisable."""
 
 MIN_OUTLINED, MIN_LETTERED, MIN_BOTH_LETTERED = 10, 16, 24
-"""Minimum sides of tiles, in pixels, with an outline, with a letter, and with two letters."""
+"""Least sides of tiles, in pixels, for an outline, for a letter, and for two letters."""
 
 WIDTHS = {
     PICKUP: 0.82, DROPOFF: 0.92, CHARGER: 0.9, ROBOT_EMPTY: 0.86, ROBOT_LOADED: 0.58,
@@ -114,27 +114,27 @@ LOWERCASE = (ROBOT_LOADED, OTHER_LOADED)
 BODIES = (ROBOT_EMPTY, ROBOT_LOADED, PERSON)
 
 SAMPLES, MAX_SAMPLED = 8, 40
-"""Points along each side of a pixel, to measure how much of it a shape covers; there are half as
-many in tiles of more pixels than the second, which takes a quarter of the time."""
+"""Number of points along each side of a pixel, which measure how much of it a shape covers. Tiles
+with a side above ``MAX_SAMPLED`` pixels have half as many, which takes a quarter of the time."""
 
 
 @cache
 def atlas(tile_pixels: int) -> Pixels:
-    """Return the picture of each of ``CELLS``, ``[N, T, T, 3]``, read-only."""
+    """Return the pictures of all ``CELLS``, ``[N, T, T, 3]``, as a read-only array."""
     tiles = np.stack([_draw_cell(tile, robot, tile_pixels) for tile, robot in CELLS])
     tiles.setflags(write=False)
     return tiles
 
 
 def noses(tile_pixels: int) -> NDArray[np.bool_]:
-    """Return the pixels of the nose of a robot by its heading, N, E, S and W, ``[4, T, T]``.
+    """Return masks of the nose of a robot for the headings N, E, S and W, ``[4, T, T]``.
 
-    It is a triangle beyond the rim of the disc; tiles from 4 pixels on have one.
+    The nose is a triangle outside the rim of the disc. Tiles of less than 4 pixels have none.
     """
     (tip, _), (base, half), _ = LOOK["shapes"]["nose"]
     along = (np.arange(tile_pixels) + 0.5) / tile_pixels - 0.5
     forward, aside = -along[:, None], np.abs(along)
-    # All pixels that the triangle touches, of which small tiles have few.
+    # The nose has all pixels that the triangle touches, because small tiles have so few of them.
     reach, near = tip - forward + 0.5 / tile_pixels, aside - 0.5 / tile_pixels
     north = (forward > ROBOT_RADIUS) & (near * (tip - base) <= half * reach)
     return np.stack([np.rot90(north, -quarters) for quarters in range(4)])
@@ -153,7 +153,7 @@ def _draw_cell(tile: str, robot: str, side: int) -> Pixels:
     elif tile == WALL:
         _draw_wall(points, x / side, y / side, robot, with_boards=side >= MIN_OUTLINED)
     else:
-        # Lines are one pixel wide; they are paler on small tiles instead of narrower.
+        # Lines are always one pixel wide; on small tiles they are paler instead of narrower.
         _fill(points, (x < 1) | (y < 1), blend(COLORS[EMPTY], FAINT, min(1.0, side / 24)))
     if robot == SLIPPERY:
         _draw_ice(points, x / side, y / side, with_waves=side >= MIN_OUTLINED)
@@ -176,7 +176,7 @@ def _draw_cell(tile: str, robot: str, side: int) -> Pixels:
 
 
 def _draw_wall(points: Pixels, x: Places, y: Places, sign: str, *, with_boards: bool) -> None:
-    """Draw a shelf, or clear what is outside of the border; places are in cells."""
+    """Draw a shelf, or clear the part outside the border; coordinates are in cells."""
     if sign == SHELVES:
         inset, tops, thick = LOOK["shelf"].values()
         points[:] = color_bytes(SHELF)
@@ -189,7 +189,7 @@ def _draw_wall(points: Pixels, x: Places, y: Places, sign: str, *, with_boards: 
 
 
 def _draw_ice(points: Pixels, x: Places, y: Places, *, with_waves: bool) -> None:
-    """Draw slippery floor; places are in cells."""
+    """Draw slippery floor; coordinates are in cells."""
     middles, left, length, bend, width = LOOK["ice"].values()
     points[:] = color_bytes(ICE)
     crest = -bend / 2 * np.sin(2 * np.pi * (x - left) / length)
@@ -199,7 +199,7 @@ def _draw_ice(points: Pixels, x: Places, y: Places, *, with_waves: bool) -> None
 
 
 def _draw_robot(points: Pixels, x: Places, y: Places, side: int, robot: str) -> None:
-    """Draw a robot, a disc, or a person, a square on a corner, whose middle is at 0, 0."""
+    """Draw a robot as a disc, or a person as a diamond, with the centre at 0, 0."""
     is_person = robot == PERSON
     least = min(MIN_PERSON if is_person else MIN_RADIUS, side / 2)
     radius = max((PERSON_RADIUS if is_person else ROBOT_RADIUS) * side, least)
@@ -217,12 +217,12 @@ def _draw_robot(points: Pixels, x: Places, y: Places, side: int, robot: str) -> 
 
 
 def _outline(side: int) -> float:
-    """Return the width in pixels of the line around robots and items."""
+    """Return the width of the line around robots and items, in pixels."""
     return max(OUTLINE * side, 0.5) if side >= MIN_OUTLINED else 0.0
 
 
 def _draw_item(points: Pixels, x: Places, y: Places, side: int) -> None:
-    """Draw a box whose middle is at 0, 0; where it would be too small, a dark square."""
+    """Draw an item, a box with the centre at 0, 0; in small tiles it is only a dark square."""
     half, outline = LOOK["item"]["side"] * side / 2, _outline(side)
     distance = np.maximum(np.abs(x), np.abs(y))
     _fill(points, distance < half + outline / 2, INK)
@@ -231,7 +231,7 @@ def _draw_item(points: Pixels, x: Places, y: Places, side: int) -> None:
 
 
 def _write(points: Pixels, letter: str, x: Places, y: Places, width: int, height: int) -> None:
-    """Draw a letter whose top left corner is at 0, 0: light with a dark rim, or dark."""
+    """Draw a letter with its top left corner at 0, 0, either light with a dark rim or dark."""
     shape = partial(_letter, letter, width=width, height=height)
     if letter not in LOWERCASE:
         rim = max(1, round(LOOK["lines"]["letter"] / CAPITAL / 2 * height))
@@ -241,15 +241,15 @@ def _write(points: Pixels, letter: str, x: Places, y: Places, width: int, height
 
 
 def _centred(length: float, side: int) -> int:
-    """Return about ``length``, but odd or even like ``side``, so that it can be centred."""
+    """Return about ``length``, but odd if ``side`` is odd and else even, so it can be centred."""
     length = round(length)
     return length + (side - length) % 2
 
 
 def _letter(letter: str, x: Places, y: Places, width: int, height: int) -> Shape:
-    """Return a letter in a box whose top left corner is at 0, 0.
+    """Return the shape of a letter in a box with its top left corner at 0, 0.
 
-    Its strokes are whole pixels wide, because small letters would be blurred otherwise.
+    The strokes are a whole number of pixels wide, because small letters would otherwise be blurred.
     """
     is_capital = letter not in LOWERCASE
     thick = max(1, round((0.26 if is_capital else 0.32) * height))
@@ -279,7 +279,7 @@ def _letter(letter: str, x: Places, y: Places, width: int, height: int) -> Shape
 def _ring(
     x: Places, y: Places, width: int, height: int, thick: int, thin: int, *, is_open: bool
 ) -> Shape:
-    """Return an O whose top left corner is at 0, 0, or, open on the right, a C."""
+    """Return the shape of an O or, if it is open, of a C, with the top left corner at 0, 0."""
     back = width - x
     outer = _bow(back, y, width, height)
     if is_open:
@@ -290,7 +290,7 @@ def _ring(
 
 
 def _bow(x: Places, y: Places, right: float, bottom: float) -> Shape:
-    """Return a box from 0, 0 whose right end is rounded."""
+    """Return the shape of a box from 0, 0 with a rounded right end."""
     half = bottom / 2
     bend = min(1.2 * half, 0.85 * right)
     return (x > 0) & _oval(np.maximum(x - right + bend, 0), y - half, bend, half)
@@ -310,7 +310,7 @@ def _fill(points: Pixels, shape: Shape, color: Color) -> None:
 
 @cache
 def color_bytes(color: Color) -> NDArray[np.uint8]:
-    """Return a colour as three bytes, read-only."""
+    """Return a colour as a read-only array of three bytes."""
     color_in_bytes = np.array([round(255 * part) for part in color], np.uint8)
     color_in_bytes.setflags(write=False)
     return color_in_bytes

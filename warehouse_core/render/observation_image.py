@@ -1,7 +1,7 @@
-"""An observation as a picture of its content.
+"""Pictures of observations.
 
-Cells in view are drawn; of the others only the first pickup and dropoff are known, and the rest is
-hatched. Two bars below show the battery level and the steps taken.
+A picture shows the cells in view. Outside the view, only the first pickup and the first dropoff are
+known, and all other cells are hatched. Two bars below show the battery level and the steps taken.
 """
 
 from __future__ import annotations
@@ -21,19 +21,19 @@ from warehouse_core.task.encoding import ObservationArrays
 from warehouse_core.world.tiles import DROPOFF, EMPTY, PICKUP
 
 TILE_PIXELS = 8
-"""Side of a tile; the picture of the default layout has 64 x 96 pixels."""
+"""Side of a tile in pixels; the picture of the default layout has 64 x 96 pixels."""
 
 STATION_CODES = (CODES[PICKUP, NO_ROBOT], CODES[DROPOFF, NO_ROBOT])
 
 
 class ObservationImage:
-    """Paints observations, one or a batch.
+    """A painter of single observations or batches of them.
 
     Args:
-        height: rows of the layout, ``H``.
-        width: columns, ``W``.
-        battery: units of a full charge.
-        max_steps: steps after which an episode is truncated.
+        height: number of rows of the layout, ``H``.
+        width: number of columns of the layout, ``W``.
+        battery: units of a full battery.
+        max_steps: number of steps after which an episode is truncated.
 
     Example:
         >>> from warehouse_core import WarehouseEnv
@@ -54,17 +54,17 @@ class ObservationImage:
 
     @property
     def shape(self) -> tuple[int, int, int]:
-        """Height, width and channels of a picture, with one tile of height for the bars."""
+        """Height, width and channels of a picture. The bars are as high as one tile."""
         return (self._height + 1) * TILE_PIXELS, self._width * TILE_PIXELS, 3
 
     @cached_property
     def _unseen(self) -> Pixels:
-        """The picture of a layout of which nothing is seen, with one more row."""
+        """Picture of a layout with no cell in view, with an additional row for the bars."""
         nothing = np.full((self._height + 1, self._width), CODES[UNSEEN, NO_ROBOT])
         return TilePainter(TILE_PIXELS).paint(nothing)
 
     def paint(self, arrays: ObservationArrays) -> Pixels:
-        """Return new pictures of observations: ``[..., (H + 1) * T, W * T, 3]`` uint8."""
+        """Return pictures of observations, ``[..., (H + 1) * TILE_PIXELS, W * TILE_PIXELS, 3]``."""
         pictures = np.empty((*arrays["robot_pos"].shape[:-1], *self.shape), np.uint8)
         each = pictures.reshape(-1, *self.shape)
         each[:] = self._unseen
@@ -86,7 +86,7 @@ class ObservationImage:
     def _paint(
         self, picture: Pixels, window: NDArray[Any], known: list[int], has_item: int
     ) -> None:
-        """Paint one observation where nothing is seen yet; ``known`` are its eight numbers."""
+        """Paint an observation over the picture ``_unseen``; ``known`` has its eight numbers."""
         row, col, *stations, battery, steps = known
         end, half = self._height * TILE_PIXELS, TILE_PIXELS // 2
         cells = picture[:end].reshape(self._height, TILE_PIXELS, self._width, TILE_PIXELS, 3)

@@ -1,8 +1,9 @@
-"""A warehouse as pixels, made of square tiles with NumPy only.
+"""Pictures of warehouses, made of square tiles, with NumPy only.
 
-It looks like the cells of a replay, and is fast enough for a film of every step of a training: each
-tile is drawn once and copied into pictures. ``T`` is the side of a tile in pixels, ``H, W`` are the
-height and width of a layout in cells, ``...`` is any leading shape, such as a batch.
+They look like the cells of a replay. Painting is fast enough for a film of every step of a
+training, because each tile is drawn only once and then copied into pictures. ``T`` is the side of a
+tile in pixels, ``H, W`` are the height and width of a layout in cells, and ``...`` is any leading
+shape, such as a batch.
 """
 
 from __future__ import annotations
@@ -32,13 +33,13 @@ from warehouse_core.world.tiles import PERSON, ROBOT_EMPTY, ROBOT_LOADED, WALL, 
 MAX_TILE_PIXELS = 256
 
 DEFAULT_TILE_PIXELS, DEFAULT_PICTURE_PIXELS = 40, 1000
-"""Maximum side of a tile and of a picture in ``tile_pixels_for``."""
+"""Largest side of a tile and of a picture, in pixels, that ``tile_pixels_for`` chooses."""
 
 
 def tile_pixels_for(height: int, width: int) -> int:
     """Return a suitable side of a tile, in pixels, for a map of ``height`` x ``width`` cells.
 
-    It is even, because most video encoders need even sides.
+    It is even, because most video encoders require even sides.
 
     Example:
         >>> from warehouse_core.render import tile_pixels_for
@@ -51,10 +52,10 @@ def tile_pixels_for(height: int, width: int) -> int:
 
 
 class TilePainter:
-    """Paints warehouses with tiles of one size.
+    """A painter of warehouses with tiles of one size.
 
     Args:
-        tile_pixels: ``T``, 2 to ``MAX_TILE_PIXELS``; tiles have letters from 16 on.
+        tile_pixels: ``T``, from 2 to ``MAX_TILE_PIXELS``; tiles have letters from 16 pixels on.
 
     Raises:
         ValueError: ``tile_pixels`` is out of range.
@@ -74,13 +75,13 @@ class TilePainter:
         self._background: Pixels = np.empty((0, 0, 3), np.uint8)
 
     def paint(self, codes: ArrayLike) -> Pixels:
-        """Return new pictures of cells given by code: ``[..., H, W]`` to ``[..., H*T, W*T, 3]``.
+        """Return pictures ``[..., H*T, W*T, 3]`` of cells given by their codes ``[..., H, W]``.
 
         Raises:
-            IndexError: no cell has such a code.
+            IndexError: a code does not exist.
         """
         side = self.tile_pixels
-        # One row of a tile's pixels is one item, which is copied to its place.
+        # A row of pixels of a tile is copied as a single item.
         rows = self._atlas.reshape(-1, 3 * side).view(np.dtype((np.void, 3 * side)))[:, 0]
         first = np.multiply(codes, side, dtype=np.intp)
         *batch, height, width = first.shape
@@ -88,9 +89,10 @@ class TilePainter:
         return painted.view(np.uint8).reshape(*batch, height * side, width * side, 3)
 
     def picture(self, layout: Layout, robot_cell: Cell, loaded: bool) -> Pixels:
-        """Return a new picture of a layout with its robot and the items that wait at pickups.
+        """Return a new picture of a layout with a robot and the items at the pickups.
 
-        None waits while the robot has one, or is in front of it. See ``fleet_picture``.
+        There are no items while the robot is loaded, and a robot hides the item in its own cell.
+        See ``fleet_picture``.
         """
         robot = (robot_cell, ROBOT_LOADED if loaded else ROBOT_EMPTY)
         waiting = [cell for cell in layout.pickups if cell != robot_cell and not loaded]
@@ -105,14 +107,14 @@ class TilePainter:
     ) -> Pixels:
         """Return a new picture of a layout with robots and people, ``[H*T, W*T, 3]``.
 
-        The picture of the last layout alone is kept: for the same object it is copied and the
-        tiles of robots and people replaced.
+        The picture of the previous layout is stored. If the same ``layout`` object is given again,
+        the stored picture is copied, and only the tiles of robots and people are replaced.
 
         Args:
             layout: layout to paint.
             robots: cell of each robot, and ``True`` if it is loaded.
-            people: the cells of persons.
-            headings: heading of each robot, 0 to 3 for N, E, S and W, shown by a nose; none for
+            people: cells of the people.
+            headings: heading of each robot, 0 to 3 for N, E, S and W, shown by a nose; empty for
                 robots without headings.
 
         Raises:
@@ -125,7 +127,7 @@ class TilePainter:
         return picture
 
     def _tile(self, picture: Pixels, cell: Cell) -> Pixels:
-        """Return the view of a cell in a picture."""
+        """Return the part of a picture that shows a cell, as a view."""
         (row, col), side = cell, self.tile_pixels
         return picture[row * side : (row + 1) * side, col * side : (col + 1) * side]
 
@@ -139,17 +141,17 @@ class TilePainter:
 
 
 def layout_codes(layout: Layout) -> NDArray[np.uint8]:
-    """Return the codes of the tiles of a layout: of its walls shelves, and a border if it has one.
+    """Return the codes of the tiles of a layout, ``[H, W]``.
 
-    A border is as thin as in a replay.
+    Walls inside the layout are shelves. A border of walls is as thin as in a replay.
     """
     return codes_of(layout.rows)
 
 
 def codes_of(rows: Sequence[str], slippery: Iterable[Cell] = ()) -> NDArray[np.uint8]:
-    """Return ``layout_codes`` of some rows of tiles, which may be ``UNSEEN``, with slippery floor.
+    """Return the codes of rows of tiles as in ``layout_codes``, with slippery cells.
 
-    A border of walls may have cells that are not seen.
+    Tiles may be ``UNSEEN``, also in a border of walls.
     """
     codes = np.array([[CODES[tile, NO_ROBOT] for tile in line] for line in rows], np.uint8)
     is_wall = codes == CODES[WALL, NO_ROBOT]
@@ -173,10 +175,10 @@ def codes_of(rows: Sequence[str], slippery: Iterable[Cell] = ()) -> NDArray[np.u
 
 
 def bar(share: float, width: int, height: int, color: Color = BATTERY) -> Pixels:
-    """Return a new bar filled from the left, ``[height, width, 3]``.
+    """Return a bar ``[height, width, 3]`` that is filled from the left up to a share.
 
-    The last pixel of the filling is blended, to show small changes of the share, which is clipped
-    to 0..1. There is a margin of one pixel, unless the bar is less than 4 pixels high.
+    The share is clipped to 0..1. The last pixel of the filling is blended with the background, to
+    show small changes. There is a margin of one pixel, unless the bar is less than 4 pixels high.
     """
     edge = 1 if height >= 4 else 0
     ground, filling = color_bytes(FAINT), color_bytes(color)

@@ -1,8 +1,8 @@
-"""The colours of every picture and page. No information is in a colour alone.
+"""The colours of all pictures and pages. No information is conveyed by colour alone.
 
-The file ``palette.json`` has all of them, and the player of pages reads it too. It lists the
-colours of a light page, of a dark page and of both, the colours of lines in charts, and the
-colours of counts on maps, lowest first. Pictures have the colours of a light page.
+All colours are defined in ``palette.json``, which the player of pages reads too. It has the colours
+of light pages, of dark pages and of both, the colours of lines in charts, and the colours of counts
+on maps, from the lowest to the highest. Pictures use the colours of light pages.
 
 Source of the colours of walls, floor, pickups, dropoffs and robots: the chapter's exercise.
 """
@@ -28,27 +28,28 @@ from warehouse_core.world.tiles import (
 )
 
 Color = tuple[float, float, float]
-"""RGB, 0..1."""
+"""Red, green and blue, each from 0 to 1."""
 
 PALETTE: dict[str, Any] = json.loads(
     Path(__file__).with_name("palette.json").read_text(encoding="utf-8")
 )
-"""Colours by name as ``#rrggbb``: ``light``, ``dark``, ``both``; lists: ``series``, ``heat``."""
+"""Colours as ``#rrggbb``: by name in ``light``, ``dark`` and ``both``, and as lists in ``series``
+and ``heat``."""
 
 LOOK: dict[str, Any] = json.loads(
     Path(__file__).with_name("tiles.json").read_text(encoding="utf-8")
 )
-"""Words and geometry of tiles, robots and what is on them, by name, for every picture and page.
+"""Labels and geometry of tiles, robots and items, by name, for all pictures and pages.
 
-Lengths are in cells. The corners of ``shapes`` are around the middle of a cell or of a body, which
-heads east. ``letter`` and ``name`` are sizes of fonts, ``name`` divided by the number of digits;
-``lines`` are widths, of ``letter`` as a share of its size. Fleets of more than ``few`` robots show
-only batteries below a share ``low`` of a full one.
+Lengths are in cells. The corners of ``shapes`` are relative to the centre of a cell, or of a body
+that heads east. ``letter`` and ``name`` are font sizes; ``name`` is divided by the number of
+digits. ``lines`` has line widths; the width of ``letter`` is a share of the font size. Fleets of
+more than ``few`` robots show a battery only if its level is below the share ``low``.
 """
 
 
 def color_named(name: str) -> Color:
-    """Return a colour of a light page by its name in the palette.
+    """Return a colour of light pages by its name in the palette.
 
     Raises:
         KeyError: the palette has no such name.
@@ -57,24 +58,24 @@ def color_named(name: str) -> Color:
 
 
 def rgb(text: str) -> Color:
-    """Return the colour that is written as ``#rrggbb``, each part with the fewest digits."""
+    """Return the colour with the code ``#rrggbb``, each part with as few digits as possible."""
     red, green, blue = (_shortest(int(text[place : place + 2], 16)) for place in (1, 3, 5))
     return red, green, blue
 
 
 def _shortest(byte: int) -> float:
-    """Return the shortest decimal that stands for a byte: 0.95 for 242, as the chapter writes."""
+    """Return the shortest decimal that stands for a byte: 0.95 for 242, as in the chapter."""
     shares = (round(byte / 255, digits) for digits in (2, 3))
     return next(share for share in shares if round(255 * share) == byte)
 
 
 def hex_color(color: Color) -> str:
-    """Return a colour as ``#rrggbb``."""
+    """Return the code ``#rrggbb`` of a colour."""
     return "#" + "".join(f"{round(255 * part):02x}" for part in color)
 
 
 def style_rules() -> str:
-    """Return the palette as custom properties of CSS, dark where the reader prefers that."""
+    """Return the palette as custom properties of CSS, which follow the reader's colour scheme."""
     light, dark = (
         "".join(f"--{name}:{color};" for name, color in colors.items())
         for colors in (PALETTE["light"] | PALETTE["both"], PALETTE["dark"])
@@ -94,7 +95,8 @@ COLORS: dict[str, Color] = {
     OTHER_LOADED: color_named("other-loaded"),
     PERSON: color_named("person"),
 }
-"""A charger has a contrast of at least 3 to the floor, to walls and to ink."""
+"""Colours of tiles, robots and people. The colour of chargers has a contrast ratio of at least 3
+with the floor, with walls and with ink."""
 
 PAPER: Color = color_named("paper")
 INK: Color = color_named("ink")
@@ -105,24 +107,24 @@ PALE_WARNING: Color = color_named("pale-warning")
 HIT: Color = color_named("hit")
 
 STRANDED: Color = color_named("stranded")
-"""Colour of a robot of a fleet whose battery is empty."""
+"""Colour of a robot of a fleet with an empty battery."""
 
 ITEM: Color = color_named("item")
-"""Colour of an item, a box with an edge of ink, which separates it from every ground."""
+"""Colour of an item, a box whose edge of ink separates it from any background."""
 
 ORDER_COLORS: tuple[Color, ...] = (
     ITEM, *(color_named(f"order-{age}") for age in ("older", "nearly-due", "late")),
 )  # fmt: skip
-"""Colours of an order by its age: in the three thirds of its time, and late."""
+"""Colours of an order by its age: one for each third of its time until due, and one for late."""
 
 UNKNOWN: Color = color_named("unseen")
-"""Colour of a cell that a robot has not seen; the palette of files has a close enough match."""
+"""Colour of a cell that a robot has not seen. The palette of files has a similar colour."""
 
 UNKNOWN_STRIPE: Color = color_named("stripe")
 """Colour of the stripe in a cell that a robot has not seen."""
 
 SHELF, BOARD = color_named("shelf"), color_named("board")
-"""Colours of walls inside the border, and of the boards on them."""
+"""Colours of shelves, which are the walls inside the border, and of their boards."""
 
 ICE, ICE_WAVE = color_named("ice"), color_named("wave")
 """Colours of slippery floor and of the waves on it."""
@@ -138,7 +140,7 @@ def blend(color: Color, other: Color, share: float) -> Color:
 
 
 SHADOW = int(PALETTE["light"]["shadow"][7:], 16) / 255
-"""Share of ink in the colours of what a robot does not see."""
+"""Share of ink in the colours of cells outside a robot's view."""
 
 _SHADED = tuple(
     blend(color, INK, SHADOW)
@@ -151,16 +153,16 @@ TRAIL_COLORS = {
 }
 
 FADES = 5
-"""Shades of a trail by its age."""
+"""Number of shades of a trail, which depend on its age."""
 
 VISITED: tuple[Color, ...] = tuple(
     blend(COLORS[EMPTY], color_named("visited"), share) for share in (0.12, 0.3, 0.5)
 )
-"""Colours of floor that a robot has been to twice, three or four times, and more often."""
+"""Colours of cells that a robot has visited two or three, four or five, and more times."""
 
 
 def faded_trail(loaded: bool, age: float) -> Color:
-    """Return the colour of a trail by its age, from 0 to below 1."""
+    """Return the colour of a trail; ``age`` is at least 0 and below 1."""
     return blend(TRAIL_COLORS[loaded], COLORS[EMPTY], 0.8 * int(age * FADES) / FADES)
 
 
@@ -168,7 +170,7 @@ _TINTS = (
     ITEM, SHELF, BOARD, *_SHADED, ICE, ICE_WAVE, *VISITED,
     *(faded_trail(loaded, age / FADES) for loaded in (False, True) for age in range(1, FADES)),
 )  # fmt: skip
-"""Colours without smooth edges of their own in files."""
+"""Colours for which files have no blends, so their edges are less smooth."""
 
 _OWN_COLORS = (
     PAPER, INK, FAINT, BATTERY, WARNING, PALE_WARNING, HIT, STRANDED, *ORDER_COLORS,
@@ -176,15 +178,15 @@ _OWN_COLORS = (
 )  # fmt: skip
 _GROUNDS = (PAPER, INK, COLORS[EMPTY])
 MAX_COLORS = 255
-"""Limit on the colours of a file; its 256th colour means that nothing has changed."""
+"""Most colours of a file. Its 256th colour stands for an unchanged pixel."""
 
 _NEAR = 0.03
-"""Pillow treats colours this close as the same."""
+"""Distance up to which Pillow treats colours as equal."""
 
 
 @cache
 def indexed_palette() -> list[int]:
-    """Return bytes of R, G, B: the colours of a replay, and blends of them for smooth edges."""
+    """Return the palette of files as bytes: the colours of replays, and blends for smooth edges."""
     colors = list(dict.fromkeys((*_OWN_COLORS, *_TINTS)))
     edges = [
         blend(color, ground, share)

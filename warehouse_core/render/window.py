@@ -1,6 +1,6 @@
-"""A window that a program shows pictures in, one after the other, from its own loop.
+"""A window in which a program shows one picture after another, from its own loop.
 
-Matplotlib is imported when it is needed, not when this module is.
+Matplotlib is imported only when it is needed, not together with this module.
 """
 
 from __future__ import annotations
@@ -19,29 +19,29 @@ DPI = 100
 """Dots per inch of the figure; any value would do, because sizes are given in pixels."""
 
 MAX_WAIT_SECONDS = 0.01
-"""Longest time that events of the window wait while the next picture is not due."""
+"""Longest time between two checks for window events while waiting for the next picture."""
 
 IS_IN_BROWSER = sys.platform == "emscripten"
-"""``True`` if Python runs in a browser, in which no window can be opened."""
+"""``True`` if Python runs in a browser, where no window can be opened."""
 
 
 def may_have_display() -> bool:
-    """Return ``False`` if certainly no window can be opened, without importing matplotlib."""
+    """Return ``False`` if it is certain that no window can be opened; do not import matplotlib."""
     if IS_IN_BROWSER:
         return False
     return sys.platform != "linux" or any(map(os.environ.get, ("DISPLAY", "WAYLAND_DISPLAY")))
 
 
 def has_display() -> bool:
-    """Return whether matplotlib can open a window: there is a display and an installed toolkit.
+    """Return whether matplotlib can open a window, with a display and an installed toolkit.
 
-    The inline pictures of a notebook are no windows.
+    The inline pictures of a notebook do not count as windows.
 
     Example:
         >>> from warehouse_core.render import has_display
         >>> where = "in a window" if has_display() else "in a file"
     """
-    if IS_IN_BROWSER:  # whose matplotlib may be too old for what follows
+    if IS_IN_BROWSER:  # its matplotlib may be too old for the following code
         return False
     import matplotlib.pyplot as plt
     from matplotlib.backends.registry import backend_registry
@@ -56,20 +56,20 @@ def has_display() -> bool:
 
 
 def is_in_notebook() -> bool:
-    """Return whether the program runs as cells of a notebook, which show the value of a cell."""
+    """Return whether the program runs in a notebook, which shows the value of each cell."""
     ipython: Any = sys.modules.get("IPython")
     shell = ipython and ipython.get_ipython()
     return getattr(shell, "kernel", None) is not None
 
 
 class PictureWindow:
-    """A window for pictures. Once closed, by the program or by hand, it stays closed.
+    """A window for pictures. Once closed, by the program or by the user, it stays closed.
 
-    Pyplot does not know it: ``plt.plot`` does not draw into it, ``plt.show`` does not wait for it,
-    and ``plt.close("all")`` does not close it.
+    It is independent of pyplot: ``plt.plot`` does not draw into it, ``plt.show`` does not wait for
+    it, and ``plt.close("all")`` does not close it.
 
     Args:
-        title: title of the window, which opens with the first picture.
+        title: title of the window. The window opens when the first picture is shown.
 
     Attributes:
         is_closed: ``True`` once it has been closed.
@@ -87,8 +87,8 @@ class PictureWindow:
     def __init__(self, title: str) -> None:
         if not has_display():
             raise NoDisplayError(
-                'render_mode="human" needs a window, and none can be opened here: there is no '
-                'display, or no toolkit such as tkinter; render_mode="rgb_array" needs neither'
+                'render_mode="human" needs a window, but none can be opened here, because there is '
+                'no display or no toolkit such as tkinter; render_mode="rgb_array" needs neither'
             )
         self._title = title
         self._canvas: Any = None
@@ -100,8 +100,8 @@ class PictureWindow:
     def show(self, picture: NDArray[np.uint8], fps: float) -> None:
         """Show a picture ``[height, width, 3]`` in a window of its size.
 
-        Return ``1 / fps`` seconds after the last return, or later; the time that the program
-        takes between two pictures counts. Do nothing once the window is closed.
+        The call returns at least ``1 / fps`` seconds after the previous call returned. The time
+        that the program takes between two calls counts. Once the window is closed, nothing happens.
         """
         if self._canvas is None and not self.is_closed:
             self._open(picture)
@@ -136,7 +136,7 @@ class PictureWindow:
         axes.set_axis_off()
         self._image = axes.imshow(picture, interpolation="nearest")
         self._canvas = figure.canvas
-        # Matplotlib's own keys would save a file or change the axes.
+        # The default keys of matplotlib would save a file or change the axes.
         self._canvas.mpl_disconnect(manager.key_press_handler_id)
         self._canvas.mpl_connect("close_event", self._on_close)
         manager.set_window_title(self._title)
@@ -147,8 +147,8 @@ class PictureWindow:
     def _fit(self, picture: NDArray[np.uint8]) -> None:
         """Make the window as large as the picture.
 
-        Matplotlib enlarges windows by ``ratio``, which depends on the screen. Pictures are only
-        enlarged by whole numbers, to keep every pixel sharp.
+        Matplotlib enlarges windows by ``ratio``, which depends on the screen. Pictures are enlarged
+        only by whole factors, so that every pixel stays sharp.
         """
         height, width = picture.shape[:2]
         ratio = self._canvas.device_pixel_ratio
@@ -157,13 +157,13 @@ class PictureWindow:
         self._fitted = height, width, ratio
         scale = max(1, round(ratio)) / ratio / DPI
         self._image.set_extent((0, width, height, 0))
-        # Sizes of figures are rounded down to whole pixels, those of axes up by Matplotlib 3.10.
+        # Figure sizes are rounded down to whole pixels; Matplotlib 3.10 rounds sizes of axes up.
         wide, high = width + 0.01, height + 0.01
         self._canvas.figure.set_size_inches(wide * scale, high * scale)
         self._image.axes.set_position((0, 0, (width - 0.001) / wide, (height - 0.001) / high))
 
     def _wait_until(self, due: float) -> None:
-        """Handle the events of the window until the time ``due``."""
+        """Handle the events of the window until the monotonic time ``due``."""
         while not self.is_closed:
             self._canvas.flush_events()
             left = due - time.monotonic()

@@ -1,1 +1,1 @@
-"""Figures and animations, by matplotlib."""
+"""Figures, animations, pages and drawings that show episodes."""

@@ -1,6 +1,7 @@
-"""Charts beside a floor in a window or a picture: the series of a page, drawn with matplotlib.
+"""Charts next to the floor in a window or a picture, drawn with matplotlib.
 
-A chart shows a whole track from the beginning. What is to come is pale, as on a page.
+They show the same series as a page. A chart always shows the whole track; the part after the
+present frame is pale.
 """
 
 from __future__ import annotations
@@ -34,10 +35,10 @@ WARNING_SHARE = 0.2
 """Share of a full battery below which the bar shows a warning."""
 
 BAR_SHARE = 0.2
-"""Share of its axes that the bar of a battery takes; the words take the rest."""
+"""Share of its axes that the bar of a battery takes; the text takes the rest."""
 
 VEIL = 0.75
-"""Opacity of the paper over what is to come."""
+"""Opacity of the layer over the part of a chart after the present frame."""
 
 STYLES: dict[tuple[SeriesKind, int], tuple[str, dict[str, Any]]] = {
     ("line", 0): ("", {"linewidth": 1.8}),
@@ -48,21 +49,21 @@ STYLES: dict[tuple[SeriesKind, int], tuple[str, dict[str, Any]]] = {
     ("dots", 0): ("●", {"linestyle": "none", "marker": "o", "markersize": 3.5, "mew": 0}),
     ("dots", 1): ("▲", {"linestyle": "none", "marker": "^", "markersize": 5.5, "mew": 0}),
 }
-"""Words for a series in the title of its chart, and its look: the first and the second of a kind in
-the same chart differ not only in colour."""
+"""Description of a series in the title of its chart, and its style. Keys are the kind of the series
+and how many of this kind precede it in the same chart, so that they differ not only in colour."""
 
 Charted = dict[str, list[Series]]
 """The series of each chart, by its title."""
 
 
 def charts_of(track: Track, times: Sequence[float]) -> Charted:
-    """Return the series of a track by the titles of their charts, from top to bottom."""
+    """Return the series of a track, grouped by the title of their chart, from top to bottom."""
     grouped = groupby(series_of(track, times), key=lambda series: series.chart)
     return {title: [*series] for title, series in grouped}
 
 
 class Chart:
-    """A chart of some series up to the time ``end``. Its vertical range is never narrowed."""
+    """A chart of one or more series up to the time ``end``. Its vertical range never shrinks."""
 
     def __init__(
         self,
@@ -104,20 +105,20 @@ class Chart:
         self.read(series)
 
     def read(self, series: Sequence[Series]) -> None:
-        """Draw these series, which may be longer than before, and make room for their values."""
+        """Draw these series, which may be longer than before, and extend the range if needed."""
         for line, each in zip(self._lines, series, strict=True):
             line.set_data(*_points(each))
         fit(self.axes, [value for each in series for value in each.values])
 
     def show(self, time: float) -> None:
-        """Make pale what is later than a time."""
+        """Make the part after a time pale."""
         if time != self._veil.get_x():
             self._veil.set_x(time)
             self._cursor.set_xdata([time, time])
 
 
 def _looks(series: Iterable[Series]) -> Iterator[tuple[str, dict[str, Any]]]:
-    """Yield the style of each series of a chart, and what its title says of it."""
+    """Yield for each series of a chart its description in the title, and its style."""
     kinds: list[SeriesKind] = []
     for each in series:
         yield STYLES[each.kind, kinds.count(each.kind)]
@@ -125,7 +126,7 @@ def _looks(series: Iterable[Series]) -> Iterator[tuple[str, dict[str, Any]]]:
 
 
 def _points(series: Series) -> tuple[Any, Any]:
-    """Return the places of a line; a bar is a line from 0 to its value and then a gap."""
+    """Return the points of a line. Bars are vertical lines from 0 to their values, with gaps."""
     times, values = np.asarray(series.times, float), np.asarray(series.values, float)
     if series.kind != "bars":
         return times, values
@@ -134,7 +135,7 @@ def _points(series: Series) -> tuple[Any, Any]:
 
 
 class BatteryBar:
-    """A short bar with the battery level in words; when low it is red and the words warn."""
+    """A short bar with the battery level as text. When low, the bar is red and the text warns."""
 
     def __init__(self, figure: SceneFigure, axes: Axes) -> None:
         axes.set(xlim=(0, 1 / BAR_SHARE), ylim=(0, 1))
@@ -163,7 +164,7 @@ class BatteryBar:
 
 
 def share_scales(charts: Iterable[Chart]) -> None:
-    """Give charts with the same title the same vertical range, which shows the values of all."""
+    """Give charts with the same title the same vertical range, wide enough for all of them."""
     by_title: dict[str, list[Axes]] = {}
     for chart in charts:
         by_title.setdefault(chart.title, []).append(chart.axes)
@@ -173,7 +174,7 @@ def share_scales(charts: Iterable[Chart]) -> None:
 
 
 def fit(axes: Axes, values: Sequence[float], margin: float = 0.08) -> None:
-    """Widen the range of ``axes`` to show ``values`` and a margin; it is never narrowed."""
+    """Widen the vertical range of ``axes`` to show ``values`` with a margin; it never shrinks."""
     low, high = axes.get_ylim()
     known = [value for value in values if not math.isnan(value)]
     least, most = min([low, *known]), max([high, *known])

@@ -1,8 +1,9 @@
 """A figure that redraws only what moves.
 
 Walls, axes and legend never change. They are drawn once into a background, and each frame is the
-background with the moving artists on top, in a window as in an exported file. Of these only the
-parts of the figure are drawn again in which something has changed: axes, or a text of the figure.
+background with the moving artists on top, both in a window and in an exported file. The moving
+artists are redrawn only in those parts of the figure that have changed. A part is the area of some
+axes, or one text of the figure.
 """
 
 from __future__ import annotations
@@ -27,11 +28,11 @@ DPI = 100
 """Pixels in an inch."""
 
 AROUND_AXES, AROUND_TEXT = 8.0, 3.0
-"""Points around axes that their movers may draw into, and around a text."""
+"""Margins in points around axes and around a text, into which their movers may draw."""
 
 Part = tuple[float, ...] | Artist
 PixelBox = tuple[int, int, int, int]
-"""Top, bottom, left and right of pixels."""
+"""Top, bottom, left and right, in pixels."""
 
 
 class SceneFigure(Figure):
@@ -39,7 +40,7 @@ class SceneFigure(Figure):
 
     Attributes:
         replay: replay that plays the figure, if there is one.
-        changed: box around everything that the last drawing has changed.
+        changed: box around everything that changed when the figure was last drawn.
     """
 
     def __init__(self, *args: Any, **options: Any) -> None:
@@ -65,7 +66,7 @@ class SceneFigure(Figure):
             self.add_mover(artist)
 
     def draw(self, renderer: Any) -> None:
-        """Draw the movers over the background, which is drawn again only if it has changed."""
+        """Draw the movers over the background, which is redrawn only if it has changed."""
         if not isinstance(renderer, RendererAgg):
             self._draw_still(renderer, with_movers=True)
             return
@@ -75,14 +76,14 @@ class SceneFigure(Figure):
         self.canvas.callbacks.process("draw_event", DrawEvent("draw_event", self.canvas, renderer))
 
     def _update(self, renderer: Any) -> None:
-        """Draw what has changed since the last time, and keep it."""
+        """Draw what has changed since the last call, and store the result."""
         canvas: ColorValues = np.asarray(renderer.buffer_rgba())
         size = (renderer.width, renderer.height, renderer.dpi)
         is_new = self.stale or size != self._background_size
         boxes = []
         if is_new:
             renderer.clear()
-            # Listeners are told later: one of them, a replay, would change the movers.
+            # Listeners are notified later, because one of them, a replay, would change the movers.
             with self.canvas.callbacks.blocked(signal="draw_event"):
                 self._draw_still(renderer, with_movers=False)
             self._background, self._shown = canvas.copy(), canvas.copy()
@@ -96,7 +97,7 @@ class SceneFigure(Figure):
         self.changed = around(boxes) if boxes else (0, 0, 0, 0)
 
     def _parts(self) -> dict[Part, list[Artist]]:
-        """Return the movers by axes, of which those in the same place are one, or by text."""
+        """Return the movers of each part. Axes in the same place are a single part."""
         parts: dict[Part, list[Artist]] = {}
         for mover in self._movers:
             axes = mover.axes
@@ -106,7 +107,7 @@ class SceneFigure(Figure):
     def _draw_part(
         self, renderer: Any, canvas: ColorValues, part: Part, movers: list[Artist]
     ) -> PixelBox:
-        """Draw movers around where they were and are; what they draw elsewhere is not kept."""
+        """Redraw the area of a part before and after the change; ignore anything drawn outside."""
         now = self._box_of(movers[0], renderer)
         box = around([now, self._boxes.get(part, now)])
         area = slice(*box[:2]), slice(*box[2:])
@@ -119,9 +120,9 @@ class SceneFigure(Figure):
         return box
 
     def _box_of(self, mover: Artist, renderer: Any) -> PixelBox:
-        """Return top, bottom, left and right of the pixels around a text or axes.
+        """Return the box of pixels around a text or axes, with its margin.
 
-        There are none around a text without letters, which would erase another text beside it.
+        The box of an empty text has no margin, because it would erase the text next to it.
         """
         extent = mover.axes.bbox if mover.axes else mover.get_window_extent(renderer)
         around = (AROUND_AXES if mover.axes else AROUND_TEXT) * self.dpi / POINTS
@@ -131,9 +132,10 @@ class SceneFigure(Figure):
         return max(top, 0), max(bottom, 0), max(left, 0), max(right, 0)
 
     def rgba(self) -> ColorValues:
-        """Return the figure as ``[height, width, 4]``, which the next drawing changes."""
+        """Return the pixels of the figure, ``[height, width, 4]``, until it is drawn again."""
         if not isinstance(self.canvas, FigureCanvasAgg):
-            raise TypeError(f"a {type(self.canvas).__name__} has no pixels; it must be an Agg one")
+            kind = type(self.canvas).__name__
+            raise TypeError(f"a {kind} has no pixels; the canvas must be a FigureCanvasAgg")
         canvas: Any = self.canvas
         self._update(canvas.get_renderer())
         return self._shown
@@ -143,7 +145,7 @@ class SceneFigure(Figure):
         return Image.fromarray(self.rgba()).convert("RGB")
 
     def _draw_still(self, renderer: Any, *, with_movers: bool) -> None:
-        """Draw everything but the movers, or everything."""
+        """Draw the figure, either with the movers or without them."""
         shown = [artist for artist in self._movers if artist.get_visible()]
         for artist in shown:
             artist.set_animated(not with_movers)
@@ -156,7 +158,7 @@ class SceneFigure(Figure):
 
 
 def around(boxes: Iterable[PixelBox]) -> PixelBox:
-    """Return the smallest box around boxes."""
+    """Return the smallest box that contains all of the boxes."""
     tops, bottoms, lefts, rights = zip(*boxes, strict=True)
     return min(tops), max(bottoms), min(lefts), max(rights)
 
@@ -178,7 +180,7 @@ def make_window(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:
     figure = plt.figure(figsize=size, dpi=dpi, FigureClass=SceneFigure)
     assert isinstance(figure, SceneFigure)
     manager = figure.canvas.manager
-    assert manager is not None, "pyplot gives each figure one"
+    assert manager is not None, "pyplot gives each figure a manager"
     manager.set_window_title("Warehouse")
     if manager.key_press_handler_id is not None:  # pragma: no branch - with a tool manager
         figure.canvas.mpl_disconnect(manager.key_press_handler_id)
@@ -186,6 +188,6 @@ def make_window(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:
 
 
 def save_svg(figure: Figure, target: Path | IO[bytes], dpi: float | None = None) -> None:
-    """Write a figure as SVG; figures that show the same give the same bytes."""
+    """Write a figure as SVG. Equal figures give equal bytes."""
     with mpl.rc_context({"svg.hashsalt": "warehouse-lab", "svg.fonttype": "path"}):
         figure.savefig(target, format="svg", dpi=dpi or figure.dpi, metadata={"Date": None})

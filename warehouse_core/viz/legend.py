@@ -1,4 +1,4 @@
-"""The legend of a replay: what is in its picture, and nothing else."""
+"""The legend of a replay, which explains only what occurs in its pictures."""
 
 from __future__ import annotations
 
@@ -56,7 +56,7 @@ MARKERS: dict[str, tuple[str, Color, float]] = {
     "ends": ("o", PAPER, 10),
     **{f"{signs.ORDER}{age}": ("s", color, 8) for age, color in enumerate(ORDER_COLORS)},
 }
-"""Shapes, colours and sizes of signs by their names; stations are squares of their colours."""
+"""Shape, colour and size of signs, by name. Stations are not listed: they are coloured squares."""
 
 PATCHES: dict[str, dict[str, Any]] = {
     "shelf": {"facecolor": SHELF, "edgecolor": BOARD, "hatch": "--"},
@@ -88,9 +88,13 @@ def draw_legend(
     *,
     with_characters: bool = False,
 ) -> Legend:
-    """Draw the legend of what tracks show, in columns along the bottom or one on the right side.
+    """Draw and return the legend of some tracks.
 
-    With characters, it explains them as ``render_with_legend`` does. Return the legend.
+    Args:
+        figure: figure to draw into.
+        tracks: tracks whose signs the legend explains.
+        columns: columns of a legend along the bottom; 0 puts it on the right side, in one column.
+        with_characters: also explain the characters of tiles, as ``render_with_legend`` does.
     """
     found: Signs = {}
     for track in tracks:
@@ -109,7 +113,7 @@ def draw_legend(
 
 
 def signs_of(track: Track) -> Signs:
-    """Return the artists of the signs of a track by their words, and one for weak motors."""
+    """Return the artist of each sign of a track, by its label, with one for weak motors."""
     found = {words: _artist_of(name) for name, words in signs.signs_of(track)}
     if track.motor_strength < 1:
         words = f"motors at {track.motor_strength:.0%}"

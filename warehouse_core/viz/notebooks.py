@@ -1,6 +1,6 @@
-"""What notebooks show for the last value of a cell: players of records, pictures of the others.
+"""Output of notebook cells: a player for a record, and a picture for an environment or a layout.
 
-Players and Pillow are imported when something is shown.
+The player and Pillow are imported only when something is shown.
 """
 
 from __future__ import annotations
@@ -19,34 +19,34 @@ from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
 
 MAX_BYTES = 3_000_000
-"""Size of the largest player that a notebook shows; its file keeps what it shows."""
+"""Size of the largest player that a notebook shows. A notebook file contains what it shows."""
 
 
 @display.register
 def record_player(record: Episode) -> str:
-    """Return the player of a record as HTML, or how to save it if it is large."""
+    """Return the player of a record as HTML, or instructions for saving it if it is large."""
     from warehouse_core.viz.player import player_frame
 
     frame = player_frame([track_of_record(record)])
     if len(frame) <= MAX_BYTES:
         return frame
     return (
-        f"<p>This replay has {len(frame) / 1e6:.1f} MB, more than a notebook should keep. "
-        "<code>replay_animation(episode).save('replay.html')</code> writes it as a page.</p>"
+        f"<p>This replay has {len(frame) / 1e6:.1f} MB, which is too much for a notebook. To save "
+        "it as a page, call <code>replay_animation(episode).save('replay.html')</code>.</p>"
     )
 
 
 @display.register
 def env_picture(env: WarehouseEnv) -> bytes:
-    """Return a picture of a warehouse as it is now, as PNG."""
+    """Return a PNG picture of the present state of a warehouse."""
     return layout_picture(env.layout, [(env.state.robot_pos, env.state.has_item)])
 
 
 @display.register
 def fleet_picture(env: FleetEnv) -> bytes:
-    """Return a picture of a fleet as it is now, as PNG.
+    """Return a PNG picture of the present state of a fleet.
 
-    Before the first reset it has only the robots whose starts are known.
+    Before the first reset, it shows only the robots whose start cells are known.
     """
     layout, starts = env.layout, env.settings.starts
     if env._started:
@@ -60,7 +60,7 @@ def fleet_picture(env: FleetEnv) -> bytes:
 def layout_picture(
     layout: Layout, robots: Iterable[tuple[Cell, bool]] = (), people: Iterable[Cell] = ()
 ) -> bytes:
-    """Return a picture of a layout, with robots and people in it, as PNG."""
+    """Return a PNG picture of a layout with robots and people."""
     painter = TilePainter(tile_pixels_for(layout.height, layout.width))
     return png_of(painter.fleet_picture(layout, robots, people))
 

@@ -32,11 +32,11 @@ from warehouse_core.viz.tracks.track import (
 __all__ = ["Replay"]
 
 GIF_FRAMES_APART = 2
-"""Frames of a continuous motion from one frame of a GIF to the next; the last is always there."""
+"""Number of frames of a continuous motion between two frames of a GIF, which also has the last."""
 
 
 class Playable(Protocol):
-    """A figure with frames, any of which it can show."""
+    """A figure that can show any of its frames."""
 
     root: SceneFigure
 
@@ -45,20 +45,24 @@ class Playable(Protocol):
 
     @property
     def still(self) -> int:
-        """The frame of a picture that does not move."""
+        """Number of the frame for a still picture."""
 
     def show(self, frame: int) -> None:
-        """Move everything that moves to its place in a frame."""
+        """Show a frame."""
 
 
 class Replay(FuncAnimation):
     """A matplotlib animation of a scene, with keys.
 
-    Space pauses and resumes (and starts again from the end), left and right step one frame and
-    pause, ``q`` closes the window.
+    The space bar pauses and resumes, and restarts at the end. The left and right arrow keys pause
+    and move by one frame. ``q`` closes the window.
 
-    A page plays the tracks, at ``speed`` times its own speed. ``gif_every`` counts the frames from
-    one frame of a GIF to the next.
+    Args:
+        scene: scene to play.
+        tracks: tracks of the scene, for pages and animated drawings.
+        frame_ms: milliseconds between two frames.
+        speed: factor on the default speed of a page or an animated drawing.
+        gif_every: number of frames between two frames of a GIF.
 
     Attributes:
         window: true if the replay has a window, which ``show`` opens, or had one that was closed.
@@ -85,7 +89,7 @@ class Replay(FuncAnimation):
         self.figure = scene.root
         self.window = self.figure.canvas.manager is not None
         self.frame, self.playing, self.frame_ms = 0, True, frame_ms
-        # Matplotlib asks for an integer but takes any number; slow replays need a fraction.
+        # Matplotlib documents an integer but accepts any number; slow replays need a fraction.
         self.fps: Any = 1000 / frame_ms
         super().__init__(
             self.figure,
@@ -99,10 +103,10 @@ class Replay(FuncAnimation):
         self.figure.replay = self
 
     def __del__(self) -> None:
-        """Do nothing: matplotlib would warn about a replay that was never drawn."""
+        """Do nothing, because matplotlib would warn about a replay that was never drawn."""
 
     def show(self) -> None:
-        """Open the window and wait until it is closed; a window that was closed stays closed.
+        """Open the window and wait until it is closed. A closed window cannot be opened again.
 
         Raises:
             NoDisplayError: the replay has no window.
@@ -114,13 +118,13 @@ class Replay(FuncAnimation):
         plt.show()
 
     def go_to(self, frame: int) -> None:
-        """Show ``frame``, or the nearest that exists, and pause."""
+        """Pause and show ``frame``, or the nearest frame that exists."""
         self.playing = False
         self.frame = min(max(frame, 0), len(self._scene) - 1)
         self.refresh()
 
     def toggle(self) -> None:
-        """Pause or resume; at the end start again."""
+        """Pause or resume; at the end, start again."""
         self.playing = not self.playing
         if self.playing and self.frame == len(self._scene) - 1:
             self.frame = 0
@@ -132,7 +136,7 @@ class Replay(FuncAnimation):
         self.figure.canvas.draw_idle()
 
     def show_still(self) -> None:
-        """Draw the frame of a picture that does not move; the current frame stays the same."""
+        """Draw the frame for a still picture, without changing the current frame."""
         self._scene.show(self._scene.still)
 
     def save(  # type: ignore[override]
@@ -140,17 +144,18 @@ class Replay(FuncAnimation):
     ) -> None:
         """Save to ``.gif``, ``.mp4``, ``.html`` or ``.svg``, or one frame to ``.png``.
 
-        With a ``writer`` it is matplotlib's own ``Animation.save``.
+        With a ``writer``, this is the ``Animation.save`` of matplotlib.
 
         Args:
             filename: path of the file.
-            writer: a writer of matplotlib.
-            still: save one frame to ``.svg`` too, with its charts; if not, the floor moves.
-            options: further arguments of matplotlib's own method, with a writer.
+            writer: matplotlib writer.
+            still: save an ``.svg`` as a still picture of one frame with its charts; by default it
+                is an animated drawing of the floor.
+            options: further arguments of ``Animation.save``, only with a writer.
 
         Raises:
-            ValueError: another suffix, an MP4 without imageio-ffmpeg installed, or a replay too
-                long for a moving ``.svg``.
+            ValueError: the suffix is not supported, imageio-ffmpeg is missing for an MP4, or the
+                replay is too long for an animated ``.svg``.
             OSError: the file cannot be written.
         """
         self._leave_closed_window()
@@ -168,7 +173,7 @@ class Replay(FuncAnimation):
             self.refresh()
 
     def _leave_closed_window(self) -> None:
-        """Give the figure of a closed window a canvas; its own draws no more."""
+        """Give the figure of a closed window a new canvas, because the old one no longer draws."""
         if self.window:
             import matplotlib.pyplot as plt
 
@@ -217,11 +222,11 @@ class Replay(FuncAnimation):
         return player_frame(self._tracks, speed=self._speed)
 
     def new_saved_frame_seq(self) -> Iterator[int]:  # type: ignore[override]
-        """Return every frame once, whatever the current frame is."""
+        """Return every frame once, regardless of the current frame."""
         return iter(range(len(self._scene)))
 
     def _frames_to_play(self) -> Generator[int, None, None]:
-        """Yield the frame to show at each tick, forever; a pause repeats a frame."""
+        """Yield the frame to show at each tick, forever; while paused, the frame is repeated."""
         while True:
             yield self.frame
             last = len(self._scene) - 1
@@ -253,10 +258,13 @@ def replay_of_tracks(
     speed: float = 1.0,
     window: bool | None = None,
 ) -> Replay:
-    """Return the replay of a track, or of several side by side.
+    """Return the replay of one track, or of several tracks side by side.
 
-    ``interval_ms`` is from one frame to the next at speed 1. ``show`` opens a window, if there is
-    one; ``None`` makes one if there is a display.
+    Args:
+        tracks: tracks to play.
+        interval_ms: milliseconds between two frames at speed 1.
+        speed: playing speed.
+        window: make a window, which ``show`` opens; ``None`` makes one if there is a display.
 
     Raises:
         ValueError: ``interval_ms`` or ``speed`` is not within ``MIN_PACE`` and ``MAX_PACE``.

@@ -1,4 +1,4 @@
-"""A whole picture: warehouses with their charts, batteries and words, and one legend."""
+"""A complete picture: one or more warehouses with charts, batteries and text, and one legend."""
 
 from __future__ import annotations
 
@@ -23,12 +23,12 @@ from warehouse_core.viz.view import View
 class Scene:
     """Tracks drawn into one figure, one moment at a time.
 
-    Several tracks are side by side: with one clock, scales that can be compared, and one legend.
+    Several tracks are shown side by side, with one clock, comparable scales and one legend.
 
     Args:
         tracks: tracks, at least one, each with at least one frame.
-        make_figure: function that makes the figure of a width and height in inches.
-        length: number of steps plus one to leave room for, where a single track is still growing.
+        make_figure: function that returns a figure of a given width and height in inches.
+        length: final number of steps plus one, for a single track that is still growing.
         legend: draw the legend.
     """
 
@@ -70,11 +70,11 @@ class Scene:
 
     @property
     def still(self) -> int:
-        """The moment of a picture that does not move."""
+        """Number of the moment that a still picture shows."""
         return self._timeline.still
 
     def show(self, number: int, grown: Track | None = None) -> None:
-        """Move everything that moves to its place at a moment, of a track that may have grown."""
+        """Show the moment with this number; ``grown`` is the new version of a growing track."""
         if grown is not None and grown is not self._panels[0].track:
             self._timeline = Timeline([grown])
             self._panels[0].read(grown, self._charts_of(grown))
@@ -86,7 +86,7 @@ class Scene:
             self._clock.set_text(self._timeline.words(number))
 
     def _explain(self, track: Track) -> None:
-        """Draw the legend again, if there is one and a track has other signs than it explains."""
+        """Redraw the legend, if there is one and the signs of the track have changed."""
         legend = self._legend
         if legend and [*signs_of(track)] != [text.get_text() for text in legend.get_texts()]:
             legend.remove()
@@ -94,17 +94,17 @@ class Scene:
 
 
 class SheetFigure:
-    """A figure into which axes and words are put by their places on a sheet."""
+    """A figure to which axes and text are added by their positions on a sheet."""
 
     def __init__(self, figure: SceneFigure, sheet: Sheet) -> None:
         self.figure, self.sheet = figure, sheet
 
     def axes(self, box: Box) -> Axes:
-        """Add axes."""
+        """Return new axes in a box of the sheet."""
         return self.figure.add_axes(box_in(self.sheet.size, *box))
 
     def write(self, left: float, top: float, **style: Any) -> Text:
-        """Add words, none so far."""
+        """Return a new text, still empty, at a position of the sheet."""
         width, height = self.sheet.size
         style = {"color": INK, "va": "center"} | style
         text = self.figure.text(left / width, 1 - top / height, "", parse_math=False, **style)
@@ -113,9 +113,9 @@ class SheetFigure:
 
 
 class Panel:
-    """One of the tracks of a picture: its map, charts, battery and words.
+    """One track of a picture: its map, charts, battery and text.
 
-    The axes of its charts end at the time ``end`` and have a ``label``.
+    The time axes of its charts end at ``end`` and have a ``label``.
     """
 
     def __init__(
@@ -140,13 +140,13 @@ class Panel:
         ]
 
     def read(self, track: Track, charted: Charted) -> None:
-        """Show a track from now on that has grown."""
+        """Replace the track by a longer version of itself."""
         self.track = track
         for chart in self.charts:
             chart.read(charted[chart.title])
 
     def show(self, frame: int, time: float) -> None:
-        """Show a frame of the track; it is at a time of the charts."""
+        """Show a frame of the track, and its time in the charts."""
         self._view.show(self.track.frames, frame)
         for chart in self.charts:
             chart.show(time)

@@ -1,6 +1,6 @@
-"""How a picture is laid out: one track with its charts beside it, or several side by side.
+"""The layout of a picture: one track with its charts next to it, or several tracks side by side.
 
-All lengths are in inches, from the top left corner of the figure; sizes of words are in points.
+All lengths are in inches, from the top left corner of the figure; font sizes are in points.
 """
 
 from __future__ import annotations
@@ -15,40 +15,42 @@ from warehouse_core.viz.tracks.track import Track
 from warehouse_core.viz.words import Words, caption_of, counter_of, ending_of, tally_of, title_of
 
 MAX_CELL, SHARP = 1.05, 8
-"""Largest side of a cell; pixels of the smallest cells that have a whole number of them."""
+"""Largest side of a cell; side in pixels above which it is rounded to a whole number of pixels."""
 
 BAR = 0.2
 """Height of a battery."""
 
 GRID, FLEET_GRID = (6.4, 4.6), (9.0, 4.2)
-"""Most width and height of the map of a single track; with its charts a fleet's is as wide as
-``WIDTH``, and its window as high as a screen of 768 pixels allows."""
+"""Largest width and height of the map of a single track. The map of a fleet and its charts together
+are as wide as ``WIDTH``, and the window fits on a screen with a height of 768 pixels."""
 
 EDGE, HEAD, BAR_GAP, MIN_LEFT = 0.3, 1.0, 0.12, 4.8
-"""Room around a single track, above its map and above its battery; least width of its words."""
+"""Space around a single track, above its map and above its battery; least width of its text."""
 
 CHARTS_LEFT, CHARTS_WIDTH, CHARTS_GAP, CHARTS_FOOT, LEGEND_WIDTH = 0.75, 3.3, 0.38, 0.5, 1.95
-"""Room left of charts beside a map, their width, room between and below them; then the legend."""
+"""Space to the left of charts next to a map, their width, space between and below them, and the
+width of the legend."""
 
 MIN_CHART = 0.78
-"""Least height of a chart beside a map."""
+"""Least height of a chart next to a map."""
 
 WIDTH, MARGIN, COLUMN_HEAD, GUTTER = 13.66, 0.4, 1.45, 0.5
-"""Width of a figure of several tracks, room at its sides, above its maps and between columns."""
+"""Width of a figure of several tracks; space at its sides, above its maps and between columns."""
 
 MAX_MAP, MAX_SMALL_MAP = 3.3, 2.3
-"""Most heights of maps of one scale in a single row, and in several rows."""
+"""Largest heights of maps in a single row, and in several rows."""
 
 GAP, VERDICT, FOOT, FLEET_FOOT = 0.1, 0.45, 0.6, 0.8
-"""Room between a map and its battery; heights of the verdict below, and of legends."""
+"""Space between a map and its battery; heights of the verdict below, of a legend, and of the legend
+of a fleet."""
 
 BELOW = GAP + BAR + VERDICT
 
 CHART, CHART_HEAD, CHART_FOOT, CHART_LEFT, CHART_RIGHT = 1.05, 0.3, 0.38, 0.4, 0.5
-"""Height of a chart in a column, and the room around it."""
+"""Height of a chart in a column, and the space around it."""
 
 MAX_COLUMNS, ROW, CLOCK = 4, 3, 0.4
-"""Most tracks in one row; tracks in a row if there are more of them; room for the clock on top."""
+"""Most tracks in a single row; tracks per row if there are more; space for the clock at the top."""
 
 LEGEND_COLUMNS = 7
 
@@ -58,18 +60,18 @@ Box = tuple[float, float, float, float]
 """Left, top, width and height."""
 
 SheetLine = tuple[float, float, Callable[[Track, int], Words], Mapping[str, Any]]
-"""Left and top of words, what says them in a frame of a track, and their style."""
+"""Left and top of a text, the function that returns it for a frame of a track, and its style."""
 
 
 class TrackPlace(NamedTuple):
-    """Place of a track.
+    """The position of a track on a sheet.
 
     Attributes:
         cell: side of a cell.
         map: box of the map.
-        bar: box of the battery, if it has one.
-        charts: boxes of charts by their titles, from top to bottom.
-        lines: words around the map.
+        bar: box of the battery, if there is one.
+        charts: boxes of the charts by title, from top to bottom.
+        lines: lines of text around the map.
     """
 
     cell: float
@@ -80,12 +82,13 @@ class TrackPlace(NamedTuple):
 
 
 class Sheet(NamedTuple):
-    """Layout of a picture, with a place for each track.
+    """The layout of a picture, with the position of each track.
 
     Attributes:
         size: width and height of the figure.
-        legend_columns: columns of the legend along the bottom; 0 is a legend along the right side.
-        labels_last: true if only the last chart of a track has numbers on its axis of time.
+        places: position of each track.
+        legend_columns: columns of the legend along the bottom; 0 puts it along the right side.
+        labels_last: true if only the last chart of a track has numbers on its time axis.
     """
 
     size: tuple[float, float]
@@ -97,10 +100,15 @@ class Sheet(NamedTuple):
 def sheet_of(
     tracks: Sequence[Track], titles: Sequence[Sequence[str]], steps: int, *, legend: bool
 ) -> Sheet:
-    """Return the layout of tracks whose charts have some titles.
+    """Return the layout of a picture of tracks.
 
-    A single track will have ``steps`` steps, and perhaps a legend. More than ``MAX_COLUMNS`` tracks
-    are in rows, without charts.
+    More than ``MAX_COLUMNS`` tracks are arranged in several rows, without charts.
+
+    Args:
+        tracks: tracks to show.
+        titles: titles of the charts of each track.
+        steps: final number of steps of a single track.
+        legend: leave space for the legend of a single track; several tracks always have one.
     """
     if len(tracks) == 1:
         return _single(tracks[0], titles[0], steps, legend=legend)
@@ -132,7 +140,7 @@ def sheet_of(
 
 
 def _single(track: Track, titles: Sequence[str], steps: int, *, legend: bool) -> Sheet:
-    """Return a map with its battery below, and its charts and its legend beside it."""
+    """Return the layout of a map with its battery below, and its charts and legend next to it."""
     cell = _cell(track, *(FLEET_GRID if track.is_fleet else GRID))
     map_width, map_height = (cell * cells for cells in track.shown_size)
     least = len(titles) * (MIN_CHART + CHARTS_GAP) - CHARTS_GAP
@@ -148,12 +156,12 @@ def _single(track: Track, titles: Sequence[str], steps: int, *, legend: bool) ->
     }
     has_battery = "battery" in track.metrics
     bar = (EDGE, map_box[1] + map_height + BAR_GAP, left_width, BAR) if has_battery else None
-    # Without a battery there are only the words below charts.
+    # Without a battery, the labels of the charts are the lowest part.
     foot = EDGE if has_battery or not legend else CHARTS_FOOT
-    # The legend of a fleet with charts is below, where there is room.
+    # The legend of a fleet with charts is below the map, where there is space.
     is_below = legend and track.is_fleet and bool(titles)
-    beside = EDGE + left_width + (CHARTS_LEFT + CHARTS_WIDTH if titles else 0.0)
-    width = beside + EDGE + (LEGEND_WIDTH if legend and not is_below else 0.0)
+    right = EDGE + left_width + (CHARTS_LEFT + CHARTS_WIDTH if titles else 0.0)
+    width = right + EDGE + (LEGEND_WIDTH if legend and not is_below else 0.0)
     lines: list[SheetLine] = [
         (EDGE, 0.2, partial(title_of, 9), {}),
         (width - EDGE, 0.2, partial(counter_of, steps), {"ha": "right"}),
@@ -176,7 +184,7 @@ def _column(
     width: float,
     charts: dict[str, Box],
 ) -> TrackPlace:
-    """Return the place of a track in a column; battery and verdict are ``below`` its map."""
+    """Return the position of a track in a column; its map ends at the height ``below``."""
     columns, rows = track.shown_size
     map_box = (left, top + COLUMN_HEAD, cell * columns, cell * rows)
     bar = (left, below + GAP, map_box[2], BAR) if "battery" in track.metrics else None
@@ -189,16 +197,16 @@ def _column(
 
 
 def _chart_box(left: float, top: float, width: float, number: int) -> Box:
-    """Return the box of a chart in a column, of which two are beside each other."""
+    """Return the box of a chart in a column, which has two charts next to each other."""
     left += number % 2 * width / 2 + CHART_LEFT
     top += CHART_HEAD + number // 2 * (CHART_HEAD + CHART + CHART_FOOT)
     return left, top, width / 2 - CHART_LEFT - CHART_RIGHT, CHART
 
 
 def _cell(track: Track, width: float, height: float) -> float:
-    """Return the side of a cell with which a map fits into a width and a height.
+    """Return the largest side of a cell for which the map fits into a width and a height.
 
-    It is a whole number of pixels where cells are not tiny, which keeps tiles sharp.
+    Unless cells are tiny, the side is a whole number of pixels, which keeps tiles sharp.
     """
     columns, rows = track.shown_size
     cell = min(width / columns, height / rows, MAX_CELL)

@@ -1,8 +1,8 @@
-"""The floor of a track in axes whose unit is a cell: the pixels of its tiles, and shapes on them.
+"""The floor of a track, drawn with matplotlib: tiles as pixels, and shapes on top of them.
 
-``render`` paints the tiles. Robots, people, items, plans and hits are shapes with the geometry of
-``tiles.json``. A robot on its own has a letter, a trail and the items of its episode; robots of a
-fleet have numbers, batteries and orders.
+The unit of the axes is a cell. ``render`` paints the tiles. Robots, people, items, plans and hits
+are shapes with the geometry of ``tiles.json``. A single robot has a letter, a trail and the items
+of its episode; robots of a fleet have numbers, batteries and orders.
 """
 
 from __future__ import annotations
@@ -63,32 +63,33 @@ RADIUS, RIM, LETTER, NAME = LOOK["robot"].values()
 BATTERIES, ITEMS, CARRIED, WIDTHS = (LOOK[key] for key in ("battery", "item", "carried", "lines"))
 
 MIN_RADIUS, MIN_FLEET_RADIUS, MIN_LINE, MIN_LETTER, MIN_NUMBER, MIN_STATION = 5, 2.5, 0.6, 6, 5, 6.5
-"""Least sizes in points: radii of a robot and of one of a fleet, lines, letters, numbers of robots,
-and sides of stations."""
+"""Least sizes in points: radius of a single robot, radius of a robot of a fleet, width of lines,
+size of letters, size of robot numbers, and side of stations."""
 
 MIN_ITEM, MIN_ORDERS, MIN_HIT, MIN_FLEET_HIT, MIN_END, LABEL = 4, 7, 5, 3, 6.5, 10
-"""Least sizes in points of items, of the number of orders at a pickup, of hits, and of the ends of
-a search; size of a label."""
+"""Least sizes in points: items, numbers of orders at a pickup, hits, hits in a fleet, and ends of a
+search; then the size of a label."""
 
 MAX_RADIUS, GOOD_RADIUS = 0.45, 9
-"""Radius in cells up to which robots of a fleet grow that have fewer points than the second."""
+"""Robots of a fleet whose radius is below ``GOOD_RADIUS``, in points, are enlarged to it, but to at
+most ``MAX_RADIUS``, in cells."""
 
 FRAMES_APART = 3
-"""Frames of a continuous motion between two points of a trail."""
+"""Number of frames of a continuous motion between two points of a trail."""
 
 FADE_STEPS, MAX_FADE = 20, 0.75
-"""Steps over which a plan fades, and the share of the floor's colour that it then has."""
+"""Number of steps over which a plan fades, and the final share of the floor's colour in it."""
 
 WEAK_MOTOR, DASHES, DOTS = (1.4, 1.0), (2.5, 1.5), (0.01, 1.6)
-"""Dashes around a robot with weak motors, of a trail with an item, and of the rest of a path, in
-widths of the line."""
+"""Dash patterns, in multiples of the line width: around a robot with weak motors, of the trail of a
+loaded robot, and of the unplanned rest of a path."""
 
 LATE = len(ORDER_COLORS) - 1
 
 SQUARE = np.array([(-1, -1), (1, -1), (1, 1), (-1, 1)]) / 2
 BAR = SQUARE + 0.5
 CIRCLE = np.array([(math.cos(turn), math.sin(turn)) for turn in np.linspace(0, 2 * math.pi, 33)])
-"""Shapes with a side or a radius of 1; the corner of a bar is at 0, 0."""
+"""Shapes with a side or radius of 1 around 0, 0, except for the bar, whose corner is at 0, 0."""
 
 STAR, DIAMOND, NOSE, ARROW = (np.array(LOOK["shapes"][key]) for key in ("hit", "H", "nose", "push"))
 STAR_RADIUS = float(np.abs(STAR).max())
@@ -97,7 +98,10 @@ Points = NDArray[np.float64]
 
 
 class Shape(NamedTuple):
-    """A path in cells, filled and with a line, whose ``width`` is in cells and dashes in widths."""
+    """A path in units of cells, with an optional filling and an optional line around it.
+
+    The ``width`` of the line is in cells, and its ``dashes`` are in multiples of the width.
+    """
 
     path: Path
     fill: Color | None = None
@@ -108,7 +112,7 @@ class Shape(NamedTuple):
 
 
 class Shapes(Artist):
-    """Shapes in axes whose unit is a cell, drawn in their order."""
+    """An artist that draws shapes in their order, in axes whose unit is a cell."""
 
     shapes: Sequence[Shape] = ()
 
@@ -137,18 +141,18 @@ class Shapes(Artist):
 
 
 class Tiles(Artist):
-    """The tiles of a floor, as pixels that fill axes."""
+    """An artist that fills axes with the tiles of a floor, as pixels."""
 
     rows: TileRows = ()
     slippery: Sequence[Cell] = ()
 
     def show(self, rows: TileRows, slippery: Sequence[Cell]) -> None:
-        """Draw these tiles from now on, and waves on slippery floor."""
+        """Draw these tiles from now on, with waves on slippery cells."""
         self.rows, self.slippery = rows, slippery
         self.stale = True
 
     def draw(self, renderer: Any) -> None:
-        """Paint the tiles with as many pixels as cells have, or shrink larger ones to fit."""
+        """Paint the tiles in the size of the cells, or resize larger ones if this is impossible."""
         axes = self.axes
         assert axes is not None, "tiles are in axes"
         box, enlarged = axes.bbox, renderer.get_image_magnification()
@@ -172,18 +176,18 @@ class Tiles(Artist):
 
 
 def cell_of(axes: Any) -> float:
-    """Return the side of a cell in pixels."""
+    """Return the side of a cell of axes, in pixels."""
     left, right = axes.get_xlim()
     return float(axes.bbox.width / (right - left))
 
 
 def stamped(shape: ArrayLike, places: ArrayLike) -> Path:
-    """Return a polygon ``[N, 2]`` at each of some places ``[K, 2]``."""
+    """Return one path with copies of a polygon ``[N, 2]`` at the positions ``[K, 2]``."""
     return polygons(np.asarray(places, float).reshape(-1, 1, 2) + np.asarray(shape))
 
 
 def polygons(corners: ArrayLike) -> Path:
-    """Return closed polygons with the same number of corners, ``[K, N, 2]``, as one path."""
+    """Return one path with closed polygons of the same number of corners, ``[K, N, 2]``."""
     each = np.asarray(corners, float)
     count, points, _ = each.shape if each.size else (0, 0, 2)
     codes = np.full((count, points + 1), Path.LINETO, np.uint8)
@@ -192,18 +196,20 @@ def polygons(corners: ArrayLike) -> Path:
     return Path(closed.reshape(-1, 2), codes.reshape(-1))
 
 
-def lines(ways: Iterable[Sequence[Point]]) -> Path:
-    """Return lines through points as one path."""
-    known = [way for way in ways if len(way)]
+def lines(routes: Iterable[Sequence[Point]]) -> Path:
+    """Return one path with a line through the points of each route."""
+    known = [route for route in routes if len(route)]
     codes = [
-        Path.MOVETO if number == 0 else Path.LINETO for way in known for number in range(len(way))
+        Path.MOVETO if number == 0 else Path.LINETO
+        for route in known
+        for number in range(len(route))
     ]
-    return Path(np.array([point for way in known for point in way]).reshape(-1, 2), codes)
+    return Path(np.array([point for route in known for point in route]).reshape(-1, 2), codes)
 
 
 @cache
 def glyphs(text: str) -> tuple[Path, float]:
-    """Return the outline of bold text of size 1 around 0, 0, and its width."""
+    """Return the outline of bold text of font size 1, centred at 0, 0, and its width."""
     path = TextPath((0, 0), text, size=1, prop=FontProperties(weight="bold"))
     box = path.get_extents()
     centred = Affine2D().translate(-(box.x0 + box.x1) / 2, -(box.y0 + box.y1) / 2).scale(1, -1)
@@ -211,25 +217,25 @@ def glyphs(text: str) -> tuple[Path, float]:
 
 
 def written(text: str, size: float, at: ArrayLike) -> Path:
-    """Return the outline of bold text of a font size, in cells, around a place."""
+    """Return the outline of bold text centred at a position; ``size`` is in cells."""
     path, _ = glyphs(text)
     return Path(size * np.asarray(path.vertices) + np.asarray(at), path.codes)
 
 
 def joined(paths: Iterable[Path]) -> Path:
-    """Return paths as one."""
+    """Return one path that consists of all paths."""
     return Path.make_compound_path(*paths)
 
 
 def outlined(path: Path, size: float, color: Color = PAPER) -> Iterator[Shape]:
-    """Yield light letters with a dark line around them, or dark ones without."""
+    """Yield light letters with a dark line around them, or dark letters without a line."""
     if color != INK:
         yield Shape(path, None, INK, WIDTHS["letter"] * size)
     yield Shape(path, color)
 
 
 class View:
-    """Draws the floor of a track into its axes, row 0 on top; a cell has ``cell_points`` points."""
+    """The floor of a track in axes with row 0 at the top; ``cell_points`` is the side of a cell."""
 
     def __init__(self, figure: SceneFigure, axes: Axes, cell_points: float, track: Track) -> None:
         self._track, self._point = track, 1 / cell_points
@@ -254,7 +260,7 @@ class View:
         self._settled: tuple[TileRows, int] | None = None
 
     def show(self, frames: Sequence[Frame], number: int) -> None:
-        """Draw a frame, and what robots have left behind before it."""
+        """Draw a frame, with the trails and visited cells up to it."""
         frame = frames[number]
         if frame.tiles is not self._tiles.rows:
             self._tiles.show(frame.tiles, self._track.slippery)
@@ -275,11 +281,11 @@ class View:
         self._bodies.show([*shapes, *self._hits(frame), *self._ends()])
 
     def _least(self, cells: float, points: float) -> float:
-        """Return a length in cells that is not less than a number of points."""
+        """Return a length in cells, enlarged if necessary to a least length in points."""
         return max(cells, points * self._point)
 
     def _small_stations(self, rows: TileRows) -> Iterator[Shape]:
-        """Enlarge the squares of stations if cells are too small for them."""
+        """Yield enlarged squares of stations if cells are too small for the default ones."""
         side = MIN_STATION * self._point
         if side > 1 - 2 * LOOK["station"]["inset"]:
             for tile in (PICKUP, DROPOFF, CHARGER):
@@ -299,16 +305,16 @@ class View:
             yield Shape(stamped((1 - 2 * inset) * SQUARE, places), marks.colors[value])
 
     def _route(self, frame: Frame) -> Iterator[Shape]:
-        """Yield the planned way of a robot as dots, or the path that a search found as a line."""
-        way = lines([frame.route])
+        """Yield the planned path of a robot as dots, or the path that a search found as a line."""
+        path = lines([frame.route])
         if self._track.marks is None:
-            yield Shape(way, None, INK, self._least(WIDTHS["route"], 1.8), DOTS)
+            yield Shape(path, None, INK, self._least(WIDTHS["route"], 1.8), DOTS)
         else:
             for color, width in ((PAPER, 0.42), (WARNING, 0.24)):
-                yield Shape(way, None, color, self._least(width, 2))
+                yield Shape(path, None, color, self._least(width, 2))
 
     def _ends(self) -> Iterator[Shape]:
-        """Yield start and goal of a search, as letters on discs."""
+        """Yield the start and the goal of a search, as letters on discs."""
         marks, rim = self._track.marks, self._least(RIM, MIN_LINE)
         radius, size = (self._least(LOOK["end"][key], MIN_END) for key in ("radius", "letter"))
         for letter, cell in zip("SG", marks.ends if marks else (), strict=bool(marks)):
@@ -316,7 +322,7 @@ class View:
             yield Shape(written(letter, size, middle(cell)), INK)
 
     def _left_behind(self, frames: Sequence[Frame], robot: int, step: int) -> Iterator[Shape]:
-        """Yield tints of cells visited often, a shade on what it does not see, and its trail."""
+        """Yield tints of visited cells, a shadow on what the robot cannot see, and its trail."""
         rows, history = frames[self._histories[robot].frames[step]].tiles, self._histories[robot]
         tints: dict[int, list[Point]] = {}
         for (row, col), visits in history.visits(step).items():
@@ -328,12 +334,12 @@ class View:
         if here is not None and radius is not None and len(self._histories) == 1:
             yield Shape(around_view(here, radius, self._inside), INK, alpha=SHADOW)
         width = self._least(WIDTHS["trail"], 1)
-        for loaded, age, ways in trail_of(frames, history.frames, robot, step):
+        for loaded, age, routes in trail_of(frames, history.frames, robot, step):
             dashes = DASHES if loaded else ()
-            yield Shape(lines(ways), None, faded_trail(loaded, age), width, dashes)
+            yield Shape(lines(routes), None, faded_trail(loaded, age), width, dashes)
 
     def _lone(self, frames: Sequence[Frame], robot: int, number: int) -> Iterator[Shape]:
-        """Yield a robot on its own, its trail in the step that is not complete, and its items."""
+        """Yield a single robot, its trail since the last complete step, and its items."""
         frame, history = frames[number], self._histories[robot]
         first = history.frames[math.floor(frame.progress)]
         poses = [each.robots[robot] for each in frames[first : number + 1]]
@@ -362,7 +368,7 @@ class View:
     def _robots(
         self, poses: Sequence[Pose], colors: Sequence[Color], radius: float, rim: float
     ) -> Iterator[Shape]:
-        """Yield robots without what they carry: noses, and discs with dashes for weak motors."""
+        """Yield robots without items: their noses and discs, which are dashed for weak motors."""
         dashes = WEAK_MOTOR if self._track.motor_strength < 1 else ()
         yield Shape(noses(poses, radius), INK)
         for color in dict.fromkeys(colors):
@@ -370,7 +376,7 @@ class View:
             yield Shape(stamped(radius * CIRCLE, mine), color, INK, rim, dashes)
 
     def _fleet(self, frame: Frame, fleet: FleetFrame) -> Iterator[Shape]:
-        """Yield a fleet with its plans, numbers, batteries and items, people, and orders."""
+        """Yield the robots of a fleet, with their plans, batteries and items, people and orders."""
         poses = [pose for pose in frame.robots if pose is not None]
         count = len(fleet.battery)
         robots, places = poses[:count], np.array([pose.at for pose in poses[:count]])
@@ -406,11 +412,11 @@ class View:
             yield from self._orders(at, f"{number}{'!' * (age == LATE)}", age, rim)
 
     def _plans(self, fleet: FleetFrame, colors: Sequence[Color]) -> Iterator[Shape]:
-        """Yield plans ahead of robots, fading with time, and the rest of their paths as dots."""
-        ways, wishes, _ = fleet.plans
-        for paths, width, dashes in ((ways, WIDTHS["plan"], ()), (wishes, WIDTHS["wish"], DOTS)):
+        """Yield the planned paths of robots, fading with time, and their unplanned rest as dots."""
+        planned, wishes, _ = fleet.plans
+        for paths, width, dashes in ((planned, WIDTHS["plan"], ()), (wishes, WIDTHS["wish"], DOTS)):
             for robot, path in paths.items():
-                first = len(ways.get(robot, ())) - 1 if paths is wishes else 0
+                first = len(planned.get(robot, ())) - 1 if paths is wishes else 0
                 for time, (before, after) in enumerate(pairwise(path), first):
                     if before != after:
                         leg = [(col + 0.5, row + 0.5) for row, col in (before, after)]
@@ -421,7 +427,7 @@ class View:
     def _batteries(
         self, places: Points, battery: Sequence[float], scale: float, rim: float
     ) -> Iterator[Shape]:
-        """Yield a bar below each robot; in large fleets only below robots whose battery is low."""
+        """Yield a bar below each robot; in large fleets only below robots with a low battery."""
         low, length, height = BATTERIES["low"], 2 * RADIUS * scale, BATTERIES["height"] * scale
         corner = np.array((-length / 2, BATTERIES["top"] * scale))
         shown = [
@@ -439,7 +445,7 @@ class View:
             yield Shape(polygons(bars), color)
 
     def _orders(self, at: Point, words: str, age: int, rim: float) -> Iterator[Shape]:
-        """Yield the number of orders at a pickup in a box of the colour of their age."""
+        """Yield the number of orders at a pickup, in a box with the colour of their age."""
         size = self._least(ITEMS["side"], MIN_ORDERS)
         place = tuple(part - 0.5 + ITEMS["place"] for part in at)
         box = SQUARE * size * (max(glyphs(words)[1] + 0.4, 1.15), 1.15)
@@ -447,7 +453,7 @@ class View:
         yield Shape(written(words, size, place), ink_on(age))
 
     def _hits(self, frame: Frame) -> Iterator[Shape]:
-        """Mark the places of hits, and label the last of them."""
+        """Yield a star for each hit, and a label for the last one."""
         radius = self._least(STAR_RADIUS, MIN_FLEET_HIT if frame.fleet else MIN_HIT)
         star, rim = STAR * (radius / STAR_RADIUS), self._least(RIM / 2, MIN_LINE)
         yield Shape(stamped(star, [hit.at for hit in frame.hits]), HIT, INK, rim)
@@ -463,9 +469,9 @@ class View:
 def trail_of(
     frames: Sequence[Frame], ends: Sequence[int], robot: int, step: int
 ) -> Iterator[tuple[bool, float, list[list[Point]]]]:
-    """Yield the trail of a robot in pieces of one load and age, the oldest first.
+    """Yield the trail of a robot in pieces, the oldest first: its load, age and lines.
 
-    ``ends`` are the frames in which each step is complete.
+    ``ends`` has the frame in which each step is complete.
     """
     steps = LOOK["trail"]["steps"]
     pieces: list[tuple[bool, float, list[list[Point]]]] = []
@@ -478,18 +484,20 @@ def trail_of(
         age = int(FADES * min((step - frames[before].progress) / steps, 0.999)) / FADES
         if not pieces or pieces[-1][:2] != (start.loaded, age):
             pieces.append((start.loaded, age, []))
-        ways = pieces[-1][2]
-        if not ways or ways[-1][-1] != start.at:
-            ways.append([start.at])
-        ways[-1].append(end.at)
+        routes = pieces[-1][2]
+        if not routes or routes[-1][-1] != start.at:
+            routes.append([start.at])
+        routes[-1].append(end.at)
     yield from pieces
 
 
 def around_view(cell: Cell, radius: int, shown: tuple[float, float, float, float]) -> Path:
-    """Return all that is shown but the square window of a view, as a path with a hole.
+    """Return the visible area without the square window of a robot's view, as a path with a hole.
 
-    ``cell`` is in the middle of the window, ``radius`` cells from its edge, and ``shown`` has the
-    left, top, right and bottom of what is shown.
+    Args:
+        cell: cell in the middle of the window.
+        radius: number of cells from there to the edge of the window.
+        shown: left, top, right and bottom of the visible area.
     """
     (row, col), (left, top, right, bottom) = cell, shown
     first, last = max(col - radius, left), min(col + radius + 1, right)
@@ -499,14 +507,14 @@ def around_view(cell: Cell, radius: int, shown: tuple[float, float, float, float
 
 
 def cells_of(tile: str, rows: Sequence[str]) -> list[Cell]:
-    """Return the cells of some rows that have a tile."""
+    """Return the cells that have a tile."""
     return [
         (row, col) for row, line in enumerate(rows) for col, here in enumerate(line) if here == tile
     ]
 
 
 def noses(poses: Iterable[Pose], radius: float) -> Path:
-    """Return the wedges that show where robots of a radius, in cells, head."""
+    """Return the noses of robots: wedges that show their headings. ``radius`` is in cells."""
     corners = [
         np.array(pose.at) + turned(NOSE * (radius / RADIUS), pose.heading)
         for pose in poses
@@ -516,7 +524,7 @@ def noses(poses: Iterable[Pose], radius: float) -> Path:
 
 
 def turned(shape: Points, angle: float) -> Points:
-    """Return a shape that heads east, ``[N, 2]``, turned to an angle in radians."""
+    """Return a shape ``[N, 2]`` that points east, turned by an angle in radians."""
     cos, sin = math.cos(angle), math.sin(angle)
     corners: Points = shape @ np.array([(cos, sin), (-sin, cos)])
     return corners
@@ -530,5 +538,5 @@ def color_of(pose: Pose, share: float = 1.0) -> Color:
 
 
 def ink_on(age: int) -> Color:
-    """Return the colour of what is written on an order, and of the line around it."""
+    """Return the colour of the text on an order, and of the line around it."""
     return PAPER if age == LATE else INK

@@ -1,4 +1,4 @@
-"""The words around maps: each function returns words for a frame of a track, and their size."""
+"""The text around maps: each function returns the text for a frame of a track and its font size."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ from warehouse_core.viz.tracks.track import Track
 from warehouse_core.wording import counted, seconds_of
 
 MAX_TALLY, BOLD_WIDTH = 15.0, 0.55
-"""Largest size of what a track comes to, and mean width of its letters as a share of that."""
+"""Largest font size of a tally, in points, and mean width of its letters as a share of the size."""
 
 LETTER_WIDTH = 0.65
 """Mean width of a letter of a caption, as a share of its size."""
@@ -24,30 +24,30 @@ def title_of(size: float, track: Track, _frame: int) -> Words:
 
 
 def counter_of(steps: int, track: Track, frame: int) -> Words:
-    """Return how many of a number of steps were taken, and the clock of a continuous motion."""
+    """Return the number of steps taken, out of ``steps``, and the clock of a continuous motion."""
     now = track.frames[frame]
     if track.marks is not None:
-        return "", 9  # a search counts in its captions
+        return "", 9  # the captions of a search have its counts
     clock = f"   {seconds_of(now.clock, track.clock_digits)} s" if track.is_continuous else ""
     return f"step {math.ceil(now.progress)} of {steps}{clock}", 9
 
 
 def ending_of(track: Track, frame: int) -> Words:
-    """Return in the last frame how a track ended."""
+    """Return the ending of a track in its last frame, and no text in the others."""
     return track.ending.upper() if frame == len(track) - 1 else "", 11
 
 
 def caption_of(size: float, width: float, track: Track, frame: int) -> Words:
-    """Return the caption of a frame in at most two lines of a width in inches."""
+    """Return the caption of a frame, wrapped to at most two lines of ``width`` inches."""
     letters = int(POINTS * width / (LETTER_WIDTH * size))
     words = track.frames[frame].caption
     return textwrap.fill(words, letters, max_lines=2, placeholder=" …"), size
 
 
 def tally_of(width: float, track: Track, frame: int) -> Words:
-    """Return deliveries, steps, seconds and joules so far; at the end also how a track ended.
+    """Return the deliveries, steps, seconds and joules so far; in the last frame also the ending.
 
-    The words are as large as a width in inches allows, and not larger than ``MAX_TALLY``.
+    The font is as large as ``width``, in inches, allows, but at most ``MAX_TALLY``.
     """
     if track.marks is not None:
         return "", MAX_TALLY

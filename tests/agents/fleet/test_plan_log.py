@@ -71,7 +71,7 @@ def test_a_robot_that_waits_against_its_plan_has_no_plan_any_more() -> None:
     log = PlanLog([0])
     for chosen in (1, 0):
         log.add(Plans(), Graph(ROW), situation([0], [4]), np.array([chosen]))
-    assert [len(each.ways[0]) for each in log.plans] == [4, 2]
+    assert [len(each.paths[0]) for each in log.plans] == [4, 2]
     assert log.plans[0].wishes == {0: [(0, 3), (0, 4)]}
     assert log.plans[1].wishes == {0: [(0, col) for col in range(5)]}
 

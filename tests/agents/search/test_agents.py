@@ -90,10 +90,10 @@ def test_without_a_path_an_agent_waits_and_gives_the_reason(kind: str, rows: Seq
     episode = record_episode(WarehouseEnv(rows, (1, 1), max_steps=8), agent, randomize=False)
     assert episode.actions[-1] == "WAIT"
     assert agent.plans <= 2
-    assert episode.reasons[-1].startswith("no way leads to")
+    assert episode.reasons[-1].startswith("no path to")
     if kind == "search" and rows == UNREACHABLE:
         assert set(episode.actions) == {"WAIT"}
-        assert episode.reasons[-1] == "no way leads to the pickup and dropoff"
+        assert episode.reasons[-1] == "no path to the pickup and dropoff"
 
 
 def test_an_agent_that_is_off_its_plan_makes_a_new_one() -> None:
@@ -123,7 +123,7 @@ def test_a_robot_without_a_view_tries_a_failed_move_again_and_gives_up_in_the_en
     actions = [agent.act(observation) for _ in range(200)]
     assert actions[:3] == ["E", "E", "E"]
     assert actions[-1] == "WAIT"
-    assert agent.reason.startswith("no way leads to (1, 2)")
+    assert agent.reason.startswith("no path to (1, 2)")
 
 
 def test_the_exploring_agent_finds_a_path() -> None:

@@ -13,6 +13,9 @@ from warehouse_core import DEFAULT_LAYOUT, Cell, Episode, Layout, WarehouseEnv, 
 DETOUR = Layout(["#########", "#.......#", "#.#####.#", "#P....#D#", "#.....#.#", "#########"])
 
 
+WORDS = {"N": "North", "S": "South", "E": "East", "W": "West", "PICK": "Pick up", "DROP": "Drop"}
+
+
 def explored(
     layout: Layout = DETOUR, randomize: bool = False, **options: Any
 ) -> tuple[Episode, list[Insight]]:
@@ -87,11 +90,11 @@ def test_each_frame_shows_the_belief_and_the_reason_of_its_move(backend: str) ->
         seen = sum(len(insight.seen) for insight in history[: step + 1])
         assert frame.tiles == tiles[step]
         assert frame.caption == (
-            f"now {episode.actions[step]} ({episode.reasons[step]}), {seen} cells seen"
+            f"{WORDS[episode.actions[step]]}: {episode.reasons[step]} ({seen} cells seen)"
         )
     captions = [frame.caption for frame in belief.frames]
     assert captions[-1].startswith("delivered in")
-    assert "now N (meets a wall, plans round it)" in "".join(captions)
+    assert "North: meets a wall, plans around it (" in "".join(captions)
 
 
 def test_the_history_of_another_episode_is_an_error() -> None:

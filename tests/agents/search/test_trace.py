@@ -103,9 +103,9 @@ def test_frames_count_what_is_expanded_and_end_with_the_path() -> None:
     start, goal = shown.ends
     track = track_of_course(shown)
     assert [frame.clock for frame in track.frames] == list(range(len(shown) + 1))
-    assert track.frames[0].caption == "expanded 0, frontier 1"
+    assert track.frames[0].caption == "0 expanded, 1 in the frontier"
     last = track.frames[-1]
-    assert last.caption.startswith(f"expanded {len(shown)}, frontier ")
+    assert last.caption.startswith(f"{len(shown)} expanded, ")
     assert last.caption.endswith(", cost 12")
     assert last.route[0] == (start[1] + 0.5, start[0] + 0.5)
     assert last.route[-1] == (goal[1] + 0.5, goal[0] + 0.5)
@@ -121,7 +121,10 @@ def test_a_long_search_has_few_frames_and_one_without_a_path_says_so() -> None:
         track_of_course(course(1, SPLIT, *ends)).frames[-1].caption
         for ends in (((1, 1), (1, 5)), ((1, 1), (1, 1)))
     ]
-    assert captions == ["expanded 4, frontier 0, no path", "expanded 0, frontier 0, cost 0"]
+    assert captions == [
+        "4 expanded, 0 in the frontier, no path",
+        "0 expanded, 0 in the frontier, cost 0",
+    ]
 
 
 def test_searches_beside_each_other_have_as_many_expansions() -> None:
@@ -131,7 +134,7 @@ def test_searches_beside_each_other_have_as_many_expansions() -> None:
     scene.show(len(greedy) + 1)
     said = [text.get_text() for text in scene.root.texts]
     assert f"after {len(greedy) + 1} of {len(blind)} expansions" in said
-    assert blind.words_after(len(greedy) + 1)[0] == f"expanded {len(greedy) + 1}"
+    assert blind.words_after(len(greedy) + 1)[0] == f"{len(greedy) + 1} expanded"
     for each in (blind, greedy):
         assert ", ".join(each.words_after(len(greedy) + 1)) in said
 
@@ -140,7 +143,7 @@ def test_a_search_counts_expansions_and_no_steps() -> None:
     alone = Scene([track_of_course(course(0))], make_figure)
     alone.show(3)
     said = [text.get_text() for text in alone.root.texts]
-    assert "expanded 3, frontier 2" in said
+    assert "3 expanded, 2 in the frontier" in said
     assert not [words for words in said if "step" in words]
 
 

@@ -252,8 +252,8 @@ def test_an_additional_array_is_refused(refused: Refused) -> None:
     assert "18 arrays; there must be 17, 24, 25 or 26" in refused(LONE, more=np.zeros(1))
 
 
-AMOUNTS = "took no time, or less than no energy"
-PATHS = "a path has fewer than two rows, or a count is negative"
+AMOUNTS = "a motion has seconds that are not positive, or negative joules"
+PATHS = "path_lengths has a number below 2, or contact_counts one below 0"
 
 
 @pytest.mark.parametrize(
@@ -274,9 +274,9 @@ PATHS = "a path has fewer than two rows, or a count is negative"
         (FLEET, "cells", (-1, 1), 0, "cells: row 0, column 0 is wall"),
         (FLEET, "people", (-1, 1), 10**6, "is off the grid"),
         (FLEET, "people", (-1, 1), 0, "people: row 0, column 0 is wall"),
-        (LONE, "motion_cells", 2, (0, 0), "the motions end in other cells"),
-        (FLEET, "motion_cells", (0, 0), 0, "the motions end in other cells"),
-        (FLEET, "motion_cells", (-1, 1), 0, "the motions end in other cells"),
+        (LONE, "motion_cells", 2, (0, 0), "the motions do not end in the recorded cells"),
+        (FLEET, "motion_cells", (0, 0), 0, "the motions do not end in the recorded cells"),
+        (FLEET, "motion_cells", (-1, 1), 0, "the motions do not end in the recorded cells"),
         (FLEET, "actions", (-1, 1), 8, "actions: a number is outside 0..7"),
         (FLEET, "actions", (-1, 1), -1, "actions: a number is outside 0..7"),
         (FLEET, "stopped_by", (-1, 1), -3, "stopped_by: a number is outside -2..5"),
@@ -322,7 +322,7 @@ def test_a_record_that_becomes_too_many_objects_is_refused(
     monkeypatch.setattr(arrays_module, "MAX_OBJECTS", objects)
     unpack(arrays)
     monkeypatch.setattr(arrays_module, "MAX_OBJECTS", objects - 1)
-    assert f"have {objects} rows; MAX_OBJECTS = {objects - 1}" in refused(kind, **changed)
+    assert f"have {objects} rows; at most {objects - 1} are allowed" in refused(kind, **changed)
 
 
 RELEASED, DUE, PICKUP, DROPOFF, ROBOT, TAKEN_BY, TAKEN, DELIVERED = 0, 1, 2, 4, 6, 7, 8, 9
@@ -337,12 +337,12 @@ RELEASED, DUE, PICKUP, DROPOFF, ROBOT, TAKEN_BY, TAKEN, DELIVERED = 0, 1, 2, 4, 
         ({PICKUP: -1}, "the pickup of an order: row -1"),
         ({DROPOFF + 1: 99}, "the dropoff of an order: row "),
         ({PICKUP: 0}, "the pickup of an order: row 0"),
-        ({ROBOT: 4}, "for or taken by a robot that does not exist"),
-        ({TAKEN_BY: -2}, "for or taken by a robot that does not exist"),
-        ({TAKEN_BY: -1}, "or by nobody"),
-        ({TAKEN: -1, DELIVERED: -1}, "or by nobody"),
+        ({ROBOT: 4}, "assigned to or taken by a robot that does not exist"),
+        ({TAKEN_BY: -2}, "assigned to or taken by a robot that does not exist"),
+        ({TAKEN_BY: -1}, "or by no robot"),
+        ({TAKEN: -1, DELIVERED: -1}, "or by no robot"),
         ({TAKEN: 31}, "after the last step"),
-        ({RELEASED: 5}, "taken before it was released"),
+        ({RELEASED: 5}, "taken before its release"),
         ({DELIVERED: 3}, "delivered before it was taken"),
         ({DELIVERED: 31}, "or after the last step"),
     ],
@@ -412,9 +412,9 @@ def test_a_charger_is_a_tile_and_other_robots_and_people_are_none(refused: Refus
 @pytest.mark.parametrize(
     ("layout", "message"),
     [
-        *[(np.zeros(shape, np.uint8), f"layout: {shape} tiles; there must be 1..{MAX_CELLS}")
+        *[(np.zeros(shape, np.uint8), f"layout has the shape {shape}; it must have 1..{MAX_CELLS}")
           for shape in ((0, 12), (7, 0), (2**40, 0))],
-        (np.full((MAX_CELLS + 1, 1), ord("."), np.uint8), f"there must be 1..{MAX_CELLS}"),
+        (np.full((MAX_CELLS + 1, 1), ord("."), np.uint8), f"it must have 1..{MAX_CELLS} tiles"),
         (np.full((MAX_ROWS + 1, 1), ord("?"), np.uint8), f"more than MAX_ROWS = {MAX_ROWS}"),
     ],
     ids=["no rows", "no columns", "very many empty rows", "many cells", "many rows"],

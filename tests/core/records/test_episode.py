@@ -226,7 +226,7 @@ def test_a_record_loads_as_it_was_saved(episode: Episode, saved: Path) -> None:
     [
         pytest.param("actions", HUGE, "actions cannot be written as JSON: Exceeds", id="huge"),
         ("cells", (2**31, 0), "cells cannot be stored as int32 with 2 dimensions"),
-        ("cells", [0, 0], "cells would be loaded with other values or types"),
+        ("cells", [0, 0], "cells would change its values or types when loaded"),
         ("loaded", 2, "loaded cannot be stored as bool with 1 dimensions"),
         ("battery", 2**63, "battery cannot be stored as int64"),
         ("rewards", 10**400, "rewards cannot be stored as float64"),

@@ -97,14 +97,14 @@ def blocked(rows: Sequence[str], *, loaded: bool = False) -> Episode:
     return drive(rows, (0, 0), "." * 30, loaded=loaded, max_steps=30)
 
 
-NO_WAY = "no way leads from (0, 0) to the"
-MISSED = "steps missed their cell with nothing in the way"
+NO_PATH = "no path leads from (0, 0) to the"
+MISSED = "steps missed their target cell although nothing blocked them"
 PATTERNS = [
     # Delivered.
     check(
         "compared with the shortest path", drive(LINE, (0, 0), "p.EEE.d"), mode="delivered",
         cells=((0, 3),), steps=7, needed=5, robots=(0,),
-        sentence="delivered in 7 steps; the shortest way takes 5",
+        sentence="delivered in 7 steps; the minimum is 5",
     ),
     check(
         "with the last unit", drive(LINE, (0, 0), "pEEEd", battery=5, max_steps=5),
@@ -125,13 +125,13 @@ PATTERNS = [
             (["D..."], False, (), "there is no pickup"),
             (["P..."], False, (), "there is no dropoff"),
             (["P..."], True, (), "there is no dropoff"),
-            ([".D#P"], False, ((0, 3),), f"{NO_WAY} pickup at (0, 3)"),
-            ([".P#D"], False, ((0, 3),), f"{NO_WAY} dropoff at (0, 3)"),
-            ([".P#D"], True, ((0, 3),), f"{NO_WAY} dropoff at (0, 3)"),
-            ([".#PD"], False, ((0, 2),), f"{NO_WAY} pickup at (0, 2)"),
-            ([".#PD"], True, ((0, 3),), f"{NO_WAY} dropoff at (0, 3)"),
+            ([".D#P"], False, ((0, 3),), f"{NO_PATH} pickup at (0, 3)"),
+            ([".P#D"], False, ((0, 3),), f"{NO_PATH} dropoff at (0, 3)"),
+            ([".P#D"], True, ((0, 3),), f"{NO_PATH} dropoff at (0, 3)"),
+            ([".#PD"], False, ((0, 2),), f"{NO_PATH} pickup at (0, 2)"),
+            ([".#PD"], True, ((0, 3),), f"{NO_PATH} dropoff at (0, 3)"),
             ([".#PP", ".#PD"], False, ((0, 2), (0, 3), (1, 2)),
-             f"{NO_WAY} pickup at (0, 2), (0, 3) or (1, 2)"),
+             f"{NO_PATH} pickup at (0, 2), (0, 3) or (1, 2)"),
         )
     ),
     *(
@@ -180,13 +180,14 @@ PATTERNS = [
             sentence=f"{what} for the last {steps} steps",
         )
         for actions, cells, what, steps in (
-            ("EW" * 20, ((1, 3), (1, 4)), "swung between (1, 3) and (1, 4)", 40),
-            ("EWWE" * 10, ((1, 3), (1, 4), (1, 2)), "swung between (1, 3), (1, 4) and (1, 2)", 40),
+            ("EW" * 20, ((1, 3), (1, 4)), "kept moving between (1, 3) and (1, 4)", 40),
+            ("EWWE" * 10, ((1, 3), (1, 4), (1, 2)),
+             "kept moving between (1, 3), (1, 4) and (1, 2)", 40),
             ("ESWN" * 10, ((1, 3), (1, 4), (2, 4), (2, 3)),
-             "swung between (1, 3), (1, 4), (2, 4) and (2, 3)", 40),
-            (".NS" * 9, ((1, 3), (0, 3)), "swung between (1, 3) and (0, 3)", 27),
-            ("WWE" + "NS" * 9, ((1, 2), (0, 2)), "swung between (1, 2) and (0, 2)", 18),
-            ("WNSE" * 5 + "." * 18, ((1, 3),), "stood on (1, 3)", 18),
+             "kept moving between (1, 3), (1, 4), (2, 4) and (2, 3)", 40),
+            (".NS" * 9, ((1, 3), (0, 3)), "kept moving between (1, 3) and (0, 3)", 27),
+            ("WWE" + "NS" * 9, ((1, 2), (0, 2)), "kept moving between (1, 2) and (0, 2)", 18),
+            ("WNSE" * 5 + "." * 18, ((1, 3),), "stayed in (1, 3)", 18),
         )
     ),
     check(
@@ -219,7 +220,7 @@ PATTERNS = [
     check("not quite three rounds", drive(RING, (0, 0), (ROUND * 3)[:-2]), mode="wandering"),
     check(
         "a loop", drive(RING, (0, 0), "E.N" + ROUND[1:] + ROUND * 4), mode="oscillation", steps=72,
-        sentence="went round and round over 14 cells, (0, 0) among them, for the last 72 steps",
+        sentence="repeated a loop of 14 cells through (0, 0) for the last 72 steps",
     ),
     *(
         check(
@@ -232,12 +233,12 @@ PATTERNS = [
     check(
         "no progress", drive(HALL, (1, 0), "EEEESSWWWWNN" * 2), mode="wandering",
         cells=((1, 0),), steps=24, needed=12,
-        sentence="came no nearer in 24 moves over 12 cells",
+        sentence="24 moves over 12 cells without getting closer to the delivery",
     ),
     check(
         "half of the moves lost", drive(LONG, (0, 40), "WWE" * 13 + "W" * 13), mode="wandering",
         steps=26,
-        sentence="came 26 steps nearer to the delivery in 52 moves over 27 cells",
+        sentence="52 moves over 27 cells brought it only 26 steps closer to the delivery",
     ),
     check("26 of 53 lost", drive(LONG, (0, 40), "WWE" * 13 + "W" * 14), mode="unfinished"),
     check("7 moves", drive(HALL, (1, 0), "EESSWWN"), mode="unfinished"),
@@ -245,11 +246,13 @@ PATTERNS = [
     *(
         check(
             f"{mode} with misses", missing(HALL, (1, 0), "WW" + actions, range(2)), mode=mode,
-            sentence=f"{sentence}; 2 steps missed their cell",
+            sentence=f"{sentence}; 2 steps missed their target cell",
         )
         for mode, actions, sentence in (
-            ("oscillation", "EW" * 6, "swung between (1, 0) and (1, 1) for the last 14 steps"),
-            ("wandering", "EEESSWWWNN" * 2, "came no nearer in 20 moves over 10 cells"),
+            ("oscillation", "EW" * 6,
+             "kept moving between (1, 0) and (1, 1) for the last 14 steps"),
+            ("wandering", "EEESSWWWNN" * 2,
+             "20 moves over 10 cells without getting closer to the delivery"),
         )
     ),
     # Budgets.
@@ -257,13 +260,13 @@ PATTERNS = [
         check(
             f"{mode} {limits}", drive(LONG, (0, 20), "W" * 15, **limits), mode=mode,
             cells=((0, 5),), steps=48, needed=63,
-            sentence=f"{ending} 48 steps short of the delivery; the shortest way takes 63",
+            sentence=f"{ending} 48 steps short of the delivery; the minimum is 63",
         )
         for limits, mode, ending in (
             ({"battery": 15}, "battery depleted", "the battery ran out"),
             ({"max_steps": 15}, "out of time", "the time ran out"),
             ({"battery": 15, "max_steps": 15}, "battery depleted", "the battery ran out"),
-            ({}, "unfinished", "it was stopped"),
+            ({}, "unfinished", "the episode was stopped"),
         )
     ),
     check(
@@ -308,7 +311,7 @@ def test_a_robot_moved_by_hand_to_the_stations_has_made_no_progress() -> None:
     recorder = EpisodeRecorder(env)
     env.state.robot_pos = (0, 0)
     recorder.step("WAIT")
-    sentence = "it was stopped 3 steps short of the delivery"
+    sentence = "the episode was stopped 3 steps short of the delivery"
     assert diagnose(recorder.episode)[:5] == ("unfinished", ((0, 0),), 3, None, sentence)
     for _ in range(MIN_STEPS):
         recorder.step("WAIT")

@@ -39,7 +39,7 @@ def test_an_order_that_no_way_leads_to_is_named_with_its_robot() -> None:
     orders = [Order(0, 9, (0, 2), (0, 4)), Order(0, 9, (0, 0), (0, 4), robot=1)]
     episode = driven(rows, [(0, 2), (0, 3)], [["PICK", "WAIT"]], orders=orders)
     assert mode_of(episode) == ("unreachable", (1,))
-    expected = "no way leads from robot 1 at (0, 3) to the pickup of order 1 at (0, 0)"
+    expected = "no path leads from robot 1 at (0, 3) to the pickup of order 1 at (0, 0)"
     assert diagnose(episode).sentence == expected
     open_order = [Order(0, 9, (0, 0), (0, 4))]
     episode = driven(rows, [(0, 2), (0, 3)], [["WAIT", "WAIT"]], orders=open_order)
@@ -58,7 +58,7 @@ def test_robots_without_battery_are_stranded_with_the_moves_that_they_stop() -> 
     steps = [["E", "WAIT"], ["E", "WAIT"], ["WAIT", "W"]]
     episode = driven(CORRIDOR, [(1, 2), (1, 3)], steps, battery=Battery(104, "joules"))
     assert mode_of(episode) == ("stranded", (0,))
-    expected = "the battery of robot 0 at (1, 2) ran out and stopped 1 move of others"
+    expected = "robot 0 at (1, 2) ran out of battery and blocked 1 move of other robots"
     assert diagnose(episode).sentence == expected
 
 
@@ -68,8 +68,8 @@ def test_robots_that_stop_each_other_are_a_ring_and_others_queue_behind_it() -> 
     episode = driven(CORRIDOR, [(1, 5), (1, 4), (1, 3), (1, 2)], steps)
     assert mode_of(episode) == ("deadlock", (0, 2))
     assert diagnose(episode).sentence == (
-        "robot 0 at (1, 5) and robot 2 at (1, 3) stop each other, for the last 12 steps; behind "
-        "them robot 1 at (1, 4) and robot 3 at (1, 2)"
+        "robot 0 at (1, 5) and robot 2 at (1, 3) blocked each other for the last 12 steps; "
+        "waiting behind them: robot 1 at (1, 4) and robot 3 at (1, 2)"
     )
 
 
@@ -78,7 +78,7 @@ def test_robots_behind_one_that_waits_are_a_queue() -> None:
     episode = driven(CORRIDOR, [(1, 2), (1, 3), (1, 5)], steps)
     assert mode_of(episode) == ("deadlock", (2, 1, 0))
     assert diagnose(episode).sentence == (
-        "robot 2 at (1, 4) and robot 1 at (1, 3) are stopped by robot 0 at (1, 2), which stays, "
+        "robot 2 at (1, 4) and robot 1 at (1, 3) were blocked by robot 0 at (1, 2), which stayed, "
         "for the last 11 steps"
     )
 
@@ -115,7 +115,7 @@ def test_a_robot_behind_a_person_is_in_no_queue() -> None:
     people = np.where(episode.stopped_by == 0, 2, episode.stopped_by)
     behind = dataclasses.replace(episode, stopped_by=people)
     assert mode_of(behind)[0] == "congested"
-    assert "12 of 12 moves were stopped by robots or people, 12 of them by people" in (
+    assert "12 of 12 moves were blocked by robots or people, 12 of them by people" in (
         diagnose(behind).sentence
     )
 
@@ -159,7 +159,7 @@ def test_the_order_that_starves_is_named() -> None:
     later = [Order(1, 99, (1, 0), (1, 1), robot=0) for _ in range(10)]
     steps = [["WAIT", "WAIT"]] + [[action, "WAIT"] for action in ROUND * 10]
     found = diagnose(driven(rows, [(1, 0), (0, 2)], steps, orders=[early, *later]))
-    said = "order 0 at (0, 0), due at step 40, waited for 41 steps, while 10 that were"
+    said = "order 0 at (0, 0), due at step 40, waited for 41 steps while 10 orders"
     assert said in found.sentence
     assert (found.cells, found.steps) == (((0, 0),), 41)
 
@@ -171,8 +171,8 @@ def test_a_quarter_of_the_moves_stopped_by_robots_is_congestion(free_moves: int,
     assert mode_of(episode) == (mode, (0, 1))
     if mode == "congested":
         assert diagnose(episode).sentence == (
-            "2 of 8 moves were stopped by robots or people, 0 of them by people; most, 1, from "
-            "(2, 2)"
+            "2 of 8 moves were blocked by robots or people, 0 of them by people; the worst cell is "
+            "(2, 2), with 1"
         )
 
 
@@ -190,8 +190,8 @@ def test_a_fleet_that_waits_half_of_the_time_is_idle(waits: int, mode: str) -> N
 @pytest.mark.parametrize(
     ("dues", "sentence"),
     [
-        ([2], "1 of 1 deliveries were late; the mean over all is 1 steps"),
-        ([2, 6], "2 of 2 deliveries were late; the mean over all is 1 steps"),
+        ([2], "1 of 1 deliveries were late; the mean lateness of all deliveries is 1 step"),
+        ([2, 6], "2 of 2 deliveries were late; the mean lateness of all deliveries is 1 step"),
         ([2, 7], "2 of 2 orders delivered in 7 steps"),
         ([3], "1 of 1 order delivered in 3 steps"),
     ],
@@ -211,7 +211,7 @@ def test_robots_that_failed_are_counted() -> None:
     measures = dataclasses.replace(episode.measures, stranded=2, lost=1)
     failed = diagnose(dataclasses.replace(episode, measures=measures))
     assert (failed.mode, failed.robots) == ("stranded", ())
-    assert failed.sentence == "2 robots failed for good, and 1 order with them"
+    assert failed.sentence == "2 robots failed permanently; 1 order can no longer be delivered"
 
 
 def test_a_fleet_that_has_delivered_everything_was_not_idle() -> None:

@@ -11,7 +11,7 @@ from warehouse_core.records.plans import NO_PLANS, StepPlans, check_plans
 @pytest.mark.parametrize(
     ("plans", "said"),
     [
-        ([NO_PLANS] * 5, "5 plans for 3 steps; allowed: one for each"),
+        ([NO_PLANS] * 5, "5 plans for 3 steps; allowed: at most 4"),
         ([NO_PLANS, StepPlans({2: []})], "plan 1: there is no robot 2; allowed: 0..1"),
         ([StepPlans(wishes={-1: []})], "plan 0: there is no robot -1"),
         ([StepPlans(pushers={0: 7})], "plan 0: there is no robot 7"),

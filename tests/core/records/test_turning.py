@@ -77,8 +77,8 @@ def test_fleets_without_headings_are_stored_as_before() -> None:
     [
         ("headings", 4, r"headings: a number is outside 0\.\.3"),
         ("headings", -1, r"headings: a number is outside 0\.\.3"),
-        ("actions", 6, r"actions: a number is outside 0\.\.5, and not 7"),
-        ("headings", None, "headings do not go with moves 'turn', or are missing"),
+        ("actions", 6, r"actions: a number is outside 0\.\.5 and is not 7"),
+        ("headings", None, "headings are missing for moves 'turn'"),
     ],
 )
 def test_a_damaged_file_is_refused(
@@ -98,7 +98,7 @@ def test_a_damaged_file_is_refused(
 def test_headings_of_a_fleet_without_them_are_refused() -> None:
     arrays = pack(fields_of(record(moves="compass")))
     arrays["headings"] = arrays["cells"].astype(np.int8)
-    with pytest.raises(RecordError, match="headings do not go with moves 'compass'"):
+    with pytest.raises(RecordError, match="headings are not allowed for moves 'compass'"):
         unpack(arrays)
 
 

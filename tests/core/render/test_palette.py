@@ -129,7 +129,7 @@ def test_colours_of_the_replay_are_exact_in_256_colours() -> None:
 PAINTERS = [
     *(f"render/{name}.py" for name in ("atlas", "painter")),
     *(f"viz/{name}.py" for name in ("view", "svg/bodies", "svg/floor")),
-    *(f"viz/player/{name}.js" for name in ("bodies", "floor", "ways")),
+    *(f"viz/player/{name}.js" for name in ("bodies", "floor", "paths")),
 ]
 
 
@@ -141,5 +141,5 @@ def test_no_painter_writes_a_number_that_is_in_the_table_of_tiles(painter: str) 
     numbers = {look["robot"]["radius"], look["robot"]["letter"], look["shapes"]["nose"][0][0]}
     numbers |= {round(100 * number) for number in numbers}
     written = {float(number) for number in re.findall(r"(?<![\w.])\d*\.?\d+(?![\w.])", code)}
-    assert "LOOK" in code or painter in ("render/painter.py", "viz/player/ways.js")
+    assert "LOOK" in code or painter in ("render/painter.py", "viz/player/paths.js")
     assert not written & numbers

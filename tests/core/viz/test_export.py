@@ -207,7 +207,7 @@ def test_a_page_says_what_the_replay_shows(films: Path) -> None:
     assert track["ending"] == "delivered"
     assert (track["x"], track["y"]) == ([2.5, 2.5, 1.5, 1.5, 2.5, 3.5, 3.5], [1.5] * 7)
     assert track["load"] == [0, 0, 0, 1, 1, 1, 0]
-    assert [track["captions"][index] for index in track["captionAt"]][1] == "N (why not)"
+    assert [track["captions"][index] for index in track["captionAt"]][1] == "North: why not"
     charts = {chart["title"] for chart in said["charts"]}
     assert charts == {"Reward", "Distance (cells)", "Energy used (J)"}
 

@@ -96,7 +96,7 @@ def test_everything_around_the_view_is_shaded() -> None:
         waves = count_color(patch(replay, image, 7.1, 0.1, 7.9, 0.9), ICE_WAVE)
         assert (waves > 5) == (7 in seen)
     signs = signs_of(track_of_record(episode))
-    assert {"slippery floor", "what the robot does not see"} <= {*signs}
+    assert {"slippery floor", "outside the robot's view"} <= {*signs}
 
 
 def test_the_action_and_its_reason_are_the_largest_words() -> None:
@@ -104,7 +104,9 @@ def test_the_action_and_its_reason_are_the_largest_words() -> None:
     for frame in (1, 2):
         replay.go_to(frame)
         replay.figure.pixels()
-        (said,) = [t for t in replay.figure.texts if t.get_text().startswith(("N (x", "W (why)"))]
+        (said,) = [
+            t for t in replay.figure.texts if t.get_text().startswith(("North: x", "West: why"))
+        ]
         width = said.get_window_extent().x1
         assert width <= replay.figure.bbox.x1
     others = [text for axes in replay.figure.axes for text in axes.texts]
@@ -139,10 +141,12 @@ def test_a_layout_of_any_shape_fits_into_the_picture(height: int, width: int) ->
 
 def test_the_words_of_each_frame_count_steps_and_say_what_was_done() -> None:
     replay = replay_of(short_episode())
-    for frame, done in enumerate(("", "N (why not)", "W", "PICK", "E", "E", "DELIVERED")):
+    for frame, done in enumerate(
+        ("", "North: why not", "West", "Pick up", "East", "East", "DELIVERED")
+    ):
         replay.go_to(frame)
         assert {f"step {frame} of 6", done} - {""} <= {*texts(replay)}
-        assert ("N (why not)" in texts(replay)) == (frame == 1)
+        assert ("North: why not" in texts(replay)) == (frame == 1)
         assert ("DELIVERED" in texts(replay)) == (frame == 6)
 
 
@@ -157,7 +161,7 @@ def test_the_legend_has_what_is_in_the_picture_and_nothing_else() -> None:
     ]  # fmt: skip
     bump = short_episode().motions[0]._replace(contacts=(Contact(0.1, 2.0, (2.5, 1.0), "wall"),))
     words = legend_of(short_episode(motions=[bump, *short_episode().motions[1:]]))
-    assert {"hit", "what the robot does not see", "trail, empty", "R robot (empty)"} <= {*words}
+    assert {"hit", "outside the robot's view", "trail, empty", "R robot (empty)"} <= {*words}
 
 
 # The charts.
@@ -226,7 +230,7 @@ def test_a_scene_shows_a_track_that_has_grown() -> None:
     before = scene.root.axes[1].get_ylim()
     scene.show(6, whole)
     words = [text.get_text() for text in scene.root.texts]
-    delivered = "delivered in 6 steps; the shortest way takes 5"
+    delivered = "delivered in 6 steps; the minimum is 5"
     assert {"step 6 of 30", delivered, "DELIVERED"} <= set(words)
     low, high = scene.root.axes[1].get_ylim()
     assert low < before[0]

@@ -1,4 +1,4 @@
-"""The look of axes, and heat maps of layouts."""
+"""The style of axes, and heat maps of layouts."""
 
 from warehouse_core.viz.axes.look import box_in, draw_grid, style_chart
 

@@ -1,4 +1,4 @@
-"""Heat maps of where the robots of several fleets were held up, side by side."""
+"""Heat maps, side by side, that show where the robots of several fleets were held up."""
 
 from __future__ import annotations
 
@@ -16,17 +16,17 @@ from warehouse_core.viz.axes.heat_map import CellCounts, draw_heat
 from warehouse_core.viz.axes.look import POINTS, box_in
 
 PANEL, MAX_CELL, SPACE = 6.2, 0.4, 0.55
-"""Width of a panel, most width of a cell, and room between panels, in inches."""
+"""Width of a panel, largest width of a cell, and space between panels, in inches."""
 
 HEAD, PANEL_HEAD, FOOT, BAR = 0.95, 0.6, 1.35, 0.22
 TITLE, WORDS, SMALL = 23, 25, 15
-"""Sizes of words, in points; a class is to read them."""
+"""Font sizes in points, large enough for a picture that is shown to a class."""
 
 AnyFigure = TypeVar("AnyFigure", bound=Figure)
 
 
 def held_up_cells(episode: FleetEpisode) -> CellCounts:
-    """Count for each cell the steps in which robots were held up there, see ``held_up``."""
+    """Return how often robots were held up in each cell, ``[H, W]``; see ``held_up``."""
     layout, held = episode.layout, held_up(episode)
     size = layout.height * layout.width
     return np.bincount(episode.cells[:-1][held], minlength=size).reshape(
@@ -39,9 +39,12 @@ def congestion_picture(
     title: str,
     make_figure: Callable[[tuple[float, float]], AnyFigure],
 ) -> AnyFigure:
-    """Return heat maps of where robots were held up, with one scale, and what was delivered.
+    """Return heat maps of where robots were held up, with a common scale and the throughputs.
 
-    The keys of ``episodes``, records on layouts of one size, are the titles of their panels.
+    Args:
+        episodes: record of each panel, by its title; all layouts must have the same size.
+        title: title of the picture.
+        make_figure: function that returns a figure of a given width and height in inches.
     """
     held_up = {name: held_up_cells(episode) for name, episode in episodes.items()}
     highest = max(int(counts.max()) for counts in held_up.values())
@@ -66,9 +69,9 @@ def congestion_picture(
         axes.tick_params(labelsize=10)
         share = counts.sum() / max(episode.cells[:-1].size, 1)
         write(left, HEAD + 0.25, name, fontsize=TITLE)
-        verdict = f"{episode.measures.per_hour:,.0f} deliveries an hour"
+        verdict = f"{episode.measures.per_hour:,.0f} deliveries per hour"
         write(left, top + high + 0.55, verdict, fontsize=WORDS, fontweight="bold")
-        words = f"held up in {share:.0%} of the robots' steps"
+        words = f"robots held up in {share:.0%} of their steps"
         write(left, top + high + 1.0, words, fontsize=SMALL)
     axes = figure.add_axes(box_in(size, bar_left, top, BAR, high))
     figure.colorbar(heat, cax=axes).outline.set_visible(False)

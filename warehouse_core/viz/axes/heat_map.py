@@ -1,4 +1,4 @@
-"""Heat maps of a layout: how often something happened in each cell.
+"""Heat maps of a layout, which show how often something happened in each cell.
 
 ``H`` is the height of the layout and ``W`` its width, in cells.
 """
@@ -23,32 +23,33 @@ from warehouse_core.viz.axes.look import POINTS, box_in, draw_grid
 from warehouse_core.world.tiles import DROPOFF, PICKUP, WALL, runs_of
 
 CellCounts = NDArray[np.int64]
-"""``[H, W]`` numbers of what happened in each cell."""
+"""``[H, W]`` counts of the events in each cell."""
 
 WIDTH = 9.6
-"""Usual width of a figure, in inches; another is at least ``MIN_PANEL``."""
+"""Default width of a figure, in inches; a width must be at least ``MIN_PANEL``."""
 
 MAX_GRID_HEIGHT, MAX_CELL = 4.6, 0.5
 LEFT, RIGHT, TOP, BOTTOM = 0.36, 0.72, 0.5, 0.34
-"""Room around the grid of a panel, in inches, for its numbers, its colour bar and its title."""
+"""Space around the grid of a panel, in inches, for its numbers, its colour bar and its title."""
 MIN_PANEL = 3.3
-"""Enough for the longest title with the largest numbers."""
+"""Smallest width of a panel, in inches: enough for the longest title with the largest numbers."""
 BAR, BAR_GAP = 0.11, 0.09
 
 TITLE_SIZE, MIN_SIZE = 11.0, 9.0
-"""Sizes of words in points; 9 points are 12 CSS pixels. Smaller counts are not written."""
+"""Font sizes in points, of titles and of the smallest text; 9 points are 12 CSS pixels. Counts that
+would have to be smaller are left out."""
 
 STEPS = (1, 2, 5, 10, 20, 50, 100, 200, 500, 1_000, 5_000, 10_000, 100_000, 1_000_000)
-"""Rows and columns from one number to the next."""
+"""Possible distances, in cells, between two labelled rows or columns."""
 
 TICK_ROOM = 21.0
-"""Points from one number of a row or column to the next."""
+"""Least distance, in points, between the labels of two rows or columns."""
 
 HEAT = LinearSegmentedColormap.from_list("heat", PALETTE["heat"]["light"], N=32)
-"""Colours of counts: all darker than the floor."""
+"""Colours of counts, all darker than the floor."""
 
 MAX_LIGHT_HEAT = 0.6
-"""Share of the highest count above which numbers are light."""
+"""Share of the highest count up to which numbers are dark; above it they are light."""
 
 
 def heat_map(
@@ -58,7 +59,14 @@ def heat_map(
     width: float = WIDTH,
     with_stations: bool = False,
 ) -> Figure:
-    """Return the heat maps of a layout, whose ``[H, W]`` counts are given by title."""
+    """Return a figure with heat maps of a layout.
+
+    Args:
+        rows: rows of the layout.
+        panels: ``[H, W]`` counts of each panel, by its title.
+        width: width of the figure in inches.
+        with_stations: mark pickups and dropoffs.
+    """
     columns = min(len(panels), int(width // MIN_PANEL))
     room = width / columns - LEFT - RIGHT
     cell = min(room / len(rows[0]), MAX_GRID_HEIGHT / len(rows), MAX_CELL)
@@ -91,8 +99,8 @@ def draw_heat(
 ) -> PatchCollection:
     """Draw floor, heat and walls, and return the heat.
 
-    The hottest colour is the colour of the count ``highest``. With ``digits`` the counts are
-    written into cells whose side of ``cell_points`` points is large enough.
+    The hottest colour stands for the count ``highest``. With ``digits`` the counts are written into
+    the cells, whose side has ``cell_points`` points, if they are large enough.
     """
     longest = max(len(rows), len(rows[0]))
     every = next(step for step in STEPS if step * cell_points >= TICK_ROOM)
@@ -126,12 +134,12 @@ def draw_heat(
 
 
 def ink_of_heat(share: float) -> Color:
-    """Return the colour of a number on the colour of a share of the highest count."""
+    """Return the text colour for a number in a cell that has this share of the highest count."""
     return PAPER if share > MAX_LIGHT_HEAT else INK
 
 
 def _mark_stations(axes: Axes, rows: Sequence[str], cell_points: float) -> None:
-    """Draw a frame in the colour of each station around its cell, with its letter on top."""
+    """Draw a frame around each station in its colour, with its letter at the top edge."""
     wide = min(2.5, cell_points / 4)
     for row, line in enumerate(rows):
         for col, tile in enumerate(line):
@@ -147,10 +155,10 @@ def _mark_stations(axes: Axes, rows: Sequence[str], cell_points: float) -> None:
 
 def _draw_bar(axes: Axes, heat: PatchCollection) -> None:
     """Draw the colour bar of one panel."""
-    assert axes.figure is not None, "axes are of a figure"
+    assert axes.figure is not None, "the axes belong to a figure"
     bar = axes.figure.colorbar(heat, cax=axes)
     bar.outline.set_visible(False)
-    assert bar.solids is not None, "the bar of a collection is solid"
+    assert bar.solids is not None, "the colour bar of a collection has solids"
     bar.solids.set_edgecolor("face")
     axes.yaxis.set_major_locator(MaxNLocator(nbins=4, integer=True))
     axes.yaxis.set_major_formatter(EngFormatter(sep=""))

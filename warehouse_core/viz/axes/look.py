@@ -1,4 +1,4 @@
-"""The look of axes: the grid of a layout, and charts."""
+"""The style of axes that show a layout or a chart."""
 
 from __future__ import annotations
 
@@ -29,9 +29,9 @@ def draw_grid(
 ) -> None:
     """Prepare axes for a layout of ``size`` rows and columns, in units of cells, row 0 on top.
 
-    Rows and columns whose number is a multiple of ``every`` show it. The size of these numbers,
-    their distance from the grid and the width of the lines between cells are in points; a width of
-    0 draws no lines.
+    Every row and column whose number is a multiple of ``every`` is labelled. The size of the labels
+    (``label_size``), their distance from the grid (``pad``) and the width of the lines between
+    cells are in points. A line width of 0 draws no lines.
 
     Example:
         >>> import matplotlib.pyplot as plt
@@ -59,7 +59,7 @@ def draw_grid(
 def box_in(
     size: tuple[float, float], left: float, top: float, width: float, height: float
 ) -> tuple[float, float, float, float]:
-    """Return a box measured from the top left corner, as ``Figure.add_axes`` takes it.
+    """Return a box, given from the top left corner, in the format of ``Figure.add_axes``.
 
     Example:
         >>> import matplotlib.pyplot as plt
@@ -77,7 +77,7 @@ def box_in(
 
 
 def style_chart(axes: Axes, lines: Literal["both", "x", "y"] | None = "both") -> None:
-    """Give a chart its look: no frame, small numbers, and faint grid lines behind the rest.
+    """Style a chart: no frame at the top and right, small numbers, and faint grid lines.
 
     Example:
         >>> import matplotlib.pyplot as plt

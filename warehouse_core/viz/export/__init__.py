@@ -1,4 +1,4 @@
-"""The formats of replays, and what writing them needs.
+"""The file formats of replays, and the tools that write them.
 
 Example:
     >>> from warehouse_core.viz.export import FORMATS

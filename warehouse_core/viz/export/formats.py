@@ -1,4 +1,4 @@
-"""The formats of replays, and what writing them needs: a progress bar and ffmpeg."""
+"""The file formats of replays, a progress bar, and the path of ffmpeg."""
 
 from __future__ import annotations
 
@@ -20,9 +20,9 @@ Progress = Callable[[int, int | None], None]
 
 
 def has_live_terminal() -> bool:
-    """Return whether standard error is a terminal on which a line can be drawn again.
+    """Return whether standard error is a terminal on which a line can be redrawn.
 
-    A notebook gives the commands in its cells a terminal too, but keeps all that they draw.
+    Commands in the cells of a notebook also have a terminal, but it keeps everything they print.
 
     Example:
         >>> from warehouse_core.viz.export import has_live_terminal
@@ -33,9 +33,9 @@ def has_live_terminal() -> bool:
 
 @contextmanager
 def progress_bar(frames: int, label: str) -> Iterator[Progress]:
-    """Yield a callback for ``(frame, frames)`` that moves a bar on standard error.
+    """Yield a callback for ``(frame, frames)`` that advances a progress bar on standard error.
 
-    There is no bar for short exports, or without a live terminal.
+    Short exports, and programs without a live terminal, show no bar.
 
     Example:
         >>> from warehouse_core.viz.export import progress_bar
@@ -55,7 +55,7 @@ def progress_bar(frames: int, label: str) -> Iterator[Progress]:
 
 
 def ffmpeg() -> str:
-    """Return the path of the program that writes MP4.
+    """Return the path of the ffmpeg program, which writes MP4 files.
 
     Raises:
         FormatError: imageio-ffmpeg is not installed.

@@ -1,4 +1,4 @@
-"""GIF files whose frames share one palette and store only what changes."""
+"""GIF files whose frames share one palette and store only the pixels that change."""
 
 from __future__ import annotations
 
@@ -15,30 +15,32 @@ LAST_FRAME_MS = 2000
 """Milliseconds for which a GIF shows its last frame before it starts again."""
 
 MIN_FRAME_MS, MAX_FRAME_MS = 20, 655_350
-"""Viewers play shorter frames slowly; the file has 16 bits for hundredths of a second."""
+"""Limits on the duration of a frame. Viewers slow down shorter frames, and the file has 16 bits for
+the duration in hundredths of a second."""
 
 MAX_COLOR = 0xFFFFFF
-"""Red, green and blue in three bytes."""
+"""Largest colour, as a number with one byte each for red, green and blue."""
 
 ColorValues = NDArray[np.uint8]
 
 
 class GifWriter:
-    """Writes each frame when the next one comes, so that a long replay fits into memory."""
+    """A writer that stores each frame when the next one arrives, so it needs little memory."""
 
     def __init__(self, file: IO[bytes], frame_ms: float) -> None:
         self._file = file
         self._frame_ms = round(min(max(frame_ms, MIN_FRAME_MS), MAX_FRAME_MS))
-        # The index after the last colour means unchanged.
+        # The index after the last colour stands for an unchanged pixel.
         self._unchanged = len(indexed_palette()) // 3
         self._known = np.full(MAX_COLOR + 1, self._unchanged, np.uint8)
         self._last: NDArray[np.uint32] | None = None
         self._pending: tuple[Image.Image, tuple[int, int]] | None = None
 
     def add(self, frame: ColorValues, changed: tuple[int, int, int, int]) -> None:
-        """Add a frame, ``[height, width, 4]``, which differs from the last one in a box at most.
+        """Add a frame, ``[height, width, 4]``.
 
-        The box is given by its top, bottom, left and right.
+        It may differ from the previous frame only within the box ``changed``, given by its top,
+        bottom, left and right.
         """
         colors = frame.view("<u4")[..., 0]
         if self._last is None:
@@ -68,7 +70,7 @@ class GifWriter:
         self._file.write(b";")
 
     def _indices_of(self, colors: NDArray[np.uint32]) -> ColorValues:
-        """Return the indices of colours into the palette, each looked up once."""
+        """Return the indices of colours in the palette. Each colour is looked up only once."""
         rgb = colors & MAX_COLOR
         found: ColorValues = self._known[rgb]
         missing = found == self._unchanged
@@ -88,7 +90,7 @@ class GifWriter:
 
 
 def indexed(image: Image.Image) -> Image.Image:
-    """Return an RGB image in the colours of ``indexed_palette``."""
+    """Return an RGB image converted to the colours of ``indexed_palette``."""
     return image.quantize(palette=_palette_image(), dither=Image.Dither.NONE)
 
 
@@ -100,6 +102,6 @@ def _palette_image() -> Image.Image:
 
 
 def _extent(flags: NDArray[np.bool_]) -> slice:
-    """Return the shortest slice with all that is true; of the first one if nothing is."""
+    """Return the shortest slice with all true flags, or ``slice(0, 1)`` if there are none."""
     found = np.flatnonzero(flags)
     return slice(int(found[0]), int(found[-1]) + 1) if len(found) else slice(0, 1)

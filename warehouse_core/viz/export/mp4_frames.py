@@ -1,4 +1,4 @@
-"""MP4 files, which ffmpeg writes from frames in a pipe."""
+"""MP4 files, which ffmpeg writes from the frames that it reads from a pipe."""
 
 from __future__ import annotations
 
@@ -14,10 +14,11 @@ from warehouse_core.viz.export.formats import ffmpeg
 
 @contextmanager
 def mp4_frames(path: Path, fps: float, width: int, height: int) -> Iterator[Callable[[bytes], int]]:
-    """Yield a function that adds a frame, the bytes of ``[height, width, 4]`` colours, to a file.
+    """Yield a function that adds a frame to an MP4 file.
 
-    Width and height are even, as the format demands. If the block raises, ffmpeg is ended before
-    the error goes on.
+    A frame is given as the bytes of an array ``[height, width, 4]``. Width and height must be even,
+    because the format requires it. If the block raises an error, ffmpeg is stopped before the error
+    propagates.
 
     Raises:
         FormatError: imageio-ffmpeg is not installed.
@@ -26,7 +27,7 @@ def mp4_frames(path: Path, fps: float, width: int, height: int) -> Iterator[Call
     raw = ["-f", "rawvideo", "-vcodec", "rawvideo", "-s", f"{width}x{height}", "-pix_fmt", "rgba"]
     read = [*raw, "-framerate", str(fps), "-loglevel", "error", "-i", "pipe:"]
     command = [ffmpeg(), *read, "-vcodec", "h264", "-pix_fmt", "yuv420p", "-y", str(path)]
-    # Ctrl-C goes to all processes of a session; in its own, ffmpeg does not end before this one.
+    # Ctrl-C interrupts all processes of a session, so ffmpeg gets a session of its own.
     with Popen(command, stdin=PIPE, stdout=DEVNULL, stderr=PIPE, start_new_session=True) as process:
         assert process.stdin is not None, "it is a pipe"
         try:
@@ -35,7 +36,7 @@ def mp4_frames(path: Path, fps: float, width: int, height: int) -> Iterator[Call
             said = process.communicate()[1].decode(errors="replace")
         except BaseException:
             process.kill()
-            process.communicate()  # to close the pipe alone would be another error
+            process.communicate()  # merely closing the pipe would raise another error
             raise
     if process.returncode:
         full = os.strerror(errno.ENOSPC)

@@ -1,4 +1,4 @@
-"""A page that plays tracks in a browser."""
+"""HTML pages that play tracks in a browser."""
 
 from warehouse_core.viz.player.page import player_frame, player_page, save_page
 

@@ -9,16 +9,16 @@ const MIN_RADIUS = 2;
 const MIN_SHAPE = 4;
 const MIN_DETAIL = 7;
 
-/** The share of a cell that a number may fill, so that those of neighbours stay apart. */
+/** The share of a cell that a number may fill, so that numbers of neighbours stay apart. */
 const MAX_NUMBER = 0.75;
 
-/** Up to so many robots show their batteries; more do only where they are low. */
+/** In fleets of more than `FEW` robots, only batteries below `LOW_SHARE` are shown. */
 const { few: FEW, low: LOW_SHARE, top: BAR_TOP, height: BAR_HEIGHT } = LOOK.battery;
 
 const { side: SIDE, place: PLACE, line: LINE, tape: TAPE } = LOOK.item;
 const MIN_SIDE = 4;
 
-/** Draw robots and people. `chosen` and `hovered` are numbers of robots, or `null`. */
+/** Draw the robots and people. `chosen` and `hovered` are numbers of robots, or `null`. */
 export function drawRobots(brush, track, moment, chosen, hovered) {
   const size = nameSize(brush, track);
   const radius = Math.max(RADIUS * brush.scale, MIN_RADIUS, size && radiusAround(brush, track, size));
@@ -28,7 +28,7 @@ export function drawRobots(brush, track, moment, chosen, hovered) {
   if (hasDetail) drawNoses(brush, shown, radius);
   drawDiscs(brush, shown, radius);
   for (const { x, y, load } of shown) {
-    // The box of a lone robot holds its letter.
+    // The item of a single robot has the letter of the robot on it.
     if (load > 0 && !track.isFleet) drawBox(brush, x, y, Math.max(2, SIDE * pixels, 0.8 * size), "item");
     else if (load > 0) drawCarried(brush, x, y, load, pixels, size || hasDetail);
   }
@@ -44,7 +44,7 @@ export function drawRobots(brush, track, moment, chosen, hovered) {
   }
 }
 
-/** Return what is drawn of each body that is in sight. */
+/** Return the position, colour, heading and load of each visible body. */
 function bodiesIn(view, track, moment) {
   const shown = [];
   for (let body = 0; body < track.bodies; body++) {
@@ -63,12 +63,12 @@ export function colorOf(track, body, pose, moment) {
   return pose.load > 0 ? "loaded" : "robot";
 }
 
-/** Draw the discs of robots and the diamonds of people, those of a colour as one shape. */
+/** Draw the discs of robots and the diamonds of people, one path for each colour. */
 function drawDiscs(brush, shown, radius) {
   for (const color of new Set(shown.map((item) => item.color))) {
     const items = shown.filter((item) => item.color === color);
     if (radius < MIN_SHAPE) {
-      // Squares: a browser fills a path of a thousand circles slowly.
+      // Small bodies are squares, because browsers are slow to fill a path of a thousand circles.
       for (const { x, y } of items) brush.rect(color, x - radius, y - radius, 2 * radius, 2 * radius);
       continue;
     }
@@ -90,13 +90,13 @@ function drawNoses(brush, shown, radius) {
   brush.context.fill();
 }
 
-/** Draw the item of a robot of a fleet, of the colour of its order's age, beside its number. */
-function drawCarried(brush, x, y, load, pixels, isBeside) {
-  const away = isBeside ? LOOK.carried.away * pixels : 0;
+/** Draw the item of a robot of a fleet in the colour of its order's age, either next to its number or on it. */
+function drawCarried(brush, x, y, load, pixels, isNextToNumber) {
+  const away = isNextToNumber ? LOOK.carried.away * pixels : 0;
   drawBox(brush, x + away, y - away, Math.max(2, LOOK.carried.side * pixels), brush.theme.orders[load - 1]);
 }
 
-/** Draw a bar below each robot whose battery is low, or of a few robots below each. */
+/** Draw the battery below each robot; in large fleets only below robots with a low battery. */
 function drawBatteries(brush, shown, track, moment, radius) {
   if (!track.fleet || radius < MIN_SHAPE) return;
   const pixels = radius / RADIUS;
@@ -112,12 +112,12 @@ function drawBatteries(brush, shown, track, moment, radius) {
   }
 }
 
-/** Return the longest number of a robot. */
+/** Return a text as wide as the longest number of a robot. */
 function longestName(track) {
   return "8".repeat(track.robots > 1 ? String(track.robots - 1).length : 1);
 }
 
-/** Return the size of the letters and numbers on bodies, or 0 if cells have no room for them. */
+/** Return the size of the letters and numbers on bodies, or 0 if they do not fit into cells. */
 function nameSize(brush, track) {
   const name = longestName(track);
   const size = Math.max(Math.min(LETTER, NAME / name.length) * brush.scale, brush.minText);
@@ -125,7 +125,7 @@ function nameSize(brush, track) {
   return brush.widthOf(name) <= MAX_NUMBER * brush.scale ? size : 0;
 }
 
-/** Return the radius of a disc that holds the longest number: small robots grow around theirs. */
+/** Return the radius of a disc around the longest number; small robots are enlarged to it. */
 function radiusAround(brush, track, size) {
   return Math.hypot(brush.widthOf(longestName(track)), 0.75 * size) / 2 + 1;
 }
@@ -151,7 +151,7 @@ function drawRing({ context, theme }, { x, y }, radius) {
   }
 }
 
-/** Draw the orders of a fleet that wait at pickups, and where there is room how many. */
+/** Draw the orders of a fleet that wait at pickups, with their number if it fits. */
 export function drawWaiting(brush, track, moment) {
   if (!track.fleet.orders) return;
   const side = Math.max(MIN_SIDE, SIDE * brush.scale);
@@ -166,7 +166,7 @@ export function drawWaiting(brush, track, moment) {
   }
 }
 
-/** Draw the item of a lone robot where it waits or has been put. */
+/** Draw the item of a single robot where it waits or has been dropped. */
 export function drawItem(brush, track, moment) {
   const side = Math.max(MIN_SIDE, SIDE * brush.scale);
   for (const cell of itemCells(track, moment)) {
@@ -175,7 +175,7 @@ export function drawItem(brush, track, moment) {
   }
 }
 
-/** Return where the item of a lone robot waits or has been put. */
+/** Return the cells where the item of a single robot waits or has been dropped. */
 function itemCells(track, moment) {
   if (track.load[moment.frame] !== 0) return [];
   for (let frame = moment.frame; frame > 0; frame--) {
@@ -185,7 +185,7 @@ function itemCells(track, moment) {
   return [...tiles].flatMap((tile, cell) => (tile === "P" ? [cell] : []));
 }
 
-/** Draw an item around its middle: a box with a strip of tape. */
+/** Draw an item, a box with a strip of tape, around its centre. */
 function drawBox(brush, x, y, side, color) {
   const [left, top, whole] = [x - side / 2, y - side / 2, side].map(Math.round);
   if (whole < 5) {

@@ -1,28 +1,28 @@
-// Canvases: the colours of the page, where the floor is in a canvas, and a brush that draws there.
+// Canvases: the colours of the page, the position of the floor in a canvas, and a brush that draws on it.
 
 import PALETTE from "../../render/palette.json" with { type: "json" };
 import LOOK from "../../render/tiles.json" with { type: "json" };
 
-/** The size of the smallest text, in pixels of the style sheet. */
+/** The size of the smallest text, in CSS pixels. */
 export const MIN_TEXT = 11;
 
-/** The size from which on bold text is legible with less contrast (WCAG 1.4.3). */
+/** The size, in CSS pixels, from which on bold text needs less contrast (WCAG 1.4.3). */
 export const LARGE_TEXT = 19;
 
-/** Names of the colours of orders by their age: new, older, nearly due and late. */
+/** The names of the colours of orders by age: new, older, nearly due and late. */
 const ORDERS = ["item", "order-older", "order-nearly-due", "order-late"];
 
 const MAX_CELL = 96;
 const MAX_ZOOM = 64;
 
-/** Return what a function makes for a key; it is made again only for another key. */
+/** Return the result of `make` for a key. It is stored, and made again only when the key changes. */
 export function kept(owner, name, key, make) {
   owner.kept ??= {};
   if (owner.kept[name]?.key !== key) owner.kept[name] = { key, made: make() };
   return owner.kept[name].made;
 }
 
-/** Return the theme of the page, light or dark; the same object until something changes. */
+/** Return the theme of the page, light or dark. It is the same object until something changes. */
 export function readTheme() {
   const scheme = matchMedia("(prefers-color-scheme: dark)").matches ? "dark" : "light";
   const key = `${scheme} ${devicePixelRatio}`;
@@ -33,9 +33,9 @@ export function readTheme() {
   });
 }
 
-/** Where the floor is in a canvas: places are in cells, pixels are those of the device. */
+/** The position of the floor in a canvas. Places are in cells, and pixels are device pixels. */
 export class View {
-  /** Args: columns and rows of the floor, and the cells around it that are shown too. */
+  /** Args: columns and rows of the floor, and the margin around it, in cells. */
   constructor(columns, rows, margin) {
     Object.assign(this, { columns, rows, margin });
     this.fit();
@@ -46,7 +46,7 @@ export class View {
     this.middle = [this.columns / 2, this.rows / 2];
   }
 
-  /** Fit the floor into a canvas of a size in pixels, times the zoom. */
+  /** Fit the floor, enlarged by the zoom, into a canvas of a size in pixels. */
   place(canvasWidth, canvasHeight, density) {
     Object.assign(this, { canvasWidth, canvasHeight });
     const [wide, high] = [this.columns + 2 * this.margin, this.rows + 2 * this.margin];
@@ -60,7 +60,7 @@ export class View {
     this.top = canvasHeight / 2 - this.middle[1] * this.scale;
   }
 
-  /** Keep the middle of the view so that the floor fills the canvas, or is in its middle. */
+  /** Return the middle of the view, limited so that the floor fills the canvas or is centred in it. */
   clamp(middle, cells, pixels) {
     const half = pixels / this.scale / 2 - this.margin;
     return 2 * half >= cells - 1e-9 ? cells / 2 : Math.min(Math.max(middle, half), cells - half);
@@ -74,19 +74,19 @@ export class View {
     return this.top + row * this.scale;
   }
 
-  /** Return a box of whole pixels around cells, so that edges are sharp. */
+  /** Return the box of some cells in whole pixels, so that its edges are sharp. */
   box(column, row, columns = 1, rows = 1, inset = 0) {
     const [x, y] = [Math.round(this.x(column + inset)), Math.round(this.y(row + inset))];
     const [right, bottom] = [this.x(column + columns - inset), this.y(row + rows - inset)];
     return [x, y, Math.max(1, Math.round(right) - x), Math.max(1, Math.round(bottom) - y)];
   }
 
-  /** Return the place in cells of a point in pixels. */
+  /** Return the position in cells of a point in pixels. */
   cellAt(x, y) {
     return [(x - this.left) / this.scale, (y - this.top) / this.scale];
   }
 
-  /** Return whether a place is in the canvas, with a margin in cells. */
+  /** Return whether a place is within the canvas or at most a margin, in cells, outside. */
   shows(x, y, margin) {
     const [px, py, space] = [this.x(x), this.y(y), margin * this.scale];
     const isAcross = px > -space && px < this.canvasWidth + space;
@@ -106,20 +106,20 @@ export class View {
     this.middle = [this.middle[0] - x / this.scale, this.middle[1] - y / this.scale];
   }
 
-  /** The width of what is shown, divided by its height. */
+  /** The width of the visible area divided by its height. */
   get aspect() {
     return (this.columns + 2 * this.margin) / (this.rows + 2 * this.margin);
   }
 
-  /** A text that differs between views that draw the floor differently. */
+  /** A text that is different for views that draw the floor differently. */
   get key() {
     return [this.left, this.top, this.scale, this.canvasWidth, this.canvasHeight].join(" ");
   }
 }
 
 /**
- * Draws on a canvas in the colours of a theme, which are given by their names. Places and sizes are
- * in pixels, but those of `fill` and `line`, which are in cells.
+ * Draws on a canvas in the colours of a theme, which are given by name. Positions and sizes are in
+ * pixels, except for the boxes of `fill` and the points of `line`, which are in cells.
  */
 export class Brush {
   constructor(context, view, theme) {
@@ -149,7 +149,7 @@ export class Brush {
     this.context.beginPath();
   }
 
-  /** Draw a line through places in cells. */
+  /** Draw a line through points in cells; its width is in pixels. */
   line(color, width, places) {
     const { context, view } = this;
     Object.assign(context, { strokeStyle: this.color(color), lineWidth: width, lineJoin: "round" });
@@ -158,7 +158,7 @@ export class Brush {
     context.stroke();
   }
 
-  /** Add a shape of tiles.json to the path, so many pixels a cell, turned by an angle. */
+  /** Add a shape of tiles.json to the path, with `pixels` per cell, turned by an angle. */
   trace(name, x, y, pixels, angle = 0) {
     const [right, down] = [pixels * Math.cos(angle), pixels * Math.sin(angle)];
     LOOK.shapes[name].forEach(([along, across], i) => {
@@ -175,7 +175,7 @@ export class Brush {
     this.context.arc(x, y, radius, 0, 2 * Math.PI);
   }
 
-  /** Fill the path, and draw a line around it. */
+  /** Fill the path and draw a line around it. */
   paint(color, lineColor, lineWidth) {
     const { context } = this;
     const strokeStyle = this.color(lineColor);
@@ -184,7 +184,7 @@ export class Brush {
     context.stroke();
   }
 
-  /** Set the size of the text that follows, which is written around its middle. */
+  /** Set the size of text from now on, and centre it. */
   centerText(size, weight = "bold") {
     const font = `${weight} ${Math.round(size)}px system-ui, sans-serif`;
     Object.assign(this.context, { font, textAlign: "center", textBaseline: "middle" });
@@ -199,7 +199,7 @@ export class Brush {
     this.context.fillText(text, x, y);
   }
 
-  /** Write text with an outline: the contrast of small text does not depend on what is behind it. */
+  /** Write text with an outline, so that its contrast does not depend on the background. */
   writeOutlined(color, lineColor, text, x, y) {
     const { context } = this;
     Object.assign(context, { strokeStyle: this.color(lineColor), lineWidth: this.minText / 4, lineJoin: "round" });
@@ -207,7 +207,7 @@ export class Brush {
     this.write(color, text, x, y);
   }
 
-  /** Write a label over a place, within the width of the canvas. */
+  /** Write a label above a point, within the width of the canvas. */
   label(background, color, text, x, bottom, size) {
     this.centerText(size);
     const width = this.widthOf(text) + size;

@@ -1,23 +1,23 @@
-// A chart beside the floor: its lines so far in full, what is to come pale, and a cursor.
+// A chart next to the floor. The part after the present time is pale, and a cursor marks the time.
 
 import { drawn, element, setText } from "./elements.js";
-import { extent, shown, ticks } from "./scale.js";
+import { extent, shown, stepsOf, ticks } from "./scale.js";
 import { indexAt } from "./track.js";
 
-/** The height of the lines, and the room to their left and right, as in the style sheet. */
+/** The height of the lines, and the space to their left and right, as in the style sheet. */
 const [HEIGHT, LEFT, RIGHT] = [82, 50, 10];
 
 /** The widest bar, as a share of the time. */
 const MAX_BAR = 0.02;
 
-/** The share of the time from which on a number below the axis ends there. */
+/** The share of the time after which a number below the axis is right-aligned, so that it fits. */
 const LAST = 0.97;
 
-/** Times of charts have single precision. */
+/** The tolerance of times, which have single precision in charts. */
 const ROUNDING = 1e-3;
 
 export class Chart {
-  /** Args: the data of a chart, the names of the tracks, the end of time, what a click calls. */
+  /** Args: the data of a chart, the names of the tracks, the last time, and the function for a click. */
   constructor(data, names, end, goTo) {
     const { title, series } = data;
     this.data = data;
@@ -50,12 +50,15 @@ export class Chart {
     return Math.min(Math.max(share, 0), 1) * this.end;
   }
 
-  /** Show a time, and write the values at it above the chart. */
+  /** Show a time, and write the values at this time above the chart. */
   draw(time) {
-    const words = this.data.series.map(({ track, name, x, y }) => {
+    const words = this.data.series.map(({ track, name, steps, x, y }) => {
       const now = time + ROUNDING;
-      const value = x.length && x[0] <= now ? shown(y[indexAt(x, now)]) : "\u2013";
-      return [this.names[track], name, value].filter(Boolean).join(" ");
+      const value = x.length && x[0] <= now ? y[indexAt(x, now)] : null;
+      const text = value === null ? [name, "\u2013"]
+        : steps ? [stepsOf(Math.abs(value)), steps]
+        : [name, shown(value)];
+      return [this.names[track], ...text].filter(Boolean).join(" ");
     });
     for (const [i, text] of words.entries()) setText(this.values[i], text);
     this.text = `${this.data.title}: ${words.join(", ")}`;
@@ -66,12 +69,12 @@ export class Chart {
     for (const end of ["x1", "x2"]) this.cursor.setAttribute(end, `${100 * share}%`);
   }
 
-  /** Return the place of a value, in pixels from the top. */
+  /** Return the height of a value, in pixels from the top. */
   y(value) {
     return ((this.high - value) / (this.high - this.low)) * HEIGHT;
   }
 
-  /** Return numbers along both axes, and lines across. */
+  /** Return the numbers along both axes, and the horizontal lines. */
   axes() {
     const across = ticks(this.low, this.high, 3).flatMap((value) => [
       drawn("text", { x: -6, y: this.y(value), class: "left" }, shown(value)),
@@ -85,7 +88,7 @@ export class Chart {
     return [...across, ...down];
   }
 
-  /** Return the path of a series: across in shares of the time, down in pixels. */
+  /** Return the path of a series: horizontally in shares of the time, vertically in pixels. */
   pathOf({ kind, x, y }) {
     const places = Array.from(x, (time, i) => [Math.min(time, this.end) / this.end, this.y(y[i])]);
     if (kind === "dots") return places.map(([px, py]) => `M${px} ${py}h0`).join("");
@@ -104,7 +107,7 @@ export class Chart {
   }
 }
 
-/** Give an element a colour of the palette, which changes with the scheme. */
+/** Give an element a colour of the palette, which follows the colour scheme. */
 function keyed(keyedElement, color) {
   keyedElement.style.setProperty("--key", `var(--${color})`);
   return keyedElement;

@@ -1,13 +1,13 @@
-// Elements of the page: made, copied, found and written to.
+// Functions that make, copy, find and change elements of the page.
 
-/** Return a new element with some properties and children. */
+/** Return a new element with properties and children. */
 export function element(name, properties = {}, ...children) {
   const made = Object.assign(document.createElement(name), properties);
   made.append(...children);
   return made;
 }
 
-/** Return a new element of a drawing with some attributes and children. */
+/** Return a new SVG element with attributes and children. */
 export function drawn(name, attributes, ...children) {
   const made = document.createElementNS("http://www.w3.org/2000/svg", name);
   for (const [key, value] of Object.entries(attributes)) made.setAttribute(key, value);
@@ -20,12 +20,12 @@ export function copy(id) {
   return document.getElementById(id).content.firstElementChild.cloneNode(true);
 }
 
-/** Return the part of an element that has a name. */
+/** Return the part of an element with this name. */
 export function partOf(whole, name) {
   return whole.querySelector(`[data-part="${name}"]`);
 }
 
-/** Set the text of an element, if it is another one: a screen reader reads changes. */
+/** Set the text of an element only if it is different, because a screen reader reads every change. */
 export function setText(changed, text) {
   if (changed.textContent !== text) changed.textContent = text;
 }

@@ -1,16 +1,16 @@
-// What the page tells about a fleet: a chosen robot, and the orders that wait.
+// The part of the page about a fleet: the chosen robot, where robots were held up, and waiting orders.
 
 import { kept } from "./canvas.js";
 import { copy, element, partOf, setText } from "./elements.js";
 import { heatOf, highestOf, mapOf } from "./floor.js";
 import { AGES, ageOf, historyOf, isTaken, orderOf, waitingAt } from "./orders.js";
-import { shown } from "./scale.js";
+import { shown, stepsOf } from "./scale.js";
 import { heldUpUntil } from "./track.js";
 
 const MAX_ROWS = 8;
 
 export class FleetPanel {
-  /** Args: the `Track` of a fleet, and the page's `Player`. */
+  /** Args: the `Track` of a fleet, and the `Player` of the page. */
   constructor(track, player) {
     Object.assign(this, { track, player });
     this.element = copy("fleet-template");
@@ -32,7 +32,7 @@ export class FleetPanel {
     this.orders.hidden = !track.fleet.orders;
   }
 
-  /** Write everything about a moment, if the step or the robot is another one. */
+  /** Show everything about a moment, if the step or the robot has changed. */
   draw(time) {
     const moment = this.track.at(time);
     const { chosen: robot, theme } = this.player;
@@ -43,7 +43,7 @@ export class FleetPanel {
     });
   }
 
-  /** Draw where robots were held up so far, with a pixel for each cell, and say where most. */
+  /** Draw a map of where robots were held up so far, one pixel per cell, and name the worst cell. */
   drawMap(moment, theme) {
     const { track, map } = this;
     const context = map.getContext("2d");
@@ -52,10 +52,13 @@ export class FleetPanel {
     this.find("ramp").style.background = `linear-gradient(to right, ${theme.heat.join()})`;
     const [cell, most] = highestOf([...heldUpUntil(track, moment.step)]);
     const [row, column] = track.rowAndColumn(cell);
-    const place = `most at row ${row}, column ${column}`;
-    setText(this.find("most"), String(most));
-    setText(this.find("peak"), most ? place : "nowhere yet");
-    map.ariaLabel = most ? `Robots were held up ${place}: ${most} times` : "No robot was held up yet";
+    const place = `most often at row ${row}, column ${column}`;
+    const none = "No robot was held up so far.";
+    const times = most === 1 ? "1 time" : `${most} times`;
+    this.find("scale").hidden = !most;
+    setText(this.find("most"), times);
+    setText(this.find("peak"), most ? place : none);
+    map.ariaLabel = most ? `Robots were held up ${place}: ${times}` : none;
   }
 
   sayRobot(robot, moment) {
@@ -80,9 +83,9 @@ export class FleetPanel {
     if (order < 0) return "none";
     const [words, goals] = isTaken(orders, order, step)
       ? ["carried to", orders.dropoff]
-      : ["to be picked at", orders.pickup];
+      : ["to be picked up at", orders.pickup];
     const due = orders.due[order] - step;
-    const time = due >= 0 ? `due in ${due}` : `late by ${-due}`;
+    const time = due >= 0 ? `due in ${stepsOf(due)}` : `${stepsOf(-due)} late`;
     return `${order}, ${words} ${this.cellWords(goals[order])}, ${time}`;
   }
 
@@ -92,7 +95,7 @@ export class FleetPanel {
     const { orders } = track.fleet;
     const lines = historyOf(orders, robot, step).map(({ step: at, what, order }) => {
       const late = what === "delivered" ? at - orders.due[order] : 0;
-      return `step ${at}: ${what} order ${order}${late > 0 ? `, ${late} late` : ""}`;
+      return `step ${at}: ${what} order ${order}${late > 0 ? `, ${stepsOf(late)} late` : ""}`;
     });
     return lines.join("\n") || "nothing yet";
   }
@@ -100,7 +103,7 @@ export class FleetPanel {
   sayOrders(step) {
     const { orders } = this.track.fleet;
     const waiting = waitingAt(orders, step);
-    setText(partOf(this.orders, "waiting"), `${waiting.length} waiting`);
+    setText(partOf(this.orders, "waiting"), `${waiting.length} waiting (times in steps)`);
     const rows = waiting.slice(0, MAX_ROWS).map((order) => {
       const due = orders.due[order] - step;
       const cells = [

@@ -1,4 +1,4 @@
-// Draws what stands still on a floor, and what tints its cells.
+// Draws the fixed parts of a floor, and tints of its cells.
 
 import LOOK from "../../render/tiles.json" with { type: "json" };
 import { kept } from "./canvas.js";
@@ -13,7 +13,7 @@ const MAX_LINED_COLUMNS = 40;
 const MIN_STATION = 6;
 const MIN_TEXTURE = 9;
 
-/** Opacity of counts on a floor, whose letters and lines are to be seen. */
+/** The opacity of counts on a floor, whose letters and lines must stay visible. */
 const HEAT_ON_FLOOR = 0.6;
 
 /** Draw the tiles of a floor. */
@@ -33,7 +33,7 @@ export function drawFloor(brush, track, tiles) {
   for (const place of placesOf(track, tiles, STATIONS)) drawStation(brush, ...place);
 }
 
-/** Return the row, the column and the tile of each cell that has one of some tiles. */
+/** Return the row, the column and the tile of each cell that has one of the wanted tiles. */
 function placesOf(track, tiles, wanted) {
   const places = [];
   for (let cell = 0; cell < tiles.length; cell++) {
@@ -67,7 +67,7 @@ function drawRuns(brush, track, tiles, tile, color) {
   }
 }
 
-/** Draw two boards across a wall that is not part of the border. */
+/** Draw the boards of a shelf, which is a wall within the border. */
 function drawBoards(brush, row, column) {
   const { inset, boards, thickness } = LOOK.shelf;
   const thick = Math.max(1, Math.round(brush.scale * thickness));
@@ -77,7 +77,7 @@ function drawBoards(brush, row, column) {
   }
 }
 
-/** Clear the outer part of a border, so that it is thin, and number columns and rows on the rest. */
+/** Clear the outer part of a border, so that it is thin, and write the numbers of columns and rows on it. */
 function drawMargin(brush, { outer, width, height }) {
   for (const box of [
     [0, 0, width, outer],
@@ -90,7 +90,7 @@ function drawMargin(brush, { outer, width, height }) {
   if (size > thick) return;
   brush.centerText(size, "normal");
   const { view } = brush;
-  // The border may be one that is not seen yet.
+  // The border may not have been seen yet, so the numbers have an outline.
   const write = (number, x, y) => brush.writeOutlined("paper", "wall", String(number), x, y);
   for (let column = 1; column < width - 1; column++) write(column, view.x(column + 0.5), view.y(middle));
   for (let row = 1; row < height - 1; row++) write(row, view.x(middle), view.y(row + 0.5));
@@ -110,13 +110,13 @@ function drawStation(brush, row, column, tile) {
   brush.context.fill();
 }
 
-/** Return the size of the letters of stations, or 0 if there is no room for them; a robot leaves small ones free. */
+/** Return the size of the letters of stations, or 0 if they do not fit. */
 function letterSize({ scale, minText }) {
   const size = Math.max(LOOK.station.letter * scale, minText);
   return 1.3 * size > scale ? 0 : size;
 }
 
-/** Write the letters of stations where there is room: larger ones not under robots and people. */
+/** Write the letters of stations. Letters that robots and people would cover are left out. */
 export function drawLetters(brush, track, moment) {
   const size = letterSize(brush);
   if (!size) return;
@@ -159,7 +159,7 @@ function drawWaves(brush, row, column) {
   context.stroke();
 }
 
-/** Draw stripes on cells that are not seen yet, along their diagonals. */
+/** Draw diagonal stripes on cells that have not been seen yet. */
 function drawStripes(brush, track, tiles) {
   const { context, view } = brush;
   brush.begin("stripe");
@@ -172,7 +172,7 @@ function drawStripes(brush, track, tiles) {
   context.stroke();
 }
 
-/** Darken what a robot does not see, around the window of its view. */
+/** Darken everything outside the view of a robot. */
 export function drawSight(brush, track, body, moment) {
   const { context, view } = brush;
   const pose = track.pose(body, moment);
@@ -189,7 +189,7 @@ export function drawSight(brush, track, body, moment) {
   context.fill("evenodd");
 }
 
-/** Tint the cells that a robot has been to, the more the oftener. */
+/** Tint the cells that a robot has visited more than once, darker for more visits. */
 export function drawVisits(brush, track, body, moment) {
   for (const [cell, count] of visitsUntil(track, body, moment.frame)) {
     if (count < 2) continue;
@@ -200,7 +200,7 @@ export function drawVisits(brush, track, body, moment) {
   brush.context.globalAlpha = 1;
 }
 
-/** Draw the cells of a search in the colours that they have by now. */
+/** Draw the cells that a search has marked so far, in their present colours. */
 export function drawMarks(brush, track, moment) {
   for (const [cell, index] of marksUntil(track, moment.time)) {
     const [row, column] = track.rowAndColumn(cell);
@@ -208,7 +208,7 @@ export function drawMarks(brush, track, moment) {
   }
 }
 
-/** Draw the start and the goal of a search as letters. */
+/** Draw the start and the goal of a search as letters on discs. */
 export function drawEnds(brush, track) {
   track.marks.ends.forEach(([row, column], i) => {
     const { view } = brush;
@@ -231,7 +231,7 @@ export function drawHeat({ context, view, theme }, track, moment) {
   context.globalAlpha = 1;
 }
 
-/** Return an image with a pixel for each cell in which robots were held up. */
+/** Return an image with one coloured pixel for each cell where robots were held up. */
 export function heatOf(track, step, theme) {
   return kept(track, "heat", `${step} ${theme.key}`, () => {
     const counts = [...heldUpUntil(track, step)];
@@ -245,13 +245,13 @@ export function highestOf(counts) {
   return counts.reduce((best, each) => (each[1] > best[1] ? each : best), [-1, 0]);
 }
 
-/** Return an image with a pixel for each cell, dark for walls. */
+/** Return an image of the floor with one pixel per cell. */
 export function mapOf(track, index, theme) {
   return kept(track, "map", `${index} ${theme.key}`, () =>
     imageOf(track, Array.from(track.tiles[index], (tile, cell) => [cell, theme[tile === WALL ? "shelf" : "floor"]])));
 }
 
-/** Return an image with a pixel of a colour for each of some cells. */
+/** Return an image with one pixel for each of some cells, in its colour. */
 function imageOf({ width, height }, colors) {
   const image = element("canvas", { width, height });
   const context = image.getContext("2d");

@@ -1,10 +1,10 @@
-// The legend: the signs of what a page shows, as signs.py has found them.
+// The legend, which explains the signs that signs.py has found in the tracks of the page.
 
 import LOOK from "../../render/tiles.json" with { type: "json" };
 import { kept } from "./canvas.js";
 import { element } from "./elements.js";
 
-/** Classes of signs in the style sheet, their colours, and their shapes in tiles.json; others are squares. */
+/** Style class, colour, and shape in tiles.json of each sign. Signs that are not listed are squares. */
 const LOOKS = {
   R: ["disc", "robot"], r: ["disc box", "loaded"], H: ["", "person", "H"], stranded: ["disc", "stranded"],
   P: ["square on", "pickup", "P"], D: ["square on", "dropoff", "D"], C: ["square on", "charger", "C"],
@@ -13,7 +13,7 @@ const LOOKS = {
   path: ["line", "warning"], hit: ["", "hit", "hit"], ends: ["disc", "light"],
 };
 
-/** Return the classes, the colour and the shape of a sign. */
+/** Return the style class, the colour and the shape of a sign. */
 export function lookOf(name, theme) {
   const [, age] = name.split("order-");
   if (age) return { look: "square", color: theme.orders[age] };
@@ -21,7 +21,7 @@ export function lookOf(name, theme) {
   return { look, color: theme[color] ?? color, shape };
 }
 
-/** Fill a list with signs, given as names and words, if the theme is another one than before. */
+/** Fill a list with signs, given as names and labels, if the theme has changed. */
 export function drawLegend(list, signs, theme) {
   kept(list, "signs", theme.key, () => list.replaceChildren(
     ...signs.map(([name, words]) => {
@@ -34,7 +34,7 @@ export function drawLegend(list, signs, theme) {
   ));
 }
 
-/** Return a shape, enlarged by a factor, as one that is cut out of the sign. */
+/** Return a shape, enlarged by a factor, as the clip path of a sign. */
 function clipOf(corners, factor) {
   const percent = (part) => `${50 + 100 * factor * part}%`;
   return `polygon(${corners.map(([x, y]) => `${percent(x)} ${percent(y)}`).join()})`;

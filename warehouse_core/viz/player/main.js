@@ -1,4 +1,4 @@
-// Starts the page: reads its data, and connects buttons, keys and the address with the player.
+// Starts the page: reads its data, and connects the buttons, the keys and the address to the player.
 
 import { setText } from "./elements.js";
 import { Player, SPEEDS } from "./player.js";
@@ -6,7 +6,7 @@ import { decode, unpack } from "./track.js";
 
 const ZOOM = 1.5;
 
-/** The share of the first floor that is to be seen for the page to play by itself. */
+/** The share of the first floor that must be visible for the page to play by itself. */
 const IN_SIGHT = 0.5;
 
 async function start() {
@@ -25,14 +25,14 @@ async function start() {
   playAtFirst(player, data.opensAt === null && !player.isReduced);
 }
 
-/** Let the page play by itself, or rest, until somebody presses a key or clicks. */
+/** Play the page by itself, or stay at the start, until the reader presses a key or clicks. */
 function playAtFirst(player, isToPlay) {
   for (const what of ["keydown", "click"]) {
-    // Whatever the key or the click does has been done by now: space and the button have paused.
+    // The action of the key or the click has been done by now: space and the button have paused.
     document.addEventListener(what, () => player.isOpening && player.pause());
   }
-  // A report or a notebook may have many players in frames: they play where a reader looks, and
-  // nobody misses the start of one further down. A frame sees how much of it the reader's window shows.
+  // A report or a notebook may have many players in frames. Each plays only while it is visible, so
+  // the reader misses no start. A frame can observe how much of it the reader's window shows.
   const look = (entries) => player.open(entries.at(-1).intersectionRatio >= IN_SIGHT);
   if (isToPlay) new IntersectionObserver(look, { threshold: IN_SIGHT }).observe(player.panels[0].canvas);
 }
@@ -66,7 +66,7 @@ function connect(player) {
   for (const button of player.root.querySelectorAll("button[data-do]")) {
     button.addEventListener("click", (event) => {
       actions[button.dataset.do]();
-      if (event.detail) button.blur(); // of a pointer: space plays from now on
+      if (event.detail) button.blur(); // after a click with a pointer, space plays again
     });
   }
   listenToKeys(player, actions);
@@ -80,9 +80,9 @@ function connect(player) {
     setText(event, player.event);
     if (player.isPlaying) return;
     const words = [player.event, ...player.panels.map((panel) => panel.place)];
-    // A screen reader reads what changes; while the page plays that would be too much.
+    // A screen reader reads changes aloud, which would be too much while the page plays.
     setText(find("status"), words.filter(Boolean).join(". "));
-    // A page that nobody has touched plays again when it is loaded again.
+    // A page that the reader has not touched plays again when it is reloaded.
     if (!player.isOpening) writeAddress(player);
   });
 }
@@ -93,7 +93,7 @@ const KEYS = {
   ">": "faster", ",": "slower", ".": "faster",
 };
 
-/** Of the view, with the shift key. */
+/** Directions in which the arrow keys, with the shift key, move the view. */
 const DIRECTIONS = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] };
 
 function listenToKeys(player, actions) {
@@ -114,7 +114,7 @@ function fullScreen(element) {
   else element.requestFullscreen?.();
 }
 
-/** Go to the step, and choose the robot, that the address of the page names. */
+/** Go to the step and choose the robot in the address of the page, if there are any. */
 function readAddress(player) {
   const words = new URLSearchParams(location.hash.slice(1));
   const [step, robot] = ["step", "robot"].map((name) => Number.parseInt(words.get(name), 10));
@@ -122,7 +122,7 @@ function readAddress(player) {
   if (robot >= 0) player.choose(robot);
 }
 
-/** Put the step and the chosen robot into the address, so that a link opens here. */
+/** Write the step and the chosen robot into the address, so that a copied link opens here. */
 function writeAddress(player) {
   const robot = player.chosen === null ? "" : `&robot=${player.chosen}`;
   const hash = `#step=${player.step}${robot}`;
@@ -130,7 +130,7 @@ function writeAddress(player) {
   try {
     history.replaceState(null, "", hash);
   } catch {
-    // A page inside another one may have no address of its own.
+    // A page within another page may have no address of its own.
   }
 }
 

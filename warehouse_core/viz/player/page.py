@@ -1,7 +1,7 @@
-"""A page that plays tracks: one file of HTML that loads nothing and needs nothing but a browser.
+"""A page that plays tracks: a single HTML file that needs only a browser and loads nothing.
 
-Its parts are files of this folder. Text from users is in the data only, which is never markup, and
-the page's Content-Security-Policy allows this script and this style alone.
+The page is assembled from files of this folder. Text from users is only in the data, which is never
+interpreted as markup. The Content-Security-Policy of the page allows only its own script and style.
 """
 
 from __future__ import annotations
@@ -26,9 +26,9 @@ FOLDER = Path(__file__).parent
 
 SCRIPTS = (
     "scale.js", "track.js", "orders.js", "canvas.js", "elements.js", "floor.js", "bodies.js",
-    "ways.js", "charts.js", "legend.js", "panel.js", "fleet.js", "player.js", "main.js",
+    "paths.js", "charts.js", "legend.js", "panel.js", "fleet.js", "player.js", "main.js",
 )  # fmt: skip
-"""Each imports only those before it, so that they can be one script."""
+"""Files of the script. Each imports only earlier ones, so that they can be joined into one."""
 
 IMPORT = re.compile(r"^import [^;]*;\n", re.MULTILINE)
 EXPORT = re.compile(r"^export ", re.MULTILINE)
@@ -36,7 +36,7 @@ EXPORT = re.compile(r"^export ", re.MULTILINE)
 MAX_TITLE = 200
 
 FRAME_HEIGHT = 640
-"""Height of a page inside another page, in pixels."""
+"""Default height of a page within another page, in pixels."""
 
 MAX_FRAME_HEIGHT = 100_000
 
@@ -48,21 +48,21 @@ def player_page(
     speed: float = 1.0,
     opens_at: float | None = None,
 ) -> str:
-    """Return a page that plays tracks side by side on one clock, as HTML.
+    """Return an HTML page that plays tracks side by side, with one clock.
 
-    The page opens playing: it plays once and rests on the end, and any key or click stops it. Where
-    motion is to be reduced (``prefers-reduced-motion``) it rests on the start.
+    When the page opens, it plays once and stops at the end. Any key or click stops it earlier. For
+    readers who prefer reduced motion (``prefers-reduced-motion``) it stays at the start.
 
     Args:
         tracks: tracks, at least one, each with at least one frame.
         title: title of the page; by default the titles of the tracks.
         speed: factor on the playing speed.
-        opens_at: simulated second (on the grid: step) that the page opens at, without playing; by
-            default the page plays.
+        opens_at: simulated second (on the grid: step) at which the page opens, without playing; by
+            default the page plays from the start.
 
     Raises:
         ValueError: ``speed`` is not within ``MIN_PACE`` and ``MAX_PACE``, ``opens_at`` is negative
-            or not finite, or a place is not finite.
+            or not finite, or a position is not finite.
 
     Example:
         >>> from agents import GreedyAgent
@@ -97,7 +97,7 @@ def save_page(
     speed: float = 1.0,
     opens_at: float | None = None,
 ) -> None:
-    """Write what ``player_page`` returns; the file is complete or not there.
+    """Write the page that ``player_page`` returns, either completely or not at all.
 
     Raises:
         OSError: the file cannot be written.
@@ -123,10 +123,11 @@ def player_frame(
     opens_at: float | None = None,
     height: int = FRAME_HEIGHT,
 ) -> str:
-    """Return ``player_page`` as a frame of another page, ``height`` pixels high.
+    """Return ``player_page`` as a frame for another page, ``height`` pixels high.
 
-    A frame plays by itself only while its first floor is in sight. Its script cannot reach the page
-    around it. If that has a Content-Security-Policy, it must allow ``digest(script())``.
+    A frame plays by itself only while its first floor is visible. Its script cannot access the
+    surrounding page. If that page has a Content-Security-Policy, it must allow
+    ``digest(script())``.
 
     Raises:
         ValueError: as for ``player_page``, or ``height`` is not within 1 and
@@ -153,12 +154,12 @@ def player_frame(
 
 @cache
 def script() -> str:
-    """Return the colours, the look of tiles, and the files of the script as one."""
+    """Return the script of the page, including the colours and the look of tiles."""
     return _joined(SCRIPTS)
 
 
 def floor_module() -> str:
-    """Return what draws floors, as a module of JavaScript for other pages."""
+    """Return a JavaScript module that draws floors, for other pages."""
     files = SCRIPTS[: SCRIPTS.index("floor.js") + 1]
     return f"{_joined(files)}export {{ Brush, LOOK, View, drawFloor, drawLetters, readTheme }};\n"
 
@@ -171,7 +172,7 @@ def _joined(files: Sequence[str]) -> str:
 
 @cache
 def style() -> str:
-    """Return the style sheet, the palette first."""
+    """Return the style sheet, beginning with the palette."""
     return style_rules() + (FOLDER / "player.css").read_text(encoding="utf-8")
 
 
@@ -184,5 +185,5 @@ def policy() -> str:
 
 
 def digest(text: str) -> str:
-    """Return the hash of an inline script or style, as a policy names it."""
+    """Return the hash of an inline script or style, in the format of a policy."""
     return f"'sha256-{b64encode(sha256(text.encode('utf-8')).digest()).decode('ascii')}'"

@@ -1,17 +1,17 @@
-// One track on the page: its floor, what the robot does and why, its battery and its ending.
+// One track on the page: its floor, the action of the robot with its reason, its battery and its ending.
 
 import { drawHits, drawItem, drawRobots, drawWaiting } from "./bodies.js";
 import { Brush, kept } from "./canvas.js";
 import { copy, element, partOf, setText } from "./elements.js";
 import { drawEnds, drawFloor, drawHeat, drawLetters, drawMarks, drawSight, drawVisits } from "./floor.js";
 import { seconds, shown } from "./scale.js";
-import { drawPlans, drawPushes, drawRoute, drawTrail, drawWayAhead } from "./ways.js";
+import { drawAhead, drawPlans, drawPushes, drawRoute, drawTrail } from "./paths.js";
 
 const TAP = 6;
 const LOW = 0.2;
 
 export class Panel {
-  /** Args: a `Track`, its title, the view that it shares with others, and the page's `Player`. */
+  /** Args: a `Track`, its title, the `View` that it shares with other panels, and the `Player` of the page. */
   constructor(track, title, view, player) {
     Object.assign(this, { track, view, player });
     this.element = copy("panel-template");
@@ -49,7 +49,7 @@ export class Panel {
     this.drawMoving(new Brush(context, view, theme), moment);
   }
 
-  /** Return a canvas with all that does not move. */
+  /** Return a canvas with everything that does not move. */
   drawStill(tiles, theme) {
     const { width, height } = this.canvas;
     const still = element("canvas", { width, height });
@@ -59,7 +59,7 @@ export class Panel {
     return still;
   }
 
-  /** Draw all that changes, from the lowest to the highest. */
+  /** Draw everything that changes, from the lowest to the highest. */
   drawMoving(brush, moment) {
     const { track, player } = this;
     const { chosen } = player;
@@ -71,7 +71,7 @@ export class Panel {
     drawRoute(brush, track, moment);
     if (track.fleet) drawPlans(brush, track, moment);
     if (track.marks) drawEnds(brush, track);
-    if (chosen !== null) drawWayAhead(brush, track, chosen, moment);
+    if (chosen !== null) drawAhead(brush, track, chosen, moment);
     if (watched !== null) drawTrail(brush, track, watched, moment);
     drawLetters(brush, track, moment);
     if (track.fleet) drawWaiting(brush, track, moment);
@@ -101,10 +101,10 @@ export class Panel {
     setText(parts.units, `battery ${shown(left)} of ${shown(track.fullBattery)}${warning}`);
   }
 
-  /** Return the time and energy so far, and how strong the motors are if they are weak. */
+  /** Return the time and energy so far, and the strength of weak motors. */
   factsAt({ time, frame, step }) {
     const { end, energy, motorStrength, robots, stepFrames } = this.track;
-    // The energy in a chart beside is that of a frame too, or in a fleet that of a complete step.
+    // As in the chart, this is the energy at the frame or, for a fleet, at the last complete step.
     const used = energy[robots > 1 ? stepFrames[step] : frame];
     const facts = energy.length ? [seconds(Math.min(time, end)), `${shown(used, 0)} J`] : [];
     if (motorStrength < 1) facts.push(`motors at ${shown(100 * motorStrength, 0)}% of their force`);
@@ -151,19 +151,19 @@ export class Panel {
     );
   }
 
-  /** Show the number of the robot of a fleet that a pointer is at, if it is not shown anyway. */
+  /** Show the number of the robot of a fleet under the pointer, if it is not always shown. */
   point(pointer) {
     if (!this.track.isFleet) return;
     this.pointer = pointer;
     if (!this.player.isPlaying) this.player.draw();
   }
 
-  /** Choose the robot of a fleet at a point, or none. */
+  /** Choose the robot of a fleet at a point, or no robot. */
   tap(x, y) {
     if (this.track.isFleet) this.player.choose(this.robotAt(x, y, this.track.at(this.player.time)));
   }
 
-  /** Return the robot that is nearest to a point, or `null` if none is near. */
+  /** Return the robot nearest to a point, or `null` if no robot is close. */
   robotAt(x, y, moment) {
     const [column, row] = this.view.cellAt(x, y);
     let [nearest, least] = [null, Math.max(0.8, (10 * this.player.density) / this.view.scale)];

@@ -1,4 +1,4 @@
-// The page: one clock, and everything that is drawn at its time.
+// The page: one clock, and everything that is drawn for the time of this clock.
 
 import { readTheme, View } from "./canvas.js";
 import { Chart } from "./charts.js";
@@ -11,25 +11,25 @@ import { nextEvent, Track } from "./track.js";
 
 export const SPEEDS = [0.25, 0.5, 1, 2, 4, 8, 16];
 
-/** Most milliseconds that a picture takes of the clock: a hidden page goes on where it was left. */
+/** Most milliseconds by which one picture advances the clock, so that a hidden page does not run on. */
 const MAX_TICK = 1000;
 
-/** Cells around what is drawn of a floor. */
+/** The margin around a floor, in cells. */
 const MARGIN = 0.1;
 
-/** A floor that is so much wider than high is larger over the charts than beside them. */
+/** The ratio of width to height above which a floor is larger above the charts than next to them. */
 const WIDE = 2.1;
 
-/** Columns of floors by the number of tracks. */
+/** The number of columns of floors, by the number of tracks. */
 const COLUMNS = { 1: 1, 2: 2, 4: 2 };
 const MAX_COLUMNS = 3;
 
 const MAX_NAME = 16;
 const LETTERS = "ABCDEFGHIJKLMNOPQRSTUVWXYZ";
 
-const WORDS = { hit: "hit", pick: "item picked", drop: "item delivered", stuck: "stuck" };
+const WORDS = { hit: "collision", pick: "item picked up", drop: "item delivered", stuck: "stuck" };
 
-/** Return what differs between titles, without the words that they share, or letters. */
+/** Return the words in which titles differ, or letters if these words are too long. */
 export function shortNames(titles) {
   const lines = titles.map((title) => title.split(" "));
   const least = Math.min(...lines.map((line) => line.length));
@@ -57,7 +57,7 @@ export class Player {
     this.longest = this.tracks.find((track) => track.end === this.end);
     this.time = Math.min(data.opensAt ?? 0, this.end);
     this.isPlaying = false;
-    /** True until somebody does something: until then the page plays by itself, and once. */
+    /** True until the reader does something. Until then the page plays by itself, once. */
     this.isOpening = true;
     this.chosen = null;
     this.hasHeat = false;
@@ -71,12 +71,12 @@ export class Player {
     const titles = this.tracks.map((track) => track.title);
     const names = shortNames(titles);
     this.charts = data.charts.map((chart) => new Chart(chart, names, this.end, (time) => this.seek(time)));
-    const isTold = this.charts.some((chart) => chart.names.length);
+    const hasNames = this.charts.some((chart) => chart.names.length);
     this.panels = this.tracks.map((track, i) => {
       const size = `${track.width} ${track.height}`;
       const margin = MARGIN - track.outer;
       if (!views.has(size)) views.set(size, new View(track.width, track.height, margin));
-      const title = isTold && names[i] === LETTERS[i] ? `${names[i]}: ${titles[i]}` : titles[i];
+      const title = hasNames && names[i] === LETTERS[i] ? `${names[i]}: ${titles[i]}` : titles[i];
       return new Panel(track, title, views.get(size), this);
     });
     this.views = [...views.values()];
@@ -102,10 +102,10 @@ export class Player {
     return this.theme?.density ?? devicePixelRatio;
   }
 
-  /** Draw everything at the present time. The same time gives the same picture. */
+  /** Draw everything at the present time. The same time always gives the same picture. */
   draw() {
     this.theme = readTheme();
-    // Where motion is reduced, nothing is between two places.
+    // With reduced motion, bodies jump from step to step.
     const time = this.isReduced && this.isPlaying ? this.longest.timeOf(this.step) : this.time;
     for (const panel of this.panels) panel.draw(time, this.theme);
     for (const chart of this.charts) chart.draw(time);
@@ -114,12 +114,12 @@ export class Player {
     for (const listener of this.listeners) listener();
   }
 
-  /** The number of steps that are complete. */
+  /** The number of complete steps. */
   get step() {
     return this.longest.at(this.time).step;
   }
 
-  /** Play or pause; at the end start again. */
+  /** Play or pause; at the end, start again. */
   toggle() {
     if (this.isPlaying) this.pause();
     else this.play();
@@ -136,7 +136,7 @@ export class Player {
     this.run(false);
   }
 
-  /** As long as nobody has done anything, play while the page is in sight, and rest on the end. */
+  /** Play while the page is visible, and stop at the end, until the reader does something. */
   open(isInSight) {
     if (this.isOpening) this.run(isInSight && this.time < this.end);
   }
@@ -161,7 +161,7 @@ export class Player {
     if (this.isPlaying) this.coming = requestAnimationFrame((next) => this.tick(next));
   }
 
-  /** Pause at a time, or at the nearest that there is. */
+  /** Pause at a time, or at the nearest time that exists. */
   seek(time) {
     this.time = Math.min(Math.max(time, 0), this.end);
     this.pause();
@@ -172,13 +172,13 @@ export class Player {
     this.seek(this.longest.timeOf(step));
   }
 
-  /** Pause a step later or, if negative, earlier; within a step go to its end. */
+  /** Pause some steps later, or earlier if negative; within a step, its start and end count as steps. */
   move(steps) {
     const isBetween = this.time > this.longest.timeOf(this.step);
     this.goTo(this.step + steps + (steps < 0 && isBetween ? 1 : 0));
   }
 
-  /** Pause at the next hit, pick, drop, or robot that is stuck; of the chosen robot, if any. */
+  /** Pause at the next hit, pickup, drop or stuck robot; if a robot is chosen, only at its events. */
   goToEvent() {
     const found = this.tracks.flatMap((track) => {
       const bodies = this.chosen === null ? [...Array(track.robots).keys()] : [this.chosen];
@@ -188,17 +188,17 @@ export class Player {
     found.sort((a, b) => a.time - b.time);
     const [next] = found;
     const robot = next?.track.robots > 1 ? `robot ${next.body}: ` : "";
-    const words = next ? `${robot}${WORDS[next.what]}` : "no further event";
-    this.told = { time: next ? next.time : this.end, words };
-    this.seek(this.told.time);
+    const words = next ? `${robot}${WORDS[next.what]}` : "no more events";
+    this.lastEvent = { time: next ? next.time : this.end, words };
+    this.seek(this.lastEvent.time);
   }
 
-  /** The event that was gone to, in words, as long as its time is shown. */
+  /** The event at the present time in words, if `goToEvent` has led there. */
   get event() {
-    return this.told?.time === this.time ? this.told.words : "";
+    return this.lastEvent?.time === this.time ? this.lastEvent.words : "";
   }
 
-  /** Choose a robot by its number; none if it is `null`, or a track does not have the robot. */
+  /** Choose a robot by its number, or no robot if it is `null` or missing in one of the tracks. */
   choose(robot) {
     const isThere = robot >= 0 && this.tracks.every((track) => robot < track.robots);
     this.chosen = isThere ? robot : null;
@@ -211,13 +211,13 @@ export class Player {
     this.draw();
   }
 
-  /** Zoom the views around their middles. */
+  /** Zoom the views around their centres. */
   zoom(factor) {
     for (const view of this.views) view.zoomBy(factor, view.canvasWidth / 2, view.canvasHeight / 2);
     this.draw();
   }
 
-  /** Move the views by an eighth of a canvas to the right and down. */
+  /** Move the views by multiples of an eighth of a canvas to the right and down. */
   pan(right, down) {
     for (const view of this.views) {
       view.moveBy((-right * view.canvasWidth) / 8, (-down * view.canvasHeight) / 8);
@@ -230,14 +230,14 @@ export class Player {
     this.draw();
   }
 
-  /** The step, and the clock where there is one, in words. */
+  /** The present step, and the time if there is a clock, in words. */
   get place() {
     const { longest } = this;
     const clock = this.tracks.some((track) => track.isContinuous) ? `, ${seconds(this.time)}` : "";
     return `${this.unit} ${longest.stepAt(this.time)} of ${longest.steps}${clock}`;
   }
 
-  /** Return words for a moment of a track, for those who do not see it. */
+  /** Return a description of a moment of a track, for screen readers. */
   describe(track, moment) {
     const words = [`${track.title}, ${this.unit} ${track.stepAt(moment.time)} of ${track.steps}`];
     if (track.robots === 1 && track.load[moment.frame] >= 0) {
@@ -246,7 +246,7 @@ export class Player {
       words.push(`${load} robot at row ${row}, column ${column}`);
     } else if (track.robots > 1) words.push(`${shown(track.robots)} robots`);
     const hits = track.hitsIn(moment.frame).length;
-    if (hits) words.push(hits === 1 ? "a hit" : `${hits} hits`);
+    if (hits) words.push(hits === 1 ? "1 collision" : `${hits} collisions`);
     words.push(track.caption(moment));
     return words.filter(Boolean).join("; ");
   }

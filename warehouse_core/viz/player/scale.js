@@ -1,6 +1,6 @@
-// Numbers along an axis.
+// Numbers along axes, and numbers as text.
 
-/** Return about `count` round numbers from low to high. */
+/** Return about `count` round numbers between `low` and `high`. */
 export function ticks(low, high, count) {
   if (!(high > low)) return [low];
   const rough = (high - low) / count;
@@ -13,7 +13,7 @@ export function ticks(low, high, count) {
   return found;
 }
 
-/** Return the lowest and the highest of some lists of numbers, and 0; NaN is left out. */
+/** Return the lowest and the highest of 0 and the numbers in some lists. NaN is ignored. */
 export function extent(lists) {
   let [low, high] = [0, 0];
   for (const list of lists) {
@@ -27,15 +27,20 @@ export function extent(lists) {
 
 const FORMATS = new Map();
 
-/** Return a number as text of at most so many digits after the point, with a real minus sign. */
+/** Return a number as text with at most `digits` decimals, and a typographic minus sign. */
 export function shown(value, digits = 2) {
   if (Number.isNaN(value)) return "unknown";
-  // A format takes longer to make than to use.
+  // Creating a format takes longer than using it.
   if (!FORMATS.has(digits)) FORMATS.set(digits, new Intl.NumberFormat("en-US", { maximumFractionDigits: digits }));
   return FORMATS.get(digits).format(value).replace("-", "\u2212");
 }
 
-/** Return a time with one decimal, by the rule of `seconds_of` in wording.py. */
+/** Return a number of steps in words, such as "1 step". */
+export function stepsOf(count) {
+  return `${shown(count)} ${count === 1 ? "step" : "steps"}`;
+}
+
+/** Return a time with one decimal, rounded like `seconds_of` in wording.py. */
 export function seconds(time) {
   return `${(Math.round(1000 * time) / 1000 + 1e-9).toFixed(1)} s`;
 }

@@ -1,21 +1,21 @@
-// A track at any moment, and the block of bytes that it is read from. Nothing is drawn here.
+// A track at any moment, and the block of bytes from which it is read. Nothing is drawn here.
 
 const KINDS = { i1: Int8Array, i2: Int16Array, i4: Int32Array, f4: Float32Array };
 
 const TURN = 120;
 const NO_HEADING = 127;
 
-/** Steps in one place, with the same load, after which a robot is stuck. */
+/** The number of steps at which a robot is in the same cell with the same load that make it stuck. */
 const STUCK_VISITS = 3;
 
-/** Return the bytes of a compressed block, given as base64. */
+/** Return the bytes of a compressed block that is given as base64. */
 export async function unpack(text) {
   const packed = Uint8Array.from(atob(text), (letter) => letter.charCodeAt(0));
   const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate"));
   return new Response(stream).arrayBuffer();
 }
 
-/** Return the JSON value at the start of a block, with arrays in place of references; see tracks.py. */
+/** Return the JSON value at the start of a block, with its references replaced by arrays; see tracks.py. */
 export function decode(block) {
   const length = new DataView(block).getUint32(0, true);
   const text = new TextDecoder().decode(new Uint8Array(block, 4, length));
@@ -35,7 +35,7 @@ function column(block, start, [kind, offset, length, isDelta, unit]) {
   return values;
 }
 
-/** Return how many of some times, which do not decrease, are at most `time`. */
+/** Return the number of times that are at most `time`. The times do not decrease. */
 function countAt(times, time) {
   let [low, high] = [0, times.length];
   while (low < high) {
@@ -46,17 +46,18 @@ function countAt(times, time) {
   return low;
 }
 
-/** Return the last index whose time is at most `time`, or 0. Times do not decrease. */
+/** Return the last index whose time is at most `time`, or 0. The times do not decrease. */
 export function indexAt(times, time) {
   return Math.max(countAt(times, time) - 1, 0);
 }
 
-/** Return the indices of the entries of a frame, whose frames do not decrease. */
+/** Return the indices of the entries that belong to a frame. The frames do not decrease. */
 function entriesIn(frames, frame) {
   const first = countAt(frames, frame - 1);
   return Array.from({ length: countAt(frames, frame) - first }, (_, i) => first + i);
 }
-/** Return the angle a share of the way from one to another, the short way round. */
+
+/** Return the angle at a share of the turn from one angle to another, in the shorter direction. */
 export function angleBetween(from, to, share) {
   const difference = ((to - from + 1.5 * TURN) % TURN) - TURN / 2;
   return from + share * difference;
@@ -67,7 +68,7 @@ export class Track {
     Object.assign(this, data);
     this.frames = data.time.length;
     this.end = data.time[this.frames - 1];
-    /** The frame in which each step is complete. */
+    /** The number of the frame in which each step is complete. */
     this.stepFrames = [];
     for (let frame = 0; frame < this.frames; frame++) {
       if (Math.floor(data.progress[frame]) === this.stepFrames.length) this.stepFrames.push(frame);
@@ -75,7 +76,7 @@ export class Track {
     this.steps = Math.ceil(data.progress[this.frames - 1]);
   }
 
-  /** Return a moment: its frame, the next one, the share of the way there, and the steps complete. */
+  /** Return a moment: its frame, the next frame, the share of the time between them, and the step. */
   at(time) {
     const frame = indexAt(this.time, time);
     const next = Math.min(frame + 1, this.frames - 1);
@@ -84,7 +85,7 @@ export class Track {
     return { time, frame, next: share > 0 ? next : frame, share, step: Math.floor(this.progress[frame]) };
   }
 
-  /** Return the number of the step that is under way, or was the last one. */
+  /** Return the number of the present step, or of the previous one if no step has begun. */
   stepAt(time) {
     return Math.ceil(this.progress[this.at(time).next]);
   }
@@ -94,12 +95,12 @@ export class Track {
     return this.time[this.stepFrames[Math.min(Math.max(step, 0), this.stepFrames.length - 1)]];
   }
 
-  /** Return the words for a moment: on the step that is under way or, at its end, on that one. */
+  /** Return the caption of a moment, which is about the present step, or at its end about this step. */
   caption(moment) {
-    return this.captions[this.captionAt[this.tellsNext ? moment.frame : moment.next]];
+    return this.captions[this.captionAt[this.captionsNext ? moment.frame : moment.next]];
   }
 
-  /** Return the pose of a body at a moment, or `null` if it is not shown. A heading is in radians. */
+  /** Return the pose of a body at a moment, or `null` if it is not shown. The heading is in radians. */
   pose(body, { frame, next = frame, share = 0 }) {
     const from = body * this.frames + frame;
     if (this.load[from] < 0) return null;
@@ -120,13 +121,13 @@ export class Track {
     return (angle / TURN) * 2 * Math.PI;
   }
 
-  /** Return the number of the cell of a body in a frame, row * width + column. */
+  /** Return the cell of a body in a frame, as the number row * width + column. */
   cell(body, frame) {
     const place = body * this.frames + frame;
     return Math.floor(this.y[place]) * this.width + Math.floor(this.x[place]);
   }
 
-  /** Return the `[row, column]` of the number of a cell. */
+  /** Return a cell, given by its number, as `[row, column]`. */
   rowAndColumn(cell) {
     return [Math.floor(cell / this.width), cell % this.width];
   }
@@ -135,12 +136,12 @@ export class Track {
     return this.load[body * this.frames + frame] > 0;
   }
 
-  /** Return how full the battery of a robot of a fleet is, from 0 to 1. */
+  /** Return the battery level of a robot of a fleet, from 0 to 1. */
   batteryLevel(robot, frame) {
     return this.fleet.battery[robot * this.frames + frame];
   }
 
-  /** Return the hits that a frame shows. */
+  /** Return the hits in a frame. */
   hitsIn(frame) {
     const { x, y, robot, labels, labelAt } = this.hits;
     return entriesIn(this.hits.frame, frame).map((i) => (
@@ -148,7 +149,7 @@ export class Track {
     ));
   }
 
-  /** Return whether a robot has a hit in a frame that the frame before did not show. */
+  /** Return whether a frame shows a hit of a robot that the previous frame did not show. */
   isHit(body, frame) {
     const mine = (hit) => hit.robot === body;
     const before = frame ? this.hitsIn(frame - 1).filter(mine) : [];
@@ -157,29 +158,29 @@ export class Track {
       .some((hit) => !this.isContinuous || !before.some((old) => old.x === hit.x && old.y === hit.y));
   }
 
-  /** Return the points of the planned way of a lone robot in a frame. */
+  /** Return the points of the planned path of a single robot in a frame. */
   routeIn(frame) {
     const { frame: frames, x, y } = this.route ?? { frame: [] };
     return entriesIn(frames, frame).map((i) => [x[i], y[i]]);
   }
 
-  /** Return the planned ways of a fleet in a frame, and those that robots wish for. */
+  /** Return the planned paths of a fleet in a frame, and the shortest paths from their ends to the goals. */
   plansIn(frame) {
-    const { plans, ways } = this.fleet;
+    const { plans, paths } = this.fleet;
     return entriesIn(plans.frame, frame).map((i) => {
-      const cells = ways.subarray(plans.end[i - 1] ?? 0, plans.end[i]);
+      const cells = paths.subarray(plans.end[i - 1] ?? 0, plans.end[i]);
       return { robot: plans.robot[i], isWish: plans.isWish[i] > 0, cells };
     });
   }
 
-  /** Return who pushes whom in a frame, the pusher first. */
+  /** Return the pairs of robots in a frame of which the first pushes the second. */
   pushesIn(frame) {
     const { pushes } = this.fleet;
     return entriesIn(pushes.frame, frame).map((i) => [pushes.pusher[i], pushes.robot[i]]);
   }
 }
 
-/** Return the words for what happened to a robot in a frame: "hit", "pick", "drop" or "stuck". */
+/** Return the names of the events of a robot in a frame: "hit", "pick", "drop" or "stuck". */
 export function eventsOf(track, body, frame) {
   const found = [];
   const [before, now] = [track.isLoaded(body, frame - 1), track.isLoaded(body, frame)];
@@ -190,7 +191,7 @@ export function eventsOf(track, body, frame) {
   return found;
 }
 
-/** Return the next frame after `frame` in which something happens, and what, or `null`. */
+/** Return the first event of some bodies after a frame, or `null`. */
 export function nextEvent(track, frame, bodies) {
   for (let next = frame + 1; next < track.frames; next++) {
     for (const body of bodies) {
@@ -201,7 +202,7 @@ export function nextEvent(track, frame, bodies) {
   return null;
 }
 
-/** Return the frames in which a robot has come to a cell too often without a pick or a drop. */
+/** Return the frames in which a robot has entered a cell too often since its last pickup or drop. */
 export function stuckFrames(track, body) {
   track.stuck ??= new Map();
   if (!track.stuck.has(body)) track.stuck.set(body, new Set(findStuck(track, body)));
@@ -227,7 +228,7 @@ function* findStuck(track, body) {
   }
 }
 
-/** Return how often a body was in each cell up to a frame, as a map from cells to counts. */
+/** Return a map from cells to the number of visits of a body up to a frame. */
 export function visitsUntil(track, body, frame) {
   return grown(track, `visits of ${body}`, frame + 1, (counts, next) => {
     const cell = track.cell(body, next);
@@ -235,20 +236,20 @@ export function visitsUntil(track, body, frame) {
   });
 }
 
-/** Return how often robots were held up in each cell up to a step, as a map from cells. */
+/** Return a map from cells to the number of times robots were held up there up to a step. */
 export function heldUpUntil(track, until) {
   const { step, cell } = track.fleet.heldUp;
   return grown(track, "held up", countAt(step, until), (counts, i) =>
     counts.set(cell[i], (counts.get(cell[i]) ?? 0) + 1));
 }
 
-/** Return the colour, by its number, of each cell that a search has marked until a time, as a map. */
+/** Return a map from the cells that a search has marked up to a time to the numbers of their colours. */
 export function marksUntil(track, until) {
   const { time, cell, value } = track.marks;
   return grown(track, "marks", countAt(time, until), (colors, i) => colors.set(cell[i], value[i]));
 }
 
-/** Return a map to which the first entries of a list are added; what it has from an earlier time stays. */
+/** Return a map with the first `count` entries of a list. The map of an earlier time is extended if possible. */
 function grown(track, name, count, add) {
   track.grown ??= {};
   let known = track.grown[name];

@@ -1,8 +1,9 @@
-"""What a page says of tracks: a JSON value, and a block of bytes that it refers to.
+"""The data of a page: a JSON value that describes its tracks, and a block of bytes for its arrays.
 
-A reference is ``{"$": [kind, offset, length, is_delta, unit]}``, where ``kind`` is the type of the
-stored numbers (``i1``, ``i2``, ``i4`` or ``f4``, little-endian) and ``offset`` counts bytes. With
-``is_delta`` a number is the difference to the one before. ``player/track.js`` reads them.
+The JSON value refers to arrays by ``{"$": [kind, offset, length, is_delta, unit]}``. ``kind`` is
+the type of the stored numbers (``i1``, ``i2``, ``i4`` or ``f4``, little-endian), and ``offset``
+counts bytes. With ``is_delta`` each number is stored as its difference from the previous one. The
+stored numbers count multiples of ``unit``. ``player/track.js`` reads this format.
 """
 
 from __future__ import annotations
@@ -26,45 +27,46 @@ from warehouse_core.world.tiles import Cell
 
 ALIGNMENT = 4
 LEVEL = 6
-"""Level of compression; the highest takes ten times as long and makes pages 7% smaller."""
+"""Compression level. The highest level takes ten times as long and makes pages 7% smaller."""
 
 KINDS = {"i1": 2**7, "i2": 2**15, "i4": 2**31}
-"""Types of whole numbers, and what their absolute values are below."""
+"""Types of whole numbers, and the exclusive limits on their absolute values."""
 
 FINE, HALF, MILLI = 1 / 1024, 1 / 2, 1e-3
-"""Units of places, in cells: of continuous tracks, and of others, whose robots are in cells; and of
-times and batteries."""
+"""Units of stored numbers: positions of continuous tracks in cells, positions of other tracks in
+cells, whose robots are at centres of cells, and times and battery levels."""
 
 TURN, NO_HEADING = 120, 127
-"""Parts of a whole turn, and the sign of an unknown heading."""
+"""Number of parts of a whole turn, and the number that stands for an unknown heading."""
 
 NOT_SHOWN, EMPTY = -1, 0
-"""Loads of robots; a loaded one has 1 plus the age of its order."""
+"""Loads of robots that are not shown or not loaded. A loaded robot has 1 plus the age of its
+order."""
 
 DEFAULT_SPEED = 4.0
-"""Simulated seconds in a second; a step of the grid takes a second."""
+"""Simulated seconds shown per second; a step of the grid backend counts as one second."""
 
 MAX_SECONDS, MIN_SECONDS = 30.0, 6.0
-"""Most seconds in which a search is shown at the default speed; least for slow motion."""
+"""Longest duration of a search, and shortest duration of any replay, at the default speed."""
 
 MAX_TRACKS = 4
-"""Tracks of the largest page with charts: as many as ``charts.js`` has kinds of lines."""
+"""Most tracks of a page with charts, which is the number of line styles in ``charts.js``."""
 
 MAX_TEXT = 1_000
-"""Characters of a title, a caption or a label; a longer one is cut."""
+"""Most characters of a title, a caption or a label; longer ones are truncated."""
 
 Reference = dict[str, list[Any]]
 
 
 class Columns:
-    """Collects arrays, and packs them behind a JSON value that refers to them."""
+    """A collection of arrays, which are packed after a JSON value that refers to them."""
 
     def __init__(self) -> None:
         self._parts: list[bytes] = []
         self._length = 0
 
     def whole(self, values: ArrayLike, *, is_delta: bool = False, unit: float = 1) -> Reference:
-        """Add numbers, rounded to multiples of ``unit``.
+        """Add numbers, rounded to multiples of ``unit``, and return a reference to them.
 
         Raises:
             ValueError: a number is not finite, or too large for 32 bits.
@@ -78,13 +80,16 @@ class Columns:
         return self._add(kind, stored.astype(f"<{kind}"), is_delta=is_delta, unit=unit)
 
     def real(self, values: ArrayLike) -> Reference:
-        """Add numbers of single precision; NaN is one of them."""
+        """Add numbers in single precision, possibly NaN, and return a reference to them."""
         return self._add("f4", np.asarray(values, "<f4").ravel(), is_delta=False, unit=1)
 
     def table(
         self, names: str, rows: Sequence[Sequence[int | None]], unit: float = 1
     ) -> dict[str, Reference]:
-        """Add rows of numbers, a column for each of some names; ``None`` becomes -1."""
+        """Add rows of numbers, and return a reference to each column by name.
+
+        ``names`` has the names of the columns, separated by spaces. ``None`` is stored as -1.
+        """
         columns = [*zip(*rows, strict=True)] or [()] * len(names.split())
         return {
             name: self.whole(
@@ -111,7 +116,7 @@ class Columns:
 
 
 def _largest(numbers: NDArray[np.float64]) -> float:
-    """Return the largest absolute value of some numbers, or 0; raise unless 32 bits hold it."""
+    """Return the largest absolute value, or 0 without numbers; raise if it needs over 32 bits."""
     largest = float(np.abs(numbers).max(initial=0))
     if not largest < KINDS["i4"]:
         raise ValueError("a number of a page is not finite, or too large for 32 bits")
@@ -119,10 +124,10 @@ def _largest(numbers: NDArray[np.float64]) -> float:
 
 
 def packed(tracks: Sequence[Track], title: str, speed: float, opens_at: float | None = None) -> str:
-    """Return everything that a page says of tracks, as text; without ``opens_at`` it opens playing.
+    """Return the data of a page as text. Without ``opens_at`` the page plays when it opens.
 
     Raises:
-        ValueError: a place is not finite.
+        ValueError: a position is not finite.
     """
     columns = Columns()
     times = [_times(track) for track in tracks]
@@ -143,25 +148,26 @@ def packed(tracks: Sequence[Track], title: str, speed: float, opens_at: float | 
 
 
 def _times(track: Track) -> list[float]:
-    """Return the time of each frame in seconds; a step of the grid takes one."""
+    """Return the time of each frame in seconds; a step of the grid backend takes one second."""
     if track.frames[-1].clock:
         return [frame.clock for frame in track.frames]
     return [frame.progress for frame in track.frames]
 
 
 def _charts(pairs: Sequence[tuple[Track, Sequence[float]]], columns: Columns) -> list[Any]:
-    """Return the charts of some tracks with their times; series with the same title are one."""
+    """Return the charts of tracks with their times. Series with the same title share a chart."""
     charts: dict[str, list[dict[str, Any]]] = {}
     for number, (track, times) in enumerate(pairs):
         for series in series_of(track, times):
             if len(pairs) > 1 and (series.kind == "bars" or not len(series.times)):
-                continue  # bars would hide each other
+                continue  # bars of several tracks would hide each other
             charts.setdefault(series.chart, []).append(
                 {
                     "track": number,
                     "name": series.name,
                     "kind": series.kind,
                     "color": series.color,
+                    "steps": series.steps,
                     "x": columns.real(series.times),
                     "y": columns.real(series.values),
                 }
@@ -189,7 +195,7 @@ def _track(track: Track, times: Sequence[float], columns: Columns) -> dict[str, 
         "tiles": tiles,
         "tileAt": columns.whole(tile_at, is_delta=True),
         "captions": captions,
-        "tellsNext": track.tells_next,
+        "captionsNext": track.captions_next,
         "captionAt": columns.whole(caption_at, is_delta=True),
         "time": columns.whole(times, is_delta=True, unit=MILLI),
         "progress": columns.real([frame.progress for frame in frames]),
@@ -208,7 +214,7 @@ def _track(track: Track, times: Sequence[float], columns: Columns) -> dict[str, 
 
 
 def _poses(track: Track, bodies: int, columns: Columns) -> dict[str, Any]:
-    """Return place, heading and load of each body in each frame, one body after the other."""
+    """Return the position, heading and load of each body in all frames, body after body."""
     shape = len(track.frames), bodies
     places, angles, loads = np.zeros((*shape, 2)), np.full(shape, np.nan), np.full(shape, NOT_SHOWN)
     for index, frame in enumerate(track.frames):
@@ -219,7 +225,7 @@ def _poses(track: Track, bodies: int, columns: Columns) -> dict[str, Any]:
             loads[index, here] = [pose.loaded for pose in poses]
             angles[index, here] = [pose.heading for pose in poses]  # None becomes NaN
         if frame.fleet is not None:
-            ages = np.array(frame.fleet.items, np.float64)  # as here
+            ages = np.array(frame.fleet.items, np.float64)  # None becomes NaN
             loads[index, : len(ages)] = np.where(np.isnan(ages), EMPTY, 1 + ages)
     headings = np.where(np.isnan(angles), NO_HEADING, np.rint(angles / (2 * np.pi) * TURN) % TURN)
     unit = FINE if track.is_continuous else HALF
@@ -270,20 +276,20 @@ def _fleet(track: Track, robots: int, columns: Columns) -> dict[str, Any]:
     fleets = [frame.fleet for frame in track.frames if frame.fleet is not None]
     width = len(track.frames[0].tiles[0])
     battery = np.array([fleet.battery for fleet in fleets]).reshape(-1, robots)
-    ways: list[Cell] = []
+    paths: list[Cell] = []
     plans: list[tuple[int, int, int, int]] = []
     pushes: list[tuple[int, int, int]] = []
     for index, fleet in enumerate(fleets):
-        for is_wish, found in enumerate((fleet.plans.ways, fleet.plans.wishes)):
-            for robot, way in found.items():
-                ways += way
-                plans.append((index, robot, is_wish, len(ways)))
+        for is_wish, planned in enumerate((fleet.plans.paths, fleet.plans.wishes)):
+            for robot, path in planned.items():
+                paths += path
+                plans.append((index, robot, is_wish, len(paths)))
         pushes += [(index, robot, pusher) for robot, pusher in fleet.plans.pushers.items()]
     held_up = [(step, _number(cell, width)) for step, cell in track.held_up]
     return {
         "battery": columns.whole(battery.T, is_delta=True, unit=MILLI),
         "plans": columns.table("frame robot isWish end", plans),
-        "ways": columns.whole(_numbers(ways, width), is_delta=True),
+        "paths": columns.whole(_numbers(paths, width), is_delta=True),
         "pushes": columns.table("frame robot pusher", pushes),
         "heldUp": columns.table("step cell", held_up),
         **({} if track.orders is None else _orders(track, track.orders, width, columns)),
@@ -305,7 +311,7 @@ def _orders(track: Track, orders: Sequence[Order], width: int, columns: Columns)
 
 
 def _number(cell: Cell, width: int) -> int:
-    """Return a cell as ``row * W + col``."""
+    """Return a cell as the number ``row * width + col``."""
     return cell[0] * width + cell[1]
 
 
@@ -318,7 +324,7 @@ def _cut(text: str) -> str:
 
 
 def _indexed(texts: Iterable[str]) -> tuple[list[str], list[int]]:
-    """Return the different ones of some texts, and the index of each."""
+    """Return the distinct texts, and the index of each text among them."""
     number: dict[str, int] = {}
     places = [number.setdefault(text, len(number)) for text in texts]
     return list(number), places

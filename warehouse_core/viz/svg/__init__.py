@@ -1,4 +1,4 @@
-"""Animated drawings of tracks: one file of SVG each, without a script."""
+"""Animated drawings of tracks: SVG files that need no script."""
 
 from warehouse_core.viz.svg.drawing import MAX_SVG_BYTES, animated_svg
 

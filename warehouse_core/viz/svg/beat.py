@@ -1,7 +1,7 @@
-"""The clock of an animated drawing: elements that move, turn, grow or appear, by SMIL.
+"""The clock of an animated drawing, and elements that move, turn, grow or appear.
 
-SMIL needs no script. What never changes has no animation. A *span* is the first frame of a time and
-the frame after it.
+Animations are written in SMIL, which needs no script. Elements that never change have none. A
+*span* is a range of frames: the first frame, and the frame after the last one.
 """
 
 from __future__ import annotations
@@ -16,31 +16,37 @@ Key = TypeVar("Key", bound=Hashable)
 
 
 class Beat(NamedTuple):
-    """Frames of an animation, frames for which the last one rests, and seconds of each frame."""
+    """The clock of an animation that is repeated.
+
+    Attributes:
+        frames: number of frames.
+        rest: number of frames for which the last one stays before the animation starts again.
+        seconds: seconds of each frame.
+    """
 
     frames: int
     rest: int
     seconds: float
 
     def moving(self, inner: str, places: Numbers) -> str:
-        """Return a group that is at a place in each frame, and glides from one to the next."""
+        """Return a group with a position in each frame, which glides from one to the next."""
         return self._transformed("translate", inner, places)
 
     def turning(self, inner: str, degrees: Sequence[int]) -> str:
-        """Return a group that has an angle in each frame."""
+        """Return a group with an angle in each frame, which turns from one to the next."""
         return self._transformed("rotate", inner, [(angle,) for angle in degrees])
 
     def jumping(self, inner: str, places: Numbers) -> str:
-        """Return a group that is at a place in each frame, without gliding."""
+        """Return a group with a position in each frame, which jumps from one to the next."""
         return self._transformed("translate", inner, places, glides=False)
 
     def growing(self, name: str, values: Sequence[int]) -> tuple[str, str]:
-        """Return an attribute with its first value, and what animates it."""
+        """Return an attribute with its first value, and the element that animates it."""
         numbers = [(value,) for value in values]
         return f'{name}="{values[0]}"', self._animation("animate", name, numbers)
 
     def shown(self, inner: str, spans: Sequence[Span]) -> str:
-        """Return what is shown in some spans, which are in order, and hidden at other times."""
+        """Return an element that is shown in some spans, given in order, and hidden otherwise."""
         if [*spans] == [(0, self.frames)]:
             return inner
         changes = [change for span in spans for change in zip(span, (1, 0), strict=True)]
@@ -57,23 +63,23 @@ class Beat(NamedTuple):
         )
 
     def shown_from(self, inner: str, first: int) -> str:
-        """Return what is shown from a frame on."""
+        """Return an element that is shown from a frame on."""
         return self.shown(inner, [(first, self.frames)])
 
     def each(self, keys: Iterable[Key], draw: Callable[[Key], str]) -> Iterator[str]:
-        """Yield what is drawn for each key, shown in the frames that have this key."""
+        """Yield the drawing of each key, shown in the frames that have this key."""
         for key, spans in spans_of(keys).items():
             if drawn := draw(key):
                 yield self.shown(drawn, spans)
 
     @property
     def _timing(self) -> str:
-        """The attributes of every animation: how long a round takes, and that it is repeated."""
+        """Attributes of every animation: the duration of a round, and the repetition."""
         seconds = (self.frames + self.rest) * self.seconds
         return f'dur="{seconds:.5g}s" repeatCount="indefinite"'
 
     def _times(self, frames: Iterable[int]) -> str:
-        """Return when frames begin, as shares of a round."""
+        """Return the start of each frame, as a share of a round."""
         whole = self.frames + self.rest
         digits = len(str(whole)) + 2
         return ";".join(
@@ -89,12 +95,12 @@ class Beat(NamedTuple):
     def _animation(
         self, element: str, name: str, numbers: Numbers, extra: str = "", *, glides: bool = True
     ) -> str:
-        """Return what animates an attribute: only frames are named that cannot be left out."""
+        """Return the element that animates an attribute, without the frames that are redundant."""
         if all(each == numbers[0] for each in numbers):
             return ""
         kept = [*(_corners(numbers) if glides else _changes(numbers))]
         values = [",".join(map(str, numbers[frame])) for frame in kept]
-        if glides:  # the times of such animations end with the round
+        if glides:  # such animations must have a value at the end of the round
             kept, values = [*kept, self.frames + self.rest], [*values, values[-1]]
         mode = "" if glides else 'calcMode="discrete" '
         return (
@@ -104,7 +110,7 @@ class Beat(NamedTuple):
 
 
 def spans_of(keys: Iterable[Key]) -> dict[Key, list[Span]]:
-    """Return the spans of each key among the keys of all frames."""
+    """Return the spans in which each key occurs; ``keys`` has one key for each frame."""
     found: dict[Key, list[Span]] = {}
     first = 0
     for key, same in groupby(keys):
@@ -115,19 +121,19 @@ def spans_of(keys: Iterable[Key]) -> dict[Key, list[Span]]:
 
 
 def extend(spans: list[Span], first: int, end: int) -> None:
-    """Add a span to earlier ones, of which the last may go on."""
+    """Add a span to earlier ones, and merge it with the last one if they touch."""
     if spans and spans[-1][1] == first:
         first, _ = spans.pop()
     spans.append((first, end))
 
 
 def _changes(numbers: Numbers) -> Iterator[int]:
-    """Yield the first frame, and each frame with other numbers than the frame before."""
+    """Yield the first frame, and each frame whose numbers differ from the previous frame."""
     return (frame for frame, each in enumerate(numbers) if frame == 0 or each != numbers[frame - 1])
 
 
 def _corners(numbers: Numbers) -> Iterator[int]:
-    """Yield the first frame, the last, and those that are not on the way between two others."""
+    """Yield the first and last frame, and each frame that interpolation would not reproduce."""
     last = len(numbers) - 1
     yield 0
     for frame in range(1, last):

@@ -1,4 +1,4 @@
-"""What moves in an animated drawing: robots and people, items, orders, plans and hits.
+"""The moving parts of an animated drawing: robots, people, items, orders, plans and hits.
 
 All lengths are in hundredths of a cell.
 """
@@ -27,21 +27,21 @@ RADIUS = round(UNIT * ROBOT["radius"])
 """Radius of a robot."""
 
 ORDERS = ("item", "order-older", "order-nearly-due", "order-late")
-"""Colours of orders by their age, by name."""
+"""Names of the colours of orders, by age."""
 
 LATE = len(ORDERS) - 1
 
 MIN_NAMED = 20
-"""Least pixels of a cell in which the number of a robot is legible."""
+"""Least side of a cell, in pixels, for which the number of a robot is legible."""
 
 MAX_VISITS = 5
-"""Visits of a cell above which its colour stays the same."""
+"""Number of visits to a cell after which its colour no longer changes."""
 
 
 def bodies_of(track: Track, frames: Sequence[Frame], beat: Beat, pixels: float) -> Iterator[str]:
     """Yield everything on the floor in some frames of a track, from the lowest to the highest.
 
-    A cell has so many ``pixels`` a side; where these are few, robots have no names.
+    ``pixels`` is the side of a cell. In small cells, robots have no numbers.
     """
     fleets = [frame.fleet for frame in frames if frame.fleet is not None]
     robots = len(fleets[0].battery) if fleets else len(frames[0].robots)
@@ -70,14 +70,14 @@ def bodies_of(track: Track, frames: Sequence[Frame], beat: Beat, pixels: float) 
 
 
 def _filled(values: Iterable[Value | None]) -> list[Value]:
-    """Return values with the one before in place of each unknown one, or else the first known."""
+    """Return values with each ``None`` replaced by the value before it, or by the first value."""
     values = [*values]
     now = next(value for value in values if value is not None)
     return [now := now if value is None else value for value in values]
 
 
 def _nose(poses: Sequence[Pose | None], beat: Beat) -> str:
-    """Return the nose of a body, which is shown once the body has a heading."""
+    """Return the nose of a body, shown in the frames in which the body has a heading."""
     headings = [pose.heading if pose else None for pose in poses]
     has_one = spans_of(heading is not None for heading in headings).get(True)
     if has_one is None:
@@ -101,7 +101,7 @@ def _fleet_robot(
     *,
     is_named: bool,
 ) -> str:
-    """Return a robot with its number, its battery if that is low, and the item of its order."""
+    """Return a robot with its number, battery and item; large fleets show only low batteries."""
     robots, levels = len(fleets[0].battery), [fleet.battery[robot] for fleet in fleets]
     name, digits = str(robot) if is_named else "", len(str(robots - 1))
 
@@ -142,7 +142,7 @@ def _name(text: str, digits: int, look: str) -> str:
 
 
 def _item(x: int, y: int, share: float, look: str) -> str:
-    """Return a box around its middle, with a strip of tape; its side is a share of a cell."""
+    """Return a box with a strip of tape around a centre; its side is a share of a cell."""
     half = round(UNIT * share / 2)
     down, line = UNIT * share * ITEM["tape"] / ITEM["side"], UNIT * ITEM["line"]
     tape = f'<path d="M{x} {y - half}v{down:g}" class="of-dark" stroke-width="{line:g}"/>'
@@ -155,7 +155,7 @@ def _item_in(cell: Cell) -> str:
 
 
 def _orders(frames: Sequence[Frame], beat: Beat) -> Iterator[str]:
-    """Yield how many orders wait at each pickup, in the colours of their ages."""
+    """Yield the number of orders that wait at each pickup, in the colour of the oldest one."""
     waiting: dict[Point, list[tuple[int, int] | None]] = {}
     for number, frame in enumerate(frames):
         for at, count, age in frame.fleet.waiting if frame.fleet else ():
@@ -178,7 +178,7 @@ def _orders(frames: Sequence[Frame], beat: Beat) -> Iterator[str]:
 
 
 def _hits(frames: Sequence[Frame]) -> dict[Point, list[Span]]:
-    """Return the spans of the hits at each place."""
+    """Return the spans of the hits at each position."""
     found: dict[Point, list[Span]] = {}
     for number, frame in enumerate(frames):
         for at in {hit.at for hit in frame.hits}:
@@ -187,9 +187,9 @@ def _hits(frames: Sequence[Frame]) -> dict[Point, list[Span]]:
 
 
 def _lines(frames: Sequence[Frame], beat: Beat) -> Iterator[str]:
-    """Yield the planned ways of robots, and who pushes whom."""
+    """Yield the planned paths of robots, and an arrow for each robot that pushes another."""
     yield from beat.each(
-        (frame.route for frame in frames), lambda route: _way(route, "plan dots") if route else ""
+        (frame.route for frame in frames), lambda route: _path(route, "plan dots") if route else ""
     )
     drawn: dict[str, list[Span]] = {}
     for number, frame in enumerate(frames):
@@ -203,10 +203,10 @@ def _plans(frame: Frame) -> Iterator[str]:
     """Yield the plans of a fleet in a frame."""
     if frame.fleet is None:
         return
-    ways, wishes, pushers = frame.fleet.plans
-    for found, look in ((ways, "plan"), (wishes, "plan dots")):
-        for cells in found.values():
-            yield _way([(col + 0.5, row + 0.5) for row, col in cells], look)
+    paths, wishes, pushers = frame.fleet.plans
+    for plans, look in ((paths, "plan"), (wishes, "plan dots")):
+        for cells in plans.values():
+            yield _path([(col + 0.5, row + 0.5) for row, col in cells], look)
     for pushed, pusher in pushers.items():
         (x, y), (right, down) = (
             pose.at for pose in (frame.robots[pusher], frame.robots[pushed]) if pose is not None
@@ -221,12 +221,12 @@ def _places(points: Iterable[Point]) -> str:
     return " ".join(f"{UNIT * x:.0f},{UNIT * y:.0f}" for x, y in points)
 
 
-def _way(points: Iterable[Point], look: str) -> str:
+def _path(points: Iterable[Point], look: str) -> str:
     return f'<polyline points="{_places(points)}" class="{look} of-ink"/>'
 
 
 def _traces(track: Track, frames: Sequence[Frame], robot: int, beat: Beat) -> Iterator[str]:
-    """Yield what a lone robot leaves behind: visits, its trail, items; and what it does not see."""
+    """Yield the visited cells, trail and items of a robot, and a shadow on what it cannot see."""
     history, rows = History(robot), frames[0].tiles
     history.read(frames)
     yield from _visits(history, beat)
@@ -248,7 +248,7 @@ def _traces(track: Track, frames: Sequence[Frame], robot: int, beat: Beat) -> It
 
 
 def _visits(history: History, beat: Beat) -> Iterator[str]:
-    """Yield tints of the cells that a robot has come to more than once."""
+    """Yield tints of the cells that a robot has entered more than once."""
     came: dict[Cell, list[int]] = {}
     before = None
     for number, cell in zip(history.frames, history.cells, strict=True):
@@ -262,19 +262,19 @@ def _visits(history: History, beat: Beat) -> Iterator[str]:
 
 
 def _trail(poses: Sequence[Pose | None], beat: Beat) -> Iterator[str]:
-    """Yield the way of a robot, which grows behind it, in the colours of its load."""
+    """Yield the trail of a robot, which grows behind it, in the colours of its load."""
     looks = spans_of(pose and ("loaded" if pose.loaded else "robot") for pose in poses)
     for look, (first, end) in [(look, span) for look, spans in looks.items() for span in spans]:
         last = min(end, beat.frames - 1)
-        way = [pose.at for pose in poses[first : last + 1] if pose is not None]
-        gone = np.cumsum([0.0, *(math.dist(one, other) for one, other in pairwise(way))])
-        length = round(UNIT * float(gone[-1]))
-        if not look or not length or len(way) != last + 1 - first:
+        path = [pose.at for pose in poses[first : last + 1] if pose is not None]
+        driven = np.cumsum([0.0, *(math.dist(one, other) for one, other in pairwise(path))])
+        length = round(UNIT * float(driven[-1]))
+        if not look or not length or len(path) != last + 1 - first:
             continue
-        left = length - np.round(UNIT * gone).astype(int)
+        left = length - np.round(UNIT * driven).astype(int)
         offsets = [length] * first + left.tolist() + [0] * (beat.frames - 1 - last)
         offset, animation = beat.growing("stroke-dashoffset", offsets)
-        corners = [way[0], *(now for before, now in pairwise(way) if now != before)]
+        corners = [path[0], *(now for before, now in pairwise(path) if now != before)]
         yield (
             f'<polyline points="{_places(corners)}" pathLength="{length}" '
             f'stroke-dasharray="{length} {length}" {offset} class="trail of-{look}">'

@@ -1,7 +1,7 @@
-"""Tracks as one animated drawing, for pages that allow no script, such as a README.
+"""Animated drawings of tracks, for pages that allow no scripts, such as a README.
 
-It looks as the player does and follows the reader's colour scheme. Where less motion is preferred,
-it shows the moment of a picture that does not move.
+A drawing looks like the player and follows the reader's colour scheme. For readers who prefer
+reduced motion, it shows a still picture.
 """
 
 from __future__ import annotations
@@ -29,32 +29,33 @@ from warehouse_core.viz.tracks.track import (
 from warehouse_core.wording import printable, seconds_of
 
 MAX_SVG_BYTES = 2_000_000
-"""Size of the largest drawing; a page plays more, and jumps."""
+"""Size of the largest drawing. A page can play longer replays, and can jump to any moment."""
 
 REST_SECONDS = 2.0
-"""Time for which the end is shown before a round begins again."""
+"""Seconds for which the end is shown before the drawing starts again."""
 
 MAX_WIDTH, MAX_HEIGHT, MAX_CELL, MIN_WIDTH = 960, 640, 48, 420
-"""Most pixels of a floor and of a cell, and least pixels of the words around it."""
+"""Largest width and height of a floor, largest side of a cell, and least width of the text around a
+floor, in pixels."""
 
 EDGE, HEAD, FOOT, GAP, MAX_ROW = 16, 76, 34, 28, 1100
-"""Room around floors, above them for words, below them for batteries, and between them; most width
-of several floors side by side."""
+"""Space around the floors, above them for text, below them for batteries, and between them; largest
+width of a row of floors."""
 
 MANY, MANY_ROW = 5, 3 * MIN_WIDTH + 2 * GAP
-"""Floors from which on each is only as wide as its words, and most width of three of them."""
+"""Number of floors from which on each is only as wide as its text; largest width of three such."""
 
 LETTER, BOLD_LETTER = 0.54, 0.6
-"""Mean widths of a letter of small words and of a caption, as shares of their sizes."""
+"""Mean width of a letter in small text and in captions, as a share of the font size."""
 
 CAPTION, SMALL = 17, 13
-"""Sizes of words, in pixels."""
+"""Font sizes in pixels."""
 
 BAR = 130
-"""Width of a full battery, in pixels."""
+"""Width of the bar of a full battery, in pixels."""
 
 LOW_BATTERY = 0.2
-"""Share of a full battery below which its bar warns."""
+"""Share of a full battery below which its bar has the colour of a warning."""
 
 SHAPES = Template("""
 text{font-family:system-ui,-apple-system,"Segoe UI",Roboto,"Noto Sans",sans-serif;font-weight:700}
@@ -72,10 +73,10 @@ text.of-dark{paint-order:stroke;stroke-width:${letter}em;stroke-linejoin:round}.
 
 
 def animated_svg(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0) -> str:
-    """Return some tracks, side by side, as an animated drawing that is played again and again.
+    """Return an animated drawing that plays one or more tracks, side by side, in an endless loop.
 
     Args:
-        tracks: tracks, at least one, shown as in ``Timeline``.
+        tracks: tracks, at least one; see ``Timeline``.
         title: title of the drawing; by default the titles of the tracks.
         speed: factor on the playing speed.
 
@@ -135,9 +136,9 @@ def animated_svg(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0
 
 
 def _size_of(track: Track, most: float) -> tuple[float, float, float]:
-    """Return width and height of a floor with its words, and the side of a cell, in pixels.
+    """Return the width and height of a floor, and the side of a cell, in pixels.
 
-    The floor has at most a width ``most``.
+    The floor is at most ``most`` wide; the width includes the text around it.
     """
     columns, rows = track.shown_size
     cell = min(MAX_CELL, most / columns, MAX_HEIGHT / rows)
@@ -152,7 +153,7 @@ def _panels(
     corners: Sequence[tuple[float, float]],
     most: float,
 ) -> Iterator[str]:
-    """Yield each track with its words; top left corners and the most width of floors are given."""
+    """Yield each track with its text; ``corners`` has top left corners, ``most`` is a width."""
     frames_of = zip(*map(timeline.frames_at, moments), strict=True)
     for place, (track, numbers) in enumerate(zip(tracks, frames_of, strict=True)):
         wide, high, cell = _size_of(track, most)
@@ -163,7 +164,7 @@ def _panels(
         shape = f'x="{outer:g}" y="{outer:g}" width="{UNIT * columns:g}" height="{UNIT * rows:g}"'
         yield f'<clipPath id="{name}"><rect {shape}/></clipPath>'
         move = f"translate({-scale * outer:g} {HEAD - scale * outer:g}) scale({scale:.5g})"
-        # No nested drawing: it would have a clock of its own.
+        # A nested drawing would have a clock of its own.
         yield f'<g transform="translate({left:g} {top:g})"><g transform="{move}" '
         yield f'clip-path="url(#{name})">'
         yield from floor_of(track, frames, beat, cell)
@@ -179,7 +180,7 @@ def _panels(
 def _words(
     track: Track, numbers: Sequence[int], beat: Beat, width: float, foot: float
 ) -> Iterator[str]:
-    """Yield the title of a track, its counter and captions, and at its foot how it ends."""
+    """Yield the title of a track, its counter and captions, and below the floor its ending."""
     frames = [track.frames[number] for number in numbers]
     steps = track.steps
     counter = [f"step {frame.progress:.0f} of {steps}" for frame in frames]
@@ -208,9 +209,9 @@ def _words(
 
 
 def _battery(track: Track, numbers: Sequence[int], beat: Beat, top: float) -> Iterator[str]:
-    """Yield the bar of a battery, and its level in words."""
+    """Yield the bar of a battery, and its level as text."""
     levels = [track.metrics["battery"][track.step_at(number)] for number in numbers]
-    levels = [0.0 if level != level else level for level in levels]  # NaN is unknown
+    levels = [0.0 if level != level else level for level in levels]  # NaN means unknown
     full = track.full_battery
     lengths = [round(BAR * min(level / full, 1)) for level in levels]
     width, animation = beat.growing("width", lengths)
@@ -223,9 +224,9 @@ def _battery(track: Track, numbers: Sequence[int], beat: Beat, top: float) -> It
 
 
 def _style_of(body: str) -> str:
-    """Return the rules of the classes in a drawing, which need no custom properties.
+    """Return the style rules of the classes in a drawing, without custom properties.
 
-    A class ``ink`` fills with the colour of that name, a class ``of-ink`` draws lines in it.
+    The class ``ink`` fills a shape with the colour of this name; ``of-ink`` draws its lines in it.
     """
     classes = {name for names in re.findall(r'class="([^"]*)"', body) for name in names.split()}
     classes.add("paper")

@@ -1,4 +1,4 @@
-"""The floor of an animated drawing: tiles, what is not seen yet, and the marks of a search.
+"""The floor of an animated drawing: tiles, cells not seen yet, and the marks of a search.
 
 All lengths are in hundredths of a cell.
 """
@@ -15,34 +15,34 @@ from warehouse_core.viz.tracks.track import Frame, TileRows, Track
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, WALL, Cell, runs_of
 
 UNIT = 100
-"""Parts of a cell."""
+"""Length of the side of a cell."""
 
 MAX_LINED_COLUMNS = 40
-"""Columns of the widest floor that has lines between its cells."""
+"""Columns of the widest floor with lines between its cells."""
 
 STATIONS = (PICKUP, DROPOFF, CHARGER)
 
 MIN_LETTER = 16
-"""Least pixels of a cell that shows letters and the boards of shelves."""
+"""Least side of a cell, in pixels, for letters and for the boards of shelves."""
 
 MIN_TEXT = 12
-"""Least pixels of a letter, as pictures are often shown a little smaller than they are."""
+"""Least size of a letter in pixels, because pictures are often shown a little smaller."""
 
 
 def box(left: float, top: float, wide: float, high: float, look: str) -> str:
-    """Return a rectangle, in hundredths of a cell, in a colour of the palette."""
+    """Return a rectangle with the style class ``look``, in hundredths of a cell."""
     place = f'x="{left:g}" y="{top:g}" width="{wide:g}" height="{high:g}"'
     return f'<rect {place} class="{look}"/>'
 
 
 def shape(name: str, look: str, others: str = "") -> str:
-    """Return a shape of the table of tiles around the origin, in colours of the palette."""
+    """Return a shape of ``tiles.json`` around the origin, with the style classes ``look``."""
     corners = " ".join(f"{UNIT * x:g},{UNIT * y:g}" for x, y in LOOK["shapes"][name])
     return f'<polygon points="{corners}" class="{look}"{f" {others}" if others else ""}/>'
 
 
 def floor_of(track: Track, frames: Sequence[Frame], beat: Beat, pixels: float) -> Iterator[str]:
-    """Yield the floor in some frames of a track, whose cells have so many pixels a side."""
+    """Yield the floor in some frames of a track; ``pixels`` is the side of a cell."""
     rows, height, width = frames[0].tiles, len(frames[0].tiles), len(frames[0].tiles[0])
     yield box(0, 0, UNIT * width, UNIT * height, "floor")
     if width <= MAX_LINED_COLUMNS:
@@ -111,7 +111,7 @@ def _tiles(rows: TileRows, pixels: float) -> Iterator[str]:
 
 
 def _known(tiles: Sequence[TileRows]) -> list[TileRows]:
-    """Return the tiles of frames, with later tiles in cells that are not seen yet."""
+    """Return the tiles of each frame, filling cells not seen yet with their later tiles."""
     known: list[TileRows] = []
     later = before = tiles[-1]
     for rows in reversed(tiles):
@@ -123,12 +123,12 @@ def _known(tiles: Sequence[TileRows]) -> list[TileRows]:
 
 
 def _filled(line: str, later: str) -> str:
-    """Return a row of tiles, with tiles of a later row in cells that were not seen."""
+    """Return a row of tiles, with the tiles of ``later`` in cells that were not seen."""
     return "".join(map(lambda now, then: then if now == UNSEEN else now, line, later))
 
 
 def _unseen(tiles: Sequence[TileRows]) -> dict[tuple[Span, ...], list[Cell]]:
-    """Return the cells that are not seen in some frames, by the spans of these."""
+    """Return the cells that are unseen in some frames, grouped by the spans of these frames."""
     hidden: dict[Cell, list[Span]] = {}
     for rows, same in groupby(range(len(tiles)), key=tiles.__getitem__):
         first, *others = same
@@ -142,7 +142,7 @@ def _unseen(tiles: Sequence[TileRows]) -> dict[tuple[Span, ...], list[Cell]]:
 
 
 def _covered(cells: Sequence[Cell], inset: int, look: str) -> str:
-    """Return one shape of cells without their outermost parts."""
+    """Return one shape that covers cells, except for a margin ``inset`` in each cell."""
     side = UNIT - 2 * inset
     square = f"h{side}v{side}h-{side}z"
     boxes = (f"M{UNIT * col + inset} {UNIT * row + inset}{square}" for row, col in cells)
@@ -150,7 +150,7 @@ def _covered(cells: Sequence[Cell], inset: int, look: str) -> str:
 
 
 def _marks(track: Track, frames: Sequence[Frame], beat: Beat) -> Iterator[str]:
-    """Yield the cells of a search in the colours that they have by and by, and its ends."""
+    """Yield the cells that a search marks, each shown in its colours at the right times."""
     marks = track.marks
     if marks is None:
         return
@@ -177,7 +177,7 @@ def _marks(track: Track, frames: Sequence[Frame], beat: Beat) -> Iterator[str]:
 
 
 def ends_of(track: Track) -> Iterator[str]:
-    """Yield start and goal of a search, as letters."""
+    """Yield the start and the goal of a search, as letters on discs."""
     if track.marks is not None:
         for letter, (row, col) in zip("SG", track.marks.ends, strict=True):
             x, y = UNIT * col + UNIT // 2, UNIT * row + UNIT // 2

@@ -1,4 +1,7 @@
-"""What replays draw: tracks, read from records or from bare frames. Nothing heavy is imported."""
+"""Tracks, which contain everything that a replay shows, from records or from bare frames.
+
+This package imports nothing that takes long to import.
+"""
 
 from warehouse_core.viz.tracks.grid_track import track_of_frames
 from warehouse_core.viz.tracks.record_track import track_of_record

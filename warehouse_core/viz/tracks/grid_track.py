@@ -1,4 +1,4 @@
-"""What a replay of bare frames draws, without a record."""
+"""The track of bare frames, for replays without a record."""
 
 from __future__ import annotations
 
@@ -13,14 +13,14 @@ def track_of_frames(
     frames: Sequence[Sequence[Sequence[str]]],
     metrics: Mapping[str, Sequence[float | None]] | None = None,
 ) -> Track:
-    """Return the track of bare frames as ``WarehouseEnv.render_grid`` returns them.
+    """Return the track of bare frames in the format of ``WarehouseEnv.render_grid``.
 
-    A frame does not show the tile under the robot; it is taken from the nearest frame that has
-    the robot elsewhere.
+    A frame does not show the tile under the robot. This tile is taken from a frame in which the
+    robot is in another cell, if possible from a later one.
 
     Raises:
-        ValueError: frames of different sizes, an unknown character, an unknown metric, a metric
-            with more or fewer entries than frames, or an entry that cannot be plotted.
+        ValueError: the frames differ in size or have an unknown character, or a metric has an
+            unknown name, the wrong number of entries, or an entry that cannot be plotted.
 
     Example:
         >>> from warehouse_core import WarehouseEnv
@@ -87,6 +87,6 @@ def _number(name: str, frame: int, value: float | None) -> float:
         number = math.inf
     if math.isinf(number):
         raise ValueError(
-            f"metric {name!r}, frame {frame}: {value!r} is no finite number, nor None or NaN"
+            f"metric {name!r}, frame {frame}: {value!r} is not a finite number, None or NaN"
         )
     return number

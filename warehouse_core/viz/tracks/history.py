@@ -1,4 +1,4 @@
-"""What a robot has done in the frames of a track so far."""
+"""The history of a robot in the frames of a track: visited cells, pickups and deliveries."""
 
 from __future__ import annotations
 
@@ -9,13 +9,14 @@ from warehouse_core.world.tiles import Cell
 
 
 class History:
-    """Where a robot was after each step, and what became of items.
+    """The cells of a robot after each step, and its pickups and deliveries.
 
     Attributes:
         frames: number of the frame at the end of each step.
         cells: cell of the robot at the end of each step.
-        taken: frames in which the robot has just taken an item.
-        delivered: frames in which the robot has just put an item down, and the cells of the items.
+        taken: numbers of the frames in which the robot has just picked up an item.
+        delivered: numbers of the frames in which the robot has just dropped an item, each with the
+            cell of the item.
         starts_loaded: true if the robot has an item in the first frame.
     """
 
@@ -48,7 +49,7 @@ class History:
         self._read = max(self._read, len(frames))
 
     def visits(self, step: int) -> dict[Cell, int]:
-        """Return how often the robot came to each cell in the first steps."""
+        """Return how often the robot entered each cell in the first ``step`` steps."""
         visits: dict[Cell, int] = {}
         before: Cell | None = None
         for cell in self.cells[: step + 1]:

@@ -1,4 +1,4 @@
-"""The track of a record: what its replay shows, of one robot or of a fleet."""
+"""The track of a record of one robot or of a fleet, for its replay."""
 
 from __future__ import annotations
 
@@ -29,7 +29,7 @@ from warehouse_core.viz.tracks.track import (
     middle,
 )
 from warehouse_core.wording import counted, printable
-from warehouse_core.world.actions import DISPLACEMENTS, WAIT
+from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS, INVALID, WAIT, action_index
 from warehouse_core.world.moves import HEADINGS
 from warehouse_core.world.tiles import MOVE_DELTAS
 
@@ -40,13 +40,28 @@ FLASH_SECONDS = 0.6
 """Simulated seconds for which a hit is shown."""
 
 MAX_FRAMES = 100_000
-"""Limit on the frames of continuous motions, whose number follows from their duration."""
+"""Limit on the number of frames of continuous motions, which follows from their duration."""
 
 MAX_POSES = 2_000_000
-"""Limit on the places of robots and people in all frames of continuous motions."""
+"""Limit on the number of poses of robots and people in all frames of continuous motions."""
 
 LATE = len(ORDER_COLORS) - 1
 """Age of an order that is late."""
+
+ACTION_WORDS = {
+    "N": "North", "S": "South", "E": "East", "W": "West",
+    "PICK": "Pick up", "DROP": "Drop", "WAIT": "Wait",
+}  # fmt: skip
+"""Words for actions in captions."""
+
+REASON_WORDS = {
+    "greedy": "getting closer",
+    "stuck": "stuck, trying a random move",
+    "escape": "escaping a loop",
+    "no goal": "no goal to go to",
+    "key": "key pressed",
+}
+"""Words in captions for the short reasons of the chapter's greedy agent and of a human player."""
 
 NOTHING_CARRIED = -1
 
@@ -60,16 +75,16 @@ def track_of_record(
 
     Args:
         record: record of one robot or of a fleet.
-        frame_seconds: simulated time between two frames of continuous motions; ``None`` gives
-            one frame a step, as for motions that are not continuous.
-        plans: plans of a fleet to be drawn, the one before the first step first; there may be fewer
-            plans than steps.
+        frame_seconds: simulated time between two frames of continuous motions; ``None`` gives one
+            frame per step, as for motions that are not continuous.
+        plans: plans of a fleet before each step, beginning with the first; there may be fewer plans
+            than steps.
 
     Raises:
         ValueError: ``frame_seconds`` is not a positive finite number, or a plan does not fit the
             record.
-        TypeError: an argument of another type.
-        RecordError: continuous motions take more than ``MAX_FRAMES`` frames.
+        TypeError: an argument has the wrong type.
+        RecordError: continuous motions need more than ``MAX_FRAMES`` frames or ``MAX_POSES`` poses.
 
     Example:
         >>> from agents import GreedyAgent
@@ -114,7 +129,7 @@ def track_of_record(
 
 
 def _check_frames(record: Episode, frame_seconds: float) -> None:
-    """Raise if the motions of all bodies are too long to be drawn.
+    """Check that the motions of all bodies are not too long to be drawn.
 
     A step takes as long as the longest of its motions, as in ``frames_along``.
     """
@@ -125,15 +140,15 @@ def _check_frames(record: Episode, frame_seconds: float) -> None:
     if seconds > most * frame_seconds:
         limit = f"MAX_FRAMES = {MAX_FRAMES}"
         if most < MAX_FRAMES:
-            limit = f"MAX_POSES = {MAX_POSES} allow for {bodies:,} bodies"
+            limit = f"MAX_POSES = {MAX_POSES} allows for {bodies:,} bodies"
         raise RecordError(
             f"the motions take {seconds:g} s; with a frame every {frame_seconds:g} s "
-            f"that is more than {limit}"
+            f"this is more than {limit}"
         )
 
 
 def title_of(record: Episode) -> str:
-    """Return the agent, the backend and the seed of a record, and how many robots a fleet has."""
+    """Return the title of a record: its agent, backend and seed, and the size of a fleet."""
     agent = record.agent or ("Fleet" if record.is_fleet else "Warehouse")
     robots = f", {counted(record.robots, 'robot')}" if record.is_fleet else ""
     seed = "" if record.seed is None else f", seed {record.seed}"
@@ -141,15 +156,23 @@ def title_of(record: Episode) -> str:
 
 
 def step_captions(record: Episode) -> list[str]:
-    """Return for each step of a lone robot the action and its reason."""
+    """Return for each step of a single robot the action and its reason, in words."""
     return [
-        printable(f"{action} ({reason})" if reason else str(action))
+        ": ".join(
+            filter(None, (_action_words(action), REASON_WORDS.get(reason, printable(reason))))
+        )
         for action, reason in zip(record.actions, record.reasons, strict=True)
     ]
 
 
+def _action_words(action: str | int) -> str:
+    """Return an action in words, and an action that does not exist as the agent gave it."""
+    index = action_index(action)
+    return printable(str(action)) if index == INVALID else ACTION_WORDS[ACTIONS[index]]
+
+
 def _frames(record: Episode, frame_seconds: float | None) -> Iterator[Frame]:
-    """Yield the frames of a lone robot, one a step or one every ``frame_seconds``."""
+    """Yield the frames of a single robot, one per step or one every ``frame_seconds``."""
     rows, size = record.layout.rows, record.cell_size
     last = Frame(rows, (Pose(middle(record.cells[0]), None, record.loaded[0]),), 0.0)
     yield last
@@ -172,7 +195,7 @@ def _frames(record: Episode, frame_seconds: float | None) -> Iterator[Frame]:
 def _fleet_frames(
     episode: Episode, frame_seconds: float | None, plans: Sequence[StepPlans]
 ) -> Iterator[Frame]:
-    """Yield the frames of a fleet, one a step or one every ``frame_seconds``."""
+    """Yield the frames of a fleet, one per step or one every ``frame_seconds``."""
     orders, bodies = _Orders(episode), np.hstack([episode.cells, episode.people])
     no_items = [False] * episode.people.shape[1]
     layout, rows, size = episode.layout, episode.layout.rows, episode.cell_size
@@ -212,10 +235,10 @@ _ANGLES = np.array([ANGLES[MOVE_DELTAS[heading]] for heading in HEADINGS])
 
 
 def _headings(episode: Episode) -> Iterator[list[float | None]]:
-    """Yield for each frame the heading of each body, or else its last direction, as an angle."""
+    """Yield for each frame the angle of each body, from its heading or its last move."""
     headings: list[float | None] = [None] * episode.settings.bodies
     of_frames = np.reshape(episode.headings, (episode.steps + 1, -1)).astype(np.intp)
-    known = _ANGLES.take(of_frames).tolist()  # no columns without headings
+    known = _ANGLES.take(of_frames).tolist()  # without headings it has no columns
     yield [*known[0], *headings[len(known[0]) :]]
     width = episode.layout.width
     angle_of = {1: 0.0, width: math.pi / 2, -1: math.pi, -width: -math.pi / 2}
@@ -227,7 +250,7 @@ def _headings(episode: Episode) -> Iterator[list[float | None]]:
 
 
 def _hits(episode: Episode, step: int) -> tuple[DrawnHit, ...]:
-    """Return where robots were blocked in a step: half way to the cell that they did not reach."""
+    """Return the hits of a step, each halfway between a blocked robot and its target cell."""
     hits, actions = [], episode.counted_actions(step)
     for robot in np.flatnonzero(episode.stopped_by[step] != NOTHING).tolist():
         row, col = episode.layout.cell(episode.cells[step, robot])
@@ -238,7 +261,7 @@ def _hits(episode: Episode, step: int) -> tuple[DrawnHit, ...]:
 
 
 class _Orders:
-    """The orders of an episode, as they are after any number of steps."""
+    """The orders of an episode, and their state after any number of steps."""
 
     def __init__(self, episode: Episode) -> None:
         self._episode, never = episode, episode.steps + 1
@@ -257,7 +280,7 @@ class _Orders:
         self._full = episode.settings.battery.capacity
 
     def at(self, step: int) -> FleetFrame:
-        """Return what a frame shows of orders, and of batteries."""
+        """Return the orders and batteries in the frame after ``step`` steps."""
         age = self._ages(step)
         waits = (self._released <= step) & (step < self._taken)
         counts = np.bincount(self._pickup[waits], minlength=len(self._pickups)).tolist()
@@ -277,7 +300,7 @@ class _Orders:
         )
 
     def caption(self, step: int) -> str:
-        """Return how many orders have been delivered, are carried and wait, in words."""
+        """Return in words how many orders have been delivered, are carried, and are waiting."""
         if not len(self._released):
             return ""
         delivered = self._delivered <= step
@@ -288,7 +311,7 @@ class _Orders:
         return f"{delivered.sum():,} delivered{late_ones}, {carried:,} carried, {waiting:,} waiting"
 
     def _ages(self, step: int) -> NDArray[np.intp]:
-        """Return the age of each order: the third of its time that it is in, or ``LATE``."""
+        """Return the age of each order: the present third of its time until due, or ``LATE``."""
         time = np.maximum(self._due - self._released, 1)
         third = np.clip(LATE * (step - self._released) // time, 0, LATE - 1)
         ages: NDArray[np.intp] = np.where(step > self._due, LATE, third)
@@ -296,7 +319,7 @@ class _Orders:
 
 
 def _fleet_metrics(episode: Episode) -> dict[str, Sequence[float]]:
-    """Return what the charts of a fleet show after each step."""
+    """Return the metrics of a fleet after each step; see ``Track``."""
     steps = episode.steps
     if episode.settings.orders is None:
         gone = episode.loaded[:-1] & ~episode.loaded[1:]
@@ -320,7 +343,7 @@ def _joules_used(episode: Episode) -> list[float]:
 
 
 def _lateness(episode: Episode) -> list[tuple[int, int]]:
-    """Return the step of each delivery, and by how many steps it was late."""
+    """Return the step and the lateness in steps of each delivery, in order of the steps."""
     return sorted(
         (order.delivered, order.delivered - order.due)
         for order in episode.orders
@@ -344,9 +367,15 @@ def frames_along(
     frame_seconds: float,
     caption: str,
 ) -> Iterator[Frame]:
-    """Yield the frames along the paths of one action of each body, the last where they end.
+    """Yield the frames of one step along the paths of all bodies, ending where the paths end.
 
-    They follow ``start``; ``loaded`` tells which bodies hold an item after the action.
+    Args:
+        start: frame before the step.
+        motions: motion of each body.
+        loaded: true for each body that holds an item after the step.
+        cell_size: side of a cell in metres.
+        frame_seconds: simulated time between two frames.
+        caption: caption of the frames.
     """
     seconds, joules = max(motion.seconds for motion in motions), motions[0].joules
     count = max(1, round(seconds / frame_seconds))
@@ -389,6 +418,6 @@ def frames_along(
 
 
 def hit_of(contact: Contact, cell_size: float, label: str, robot: int = 0) -> DrawnHit:
-    """Return what is shown of a contact, whose point is in metres."""
+    """Return the hit to draw for a contact, whose point is in metres."""
     x, y = contact.point
     return DrawnHit((x / cell_size, y / cell_size), label, robot)

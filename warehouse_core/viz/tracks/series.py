@@ -1,4 +1,4 @@
-"""What charts draw beside the floor of a track, in a page as in a window."""
+"""The data series of the charts next to a floor, the same on a page and in a window."""
 
 from __future__ import annotations
 
@@ -14,7 +14,18 @@ INK, WARNING = "ink", "warning"
 
 
 class Series(NamedTuple):
-    """Numbers in a chart: its title, their name, how they are drawn, their times and themselves."""
+    """One series of a chart.
+
+    Attributes:
+        chart: title of the chart.
+        name: name of the series in the chart.
+        kind: style in which the series is drawn.
+        color: name of its colour in the palette.
+        times: time of each value.
+        values: values, NaN where nothing is drawn.
+        steps: word for values that count steps, such as ``"late"`` for "3 steps late"; empty for
+            other values.
+    """
 
     chart: str
     name: str
@@ -22,10 +33,11 @@ class Series(NamedTuple):
     color: str
     times: Sequence[float]
     values: Sequence[float]
+    steps: str = ""
 
 
 def series_of(track: Track, times: Sequence[float]) -> Iterator[Series]:
-    """Yield what is drawn of a track beside its floor; ``times`` has an entry for each frame."""
+    """Yield the series of the charts of a track; ``times`` has the time of each frame."""
     steps = [times[end] for end in track.ends]
     metrics = track.metrics
     if "rewards" in metrics:
@@ -52,10 +64,10 @@ def _series_of_orders(track: Track, steps: Sequence[float]) -> Iterator[Series]:
     yield Series("Orders", "released", "thin", INK, steps, metrics["released"])
     yield Series("Orders", "delivered", "steps", INK, steps, metrics["delivered"])
     title = "Lateness (steps)"
-    for name, color, is_late in (("on time", "battery", False), ("late", WARNING, True)):
-        shown = [(step, by) for step, by in track.lateness if (by > 0) == is_late]
+    for name, word, color in (("on time", "early", "battery"), ("late", "late", WARNING)):
+        shown = [(step, by) for step, by in track.lateness if (by > 0) == (name == "late")]
         ends = [steps[step] for step, _ in shown]
-        yield Series(title, name, "dots", color, ends, [by for _, by in shown])
+        yield Series(title, name, "dots", color, ends, [by for _, by in shown], word)
     mean, lowest = (
         [100 * share for share in metrics[name]] for name in ("battery_mean", "battery_lowest")
     )

@@ -1,4 +1,4 @@
-"""The signs of a legend: what is in the pictures of a track, and nothing else."""
+"""The signs of a legend, which explain only what occurs in the pictures of a track."""
 
 from __future__ import annotations
 
@@ -22,22 +22,23 @@ from warehouse_core.world.tiles import (
 WORDS: dict[str, str] = LOOK["words"]
 
 ORDER = "order-"
-"""Start of the names of orders, before their ages."""
+"""Prefix of the names of signs of orders, before their age."""
 
 Sign = tuple[str, str]
-"""Name of a sign, by which a painter knows its look, and its words."""
+"""Name of a sign, which determines its look, and its label."""
 
 
 def signs_of(track: Track) -> list[Sign]:
-    """Return the signs of all that any frame of a track shows.
+    """Return the signs of everything that occurs in any frame of a track.
 
-    A name is a key of the words in ``tiles.json``, the age of an order, or a colour of a search.
+    The name of a sign is a key of the words in ``tiles.json``, ``ORDER`` and the age of an order,
+    or a colour of a search.
     """
     return [*_robots(track), *_tiles(track), *_events(track)]
 
 
 def _robots(track: Track) -> Iterator[Sign]:
-    """Yield the signs of robots and people, and of what robots have and leave behind."""
+    """Yield the signs of robots, people, items, batteries, plans and trails."""
     poses = [pose for frame in track.frames for pose in frame.robots if pose is not None]
     for letter, is_loaded in ((ROBOT_EMPTY, False), (ROBOT_LOADED, True)):
         if any(pose.loaded == is_loaded for pose in poses):
@@ -57,14 +58,14 @@ def _robots(track: Track) -> Iterator[Sign]:
     yield from _named(
         low=lowest < LOOK["battery"]["low"],
         stranded=lowest <= 0,
-        plans=any(each.ways for each in plans),
+        plans=any(each.paths for each in plans),
         wishes=any(each.wishes for each in plans),
         pushes=any(each.pushers for each in plans),
     )
 
 
 def _traces(track: Track, *, has_item: bool) -> Iterator[Sign]:
-    """Yield the signs of items, trails and the view of robots that are no fleet."""
+    """Yield the signs of items, trails and views of robots that are not a fleet."""
     frames = track.frames
     histories = [History(robot) for robot in range(len(frames[0].robots))]
     for history in histories:
@@ -113,7 +114,7 @@ def _tiles(track: Track) -> Iterator[Sign]:
 
 
 def _events(track: Track) -> Iterator[Sign]:
-    """Yield the signs of hits, of a planned way, and of a search with its path."""
+    """Yield the signs of hits, of a planned path, and of a search with its path."""
     yield from _named(
         hit=any(frame.hits for frame in track.frames),
         plan=track.marks is None and any(frame.route for frame in track.frames),
@@ -130,7 +131,7 @@ def _with_letter(letter: str) -> Sign:
 
 
 def _named(**are_shown: bool) -> Iterator[Sign]:
-    """Yield the signs that are shown."""
+    """Yield the signs whose names have the value ``True``."""
     for name, is_shown in are_shown.items():
         if is_shown:
             key = name.replace("_", "-")

@@ -1,4 +1,4 @@
-"""The moments that a picture of some tracks shows."""
+"""The sequence of moments in which one or more tracks are shown together."""
 
 from __future__ import annotations
 
@@ -11,15 +11,15 @@ from warehouse_core.wording import seconds_of
 
 
 class Timeline:
-    """The moments that a picture of some tracks shows.
+    """The sequence of moments in which one or more tracks are shown together.
 
-    A single track is shown frame by frame. If a motion of several tracks is continuous and all have
-    clocks, they are shown at the same simulated time, else after the same number of steps; the
-    shorter one waits at its end. The clocks of searches count expansions.
+    A single track is shown frame by frame. Several tracks are shown at the same simulated time if
+    all have clocks and at least one has continuous motions, and otherwise after the same number of
+    steps. A track that ends earlier stays at its end. The clocks of searches count expansions.
 
     Attributes:
         in_seconds: true if moments are times of clocks, false if they are steps.
-        moments: moments in order; the last one is the end.
+        moments: moments in ascending order; the last one is the end.
     """
 
     def __init__(self, tracks: Sequence[Track]) -> None:
@@ -34,7 +34,7 @@ class Timeline:
 
     @property
     def still(self) -> int:
-        """The moment of a picture that does not move: of several tracks the end."""
+        """Number of the moment that a still picture shows; for several tracks this is the end."""
         return self._tracks[0].still if len(self._tracks) == 1 else len(self.moments) - 1
 
     def frames_at(self, number: int) -> list[int]:
@@ -45,14 +45,14 @@ class Timeline:
         return [bisect_right(times, moment + 1e-9) - 1 for times in self._times]
 
     def words(self, number: int) -> str:
-        """Return a moment in words."""
+        """Return the moment with this number in words."""
         moment = self.moments[number]
         if self._tracks[0].marks is not None:
             return f"after {moment:.0f} of {self.moments[-1]:.0f} expansions"
         return f"{seconds_of(moment)} s" if self.in_seconds else f"step {moment:g}"
 
     def _find_moments(self, tracks: Sequence[Track]) -> list[float]:
-        """Return each step, or times as close as the frames of a motion."""
+        """Return all steps, or times that are as close together as the frames of the motions."""
         end = max(times[-1] for times in self._times)
         if not self.in_seconds:
             return sorted({moment for times in self._times for moment in times})
@@ -62,5 +62,5 @@ class Timeline:
 
 
 def time_of(frame: Frame, *, in_seconds: bool) -> float:
-    """Return the time of a frame by its clock, or its progress in steps."""
+    """Return the time of a frame, in seconds of its clock or in steps."""
     return frame.clock if in_seconds else frame.progress

@@ -1,7 +1,7 @@
-"""What a replay draws: frames, and what changes with the steps.
+"""The data of a replay: its frames, and the values that change from step to step.
 
-Positions are in cells here: ``x`` counts columns and ``y`` rows from the top left corner, so the
-middle of cell ``(row, col)`` is at ``x = col + 0.5``, ``y = row + 0.5``.
+Positions are in cells: ``x`` counts columns and ``y`` counts rows from the top left corner, so the
+centre of cell ``(row, col)`` is at ``x = col + 0.5``, ``y = row + 0.5``.
 """
 
 from __future__ import annotations
@@ -19,22 +19,22 @@ from warehouse_core.render.palette import LOOK, Color
 from warehouse_core.world.tiles import WALL, Cell
 
 OUTER: float = LOOK["border"]["outer"]
-"""Share of the cells of a border of walls that is not shown."""
+"""Share of the width of a border of walls that is not shown."""
 
 INTERVAL_MS = 150
 """Milliseconds between frames of a replay."""
 
 CONTINUOUS_FRAMES = 3
-"""Frames of continuous motions that are shown in the time of one step of a grid."""
+"""Number of frames of a continuous motion that are shown in the time of one grid step."""
 
 LONG_SECONDS = 100
-"""Seconds of the longest episode whose clock shows tenths."""
+"""Duration, in seconds, up to which the clock of an episode shows tenths of a second."""
 
 MIN_PACE, MAX_PACE = 1e-6, 1e9
 """Limits on the playing speed, and on the milliseconds between frames."""
 
 METRICS = ("rewards", "battery", "dist_pickup", "dist_dropoff")
-"""Names of what the charts of one robot show."""
+"""Names of the metrics of a single robot."""
 
 TileRows = tuple[str, ...]
 Point = tuple[float, float]
@@ -42,7 +42,7 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class DrawnHit:
-    """A collision: where, in cells, the label drawn beside it, and the index of the robot."""
+    """A collision: its position in cells, the label next to it, and the index of the robot."""
 
     at: Point
     label: str
@@ -51,7 +51,7 @@ class DrawnHit:
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """Where a robot is, in cells, its heading (radians, or ``None``), and whether it is loaded.
+    """The position of a robot in cells, its heading (radians, or ``None``), and its load.
 
     Example:
         >>> from warehouse_core.viz.tracks import Pose
@@ -65,7 +65,7 @@ class Pose:
 
 
 class Waiting(NamedTuple):
-    """Orders that wait in a place, their number, and the greatest of their ages."""
+    """Orders that wait at a pickup: its position, their number, and the greatest of their ages."""
 
     at: Point
     number: int
@@ -73,10 +73,13 @@ class Waiting(NamedTuple):
 
 
 class FleetFrame(NamedTuple):
-    """What a frame of a fleet shows: orders that wait, for each robot what it has, and plans.
+    """The data of a fleet in a frame. An *age* of an order is an index into ``ORDER_COLORS``.
 
-    That is the age of its item or ``None``, and its share of a full battery. An *age* is an index
-    into ``ORDER_COLORS``.
+    Attributes:
+        waiting: orders that wait at pickups.
+        items: age of the order that each robot carries, or ``None``.
+        battery: battery level of each robot, as a share of a full battery.
+        plans: plans of the robots.
     """
 
     waiting: tuple[Waiting, ...]
@@ -89,12 +92,12 @@ class Marks(NamedTuple):
     """Cells that change their colour, such as those that a search expands.
 
     Attributes:
-        times: ``[K]``, not decreasing.
-        cells: ``[K]``.
-        values: ``[K]`` indices into ``colors``.
-        colors: colours of the floor from then on.
+        times: ``[K]`` times of the changes, not decreasing.
+        cells: ``[K]`` cells that change.
+        values: ``[K]`` indices into ``colors``, the new colour of each cell.
+        colors: colours of marked cells.
         names: names of the colours, for the legend.
-        ends: start and goal.
+        ends: start and goal of the search.
     """
 
     times: Sequence[int]
@@ -107,20 +110,20 @@ class Marks(NamedTuple):
 
 @dataclass(slots=True)
 class Frame:
-    """One drawn frame. In a continuous track it is a moment inside a motion.
+    """One frame of a track. In a continuous track it is a moment within a motion.
 
     Attributes:
-        tiles: rows of tiles without the robots, ``UNSEEN`` where a cell has not been seen.
-        robots: pose of each robot, ``None`` for one that is not shown; in a fleet poses of people
-            follow.
-        progress: steps taken, with a fraction inside a continuous motion.
-        caption: the action and its reason; in the last frame of an episode its diagnosis.
-        hits: the collisions to show.
+        tiles: rows of tiles without the robots; ``UNSEEN`` for cells that have not been seen.
+        robots: pose of each robot, or ``None`` if it is not shown. In a fleet the poses of the
+            people follow.
+        progress: number of steps taken, with a fraction within a continuous motion.
+        caption: action and its reason; in the last frame of an episode its diagnosis.
+        hits: collisions to show.
         clock: simulated seconds; 0 in all frames if the track has no motions.
         speed: speed of the first robot, in m/s.
-        energy: used so far by all robots, in joules.
-        route: the planned way of the robot; empty where no plan is shown.
-        fleet: orders and batteries of a fleet.
+        energy: energy used so far by all robots, in joules.
+        route: points of the planned path of the robot; empty if no plan is shown.
+        fleet: orders, batteries and plans of a fleet.
 
     Example:
         >>> from warehouse_core import WarehouseEnv
@@ -144,25 +147,27 @@ class Frame:
 
 @dataclass(slots=True)
 class Track:
-    """Everything a replay shows. ``S`` is the number of steps plus one.
+    """Everything that a replay shows. ``S`` is the number of steps plus one.
 
     Attributes:
         frames: frames, at least one; all have the same number of robots.
-        metrics: ``[S]`` what charts show, by ``METRICS``, NaN where nothing is drawn; of fleets
-            orders released and delivered and joules used so far, and shares of full batteries.
-        is_continuous: true if frames have a speed, and show moments inside a step.
+        metrics: ``[S]`` values of each of ``METRICS``, by name, NaN where nothing is drawn. For a
+            fleet: orders released, orders delivered and joules used so far, and battery levels as
+            shares of a full battery.
+        is_continuous: true if there are frames within steps, which have a speed.
         full_battery: units of a full battery.
-        title: shown above the grid.
+        title: title, shown above the grid.
         ending: outcome, shown with the last frame.
-        lateness: step of each delivery of a fleet, and by how many steps it was late.
-        orders: orders of a fleet, for a page; ``None`` if it does not show them.
+        lateness: step of each delivery of a fleet, and its lateness in steps, which is negative
+            if the delivery was early.
+        orders: orders of a fleet; ``None`` if a page does not show them.
         assignments: step, robot and order of each assignment of these orders.
-        held_up: step and cell of each time that a robot of a fleet was held up, for a page.
-        view_radius: cells that a robot sees in each direction, ``None`` if unknown.
+        held_up: step and cell of each time a robot of a fleet was held up, for a page.
+        view_radius: number of cells that a robot sees in each direction; ``None`` if unknown.
         slippery: cells with slippery floor.
-        motor_strength: actual share of the motor force.
+        motor_strength: actual motor force, as a share of the nominal force.
         marks: cells that a search has coloured.
-        tells_next: true if a caption is about the next step, false if about the last one.
+        captions_next: true if a caption is about the next step, false if about the previous one.
 
     Example:
         >>> from agents import GreedyAgent
@@ -187,17 +192,17 @@ class Track:
     slippery: tuple[Cell, ...] = ()
     motor_strength: float = 1.0
     marks: Marks | None = None
-    tells_next: bool = False
+    captions_next: bool = False
 
     def __len__(self) -> int:
         return len(self.frames)
 
     def step_at(self, frame: int) -> int:
-        """Return how many steps are complete in ``frame``."""
+        """Return the number of steps that are complete in ``frame``."""
         return math.floor(self.frames[frame].progress)
 
     def rewards_until(self, step: int) -> tuple[list[float], list[float]]:
-        """Return the rewards of all steps up to one, with NaN as 0, and their running sums."""
+        """Return the rewards up to ``step``, with 0 for NaN, and their running sums."""
         rewards = [0.0 if math.isnan(r) else r for r in self.metrics["rewards"][: step + 1]]
         return rewards, [*accumulate(rewards)]
 
@@ -208,25 +213,25 @@ class Track:
 
     @property
     def ends(self) -> list[int]:
-        """``[S]`` the frame in which each step is complete."""
+        """``[S]`` number of the frame in which each step is complete."""
         return [n for n, frame in enumerate(self.frames) if frame.progress.is_integer()]
 
     @property
     def clock_digits(self) -> int:
-        """The decimals that the clock of the track shows."""
+        """Number of decimals that the clock of the track shows."""
         return 0 if self.frames[-1].clock > LONG_SECONDS else 1
 
     @property
     def clocks(self) -> list[float]:
-        """``[S]`` the simulated seconds at which each step was complete."""
+        """``[S]`` simulated seconds at which each step is complete."""
         return [self.frames[end].clock for end in self.ends]
 
     @property
     def still(self) -> int:
-        """The frame that tells most, for a picture that does not move.
+        """Number of the most informative frame, for a still picture.
 
-        A track of one step is about its first hit, one with plans about the plans of most robots
-        that push or have one; others are about how they end.
+        For a track of one step this is the frame of its first hit. For a track with plans it is the
+        frame in which most robots push others or have a plan. For other tracks it is the last one.
         """
         hits = (number for number, frame in enumerate(self.frames) if frame.hits)
         hit = next(hits, None) if self.steps == 1 else None
@@ -236,7 +241,7 @@ class Track:
         def planned(number: int) -> tuple[int, int, int]:
             fleet = self.frames[number].fleet
             plans = fleet.plans if fleet else NO_PLANS
-            return len(plans.pushers), len(plans.ways), number
+            return len(plans.pushers), len(plans.paths), number
 
         return max(range(len(self)), key=planned)
 
@@ -247,12 +252,12 @@ class Track:
 
     @property
     def counts_orders(self) -> bool:
-        """Whether the charts are about the orders of a fleet."""
+        """Whether the charts show the orders of a fleet."""
         return "delivered" in self.metrics
 
     @property
     def outer(self) -> float:
-        """Share of the outermost cells that is not shown, where they are walls in all frames."""
+        """Share of the outermost cells that is not shown; 0 unless all of them are always walls."""
         first, sides = self.frames[0].tiles, set[str]()
         for rows in {frame.tiles for frame in self.frames}:
             sides.update(rows[0], rows[-1], *(line[0] + line[-1] for line in rows))
@@ -261,11 +266,11 @@ class Track:
 
     @property
     def shown_size(self) -> tuple[float, float]:
-        """Width and height of what is shown of the map, in cells."""
+        """Width and height of the visible part of the map, in cells."""
         rows, outer = self.frames[0].tiles, self.outer
         return len(rows[0]) - 2 * outer, len(rows) - 2 * outer
 
 
 def middle(cell: Cell) -> Point:
-    """Return the middle of a cell."""
+    """Return the centre of a cell as ``(x, y)``."""
     return cell[1] + 0.5, cell[0] + 0.5

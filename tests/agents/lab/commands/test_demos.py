@@ -49,7 +49,7 @@ def test_robots_push_each_other_only_to_cells_beside_them():
     for frame, pair in pushes:
         (x, y), (to_x, to_y) = (frame.robots[robot].at for robot in pair)
         assert abs(x - to_x) + abs(y - to_y) == 1
-    assert [*frames[0].fleet.plans.ways] == [0, 1, 2]
+    assert [*frames[0].fleet.plans.paths] == [0, 1, 2]
 
 
 def test_lanes_deliver_much_more_on_the_crowded_floor():
@@ -58,7 +58,7 @@ def test_lanes_deliver_much_more_on_the_crowded_floor():
     assert int(with_lanes.replace(",", "")) > 1.4 * int(without.replace(",", ""))
     assert gain.startswith("+")
     texts = [text.get_text() for text in picture.draw().texts]
-    assert {"Without lanes", "With lanes", f"{without} deliveries an hour"} <= {*texts}
+    assert {"Without lanes", "With lanes", f"{without} deliveries per hour"} <= {*texts}
 
 
 def test_a_demo_is_one_command_and_one_picture(tmp_path, warehouse):

@@ -65,7 +65,7 @@ def test_a_key_is_an_action(driver: KeyDriver, keys: list[str]) -> None:
     press(driver.figure, *keys, "x", "ctrl+p", "shift", "f", "home", "1", None)
     assert driver.episode.actions == ["N", "E", "S", "W", "PICK", "DROP", "WAIT"]
     assert driver.episode.reasons == ["key"] * 7
-    assert "WAIT (key)" in words_in(driver.figure)
+    assert "Wait: key pressed" in words_in(driver.figure)
     assert "step 7 of 8" in words_in(driver.figure)
 
 
@@ -131,7 +131,7 @@ def test_play_reports_and_saves_a_game(
         "game 1",
         f"You on the grid backend, seed {SEED}, stations drawn",
         "outcome         delivered",
-        "diagnosis       delivered in 4 steps; the shortest way takes 4",
+        "diagnosis       delivered in 4 steps; the minimum is 4",
         "total reward    14.60",
         "final battery   86 of 90",
         "episode length  4 of at most 50 steps",

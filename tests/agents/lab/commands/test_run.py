@@ -110,7 +110,8 @@ def test_the_report_names_the_failure_mode_if_it_is_not_the_outcome(
     lines = capsys.readouterr().out.splitlines()
     assert lines[1] == "outcome         out of time"
     assert lines[2] == (
-        "diagnosis       oscillation: swung between (0, 0), (0, 1) and (1, 1) for the last 38 steps"
+        "diagnosis       oscillation: kept moving between (0, 0), (0, 1) and (1, 1) for the last "
+        "38 steps"
     )
 
 

@@ -50,5 +50,5 @@ def test_the_panels_have_one_scale_and_their_deliveries() -> None:
     assert said[:2] == ["two fleets", "a few"]
     for each in (few, many):
         share = held_up_cells(each).sum() / (each.steps * each.robots)
-        assert f"{each.measures.per_hour:,.0f} deliveries an hour" in said
-        assert f"held up in {share:.0%} of the robots' steps" in said
+        assert f"{each.measures.per_hour:,.0f} deliveries per hour" in said
+        assert f"robots held up in {share:.0%} of their steps" in said

@@ -56,19 +56,19 @@ function wordsAt(steps, changes = {}) {
 
 test("a robot is to pick its order at the pickup until it is taken, then carries it to the dropoff", () => {
   assert.deepEqual(wordsAt([0, 3, 4, 9, 10, 12]), [
-    "0, to be picked at (1, 1), due in 9",
-    "0, to be picked at (1, 1), due in 6",
-    "0, carried to (8, 8), due in 5",
-    "0, carried to (8, 8), due in 0",
-    "2, to be picked at (1, 2), due in 2",
+    "0, to be picked up at (1, 1), due in 9 steps",
+    "0, to be picked up at (1, 1), due in 6 steps",
+    "0, carried to (8, 8), due in 5 steps",
+    "0, carried to (8, 8), due in 0 steps",
+    "2, to be picked up at (1, 2), due in 2 steps",
     "none",
   ]);
 });
 
 test("an order whose dropoff is its pickup is to be picked until it is taken", () => {
   assert.deepEqual(wordsAt([3, 4], { dropoff: orders.pickup }), [
-    "0, to be picked at (1, 1), due in 6",
-    "0, carried to (1, 1), due in 5",
+    "0, to be picked up at (1, 1), due in 6 steps",
+    "0, carried to (1, 1), due in 5 steps",
   ]);
 });
 
@@ -76,7 +76,7 @@ test("a history has what a robot did so far, the last first", () => {
   assert.deepEqual(historyOf(orders, 0, 3), []);
   assert.deepEqual(historyOf(orders, 0, 10), [
     { step: 10, what: "delivered", order: 0 },
-    { step: 4, what: "picked", order: 0 },
+    { step: 4, what: "picked up", order: 0 },
   ]);
-  assert.deepEqual(historyOf(orders, 1, 99), [{ step: 5, what: "picked", order: 1 }]);
+  assert.deepEqual(historyOf(orders, 1, 99), [{ step: 5, what: "picked up", order: 1 }]);
 });

@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { extent, seconds, shown, ticks } from "../../../../warehouse_core/viz/player/scale.js";
+import { extent, seconds, shown, stepsOf, ticks } from "../../../../warehouse_core/viz/player/scale.js";
 
 test("ticks are round, lie within the axis and are about as many as asked for", () => {
   assert.deepEqual(ticks(0, 10, 5), [0, 2, 4, 6, 8, 10]);
@@ -34,4 +34,8 @@ test("numbers are shown with groups, few digits and a minus sign", () => {
 test("a time has a decimal whatever its last bits are, as in test_wording.py", () => {
   const times = [49.75, 49.74999999999999, 49.749, 0.25, 0.15];
   assert.deepEqual(times.map(seconds), ["49.8 s", "49.8 s", "49.7 s", "0.3 s", "0.2 s"]);
+});
+
+test("one step has no plural", () => {
+  assert.deepEqual([0, 1, 1234].map(stepsOf), ["0 steps", "1 step", "1,234 steps"]);
 });

@@ -22,14 +22,14 @@ def track() -> Track:
 def test_a_page_has_the_plans_of_each_frame() -> None:
     episode = fleet_episode(max_steps=3)
     width = episode.layout.width
-    way, wish = [(1, 1), (1, 2)], [(1, 2), (2, 2), (2, 3)]
-    plans = [StepPlans({0: way}), StepPlans({1: way}, {1: wish}, {2: 3})]
+    path, wish = [(1, 1), (1, 2)], [(1, 2), (2, 2), (2, 3)]
+    plans = [StepPlans({0: path}), StepPlans({1: path}, {1: wish}, {2: 3})]
     page = player_page([track_of_record(episode, plans=plans)])
     fleet = said_by(page)["tracks"][0]["fleet"]
     assert fleet["plans"] == {
         "frame": [0, 1, 1], "robot": [0, 1, 1], "isWish": [0, 0, 1], "end": [2, 4, 7],
     }  # fmt: skip
-    assert fleet["ways"] == [row * width + col for row, col in (*way, *way, *wish)]
+    assert fleet["paths"] == [row * width + col for row, col in (*path, *path, *wish)]
     assert fleet["pushes"] == {"frame": [1], "robot": [2], "pusher": [3]}
 
 

@@ -74,7 +74,7 @@ test("the caption is that of the step under way", () => {
   const track = trackOf([along([0, 1, 2])]);
   assert.equal(track.caption(track.at(1)), "caption 1");
   assert.equal(track.caption(track.at(1.1)), "caption 2");
-  track.tellsNext = true;
+  track.captionsNext = true;
   assert.equal(track.caption(track.at(1.1)), "caption 1");
 });
 

@@ -165,7 +165,7 @@ def test_motions_of_too_many_bodies_for_their_frames_raise(
     monkeypatch.setattr(record_track, "MAX_POSES", 2 * drawn)
     track_of_record(bodies)
     monkeypatch.setattr(record_track, "MAX_POSES", drawn // 2)
-    with pytest.raises(RecordError, match=f"more than MAX_POSES = {drawn // 2} allow for"):
+    with pytest.raises(RecordError, match=f"more than MAX_POSES = {drawn // 2} allows for"):
         track_of_record(bodies)
 
 

@@ -60,7 +60,7 @@ def test_cells_that_one_of_the_robots_comes_back_to_have_a_sign(robots: int) -> 
 
 
 def test_what_is_around_the_view_has_a_sign_if_one_robot_alone_sees() -> None:
-    shaded = "what the robot does not see"
+    shaded = "outside the robot's view"
     assert shaded in signs((at(0),), view_radius=1)
     assert shaded not in signs((at(0),))
     assert shaded not in signs((at(0), at(1)), view_radius=1)
@@ -107,9 +107,9 @@ def test_people_and_batteries_of_a_fleet_have_signs() -> None:
 @pytest.mark.parametrize(
     ("plans", "sign"),
     [
-        (StepPlans(ways={0: [(0, 1), (0, 2)]}), "plan of a robot"),
+        (StepPlans(paths={0: [(0, 1), (0, 2)]}), "plan of a robot"),
         (StepPlans(wishes={0: [(0, 1)]}), "shortest path to the goal"),
-        (StepPlans(pushers={0: 1}), "pushes"),
+        (StepPlans(pushers={0: 1}), "pushes another robot"),
     ],
 )
 def test_plans_of_a_fleet_have_a_sign_each(plans: StepPlans, sign: str) -> None:

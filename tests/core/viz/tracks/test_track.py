@@ -57,10 +57,22 @@ def test_hits_are_in_cells_whatever_the_size_of_a_cell() -> None:
 
 def test_captions_give_actions_and_reasons_and_last_the_diagnosis() -> None:
     track = track_of_record(short_episode())
-    done = ["", "N (why not)", "W", "PICK", "E", "E"]
-    assert captions(track) == [*done, "delivered in 6 steps; the shortest way takes 5"]
+    done = ["", "North: why not", "West", "Pick up", "East", "East"]
+    assert captions(track) == [*done, "delivered in 6 steps; the minimum is 5"]
     unfinished = track_of_record(short_episode(terminated=False))
-    assert captions(unfinished) == [*done, "DROP"]
+    assert captions(unfinished) == [*done, "Drop"]
+
+
+def test_captions_have_words_for_the_reasons_of_the_greedy_agent_and_for_indices() -> None:
+    episode = short_episode(
+        actions=["n", 3, "JUMP", 7, "WAIT", "PICK"],
+        reasons=["greedy", "escape", "", "why", "no goal", "stuck"],
+        terminated=False,
+    )
+    assert captions(track_of_record(episode))[1:] == [
+        "North: getting closer", "West: escaping a loop", "JUMP", "7: why",
+        "Wait: no goal to go to", "Pick up: stuck, trying a random move",
+    ]  # fmt: skip
 
 
 def test_the_title_names_agent_backend_and_seed() -> None:
@@ -158,9 +170,21 @@ TWO = [["R."], [".R"]]
         (TWO, {"battery": [1.0]}, "'battery' has 1 entries for 2 frames"),
         (TWO, {"battery": [1.0] * 3}, "'battery' has 3 entries for 2 frames"),
         (TWO, {"reward": [0.0] * 2}, "'reward' is unknown; allowed: rewards, battery, dist_"),
-        (TWO, {"battery": [3.0, -math.inf]}, "metric 'battery', frame 1: .* is no finite number"),
-        (TWO, {"battery": [3.0, "a"]}, "metric 'battery', frame 1: .* is no finite number"),
-        (TWO, {"battery": [3.0, [1]]}, "metric 'battery', frame 1: .* is no finite number"),
+        (
+            TWO,
+            {"battery": [3.0, -math.inf]},
+            "metric 'battery', frame 1: .* is not a finite number, None or NaN",
+        ),
+        (
+            TWO,
+            {"battery": [3.0, "a"]},
+            "metric 'battery', frame 1: .* is not a finite number, None or NaN",
+        ),
+        (
+            TWO,
+            {"battery": [3.0, [1]]},
+            "metric 'battery', frame 1: .* is not a finite number, None or NaN",
+        ),
     ],
 )
 def test_bad_frames_and_metrics_are_named(frames: Any, metrics: Any, message: str) -> None:

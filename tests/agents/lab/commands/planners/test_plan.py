@@ -179,8 +179,8 @@ def test_a_replay_shows_each_step_and_the_paths_of_the_last_to_arrive() -> None:
         (1.5, 1.5), (2.5, 0.5), (3.5, 1.5), (0.5, 2.5),
     ]  # fmt: skip
     assert second.fleet is not None
-    assert second.fleet.plans.ways.keys() == {0, 1, 2}
-    assert second.fleet.plans.ways[1] == [(0, 2), (0, 3)]
+    assert second.fleet.plans.paths.keys() == {0, 1, 2}
+    assert second.fleet.plans.paths[1] == [(0, 2), (0, 3)]
     poses = [frame.robots[2] for frame in track.frames]
     assert [pose and pose.heading for pose in poses] == [None, np.pi, 0.0, 0.0]
 

@@ -1,13 +1,13 @@
-// Draws the ways of robots: trails, planned ways, and who pushes whom.
+// Draws the trails and the planned paths of robots, and arrows from robots to those that they push.
 
 import LOOK from "../../render/tiles.json" with { type: "json" };
 import { colorOf } from "./bodies.js";
 
 const { trail: { steps: TRAIL_STEPS }, lines: LINES } = LOOK;
 const TRAIL_SHADES = 8;
-const WAY_STEPS = 20;
+const STEPS_AHEAD = 20;
 
-/** Draw the way of a robot in its last steps, the older the paler, dashed where it was loaded. */
+/** Draw the trail of a robot in its last steps. Older parts are paler, and loaded parts are dashed. */
 export function drawTrail(brush, track, body, moment) {
   const { context, scale, theme } = brush;
   const width = Math.max(1.5 * theme.density, scale * LINES.trail);
@@ -22,7 +22,7 @@ export function drawTrail(brush, track, body, moment) {
   context.setLineDash([]);
 }
 
-/** Return the last steps of a robot as lines of one look each, with the length of those before. */
+/** Return the trail of a robot as lines of one style each, with the total length of earlier lines. */
 function trailOf(track, body, moment) {
   const { step } = moment;
   const oldest = track.stepFrames[Math.max(0, step - TRAIL_STEPS)];
@@ -46,7 +46,7 @@ function trailOf(track, body, moment) {
   return lines;
 }
 
-/** Draw a planned way as dots, and the path that a search has found as a line. */
+/** Draw a planned path as dots, and the path that a search has found as a line. */
 export function drawRoute(brush, track, moment) {
   const places = track.routeIn(moment.frame);
   if (!track.marks) drawDots(brush, places, "ink");
@@ -56,10 +56,10 @@ export function drawRoute(brush, track, moment) {
   }
 }
 
-/** Draw where a chosen robot drives next, as dots. */
-export function drawWayAhead(brush, track, body, moment) {
+/** Draw the next steps of a chosen robot, as dots. */
+export function drawAhead(brush, track, body, moment) {
   const step = track.stepAt(moment.time);
-  const poses = track.stepFrames.slice(step, step + WAY_STEPS).map((frame) => track.pose(body, { frame }));
+  const poses = track.stepFrames.slice(step, step + STEPS_AHEAD).map((frame) => track.pose(body, { frame }));
   drawDots(brush, poses.filter(Boolean).map(({ x, y }) => [x, y]), "accent");
 }
 
@@ -76,7 +76,7 @@ function drawDots(brush, places, color) {
   context.fill();
 }
 
-/** Draw the planned ways of a fleet as lines, and those that robots wish for as dots. */
+/** Draw the planned paths of a fleet as lines, and from their ends the shortest paths to the goals as dots. */
 export function drawPlans(brush, track, moment) {
   const { context, scale } = brush;
   context.lineCap = "round";
@@ -90,7 +90,7 @@ export function drawPlans(brush, track, moment) {
   context.setLineDash([]);
 }
 
-/** Draw an arrow from each robot that pushes to the one that it pushes. */
+/** Draw an arrow from each robot that pushes another one. */
 export function drawPushes(brush, track, moment) {
   const pixels = Math.max(brush.scale, 14);
   for (const [pusher, robot] of track.pushesIn(moment.frame)) {
