@@ -289,6 +289,10 @@ def test_a_reset_may_draw_the_stations_alone() -> None:
         assert env.grid == everything.grid != STATIONED
 
 
+def test_a_start_is_the_default_one_where_all_cells_are_stations() -> None:
+    assert WarehouseEnv(["PD"], (0, 1)).reset("start", seed=1)["robot_pos"] == (0, 1)
+
+
 def test_an_unknown_word_for_what_to_draw_is_an_error() -> None:
     env = WarehouseEnv()
     before = env.observe()

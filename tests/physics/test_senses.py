@@ -142,7 +142,9 @@ def test_the_checker_of_gymnasium_passes_with_sensors() -> None:
 
 
 def test_environments_without_sensors_refuse_them_in_a_line() -> None:
-    with pytest.raises(BackendError, match=r"^scan is 16, but backend 'grid' has no bodies"):
+    with pytest.raises(
+        BackendError, match=r"^scan is 16, but backend 'grid' does not support scans"
+    ):
         WarehouseGymnasiumEnv(scan=16)
     with pytest.raises(ValueError, match=r"^observation is 'vector'; it must be 'dict' for scan$"):
         WarehouseGymnasiumEnv(backend="physics", observation="vector", scan=16)

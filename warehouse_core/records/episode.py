@@ -219,7 +219,8 @@ class Episode:
             steps: the number of a step, or a slice; default: all steps.
 
         Returns:
-            ``[R]`` for one step, ``[T, R]`` for several: indices into ``ACTIONS``, or ``INVALID``.
+            Indices into ``ACTIONS``, or ``INVALID``. They have the shape ``[R]`` for one step and
+            ``[T, R]`` for several.
         """
         actions: NDArray[np.integer] = self.actions[steps]
         if not self.settings.has_headings:

@@ -129,7 +129,10 @@ def test_the_validator_of_turns_finds_faults() -> None:
     [
         (Plan.of([[0, 1]]), "it returned headings of the shape None; needed: (2, 1)"),
         (Plan(np.array([[0], [1]]), None, np.array([1])), "it returned headings of the shape (1,)"),
-        (Plan(np.array([[0], [1]]), None, np.array([[0], [0]])), "robot 0 does not head east at"),
+        (
+            Plan(np.array([[0], [1]]), None, np.array([[0], [0]])),
+            "robot 0 does not head east initially",
+        ),
         (
             Plan(np.array([[0], [1]]), None, np.array([[1], [2]])),
             "step 0: robot 0 heads east at (0, 0) and is to be at (0, 1), heading south",

@@ -39,6 +39,17 @@ def test_robots_come_to_rest_and_go_on_around_those_that_fail(example, spec, pau
     crowd.check()
 
 
+def test_a_robot_stops_before_a_failed_robot_that_is_beyond_its_next_corner() -> None:
+    motion = DrivingMotion()
+    motion.reset(Layout(["...."] * 4), [(3, 2), (0, 0)], 0)
+    for cell in ((0, 1), (0, 2), (1, 2), (2, 2), (3, 2)):
+        motion.extend([(3, 3), cell])
+    motion.fail(0)
+    assert motion.routes().ends == [(3, 2), (2, 2)]
+    _, outcome = motion.drive(15.0)
+    assert (outcome.cell, outcome.contacts) == ((2, 2), ())
+
+
 def test_a_robot_that_fails_on_its_way_back_leaves_others_cells_to_them() -> None:
     """The first robot fails while it waits, so the second stays and the third turns back.
 

@@ -76,7 +76,7 @@ def box_in(
     )
 
 
-def style_chart(axes: Axes, lines: Literal["both", "x", "y"] | None = "both") -> None:
+def style_chart(axes: Axes, lines: Literal["both", "x", "y"] = "both") -> None:
     """Style a chart: no frame at the top and right, small numbers, and faint grid lines.
 
     Example:
@@ -87,6 +87,5 @@ def style_chart(axes: Axes, lines: Literal["both", "x", "y"] | None = "both") ->
     """
     axes.spines[["top", "right"]].set_visible(False)
     axes.tick_params(labelsize=SMALLEST)
-    if lines:
-        axes.grid(axis=lines, color=FAINT, linewidth=0.5)
+    axes.grid(axis=lines, color=FAINT, linewidth=0.5)
     axes.set_axisbelow(True)
