@@ -210,7 +210,7 @@ def test_n_goes_from_event_to_event_and_says_which(page: Shown, track: Track) ->
     assert all(picked < step < dropped for step in said)
     page.page.get_by_role("button", name="Next event").click()
     assert steps(page) == track.steps
-    assert "no further" in page.part("event").inner_text()
+    assert "no more events" in page.part("event").inner_text()
 
 
 def test_f_is_full_screen_and_back_and_keys_with_ctrl_are_the_browsers(page: Shown) -> None:

@@ -80,7 +80,7 @@ def test_the_item_waits_at_the_pickup_is_carried_and_stays_at_the_dropoff(
     opened: Open, files: Files, track: Track
 ) -> None:
     page = opened(files("grid", lambda: [track]))
-    [picked] = [i for i, f in enumerate(track.frames) if "PICK" in f.caption]
+    [picked] = [i for i, f in enumerate(track.frames) if "Pick up" in f.caption]
     rows = track.frames[0].tiles
     [pickup] = [(r, line.index("P")) for r, line in enumerate(rows) if "P" in line]
     [dropoff] = [(r, line.index("D")) for r, line in enumerate(rows) if "D" in line]
@@ -193,7 +193,7 @@ def test_the_map_next_to_a_fleet_has_the_cells_in_which_robots_were_held_up(
         seen.append((hot, page.part("most").inner_text(), page.part("peak").inner_text()))
     assert seen == [
         ({(0, 2): full, (3, 7): half}, "2 times", "most often at row 0, column 2"),
-        ({}, "", "No robot was held up so far."),
+        ({}, "0 times", "No robot was held up so far."),
         ({(0, 2): full}, "1 time", "most often at row 0, column 2"),
     ]
     assert page.part("map").get_attribute("aria-label") == (

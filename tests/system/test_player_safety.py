@@ -103,7 +103,7 @@ def test_a_page_loads_nothing_but_itself(opened: Open, files: Files) -> None:
 def test_a_browser_that_is_too_old_shows_one_sentence(browser: Any, tmp_path: Path) -> None:
     path = tmp_path / "page.html"
     path.write_text(player_page([track_saying("text")]), encoding="utf-8")
-    sentence = "This replay needs JavaScript and a browser of 2023 or later."
+    sentence = "This replay needs JavaScript and a browser from 2023 or later."
     for script, options in (
         ("delete globalThis.DecompressionStream", {}),
         ("", {"java_script_enabled": False}),
