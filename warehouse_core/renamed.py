@@ -21,9 +21,14 @@ class Renamed:
     def __get__(self, instance: object, owner: type) -> Any:
         if instance is None:
             return self  # so that tools that list the names of a class print no warning
-        warnings.warn(
-            f"{self._former} has been renamed to {self._name}; the former name will be removed",
-            DeprecationWarning,
-            stacklevel=2,
-        )
+        warn_renamed(self._former, self._name)
         return getattr(instance, self._name)
+
+
+def warn_renamed(former: str, name: str) -> None:
+    """Warn the caller's caller that ``former`` has been renamed to ``name``."""
+    warnings.warn(
+        f"{former} has been renamed to {name}; the former name will be removed",
+        DeprecationWarning,
+        stacklevel=3,
+    )

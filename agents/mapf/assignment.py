@@ -12,13 +12,13 @@ Example:
 
 from __future__ import annotations
 
-import warnings
 from collections.abc import Callable
 from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
 
+from warehouse_core.renamed import warn_renamed
 from warehouse_core.world.tables import Integers
 
 __all__ = ["ASSIGNMENTS", "Tasks"]
@@ -79,11 +79,7 @@ class Tasks(NamedTuple):
     def ways(self) -> NDArray[np.floating]:
         """The former name of ``times``, which warns."""
         # A ``Renamed`` cannot be assigned in the body of a named tuple.
-        warnings.warn(
-            "Tasks.ways has been renamed to times; the former name will be removed",
-            DeprecationWarning,
-            stacklevel=2,
-        )
+        warn_renamed("Tasks.ways", "times")
         return self.times
 
 

@@ -202,6 +202,7 @@ class Experiment:
         self.cases: dict[int, Case] = {case_id: cases[case_id] for case_id in self.tallies}
         self.unbegun = sum(row_type(case) is kind.row for case in cases.values()) - len(self.cases)
         self._results: dict[CaseIds, Results] = {}
+        self._paired: dict[tuple[ReportedMeasure, int, int], Interval | None] = {}
 
     @cached_property
     def design(self) -> Design:
@@ -220,6 +221,11 @@ class Experiment:
         Only seeds for which both cases have a value are compared. Return ``None`` if there are no
         such seeds.
         """
+        if (key := (measure, one, other)) not in self._paired:
+            self._paired[key] = self._compare(measure, one, other)
+        return self._paired[key]
+
+    def _compare(self, measure: ReportedMeasure, one: int, other: int) -> Interval | None:
         values = _values_of(measure, self.kind)
         pairs = f"SELECT a.value - b.value FROM ({values}) a JOIN ({values}) b USING (seed)"
         found = _numbers(self.store, pairs, one, other)
