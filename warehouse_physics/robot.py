@@ -8,8 +8,8 @@ that is ever commanded. The position and the velocity of the robot itself are on
 the robot does is the result of forces.
 
 *The floor* is a joint to the static body. It pulls the robot towards rest with at most the drag,
-which is ``floor_drag * m * g`` newtons. To speed up at ``a`` m/s² the motor may push with ``m * a``
-plus the drag. To brake at the same rate it needs ``m * a`` less the drag.
+which is ``floor_drag * m * g`` newtons. To accelerate at ``a`` m/s² the motor pushes with
+``m * a`` plus the drag. To brake at the same rate it needs only ``m * a`` minus the drag.
 
 *A drive* has two phases. The robot is commanded a velocity for the first (``GO``) and 0 for the
 second (``BRAKE``). ``profile.py`` calculates the velocity and the duration of both phases, so that
@@ -244,11 +244,11 @@ class Robot:
     def waypoint(self, *, longer_first: bool = False) -> Position:
         """Return the next position to drive to in order to reach the target, in metres.
 
-        This is the target itself, unless the robot was pushed to the side so far that a corner of a
-        wall could be in its way. Then the robot makes two straight drives, each along one axis, and
-        the shorter one comes first. That one leads from the side back to the middle of its lane and
-        brings it no closer to a wall. A robot that was pushed even further may meet another wall on
-        this drive. It gets around that wall if it makes the longer drive first.
+        Normally this is the target. If the robot was pushed so far aside that the corner of a wall
+        could be in its way, it makes two straight drives, each along one axis, and the shorter one
+        comes first. The shorter drive leads back to the middle of the lane and no closer to a wall.
+        A robot that was pushed even further may meet another wall on this drive. It gets around
+        that wall if it makes the longer drive first.
         """
         (x, y), (to_x, to_y) = self.position, self.action.target
         half = self._spec.cell_size / 2

@@ -6,8 +6,8 @@ the distance ``wheel_arm`` from the middle. Its tyres hold it on its line agains
 side. They slip only on slippery floor, where the grip limits the force along the heading and the
 force to the side. In turns the drag of the floor acts at the wheels.
 
-*What is not simulated.* There are no errors of single motors, no casters, no tyres that scrub in
-turns, and no arcs. A robot drives straight on or turns on the spot. To another cell it drives
+*Not simulated* are errors of individual motors, casters, tyres that scrub in turns, and driving
+along curves. A robot drives straight on or turns on the spot. To another cell it drives
 forwards. To correct its position, or to return after a hit, it drives forwards or backwards,
 whichever needs the smaller turn. It turns only where it would otherwise miss its target. On floor
 that is not slippery this happens only before it sets off to another cell, since nothing moves it

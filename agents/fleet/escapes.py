@@ -70,9 +70,9 @@ class Move(NamedTuple):
 class Escapes:
     """Plans for the robots of a stuck fleet, and their execution move by move.
 
-    A fleet is stuck if no robot gets nearer to its goal than it has been since a robot last picked,
-    dropped or charged. A search then plans moves, one at a time, that bring one robot to its goal.
-    People in the plan walk to stations, or back; robots wait until they do so.
+    A fleet is stuck if no robot comes closer to its goal than its smallest distance since a robot
+    last picked, dropped or charged. A search then plans moves, one at a time, that bring one robot
+    to its goal. People in the plan walk to stations, or back; robots wait until they do so.
 
     Args:
         fields: distances on the floor, in steps.

@@ -115,7 +115,7 @@ class Circulation(PlacePlanner):
         return self._places.copy()
 
     def _simulate(self, draws: NDArray[np.int64]) -> int:
-        """Simulate one step for each seed, and return what robots have yet to gain then."""
+        """Simulate a step for each seed, and return the gain that robots have not achieved."""
         return simulate(self._robots, self._auction, self._fields.table, buffer_of(draws))
 
     def _begin(self, robots: int, has_headings: bool) -> None:

@@ -2,9 +2,9 @@
 
 In each step, a round of PIBT continues the plan of the previous step. LNS then improves the plan;
 see ``kernels/lns.py``. In every fifth step a new plan takes its place if that is cheaper. Robots
-with headings use rounds of EPIBT. On floors that are nearly full, circulations can replace both;
-see ``kernels/rolling_horizon.py``. Next goals are unknown, so that a robot that has arrived gives
-way.
+with headings use rounds of EPIBT. In crowded layouts, circulations can replace both; see
+``kernels/rolling_horizon.py``. The next goals are unknown, so a robot that has reached its goal
+gives way.
 
 Sources: Li et al. (2021), Lifelong multi-agent path finding in large-scale warehouses, AAAI, for
 the rolling horizon. Li et al. (2021), Anytime multi-agent path finding via large neighborhood

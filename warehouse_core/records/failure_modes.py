@@ -45,8 +45,8 @@ which steps ``Diagnosis.steps`` counts.
 | served           | fleet | none of the above                                     | all           |
 
 *Needed* is the minimum number of steps to the delivery, including ``PICK`` and ``DROP``. *Lost*
-steps brought the robot no closer to the delivery: their number is all steps minus the reduction of
-the needed steps between the start and the end. Fewer than ``MIN_STEPS`` steps are never evidence.
+steps brought the robot no closer to the delivery. Their number is the number of all steps minus the
+decrease in needed steps from start to end. Fewer than ``MIN_STEPS`` steps are never evidence.
 Waiting and running into walls do not change a pattern, because a visit to a cell may have any
 length. Steps in which the battery charged are not lost and do not count in any pattern.
 
@@ -219,7 +219,7 @@ class Alone:
         ]
 
     def least(self, share: float) -> float:
-        """Return the number of steps that make this share of the lost steps evidence.
+        """Return the minimum number of steps that counts as evidence: a share of the lost steps.
 
         It is infinite if too few steps were lost.
         """

@@ -40,9 +40,8 @@ needed."""
 
 
 BEFORE, BEYOND = 0.5, 0.3
-"""Shares of a cell. A leader may drive straight on until it is ``BEFORE`` short of the middle of a
-cell, and turn there. When it is ``BEYOND`` the middle, it must be followed at the distance for
-corners."""
+"""Shares of a cell. A leader may begin to turn when it is ``BEFORE`` short of the middle of a cell.
+Once it is ``BEYOND`` the middle, its followers must keep the distance for corners."""
 
 
 def corner_distance(spec: RobotSpec) -> float:
@@ -211,9 +210,9 @@ class Leaders:
             speeds[rows] = slower
 
     def _stops(self, speeds: Floats) -> Floats:
-        """Return how far robots get if they brake as hard as they can, ``[R]`` metres.
+        """Return the distances ``[R]`` in metres in which robots stop with all their force.
 
-        ``speeds`` are their speeds in m/s before that, ``[R]``.
+        ``speeds`` are their present speeds in m/s, ``[R]``.
         """
         distances: Floats = np.sign(speeds) * stopping_distances(
             np.abs(speeds), self._limits.hardest, self._dt
