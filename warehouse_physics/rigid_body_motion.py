@@ -14,7 +14,7 @@ from warehouse_physics.disturbances import Disturbances, FloorConditions
 from warehouse_physics.energy import joules_of
 from warehouse_physics.exclusive import exclusive
 from warehouse_physics.giving_way import GivingWay
-from warehouse_physics.robot import MAX_SUBSTEPS, NEVER, REST, Robot
+from warehouse_physics.robot import MAX_SUBSTEPS, NEVER, REST, BodyRow, Robot
 from warehouse_physics.robot_arena import RobotArena
 from warehouse_physics.spec import (
     MAX_FLEET_RADIUS,
@@ -22,9 +22,6 @@ from warehouse_physics.spec import (
     MAX_WHEELED_RADIUS,
     RobotSpec,
 )
-
-BodyRow = tuple[float, float, float, float]
-"""Time in seconds, x and y in metres, and heading in radians; see ``Outcome.path``."""
 
 STAY = (0, 0)
 
@@ -147,7 +144,7 @@ class RigidBodyMotion(BodyMotion):
         for robot, direction in zip(robots, facing, strict=False):
             if direction != STAY and robot.action.goal == robot.action.home:
                 robot.turn_to(direction)
-        paths = [[self._row(0.0, robot)] for robot in robots]
+        paths = [[robot.row(0.0)] for robot in robots]
         substeps = self._drive(self._arena, paths)
         return self._measured(
             [self._outcome(*each, substeps) for each in zip(robots, paths, strict=True)]
@@ -173,24 +170,26 @@ class RigidBodyMotion(BodyMotion):
     def _drive(self, arena: RobotArena, paths: list[list[BodyRow]]) -> int:
         """Run until all robots are at rest, and return the number of substeps."""
         now = 0
-        robots = arena.robots
+        robots, dt = arena.robots, self.spec.time_step
         giving_way = GivingWay(robots) if len(robots) > 1 else None
         # In the worst case, robots drive one after the other.
         limit = MAX_SUBSTEPS + (len(robots) - 1) * MAX_MOVE_SUBSTEPS
         path_every = self._path_every if self._record_path else limit
+
+        def look(substep: int) -> None:
+            for robot, path in zip(robots, paths, strict=True):
+                if robot.phase != REST:
+                    path.append(robot.row(substep * dt))
+
         while now < limit:
             until = min([robot.until for robot in robots])
             if until == NEVER:
                 if giving_way is None or not giving_way.move_on(now):
                     break
                 continue
-            now = arena.run(now, min(until, now + path_every))
+            now = arena.run(now, until, path_every, look)
             if self._record_path:
-                seconds = now * self.spec.time_step
-                for robot, path in zip(robots, paths, strict=True):
-                    if robot.phase != REST:
-                        robot.look()
-                        path.append(self._row(seconds, robot))
+                look(now)
             for robot in robots:
                 if robot.until <= now:
                     robot.next_phase(now)
@@ -204,16 +203,12 @@ class RigidBodyMotion(BodyMotion):
         seconds = (substeps if cut_off else action.rested) * self.spec.time_step
         if action.goal == action.home:
             seconds = max(seconds, self.spec.dwell)
-        if path[-1][0] < seconds:
-            path.append(self._row(seconds, robot))
-        rows = np.array(path)
-        rows.flags.writeable = False
         # With recuperation, a push by another robot may return more energy than the action costs.
         joules = max(joules_of(self.spec, action.work, seconds), 0.0)
+        if path[-1][0] < seconds:
+            path.append(robot.row(seconds))
+        path[-1] = *path[-1][:-1], joules
+        rows = np.array(path)
+        rows.flags.writeable = False
         cell, blocked, contacts = robot.cell, robot.is_blocked(), tuple(action.contacts)
-        return Outcome(cell, blocked, seconds, joules, rows, contacts, cut_off)
-
-    @staticmethod
-    def _row(seconds: float, robot: Robot) -> BodyRow:
-        x, y = robot.position
-        return seconds, x, y, robot.body.angle
+        return Outcome(cell, blocked, seconds, joules, rows[:, :4], contacts, cut_off, rows[:, 4:])

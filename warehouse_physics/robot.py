@@ -38,17 +38,12 @@ from warehouse_physics.energy import kinetic, regained, spent
 from warehouse_physics.profile import braking, plan_profile
 from warehouse_physics.spec import ARRIVED, RobotSpec
 
-TURN_RATE, TURN_ACCELERATION = math.pi, 60.0
-"""Limits of the heading, in rad/s and rad/s², for a robot whose free move takes ``TURN_SECONDS``. A
-robot that moves ``k`` times as fast turns ``k`` times as fast. The heading of a disc does not
-change where it goes."""
-
-TURN_SECONDS = 2.0
-"""Seconds that the default robot takes for a free move over one cell."""
-
 AT_REST = 1e-6
 """Speed in m/s below which a robot is at rest. After a hit the solver may leave a higher speed, and
 the robot then goes on braking."""
+
+BodyRow = tuple[float, ...]
+"""A row of ``Outcome.path`` followed by a row of ``Outcome.readings``, 9 numbers in all."""
 
 REST, GO, BRAKE, HELD = range(4)
 """Phases of a drive. A held robot waits until all others are at rest; see ``giving_way.py``."""
@@ -115,6 +110,7 @@ class Robot:
         arena.add_robot(self.body, self._control, self._floor, *self._drive_joints())
         self.action = ActionState(cell, cell, centre)
         self._heading = self._turn = 0.0
+        self._aim: Position = (1.0, 0.0)
         self.look()
         # Position and kinetic energy at the last count of work, and substeps to brake after GO.
         self._start, self._energy, self._braking = self.position, 0.0, 0
@@ -125,23 +121,37 @@ class Robot:
 
     def _drive_joints(self) -> list[pymunk.Constraint]:
         """Create the joints to the control body: the motor, and a joint that turns the body."""
-        spec = self._spec
         self._motor: pymunk.Constraint = pymunk.PivotJoint(self.body, self._control, (0, 0), (0, 0))
         self._motor.max_bias = 0.0
+        # A disc can drive in any direction. Its heading follows the direction of its motion within
+        # one substep, unless it turns on the spot, at the constant rate ``max_bias``.
         self._steering: pymunk.Constraint = pymunk.GearJoint(self.body, self._control, 0.0, 1.0)
-        quickness = TURN_SECONDS / spec.move_seconds(loaded=False)
-        self._steering.max_bias = TURN_RATE * quickness
-        self._steering.error_bias **= quickness  # share of the error that remains after a second
-        self._turn_acceleration = TURN_ACCELERATION * quickness**2
-        if spec.turn_seconds:  # it turns at a constant rate, which it reaches in one substep
-            self._steering.error_bias = 0.0
-            self._turn_acceleration = math.pi / spec.turn_seconds / spec.time_step
+        self._steering.error_bias = 0.0
         return [self._motor, self._steering]
 
     def look(self) -> None:
         """Read the position of the middle of the body, in metres."""
         x, y = self.body.position
         self.position = x, y
+
+    def row(self, seconds: float) -> BodyRow:
+        """Read the row of the present time, ``seconds`` after the action began."""
+        spec, phase, newtons = self._spec, self.phase, 0.0
+        x, y = self.position = self.body.position
+        right, down = velocity = self.body.velocity
+        joules = (
+            self.action.work + self._uncounted(velocity)
+        ) / spec.drivetrain_efficiency + spec.idle_power * seconds
+        ahead, aside = self._aim
+        if phase == GO:
+            newtons = self._motor.impulse / spec.time_step
+        elif phase == BRAKE:
+            newtons = -self._motor.impulse / spec.time_step
+            if right * right + down * down > AT_REST:
+                ahead, aside = velocity
+        newtons /= math.hypot(ahead, aside) or 1.0
+        force = newtons * ahead, newtons * aside
+        return seconds, x, y, self.body.angle, right, down, *force, max(joules, 0.0)
 
     @property
     def cell(self) -> Cell:
@@ -173,7 +183,7 @@ class Robot:
         if self.action.goal == self.action.home:
             return
         if turning:
-            self._steering.max_bias = abs(self._turn) / (turning * self._spec.time_step)
+            self._turn_within(turning)
             self.action.deadline += turning
             self._brake(0, turning)
         else:
@@ -186,9 +196,9 @@ class Robot:
         """
         spec = self._spec
         substeps = self._turn_towards(direction)
-        if substeps:
-            self._steering.max_bias = abs(self._turn) / (substeps * spec.time_step)
-        self._brake(0, substeps or math.ceil(spec.move_seconds(self._loaded) / spec.time_step))
+        substeps = substeps or math.ceil(spec.move_seconds(self._loaded) / spec.time_step)
+        self._turn_within(substeps)
+        self._brake(0, substeps)
 
     def next_phase(self, now: int) -> None:
         """Start the phase that is due at substep ``now``."""
@@ -225,7 +235,7 @@ class Robot:
         profile = plan_profile(self._start, waypoint, *self._spec.limits(acceleration, share))
         if self._conditions is not None:
             profile = profile.scaled(self._conditions.speed_factor())
-        self._control.velocity = profile.velocity
+        self._control.velocity = self._aim = profile.velocity
         # The floor helps to brake. The motor does the rest, so that the robot brakes as fast as it
         # speeds up, unless the floor alone brakes harder.
         self._brake_at(acceleration)
@@ -384,7 +394,12 @@ class Robot:
         if self._turn:
             self._heading += self._turn
             self._control.angle = self._heading
+            self._steering.max_bias = math.inf
         return self._spec.turn_substeps(round(abs(self._turn) / (math.pi / 2)))
+
+    def _turn_within(self, substeps: int) -> None:
+        """Turn on the spot at a constant rate, which takes a number of substeps."""
+        self._steering.max_bias = abs(self._turn) / (substeps * self._spec.time_step)
 
     def _push(self, force: float) -> None:
         """Let the motor push with ``force`` N, or less where motor or floor limit it."""
@@ -405,24 +420,39 @@ class Robot:
         if self._spec.recuperation:
             self.action.work -= regained(self._spec, self._work_since_count(velocity, lead))
 
+    def _uncounted(self, velocity: pymunk.Vec2d) -> float:
+        """Return the work in J that the next count would add at ``velocity``."""
+        if self.phase == GO:
+            return spent(self._work_until(*self._book(velocity, self._lead)))
+        if self.phase == BRAKE and self._spec.recuperation:
+            return -regained(self._spec, self._work_until(*self._book(velocity, self._lead)))
+        return 0.0
+
     def _work_since_count(self, velocity: pymunk.Vec2d, lead: float) -> float:
-        """Return the work of the motor since the last count, in J: kinetic energy gained plus drag.
+        """Return the work of the motor since the last count, in J, and start a new count."""
+        position, energy = self._book(velocity, lead)
+        work = self._work_until(position, energy)
+        self._start, self._energy = position, energy
+        return work
+
+    def _work_until(self, position: Position, energy: float) -> float:
+        """Return the work of the motor in J since the last count: kinetic energy gained plus drag.
 
         Chipmunk moves positions before it changes velocities, so a position lags half a substep
         behind the mean of the velocities before and after each substep. The drag is therefore
         counted over the distance of a point that is ``lead`` seconds ahead of the middle of the
         body at ``velocity``.
         """
-        start, energy = self._start, self._energy
-        self._count_from(velocity, lead)
-        drag = self._drag * math.dist(start, self._start)
-        return self._energy - energy + drag
+        return energy - self._energy + self._drag * math.dist(self._start, position)
 
     def _count_from(self, velocity: pymunk.Vec2d, lead: float) -> None:
         """Start a new count of work at the present position and at ``velocity``."""
+        self._start, self._energy = self._book(velocity, lead)
+
+    def _book(self, velocity: pymunk.Vec2d, lead: float) -> tuple[Position, float]:
+        """Return the position in metres and the kinetic energy in J with which a count begins."""
         (x, y), (right, down) = self.position, velocity
-        self._start = x + lead * right, y + lead * down
-        self._energy = kinetic(self._mass, right, down)
+        return (x + lead * right, y + lead * down), kinetic(self._mass, right, down)
 
     def _count_impact(self, hit: Hit) -> None:
         """Add the work up to a hit in this substep, and the work of the motor during the hit.
@@ -461,7 +491,6 @@ class Robot:
         if self._conditions is not None:
             self._drag *= self._conditions.drag_factor(self._floor_cell)
         self._floor.max_force = self._drag
-        self._steering.max_force = self.body.moment * self._turn_acceleration
 
 
 def offset(position: Position, other: Position) -> Position:

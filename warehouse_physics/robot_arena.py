@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 
 import pymunk
 
@@ -37,12 +37,17 @@ class RobotArena(Arena):
         self._varies = floor is not None and floor.varies
         self._touching: set[tuple[int, int]] = set()  # pairs of robots
 
-    def run(self, now: int, until: int) -> int:
+    def run(self, now: int, until: int, every: int, look: Callable[[int], object]) -> int:
         """Step from substep ``now`` to ``until`` or to the first hit, and return the last substep.
 
-        Robots that take part in a hit react to it before this returns.
+        Robots that take part in a hit react to it before this returns. It returns, or calls
+        ``look``, at least once in ``every`` substeps.
         """
         hits: list[Hit] = []
+        if len(self.robots) == 1 and not self._varies:
+            now, hits = self.stepper.run(now, until, every, look)
+            until = now
+        until = min(until, now + every)
         while now < until and not hits:
             # Pushes between robots, and floors that differ, have to be looked at in each substep.
             pushed = {each: self.bodies[each].velocity for each in self._pushed()}

@@ -62,31 +62,40 @@ class Stepper:
         for pair in pairs:
             space.on_collision(*pair, begin=self._hits.begin)
 
-    def run(self, now: int, until: int) -> tuple[int, list[Any]]:
+    def run(
+        self, now: int, until: int, every: int = 0, look: Callable[[int], object] | None = None
+    ) -> tuple[int, list[Any]]:
         """Step from substep ``now`` until the first hits; return the last substep and the hits.
 
-        It steps to substep ``until`` if there are no hits.
+        It steps to substep ``until`` if there are no hits. If ``every`` is not 0, it calls ``look``
+        after every such number of substeps before the last one.
 
         Raises:
             BaseException: an error or an interrupt occurred while a hit was noted.
         """
         space = self._space
         if not IS_KNOWN or _has_changes(space):
-            return self._run(partial(space.step, self._time_step), now, until)
+            return self._run(partial(space.step, self._time_step), now, until, every, look)
         # As in a step of pymunk, objects that a callback adds or removes have to wait.
         space._locked = True
         try:
-            return self._run(partial(lib.cpSpaceStep, space._space, self._time_step), now, until)
+            step = partial(lib.cpSpaceStep, space._space, self._time_step)
+            return self._run(step, now, until, every, look)
         finally:
             space._locked = False
 
-    def _run(self, step: Callable[[], None], now: int, until: int) -> tuple[int, list[Any]]:
-        hits = self._hits
+    def _run(
+        self, step: Callable[[], None], now: int, until: int, every: int, look: Any
+    ) -> tuple[int, list[Any]]:
+        hits, due = self._hits, now + every
         hits.clear()  # An interrupt may have ended the last run after a hit.
         for substep in range(now + 1, until + 1):
             step()
             if hits:
                 return substep, hits.take()
+            if substep == due and substep < until:
+                look(substep)
+                due += every
         return until, []
 
 

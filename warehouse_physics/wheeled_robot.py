@@ -56,7 +56,6 @@ class WheeledRobot(Robot):
         # A robot that the solver moves off its line, to correct an overlap, is back in one substep.
         self._tyres.error_bias = 0.0
         self._steering = pymunk.SimpleMotor(self.body, self._control, 0.0)
-        self._turn_acceleration = 0.0
         # Metres that a wheel has driven and kinetic energy, at the last count of work in turns.
         self._turned = self._turn_energy = 0.0
         self._leaves, self._is_to_face = 0, False
@@ -194,18 +193,35 @@ class WheeledRobot(Robot):
 
         It is counted at the wheels: kinetic energy gained plus drag times the distance of a wheel.
         """
-        start, energy = self._turned, self._turn_energy
-        rim = self.body.angular_velocity * self._spec.wheel_arm
-        self._turned = self.body.angle * self._spec.wheel_arm + self._lead * rim
-        self._turn_energy = kinetic(self._turning_mass, rim, 0.0)
-        return self._turn_energy - energy + self._drag * abs(self._turned - start)
+        turned, energy = self._turn_book()
+        work = self._turn_work_until(turned, energy)
+        self._turned, self._turn_energy = turned, energy
+        return work
 
-    def _count_from(self, velocity: pymunk.Vec2d, lead: float) -> None:
-        """Start a new count of work at the present position and at ``velocity``.
+    def _turn_work_until(self, turned: float, energy: float) -> float:
+        return energy - self._turn_energy + self._drag * abs(turned - self._turned)
+
+    def _turn_book(self) -> tuple[float, float]:
+        """Return the metres that a wheel has driven and the kinetic energy of the turn in J."""
+        rim = self.body.angular_velocity * self._spec.wheel_arm
+        turned = self.body.angle * self._spec.wheel_arm + self._lead * rim
+        return turned, kinetic(self._turning_mass, rim, 0.0)
+
+    def _uncounted(self, velocity: pymunk.Vec2d) -> float:
+        """Return the work in J that the next count would add; see ``Robot._uncounted``."""
+        if self.phase == TURN:
+            return spent(self._turn_work_until(*self._turn_book()))
+        work = super()._uncounted(velocity)
+        if self.phase == BRAKE and self._spec.recuperation:
+            work -= regained(self._spec, self._turn_work_until(*self._turn_book()))
+        return work
+
+    def _book(self, velocity: pymunk.Vec2d, lead: float) -> tuple[Position, float]:
+        """Return the position and energy with which a count begins; see ``Robot._book``.
 
         The part of the velocity to the side is not due to the wheels and is ignored.
         """
-        super()._count_from(self._driving_part(velocity), lead)
+        return super()._book(self._driving_part(velocity), lead)
 
     def _driving_part(self, vector: pymunk.Vec2d) -> pymunk.Vec2d:
         """Return the part of a vector that is along the heading."""
@@ -215,6 +231,7 @@ class WheeledRobot(Robot):
     def _load(self, loaded: bool, acceleration: float) -> None:
         """Set whether the robot carries an item, and its acceleration in m/s²."""
         self._turning_mass = self._spec.turning_mass(loaded)
+        self._steering.max_force = 0.0
         super()._load(loaded, acceleration)
         self._hold()
 

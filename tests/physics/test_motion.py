@@ -126,7 +126,9 @@ def test_without_recording_a_path_has_only_start_and_end() -> None:
     for displacement in (EAST, NORTH, SOUTH, STAY, WEST, WEST):
         whole, ends = move(kept, displacement), move(left_off, displacement)
         assert np.array_equal(ends.path, whole.path[[0, -1]])
-        assert ends._replace(path=whole.path) == whole
+        # A robot at rest has no force, but the last recorded row belongs to its braking.
+        assert np.array_equal(ends.readings[:, [0, 1, 4]], whole.readings[[0, -1]][:, [0, 1, 4]])
+        assert ends._replace(path=whole.path, readings=whole.readings) == whole
 
 
 @pytest.mark.parametrize("kilograms", [160, 200, 340])

@@ -69,7 +69,7 @@ MAY_IMPORT = {
     "warehouse_physics/giving_way": "robot",
     "warehouse_physics/wheeled_robot": "arena energy profile robot spec",
     "warehouse_physics/driving": (
-        "arena body_motion disturbances driven_arena energy exclusive profile robot spec walls "
+        "arena body_motion disturbances driven_arena energy exclusive profile spec walls "
         "wheeled_robot"
     ),
     "warehouse_physics/robot_arena": "arena disturbances robot spec walls wheeled_robot",

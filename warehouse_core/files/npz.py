@@ -60,7 +60,7 @@ def read_arrays(path: str | Path, *schemas: Schema) -> Arrays:
 
     Args:
         path: file to read.
-        schemas: allowed schemas, each with a different number of arrays.
+        schemas: allowed schemas, each with different names.
 
     Raises:
         RecordError: the file is damaged or fits none of the schemas.
@@ -76,10 +76,9 @@ def read_arrays(path: str | Path, *schemas: Schema) -> Arrays:
     """
     with open_file(path) as file:
         try:
-            count = _check_directory(file, [len(schema) for schema in schemas])
-            schema = next(schema for schema in schemas if len(schema) == count)
+            count = _check_directory(file, sorted({len(schema) for schema in schemas}))
             with zipfile.ZipFile(file) as archive:
-                return _read_all(archive, schema)
+                return _read_all(archive, [each for each in schemas if len(each) == count])
         except RecordError as error:
             raise RecordError(f"{path}: {error}") from error
         except (ValueError, EOFError, OSError, struct.error, zipfile.BadZipFile, zlib.error,
@@ -111,11 +110,14 @@ def _check_directory(file: IO[bytes], counts: Sequence[int]) -> int:
     return int(entries)
 
 
-def _read_all(archive: zipfile.ZipFile, schema: Schema) -> Arrays:
+def _read_all(archive: zipfile.ZipFile, schemas: Sequence[Schema]) -> Arrays:
     entries = {entry.filename: entry for entry in archive.infolist()}
     names = sorted(entry.filename for entry in archive.infolist())
-    if names != sorted(f"{name}.npy" for name in schema):
-        raise RecordError(f"arrays are {names}; there must be {sorted(schema)}")
+    for schema in schemas:
+        if names == sorted(f"{name}.npy" for name in schema):
+            break
+    else:
+        raise RecordError(f"arrays are {names}; there must be {sorted(schemas[0])}")
     if sum(entry.file_size for entry in entries.values()) > MAX_BYTES:
         raise RecordError(f"its arrays take more than MAX_BYTES = {MAX_BYTES}")
     return {

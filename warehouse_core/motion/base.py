@@ -98,6 +98,10 @@ class Outcome(NamedTuple):
             a robot that came back to the target cell before they touched.
         cut_off: ``True`` if the action took too long and was ended before the robot was at rest
             where it had to be. All values are those at that moment.
+        readings: ``[K, 5]`` float64, read-only, with one row per row of ``path``: the velocity
+            ``(vx, vy)`` in m/s, the force of the motor ``(fx, fy)`` in N in the substep that ends
+            then, and the energy used since the start of the motion in J. ``None`` for backends that
+            do not measure them, such as the grid.
 
     Example:
         >>> from warehouse_core import WarehouseEnv
@@ -116,19 +120,23 @@ class Outcome(NamedTuple):
     path: NDArray[np.float64]
     contacts: tuple[Contact, ...] = ()
     cut_off: bool = False
+    readings: NDArray[np.float64] | None = None
 
     def copy(self) -> Outcome:
-        """Return a copy of the outcome, with a copy of its path."""
-        return self._replace(path=self.path.copy())
+        """Return a copy of the outcome, with copies of its path and its readings."""
+        readings = None if self.readings is None else self.readings.copy()
+        return self._replace(path=self.path.copy(), readings=readings)
 
     def __eq__(self, other: object) -> bool:
         # Tuples compare with ==, which for paths returns an array without a truth value.
         if not isinstance(other, Outcome):
             return NotImplemented
-        return np.array_equal(self.path, other.path) and all(
-            mine == others
-            for mine, others in zip(self, other, strict=True)
-            if mine is not self.path
+        pairs: Any = zip(self, other, strict=True)
+        return all(
+            np.array_equal(mine, others)
+            if isinstance(mine, np.ndarray) or isinstance(others, np.ndarray)
+            else mine == others
+            for mine, others in pairs
         )
 
     def __ne__(self, other: object) -> bool:

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 from collections.abc import Hashable, Iterable, Sequence
 from dataclasses import asdict, astuple
-from itertools import chain, islice
+from itertools import chain, islice, repeat
 from typing import Any, TypeVar
 
 import numpy as np
@@ -45,7 +45,7 @@ NONE = -1
 ColumnSpecs = dict[str, tuple[str, str]]
 """Type of each array, and its axes, one letter each; see ``LENGTHS`` and ``_lengths``."""
 
-LENGTHS = {"2": 2, "3": 3, "4": 4, "O": 10}
+LENGTHS = {"2": 2, "3": 3, "4": 4, "5": 5, "O": 10}
 """Lengths of the axes that are the same in all records. ``O`` counts the numbers of an order: the
 fields of ``Order``, with two numbers for each cell."""
 
@@ -60,6 +60,9 @@ MOTION_COLUMNS: ColumnSpecs = {
     "contact_counts": ("<i4", "M"),
     "contact_counterparts": ("<i4", "C"),
 }
+
+READ_COLUMNS: ColumnSpecs = {"readings": ("<f8", "L5")}
+"""Columns that records have in addition if all their motions have readings."""
 
 LONE_COLUMNS: ColumnSpecs = {
     "header": ("|u1", "*"),
@@ -128,8 +131,9 @@ EpisodeFields = dict[str, Any]
 Word = TypeVar("Word", bound=Hashable)
 
 SCHEMAS: tuple[Schema, ...] = tuple(
-    {name: (dtype, len(axes)) for name, (dtype, axes) in columns.items()}
+    {name: (dtype, len(axes)) for name, (dtype, axes) in (columns | more).items()}
     for columns in (LONE_COLUMNS, FLEET_COLUMNS, REASONED_COLUMNS, HEADED_COLUMNS)
+    for more in ({}, READ_COLUMNS)
 )
 
 
@@ -190,7 +194,8 @@ def unpack(arrays: Arrays) -> EpisodeFields:
     fields["layout"] = unpack_layout(arrays["layout"])
     kind = FleetSettings if is_fleet else Settings
     fields["settings"] = kind.from_json(header.get("settings"))
-    _check_arrays(arrays, HEADED_COLUMNS if is_fleet else LONE_COLUMNS, fields["settings"])
+    columns = (HEADED_COLUMNS if is_fleet else LONE_COLUMNS) | READ_COLUMNS
+    _check_arrays(arrays, columns, fields["settings"])
     fields["motions"] = unpack_motions(arrays, header)
     (_unpack_fleet if is_fleet else _unpack_lone)(arrays, header, fields)
     return fields
@@ -449,7 +454,10 @@ def decode_words(
 
 
 def pack_motions(motions: Sequence[Outcome]) -> tuple[Arrays, list[str]]:
-    """Return the arrays of ``MOTION_COLUMNS``, and the names of the counterparts in contacts."""
+    """Return the arrays of ``MOTION_COLUMNS``, and the names of the counterparts in contacts.
+
+    If all motions have readings, the arrays also include ``READ_COLUMNS``.
+    """
     contacts = [contact for motion in motions for contact in motion.contacts]
     counterparts, codes = encode_words(contact.counterpart for contact in contacts)
     arrays: Arrays = {
@@ -465,6 +473,9 @@ def pack_motions(motions: Sequence[Outcome]) -> tuple[Arrays, list[str]]:
         "contact_counts": np.array([len(motion.contacts) for motion in motions]),
         "contact_counterparts": codes,
     }
+    readings = [motion.readings for motion in motions if motion.readings is not None]
+    if readings and len(readings) == len(motions):
+        arrays["readings"] = np.concatenate(readings)
     return arrays, counterparts
 
 
@@ -481,16 +492,21 @@ def unpack_motions(arrays: Arrays, header: EpisodeFields) -> list[Outcome]:
         for (seconds, impulse, x, y), name in zip(arrays["contacts"].tolist(), names, strict=True)
     )
     columns = ("motion_cells", "motion_blocked", "motion_seconds", "motion_joules")
+    ends = np.cumsum(arrays["path_lengths"])[:-1]
     rows = zip(
         *(arrays[name].tolist() for name in columns),
-        np.split(arrays["path"], np.cumsum(arrays["path_lengths"])[:-1]),
+        np.split(arrays["path"], ends),
         arrays["contact_counts"].tolist(),
+        np.split(arrays["readings"], ends) if "readings" in arrays else repeat(None),
         strict=False,
     )
     motions = [
-        Outcome((row, col), blocked, seconds, joules, path, tuple(islice(contacts, count)))
-        for (row, col), blocked, seconds, joules, path, count in rows
-    ]
+        Outcome(
+            (row, col), blocked, seconds, joules, path, tuple(islice(contacts, count)),
+            readings=readings,
+        )
+        for (row, col), blocked, seconds, joules, path, count, readings in rows
+    ]  # fmt: skip
     for number in cut_off:
         motions[number] = motions[number]._replace(cut_off=True)
     return motions

@@ -32,12 +32,16 @@ from warehouse_physics.driving.limits import Limits
 from warehouse_physics.driving.motors import Motors
 from warehouse_physics.driving.wheels import WheeledArena, WheelHeadings
 from warehouse_physics.energy import regained, spent
-from warehouse_physics.profile import Floats, stopping_distances, stopping_speeds
+from warehouse_physics.profile import Floats, lengths_of, stopping_distances, stopping_speeds
 from warehouse_physics.spec import ARRIVED, RobotSpec
 
 NEAR = 0.02
 """Distance beyond the middle of a cell at which a robot still counts as in the middle, as a share
 of a cell."""
+
+HEADED = 0.05
+"""Share of the top speed above which the heading of a disc follows the direction of its motion. At
+a lower speed it may be correcting a small error of its position."""
 
 SLOW = 1e-3
 """Speed in m/s below which a robot may begin another leg."""
@@ -90,6 +94,7 @@ class Driver:
         self._handling = np.zeros(robots, np.int64)  # substeps that are left to pick or drop
         self.work = np.zeros(robots)
         self._motors.load()
+        self._velocities = np.zeros((robots, 2))
         self._look()
 
     def load(self, loaded: Sequence[bool], handling: int) -> None:
@@ -132,9 +137,25 @@ class Driver:
         return self.work + self._headings.work
 
     def rows(self, seconds: float) -> Floats:
-        """Return one row of the path of each robot, ``[R, 4]``; see ``Outcome``."""
-        headings = self._headings.angles
-        return np.column_stack([np.full(len(headings), seconds), self.positions, headings])
+        """Return the present row of the path and of the readings of each robot, ``[R, 9]``.
+
+        The last column has the work so far in J, not yet the energy; see ``Outcome``.
+        """
+        headings, velocities = self._headings.angles, self._velocities
+        speeds = lengths_of(velocities)[:, None]
+        self._headings.follow(velocities, speeds[:, 0] > HEADED * self._spec.top_speed)
+        drags = self._motors.drags[:, None] * velocities / np.maximum(speeds, SLOW)
+        gained = (velocities - self._earlier) / self._dt
+        return np.column_stack(
+            [
+                np.full(len(headings), seconds),
+                self.positions,
+                headings,
+                velocities,
+                self._limits.masses[:, None] * gained + drags,
+                self.joules(),
+            ]
+        )
 
     def step(self) -> list[Hit]:
         """Drive for one substep, and return the hits that begin in it."""
@@ -164,6 +185,7 @@ class Driver:
 
     def _look(self) -> None:
         """Read the positions and velocities, and update the progress of each robot on its route."""
+        self._earlier = self._velocities
         self.positions, self._velocities = self._arena.look()
         self._offsets = self.positions - self._origins
         self._done = self._starts * self._size + _dots(self._offsets, self._along)

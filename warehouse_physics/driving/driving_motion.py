@@ -11,17 +11,19 @@ from warehouse_core.arguments import real_number, whole_number
 from warehouse_core.motion.base import Contact, Routes, centre_of, check_moves, check_starts
 from warehouse_core.motion.traffic import check_joint_step, find_stops
 from warehouse_core.renamed import Renamed
+from warehouse_core.world.tables import Integers
 from warehouse_core.world.tiles import moved
 from warehouse_physics.arena import ITERATIONS
 from warehouse_physics.body_motion import PATH_EVERY, BodyMotion
 from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.driven_arena import DrivenArena
-from warehouse_physics.driving.driver import Driver
+from warehouse_physics.driving.driver import SLOW, Driver
 from warehouse_physics.driving.leaders import corner_distance
 from warehouse_physics.driving.limits import CORNER
 from warehouse_physics.driving.wheels import WheeledArena
 from warehouse_physics.energy import joules_of, kinetic
 from warehouse_physics.exclusive import exclusive
+from warehouse_physics.profile import Floats, lengths_of
 from warehouse_physics.spec import RobotSpec
 from warehouse_physics.walls import wall_boxes
 
@@ -230,24 +232,47 @@ class DrivingMotion(BodyMotion):
         driver, dt = self._driver_in_use(), self.spec.time_step
         before, paths = driver.joules(), [driver.rows(0.0)]
         contacts: list[list[Contact]] = [[] for _ in before]
+        path_every = self._path_every if self._record_path else substeps
+        if self._record_path and len(before) == 1:
+            path_every = 1  # thinned out below
         for substep in range(1, substeps + 1):
             for hit in driver.step():
                 contacts[hit.robot].append(hit.contact(substep * dt))
-            if substep == substeps or (self._record_path and substep % self._path_every == 0):
+            if substep == substeps or substep % path_every == 0:
                 paths.append(driver.rows(substep * dt))
         seconds, rows = substeps * dt, np.stack(paths, axis=1)
+        if len(before) == 1:
+            rows = rows[:, self._telling(rows[0])]
+        costs = joules_of(self.spec, rows[:, :, -1] - before[:, None], rows[:, :, 0])
+        costs -= self._surplus[:, None]
+        self._surplus = np.maximum(-costs[:, -1], 0.0)
+        rows[:, :, -1] = np.maximum(costs, 0.0)
         rows.flags.writeable = False
-        costs = joules_of(self.spec, driver.joules() - before, seconds) - self._surplus
-        self._surplus = np.maximum(-costs, 0.0)
-        joules = np.maximum(costs, 0.0).tolist()
+        joules = rows[:, -1, -1].tolist()
         columns, lines = np.floor(driver.positions / self.cell_size).astype(int).T.tolist()
         return self._measured(
             [
-                Outcome((row, col), False, seconds, cost, path, tuple(hits))
-                for row, col, cost, path, hits in zip(
+                Outcome(
+                    (row, col), False, seconds, cost, each[:, :4], tuple(hits),
+                    readings=each[:, 4:],
+                )
+                for row, col, cost, each, hits in zip(
                     lines, columns, joules, rows, contacts, strict=True
                 )
             ]
+        )  # fmt: skip
+
+    def _telling(self, rows: Floats) -> Integers:
+        """Return the numbers of the rows of a lone robot to keep, ``[K]``.
+
+        These are every ``path_every`` row, and the rows at which the robot begins or ends to speed
+        up or to brake, so that they include the extremes of its speed.
+        """
+        gains = np.diff(lengths_of(rows[:, 4:6]))
+        changes = np.diff(np.sign(gains * (np.abs(gains) > SLOW)), prepend=0)
+        keep = changes != 0
+        return np.flatnonzero(
+            np.append(keep, True) | (np.arange(len(rows)) % self._path_every == 0)
         )
 
     def _substeps_in(self, name: str, seconds: float) -> int:

@@ -8,15 +8,15 @@ import numpy as np
 
 from warehouse_core.world.tables import Flags
 from warehouse_physics.profile import Floats
-from warehouse_physics.robot import TURN_RATE, TURN_SECONDS
 from warehouse_physics.spec import RobotSpec
 
 
 class Headings:
-    """The headings of ``R`` robots, which turn at a constant rate in the shorter direction.
+    """The headings of ``R`` robots.
 
-    A robot with ``turn_seconds`` turns on the spot before it drives. Any other robot turns while it
-    drives, as in ``robot.py``, and this does not affect its trajectory.
+    A robot with ``turn_seconds`` turns on the spot before it drives, at a constant rate and in the
+    shorter direction. Any other robot can drive in any direction, so its heading is the direction
+    of its motion.
 
     Attributes:
         on_the_spot: true if robots stop to turn.
@@ -26,10 +26,9 @@ class Headings:
 
     def __init__(self, spec: RobotSpec, robots: int) -> None:
         self.on_the_spot = spec.turns_on_the_spot
-        rate = TURN_RATE * TURN_SECONDS / spec.move_seconds(loaded=False)
+        self._most = math.inf
         if spec.turn_seconds:
-            rate = math.pi / 2 / spec.turn_seconds
-        self._most = rate * spec.time_step
+            self._most = math.pi / 2 / spec.turn_seconds * spec.time_step
         self.angles, self._left, self.work = np.zeros((3, robots))
 
     def face(self, robot: int, direction: Floats, goes_back: bool = False) -> None:
@@ -39,6 +38,13 @@ class Headings:
         """
         wanted = math.atan2(direction[1], direction[0])
         self._left[robot] = math.remainder(wanted - self.angles[robot], math.tau)
+
+    def follow(self, velocities: Floats, moving: Flags) -> None:
+        """Make the robots in ``moving``, ``[R]``, face the direction of their velocities."""
+        if not self.on_the_spot:
+            directions = np.arctan2(velocities[moving, 1], velocities[moving, 0])
+            turns = directions - self.angles[moving]
+            self.angles[moving] += np.remainder(turns + math.pi, math.tau) - math.pi
 
     def turn(self, stopped: Flags) -> Flags:
         """Turn robots for one substep, and return which of them must not drive in it, ``[R]``.
