@@ -12,7 +12,7 @@ from warehouse_core.motion.base import MAX_RAYS, BaseMotion, Outcome, Pose, cent
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import Cell
-from warehouse_physics.disturbances import Disturbances
+from warehouse_physics.disturbances import SETTINGS, SLIPPERY, Disturbances
 from warehouse_physics.energy import move_joules
 from warehouse_physics.odometry import Odometry
 from warehouse_physics.profile import Floats
@@ -39,7 +39,7 @@ class BodyMotion(BaseMotion):
     BODIES: ClassVar[str]
     """Name of the attribute that has the bodies, which is ``None`` before a reset."""
 
-    WORDS = ("drive",)
+    WORDS = ("drive", SLIPPERY)
     """Settings of ``from_numbers`` whose values are words."""
 
     NUMBERS: ClassVar[tuple[str, ...]] = ()
@@ -73,10 +73,16 @@ class BodyMotion(BaseMotion):
 
     @classmethod
     def from_numbers(cls, numbers: Mapping[str, Any]) -> Self:
-        """Return a motion without disturbances; see ``RobotSpec.from_numbers`` and ``NUMBERS``."""
-        robot = {name: number for name, number in numbers.items() if name not in cls.NUMBERS}
+        """Return a motion with settings of its robots, its disturbances and its own.
+
+        See ``RobotSpec.from_numbers``, ``disturbances.SETTINGS`` and ``NUMBERS``.
+        """
+        others = *SETTINGS, *cls.NUMBERS
+        robot = {name: number for name, number in numbers.items() if name not in others}
+        trouble = {name: number for name, number in numbers.items() if name in SETTINGS}
         own = {name: number for name, number in numbers.items() if name in cls.NUMBERS}
-        return cls(RobotSpec.from_numbers(robot, cls.NUMBERS), **own)
+        spec = RobotSpec.from_numbers(robot, others)
+        return cls(spec, Disturbances.from_settings(trouble), **own)
 
     def scan(self, robot: int, rays: int) -> Floats:
         """Return the distances to walls and other robots; see ``BaseMotion.scan``."""

@@ -4,7 +4,10 @@ from __future__ import annotations
 
 import math
 import random
+import re
+from collections.abc import Mapping
 from dataclasses import dataclass, fields
+from typing import Any, Self
 
 from warehouse_core import Cell
 from warehouse_core.arguments import (
@@ -15,9 +18,28 @@ from warehouse_core.arguments import (
     settle,
     whole_number,
 )
-from warehouse_core.motion.base import Conditions
+from warehouse_core.motion.base import EVERYWHERE, Conditions
 from warehouse_core.motion.grid import GRAVITY
 from warehouse_core.wording import brief
+
+LIMITS = {
+    "actuation_noise": (0.0, 0.5),
+    "grip": (0.0, 1.0),
+    "motor_strength": (0.0, 1.0),
+    "drag_spread": (0.0, 0.99),
+    "patience": (1.0, 100.0),
+    "odometry": (0.0, 0.5),
+}
+"""Smallest and largest value of each number in ``Disturbances``."""
+
+SLIPPERY = "slippery"
+
+SETTINGS = {
+    "noise": "actuation_noise",
+    **{name: name for name in LIMITS if name != "actuation_noise"},
+    SLIPPERY: SLIPPERY,
+}
+"""Field of ``Disturbances`` for each setting that may follow the name of a backend."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -60,7 +82,8 @@ class Disturbances:
 
     Attributes:
         actuation_noise: standard deviation of the actual speed, as a share of the commanded speed.
-        slippery: cells with slippery floor, on which ``grip`` limits the force of the motor.
+        slippery: cells with slippery floor, on which ``grip`` limits the force of the motor, or
+            ``"all"`` for the whole floor.
         grip: friction coefficient between wheels and slippery floor; about 0.05 on wet ice.
         motor_strength: actual force of the motor as a share of the nominal force, 0 to 1.
         drag_spread: largest deviation of the drag of a cell, as a share of the nominal drag and
@@ -83,7 +106,7 @@ class Disturbances:
     """
 
     actuation_noise: float = 0.0
-    slippery: frozenset[Cell] = frozenset()
+    slippery: frozenset[Cell] | str = frozenset()
     grip: float = 0.03
     motor_strength: float = 1.0
     drag_spread: float = 0.0
@@ -92,29 +115,47 @@ class Disturbances:
     odometry: float = 0.0
 
     def __post_init__(self) -> None:
-        allowed = {
-            "actuation_noise": (0.0, 0.5),
-            "grip": (0.0, 1.0),
-            "motor_strength": (0.0, 1.0),
-            "drag_spread": (0.0, 0.99),
-            "patience": (1.0, 100.0),
-            "odometry": (0.0, 0.5),
-        }
-        for name, (minimum, maximum) in allowed.items():
+        for name, (minimum, maximum) in LIMITS.items():
             settle(self, **{name: real_number(name, getattr(self, name), minimum, maximum)})
+        if self.slippery != EVERYWHERE:
+            settle(self, slippery=cells_of(self.slippery))
         try:
-            slippery = frozenset(as_cell("slippery", cell) for cell in self.slippery)
-        except Exception:  # a user's ``__iter__`` may raise anything
-            message = f"slippery is {brief(self.slippery)}; it must be cells (row, column)"
-            raise ValueError(message) from None
-        try:
-            settle(self, slippery=slippery, stops=sequence_of("stops", self.stops, Stop))
+            settle(self, stops=sequence_of("stops", self.stops, Stop))
         except TypeError as error:
             raise ValueError(str(error)) from None
+
+    @classmethod
+    def from_settings(cls, settings: Mapping[str, Any]) -> Self:
+        """Return the disturbances with these settings, which are named as in ``SETTINGS``.
+
+        A ``grip`` without slippery cells applies to the whole floor. The cells are a text, see
+        ``cells_in``.
+
+        Raises:
+            ValueError: a value is out of range.
+
+        Example:
+            >>> from warehouse_physics import Disturbances
+            >>> Disturbances.from_settings({"grip": 0.05, "slippery": "4-5+4-6"}).grip
+            0.05
+        """
+        given: dict[str, Any] = {SLIPPERY: EVERYWHERE} if "grip" in settings else {}
+        for name, value in settings.items():
+            field = SETTINGS[name]
+            given[field] = (
+                cells_in(value) if field == SLIPPERY else real_number(name, value, *LIMITS[field])
+            )
+        return cls(**given)
+
+    def is_slippery(self, cell: Cell) -> bool:
+        """Return whether the floor of a cell is slippery."""
+        return self.slippery == EVERYWHERE or cell in self.slippery
 
     @property
     def conditions(self) -> Conditions:
         """The state of floor and motors, for records of episodes."""
+        if isinstance(self.slippery, str):
+            return Conditions(self.slippery, self.motor_strength)
         return Conditions(tuple(sorted(self.slippery)), self.motor_strength)
 
     @property
@@ -130,6 +171,31 @@ class Disturbances:
             for each in fields(self)
             if each.name not in ("grip", "patience", "odometry")
         )
+
+
+def cells_of(slippery: Any) -> frozenset[Cell]:
+    """Return checked cells, which may be given in any iterable."""
+    try:
+        return frozenset(as_cell(SLIPPERY, cell) for cell in slippery)
+    except Exception:  # a user's ``__iter__`` may raise anything
+        message = f"slippery is {brief(slippery)}; it must be {EVERYWHERE!r} or cells"
+        raise ValueError(f"{message} (row, column)") from None
+
+
+def cells_in(text: str) -> frozenset[Cell] | str:
+    """Return the cells that a text such as ``4-5+4-6`` names, or ``"all"``.
+
+    The two numbers of a cell are its row and its column.
+    """
+    if text == EVERYWHERE:
+        return text
+    if not re.fullmatch(r"[0-9]{1,9}-[0-9]{1,9}(\+[0-9]{1,9}-[0-9]{1,9})*", text):
+        raise ValueError(
+            f"slippery is {brief(text)}; it must be {EVERYWHERE}, or the row and column of cells, "
+            "as in 4-5+4-6"
+        )
+    pairs = (pair.split("-") for pair in text.split("+"))
+    return frozenset((int(row), int(col)) for row, col in pairs)
 
 
 class FloorConditions:
@@ -155,8 +221,8 @@ class FloorConditions:
 
     def grip_force(self, cell: Cell, mass: float) -> float:
         """Return the largest force in N that wheels can exert, or infinity if nothing slips."""
-        is_slippery = cell in self._disturbances.slippery
-        return self._disturbances.grip * mass * GRAVITY if is_slippery else math.inf
+        disturbances = self._disturbances
+        return disturbances.grip * mass * GRAVITY if disturbances.is_slippery(cell) else math.inf
 
     def speed_factor(self) -> float:
         """Return a random actual speed, as a share of the commanded speed."""

@@ -5,7 +5,7 @@ Source: Russell and Norvig, 4th ed., ch. 3, and section 4.5 on online search.
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
 
 from agents.search.algorithms import (
     Solution,
@@ -21,7 +21,7 @@ from agents.search.costs import STEPS, action_costs
 from agents.search.heuristics import manhattan, manhattan_delivery
 from agents.search.problems import DeliveryProblem, DeliveryState
 from agents.warehouse_agent_greedy import goal_of
-from warehouse_core.arguments import instance_of, one_of
+from warehouse_core.arguments import flag, instance_of, one_of
 from warehouse_core.motion.backends import Backend
 from warehouse_core.task.state import Observation
 from warehouse_core.world.layout import Layout
@@ -50,7 +50,9 @@ ALGORITHMS: dict[str, Callable[[DeliveryProblem, float], Solution[DeliveryState,
 class SearchAgent:
     """An agent that knows the map, plans the whole delivery once, and follows the plan.
 
-    If a motion leads off the plan, the agent makes a new plan. If there is no path, it waits.
+    If a motion leads off the plan, the agent makes a new plan. If there is no path, it waits. An
+    agent that does not replan carries out its first plan without looking where it is, and then
+    waits.
 
     Args:
         layout: layout with the walls. Its stations are used if the observations agree with them.
@@ -58,6 +60,7 @@ class SearchAgent:
         cost: measure to minimise: ``"steps"``, ``"seconds"`` or ``"joules"``.
         weight: weight of the heuristic in weighted A*.
         backend: motion backend with which seconds and joules are measured.
+        replan: true to make a new plan where a motion leads off the plan.
 
     Attributes:
         reason: reason of the last action.
@@ -66,6 +69,7 @@ class SearchAgent:
 
     Raises:
         ValueError: the algorithm, the cost or the weight is not allowed.
+        TypeError: ``replan`` is neither true nor false.
 
     Example:
         >>> from agents import SearchAgent
@@ -82,8 +86,10 @@ class SearchAgent:
         cost: str = STEPS,
         weight: float = WEIGHT,
         backend: Backend = "physics",
+        replan: bool = True,
     ) -> None:
         self.layout = instance_of("layout", layout, Layout)
+        self.replan = flag("replan", replan)
         self.algorithm = one_of("algorithm", algorithm, ALGORITHMS)
         check_weight(weight)
         self.weight = weight
@@ -93,6 +99,7 @@ class SearchAgent:
     def reset(self) -> None:
         """Forget the plan."""
         self._plan: dict[tuple[Cell, bool], str] = {}
+        self._ahead: Iterator[str] = iter(())
         self._before: tuple[Cell, bool] | None = None
         self._is_new = False
         self._knows_stations = True
@@ -101,6 +108,8 @@ class SearchAgent:
 
     def act(self, observation: Observation) -> str:
         """Return the action of the plan for the robot's state."""
+        if self.plans and not self.replan:
+            return self._go_on()
         state = observation["robot_pos"], observation["has_item"]
         action = self._plan.get(state)
         if action is None:
@@ -113,6 +122,12 @@ class SearchAgent:
         if self._is_new:
             self._is_new, self.reason = False, "follows its plan"
         return action
+
+    def _go_on(self) -> str:
+        """Return the next action of the first plan, whatever the last action has led to."""
+        action = next(self._ahead, None)
+        self.reason = "follows its plan" if action else "its plan has ended"
+        return action or "WAIT"
 
     def _make_plan(self, observation: Observation) -> str:
         here, has_item = observation["robot_pos"], observation["has_item"]
@@ -131,6 +146,7 @@ class SearchAgent:
         }
         self.reason = "has a plan" if self.plans == 1 else "left its plan, makes a new one"
         self._before, self._is_new = (here, has_item), True
+        self._ahead = iter([*self._plan.values()][1:])
         return self._plan[here, has_item]
 
     def _problem(self, observation: Observation) -> DeliveryProblem:

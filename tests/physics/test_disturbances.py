@@ -9,6 +9,8 @@ from typing import Any
 import pytest
 
 from warehouse_core import Cell, EpisodeRecorder, FleetEnv, Layout, Outcome, WarehouseEnv
+from warehouse_core.errors import BackendError
+from warehouse_core.motion import make_motion
 from warehouse_core.records.recorder import FleetRecorder
 from warehouse_core.viz.tracks import track_of_record
 from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
@@ -51,9 +53,53 @@ def cell_at(outcome: Outcome) -> Cell:
 # Settings.
 
 
-@pytest.mark.parametrize("cells", [5, [(1, 2, 3)], [(1.5, 2)]])
+@pytest.mark.parametrize(
+    ("settings", "expected"),
+    [
+        ("noise=0.1,motor_strength=0.7", Disturbances(0.1, motor_strength=0.7)),
+        ("drag_spread=0.5,patience=3", Disturbances(drag_spread=0.5, patience=3.0)),
+        ("odometry=0.02", Disturbances(odometry=0.02)),
+        ("slippery=4-5+10-6", Disturbances(slippery=frozenset({(4, 5), (10, 6)}))),
+        ("slippery=all", Disturbances(slippery="all")),
+        ("grip=0.2", Disturbances(slippery="all", grip=0.2)),
+        ("grip=0.2,slippery=4-5", Disturbances(slippery=frozenset({(4, 5)}), grip=0.2)),
+    ],
+)
+def test_disturbances_may_follow_the_name_of_a_backend(
+    settings: str, expected: Disturbances
+) -> None:
+    for name in ("physics", "driving"):
+        motion = make_motion(f"{name}:mass=60,{settings}")
+        assert motion.disturbances == expected  # type: ignore[attr-defined]
+        assert motion.spec == RobotSpec(mass=60)  # type: ignore[attr-defined]
+
+
+@pytest.mark.parametrize(
+    ("settings", "message"),
+    [
+        ("nois=1", "no number is called 'nois'; allowed: radius, .*, noise, grip, .*, slippery"),
+        ("noise=1", "noise is 1.0; it must be at least 0 and at most 0.5"),
+        ("grip=-1", "grip is -1.0; it must be at least 0 and at most 1"),
+        ("slippery=4", "slippery is '4'; it must be all, or the row and column of cells, as in 4-"),
+    ],
+)
+def test_a_wrong_disturbance_is_named_with_what_is_allowed(settings: str, message: str) -> None:
+    with pytest.raises(BackendError, match=f"^backend 'physics:{settings}': {message}"):
+        make_motion(f"physics:{settings}")
+
+
+def test_a_floor_may_be_slippery_everywhere() -> None:
+    everywhere = Disturbances(slippery="all")
+    assert wander(motion_with(everywhere)) == wander(motion_with(Disturbances(slippery=ALL_CELLS)))
+    env = WarehouseEnv(HALL, backend=RigidBodyMotion(disturbances=everywhere))
+    assert frozenset(env.settings.slippery) == ALL_CELLS
+
+
+@pytest.mark.parametrize("cells", [5, "icy", [(1, 2, 3)], [(1.5, 2)]])
 def test_invalid_slippery_cells_raise(cells: Any) -> None:
-    with pytest.raises(ValueError, match=r"^slippery is .*; it must be cells \(row, column\)$"):
+    with pytest.raises(
+        ValueError, match=r"^slippery is .*; it must be .all. or cells \(row, column\)$"
+    ):
         Disturbances(slippery=cells)
 
 

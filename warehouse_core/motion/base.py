@@ -34,11 +34,15 @@ NOTHING, WALL = -1, -2
 """Values of ``stopped_by`` that are not robots. The robots of a floor have numbers from 0."""
 
 
+EVERYWHERE = "all"
+"""Value of ``slippery`` for a floor that is slippery in all open cells."""
+
+
 class Conditions(NamedTuple):
     """Known conditions of the floor and the motors of a motion.
 
     Attributes:
-        slippery: cells with slippery floor.
+        slippery: cells with slippery floor, or ``EVERYWHERE``.
         motor_strength: actual share of the nominal motor force, 0 to 1.
 
     Example:
@@ -47,7 +51,7 @@ class Conditions(NamedTuple):
         Conditions(slippery=((4, 5),), motor_strength=1.0)
     """
 
-    slippery: tuple[Cell, ...] = ()
+    slippery: tuple[Cell, ...] | str = ()
     motor_strength: float = 1.0
 
 
@@ -469,6 +473,8 @@ def with_defaults(motion: Any, base: Any = BaseMotion) -> Any:
 def conditions_of(motion: object, layout: Layout) -> Conditions:
     """Return the conditions of a motion in a layout; only open cells may be slippery."""
     slippery, strength = with_defaults(motion).conditions
+    if slippery == EVERYWHERE:
+        return Conditions(tuple(layout.cells(layout.open_cells)), float(strength))
     return Conditions(tuple(filter(layout.is_open, sorted(slippery))), float(strength))
 
 

@@ -72,7 +72,7 @@ class Driver:
         self._size, self._dt = spec.cell_size, spec.time_step
         self.routes, self._limits = Dependencies(cells), Limits(spec, robots, disturbances)
         self._motors = Motors(arena, spec, self._limits, disturbances, seed)
-        self._slippery = disturbances.slippery
+        self._disturbances = disturbances
         self._stops, self._substep = disturbances.stops, 0
         self.stopped, self.failed = np.zeros((2, robots), np.bool_)
         self.closed: set[Cell] = set()
@@ -112,7 +112,7 @@ class Driver:
     def extend(self, targets: Sequence[Cell]) -> None:
         """Append a joint step to the routes; see ``Dependencies.extend``."""
         movers = self.routes.extend(targets)
-        if self._slippery:
+        if self._disturbances.slippery:
             self._expect_slips(movers)
         for robot in movers:
             last = self._lasts[robot] = self.routes.last(robot)
@@ -196,7 +196,7 @@ class Driver:
         self._closing = np.maximum(-np.sign(aside) * _dots(self._velocities, across), 0.0)
         self._passed = self._done - self._aside
         entered = self._motors.feel(self.positions)
-        if self._slippery and entered:
+        if self._disturbances.slippery and entered:
             self._expect_slips(range(len(self.stopped)))
 
     def _are_free(self) -> Flags:
@@ -327,7 +327,7 @@ class Driver:
         self.closed |= closed - {self.routes.end(each) for each in rests.nonzero()[0].tolist()}
         for each in range(len(self.stopped)):
             self._leaders.find_again(each, self._passed)
-        if self._slippery:
+        if self._disturbances.slippery:
             self._expect_slips(range(len(self.stopped)))
         goes_back = self._backs != NOWHERE
         done = np.where(goes_back, 2 * self._backs * size - self._done, self._done)
@@ -370,7 +370,7 @@ class Driver:
             first = max(here - 1, self.routes.first(robot))  # including the cell that it is in
             numbers = range(first, self.routes.last(robot) + 1)
             cells = (self.routes.node(robot, number).cell for number in numbers)
-            slips[robot] = not self._slippery.isdisjoint(islice(cells, reach + 2))
+            slips[robot] = any(map(self._disturbances.is_slippery, islice(cells, reach + 2)))
         self._limits.slip(slips)
 
     def _set_leg(self, robot: int, start: int) -> None:

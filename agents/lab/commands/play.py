@@ -9,7 +9,7 @@ from agents.lab.commands.run import report_episode
 from agents.lab.console import options
 from agents.lab.console.output import replay_or_save, unused
 from agents.lab.console.terminal import say
-from agents.lab.console.values import load_place
+from agents.lab.console.values import load_place, with_slippery
 from agents.lab.place import Place
 from agents.lab.runs.run import draw_seed
 from agents.registry import make_backend
@@ -128,6 +128,7 @@ def play(
     battery: options.BatteryOption = 200,
     max_steps: options.MaxSteps = 200,
     *,
+    slippery: options.SlipperyOption,
     save: options.Save,
 ) -> None:
     """Drive the robot yourself, in a window.
@@ -138,9 +139,8 @@ def play(
     Example: warehouse play --backend physics --save games.npz
     """
     place = load_place(layout, stations, start)
-    env = WarehouseEnv(
-        place.layout, place.start_pos, max_steps, battery, backend=make_backend(backend)
-    )
+    motion = make_backend(with_slippery(backend, slippery, place.layout))
+    env = WarehouseEnv(place.layout, place.start_pos, max_steps, battery, backend=motion)
     if not has_display():
         raise NoDisplayError("'warehouse play' needs a window, but there is no display")
     driver = KeyDriver(env, draw_seed() if seed is None else seed, place)

@@ -13,7 +13,7 @@ from agents.errors import EpisodeError, EpisodeInterrupted
 from agents.lab.console import options
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
-from agents.lab.console.values import load_place
+from agents.lab.console.values import load_place, with_slippery
 from agents.lab.console.watch import slow_steps_reported
 from agents.lab.runs.run import draw_seed
 from agents.lab.runs.run import run as run_agent
@@ -127,6 +127,7 @@ def run(
     max_steps: options.MaxSteps = 200,
     view_radius: options.ViewRadius = 2,
     *,
+    slippery: options.SlipperyOption,
     save: options.Save,
     show: options.Show = None,
     speed: options.Speed = 1.0,
@@ -140,6 +141,7 @@ def run(
     Example: warehouse run --agent astar --seed 12 --save replay.gif
     """
     place = load_place(layout, stations, start)
+    backend = with_slippery(backend, slippery, place.layout)
     case = Case(agent, backend, place.layout, battery, max_steps, view_radius)
     first = draw_seed() if seed is None else seed
     beliefs = list[Belief]()

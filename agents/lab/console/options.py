@@ -123,6 +123,8 @@ def writable(*suffixes: str, replays: bool = False) -> Callable[[Any], Any]:
     return check
 
 
+MAY_BE_REPEATED = "May be repeated."
+
 AGENT = (
     "Name of the agent: random, reflex, model, goal, utility, greedy, exploring, bfs, ucs, astar, "
     "weighted-astar, greedy-best-first, clone:FILE, ppo:FILE, q:FILE, or your own as file.py or "
@@ -163,7 +165,7 @@ ViewRadius = Annotated[int, parameter_option("view_radius")]
 
 BACKEND = (
     "Name of the motion backend. Allowed: grid, physics, {}or your own as file.py:Class. Settings "
-    "of the robot may follow, as in physics:top_speed=2,drive=differential."
+    "of the robot and disturbances may follow, as in physics:top_speed=2,noise=0.1,grip=0.05."
 )
 InstalledBackend = Annotated[
     str,
@@ -178,6 +180,16 @@ FleetBackend = Annotated[
     option(
         "--backend NAME",
         BACKEND.format("driving (robots follow a plan without stopping in each cell), "),
+    ),
+]
+
+SlipperyOption = Annotated[
+    list[str],
+    option(
+        "--slippery ROW,COL",
+        f"Cell with slippery floor, for backends with bodies. {MAY_BE_REPEATED} Its grip follows "
+        "the name of the backend, as in physics:grip=0.05, which alone is for the whole floor.",
+        **MANY,
     ),
 ]
 
@@ -201,7 +213,6 @@ FleetBattery = Annotated[
 ]
 
 SAVE = "Save to this file."
-MAY_BE_REPEATED = "May be repeated."
 REPLAY = f"{SAVE} A replay is saved as .gif, .mp4, .html, .svg or .png"
 Save = Annotated[
     list[Path],

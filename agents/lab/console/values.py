@@ -6,6 +6,7 @@ A text that cannot be parsed raises ``typer.BadParameter``.
 from __future__ import annotations
 
 import re
+from collections.abc import Sequence
 from pathlib import Path
 
 import typer
@@ -15,6 +16,7 @@ from warehouse_core import DEFAULT_LAYOUT, Cell, Layout
 from warehouse_core.arguments import MAX_STEPS
 from warehouse_core.batch.fleet_settings import JOULES, STEPS
 from warehouse_core.fleet import Battery
+from warehouse_core.motion.backends import backend_names, load_backend
 from warehouse_core.world.layout import check_open
 from warehouse_core.world.named_layouts import find_layout
 
@@ -52,6 +54,27 @@ def parse_cell(text: str | None, option: str) -> Cell | None:
     if cell is None:
         raise typer.BadParameter(f"{option} is {text!r}; it must be ROW,COL, as in 1,2")
     return int(cell[1]), int(cell[2])
+
+
+def with_slippery(backend: str, cells: Sequence[str], layout: Layout) -> str:
+    """Return the name of a backend with slippery cells, given as texts ``ROW,COL``.
+
+    Raises:
+        LayoutError: a cell is a wall or outside the layout.
+    """
+    if not cells:
+        return backend
+    name, colon, _ = backend.partition(":")
+    if name not in backend_names() or "slippery" not in getattr(load_backend(name), "WORDS", ()):
+        raise typer.BadParameter(
+            f"--slippery needs bodies, which backend {backend} does not have; "
+            "allowed: --backend physics"
+        )
+    wet = [cell for text in cells if (cell := parse_cell(text, "--slippery"))]
+    for cell in wet:
+        check_open(layout, cell, "--slippery")
+    named = "+".join(f"{row}-{col}" for row, col in wet)
+    return f"{backend}{',' if colon else ':'}slippery={named}"
 
 
 def parse_due(text: str) -> tuple[int, int]:

@@ -142,6 +142,22 @@ def test_without_a_view_the_agent_delivers_on_the_default_layout_and_in_a_maze()
         assert episode.outcome == DELIVERED, f"seed {seed}"
 
 
+def test_an_agent_that_does_not_replan_carries_out_its_first_plan_blindly() -> None:
+    layout = named_layout("bay")
+    blind, looking = SearchAgent(layout, replan=False), SearchAgent(layout)
+    plan = [*run(looking, layout, 35).actions]
+    assert [*run(blind, layout, 35).actions] == plan
+    observation = WarehouseEnv(layout).reset()
+    blind.reset()
+    plan = [blind.act(observation) for _ in range(30)]
+    end = plan.index("DROP") + 1
+    assert plan[:3] == [*plan[:1] * 3], "although the robot does not move"
+    assert plan[end:] == ["WAIT"] * (30 - end)
+    assert (blind.plans, blind.reason) == (1, "its plan has ended")
+    with pytest.raises(TypeError, match=r"^replan is 3; it must be True or False$"):
+        SearchAgent(layout, replan=3)  # type: ignore[arg-type]
+
+
 @pytest.mark.parametrize(
     ("options", "words"),
     [

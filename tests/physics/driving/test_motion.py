@@ -86,9 +86,12 @@ def test_the_name_of_the_backend_may_have_the_period_among_the_numbers_of_the_ro
     assert (motion.period, motion.spec.top_speed) == pytest.approx((0.25, 0.5))
     assert motion.cell_steps == pytest.approx(8)
     assert make_motion("driving:top_speed=0.5").period == pytest.approx(2.0)
-    with pytest.raises(BackendError, match=r"called 'perod'; allowed: .*, recuperation, period$"):
+    with pytest.raises(
+        BackendError,
+        match=r"called 'perod'; allowed: .*, recuperation, noise, .*, slippery, period$",
+    ):
         make_motion("driving:perod=0.25")
-    with pytest.raises(BackendError, match=r"called 'period'; allowed: .*, recuperation$"):
+    with pytest.raises(BackendError, match=r"called 'period'; allowed: .*, odometry, slippery$"):
         make_motion("physics:period=0.25")
 
 

@@ -175,6 +175,29 @@ def test_several_episodes_have_a_line_each_and_a_summary(warehouse: Warehouse) -
     assert "outcome" not in warehouse("run", "-n", 2, "--seed", 4, "--max-steps", 5).out
 
 
+def test_slippery_cells_are_a_part_of_the_backend_that_a_record_names(
+    warehouse: Warehouse, refused: Refused
+) -> None:
+    words = ("run", "--seed", 12, "--slippery", "1,2", "--slippery", "2, 2", "--save", "icy.npz")
+    assert warehouse(*words, "--backend", "physics:grip=0.04").code == 0
+    episode = Episode.load("icy.npz")
+    assert episode.backend == "physics:grip=0.04,slippery=1-2+2-2"
+    assert episode.slippery == ((1, 2), (2, 2))
+    assert replay_episode(episode) == episode
+    assert warehouse(*words, "--backend", "physics").code == 0
+    assert Episode.load("icy.npz").backend == "physics:slippery=1-2+2-2"
+    assert refused(*words, code=2) == (
+        "--slippery needs bodies, which backend grid does not have; allowed: --backend physics"
+    )
+    for backend in ("mine.py:Mine", "sleigh"):
+        assert f"backend {backend} does not have" in refused(*words, "--backend", backend, code=2)
+    bodies = ("run", "--backend", "physics", "--slippery")
+    assert refused(*bodies, "0,0") == "--slippery row 0, column 0 is wall; it must be an open cell"
+    assert "row 99, column 1 is off the grid" in refused(*bodies, "99,1")
+    message = refused(*bodies, "1", code=2)
+    assert message == "--slippery is '1'; it must be ROW,COL, as in 1,2"
+
+
 @pytest.mark.parametrize(("radius", "seen", "plans"), [(0, 14, 3), (1, 38, 2)])
 def test_the_exploring_agent_prints_how_much_it_has_seen_and_shows_its_belief(
     warehouse: Warehouse, radius: int, seen: int, plans: int
