@@ -37,6 +37,7 @@ from warehouse_physics.disturbances import FloorConditions
 from warehouse_physics.energy import kinetic, regained, spent
 from warehouse_physics.profile import braking, plan_profile
 from warehouse_physics.spec import ARRIVED, RobotSpec
+from warehouse_physics.stepping import read
 
 AT_REST = 1e-6
 """Speed in m/s below which a robot is at rest. After a hit the solver may leave a higher speed, and
@@ -91,6 +92,8 @@ class Robot:
 
     Attributes:
         position: middle of the body when it was last read, in metres.
+        velocity: velocity of the body then, in m/s.
+        angle: heading of the body then, in radians.
         action: latest action.
         phase: current phase of the drive: ``REST``, ``GO``, ``BRAKE`` or ``HELD``.
         until: substep at which the phase ends, or ``NEVER``.
@@ -130,28 +133,29 @@ class Robot:
         return [self._motor, self._steering]
 
     def look(self) -> None:
-        """Read the position of the middle of the body, in metres."""
-        x, y = self.body.position
-        self.position = x, y
+        """Read the position in metres, the velocity in m/s and the heading of the body."""
+        x, y, right, down, self.angle = read(self.body)
+        self.position, self.velocity = (x, y), (right, down)
 
     def row(self, seconds: float) -> BodyRow:
-        """Read the row of the present time, ``seconds`` after the action began."""
-        spec, phase, newtons = self._spec, self.phase, 0.0
-        x, y = self.position = self.body.position
-        right, down = velocity = self.body.velocity
-        joules = (
-            self.action.work + self._uncounted(velocity)
-        ) / spec.drivetrain_efficiency + spec.idle_power * seconds
-        ahead, aside = self._aim
-        if phase == GO:
+        """Return the row for what was last read, ``seconds`` after the action began."""
+        (x, y), (right, down), phase, spec = self.position, self.velocity, self.phase, self._spec
+        work = self.action.work
+        if phase != BRAKE or spec.recuperation:
+            work += self._uncounted()
+        joules = work / spec.drivetrain_efficiency + spec.idle_power * seconds
+        newtons, (ahead, aside) = 0.0, self._aim
+        if phase in (GO, BRAKE):
             newtons = self._motor.impulse / spec.time_step
-        elif phase == BRAKE:
-            newtons = -self._motor.impulse / spec.time_step
-            if right * right + down * down > AT_REST:
-                ahead, aside = velocity
-        newtons /= math.hypot(ahead, aside) or 1.0
-        force = newtons * ahead, newtons * aside
-        return seconds, x, y, self.body.angle, right, down, *force, max(joules, 0.0)
+        if phase == BRAKE:
+            speed = math.hypot(right, down)
+            newtons = -newtons
+            if speed > AT_REST:
+                ahead, aside = right / speed, down / speed
+        return (
+            seconds, x, y, self.angle, right, down, newtons * ahead, newtons * aside,
+            joules if joules > 0 else 0.0,
+        )  # fmt: skip
 
     @property
     def cell(self) -> Cell:
@@ -204,11 +208,11 @@ class Robot:
         """Start the phase that is due at substep ``now``."""
         self.look()
         if self.phase == GO:
-            self._count_work(self.body.velocity, self._lead)
+            self._count_work(self.velocity, self._lead)
             self._brake(now, self._braking)
             return
-        self._count_braking(self.body.velocity, self._lead)
-        action, speed = self.action, math.hypot(*self.body.velocity)
+        self._count_braking(self.velocity, self._lead)
+        action, speed = self.action, math.hypot(*self.velocity)
         if speed > AT_REST:
             self._brake(now, self._braking_from(speed))
         elif now >= action.deadline or self.has_arrived():
@@ -235,7 +239,9 @@ class Robot:
         profile = plan_profile(self._start, waypoint, *self._spec.limits(acceleration, share))
         if self._conditions is not None:
             profile = profile.scaled(self._conditions.speed_factor())
-        self._control.velocity = self._aim = profile.velocity
+        self._control.velocity = right, down = profile.velocity
+        speed = math.hypot(right, down) or 1.0
+        self._aim = right / speed, down / speed
         # The floor helps to brake. The motor does the rest, so that the robot brakes as fast as it
         # speeds up, unless the floor alone brakes harder.
         self._brake_at(acceleration)
@@ -344,7 +350,7 @@ class Robot:
         cell = self.cell
         if self._conditions is not None and cell != self._floor_cell:
             count = self._count_work if self.phase == GO else self._count_braking
-            count(self.body.velocity, self._lead)
+            count(self.velocity, self._lead)
             self._floor_cell = cell
             self._drag = self._nominal_drag * self._conditions.drag_factor(cell)
             self._floor.max_force = self._drag
@@ -411,24 +417,26 @@ class Robot:
             force = min(force, limit)
         self._motor.max_force = force
 
-    def _count_work(self, velocity: pymunk.Vec2d, lead: float) -> None:
+    def _count_work(self, velocity: Position, lead: float) -> None:
         """Add the work that the motor has done since the last count."""
         self.action.work += spent(self._work_since_count(velocity, lead))
 
-    def _count_braking(self, velocity: pymunk.Vec2d, lead: float) -> None:
+    def _count_braking(self, velocity: Position, lead: float) -> None:
         """Subtract the energy that the motor has recovered since the last count."""
         if self._spec.recuperation:
             self.action.work -= regained(self._spec, self._work_since_count(velocity, lead))
 
-    def _uncounted(self, velocity: pymunk.Vec2d) -> float:
-        """Return the work in J that the next count would add at ``velocity``."""
+    def _uncounted(self) -> float:
+        """Return the work in J that the next count would add."""
         if self.phase == GO:
-            return spent(self._work_until(*self._book(velocity, self._lead)))
-        if self.phase == BRAKE and self._spec.recuperation:
-            return -regained(self._spec, self._work_until(*self._book(velocity, self._lead)))
+            work = self._work_until(*self._book(self.velocity, self._lead))
+            return work if work > 0 else 0.0
+        if self.phase == BRAKE:
+            work = self._work_until(*self._book(self.velocity, self._lead))
+            return -regained(self._spec, work)
         return 0.0
 
-    def _work_since_count(self, velocity: pymunk.Vec2d, lead: float) -> float:
+    def _work_since_count(self, velocity: Position, lead: float) -> float:
         """Return the work of the motor since the last count, in J, and start a new count."""
         position, energy = self._book(velocity, lead)
         work = self._work_until(position, energy)
@@ -445,11 +453,11 @@ class Robot:
         """
         return energy - self._energy + self._drag * math.dist(self._start, position)
 
-    def _count_from(self, velocity: pymunk.Vec2d, lead: float) -> None:
+    def _count_from(self, velocity: Position, lead: float) -> None:
         """Start a new count of work at the present position and at ``velocity``."""
         self._start, self._energy = self._book(velocity, lead)
 
-    def _book(self, velocity: pymunk.Vec2d, lead: float) -> tuple[Position, float]:
+    def _book(self, velocity: Position, lead: float) -> tuple[Position, float]:
         """Return the position in metres and the kinetic energy in J with which a count begins."""
         (x, y), (right, down) = self.position, velocity
         return (x + lead * right, y + lead * down), kinetic(self._mass, right, down)

@@ -44,10 +44,12 @@ class RobotArena(Arena):
         ``look``, at least once in ``every`` substeps.
         """
         hits: list[Hit] = []
-        if len(self.robots) == 1 and not self._varies:
+        if len(self.robots) > 1 or self._varies:
+            until = min(until, now + every)
+        else:
             now, hits = self.stepper.run(now, until, every, look)
-            until = now
-        until = min(until, now + every)
+            if not hits:
+                return now
         while now < until and not hits:
             # Pushes between robots, and floors that differ, have to be looked at in each substep.
             pushed = {each: self.bodies[each].velocity for each in self._pushed()}

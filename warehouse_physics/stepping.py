@@ -58,7 +58,10 @@ class Stepper:
         note: Callable[[pymunk.Arbiter], Iterable[Any]],
         pairs: list[tuple[int, int]],
     ) -> None:
-        self._space, self._time_step, self._hits = space, time_step, Hits(note)
+        self._space, self._hits = space, Hits(note)
+        self._time_step = time_step
+        if IS_KNOWN:
+            self._step = partial(lib.cpSpaceStep, space._space, time_step)
         for pair in pairs:
             space.on_collision(*pair, begin=self._hits.begin)
 
@@ -79,24 +82,37 @@ class Stepper:
         # As in a step of pymunk, objects that a callback adds or removes have to wait.
         space._locked = True
         try:
-            step = partial(lib.cpSpaceStep, space._space, self._time_step)
-            return self._run(step, now, until, every, look)
+            return self._run(self._step, now, until, every, look)
         finally:
             space._locked = False
 
     def _run(
         self, step: Callable[[], None], now: int, until: int, every: int, look: Any
     ) -> tuple[int, list[Any]]:
-        hits, due = self._hits, now + every
+        hits = self._hits
         hits.clear()  # An interrupt may have ended the last run after a hit.
-        for substep in range(now + 1, until + 1):
-            step()
-            if hits:
-                return substep, hits.take()
-            if substep == due and substep < until:
-                look(substep)
-                due += every
+        while now < until:
+            due = min(now + every, until) if every else until
+            for substep in range(now + 1, due + 1):
+                step()
+                if hits:
+                    return substep, hits.take()
+            now = due
+            if now < until:
+                look(now)
         return until, []
+
+
+def read(body: pymunk.Body) -> tuple[float, float, float, float, float]:
+    """Return the position ``x`` and ``y``, the velocity ``x`` and ``y``, and the angle of a body.
+
+    Properties of pymunk take three times as long, because they create vectors.
+    """
+    if not IS_KNOWN:
+        return *body.position, *body.velocity, body.angle
+    handle = body._body
+    position, velocity = lib.cpBodyGetPosition(handle), lib.cpBodyGetVelocity(handle)
+    return position.x, position.y, velocity.x, velocity.y, lib.cpBodyGetAngle(handle)
 
 
 def _has_changes(space: pymunk.Space) -> bool:

@@ -207,21 +207,21 @@ class WheeledRobot(Robot):
         turned = self.body.angle * self._spec.wheel_arm + self._lead * rim
         return turned, kinetic(self._turning_mass, rim, 0.0)
 
-    def _uncounted(self, velocity: pymunk.Vec2d) -> float:
+    def _uncounted(self) -> float:
         """Return the work in J that the next count would add; see ``Robot._uncounted``."""
         if self.phase == TURN:
             return spent(self._turn_work_until(*self._turn_book()))
-        work = super()._uncounted(velocity)
-        if self.phase == BRAKE and self._spec.recuperation:
+        work = super()._uncounted()
+        if self.phase == BRAKE:
             work -= regained(self._spec, self._turn_work_until(*self._turn_book()))
         return work
 
-    def _book(self, velocity: pymunk.Vec2d, lead: float) -> tuple[Position, float]:
+    def _book(self, velocity: Position, lead: float) -> tuple[Position, float]:
         """Return the position and energy with which a count begins; see ``Robot._book``.
 
         The part of the velocity to the side is not due to the wheels and is ignored.
         """
-        return super()._book(self._driving_part(velocity), lead)
+        return super()._book(self._driving_part(pymunk.Vec2d(*velocity)), lead)
 
     def _driving_part(self, vector: pymunk.Vec2d) -> pymunk.Vec2d:
         """Return the part of a vector that is along the heading."""
