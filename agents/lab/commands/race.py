@@ -4,25 +4,33 @@ from __future__ import annotations
 
 import math
 from collections import Counter
-from collections.abc import Iterator, Mapping
+from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import closing
 from itertools import pairwise
 from pathlib import Path
 from shutil import get_terminal_size
 from textwrap import fill
-from typing import Annotated
+from typing import Annotated, NamedTuple
 
 import typer
 
 from agents.errors import EpisodeInterrupted
 from agents.lab.commands.compare_agents import AGENTS
 from agents.lab.commands.compare_backends import ROWS
+from agents.lab.commands.worlds import (
+    ICE,
+    on_one_clock,
+    run_worlds,
+    split_worlds,
+    table_of_worlds,
+    world_sentences,
+)
 from agents.lab.console import options
 from agents.lab.console.options import option
 from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
-from agents.lab.console.values import load_place
+from agents.lab.console.values import load_place, with_slippery
 from agents.lab.console.watch import slow_steps_reported
 from agents.lab.runs.run import run
 from agents.lab.trials.task import Task
@@ -42,7 +50,10 @@ LEARNER = "q"
 RACERS = ("greedy:escape_steps=0", "greedy", "exploring", LEARNER, "astar")
 """Names of the agents that race by default."""
 
-TITLES = AGENTS | {LEARNER: "Q-learning"}
+BLIND = "astar:replan=False"
+"""Name of the agent that runs in several worlds by default, where its plan may fail."""
+
+TITLES = AGENTS | {LEARNER: "Q-learning", BLIND: "A* without replanning"}
 
 PRACTICE, MAX_PRACTICE = 500, 500_000
 """Steps of practice for each open cell of the layout, and the limit on all steps of practice."""
@@ -54,14 +65,31 @@ CIRCLES = 3
 """Visits of a cell with the same load from which a robot is said to go in circles."""
 
 
+class Race(NamedTuple):
+    """A race: a table, a sentence for each racer, and a function that returns the tracks."""
+
+    table: TextTable
+    sentences: list[str]
+    tracks: Callable[[], list[Track]]
+
+
 def race(
+    context: typer.Context,
     agent: Annotated[
         list[str] | None,
         option(
             "--agent NAME",
             f"{options.AGENT} {options.MAY_BE_REPEATED} {LEARNER} without a file learns the layout "
-            f"before the race. Default: {', '.join(RACERS)}.",
+            f"before the race. Default: {', '.join(RACERS)}; with --worlds {BLIND}.",
             show_default=False,
+        ),
+    ] = None,
+    worlds: Annotated[
+        str | None,
+        option(
+            "--worlds NAME,NAME",
+            "Let one agent run in several worlds instead: grid, physics, icy (a body on wet ice "
+            "with a grip of 0.05, everywhere or in the --slippery cells) or other backends.",
         ),
     ] = None,
     backend: options.BackendOption = "grid",
@@ -69,6 +97,7 @@ def race(
     seed: options.Seed = 35,
     max_steps: options.MaxSteps = 60,
     *,
+    slippery: options.SlipperyOption,
     save: options.SaveReplay,
     show: options.Show = None,
     speed: options.Speed = 1.0,
@@ -78,20 +107,53 @@ def race(
     All agents start from the same cell at the same time, each in its own copy
     of the layout. The replay shows them on one clock, and says which of them
     wait, go in circles or have arrived. It is best watched as a page:
-    --save race.html.
+    --save race.html. With --worlds, one agent runs in several worlds.
 
-    Example: warehouse race --agent greedy --agent astar --save race.html
+    Example: warehouse race --worlds grid,physics,icy --save race.html
     """
     place = load_place(layout, None, None)
     task = Task(place.layout, BATTERY, max_steps, backend, place.start_pos, place.randomize)
-    records = {TITLES.get(name, name): run_racer(name, task, seed) for name in agent or RACERS}
-    title = f"Race on layout {layout.stem}, backend {backend}, seed {seed}"
-    rows = [(name, *(value(each) for value in ROWS.values())) for name, each in records.items()]
-    print_table(TextTable(("agent", *ROWS), rows, title))
-    for name, record in records.items():
-        say(fill(f"{name}: {diagnose(record).sentence}.", get_terminal_size().columns))
-    film = Film(lambda: tracks_of(records), title, speed=speed)
+    where = f"layout {layout.stem}"
+    if worlds is None:
+        task = task._replace(backend=with_slippery(backend, slippery, place.layout))
+        shown = race_of_agents(agent or RACERS, task, seed, where)
+    else:
+        options.refuse(context, ["backend"], "race --worlds")
+        ice = with_slippery(ICE, slippery, place.layout)
+        shown = race_of_worlds(split_worlds(worlds), agent or [BLIND], ice, task, seed, where)
+    print_table(shown.table)
+    for sentence in shown.sentences:
+        say(fill(sentence, get_terminal_size().columns))
+    film = Film(shown.tracks, shown.table.title, speed=speed)
     show_or_save(film, save, show, f"race-{seed}.html")
+
+
+def race_of_agents(agents: Sequence[str], task: Task, seed: int, where: str) -> Race:
+    """Run agents on one backend."""
+    records = {TITLES.get(name, name): run_racer(name, task, seed) for name in agents}
+    rows = [(name, *(value(each) for value in ROWS.values())) for name, each in records.items()]
+    title = f"Race on {where}, backend {task.backend}, seed {seed}"
+    table = TextTable(("agent", *ROWS), rows, title)
+    sentences = [f"{name}: {diagnose(record).sentence}." for name, record in records.items()]
+    return Race(table, sentences, lambda: tracks_of(records))
+
+
+def race_of_worlds(
+    worlds: Sequence[str], agents: Sequence[str], ice: str, task: Task, seed: int, where: str
+) -> Race:
+    """Run an agent in several worlds; ``ice`` is the backend of the icy world."""
+    if len(agents) != 1:
+        raise typer.BadParameter(f"--agent is given {len(agents)} times; --worlds takes one agent")
+    name = agents[0]
+    records = run_worlds(
+        worlds, ice, lambda backend: run_racer(name, task._replace(backend=backend), seed)
+    )
+    title = f"{TITLES.get(name, name)} on {where}, seed {seed}"
+    return Race(
+        table_of_worlds(records, title),
+        world_sentences(records),
+        lambda: on_one_clock(dict(zip(records, tracks_of(records), strict=True))),
+    )
 
 
 def run_racer(name: str, task: Task, seed: int) -> Episode:

@@ -1,0 +1,184 @@
+"""The worlds in which one agent runs side by side, for ``warehouse race --worlds``."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Iterator, Mapping, Sequence
+from typing import NamedTuple
+
+import typer
+
+from agents.lab.console.table import TextTable
+from warehouse_core import Cell, Episode
+from warehouse_core.motion.base import centre_of
+from warehouse_core.records.drive_summary import DriveSummary, drive_summary
+from warehouse_core.records.episode import DELIVERED
+from warehouse_core.records.failure_modes import diagnose
+from warehouse_core.viz.tracks.track import Track
+from warehouse_core.wording import counted, seconds_of
+from warehouse_core.world.actions import DISPLACEMENTS, action_index
+from warehouse_core.world.tiles import moved
+
+GRID, DRIVING, ICY = "grid", "driving", "icy"
+
+ICE = "physics:grip=0.05"
+"""Backend of the icy world: wet ice, on which the motor can push with at most 5% of the weight."""
+
+TITLES = {
+    GRID: "Grid: jumps from cell to cell",
+    "physics": "Physics: a body with mass",
+    DRIVING: "Driving: the same path in one go",
+    ICY: "Icy: a body on a slippery floor",
+}
+"""Titles of the replays of worlds."""
+
+GRID_SECONDS = 2.0
+"""Duration of a step of the grid on the clock of the replay. The grid has no seconds of its own, so
+a step takes as long as the default body needs for a cell."""
+
+
+NO_VALUE = "-"
+"""Text of a value that a world does not have."""
+
+
+def split_worlds(text: str) -> list[str]:
+    """Return the names of worlds in a text such as ``grid,physics:mass=90,drive=differential,icy``.
+
+    A part with ``=`` but without ``:`` is a further setting of the world before it.
+    """
+    worlds: list[str] = []
+    for part in text.split(","):
+        if worlds and "=" in part and ":" not in part:
+            worlds[-1] += f",{part}"
+        elif not part or part in worlds:
+            what = f"names {part} twice" if part else f"is {text!r}"
+            raise typer.BadParameter(f"--worlds {what}; allowed: names as in grid,physics,icy")
+        else:
+            worlds.append(part)
+    return worlds
+
+
+def run_worlds(
+    worlds: Sequence[str], ice: str, run: Callable[[str], Episode]
+) -> dict[str, Episode]:
+    """Return the record of an agent in each world, by name.
+
+    Args:
+        worlds: names of the worlds.
+        ice: backend of the icy world.
+        run: function that returns the record on a backend.
+    """
+    return {world: run(ice if world == ICY else world) for world in worlds}
+
+
+class Miss(NamedTuple):
+    """A move to a free cell after which the robot was in another cell.
+
+    Attributes:
+        step: number of the step, from 1.
+        target: cell to which the move led.
+        short: distance in metres by which the robot missed the middle of this cell, along its
+            direction of motion. It is negative if the robot slid past.
+    """
+
+    step: int
+    target: Cell
+    short: float
+
+
+def misses(record: Episode) -> Iterator[Miss]:
+    """Yield the moves of a robot that did not end in the cell to which they led."""
+    for step, (action, motion) in enumerate(zip(record.actions, record.motions, strict=True), 1):
+        down, right = DISPLACEMENTS[action_index(action)]
+        before, after = record.cells[step - 1 : step + 1]
+        target = moved(before, (down, right))
+        if after == target or not record.layout.is_open(target):
+            continue
+        x, y = centre_of(target, record.cell_size)
+        end_x, end_y = motion.path[-1, 1:3]
+        yield Miss(step, target, float((x - end_x) * right + (y - end_y) * down))
+
+
+def world_sentences(records: Mapping[str, Episode]) -> list[str]:
+    """Return a sentence for each world that differs from the first, or one if none does."""
+    first, *others = records
+    found = [world_sentence(world, records[world], records[first]) for world in others]
+    return [*filter(None, found)] or ["The robot visits the same cells in all worlds."]
+
+
+def world_sentence(world: str, record: Episode, planned: Episode) -> str:
+    """Return where and why a world differs from the first one, or "" if it does not.
+
+    Args:
+        world: name of the world.
+        record: record in this world.
+        planned: record of the same agent in the first world.
+    """
+    miss = next(misses(record), None)
+    if miss is None:
+        is_same = record.cells == planned.cells
+        return "" if is_same else f"{world}: {diagnose(record).sentence}."
+    here, end = record.cells[miss.step - 1 : miss.step + 1]
+    ended = (
+        f"slid {-miss.short:.1f} m past"
+        if miss.short < 0
+        else (f"came to rest {miss.short:.1f} m short of")
+    )
+    cause = ""
+    if not {here, miss.target, end}.isdisjoint(record.slippery):
+        cause = " on the slippery floor"
+    elif record.motor_strength < 1:
+        cause = f" with {record.motor_strength:.0%} of its force"
+    return (
+        f"{world}: in step {miss.step} at {here}, the robot {ended} {miss.target}{cause}. "
+        f"{_what_followed(record, planned)}."
+    )
+
+
+def _what_followed(record: Episode, planned: Episode) -> str:
+    """Return what the agent did after its first miss."""
+    if record.outcome == DELIVERED:
+        more = counted(record.steps - planned.steps, "more step")
+        return f"The agent looked where it was, and delivered with {more}"
+    both = min(record.steps, planned.steps)
+    if record.actions[:both] != planned.actions[:both]:
+        return f"In the end: {diagnose(record).sentence}"
+    hits = sum(len(motion.contacts) for motion in record.motions)
+    bumped = ("", "hit a wall, ")[hits] if hits < 2 else f"hit walls {hits} times, "
+    item = "with the item" if record.loaded[-1] else "without the item"
+    return f"Its plan went on as if it had arrived, {bumped}and ended at {record.cells[-1]} {item}"
+
+
+DRIVE_ROWS: dict[str, Callable[[DriveSummary], str]] = {
+    "seconds": lambda summary: seconds_of(summary.seconds),
+    "joules": lambda summary: f"{summary.joules:,.0f}",
+    "distance (m)": lambda summary: f"{summary.distance:.1f}",
+    "highest speed (m/s)": lambda summary: f"{summary.top_speed:.2f}",
+    "stops": lambda summary: str(summary.stops),
+    "hits": lambda summary: str(summary.hits),
+    "largest impulse (N·s)": lambda summary: (
+        f"{summary.largest_impulse:.1f}" if summary.hits else NO_VALUE
+    ),
+}
+"""Texts of what a body measured, by name."""
+
+
+def table_of_worlds(records: Mapping[str, Episode], title: str) -> TextTable:
+    """Return a table with a column for each world. The grid measures nothing."""
+    summaries = [*map(drive_summary, records.values())]
+    rows = [
+        ("outcome", *(record.outcome for record in records.values())),
+        ("steps", *(str(record.steps) for record in records.values())),
+    ]
+    for name, value in DRIVE_ROWS.items():
+        rows.append((name, *(NO_VALUE if each is None else value(each) for each in summaries)))
+    return TextTable(("", *records), rows, title)
+
+
+def on_one_clock(tracks: Mapping[str, Track]) -> list[Track]:
+    """Return the tracks of worlds, titled, with a clock for the grid; see ``GRID_SECONDS``."""
+    for world, track in tracks.items():
+        track.title = TITLES.get(world, world)
+        if not track.is_continuous:
+            for frame in track.frames:
+                frame.clock = frame.progress * GRID_SECONDS
+    return [*tracks.values()]

@@ -1,0 +1,168 @@
+"""``warehouse race --worlds``: one agent in several worlds."""
+
+import re
+from pathlib import Path
+from typing import Any
+
+import pytest
+import typer
+from helpers.command_line import Refused, Warehouse
+from helpers.player import said_by
+
+from agents.lab.commands.worlds import GRID_SECONDS, TITLES, misses, split_worlds, world_sentence
+from warehouse_core import Episode, EpisodeRecorder, Layout, WarehouseEnv
+from warehouse_physics import RobotSpec
+
+MAX_BYTES = 250_000
+WORLDS = "grid,physics,icy"
+
+
+def rows_of(out: str) -> dict[str, list[str]]:
+    """Return the cells of each row of a printed table, by the name of the row."""
+    lines = [re.split(" *│ *", line)[1:-1] for line in out.splitlines() if line.startswith("│")]
+    return {name: cells for name, *cells in lines}
+
+
+def test_a_plan_that_delivers_on_the_grid_fails_on_ice_and_an_agent_that_looks_delivers(
+    warehouse: Warehouse,
+) -> None:
+    blind = warehouse("race", "--worlds", WORLDS, "--max-steps", 24, "--save", "race.html")
+    assert (blind.code, blind.err) == (0, "")
+    outcomes = rows_of(blind.out)["outcome"]
+    assert outcomes == ["delivered", "delivered", "out of time"]
+    words = " ".join(blind.out.split())
+    assert re.search(
+        r"icy: in step 2 at \(6, 2\), the robot came to rest 0\.6 m short of \(6, 1\) on the "
+        r"slippery floor\. Its plan went on as if it had arrived, hit walls \d times, and ended at "
+        r"\(\d, \d\) without the item\.",
+        words,
+    )
+    assert "physics:" not in words
+    looking = warehouse("race", "--worlds", WORLDS, "--agent", "astar", "--save", "race.png")
+    assert rows_of(looking.out)["outcome"] == ["delivered"] * 3
+    words = " ".join(looking.out.split())
+    assert re.search(r"looked where it was, and delivered with \d more steps\.", words)
+
+
+def test_the_grid_has_no_seconds_but_steps_as_long_as_moves_of_the_body(
+    warehouse: Warehouse,
+) -> None:
+    out = warehouse("race", "--worlds", WORLDS, "--max-steps", 24, "--save", "race.html").out
+    rows = rows_of(out)
+    for name in ("seconds", "joules", "distance (m)", "highest speed (m/s)", "stops", "hits"):
+        grid, *bodies = rows[name]
+        assert grid == "-"
+        assert all(float(text.replace(",", "")) >= 0 for text in bodies), name
+    assert rows["largest impulse (N·s)"][:2] == ["-", "-"]
+    assert float(rows["largest impulse (N·s)"][2]) > 1
+    page = Path("race.html").read_text(encoding="utf-8")
+    assert len(page.encode()) <= MAX_BYTES
+    grid, body, icy = said_by(page)["tracks"]
+    assert [grid["title"], body["title"], icy["title"]] == [
+        TITLES[world] for world in WORLDS.split(",")
+    ]
+    assert grid["time"] == [GRID_SECONDS * step for step in range(19)]
+    assert body["time"][-1] == pytest.approx(float(rows["seconds"][1]), abs=0.06)
+    assert pytest.approx(RobotSpec().move_seconds(loaded=False), abs=0.01) == GRID_SECONDS
+
+
+def test_slippery_cells_limit_the_ice(warehouse: Warehouse) -> None:
+    words = ("--slippery", "6,4", "--save", "race.png")
+    done = warehouse("race", "--worlds", WORLDS, *words)
+    assert rows_of(done.out)["outcome"] == ["delivered"] * 3
+    assert "The robot visits the same cells in all worlds." in done.out
+    race = warehouse("race", "--agent", "astar", "--backend", "physics:grip=0.05", *words)
+    assert "backend physics:grip=0.05,slippery=6-4" in race.out
+
+
+@pytest.mark.parametrize(
+    ("worlds", "expected"),
+    [
+        ("grid", ["grid"]),
+        ("grid,physics:mass=90,drive=differential,icy", None),
+        ("physics:mass=90,mine.py:Mine:x=1", ["physics:mass=90", "mine.py:Mine:x=1"]),
+    ],
+)
+def test_settings_follow_the_name_of_a_world(worlds: str, expected: list[str] | None) -> None:
+    settings = ["grid", "physics:mass=90,drive=differential", "icy"]
+    assert split_worlds(worlds) == (expected or settings)
+
+
+@pytest.mark.parametrize(
+    ("worlds", "message"),
+    [
+        ("", "--worlds is ''; allowed: names as in grid,physics,icy"),
+        ("grid,,icy", "--worlds is 'grid,,icy'; allowed"),
+        ("icy,grid,icy", "--worlds names icy twice; allowed"),
+    ],
+)
+def test_worlds_that_cannot_be_told_apart_are_an_error(worlds: str, message: str) -> None:
+    with pytest.raises(typer.BadParameter, match=f"^{re.escape(message)}"):
+        split_worlds(worlds)
+
+
+def test_one_agent_runs_in_worlds_that_exist(refused: Refused) -> None:
+    words = ("race", "--worlds", WORLDS)
+    assert refused(*words, "--agent", "greedy", "--agent", "astar", code=2) == (
+        "--agent is given 2 times; --worlds takes one agent"
+    )
+    assert refused(*words, "--backend", "grid", code=2) == (
+        "--backend cannot be combined with 'race --worlds'"
+    )
+    assert refused("race", "--worlds", "grid,sleigh").startswith("no backend is called 'sleigh'")
+    assert "row 0, column 0 is wall" in refused(*words, "--slippery", "0,0")
+
+
+def sentence_in(warehouse: Warehouse, world: str, *words: object) -> str:
+    done = warehouse("race", "--worlds", f"grid,{world}", *words, "--save", "race.png")
+    assert done.code == 0
+    return " ".join(done.out.split())
+
+
+def test_a_sentence_names_the_cause(warehouse: Warehouse) -> None:
+    weak = sentence_in(warehouse, "physics:motor_strength=0.2", "--max-steps", 24)
+    assert "the robot came to rest 0.8 m short of (6, 2) with 20% of its force." in weak
+    noisy = sentence_in(warehouse, "physics:noise=0.5,patience=1", "--max-steps", 24)
+    assert re.search(r"patience=1: in step 1 at \(6, 3\), the robot .* \(6, 2\)\. Its", noisy)
+    failed = sentence_in(warehouse, "icy", "--agent", "greedy", "--max-steps", 24)
+    assert "In the end: 9 of 24 steps missed their target cell" in failed
+
+
+def test_an_agent_that_takes_other_steps_for_its_own_reasons_is_diagnosed(
+    warehouse: Warehouse,
+) -> None:
+    Path("mine.py").write_text(
+        "from pathlib import Path\n"
+        "class Mine:\n"
+        "    def reset(self):\n"
+        "        self.is_first = not Path('been').exists()\n"
+        "        Path('been').touch()\n"
+        "    def act(self, seen):\n"
+        "        return 'E' if self.is_first else 'W'\n"
+    )
+    words = sentence_in(warehouse, "physics", "--agent", "mine.py", "--max-steps", 6)
+    assert "physics: the time ran out 16 steps short of the delivery; the minimum is 18." in words
+
+
+def record(backend: Any, *actions: str) -> Episode:
+    env = WarehouseEnv(Layout(["P....D"]), (0, 0), backend=backend)
+    env.reset(seed=0)
+    recorder = EpisodeRecorder(env)
+    for action in actions:
+        recorder.step(action)
+    return recorder.episode
+
+
+def test_a_miss_is_a_move_to_a_free_cell_that_ended_elsewhere() -> None:
+    assert [*misses(record("grid", "W", "N", "E", "PICK", "E"))] == []
+    icy = record("physics:grip=0.01,slippery=0-1+0-2", "N", "E", "E")
+    past, short = misses(icy)
+    end = icy.motions[1].path[-1, 1]
+    assert past == (2, (0, 1), pytest.approx(1.5 - end))
+    assert (short.step, short.target) == (3, (0, 3))
+    assert past.short < -1 < 0 < short.short
+    sentence = world_sentence("ice", icy, record("grid", "N", "E", "E"))
+    assert sentence == (
+        "ice: in step 2 at (0, 0), the robot slid 1.5 m past (0, 1) on the slippery floor. Its "
+        "plan went on as if it had arrived, hit a wall, and ended at (0, 2) without the item."
+    )
