@@ -6,6 +6,7 @@ Example:
     (True, True)
 """
 
+from warehouse_core.records.drive_summary import DriveSummary, drive_summary
 from warehouse_core.records.episode import Episode, FleetEpisode
 from warehouse_core.records.failure_modes import (
     FLEET_MODES,
@@ -31,6 +32,7 @@ __all__ = [
     "MODES",
     "Agent",
     "Diagnosis",
+    "DriveSummary",
     "Episode",
     "EpisodeRecorder",
     "FleetAgent",
@@ -39,6 +41,7 @@ __all__ = [
     "FleetRecorder",
     "diagnose",
     "diagnose_fleet",
+    "drive_summary",
     "record_episode",
     "record_fleet_episode",
     "replay_episode",

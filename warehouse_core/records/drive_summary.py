@@ -25,6 +25,11 @@ class DriveSummary(NamedTuple):
             after a move belongs to the stop at the end of the move.
         hits: number of contacts with walls or other bodies.
         largest_impulse: largest impulse of these contacts in N·s, or 0 without contacts.
+
+    Example:
+        >>> from warehouse_core.records import DriveSummary
+        >>> DriveSummary._fields[:4]
+        ('seconds', 'joules', 'distance', 'top_speed')
     """
 
     seconds: float
@@ -45,7 +50,7 @@ def drive_summary(episode: Episode) -> DriveSummary | None:
     Example:
         >>> from agents import GreedyAgent
         >>> from warehouse_core import WarehouseEnv, record_episode
-        >>> from warehouse_core.records.drive_summary import drive_summary
+        >>> from warehouse_core.records import drive_summary
         >>> episode = record_episode(WarehouseEnv(backend="physics"), GreedyAgent(seed=12), seed=12)
         >>> summary = drive_summary(episode)
         >>> summary.stops, summary.hits, round(summary.distance), round(summary.top_speed, 2)

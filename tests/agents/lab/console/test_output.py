@@ -129,7 +129,7 @@ PAGES = {
         f"GreedyAgent on the {backend} backend, seed 12" for backend in ("grid", "physics")
     ],
     "fleet --robots 2 --max-steps 5 --seed 1": ["greedy, 2 robots on the grid backend, seed 1"],
-    "demo bump": ["A bump in slow motion: 28 N·s, 1650 N"],
+    "demo bump": ["A bump in slow motion: 27.5 N·s"],
     "compare search --weights 0,1": ["uniform-cost, W = 0", "A*, W = 1"],
 }
 """Commands, and the titles of the tracks in their pages."""
