@@ -67,7 +67,7 @@ COMPARISONS = {
         PICTURES,
     ),
     "backends": Comparison(
-        _backends, "agent backend layout stations start seed battery max_steps show"
+        _backends, "agent backend slippery layout stations start seed battery max_steps show"
     ),
     FLEETS: Comparison(
         _fleets,
@@ -133,6 +133,7 @@ def compare(
             **MANY,
         ),
     ],
+    slippery: options.SlipperyOption,
     planner: Annotated[
         list[str],
         option(

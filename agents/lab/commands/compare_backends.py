@@ -10,7 +10,7 @@ import typer
 from agents.lab.commands.run import run_episode
 from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.table import TextTable, print_table
-from agents.lab.console.values import load_place
+from agents.lab.console.values import load_place, with_slippery
 from agents.lab.place import Stations
 from agents.lab.runs.run import draw_seed
 from warehouse_core import Episode
@@ -65,6 +65,7 @@ def compare_backends(
     seed: int | None = None,
     battery: int = 200,
     max_steps: int = 200,
+    slippery: Sequence[str] = (),
     save: Sequence[Path] = (),
     show: bool | None = None,
 ) -> None:
@@ -77,6 +78,7 @@ def compare_backends(
         raise typer.BadParameter(f"--backend is given {len(backend)} times; two are compared")
     seed = draw_seed() if seed is None else seed
     place = load_place(layout, stations, start)
+    backends = with_slippery(slippery, place.layout, *backends)
     one, other = (
         run_episode(
             agent, backend, seed=seed, battery=battery, max_steps=max_steps, **place._asdict()

@@ -139,8 +139,10 @@ def play(
     Example: warehouse play --backend physics --save games.npz
     """
     place = load_place(layout, stations, start)
-    motion = make_backend(with_slippery(backend, slippery, place.layout))
-    env = WarehouseEnv(place.layout, place.start_pos, max_steps, battery, backend=motion)
+    [backend] = with_slippery(slippery, place.layout, backend)
+    env = WarehouseEnv(
+        place.layout, place.start_pos, max_steps, battery, backend=make_backend(backend)
+    )
     if not has_display():
         raise NoDisplayError("'warehouse play' needs a window, but there is no display")
     driver = KeyDriver(env, draw_seed() if seed is None else seed, place)

@@ -115,11 +115,12 @@ def race(
     task = Task(place.layout, BATTERY, max_steps, backend, place.start_pos, place.randomize)
     where = f"layout {layout.stem}"
     if worlds is None:
-        task = task._replace(backend=with_slippery(backend, slippery, place.layout))
+        [backend] = with_slippery(slippery, place.layout, backend)
+        task = task._replace(backend=backend)
         shown = race_of_agents(agent or RACERS, task, seed, where)
     else:
         options.refuse(context, ["backend"], "race --worlds")
-        ice = with_slippery(ICE, slippery, place.layout)
+        [ice] = with_slippery(slippery, place.layout, ICE)
         shown = race_of_worlds(split_worlds(worlds), agent or [BLIND], ice, task, seed, where)
     print_table(shown.table)
     for sentence in shown.sentences:

@@ -141,7 +141,7 @@ def run(
     Example: warehouse run --agent astar --seed 12 --save replay.gif
     """
     place = load_place(layout, stations, start)
-    backend = with_slippery(backend, slippery, place.layout)
+    [backend] = with_slippery(slippery, place.layout, backend)
     case = Case(agent, backend, place.layout, battery, max_steps, view_radius)
     first = draw_seed() if seed is None else seed
     beliefs = list[Belief]()

@@ -56,25 +56,35 @@ def parse_cell(text: str | None, option: str) -> Cell | None:
     return int(cell[1]), int(cell[2])
 
 
-def with_slippery(backend: str, cells: Sequence[str], layout: Layout) -> str:
-    """Return the name of a backend with slippery cells, given as texts ``ROW,COL``.
+def with_slippery(cells: Sequence[str], layout: Layout, *backends: str) -> list[str]:
+    """Return the names of backends, with slippery cells for those that have bodies.
+
+    Args:
+        cells: texts ``ROW,COL``.
+        layout: layout in which the cells must be open.
+        backends: names of the backends.
 
     Raises:
         LayoutError: a cell is a wall or outside the layout.
     """
-    if not cells:
-        return backend
-    name, colon, _ = backend.partition(":")
-    if name not in backend_names() or "slippery" not in getattr(load_backend(name), "WORDS", ()):
+    if cells and not any(map(_has_bodies, backends)):
+        given = ", ".join(backends)
         raise typer.BadParameter(
-            f"--slippery needs bodies, which backend {backend} does not have; "
-            "allowed: --backend physics"
+            f"--slippery needs a backend with bodies; allowed: physics; given: {given}"
         )
     wet = [cell for text in cells if (cell := parse_cell(text, "--slippery"))]
     for cell in wet:
         check_open(layout, cell, "--slippery")
-    named = "+".join(f"{row}-{col}" for row, col in wet)
-    return f"{backend}{',' if colon else ':'}slippery={named}"
+    setting = "slippery=" + "+".join(f"{row}-{col}" for row, col in wet)
+    return [
+        f"{each}{',' if ':' in each else ':'}{setting}" if wet and _has_bodies(each) else each
+        for each in backends
+    ]
+
+
+def _has_bodies(backend: str) -> bool:
+    name = backend.partition(":")[0]
+    return name in backend_names() and "slippery" in getattr(load_backend(name), "WORDS", ())
 
 
 def parse_due(text: str) -> tuple[int, int]:

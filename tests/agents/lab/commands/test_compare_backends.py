@@ -49,3 +49,12 @@ def test_compare_keeps_the_stations_of_a_file(warehouse: Warehouse, tmp_path: Pa
     out = warehouse(*words, "--no-show").out
     assert out.count("delivered") == 2
     assert re.search(r"steps +\u2502 +6 \u2502 +6 ", out)
+
+
+def test_slippery_cells_are_for_the_backends_with_bodies(warehouse: Warehouse) -> None:
+    words = ("compare", "backends", "--slippery", "1,2", "--seed", 12, "--save", "both.png")
+    out = warehouse(*words, "--max-steps", 2).out
+    assert "physics:slippery=1-2" in out
+    assert "grid:" not in out
+    two = ("--backend", "grid", "--backend", "grid")
+    assert "given: grid, grid" in warehouse(*words, *two).err

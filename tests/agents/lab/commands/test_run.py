@@ -187,10 +187,10 @@ def test_slippery_cells_are_a_part_of_the_backend_that_a_record_names(
     assert warehouse(*words, "--backend", "physics").code == 0
     assert Episode.load("icy.npz").backend == "physics:slippery=1-2+2-2"
     assert refused(*words, code=2) == (
-        "--slippery needs bodies, which backend grid does not have; allowed: --backend physics"
+        "--slippery needs a backend with bodies; allowed: physics; given: grid"
     )
     for backend in ("mine.py:Mine", "sleigh"):
-        assert f"backend {backend} does not have" in refused(*words, "--backend", backend, code=2)
+        assert f"given: {backend}" in refused(*words, "--backend", backend, code=2)
     bodies = ("run", "--backend", "physics", "--slippery")
     assert refused(*bodies, "0,0") == "--slippery row 0, column 0 is wall; it must be an open cell"
     assert "row 99, column 1 is off the grid" in refused(*bodies, "99,1")
