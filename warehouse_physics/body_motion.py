@@ -56,12 +56,13 @@ class BodyMotion(BaseMotion):
         record_path: bool = True,
         path_every: int = PATH_EVERY,
     ) -> None:
-        self.spec = RobotSpec() if spec is None else instance_of("spec", spec, RobotSpec)
+        spec = RobotSpec() if spec is None else instance_of("spec", spec, RobotSpec)
         self.disturbances = (
             Disturbances()
             if disturbances is None
             else instance_of("disturbances", disturbances, Disturbances)
         )
+        self.spec = spec.refined(self.disturbances.highest_speed(spec.top_speed))
         self.cell_size = self.spec.cell_size
         self.conditions = self.disturbances.conditions
         self.cell_joules = move_joules(self.spec, loaded=True)

@@ -163,6 +163,13 @@ class Disturbances:
         """Whether anything differs from the nominal physics."""
         return self.is_felt or self.odometry > 0
 
+    def highest_speed(self, top_speed: float) -> float | None:
+        """Return the highest likely speed in m/s of a robot that slides, or ``None`` if it cannot.
+
+        The noise is a normal distribution, so higher speeds are rare.
+        """
+        return top_speed * (1 + min(3 * self.actuation_noise, 1.0)) if self.is_felt else None
+
     @property
     def is_felt(self) -> bool:
         """Whether bodies move differently than in the nominal physics."""

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 
 import numpy as np
@@ -14,11 +15,11 @@ from warehouse_physics.disturbances import Disturbances, FloorConditions
 from warehouse_physics.energy import joules_of
 from warehouse_physics.exclusive import exclusive
 from warehouse_physics.giving_way import GivingWay
-from warehouse_physics.robot import MAX_SUBSTEPS, NEVER, REST, BodyRow, Robot
+from warehouse_physics.robot import MAX_SECONDS, NEVER, REST, BodyRow, Robot
 from warehouse_physics.robot_arena import RobotArena
 from warehouse_physics.spec import (
     MAX_FLEET_RADIUS,
-    MAX_MOVE_SUBSTEPS,
+    MAX_MOVE_SECONDS,
     MAX_WHEELED_RADIUS,
     RobotSpec,
 )
@@ -173,7 +174,8 @@ class RigidBodyMotion(BodyMotion):
         robots = arena.robots
         giving_way = GivingWay(robots) if len(robots) > 1 else None
         # In the worst case, robots drive one after the other.
-        limit = MAX_SUBSTEPS + (len(robots) - 1) * MAX_MOVE_SUBSTEPS
+        seconds = MAX_SECONDS + (len(robots) - 1) * MAX_MOVE_SECONDS
+        limit = math.ceil(seconds / self.spec.time_step)
         path_every = self._path_every if self._record_path else limit
 
         look = _recorder(robots, paths, self.spec.time_step)

@@ -52,8 +52,8 @@ REST, GO, BRAKE, HELD = range(4)
 NEVER = sys.maxsize
 """End of the phase of a robot that has nothing to do, as a substep that is never reached."""
 
-MAX_SUBSTEPS = 10_000
-"""Substeps after which the action of a robot ends, wherever it is."""
+MAX_SECONDS = 180.0
+"""Seconds after which the action of a robot ends, wherever it is."""
 
 
 @dataclass(slots=True)

@@ -14,8 +14,9 @@ from warehouse_physics.profile import Profile, plan_profile
 
 OMNIDIRECTIONAL, DIFFERENTIAL = "omnidirectional", "differential"
 
-ACCURATE_STEP, FAST_STEP = 1 / 60, 1 / 30
-"""Substeps in seconds. With the fast one a robot sinks deeper into a wall that it hits."""
+ACCURATE_STEP, FAST_STEP = 1 / 60, 1 / 32
+"""Substeps in seconds. Moves take a whole number of substeps, so that they are rounded up more with
+the fast one. It is about the longest that ``refined`` leaves as it is for the default robot."""
 
 MIN_VALUE, MAX_VALUE = 1e-9, 1e9
 """Limits of each value in its unit; some may also be 0. Products of such values are finite."""
@@ -41,8 +42,15 @@ MARGIN = 1e-6
 """Share by which a body is smaller than its robot; also the share of a substep that rounding may
 add."""
 
-MAX_MOVE_SUBSTEPS = 2_000
-"""Largest number of substeps of a free move, 33 s at 1/60 s."""
+DEEPEST = 0.0495
+"""Limit on the distance of a substep before a hit, as a share of the radius. A robot then sinks
+into a wall by less than 5% of its radius."""
+
+MAX_MOVE_SECONDS = 60.0
+"""Longest duration of a free move in seconds."""
+
+MIN_TIME_STEP = 1e-5
+"""Shortest substep in seconds. The longest move then takes some seconds to simulate."""
 
 
 @dataclass(frozen=True, slots=True)
@@ -75,7 +83,8 @@ class RobotSpec:
             github.com/DFKI-NI/mir_robot). Must be 0 with differential drive, where the duration of
             a turn follows from the motor.
         cell_size: side of a cell, metres.
-        time_step: duration of a physics substep, seconds.
+        time_step: longest duration of a physics substep, seconds, at least ``MIN_TIME_STEP``. A
+            robot that is fast for its size takes shorter ones; see ``refined``.
         drive: ``"omnidirectional"``, a disc that is pushed in any direction; or ``"differential"``,
             two driven wheels that push along the heading only. To turn on the spot, one wheel
             drives forwards and the other one backwards. They have the same speed, acceleration and
@@ -115,12 +124,13 @@ class RobotSpec:
     def __post_init__(self) -> None:
         may_be_zero = {"payload_mass", "floor_drag", "idle_power", "turn_seconds"}
         shares = {"drivetrain_efficiency": MIN_VALUE, "track": MIN_TRACK, "recuperation": 0.0}
+        lowest = shares | {"time_step": MIN_TIME_STEP}
         one_of("drive", self.drive, (OMNIDIRECTIONAL, DIFFERENTIAL))
         for each in fields(self):
             if each.name == "drive":
                 continue
             maximum = 1.0 if each.name in shares else MAX_VALUE
-            minimum = 0.0 if each.name in may_be_zero else shares.get(each.name, MIN_VALUE)
+            minimum = 0.0 if each.name in may_be_zero else lowest.get(each.name, MIN_VALUE)
             value = real_number(each.name, getattr(self, each.name), minimum, maximum)
             settle(self, **{each.name: value})
         self._check_together()
@@ -157,11 +167,11 @@ class RobotSpec:
         if self.is_differential:
             turning = self._seconds_over(math.pi * self.wheel_arm, *self._turning(loaded=True))
         seconds = turning + self.move_seconds(loaded=True)
-        substeps = seconds / self.time_step
-        if substeps > MAX_MOVE_SUBSTEPS:
+        if seconds > MAX_MOVE_SECONDS:
             raise ValueError(
-                f"time_step is {self.time_step!r}; the loaded robot would need {substeps:.4g} "
-                f"substeps to turn and drive one cell; allowed: at most {MAX_MOVE_SUBSTEPS}"
+                f"top_speed is {self.top_speed!r}, acceleration {self.acceleration!r} and "
+                f"motor_force {self.motor_force!r}; the loaded robot would need {seconds:.4g} s to "
+                f"turn and drive one cell; allowed: at most {MAX_MOVE_SECONDS:g} s"
             )
 
     @classmethod
@@ -185,6 +195,21 @@ class RobotSpec:
                 known = ", ".join([*allowed, *others])
                 raise ValueError(f"no number is called {brief(name)}; allowed: {known}")
         return cls(**numbers)
+
+    def refined(self, speed: float | None = None) -> RobotSpec:
+        """Return this robot with substeps so short that it does not sink deep into walls.
+
+        Chipmunk notices a hit at the end of a substep. In the last one before the hit, a robot must
+        therefore drive no farther than the share ``DEEPEST`` of its radius. ``speed`` is the
+        highest one at which it may hit a wall in m/s. By default, it is the speed that the robot
+        reaches on the way from the middle of its cell.
+        """
+        if speed is None:
+            room = (0.5 + 2 * ARRIVED) * self.cell_size - self.radius
+            acceleration = self.attainable_acceleration(loaded=False)
+            speed = min(self.top_speed, math.sqrt(2 * acceleration * room))
+        parts = math.ceil(speed * self.time_step / (DEEPEST * self.radius) - MARGIN)
+        return self if parts <= 1 else replace(self, time_step=self.time_step / parts)
 
     @property
     def body_radius(self) -> float:

@@ -75,10 +75,10 @@ def test_rows_in_several_spaces_have_the_bits_of_one_space(monkeypatch) -> None:
 
 
 def test_an_action_that_takes_too_long_ends_and_the_robot_stops(monkeypatch) -> None:
-    monkeypatch.setattr(batch_robots, "MAX_SUBSTEPS", 30)
+    monkeypatch.setattr(batch_robots, "MAX_SECONDS", 0.5)
     batch = batch_in([CORRIDOR, LEDGE])
     arena = batch._parts[0].arena
-    # The action ends with the first event after MAX_SUBSTEPS, the hit of the second robot.
+    # The action ends with the first event after MAX_SECONDS, the hit of the second robot.
     assert advance(batch, EAST, EAST).seconds == pytest.approx([34 / 60] * 2)
     assert arena.look()[1][0, 0] > 0.5
     advance(batch, WAIT, EAST)

@@ -97,8 +97,8 @@ def test_robots_too_wide_to_pass_at_corners_are_refused_when_there_are_several()
 
 
 def test_an_action_that_takes_too_long_is_cut_off_and_says_so(monkeypatch) -> None:
-    monkeypatch.setattr(rigid_body_motion, "MAX_SUBSTEPS", 30)
-    monkeypatch.setattr(rigid_body_motion, "MAX_MOVE_SUBSTEPS", 10)
+    monkeypatch.setattr(rigid_body_motion, "MAX_SECONDS", 0.5)
+    monkeypatch.setattr(rigid_body_motion, "MAX_MOVE_SECONDS", 1 / 6)
     motion = RigidBodyMotion(path_every=1)
     motion.reset(Layout(["....", "...."]), [(0, 0), (1, 3)], 0)
     driving, waiting = motion.advance([EAST, STAY], [False, False])

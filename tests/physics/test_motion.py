@@ -20,7 +20,7 @@ from helpers.rigid_bodies import (
 
 from warehouse_core import Cell, Layout, Outcome
 from warehouse_core.motion.base import centre_of
-from warehouse_physics import RigidBodyMotion, RobotSpec
+from warehouse_physics import Disturbances, RigidBodyMotion, RobotSpec
 from warehouse_physics.arena import WALL
 
 TUNNEL_MOVES = 200
@@ -100,8 +100,9 @@ def test_a_free_move_takes_the_time_of_its_profile(spec, loaded) -> None:
 @over_specs
 @over_loads
 def test_top_speed_and_acceleration_are_kept(spec, loaded) -> None:
-    reached = velocities(free_move(spec, loaded=loaded, path_every=1))
-    changes = np.diff(reached, axis=0) / spec.time_step
+    outcome = free_move(spec, loaded=loaded, path_every=1)
+    reached = velocities(outcome)
+    changes = np.diff(reached, axis=0) / outcome.path[1, 0]
     acceleration = spec.attainable_acceleration(loaded)
     assert np.hypot(*reached.T).max() <= spec.top_speed * (1 + 1e-6)
     assert np.hypot(*changes.T).max() <= acceleration * (1 + 1e-6)
@@ -117,6 +118,28 @@ def test_a_path_is_continuous(every: int) -> None:
         outcome = move(motion, stream.choice(MOVES), stream.random() < 0.5)
         assert np.hypot(*velocities(outcome).T).max() <= spec.top_speed * (1 + 1e-6)
         assert np.diff(outcome.path[:, 0]).max() <= (every + 1e-6) * spec.time_step
+
+
+@pytest.mark.parametrize("disturbances", [None, Disturbances(0.3, slippery="all", grip=0.1)])
+def test_fast_robots_do_not_sink_deep_into_walls(disturbances: Disturbances | None) -> None:
+    """Without shorter substeps, the last of these robots would sink in by half of its radius."""
+    for speed, acceleration, radius, drive in (
+        (1, 1, 0.35, "omnidirectional"),
+        (3, 3, 0.35, "differential"),
+        (4, 20, 0.2, "differential"),
+        (3, 40, 0.1, "omnidirectional"),
+    ):
+        spec = RobotSpec(
+            top_speed=speed, acceleration=acceleration, radius=radius, drive=drive,
+            motor_force=5000,
+        )  # fmt: skip
+        motion, stream = RigidBodyMotion(spec, disturbances, path_every=1), random.Random(1)
+        motion.reset(HALL, [(1, 1)], 0)
+        rows, columns = HALL.height, HALL.width
+        for _ in range(40):
+            path = move(motion, stream.choice(MOVES)).path
+            sides = path[:, 1], columns - path[:, 1], path[:, 2], rows - path[:, 2]
+            assert min(side.min() for side in sides) >= 0.95 * radius
 
 
 def test_without_recording_a_path_has_only_start_and_end() -> None:

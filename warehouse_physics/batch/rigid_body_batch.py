@@ -52,7 +52,7 @@ class RigidBodyBatch(BaseBatchMotion):
     def __init__(self, spec: RobotSpec, layouts: Sequence[Layout]) -> None:
         if not layouts:
             raise ValueError("an empty batch; it needs at least one layout")
-        self.spec = spec
+        self.spec = spec = spec.refined()
         self._layouts = list(layouts)
         self._widths = np.array([layout.width for layout in layouts])
         self._is_placed = np.zeros(len(layouts), np.bool_)

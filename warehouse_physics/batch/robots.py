@@ -17,7 +17,7 @@ from warehouse_physics.arena import Hit, Position
 from warehouse_physics.batch.warehouses import Warehouses
 from warehouse_physics.energy import kinetic, regained, spent, turn_work
 from warehouse_physics.profile import Floats, Substeps, brakings, lengths_of, plan_profiles
-from warehouse_physics.robot import AT_REST, BRAKE, GO, MAX_SUBSTEPS, NEVER, REST
+from warehouse_physics.robot import AT_REST, BRAKE, GO, MAX_SECONDS, NEVER, REST
 from warehouse_physics.spec import ARRIVED, RobotSpec
 
 
@@ -94,7 +94,8 @@ class BatchRobots:
         turning = self._turn(moving)
         self._go(moving[turning == 0], now)
         self._brake(moving[turning > 0], now, turning[turning > 0])
-        while now < MAX_SUBSTEPS and (until := int(self._until.min())) < NEVER:
+        limit = MAX_SECONDS / self._spec.time_step
+        while now < limit and (until := int(self._until.min())) < NEVER:
             self.arena.command(self._commands)
             now, hits = self.arena.stepper.run(now, until)
             self._look()
