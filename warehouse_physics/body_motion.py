@@ -64,7 +64,7 @@ class BodyMotion(BaseMotion):
         )
         self.spec = spec.refined(self.disturbances.highest_speed(spec.top_speed))
         self.cell_size = self.spec.cell_size
-        self.conditions = self.disturbances.conditions
+        self.conditions = self.disturbances.conditions._replace(drive=self.spec.drive)
         self.cell_joules = move_joules(self.spec, loaded=True)
         self._record_path = flag("record_path", record_path)
         self._path_every = whole_number("path_every", path_every, 1, MAX_STEPS)

@@ -39,20 +39,22 @@ EVERYWHERE = "all"
 
 
 class Conditions(NamedTuple):
-    """Known conditions of the floor and the motors of a motion.
+    """Known conditions of the floor, the motors and the drive of a motion.
 
     Attributes:
         slippery: cells with slippery floor, or ``EVERYWHERE``.
         motor_strength: actual share of the nominal motor force, 0 to 1.
+        drive: drive of the robots, such as ``"differential"``; "" for robots without a body.
 
     Example:
         >>> from warehouse_core.motion import Conditions
         >>> Conditions(slippery=((4, 5),))
-        Conditions(slippery=((4, 5),), motor_strength=1.0)
+        Conditions(slippery=((4, 5),), motor_strength=1.0, drive='')
     """
 
     slippery: tuple[Cell, ...] | str = ()
     motor_strength: float = 1.0
+    drive: str = ""
 
 
 def robot_contact(robot: int) -> str:
@@ -472,10 +474,9 @@ def with_defaults(motion: Any, base: Any = BaseMotion) -> Any:
 
 def conditions_of(motion: object, layout: Layout) -> Conditions:
     """Return the conditions of a motion in a layout; only open cells may be slippery."""
-    slippery, strength = with_defaults(motion).conditions
-    if slippery == EVERYWHERE:
-        return Conditions(tuple(layout.cells(layout.open_cells)), float(strength))
-    return Conditions(tuple(filter(layout.is_open, sorted(slippery))), float(strength))
+    slippery, strength, drive = Conditions(*with_defaults(motion).conditions)
+    cells: list[Any] = layout.cells(layout.open_cells) if slippery == EVERYWHERE else [*slippery]
+    return Conditions(tuple(filter(layout.is_open, sorted(cells))), float(strength), drive)
 
 
 def centre_of(cell: Cell, cell_size: float) -> tuple[float, float]:

@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Hashable, Iterable, Sequence
-from dataclasses import asdict, astuple
+from dataclasses import astuple
 from itertools import chain, islice, repeat
 from typing import Any, TypeVar
 
@@ -119,7 +119,7 @@ HEADER_KEYS = {
         "settings", *SCALARS[LONE_FORMAT], "actions", "reasons", "counterparts", "cut_off",
     ),
     FLEET_FORMAT: (
-        "settings", *SCALARS[FLEET_FORMAT], "measures", "slippery", "motor_strength",
+        "settings", *SCALARS[FLEET_FORMAT], "measures", "slippery", "motor_strength", "drive",
         "unknown_actions", "reasons", "counterparts", "cut_off",
     ),
 }  # fmt: skip
@@ -164,7 +164,7 @@ def pack(fields: EpisodeFields) -> Arrays:
     arrays, counterparts = pack_motions(motions)
     header = {
         "format": FLEET_FORMAT if is_fleet else LONE_FORMAT,
-        "settings": (FleetSettings.to_json if is_fleet else asdict)(fields["settings"]),
+        "settings": (FleetSettings if is_fleet else Settings).to_json(fields["settings"]),
     }
     (_pack_fleet if is_fleet else _pack_lone)(fields, arrays, header, counterparts)
     cut_off = [number for number, motion in enumerate(motions) if motion.cut_off]
@@ -242,6 +242,8 @@ def _pack_fleet(
     header |= {
         name: fields[name] for name in (*SCALARS[FLEET_FORMAT], "slippery", "motor_strength")
     }
+    if fields["drive"]:
+        header["drive"] = fields["drive"]
     if fields["unknown_actions"]:
         given = fields["unknown_actions"].items()
         header["unknown_actions"] = [(*place, action) for place, action in given]

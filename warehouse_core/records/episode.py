@@ -79,6 +79,7 @@ class Episode:
         cell_size: Side of a cell in metres.
         slippery: Open cells that the backend reports as slippery.
         motor_strength: Actual motor force, as a share of the nominal force.
+        drive: Drive of the robots as the backend reports it, such as ``"differential"``.
         unknown_actions: Actions of a fleet that do not exist, as given, by step and robot.
         people: ``[F, P]`` int32: cells of the people; () for a single robot.
         headings: ``[F, R]`` int8: headings of the robots, 0 to 3 for N, E, S and W; () without
@@ -118,6 +119,7 @@ class Episode:
     cell_size: float = 1.0
     slippery: tuple[Cell, ...] = ()
     motor_strength: float = 1.0
+    drive: str = ""
     unknown_actions: dict[tuple[int, int], Action] = field(default_factory=dict)
     people: Column = ()
     headings: Column = ()
@@ -135,6 +137,7 @@ class Episode:
         if isinstance(settings, Settings):
             self.backend, self.cell_size = settings.backend, settings.cell_size
             self.slippery, self.motor_strength = settings.slippery, settings.motor_strength
+            self.drive = settings.drive
 
     def __eq__(self, other: object) -> bool:
         if not isinstance(other, Episode):

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from typing import Any
 
 from warehouse_core.arguments import MAX_BUDGET, MAX_VIEW_RADIUS, whole_number
@@ -16,8 +16,8 @@ class Settings:
 
     ``backend`` is the name of the backend, or of its class if it was given as a class or instance.
     ``cell_size`` is in metres. ``battery`` is in units, of which a step costs one. ``slippery`` has
-    the open cells with slippery floor, and ``motor_strength`` is the actual share of the motor
-    force, if they are known.
+    the open cells with slippery floor, ``motor_strength`` is the actual share of the motor force,
+    and ``drive`` is the drive of the robot, if they are known.
 
     Example:
         >>> from warehouse_core import WarehouseEnv
@@ -34,6 +34,14 @@ class Settings:
     view_radius: int
     slippery: tuple[Cell, ...] = ()
     motor_strength: float = 1.0
+    drive: str = ""
+
+    def to_json(self) -> dict[str, Any]:
+        """Return the settings as a JSON object. An unknown drive is left out, as in older files."""
+        values = asdict(self)
+        if not self.drive:
+            del values["drive"]
+        return values
 
     @classmethod
     def from_json(cls, values: Any) -> Settings:
@@ -43,7 +51,8 @@ class Settings:
             ValueError: a key is missing or unknown, or a value has the wrong type or size.
         """
         if isinstance(values, dict):
-            values = {"slippery": [], "motor_strength": 1.0} | values  # older records lack both
+            older = {"slippery": [], "motor_strength": 1.0, "drive": ""}  # which records may lack
+            values = older | values
         if not isinstance(values, dict) or values.keys() != set(cls.__slots__):
             raise ValueError(f"settings must have the keys {', '.join(cls.__slots__)}")
         limits = {
@@ -66,18 +75,21 @@ class Settings:
 
 
 def conditions_in(values: dict[str, Any]) -> dict[str, Any]:
-    """Return ``slippery`` and ``motor_strength`` in a JSON object; their defaults are nominal.
+    """Return ``Conditions`` by name from a JSON object; the defaults are nominal.
 
     Raises:
         ValueError: one of them has the wrong type or size.
     """
     cells, strength = values.get("slippery", []), values.get("motor_strength", 1.0)
+    drive = values.get("drive", "")
+    if type(drive) is not str:
+        raise ValueError(f"drive is {brief(drive)}; it must be a word")
     if type(strength) is not float or not 0 <= strength <= 1:
         raise ValueError(f"motor_strength is {brief(strength)}; it must be a share from 0 to 1")
     if not isinstance(cells, list):
         raise ValueError(f"slippery is {brief(cells)}; it must be a list of cells")
     slippery = tuple(_cell("slippery", cell) for cell in cells)
-    return {"slippery": slippery, "motor_strength": strength}
+    return {"slippery": slippery, "motor_strength": strength, "drive": drive}
 
 
 def _cell(name: str, value: Any) -> Cell:

@@ -36,7 +36,7 @@ from warehouse_core.viz.axes.look import SMALLEST
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.tracks import signs
 from warehouse_core.viz.tracks.track import Track
-from warehouse_core.viz.view import DASHES, WEAK_MOTOR
+from warehouse_core.viz.view import DASHES, GHOST, WEAK_MOTOR
 from warehouse_core.warehouse_env import LEGEND
 from warehouse_core.world.tiles import EMPTY, PERSON, ROBOT_EMPTY, ROBOT_LOADED, WALL
 
@@ -73,6 +73,7 @@ LINES: dict[str, dict[str, Any]] = {
     "trail-loaded": {"color": TRAIL_COLORS[True], "linestyle": (0, DASHES), "lw": 2.2},
     "plan": {"color": INK, "lw": 2.6, **DOTTED},
     "plans": ROBOT_LINE,
+    "ghost": {"color": INK, "lw": 1.6, "linestyle": (0, GHOST)},
     "path": {"color": WARNING, "lw": 3.0},
     "wishes": ROBOT_LINE | DOTTED,
     "low": {"color": WARNING, "lw": 4.0, "solid_capstyle": "butt"},

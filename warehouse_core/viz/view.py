@@ -80,9 +80,9 @@ FRAMES_APART = 3
 FADE_STEPS, MAX_FADE = 20, 0.75
 """Number of steps over which a plan fades, and the final share of the floor's colour in it."""
 
-WEAK_MOTOR, DASHES, DOTS = (1.4, 1.0), (2.5, 1.5), (0.01, 1.6)
+WEAK_MOTOR, DASHES, DOTS, GHOST = (1.4, 1.0), (2.5, 1.5), (0.01, 1.6), (3.0, 2.0)
 """Dash patterns, in multiples of the line width: around a robot with weak motors, of the trail of a
-loaded robot, and of the unplanned rest of a path."""
+loaded robot, of the unplanned rest of a path, and around a ghost."""
 
 LATE = len(ORDER_COLORS) - 1
 
@@ -265,7 +265,7 @@ class View:
         if frame.tiles is not self._tiles.rows:
             self._tiles.show(frame.tiles, self._track.slippery)
             self._stations.show(self._small_stations(frame.tiles))
-        shapes = [*self._marked(frame), *self._route(frame)]
+        shapes = [*self._marked(frame), *self._route(frame), *self._ghost(number)]
         if frame.fleet:
             shapes += self._fleet(frame, frame.fleet)
         else:
@@ -312,6 +312,11 @@ class View:
         else:
             for color, width in ((PAPER, 0.42), (WARNING, 0.24)):
                 yield Shape(path, None, color, self._least(width, 2))
+
+    def _ghost(self, number: int) -> Iterator[Shape]:
+        """Yield the outline of the robot of another track."""
+        ghost, radius = self._track.ghost[number : number + 1], self._least(RADIUS, MIN_RADIUS)
+        yield Shape(stamped(radius * CIRCLE, ghost), None, INK, self._least(RIM, 1), GHOST)
 
     def _ends(self) -> Iterator[Shape]:
         """Yield the start and the goal of a search, as letters on discs."""

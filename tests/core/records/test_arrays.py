@@ -156,6 +156,7 @@ FLEET_HEADER: dict[str, tuple[Any, ...]] = {
 }
 OPTIONAL: dict[str, tuple[Any, ...]] = {
     "motor_strength": (2.0,),
+    "drive": (5,),
     "slippery": (5, [[1]], [[1, 1], [0, 0]]),
     "unknown_actions": (5, [3], [[0, 0]], [[0, True, "x"]], [[-1, 0, "x"]], [[0, 4, "x"]],
                         [[30, 0, "x"]], [[0, 0, 1.5]], [[0, 0, "x"]]),
@@ -461,13 +462,18 @@ def test_files_of_version_0_1_are_read_and_written(
     name: str, again: Callable[[], Episode], tmp_path: Path
 ) -> None:
     loaded = Episode.load(DATA / name)
-    # Version 0.1 had no readings, and its headings lagged behind the motion.
+    # Version 0.1 had no drive and no readings, and its headings lagged behind the motion.
     pairs = zip(outcomes_of(loaded), outcomes_of(again()), strict=True)
     for old, new in pairs:
         assert old.readings is None
         assert np.array_equal(old.path[:, :3], new.path[:, :3])
         assert old == new._replace(path=old.path, readings=None)
-    assert loaded == dataclasses.replace(again(), unknown_actions={}, motions=loaded.motions)
+    newer = dataclasses.replace(again(), unknown_actions={}, motions=loaded.motions)
+    assert newer.drive == "omnidirectional"
+    older = {"drive": ""} if newer.is_fleet else {
+        "settings": dataclasses.replace(newer.settings, drive="")
+    }  # fmt: skip
+    assert loaded == dataclasses.replace(newer, **older)
     assert loaded.steps > 5
     loaded.save(tmp_path / name)
     with np.load(DATA / name) as old, np.load(tmp_path / name) as new:

@@ -34,6 +34,7 @@ def test_settings_are_those_of_the_environment() -> None:
         *[("cell_size", bad) for bad in (0.0, 1, float("nan"), float("inf"))],
         *[("motor_strength", bad) for bad in (1, -0.1, 1.1, float("nan"), "weak")],
         *[("slippery", bad) for bad in ("11", None, [5], [[1]], [[1, 2.0]], {"a": 1})],
+        *[("drive", bad) for bad in (None, 2)],
         *[("start_pos", bad) for bad in ("11", [1, 1, 1], [1.0, 1], [True, 1])],
     ],
 )
@@ -50,14 +51,16 @@ def test_other_keys_raise(values: object) -> None:
 
 def test_settings_of_older_records_are_nominal() -> None:
     values = as_json(SETTINGS)
-    del values["slippery"], values["motor_strength"]
+    del values["slippery"], values["motor_strength"], values["drive"]
+    assert "drive" not in SETTINGS.to_json()
     assert Settings.from_json(values) == Settings("grid", 0.5, (2, 3), 100, 50, 1)
 
 
 def test_the_conditions_of_a_motion_are_recorded_where_the_floor_is_open() -> None:
     class IcyMotion(GridMotion):
-        conditions = Conditions(((2, 1), (0, 0), (1, 1), (99, 1)), 1)
+        conditions = Conditions(((2, 1), (0, 0), (1, 1), (99, 1)), 1, "tracked")
 
     settings = WarehouseEnv(backend=IcyMotion()).settings
     assert (settings.slippery, settings.motor_strength) == (((1, 1), (2, 1)), 1.0)
+    assert settings.drive == "tracked"
     assert Settings.from_json(as_json(settings)) == settings

@@ -1,6 +1,6 @@
 // One track on the page: its floor, the action of the robot with its reason, its battery and its ending.
 
-import { drawHits, drawItem, drawRobots, drawWaiting } from "./bodies.js";
+import { drawGhost, drawHits, drawItem, drawRobots, drawWaiting } from "./bodies.js";
 import { Brush, kept } from "./canvas.js";
 import { copy, element, partOf, setText } from "./elements.js";
 import { drawEnds, drawFloor, drawHeat, drawLetters, drawMarks, drawSight, drawVisits } from "./floor.js";
@@ -74,6 +74,7 @@ export class Panel {
     if (chosen !== null) drawAhead(brush, track, chosen, moment);
     if (watched !== null) drawTrail(brush, track, watched, moment);
     drawLetters(brush, track, moment);
+    drawGhost(brush, track, moment);
     if (track.fleet) drawWaiting(brush, track, moment);
     drawRobots(brush, track, moment, chosen, this.pointer ? this.robotAt(...this.pointer, moment) : null);
     if (track.robots === 1) drawItem(brush, track, moment);

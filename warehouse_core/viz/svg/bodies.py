@@ -38,11 +38,14 @@ MAX_VISITS = 5
 """Number of visits to a cell after which its colour no longer changes."""
 
 
-def bodies_of(track: Track, frames: Sequence[Frame], beat: Beat, pixels: float) -> Iterator[str]:
+def bodies_of(track: Track, numbers: Sequence[int], beat: Beat, pixels: float) -> Iterator[str]:
     """Yield everything on the floor in some frames of a track, from the lowest to the highest.
 
-    ``pixels`` is the side of a cell. In small cells, robots have no numbers.
+    ``numbers`` has the number of each frame in the track. ``pixels`` is the side of a cell. In
+    small cells, robots have no numbers.
     """
+    frames = [track.frames[number] for number in numbers]
+    ghost = [track.ghost[number] for number in numbers if track.ghost]
     fleets = [frame.fleet for frame in frames if frame.fleet is not None]
     robots = len(fleets[0].battery) if fleets else len(frames[0].robots)
     if not fleets:
@@ -50,6 +53,9 @@ def bodies_of(track: Track, frames: Sequence[Frame], beat: Beat, pixels: float) 
             yield from _traces(track, frames, robot, beat)
     yield from _lines(frames, beat)
     yield from _orders(frames, beat)
+    if ghost:
+        places = [(round(UNIT * x), round(UNIT * y)) for x, y in ghost]
+        yield beat.jumping(f'<circle r="{RADIUS}" class="ghost of-ink"/>', places)
     for body in range(len(frames[0].robots)):
         poses = [frame.robots[body] for frame in frames]
         if not any(poses):

@@ -62,6 +62,7 @@ text{font-family:system-ui,-apple-system,"Segoe UI",Roboto,"Noto Sans",sans-seri
 text{text-anchor:middle}.words{text-anchor:start}.count{text-anchor:end}.small{font-weight:400}
 text.of-dark{paint-order:stroke;stroke-width:${letter}em;stroke-linejoin:round}.of-rim{stroke-width:4}.shadow{fill-rule:evenodd}.wall,.shelf{shape-rendering:crispEdges}.visited{opacity:.12}
 .trail,.plan{fill:none;stroke-width:$trail;stroke-linecap:round;stroke-linejoin:round;opacity:.55}
+.ghost{fill:none;stroke-width:4;stroke-dasharray:12 8}
 .plan{opacity:1;stroke-width:$plan}.dots{stroke-width:$wish;stroke-dasharray:1 33}
 [class^=of-]{fill:none}
 .rests{display:none}
@@ -168,7 +169,7 @@ def _panels(
         yield f'<g transform="translate({left:g} {top:g})"><g transform="{move}" '
         yield f'clip-path="url(#{name})">'
         yield from floor_of(track, frames, beat, cell)
-        yield from bodies_of(track, frames, beat, cell)
+        yield from bodies_of(track, numbers, beat, cell)
         yield from ends_of(track)
         yield "</g>"
         yield from _words(track, numbers, beat, wide, HEAD + high + 19)

@@ -110,7 +110,7 @@ def track_of_record(
     settings = record.settings
     track = Track(
         frames, record.metrics, is_continuous, title=title_of(record), slippery=record.slippery,
-        view_radius=settings.view_radius, motor_strength=record.motor_strength,
+        view_radius=settings.view_radius, motor_strength=record.motor_strength, drive=record.drive,
     )  # fmt: skip
     if record.is_fleet:
         track.full_battery, track.ending = settings.battery.capacity, _ending(record)

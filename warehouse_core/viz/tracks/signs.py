@@ -116,6 +116,7 @@ def _tiles(track: Track) -> Iterator[Sign]:
 def _events(track: Track) -> Iterator[Sign]:
     """Yield the signs of hits, of a planned path, and of a search with its path."""
     yield from _named(
+        ghost=bool(track.ghost),
         hit=any(frame.hits for frame in track.frames),
         plan=track.marks is None and any(frame.route for frame in track.frames),
     )

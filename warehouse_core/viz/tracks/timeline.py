@@ -6,7 +6,7 @@ import math
 from bisect import bisect_right
 from collections.abc import Sequence
 
-from warehouse_core.viz.tracks.track import Frame, Track
+from warehouse_core.viz.tracks.track import Frame, Point, Track
 from warehouse_core.wording import seconds_of
 
 
@@ -59,6 +59,38 @@ class Timeline:
         moving = [track for track in tracks if track.is_continuous] or tracks
         apart = max(track.frames[-1].clock / (len(track) - 1) for track in moving)
         return [*(apart * number for number in range(math.ceil(end / apart - 1e-6))), end]
+
+
+def ghost_of(track: Track, other: Track) -> list[Point]:
+    """Return where the robot of ``other`` is in each frame of ``track``, on their common clock.
+
+    Both are tracks of a single robot; see ``Timeline``. The result is meant for ``Track.ghost``.
+
+    Example:
+        >>> from agents import GreedyAgent
+        >>> from warehouse_core import WarehouseEnv, record_episode
+        >>> from warehouse_core.viz.tracks import track_of_record
+        >>> from warehouse_core.viz.tracks.timeline import ghost_of
+        >>> body, grid = (
+        ...     track_of_record(
+        ...         record_episode(WarehouseEnv(backend=backend), GreedyAgent(seed=12), seed=12)
+        ...     )
+        ...     for backend in ("physics", "grid")
+        ... )
+        >>> body.ghost = ghost_of(body, grid)
+        >>> len(body.ghost) == len(body)
+        True
+    """
+    in_seconds = Timeline([track, other]).in_seconds
+    times = [time_of(frame, in_seconds=in_seconds) for frame in other.frames]
+    poses = [frame.robots[0] for frame in other.frames]
+    found = []
+    for frame in track.frames:
+        moment = time_of(frame, in_seconds=in_seconds)
+        pose = poses[bisect_right(times, moment + 1e-9) - 1]
+        assert pose is not None, "a record has a pose of its robot in each frame"
+        found.append(pose.at)
+    return found
 
 
 def time_of(frame: Frame, *, in_seconds: bool) -> float:

@@ -166,6 +166,9 @@ class Track:
         view_radius: number of cells that a robot sees in each direction; ``None`` if unknown.
         slippery: cells with slippery floor.
         motor_strength: actual motor force, as a share of the nominal force.
+        drive: drive of the bodies, such as ``"differential"``; "" if it is unknown.
+        ghost: position of the robot of another track in each frame, drawn as a dashed circle; empty
+            for no ghost. See ``ghost_of``.
         marks: cells that a search has coloured.
         captions_next: true if a caption is about the next step, false if about the previous one.
 
@@ -191,6 +194,8 @@ class Track:
     view_radius: int | None = None
     slippery: tuple[Cell, ...] = ()
     motor_strength: float = 1.0
+    drive: str = ""
+    ghost: Sequence[Point] = ()
     marks: Marks | None = None
     captions_next: bool = False
 
