@@ -117,7 +117,7 @@ class Disturbances:
     def __post_init__(self) -> None:
         for name, (minimum, maximum) in LIMITS.items():
             settle(self, **{name: real_number(name, getattr(self, name), minimum, maximum)})
-        if self.slippery != EVERYWHERE:
+        if not isinstance(self.slippery, str) or self.slippery != EVERYWHERE:
             settle(self, slippery=cells_of(self.slippery))
         try:
             settle(self, stops=sequence_of("stops", self.stops, Stop))

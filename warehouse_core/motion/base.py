@@ -475,7 +475,8 @@ def with_defaults(motion: Any, base: Any = BaseMotion) -> Any:
 def conditions_of(motion: object, layout: Layout) -> Conditions:
     """Return the conditions of a motion in a layout; only open cells may be slippery."""
     slippery, strength, drive = Conditions(*with_defaults(motion).conditions)
-    cells: list[Any] = layout.cells(layout.open_cells) if slippery == EVERYWHERE else [*slippery]
+    is_everywhere = isinstance(slippery, str) and slippery == EVERYWHERE
+    cells: list[Any] = layout.cells(layout.open_cells) if is_everywhere else [*slippery]
     return Conditions(tuple(filter(layout.is_open, sorted(cells))), float(strength), drive)
 
 

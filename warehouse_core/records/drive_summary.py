@@ -7,6 +7,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from warehouse_core.arguments import instance_of
 from warehouse_core.records.episode import Episode
 
 AT_REST = 1e-3
@@ -47,6 +48,9 @@ def drive_summary(episode: Episode) -> DriveSummary | None:
     Returns:
         The summary; ``None`` for a fleet, and if a motion has no ``readings``, as on the grid.
 
+    Raises:
+        TypeError: ``episode`` is not an ``Episode``.
+
     Example:
         >>> from agents import GreedyAgent
         >>> from warehouse_core import WarehouseEnv, record_episode
@@ -56,6 +60,7 @@ def drive_summary(episode: Episode) -> DriveSummary | None:
         >>> summary.stops, summary.hits, round(summary.distance), round(summary.top_speed, 2)
         (21, 0, 21, 1.0)
     """
+    instance_of("episode", episode, Episode)
     motions = [] if episode.is_fleet else episode.motions
     readings = [motion.readings for motion in motions if motion.readings is not None]
     if not motions or len(readings) < len(motions):
