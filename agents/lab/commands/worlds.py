@@ -13,6 +13,7 @@ from warehouse_core.motion.base import centre_of
 from warehouse_core.records.drive_summary import DriveSummary, drive_summary
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.records.failure_modes import diagnose
+from warehouse_core.viz.tracks.timeline import ghost_of
 from warehouse_core.viz.tracks.track import Track
 from warehouse_core.wording import counted, seconds_of
 from warehouse_core.world.actions import DISPLACEMENTS, action_index
@@ -175,10 +176,17 @@ def table_of_worlds(records: Mapping[str, Episode], title: str) -> TextTable:
 
 
 def on_one_clock(tracks: Mapping[str, Track]) -> list[Track]:
-    """Return the tracks of worlds, titled, with a clock for the grid; see ``GRID_SECONDS``."""
+    """Return the tracks of worlds, titled, with a clock for the grid; see ``GRID_SECONDS``.
+
+    Each body has a ghost where the robot of the grid is, if the grid is among the worlds.
+    """
     for world, track in tracks.items():
         track.title = TITLES.get(world, world)
-        if not track.is_continuous:
+        if world == GRID:
             for frame in track.frames:
                 frame.clock = frame.progress * GRID_SECONDS
+    if GRID in tracks:
+        for track in tracks.values():
+            if track.is_continuous:
+                track.ghost = ghost_of(track, tracks[GRID])
     return [*tracks.values()]

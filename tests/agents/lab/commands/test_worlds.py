@@ -62,6 +62,8 @@ def test_the_grid_has_no_seconds_but_steps_as_long_as_moves_of_the_body(
         TITLES[world] for world in WORLDS.split(",")
     ]
     assert grid["time"] == [GRID_SECONDS * step for step in range(19)]
+    assert grid["ghostX"] == []
+    assert len(icy["ghostX"]) == len(icy["time"]) == len(icy["ghostY"])
     assert body["time"][-1] == pytest.approx(float(rows["seconds"][1]), abs=0.06)
     assert pytest.approx(RobotSpec().move_seconds(loaded=False), abs=0.01) == GRID_SECONDS
 
