@@ -38,6 +38,7 @@ ANSWERS = re.compile(
     r"^<!-- (\w+) -->\n\*\*(.*?)\*\*\n\n(.*?)\n\n!", flags=re.DOTALL | re.MULTILINE
 )
 FRAMES_APART = 10
+MAX_PICTURE_BYTES = 250_000
 GLOSSARY, PROMISES = HANDBOOK / "glossary.md", HANDBOOK / "promises.md"
 EXAMPLE = re.compile(r"(\w+\(.*\)) {2,}([^\s:].*?)(?:: .*)?$")
 """A call and its result in the text of an exercise, optionally followed by a remark."""
@@ -253,3 +254,4 @@ def test_the_animation_on_the_first_screen_moves() -> None:
     assert picture is not None
     drawing = (ROOT / picture.group(1)).read_text(encoding="utf-8")
     assert drawing.count("<animate") > 10
+    assert len(drawing.encode()) <= MAX_PICTURE_BYTES
