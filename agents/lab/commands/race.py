@@ -153,7 +153,7 @@ def race_of_worlds(
     return Race(
         table_of_worlds(records, title),
         world_sentences(records),
-        lambda: on_one_clock(dict(zip(records, tracks_of(records), strict=True))),
+        lambda: on_one_clock(records, tracks_of(records)),
     )
 
 

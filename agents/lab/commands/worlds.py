@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterable, Iterator, Mapping, Sequence
 from typing import NamedTuple
 
 import typer
@@ -85,6 +85,13 @@ class Miss(NamedTuple):
     target: Cell
     short: float
 
+    @property
+    def words(self) -> str:
+        """Where the robot came to rest, in words."""
+        if self.short < 0:
+            return f"slid {-self.short:.1f} m past {self.target}"
+        return f"came to rest {self.short:.1f} m short of {self.target}"
+
 
 def misses(record: Episode) -> Iterator[Miss]:
     """Yield the moves of a robot that did not end in the cell to which they led."""
@@ -100,37 +107,39 @@ def misses(record: Episode) -> Iterator[Miss]:
 
 
 def world_sentences(records: Mapping[str, Episode]) -> list[str]:
-    """Return a sentence for each world that differs from the first, or one if none does."""
-    first, *others = records
-    found = [world_sentence(world, records[world], records[first]) for world in others]
+    """Return a sentence for each world that differs from the grid, or one if none does.
+
+    Without the grid, worlds are compared with the first one.
+    """
+    plan = GRID if GRID in records else next(iter(records))
+    found = [
+        world_sentence(world, record, records[plan])
+        for world, record in records.items()
+        if world != plan
+    ]
     return [*filter(None, found)] or ["The robot visits the same cells in all worlds."]
 
 
 def world_sentence(world: str, record: Episode, planned: Episode) -> str:
-    """Return where and why a world differs from the first one, or "" if it does not.
+    """Return where and why a world differs from another one, or "" if it does not.
 
     Args:
         world: name of the world.
         record: record in this world.
-        planned: record of the same agent in the first world.
+        planned: record of the same agent in the other world.
     """
     miss = next(misses(record), None)
     if miss is None:
         is_same = record.cells == planned.cells
         return "" if is_same else f"{world}: {diagnose(record).sentence}."
     here, end = record.cells[miss.step - 1 : miss.step + 1]
-    ended = (
-        f"slid {-miss.short:.1f} m past"
-        if miss.short < 0
-        else (f"came to rest {miss.short:.1f} m short of")
-    )
     cause = ""
     if not {here, miss.target, end}.isdisjoint(record.slippery):
         cause = " on the slippery floor"
     elif record.motor_strength < 1:
         cause = f" with {record.motor_strength:.0%} of its force"
     return (
-        f"{world}: in step {miss.step} at {here}, the robot {ended} {miss.target}{cause}. "
+        f"{world}: in step {miss.step} at {here}, the robot {miss.words}{cause}. "
         f"{_what_followed(record, planned)}."
     )
 
@@ -138,8 +147,8 @@ def world_sentence(world: str, record: Episode, planned: Episode) -> str:
 def _what_followed(record: Episode, planned: Episode) -> str:
     """Return what the agent did after its first miss."""
     if record.outcome == DELIVERED:
-        more = counted(record.steps - planned.steps, "more step")
-        return f"The agent looked where it was, and delivered with {more}"
+        steps = counted(record.steps, "step")
+        return f"The agent looked where it was, and delivered in {steps} instead of {planned.steps}"
     both = min(record.steps, planned.steps)
     if record.actions[:both] != planned.actions[:both]:
         return f"In the end: {diagnose(record).sentence}"
@@ -175,18 +184,23 @@ def table_of_worlds(records: Mapping[str, Episode], title: str) -> TextTable:
     return TextTable(("", *records), rows, title)
 
 
-def on_one_clock(tracks: Mapping[str, Track]) -> list[Track]:
+def on_one_clock(records: Mapping[str, Episode], tracks: Iterable[Track]) -> list[Track]:
     """Return the tracks of worlds, titled, with a clock for the grid; see ``GRID_SECONDS``.
 
-    Each body has a ghost where the robot of the grid is, if the grid is among the worlds.
+    Each body has a ghost where the robot of the grid is, if the grid is among the worlds. The last
+    caption of a world in which a plan fails says where it began to fail.
     """
-    for world, track in tracks.items():
+    in_worlds = dict(zip(records, tracks, strict=True))
+    for world, track in in_worlds.items():
         track.title = TITLES.get(world, world)
+        miss = next(misses(records[world]), None)
+        if miss is not None and records[world].outcome != DELIVERED:
+            track.frames[-1].caption = f"In step {miss.step} it {miss.words}"
         if world == GRID:
             for frame in track.frames:
                 frame.clock = frame.progress * GRID_SECONDS
-    if GRID in tracks:
-        for track in tracks.values():
+    if GRID in in_worlds:
+        for track in in_worlds.values():
             if track.is_continuous:
-                track.ghost = ghost_of(track, tracks[GRID])
-    return [*tracks.values()]
+                track.ghost = ghost_of(track, in_worlds[GRID])
+    return [*in_worlds.values()]

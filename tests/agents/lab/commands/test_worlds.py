@@ -38,10 +38,12 @@ def test_a_plan_that_delivers_on_the_grid_fails_on_ice_and_an_agent_that_looks_d
         words,
     )
     assert "physics:" not in words
+    reverse = warehouse("race", "--worlds", "icy,grid", "--max-steps", 24, "--save", "race.png")
+    assert "icy: in step 2 at (6, 2), the robot came to rest" in reverse.out
     looking = warehouse("race", "--worlds", WORLDS, "--agent", "astar", "--save", "race.png")
     assert rows_of(looking.out)["outcome"] == ["delivered"] * 3
     words = " ".join(looking.out.split())
-    assert re.search(r"looked where it was, and delivered with \d more steps\.", words)
+    assert re.search(r"looked where it was, and delivered in 23 steps instead of 18\.", words)
 
 
 def test_the_grid_has_no_seconds_but_steps_as_long_as_moves_of_the_body(
@@ -62,6 +64,8 @@ def test_the_grid_has_no_seconds_but_steps_as_long_as_moves_of_the_body(
         TITLES[world] for world in WORLDS.split(",")
     ]
     assert grid["time"] == [GRID_SECONDS * step for step in range(19)]
+    assert grid["captions"][-1] == "delivered in 18 steps; the minimum is 18"
+    assert icy["captions"][-1] == "In step 2 it came to rest 0.6 m short of (6, 1)"
     assert grid["ghostX"] == []
     assert len(icy["ghostX"]) == len(icy["time"]) == len(icy["ghostY"])
     assert body["time"][-1] == pytest.approx(float(rows["seconds"][1]), abs=0.06)
