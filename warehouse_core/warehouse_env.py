@@ -120,7 +120,8 @@ class WarehouseEnv(CopiedWhole):
         if with_defaults(self._motion).drives_through:
             raise BackendError(
                 f"backend {brief(backend)} drives through the cells of a plan; allowed here: one "
-                "whose robots rest in each cell. FleetEnv takes both"
+                "whose robots rest in each cell. FleetEnv takes both, and replay_episode drives "
+                "the path of a finished episode"
             )
         self.last_motion: Outcome | None = None
         self._placed: Cell = self._start_pos

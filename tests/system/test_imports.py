@@ -63,7 +63,7 @@ MAY_IMPORT = {
     "warehouse_physics/energy": "profile spec",
     "warehouse_physics/driven_arena": "arena profile spec",
     "warehouse_physics/odometry": "arena profile",
-    "warehouse_physics/robot": "arena disturbances energy profile spec",
+    "warehouse_physics/robot": "arena disturbances energy profile spec stepping",
     "warehouse_physics/batch": "arena driven_arena energy exclusive profile robot spec walls",
     "warehouse_physics/body_motion": "disturbances energy odometry profile spec",
     "warehouse_physics/giving_way": "robot",

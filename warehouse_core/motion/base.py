@@ -22,7 +22,7 @@ from typing import Any, NamedTuple, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import NDArray
 
-from warehouse_core.errors import LayoutError
+from warehouse_core.errors import BackendError, LayoutError
 from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.layout import Layout, check_open
 from warehouse_core.world.tables import Flags, Integers
@@ -412,6 +412,17 @@ class BaseMotion(Motion):
         Raises:
             RuntimeError: the motion has not been reset, or is closed.
         """
+
+    def drive_episode(self, episode: Any) -> Any:
+        """Return a record in which bodies drive the cells of a lone robot's ``Episode`` in one go.
+
+        Raises:
+            BackendError: the motion cannot do this.
+        """
+        raise BackendError(
+            f"{type(self).__name__} cannot drive the cells of a record in one go; it has no "
+            "drive_episode()"
+        )
 
     def scan(self, robot: int, rays: int) -> NDArray[np.float64] | None:
         """Return the distances to walls and other robots in ``rays`` directions.

@@ -3,27 +3,34 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from dataclasses import replace
 
 import numpy as np
 
-from warehouse_core import Cell, Layout, Outcome
-from warehouse_core.arguments import real_number, whole_number
-from warehouse_core.motion.base import Contact, Routes, centre_of, check_moves, check_starts
+from warehouse_core import Cell, Episode, Layout, Outcome
+from warehouse_core.arguments import instance_of, real_number, whole_number
+from warehouse_core.motion.base import (
+    Contact,
+    Routes,
+    centre_of,
+    check_moves,
+    check_starts,
+    conditions_of,
+)
 from warehouse_core.motion.traffic import check_joint_step, find_stops
 from warehouse_core.renamed import Renamed
-from warehouse_core.world.tables import Integers
 from warehouse_core.world.tiles import moved
 from warehouse_physics.arena import ITERATIONS
 from warehouse_physics.body_motion import PATH_EVERY, BodyMotion
 from warehouse_physics.disturbances import Disturbances
 from warehouse_physics.driven_arena import DrivenArena
-from warehouse_physics.driving.driver import SLOW, Driver
+from warehouse_physics.driving.driven_episode import drive_cells, telling
+from warehouse_physics.driving.driver import Driver
 from warehouse_physics.driving.leaders import corner_distance
 from warehouse_physics.driving.limits import CORNER
 from warehouse_physics.driving.wheels import WheeledArena
 from warehouse_physics.energy import joules_of, kinetic
 from warehouse_physics.exclusive import exclusive
-from warehouse_physics.profile import Floats, lengths_of
 from warehouse_physics.spec import RobotSpec
 from warehouse_physics.walls import wall_boxes
 
@@ -224,6 +231,43 @@ class DrivingMotion(BodyMotion):
         self._note("drive", seconds)
         return self._drive(substeps)
 
+    def drive_episode(self, episode: Episode) -> Episode:
+        """Return a record in which this body drives the cells of a lone robot in one go.
+
+        The robot stops only to pick, drop or wait, where its path turns back, and where it has to
+        turn on the spot. All else in the record is unchanged. The ``motions`` of the steps follow
+        one another without a gap. A step that did not move the robot, such as a move into a wall,
+        takes one substep, because a robot that knows its path does not try it.
+
+        Args:
+            episode: record of one robot, on any backend.
+
+        Raises:
+            ValueError: the record has several robots, or a step leads to a cell that is not a
+                neighbour, because the recorded body slid.
+            RuntimeError: disturbances keep the robot from arriving.
+
+        Example:
+            >>> from agents import GreedyAgent
+            >>> from warehouse_core import WarehouseEnv, record_episode
+            >>> from warehouse_physics import DrivingMotion
+            >>> episode = record_episode(WarehouseEnv(), GreedyAgent(seed=12), seed=12)
+            >>> driven = DrivingMotion().drive_episode(episode)
+            >>> driven.cells == episode.cells, round(driven.seconds)
+            (True, 33)
+        """
+        if instance_of("episode", episode, Episode).is_fleet:
+            raise ValueError("the episode has a fleet; it must have a lone robot")
+        motion = DrivingMotion(self.spec, self.disturbances, period=self.spec.dwell, path_every=1)
+        outcomes = drive_cells(motion, episode)
+        settings = replace(
+            episode.settings,
+            backend=type(self).__name__,
+            cell_size=self.cell_size,
+            **conditions_of(self, episode.layout)._asdict(),
+        )
+        return replace(episode, settings=settings, motions=outcomes)
+
     def close(self) -> None:
         """Release the arena; see ``Motion.close``."""
         self._driver = self._begun = None
@@ -242,7 +286,7 @@ class DrivingMotion(BodyMotion):
                 paths.append(driver.rows(substep * dt))
         seconds, rows = substeps * dt, np.stack(paths, axis=1)
         if len(before) == 1:
-            rows = rows[:, self._telling(rows[0])]
+            rows = rows[:, telling(rows[0], self._path_every)]
         costs = joules_of(self.spec, rows[:, :, -1] - before[:, None], rows[:, :, 0])
         costs -= self._surplus[:, None]
         self._surplus = np.maximum(-costs[:, -1], 0.0)
@@ -261,19 +305,6 @@ class DrivingMotion(BodyMotion):
                 )
             ]
         )  # fmt: skip
-
-    def _telling(self, rows: Floats) -> Integers:
-        """Return the numbers of the rows of a lone robot to keep, ``[K]``.
-
-        These are every ``path_every`` row, and the rows at which the robot begins or ends to speed
-        up or to brake, so that they include the extremes of its speed.
-        """
-        gains = np.diff(lengths_of(rows[:, 4:6]))
-        changes = np.diff(np.sign(gains * (np.abs(gains) > SLOW)), prepend=0)
-        keep = changes != 0
-        return np.flatnonzero(
-            np.append(keep, True) | (np.arange(len(rows)) % self._path_every == 0)
-        )
 
     def _substeps_in(self, name: str, seconds: float) -> int:
         dt = self.spec.time_step
