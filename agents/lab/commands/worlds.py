@@ -86,11 +86,9 @@ class Miss(NamedTuple):
     short: float
 
     @property
-    def words(self) -> str:
+    def where(self) -> str:
         """Where the robot came to rest, in words."""
-        if self.short < 0:
-            return f"slid {-self.short:.1f} m past {self.target}"
-        return f"came to rest {self.short:.1f} m short of {self.target}"
+        return f"{abs(self.short):.1f} m {'past' if self.short < 0 else 'short of'} {self.target}"
 
 
 def misses(record: Episode) -> Iterator[Miss]:
@@ -133,13 +131,14 @@ def world_sentence(world: str, record: Episode, planned: Episode) -> str:
         is_same = record.cells == planned.cells
         return "" if is_same else f"{world}: {diagnose(record).sentence}."
     here, end = record.cells[miss.step - 1 : miss.step + 1]
+    ended = "slid" if miss.short < 0 else "came to rest"
     cause = ""
     if not {here, miss.target, end}.isdisjoint(record.slippery):
         cause = " on the slippery floor"
     elif record.motor_strength < 1:
         cause = f" with {record.motor_strength:.0%} of its force"
     return (
-        f"{world}: in step {miss.step} at {here}, the robot {miss.words}{cause}. "
+        f"{world}: in step {miss.step} at {here}, the robot {ended} {miss.where}{cause}. "
         f"{_what_followed(record, planned)}."
     )
 
@@ -195,7 +194,7 @@ def on_one_clock(records: Mapping[str, Episode], tracks: Iterable[Track]) -> lis
         track.title = TITLES.get(world, world)
         miss = next(misses(records[world]), None)
         if miss is not None and records[world].outcome != DELIVERED:
-            track.frames[-1].caption = f"In step {miss.step} it {miss.words}"
+            track.frames[-1].caption = f"Step {miss.step} ended {miss.where}"
         if world == GRID:
             for frame in track.frames:
                 frame.clock = frame.progress * GRID_SECONDS
