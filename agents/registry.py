@@ -48,7 +48,8 @@ from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, Motion, RecordError
 from warehouse_core.files.reading import not_a_file
-from warehouse_core.motion.backends import Backend, backend_names
+from warehouse_core.motion.backends import Backend, backend_names, make_motion
+from warehouse_core.motion.base import with_defaults
 from warehouse_core.records.recorder import FleetAgent
 
 __all__ = [
@@ -241,6 +242,15 @@ def make_backend(name: str) -> Backend:
     if not isinstance(motion, Motion):
         raise AgentError(f"class {source!r} has no cell_size; needed: side of a cell in metres")
     return motion
+
+
+def acting_backend(backend: str) -> str:
+    """Return the backend on which an agent acts.
+
+    Bodies that drive through need a whole path, so an agent acts on the grid before they drive.
+    """
+    motion = with_defaults(make_motion(make_backend(backend)))
+    return "grid" if motion.drives_through else backend
 
 
 def make_fleet_agent(

@@ -24,11 +24,13 @@ from agents.lab.commands.train import TrainCommand, train
 from agents.lab.console import main as console
 from agents.lab.console import options
 from agents.lab.console.group import CommandGroup
+from agents.lab.console.options import option
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
 from agents.lab.experiments.sweep import NAMES, sweep
 from agents.lab.reports.report import report
-from warehouse_core import Episode
+from agents.registry import make_backend
+from warehouse_core import Episode, replay_episode
 
 RENAMED_COMMANDS = {
     "explore": "warehouse run --agent exploring",
@@ -61,6 +63,14 @@ app = console.application(
 
 def replay(
     file: Annotated[Path, typer.Argument(metavar="FILE", help="An episode saved as .npz.")],
+    backend: Annotated[
+        str | None,
+        option(
+            "--backend NAME",
+            "Carry out the recorded actions again on another backend, such as physics; with "
+            "driving, a body drives the recorded path in one go.",
+        ),
+    ] = None,
     *,
     save: options.Save,
     show: options.Show = None,
@@ -71,6 +81,8 @@ def replay(
     Example: warehouse replay episode.npz --speed 2 --save replay.gif
     """
     episode = Episode.load(file)
+    if backend is not None:
+        episode = replay_episode(episode, make_backend(backend))
     if episode.is_fleet:
         report_fleet(episode)
     else:

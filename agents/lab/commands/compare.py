@@ -128,8 +128,8 @@ def compare(
         list[str],
         option(
             "--backend NAME",
-            f"{options.BACKEND.format('')} May be repeated for backends. Default: grid; for "
-            "backends grid and physics.",
+            f"{options.BACKEND.format(options.DRIVES)} May be repeated for backends. Default: "
+            "grid; for backends: grid, physics and driving.",
             **MANY,
         ),
     ],

@@ -1,32 +1,26 @@
-"""Comparison of an episode on two backends, for ``warehouse compare backends``."""
+"""Comparison of an episode on several backends, for ``warehouse compare backends``."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Mapping, Sequence
 from pathlib import Path
+from shutil import get_terminal_size
+from textwrap import fill
 
 import typer
 
 from agents.lab.commands.run import run_episode
+from agents.lab.commands.worlds import NO_VALUE, on_one_clock, result_rows, story_of_worlds
 from agents.lab.console.output import Film, show_or_save
 from agents.lab.console.table import TextTable, print_table
+from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place, with_slippery
 from agents.lab.place import Stations
 from agents.lab.runs.run import draw_seed
 from warehouse_core import Episode
 from warehouse_core.viz.tracks.record_track import track_of_record
-from warehouse_core.wording import seconds_of
 
-BACKENDS = "grid", "physics"
-
-ROWS: dict[str, Callable[[Episode], str]] = {
-    "outcome": lambda episode: episode.outcome,
-    "steps": lambda episode: str(episode.steps),
-    "total reward": lambda episode: f"{episode.total_reward:.2f}",
-    "seconds": lambda episode: seconds_of(episode.seconds),
-    "joules": lambda episode: f"{episode.joules:.0f}",
-    "hits": lambda episode: str(sum(len(motion.contacts) for motion in episode.motions)),
-}
+BACKENDS = "grid", "physics", "driving"
 
 
 def first_difference(left: Episode, right: Episode) -> int | None:
@@ -44,16 +38,13 @@ def first_difference(left: Episode, right: Episode) -> int | None:
     return None if left.steps == right.steps else min(left.steps, right.steps) + 1
 
 
-def comparison_table(left: Episode, right: Episode) -> TextTable:
-    """Return a table that compares the results of two episodes."""
-    step = first_difference(left, right)
-    differs = "none" if step is None else f"step {step}"
-    rows = [(name, value(left), value(right)) for name, value in ROWS.items()]
-    return TextTable(
-        ("", left.settings.backend, right.settings.backend),
-        [*rows, ("first step that differs", differs, differs)],
-        f"{left.agent}, seed {left.seed}",
-    )
+def comparison_table(records: Mapping[str, Episode]) -> TextTable:
+    """Return a table that compares the results of an agent on several backends."""
+    first, *others = episodes = [*records.values()]
+    steps = [first_difference(first, other) for other in others]
+    differs = (NO_VALUE, *("none" if step is None else f"step {step}" for step in steps))
+    rows = [*result_rows(episodes), ("first step that differs", *differs)]
+    return TextTable(("", *records), rows, f"{first.agent}, seed {first.seed}")
 
 
 def compare_backends(
@@ -69,23 +60,24 @@ def compare_backends(
     save: Sequence[Path] = (),
     show: bool | None = None,
 ) -> None:
-    """Run an episode on two backends and show both replays side by side.
+    """Run an episode on several backends and show the replays side by side.
 
     The default is ``BACKENDS``. A single backend is compared with the first of them.
     """
-    backends = [*BACKENDS[: 2 - len(backend)], *backend]
-    if len(backends) != 2:
-        raise typer.BadParameter(f"--backend is given {len(backend)} times; two are compared")
+    backends = [*(BACKENDS if not backend else BACKENDS[: 2 - len(backend)]), *backend]
+    if len({*backends}) < len(backends):
+        raise typer.BadParameter(f"--backend names {backends[-1]} twice; it is compared once")
     seed = draw_seed() if seed is None else seed
     place = load_place(layout, stations, start)
-    backends = with_slippery(slippery, place.layout, *backends)
-    one, other = (
-        run_episode(
+    records = {
+        backend: run_episode(
             agent, backend, seed=seed, battery=battery, max_steps=max_steps, **place._asdict()
         )
-        for backend in backends
-    )
-    print_table(comparison_table(one, other))
-    film = Film(lambda: [track_of_record(one), track_of_record(other)])
-    names = (episode.settings.backend for episode in (one, other))
-    show_or_save(film, save, show, f"compare-{one.agent}-{'-'.join(names)}-{seed}.gif")
+        for backend in with_slippery(slippery, place.layout, *backends)
+    }
+    print_table(comparison_table(records))
+    say(fill(story_of_worlds(records), get_terminal_size().columns))
+    film = Film(lambda: on_one_clock(records, [track_of_record(each) for each in records.values()]))
+    names = "-".join(backend.partition(":")[0] for backend in backends)
+    agent = next(iter(records.values())).agent
+    show_or_save(film, save, show, f"compare-{agent}-{names}-{seed}.gif")

@@ -16,13 +16,12 @@ import typer
 
 from agents.errors import EpisodeInterrupted
 from agents.lab.commands.compare_agents import AGENTS
-from agents.lab.commands.compare_backends import ROWS
 from agents.lab.commands.worlds import (
     ICE,
     on_one_clock,
+    result_rows,
     run_worlds,
     split_worlds,
-    table_of_worlds,
     world_sentences,
 )
 from agents.lab.console import options
@@ -35,8 +34,8 @@ from agents.lab.console.watch import slow_steps_reported
 from agents.lab.runs.run import run
 from agents.lab.trials.task import Task
 from agents.learning.q_learning import QAgent, QTable, learn
-from agents.registry import make_agent
-from warehouse_core import Agent, Episode, Layout, WarehouseEnv
+from agents.registry import acting_backend, make_agent
+from warehouse_core import Agent, Episode, Layout, WarehouseEnv, replay_episode
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.task.starts import START
 from warehouse_core.viz.tracks.record_track import track_of_record
@@ -88,8 +87,9 @@ def race(
         str | None,
         option(
             "--worlds NAME,NAME",
-            "Let one agent run in several worlds instead: grid, physics, icy (a body on wet ice "
-            "with a grip of 0.05, everywhere or in the --slippery cells) or other backends.",
+            "Let one agent run in several worlds instead: grid, physics, driving (a body drives "
+            "the path of the grid in one go), icy (a body on wet ice with a grip of 0.05, "
+            "everywhere or in the --slippery cells) or other backends.",
         ),
     ] = None,
     backend: options.BackendOption = "grid",
@@ -132,9 +132,10 @@ def race(
 def race_of_agents(agents: Sequence[str], task: Task, seed: int, where: str) -> Race:
     """Run agents on one backend."""
     records = {TITLES.get(name, name): run_racer(name, task, seed) for name in agents}
-    rows = [(name, *(value(each) for value in ROWS.values())) for name, each in records.items()]
+    columns = result_rows([*records.values()])
+    rows = [*zip(records, *(values for _, *values in columns), strict=True)]
     title = f"Race on {where}, backend {task.backend}, seed {seed}"
-    table = TextTable(("agent", *ROWS), rows, title)
+    table = TextTable(("agent", *(name for name, *_ in columns)), rows, title)
     sentences = [f"{name}: {diagnose(record).sentence}." for name, record in records.items()]
     return Race(table, sentences, lambda: tracks_of(records))
 
@@ -151,7 +152,7 @@ def race_of_worlds(
     )
     title = f"{TITLES.get(name, name)} on {where}, seed {seed}"
     return Race(
-        table_of_worlds(records, title),
+        TextTable(("", *records), result_rows([*records.values()]), title),
         world_sentences(records),
         lambda: on_one_clock(records, tracks_of(records)),
     )
@@ -159,6 +160,7 @@ def race_of_worlds(
 
 def run_racer(name: str, task: Task, seed: int) -> Episode:
     """Return the record of an episode of the agent with a name."""
+    backend, task = task.backend, task._replace(backend=acting_backend(task.backend))
     with closing(task.make_env(seed)) as env:
         if name == LEARNER:
             env.reset(task.randomize, seed)  # places the stations as in the race
@@ -167,9 +169,10 @@ def run_racer(name: str, task: Task, seed: int) -> Episode:
             racer = make_agent(name, seed, task.layout_for(seed))
         try:
             watch = slow_steps_reported(racer, name)
-            return run(env, racer, seed, watch, name=name, randomize=task.randomize)
+            episode = run(env, racer, seed, watch, name=name, randomize=task.randomize)
         except EpisodeInterrupted as error:
             raise typer.Abort from error
+    return episode if backend == task.backend else replay_episode(episode, backend)
 
 
 def practised(layout: Layout, seed: int) -> QAgent:

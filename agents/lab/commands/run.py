@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING, NamedTuple
 import typer
 
 from agents.errors import EpisodeError, EpisodeInterrupted
+from agents.lab.commands.worlds import DRIVE_ROWS
 from agents.lab.console import options
 from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
@@ -17,9 +18,18 @@ from agents.lab.console.values import load_place, with_slippery
 from agents.lab.console.watch import slow_steps_reported
 from agents.lab.runs.run import draw_seed
 from agents.lab.runs.run import run as run_agent
-from agents.registry import make_agent, make_backend
+from agents.registry import acting_backend, make_agent, make_backend
 from agents.search.agents import ExploringAgent
-from warehouse_core import DEFAULT_LAYOUT, Agent, Cell, Episode, Layout, WarehouseEnv
+from warehouse_core import (
+    DEFAULT_LAYOUT,
+    Agent,
+    Cell,
+    Episode,
+    Layout,
+    WarehouseEnv,
+    replay_episode,
+)
+from warehouse_core.records.drive_summary import drive_summary
 from warehouse_core.records.episode import DELIVERED
 from warehouse_core.records.failure_modes import diagnose
 
@@ -86,19 +96,21 @@ class Case(NamedTuple):
         notice: Callable[[Agent], None] = lambda agent: None,
     ) -> Episode:
         """Run the episode of a seed; ``notice`` is called with the agent before it acts."""
+        backend = acting_backend(self.backend)
         env = WarehouseEnv(
             self.layout,
             start_pos,
             self.max_steps,
             self.battery,
             self.view_radius,
-            backend=make_backend(self.backend),
+            backend=make_backend(backend),
         )
         with closing(env):
             acting = make_agent(self.agent, seed, self.layout)
             notice(acting)
             watch = slow_steps_reported(acting, self.agent)
-            return run_agent(env, acting, seed, watch, name=self.agent, randomize=randomize)
+            episode = run_agent(env, acting, seed, watch, name=self.agent, randomize=randomize)
+        return episode if backend == self.backend else replay_episode(episode, self.backend)
 
 
 def report_episode(episode: Episode, stations: str = "") -> None:
@@ -108,16 +120,24 @@ def report_episode(episode: Episode, stations: str = "") -> None:
     say(f"{episode.agent} on the {settings.backend} backend, seed {episode.seed}{source}")
     diagnosis = diagnose(episode)
     mode = "" if diagnosis.mode == episode.outcome else f"{diagnosis.mode}: "
-    say(f"outcome         {episode.outcome}")
-    say(f"diagnosis       {mode}{diagnosis.sentence}")
-    say(f"total reward    {episode.total_reward:.2f}")
-    say(f"final battery   {episode.battery[-1]} of {settings.battery}")
-    say(f"episode length  {episode.steps} of at most {settings.max_steps} steps")
+    rows = {
+        "outcome": episode.outcome,
+        "diagnosis": f"{mode}{diagnosis.sentence}",
+        "total reward": f"{episode.total_reward:.2f}",
+        "final battery": f"{episode.battery[-1]} of {settings.battery}",
+        "episode length": f"{episode.steps} of at most {settings.max_steps} steps",
+    }
+    summary = drive_summary(episode)
+    if summary is not None:
+        rows |= {name: value(summary) for name, value in DRIVE_ROWS.items()}
+    width = max(map(len, rows)) + 2
+    for name, text in rows.items():
+        say(f"{name:<{width}}{text}")
 
 
 def run(
     agent: options.AgentOption = "greedy",
-    backend: options.BackendOption = "grid",
+    backend: options.RunBackend = "grid",
     layout: options.LayoutOption = None,
     stations: options.StationsOption = None,
     start: options.Start = None,

@@ -7,7 +7,6 @@ from typing import NamedTuple
 
 import typer
 
-from agents.lab.console.table import TextTable
 from warehouse_core import Cell, Episode
 from warehouse_core.motion.base import centre_of
 from warehouse_core.records.drive_summary import DriveSummary, drive_summary
@@ -31,6 +30,9 @@ TITLES = {
     ICY: "Icy: a body on a slippery floor",
 }
 """Titles of the replays of worlds."""
+
+MANNERS = {"physics": "move by move", DRIVING: "driving through"}
+"""Manner in which a body carries out an episode, by the name of its backend."""
 
 GRID_SECONDS = 2.0
 """Duration of a step of the grid on the clock of the replay. The grid has no seconds of its own, so
@@ -171,16 +173,37 @@ DRIVE_ROWS: dict[str, Callable[[DriveSummary], str]] = {
 """Texts of what a body measured, by name."""
 
 
-def table_of_worlds(records: Mapping[str, Episode], title: str) -> TextTable:
-    """Return a table with a column for each world. The grid measures nothing."""
-    summaries = [*map(drive_summary, records.values())]
+def result_rows(records: Sequence[Episode]) -> list[tuple[str, ...]]:
+    """Return a row for each result, with a value for each record. The grid measures nothing."""
+    summaries = [*map(drive_summary, records)]
     rows = [
-        ("outcome", *(record.outcome for record in records.values())),
-        ("steps", *(str(record.steps) for record in records.values())),
+        ("outcome", *(record.outcome for record in records)),
+        ("steps", *(str(record.steps) for record in records)),
+        ("total reward", *(f"{record.total_reward:.2f}" for record in records)),
     ]
-    for name, value in DRIVE_ROWS.items():
-        rows.append((name, *(NO_VALUE if each is None else value(each) for each in summaries)))
-    return TextTable(("", *records), rows, title)
+    if any(summaries):
+        for name, value in DRIVE_ROWS.items():
+            rows.append((name, *(NO_VALUE if each is None else value(each) for each in summaries)))
+    return rows
+
+
+def story_of_worlds(records: Mapping[str, Episode]) -> str:
+    """Return sentences that compare what the worlds measured, and the cells that were visited."""
+    parts = []
+    for world, record in records.items():
+        summary, name = drive_summary(record), world.partition(":")[0]
+        if summary is None:
+            parts.append(f"The {world} counts {counted(record.steps, 'step')}.")
+            continue
+        manner = MANNERS.get(name, f"with {name}")
+        parts.append(
+            f"{manner.capitalize()}, the body needs {seconds_of(summary.seconds)} s and "
+            f"{summary.joules / 1000:.1f} kJ and stops {counted(summary.stops, 'time')}."
+        )
+    paths = [record.cells for record in records.values()]
+    is_same = all(path == paths[0] for path in paths)
+    parts.append(f"All {len(paths)} visit {'the same' if is_same else 'different'} cells.")
+    return " ".join(parts).replace("All 2 visit", "Both visit")
 
 
 def on_one_clock(records: Mapping[str, Episode], tracks: Iterable[Track]) -> list[Track]:

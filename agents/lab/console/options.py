@@ -174,7 +174,9 @@ InstalledBackend = Annotated[
         "Name of the motion backend. Allowed: grid, physics, or another one that is installed.",
     ),
 ]
+DRIVES = "driving (a body drives the path of a finished episode in one go), "
 BackendOption = Annotated[str, option("--backend NAME", BACKEND.format(""))]
+RunBackend = Annotated[str, option("--backend NAME", BACKEND.format(DRIVES))]
 FleetBackend = Annotated[
     str,
     option(

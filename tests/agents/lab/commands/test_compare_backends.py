@@ -4,7 +4,7 @@ from pathlib import Path
 from helpers.command_line import Warehouse
 from PIL import Image
 
-from agents.lab.commands.compare_backends import ROWS, comparison_table, first_difference
+from agents.lab.commands.compare_backends import comparison_table, first_difference
 from agents.run_episode import run_episode
 from warehouse_core import replay_episode
 
@@ -16,22 +16,35 @@ def test_the_first_step_that_differs_is_found() -> None:
     assert first_difference(grid, grid) is first_difference(grid, physics) is None
     assert first_difference(grid, replay_episode(other)) == 4
     assert first_difference(grid, shorter) == first_difference(shorter, grid) == 11
-    header, rows, *_ = comparison_table(grid, physics)
-    assert header == ("", "grid", "physics")
-    assert [name for name, *_ in rows] == [*ROWS, "first step that differs"]
-    assert rows[:2] == [("outcome", "delivered", "delivered"), ("steps", "23", "23")]
-    assert float(rows[3][2]) > grid.steps
+    header, rows, *_ = comparison_table({"grid": grid, "physics": physics, "short": shorter})
+    assert header == ("", "grid", "physics", "short")
+    assert rows[0] == ("outcome", "delivered", "delivered", "out of time")
+    assert rows[3] == ("seconds", "-", "49.8", "-")
+    assert rows[-1] == ("first step that differs", "-", "none", "step 11")
 
 
-def test_compare_prints_the_table_and_saves_both_replays(
+def test_compare_prints_the_table_and_the_story_and_saves_all_replays(
     warehouse: Warehouse, tmp_path: Path
 ) -> None:
-    target = tmp_path / "both.png"
-    result = warehouse("compare", "backends", "--seed", 12, "--max-steps", 2, "--save", target)
+    target = tmp_path / "all.png"
+    result = warehouse("compare", "backends", "--seed", 12, "--save", target)
     assert result.code == 0
     with Image.open(target) as image:
-        assert image.width > 1.5 * image.height
-    assert all(word in result.out for word in ("grid", "physics", "joules", "out of time"))
+        assert image.width > 2 * image.height
+    assert all(word in result.out for word in ("grid", "physics", "driving", "joules"))
+    story = " ".join(result.out.partition("The grid counts")[2].split())
+    assert story.startswith(
+        "23 steps. Move by move, the body needs 49.8 s and 1.8 kJ and stops 21 times. Driving "
+        "through, the body needs 32.7 s and 1.2 kJ and stops 6 times. All 3 visit the same cells."
+    )
+
+
+def test_a_single_backend_is_compared_with_the_grid(warehouse: Warehouse) -> None:
+    words = ("compare", "backends", "--no-show", "--seed", 3, "--max-steps", 9)
+    out = warehouse(*words, "--backend", "physics:motor_strength=0.2").out
+    assert "driving" not in out
+    assert "Both visit different cells." in out
+    assert "names grid twice" in warehouse(*words, "--backend", "grid").err
 
 
 def test_compare_keeps_the_stations_of_a_file(warehouse: Warehouse, tmp_path: Path) -> None:
@@ -47,7 +60,7 @@ def test_compare_keeps_the_stations_of_a_file(warehouse: Warehouse, tmp_path: Pa
         1,
     )
     out = warehouse(*words, "--no-show").out
-    assert out.count("delivered") == 2
+    assert out.count("delivered") == 3
     assert re.search(r"steps +\u2502 +6 \u2502 +6 ", out)
 
 
@@ -56,5 +69,3 @@ def test_slippery_cells_are_for_the_backends_with_bodies(warehouse: Warehouse) -
     out = warehouse(*words, "--max-steps", 2).out
     assert "physics:slippery=1-2" in out
     assert "grid:" not in out
-    two = ("--backend", "grid", "--backend", "grid")
-    assert "given: grid, grid" in warehouse(*words, *two).err

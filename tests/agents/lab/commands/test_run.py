@@ -223,3 +223,16 @@ def test_no_window_opens_after_an_interrupt(
     write_mine("act", f"raise {error}", "'N'")
     warehouse("run", "--agent", "mine.py:Mine", "--seed", 4, "--show")
     assert shown == [is_shown]
+
+
+def test_a_body_drives_the_path_of_an_agent_in_one_go(warehouse: Warehouse, tmp_path: Path) -> None:
+    saved = tmp_path / "driven.npz"
+    out = warehouse("run", "--backend", "driving", "--seed", 12, "--save", saved).out
+    values = dict(re.split(r"  +", line, maxsplit=1) for line in out.splitlines()[1:-1])
+    assert values["seconds"] == "32.7"
+    assert (values["stops"], values["hits"], values["highest speed (m/s)"]) == ("6", "0", "1.00")
+    assert warehouse("replay", saved, "--no-show").out.splitlines()[1:] == out.splitlines()[1:-1]
+    again = warehouse("replay", saved, "--backend", "physics", "--no-show").out
+    assert "49.8" in again
+    on_the_grid = warehouse("replay", saved, "--backend", "grid", "--no-show").out
+    assert "seconds" not in on_the_grid
