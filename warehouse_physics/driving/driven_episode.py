@@ -18,7 +18,7 @@ from typing import Any, NamedTuple
 
 import numpy as np
 
-from warehouse_core import Cell, Episode, Outcome
+from warehouse_core import BackendError, Cell, Episode, Outcome
 from warehouse_core.motion.base import Contact, centre_of
 from warehouse_core.world.actions import DROP, PICK, WAIT, action_index
 from warehouse_core.world.tables import Integers
@@ -58,8 +58,8 @@ def drive_cells(motion: Any, episode: Episode) -> list[Outcome]:
         episode: record with the cells, the actions and the loads.
 
     Raises:
-        ValueError: a step leads to a cell that is not a neighbour.
-        RuntimeError: disturbances keep the robot from arriving.
+        BackendError: a step leads to a cell that is not a neighbour, or disturbances keep the robot
+            from arriving.
     """
     motion.reset(episode.layout, [episode.cells[0]], episode.seed)
     outcomes: list[Outcome] = []
@@ -100,12 +100,15 @@ def _drive_through(motion: Any, cells: Sequence[Cell], trailing: int) -> Traject
     It ends ``trailing`` substeps after the robot has come to rest in the last cell.
     """
     for cell in cells:
-        motion.extend([cell])
+        try:
+            motion.extend([cell])
+        except ValueError as error:
+            raise BackendError(f"the recorded body slid over a cell: {error}") from error
     done: list[Outcome] = []
     while not motion.routes().at_rest[0]:
         if len(done) * CHUNK > PATIENCE * len(cells):
             x, y = done[-1].path[-1, 1:3]
-            raise RuntimeError(
+            raise BackendError(
                 f"the robot has not arrived in {cells[-1]} after {len(done) * CHUNK:.0f} s; it is "
                 f"at x = {x:.2f} m, y = {y:.2f} m"
             )

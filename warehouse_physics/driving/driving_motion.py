@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from warehouse_core import Cell, Episode, Layout, Outcome
+from warehouse_core import BackendError, Cell, Episode, Layout, Outcome
 from warehouse_core.arguments import instance_of, real_number, whole_number
 from warehouse_core.motion.base import (
     Contact,
@@ -243,9 +243,9 @@ class DrivingMotion(BodyMotion):
             episode: record of one robot, on any backend.
 
         Raises:
-            ValueError: the record has several robots, or a step leads to a cell that is not a
-                neighbour, because the recorded body slid.
-            RuntimeError: disturbances keep the robot from arriving.
+            BackendError: the record has several robots, a step leads to a cell that is not a
+                neighbour, because the recorded body slid, or disturbances keep the robot from
+                arriving.
 
         Example:
             >>> from agents import GreedyAgent
@@ -257,7 +257,7 @@ class DrivingMotion(BodyMotion):
             (True, 33)
         """
         if instance_of("episode", episode, Episode).is_fleet:
-            raise ValueError("the episode has a fleet; it must have a lone robot")
+            raise BackendError("the episode has a fleet; it must have a lone robot")
         motion = DrivingMotion(self.spec, self.disturbances, period=self.spec.dwell, path_every=1)
         outcomes = drive_cells(motion, episode)
         settings = replace(

@@ -121,7 +121,8 @@ def test_driving_through_saves_time_and_stops_against_moves_from_cell_to_cell() 
 def test_steps_that_do_not_move_the_robot_take_one_substep_each() -> None:
     """The reflex agent bumps into walls, also at the end and before it picks."""
     env = WarehouseEnv(Layout(["......", ".P..D."]), (0, 0), max_steps=40)
-    episode = record_episode(env, Walk("N", "E", "N", "E", "N", "?", "WAIT", "N", "W", "N", "N"))
+    walk = Walk("N", "E", "N", "E", "N", "?", "WAIT", "N", "W", "N", "N")
+    episode = record_episode(env, walk, randomize=False)
     driven = DrivingMotion().drive_episode(episode)
     check(episode, driven, RobotSpec())
     seconds = [round(motion.seconds * 60) for motion in driven.motions]
@@ -155,16 +156,27 @@ def test_a_driven_record_is_stored_and_replays_bit_for_bit(tmp_path) -> None:
 
 def test_a_body_that_slid_on_or_never_arrives_is_refused() -> None:
     fleet = record_episode(FleetEnv(robots=1, max_steps=2), WaitingFleet())
-    with pytest.raises(ValueError, match="the episode has a fleet; it must have a lone robot"):
+    with pytest.raises(BackendError, match="the episode has a fleet; it must have a lone robot"):
         DrivingMotion().drive_episode(fleet)
     with pytest.raises(BackendError, match="RestingMotion cannot drive the cells of a record"):
         replay_episode(on_the_grid(12), backend=RestingMotion())
     stuck = DrivingMotion(disturbances=Disturbances(stops=[Stop(0, 0.0, math.inf)]))
-    short = record_episode(WarehouseEnv(Layout([".."]), (0, 0), max_steps=1), Walk("E"))
+    short = record_episode(
+        WarehouseEnv(Layout([".."]), (0, 0), max_steps=1), Walk("E"), randomize=False
+    )
     with pytest.raises(
-        RuntimeError, match=r"not arrived in \(0, 1\) after 100 s; it is at x = 0\.5"
+        BackendError, match=r"not arrived in \(0, 1\) after 100 s; it is at x = 0\.5"
     ):
         stuck.drive_episode(short)
+
+
+def test_a_body_that_slid_over_a_cell_is_refused() -> None:
+    layout = Layout(["....."])
+    icy = WarehouseEnv(layout, (0, 0), backend="physics:grip=0.01,slippery=0-1+0-2", max_steps=1)
+    slid = record_episode(icy, Walk("E"), randomize=False)
+    assert slid.cells == [(0, 0), (0, 2)]
+    with pytest.raises(BackendError, match=r"slid over a cell: robot 0 .* \(0, 0\) to \(0, 2\)"):
+        replay_episode(slid, backend="driving")
 
 
 class WaitingFleet:

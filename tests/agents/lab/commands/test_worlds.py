@@ -72,6 +72,22 @@ def test_the_grid_has_no_seconds_but_steps_as_long_as_moves_of_the_body(
     assert pytest.approx(RobotSpec().move_seconds(loaded=False), abs=0.01) == GRID_SECONDS
 
 
+def test_a_body_drives_the_path_of_the_grid_in_one_go(
+    warehouse: Warehouse, refused: Refused
+) -> None:
+    words = ("race", "--agent", "astar", "--save", "race.png", "--worlds")
+    rows = rows_of(warehouse(*words, "grid,physics,driving").out)
+    assert rows["outcome"] == ["delivered"] * 3
+    assert rows["steps"] == ["18"] * 3
+    _, stopping, driving = rows["seconds"]
+    assert float(driving) < 0.75 * float(stopping)
+    assert int(rows["stops"][2]) < int(rows["stops"][1]) / 2
+    wheels = warehouse(*words, "driving:drive=differential,mass=60")
+    assert rows_of(wheels.out)["outcome"] == ["delivered"]
+    error = refused(*words, "grid,driving:grip=0.01")
+    assert error.startswith("the robot has not arrived in (4, 1) after 400 s")
+
+
 def test_slippery_cells_limit_the_ice(warehouse: Warehouse) -> None:
     words = ("--slippery", "6,4", "--save", "race.png")
     done = warehouse("race", "--worlds", WORLDS, *words)
