@@ -17,6 +17,7 @@ import typer
 from agents.errors import EpisodeInterrupted
 from agents.lab.commands.compare_agents import AGENTS
 from agents.lab.commands.worlds import (
+    FRAME_SECONDS,
     ICE,
     on_one_clock,
     result_rows,
@@ -38,7 +39,7 @@ from agents.registry import acting_backend, make_agent
 from warehouse_core import Agent, Episode, Layout, WarehouseEnv, replay_episode
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.task.starts import START
-from warehouse_core.viz.tracks.record_track import track_of_record
+from warehouse_core.viz.tracks import record_track
 from warehouse_core.viz.tracks.track import Track
 from warehouse_core.world.actions import WAIT, action_index
 from warehouse_core.world.named_layouts import BAY
@@ -154,7 +155,7 @@ def race_of_worlds(
     return Race(
         TextTable(("", *records), result_rows([*records.values()]), title),
         world_sentences(records),
-        lambda: on_one_clock(records, tracks_of(records)),
+        lambda: on_one_clock(records, tracks_of(records, FRAME_SECONDS)),
     )
 
 
@@ -183,11 +184,16 @@ def practised(layout: Layout, seed: int) -> QAgent:
     return QAgent(table, seed)
 
 
-def tracks_of(records: Mapping[str, Episode]) -> list[Track]:
+def tracks_of(
+    records: Mapping[str, Episode], frame_seconds: float = record_track.FRAME_SECONDS
+) -> list[Track]:
     """Return the tracks of records, with their titles and without charts."""
     tracks = []
     for title, record in records.items():
-        track, states = track_of_record(record), ["", *states_of(record)]
+        track, states = (
+            record_track.track_of_record(record, frame_seconds),
+            ["", *states_of(record)],
+        )
         track.title, track.metrics = title, {}
         for frame in track.frames[1:-1]:
             state = states[math.ceil(frame.progress)]

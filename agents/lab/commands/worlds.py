@@ -39,6 +39,9 @@ GRID_SECONDS = 2.0
 a step takes as long as the default body needs for a cell."""
 
 
+FRAME_SECONDS = 0.25
+"""Simulated seconds between frames of the replay, so that the files of four worlds stay small."""
+
 NO_VALUE = "-"
 """Text of a value that a world does not have."""
 
