@@ -67,8 +67,8 @@ def replay(
         str | None,
         option(
             "--backend NAME",
-            "Carry out the recorded actions again on another backend, such as physics; with "
-            "driving, a body drives the recorded path in one go.",
+            "Name of the motion backend. The recorded actions are carried out again on it, as on "
+            "physics; with driving, a body drives the recorded path in one go.",
         ),
     ] = None,
     *,

@@ -212,8 +212,8 @@ def story_of_worlds(records: Mapping[str, Episode]) -> str:
 def on_one_clock(records: Mapping[str, Episode], tracks: Iterable[Track]) -> list[Track]:
     """Return the tracks of worlds, titled, with a clock for the grid; see ``GRID_SECONDS``.
 
-    Each body has a ghost where the robot of the grid is, if the grid is among the worlds. The last
-    caption of a world in which a plan fails says where it began to fail.
+    Each body that ends no earlier than the grid has a ghost where the robot of the grid is. The
+    last caption of a world in which a plan fails says where it began to fail.
     """
     in_worlds = dict(zip(records, tracks, strict=True))
     for world, track in in_worlds.items():
@@ -225,7 +225,8 @@ def on_one_clock(records: Mapping[str, Episode], tracks: Iterable[Track]) -> lis
             for frame in track.frames:
                 frame.clock = frame.progress * GRID_SECONDS
     if GRID in in_worlds:
+        last = in_worlds[GRID].frames[-1].clock
         for track in in_worlds.values():
-            if track.is_continuous:
+            if track.is_continuous and track.frames[-1].clock >= last:
                 track.ghost = ghost_of(track, in_worlds[GRID])
     return [*in_worlds.values()]
