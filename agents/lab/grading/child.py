@@ -37,6 +37,9 @@ SUBREAPER, DEATH_SIGNAL = 36, 1
 MAX_TEXT = 200
 """Limit on the characters of an action or of an exception's message that are sent."""
 
+ALLOWED = "graded agents may only compute and read their own files"
+"""Reason that is added if the system has refused what an agent tried."""
+
 MAX_KILLS = 100
 """Rounds of killing the processes that an agent left behind, which may start further ones."""
 
@@ -189,6 +192,9 @@ def limit(bounds: dict[str, Any], rules: int | None) -> None:
     import resource  # does not exist on Windows
 
     os.setsid()
+    for number in range(3):  # an open file shared with later processes could pass flags to them
+        os.close(number)
+        os.open(os.devnull, os.O_RDWR)
     if rules is not None:
         walls.leave_files(rules)
     walls.change_user(bounds["walls"], bounds["user"])
@@ -400,6 +406,8 @@ def description_of(error: BaseException, file: str | None) -> dict[str, Any]:
     ]  # fmt: skip
     try:
         text = str(error)[:MAX_TEXT]
+        if isinstance(error, PermissionError) and error.errno is not None:
+            text = f"{text}; {ALLOWED}"
     except BaseException:  # an exception of the agent may itself be broken
         text = ""
     place = f"{os.path.basename(frames[-1].filename)}, line {frames[-1].lineno}" if frames else ""
