@@ -17,7 +17,7 @@ from typing import Any, NamedTuple
 from agents.errors import GradeError
 from agents.lab.grading.cases import Call, CallCase, Case, GradedCase
 from agents.lab.grading.criteria import MEASURES, VISIBILITIES, Criterion
-from agents.lab.grading.sandbox import AgentLimits
+from agents.lab.grading.sandbox import ENDING_SECONDS, IMPORT_SECONDS, AgentLimits
 from agents.lab.parameters import PARAMETERS, CheckValue, Number, Whole, flag, one_of, text
 from agents.lab.place import RANDOM, Stations, check_stations
 from agents.lab.toml_text import MAX_BYTES, parse_toml
@@ -108,6 +108,13 @@ class Rubric:
         """Cases that criteria judge, in the order of the file."""
         used = {name for criterion in self.criteria for name in criterion.cases}
         return [case for name, case in self.cases.items() if name in used]
+
+    @property
+    def most_seconds(self) -> float:
+        """Time that grading a submission can take, if each process takes as long as it may."""
+        limits = self.limits
+        process = limits.start_seconds + limits.episode_seconds + 2 * ENDING_SECONDS
+        return IMPORT_SECONDS + process * sum(case.episodes for case in self.used_cases)
 
 
 def list_of(

@@ -21,7 +21,7 @@ import socket
 import subprocess
 import sys
 from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
-from contextlib import contextmanager
+from contextlib import contextmanager, suppress
 from pathlib import Path
 from time import monotonic
 from typing import Any, NamedTuple
@@ -172,12 +172,12 @@ class AgentProcess:
         return answer
 
     def _ask(self, question: dict[str, Any], seconds: float) -> dict[str, Any]:
-        word = secrets.token_hex(8)
+        word, until = secrets.token_hex(8), monotonic() + seconds
         try:
-            os.write(self._pipes[0], json.dumps(question | {"word": word}).encode() + b"\n")
+            self._write(json.dumps(question | {"word": word}).encode() + b"\n", until, seconds)
         except BrokenPipeError:
             raise AgentFailureError(ENDS, "") from None
-        line = self._read_line(seconds)
+        line = self._read_line(until, seconds)
         try:
             answer: dict[str, Any] = json.loads(line)
             is_own = answer["word"] == word
@@ -189,13 +189,23 @@ class AgentProcess:
             raise failure_of(answer)
         return answer
 
-    def _read_line(self, seconds: float) -> bytes:
-        found, until = b"", monotonic() + seconds
+    def _write(self, rest: bytes, until: float, seconds: float) -> None:
+        """Write a question; an agent that does not read it has the same time as for an answer."""
+        while rest:
+            self._wait(self._pipes[0], select.POLLOUT, until, seconds)
+            with suppress(BlockingIOError):  # an agent may fill or shrink the pipe meanwhile
+                rest = rest[os.write(self._pipes[0], rest) :]
+
+    def _wait(self, pipe: int, event: int, until: float, seconds: float) -> None:
         ready = select.poll()
-        ready.register(self._pipes[1], select.POLLIN)
+        ready.register(pipe, event)
+        if not ready.poll(max(until - monotonic(), 0.0) * 1000):
+            raise self._too_slow(seconds)
+
+    def _read_line(self, until: float, seconds: float) -> bytes:
+        found = b""
         while not found.endswith(b"\n"):
-            if not ready.poll(max(until - monotonic(), 0.0) * 1000):
-                raise self._too_slow(seconds)
+            self._wait(self._pipes[1], select.POLLIN, until, seconds)
             part = os.read(self._pipes[1], MAX_LINE)
             found += part
             if not part:
@@ -279,6 +289,7 @@ class Sandbox:
         If the process of the agent ends inside the block, ``AgentFailureError`` says how.
         """
         (theirs, questions), (answers, also_theirs) = os.pipe(), os.pipe()
+        os.set_blocking(questions, False)
         failure = None
         try:
             self._fork(theirs, also_theirs)

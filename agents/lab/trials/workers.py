@@ -9,7 +9,7 @@ import threading
 import time
 from collections.abc import Callable, Iterator, Sequence
 from concurrent.futures import Future, ThreadPoolExecutor, as_completed
-from contextlib import contextmanager, suppress
+from contextlib import contextmanager
 from functools import partial
 from itertools import product
 from multiprocessing.connection import Connection
@@ -27,7 +27,7 @@ LOOK_SECONDS = 0.001
 """Seconds between two checks for the exit code of a process that has ended."""
 
 ENDING_SECONDS = 5.0
-"""Seconds after which a process that has closed its connection is killed."""
+"""Seconds after which a process that was asked to end, or has closed its connection, is killed."""
 
 CheckInterrupt = Callable[[], None]
 """Function that raises ``KeyboardInterrupt`` if a deferred signal has arrived."""
@@ -87,15 +87,16 @@ class Processes(ThreadPoolExecutor):
 
     A thread for each process waits for its results. If a process ends, only the call that it was
     running fails, with an error that says how the process ended, and the process is replaced. All
-    processes end with their parent. Lines that a call prints appear while it runs.
+    processes end with their parent. Lines that a call prints appear while it runs. A process that
+    needs more than ``seconds`` for a call is ended; ``None`` is no limit.
 
     A ``ProcessPoolExecutor`` has none of these properties. There, one process that ends makes every
     call fail, and processes outlive a parent that is killed.
     """
 
-    def __init__(self, count: int) -> None:
+    def __init__(self, count: int, seconds: float | None = None) -> None:
         super().__init__(count)
-        self._processes = [_Process() for _ in range(count)]
+        self._processes = [_Process(seconds) for _ in range(count)]
         self._idle = SimpleQueue[_Process]()
         for process in self._processes:
             self._idle.put(process)
@@ -105,8 +106,10 @@ class Processes(ThreadPoolExecutor):
         return super().submit(self._run, partial(call, *args, **named))
 
     def __exit__(self, *error: object) -> None:
-        """Cancel the waiting calls and kill the processes, even if they are still running calls."""
+        """Cancel the waiting calls and end the processes, even if they are still running calls."""
         self.shutdown(wait=False, cancel_futures=True)
+        for process in self._processes:
+            process.terminate()
         for process in self._processes:
             process.close()
         self.shutdown()
@@ -123,8 +126,8 @@ class Processes(ThreadPoolExecutor):
 class _Process:
     """A process that runs calls; if it ends, a new one is started for the next call."""
 
-    def __init__(self) -> None:
-        self._lock, self._is_closed = threading.Lock(), False
+    def __init__(self, seconds: float | None) -> None:
+        self._lock, self._is_closed, self._seconds = threading.Lock(), False, seconds
         self._process: BaseProcess | None = None
 
     def run(self, call: Callable[[], Any]) -> Any:
@@ -133,7 +136,8 @@ class _Process:
             self._start()
         try:
             self._connection.send(call)
-            while isinstance(answer := self._connection.recv(), str):
+            until = time.monotonic() + (self._seconds or 0.0)
+            while isinstance(answer := self._answer(until), str):
                 print_error(answer)
         except (EOFError, OSError):
             raise WorkerError(self._reason()) from None
@@ -142,13 +146,37 @@ class _Process:
             raise error
         return result
 
-    def close(self) -> None:
-        """Kill the process, and do not start another one."""
+    def _answer(self, until: float) -> Any:
+        """Return what the process sends, or end the process and raise ``WorkerError``."""
+        if self._seconds is not None and not self._connection.poll(
+            max(until - time.monotonic(), 0.0)
+        ):
+            with self._lock:
+                self._end()
+                self._process = None
+            raise WorkerError(f"its process was ended after {self._seconds:,.0f} s")
+        return self._connection.recv()
+
+    def terminate(self) -> None:
+        """Ask the process to end, and do not start another one."""
         with self._lock:
             self._is_closed = True
             if self._process is not None:
-                self._process.kill()
-                self._process.join()
+                self._process.terminate()
+
+    def close(self) -> None:
+        """Wait for the end of the process, and kill it if it does not end in time."""
+        with self._lock:
+            if self._process is not None:
+                self._end()
+
+    def _end(self) -> None:
+        """Ask the process to end what it has started and itself, and kill it after some time."""
+        assert self._process is not None, "it has been started"
+        self._process.terminate()
+        self._process.join(ENDING_SECONDS)
+        self._process.kill()
+        self._process.join()
 
     def _start(self) -> None:
         # Spawned on every system, because a fork of a process that has threads may hang.
@@ -184,8 +212,9 @@ def _work(parent: Connection[Any, Any]) -> None:
     global _parent
     _parent = parent
     signal.signal(signal.SIGINT, signal.SIG_IGN)
+    signal.signal(signal.SIGTERM, _interrupt)
     threading.Thread(target=_end_with_parent, daemon=True).start()
-    with suppress(EOFError, OSError):
+    try:
         while True:
             call = parent.recv()
             result, error = None, None
@@ -194,12 +223,24 @@ def _work(parent: Connection[Any, Any]) -> None:
             except Exception as raised:
                 error = raised
             parent.send((result, error))
+    except (EOFError, OSError):
+        pass
+    except KeyboardInterrupt:
+        os._exit(1)  # a call may have left threads, for which the interpreter would wait
+
+
+def _interrupt(number: int, frame: FrameType | None) -> None:
+    """Interrupt the call of a worker once, so that it removes its files and ends its processes."""
+    signal.signal(number, signal.SIG_IGN)
+    raise KeyboardInterrupt
 
 
 def _end_with_parent() -> None:
     parent = multiprocessing.parent_process()
     assert parent is not None, "a worker is started by another process"
     parent.join()
+    os.kill(os.getpid(), signal.SIGTERM)
+    time.sleep(ENDING_SECONDS)
     os._exit(1)
 
 

@@ -75,6 +75,8 @@ def grade_folder(
     """
     from agents.lab.console.progress import progress_bar  # Rich takes long to import
 
+    # The last resort, as every wait for an agent has a limit of its own.
+    count, watchdog = most_jobs(user, jobs), rubric.most_seconds
     ours = [target, *rubric.files, rubric.starter, *([pages] if pages else [])]
     found = list(in_folder(folder, kind, ours))
     _check_names(folder, [each.name for each in found], late or {})
@@ -96,7 +98,7 @@ def grade_folder(
     save_grades(target, columns_of(rubric), rows)
     try:
         with (
-            Processes(max(min(most_jobs(user, jobs), len(waiting)), 1)) as pool,
+            Processes(max(min(count, len(waiting)), 1), watchdog) as pool,
             progress_bar(len(waiting), "submissions") as advance,
         ):
             futures = {

@@ -10,6 +10,7 @@ import time
 from collections.abc import Callable
 from concurrent.futures import Executor
 from functools import partial
+from pathlib import Path
 
 import pytest
 from helpers.command_line import ROOT
@@ -110,6 +111,31 @@ def test_a_worker_survives_an_exception_prints_lines_and_ends_in_spite_of_thread
         assert executor.submit(leave_a_thread).result() == before
     assert capsys.readouterr().err == "warehouse: it takes long\n"
     assert not is_running(before)
+
+
+def hold(folder: str) -> None:
+    """Sleep for a minute, and remove a folder at the end, however it comes."""
+    os.mkdir(folder)
+    try:
+        time.sleep(60)
+    finally:
+        os.rmdir(folder)
+
+
+@pytest.mark.parametrize("seconds", [None, 4.0])
+def test_a_call_that_is_ended_removes_what_it_has_made(tmp_path: Path, seconds: float) -> None:
+    """It is ended by the end of the block, or by the limit on its time."""
+    folder = tmp_path / "made"
+    with Processes(1, seconds) as executor:
+        ended = executor.submit(hold, str(folder))
+        if seconds is None:
+            while not folder.exists():
+                time.sleep(0.01)
+        else:
+            with pytest.raises(WorkerError, match="its process was ended after 4 s"):
+                ended.result()
+    assert ended.done()
+    assert not folder.exists()
 
 
 def test_workers_end_when_their_parent_is_killed() -> None:
