@@ -1,4 +1,4 @@
-"""Submissions that are ZIP archives: their contents are checked before anything is unpacked.
+"""Private copies of submissions: ZIP archives, which are unpacked, and files, which are copied.
 
 Archives are untrusted. The size of the index is checked before the index is read. No member may be
 a link or leave the folder, and each member is unpacked only up to the size that the index states.
@@ -6,11 +6,12 @@ a link or leave the folder, and each member is unpacked only up to the size that
 
 from __future__ import annotations
 
+import os
 import shutil
 import stat
 import struct
 import zlib
-from collections.abc import Iterator
+from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
 from pathlib import Path, PurePosixPath
 from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, ZipInfo
@@ -20,6 +21,11 @@ from warehouse_core.files.reading import open_file
 
 MAX_FILES, MAX_BYTES = 1_000, 256 * 1024**2
 """Limits on the files of a submission and on their bytes, unpacked."""
+
+DATES = (2**31 - 1, 0)
+"""Dates of the last access and of the last change of each file, in seconds since 1970.
+
+Linux sets the date of access only if it is earlier than another date, or is a day old."""
 
 MAX_INDEX, MAX_NAME = 512 * 1024, 512
 """Limits on the bytes of the index of an archive, and of the path of a member."""
@@ -55,6 +61,25 @@ def unpack(path: Path, folder: Path) -> None:
             target.parent.mkdir(parents=True, exist_ok=True)
             with archive.open(member) as source, target.open("xb") as file:
                 shutil.copyfileobj(source, file)
+
+
+def copy_files(files: Iterable[Path], base: Path, folder: Path, hidden: Collection[Path]) -> None:
+    """Copy readable files and links from one folder to another, except for hidden files.
+
+    Links are copied as links, because their targets may belong to others.
+    """
+    for file in files:
+        is_readable = file.is_file() and os.access(file, os.R_OK)
+        if file not in hidden and (file.is_symlink() or is_readable):
+            target = folder / file.relative_to(base)
+            target.parent.mkdir(parents=True, exist_ok=True)
+            shutil.copyfile(file, target, follow_symlinks=False)
+
+
+def set_dates(folder: Path) -> None:
+    """Give a folder and all that it contains the same dates."""
+    for path in [*folder.rglob("*"), folder]:
+        os.utime(path, DATES, follow_symlinks=not path.is_symlink())
 
 
 @contextmanager

@@ -172,8 +172,8 @@ def grade(
     cases = sorted(rubric.used_cases, key=lambda case: not case.visible)
     limits = rubric.limits
     with (
-        submission.unpacked(user) as unpacked,
-        make_runner(unpacked, limits, user, rubric.files) as runner,
+        submission.private(user, rubric.files) as own,
+        make_runner(own, limits, user, rubric.files) as runner,
     ):
         runs = run_cases(runner, cases, limits.give_up_after, advance)
     return judge(submission, rubric, runs, late)

@@ -14,7 +14,15 @@ from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from agents.errors import AgentError
-from agents.lab.grading.archives import MAX_BYTES, MAX_FILES, members_of, read_member, unpack
+from agents.lab.grading.archives import (
+    MAX_BYTES,
+    MAX_FILES,
+    copy_files,
+    members_of,
+    read_member,
+    set_dates,
+    unpack,
+)
 from agents.lab.runs.programs import digest_of, fingerprint
 from warehouse_core.files.reading import not_a_file
 from warehouse_core.wording import listed
@@ -59,7 +67,8 @@ class Submission(NamedTuple):
         digest: digest of the code. It covers the file; or all files of the submission if it is a
             folder; or the module and what it imports from its package. "" for a built-in agent.
         imports: modules that are imported once, because they contain no code of the submission.
-        archive: archive that ``unpacked`` unpacks, or ``None``.
+        archive: archive that ``private`` unpacks, or ``None``.
+        files: files that ``private`` copies.
 
     Example:
         >>> from agents.lab.grading.submissions import find_submission
@@ -77,6 +86,7 @@ class Submission(NamedTuple):
     digest: str
     imports: tuple[str, ...] = ()
     archive: Path | None = None
+    files: tuple[Path, ...] = ()
 
     @property
     def paths(self) -> list[str]:
@@ -86,24 +96,38 @@ class Submission(NamedTuple):
         return list(dict.fromkeys([str(self.file.parent), str(self.folder)]))
 
     @contextmanager
-    def unpacked(self, user: str | None) -> Iterator[Submission]:
-        """Yield the submission with its archive unpacked in a folder until the end of the block.
+    def private(self, user: str | None, hidden: Collection[Path] = ()) -> Iterator[Submission]:
+        """Yield the submission in a private folder, which is removed at the end of the block.
+
+        The folder has only files of the submission. All of them have the same dates, and reading
+        them does not change the dates, so that no process of the agent can leave a sign for the
+        next one. A module, or a file in a folder that exceeds ``MAX_FILES`` or ``MAX_BYTES``, stays
+        where it is.
 
         Args:
             user: user that runs the agent and must be able to read the files, or ``None``.
+            hidden: files that are not copied.
 
         Raises:
             AgentError: the archive cannot be unpacked.
+            OSError: a file cannot be copied.
         """
-        if self.archive is None or self.file is None:
+        if self.file is None or not (self.files or self.archive):
             yield self
             return
         with TemporaryDirectory(prefix="warehouse-") as name:
-            folder = Path(name).resolve()
+            place, base = Path(name).resolve(), self.folder or self.file.parent
+            if self.archive is not None:
+                unpack(self.archive, place)
+                own = self._replace(file=place / self.file, folder=place)
+            else:
+                copy_files(self.files, base, place, {each.resolve() for each in hidden})
+                file = place / self.file.relative_to(base)
+                own = self._replace(file=file, folder=self.folder and place)
             if user is not None:
-                folder.chmod(0o755)
-            unpack(self.archive, folder)
-            yield self._replace(file=folder / self.file, folder=folder)
+                place.chmod(0o755)
+            set_dates(place)
+            yield own
 
     def called(self, kind: str | None) -> str:
         """Return the name for ``warehouse run --agent``, with the name of the loaded class."""
@@ -154,7 +178,7 @@ def find_submission(name: str) -> Submission:
             raise AgentError(not_a_file(file) or "there is no such file")
         if file.suffix == ARCHIVE:
             return _of_archive(name, file, kind)
-        return _of_files(name, file, kind, folder=file.resolve().parent)
+        return _of_file(name, file, kind)
     except AgentError as error:
         raise AgentError(f"agent file {file}: {error}") from None
 
@@ -300,7 +324,18 @@ def _of_files(
     digest = digest_of(regular, base, _content_digest)
     with path.open("rb") as source:
         once = _imported_once(source.read(MAX_SOURCE), is_own)
-    return Submission(name, str(file), path, file.stem, kind, folder, digest, once)
+    own = tuple(found)
+    return Submission(name, str(file), path, file.stem, kind, folder, digest, once, files=own)
+
+
+def _of_file(name: str, file: Path, kind: str | None) -> Submission:
+    """Return the submission in a file that may import and read what lies next to it."""
+    folder = file.resolve().parent
+    submission = _of_files(name, file, kind, folder=folder)
+    near = [*dict.fromkeys([folder / file.name, *files_in(folder)])]
+    size = sum(each.lstat().st_size for each in near)
+    is_small = len(near) <= MAX_FILES and size <= MAX_BYTES
+    return submission._replace(files=tuple(near) if is_small else ())
 
 
 def _imported_once(text: bytes, is_own: Callable[[str], bool]) -> tuple[str, ...]:

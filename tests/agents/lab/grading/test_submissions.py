@@ -6,8 +6,9 @@ import os
 import re
 import shutil
 import signal
+import tempfile
 from pathlib import Path
-from tempfile import gettempdir
+from typing import Any
 from zipfile import ZipFile
 
 import pytest
@@ -62,6 +63,18 @@ def no_walls(monkeypatch: pytest.MonkeyPatch) -> None:
     monkeypatch.setattr(walls, "enforced", frozenset)
 
 
+@pytest.fixture(autouse=True)
+def copies(monkeypatch: pytest.MonkeyPatch, tmp_path_factory: pytest.TempPathFactory) -> Any:
+    """Return the folder of private copies; no copy and no process may be left in it."""
+    folder = tmp_path_factory.mktemp("copies")
+    folder.chmod(0o755)
+    monkeypatch.setenv("TMPDIR", str(folder))
+    monkeypatch.setattr(tempfile, "tempdir", None)
+    yield folder
+    assert not running_in(folder)
+    assert not list(folder.iterdir())
+
+
 def grade_source(
     folder: Path, source: str, rubric: str = RUBRIC, user: str | None = None
 ) -> GradeReport:
@@ -86,7 +99,6 @@ def test_agents_get_what_they_have_earned_and_leave_nothing_behind(
     assert (report.points, bool(report.failure)) == (expected.points, not expected.is_loaded), said
     assert expected.failure in said
     assert "LookupError" not in said, "it has found something in its memory"
-    assert not running_in(tmp_path)
     assert {path.name for path in (tmp_path / name).iterdir()} == {"agent.py", "rubric.toml"}
 
 
@@ -164,6 +176,7 @@ def test_an_agent_that_passes_by_the_rules_of_python_is_ended_with_all_it_has_st
 ) -> None:
     """``daemon`` of C leaves a process that is neither a child of the agent nor in its session."""
     body = (
+        f"os.chdir({str(tmp_path)!r})\n"
         "for name in os.listdir():\n"
         "    if name.isdigit() and os.path.exists('/proc/' + name):\n"
         "        open('alive', 'w').close()\n"
@@ -180,7 +193,6 @@ def test_an_agent_that_passes_by_the_rules_of_python_is_ended_with_all_it_has_st
     assert started
     assert not any(Path("/proc", each).exists() for each in started)
     assert report.points == 0
-    assert not running_in(tmp_path)
 
 
 @pytest.mark.parametrize(
@@ -205,6 +217,7 @@ def test_an_agent_that_ends_or_stops_what_has_started_it_ends_no_other_episode(
     """
     monkeypatch.setattr(sandbox, "ENDING_SECONDS", 0.3)
     body = (
+        f"os.chdir({str(tmp_path)!r})\n"
         "if observation['steps'] == 2 and not os.path.exists('done'):\n"
         "    open('done', 'w').close()\n"
         "    libc = ctypes.CDLL(None)\n"
@@ -216,7 +229,71 @@ def test_an_agent_that_ends_or_stops_what_has_started_it_ends_no_other_episode(
     rubric = RUBRIC.replace("give_up_after = 1", "give_up_after = 2")
     report = grade_source(tmp_path, source, rubric)
     assert report.grades[0].seen == f"88% of 8 episodes: 7 delivered and 1 {found}"
-    assert not running_in(tmp_path)
+
+
+QUESTIONER = """
+frame = sys._getframe()
+while "answers" not in frame.f_locals:
+    frame = frame.f_back
+answer = {"word": frame.f_locals["word"], "action": "WAIT"}
+os.write(frame.f_locals["answers"], json.dumps(answer).encode() + b"\\n")
+time.sleep(600)
+"""
+"""Body of ``act`` that answers by itself, and then reads no further question."""
+
+
+def test_an_agent_that_reads_no_questions_takes_too_long(tmp_path: Path) -> None:
+    """A question with a view of 121 x 121 cells is longer than a pipe."""
+    rubric = RUBRIC.replace("max_steps", "view_radius = 60\nmax_steps")
+    report = grade_source(tmp_path, idle(QUESTIONER, "import json, os, sys, time"), rubric)
+    assert report.grades[0].worst == "takes too long at step 2: no answer within 0.5 s"
+
+
+REMEMBERS = """
+import os
+class Agent:
+    def reset(self):
+        places = [os.path.dirname(os.path.abspath(__file__)), os.path.abspath(__file__)]
+        places += [os.path.join(places[0], name) for name in ("data.txt", "link.txt")]
+        dates = [(os.lstat(each).st_atime_ns, os.lstat(each).st_mtime_ns) for each in places]
+        assert set(dates) == {((2**31 - 1) * 10**9, 0)}, dates
+        names = sorted(os.listdir(places[0]))
+        assert names == ["agent.py", "data.txt", "link.txt"], names
+        os.readlink(places[3])
+        for place in places[1:]:
+            open(place).read()
+    def act(self, observation):
+        return "WAIT"
+"""
+
+
+def test_reading_its_files_leaves_no_sign_for_the_next_process_of_an_agent(tmp_path: Path) -> None:
+    """Files from the future would have a new date of access after the first reading."""
+    for folder in (tmp_path / "alone", tmp_path / "class" / "ann"):
+        folder.mkdir(parents=True)
+        (folder / "agent.py").write_text(REMEMBERS)
+        (folder / "data.txt").write_text("42")
+        (folder / "link.txt").symlink_to("data.txt")
+        for path in (folder / "agent.py", folder / "data.txt", folder):
+            os.utime(path, (4e9, 4e9))
+    (tmp_path / "class" / "bob.py").write_text("")
+    rubric = load_rubric(write_rubric(tmp_path / "alone"))
+    [ann, _] = in_folder(tmp_path / "class", None)
+    assert isinstance(ann, Submission)
+    for submission in (ann, find_submission(str(tmp_path / "alone" / "agent.py"))):
+        report = grade(submission, rubric)
+        assert report.reason.endswith("8 ineffective and 2 unreachable"), report.remarks
+
+
+def test_a_large_folder_is_not_copied_for_one_of_its_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(submissions, "MAX_FILES", 2)
+    for name in ("agent.py", "one", "two"):
+        (tmp_path / name).write_text(GOOD)
+    submission = find_submission(str(tmp_path / "agent.py"))
+    with submission.private(None) as own:
+        assert own == submission
 
 
 @as_root
@@ -237,7 +314,6 @@ def test_agents_can_run_as_another_user(tmp_path_factory: pytest.TempPathFactory
         source = good("begin(self)", body, "import os")
         report = grade_source(folder / "mine", source, user="nobody")
         assert report.points == 100, report.grades
-        assert not running_in(folder)
         with pytest.raises(GradeError, match="--user no_such_user: there is no such user"):
             grade_source(folder / "mine", GOOD, user="no_such_user")
     finally:
@@ -293,7 +369,6 @@ def test_notebooks_archives_and_nested_files_are_graded_and_leave_nothing(tmp_pa
             archive.writestr("ann/agent.py", nested)
             archive.writestr("ann/helper.py", before)
             archive.writestr("__MACOSX/agent.py", "")
-    temporary = {*Path(gettempdir()).glob("warehouse-*")}
     found, refused = {}, {}
     for each in in_folder(folder, None, [folder / "two"]):
         if isinstance(each, Unusable):
@@ -308,7 +383,6 @@ def test_notebooks_archives_and_nested_files_are_graded_and_leave_nothing(tmp_pa
         "bad.zip": "it cannot be unpacked: it is not a ZIP archive",
         "twice": "it has 2 .py files, but none is called agent.py",
     }
-    assert {*Path(gettempdir()).glob("warehouse-*")} == temporary
 
 
 @pytest.mark.parametrize(
