@@ -12,6 +12,7 @@ import ast
 import importlib
 import importlib.util
 import inspect
+import os
 import random
 import re
 import sys
@@ -322,9 +323,13 @@ def _make(
 
 
 def _split(name: str) -> tuple[str, str]:
-    """Return the name of an agent without its arguments, and its arguments."""
+    """Return the name of an agent without its arguments, and its arguments.
+
+    A path may contain ``=``, and on Windows a colon too, so an existing file comes first.
+    """
     source, _, options = name.rpartition(":")
-    return (source, options) if "=" in options else (name, "")
+    has_options = source and re.match(r"[^/\\]*=", options) and not os.path.isfile(name)
+    return (source, options) if has_options else (name, "")
 
 
 def _options(what: str, kind: Callable[..., Any], text: str) -> dict[str, Any]:
@@ -385,7 +390,8 @@ def _wanted(
 def _split_trained(rest: str) -> tuple[str, str]:
     """Return the file of a trained agent and its arguments; a file may contain ``:`` and ``=``."""
     file, _, options = rest.rpartition(":")
-    return (file, options) if re.match(r"[a-z_]+=", options) else (rest, "")
+    has_options = re.match(r"[a-z_]+=", options) and not os.path.isfile(rest)
+    return (file, options) if has_options else (rest, "")
 
 
 def _load_trained(sort: Sort, word: str, rest: str, seed: int | None, layout: Layout) -> Any:
