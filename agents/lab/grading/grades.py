@@ -193,7 +193,8 @@ def summary_of(rows: Collection[GradeRow], rubric: Rubric) -> list[str]:
     points, most = [float(row[POINTS]) for row in rows], rubric.points
     full, none = sum(each >= most for each in points), sum(each == 0 for each in points)
     sentences = [
-        f"mean {mean(points):.1f}, median {median(points):g}; all points: {full}, no points: {none}"
+        f"mean {mean(points):.1f}, median {round(median(points), 1):g}; "
+        f"all points: {full}, no points: {none}"
     ]
     missed = []
     for criterion in rubric.criteria:

@@ -24,7 +24,7 @@ from zipfile import ZIP_DEFLATED, ZipFile, ZipInfo
 from agents.errors import GradeError
 from agents.lab.grading.grading import Grade, GradeReport, grade
 from agents.lab.grading.rubric import MAX_DAYS, Rubric, load_rubric
-from agents.lab.grading.sandbox import check_trust
+from agents.lab.grading.sandbox import NOBODY, check_trust
 from agents.lab.grading.submissions import submission_at
 from agents.lab.runs.programs import OWN, ROOT
 from warehouse_core.errors import WarehouseError
@@ -61,9 +61,6 @@ exit 0
 """
 
 ENDED = "The grader was stopped before it was done, because of a limit on its time or memory."
-
-NOBODY = "nobody"
-"""User that runs agents if the grader is root, as in Gradescope's containers."""
 
 MAX_METADATA = 1_000_000
 """Limit on the bytes of Gradescope's metadata about a submission, which have about a thousand."""

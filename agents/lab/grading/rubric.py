@@ -7,6 +7,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+import os
 import re
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
@@ -316,7 +317,7 @@ def _make_case(reader: _Reader, name: str, values: Any) -> Case:
     found = reader.table(values, CASE, header)
     if "layout" in found:
         beside = reader.path.resolve().parent / found["layout"]
-        if beside.is_file() or beside.suffix:
+        if os.path.isfile(beside) or beside.suffix:  # unlike Path.is_file, for names of any length
             found["layout"] = str(beside)
     for key in ("size", "density"):
         if key in found and found.get("layout") != RANDOM:

@@ -52,6 +52,9 @@ IMPORT_SECONDS = 60.0
 ENDING_SECONDS = 5.0
 """Time limit for the fork server to end an agent process, and to end itself."""
 
+NOBODY = "nobody"
+"""User that runs agents if the grader is root, as in most containers."""
+
 DEEDS = {
     FILES: ("read files other than their own and Python's", "write files"),
     PROCESSES: ("reach other processes", "use the network"),
@@ -499,6 +502,13 @@ def check_trust(user: str | None, is_trusted: bool, are_many: bool) -> str:
     cannot = f"agents cannot {listed(prevented, 'or')}" if prevented else ""
     can = f"agents can {listed(possible)}" if possible else ""
     return "; ".join(filter(None, (cannot, can)))
+
+
+def agents_user(user: str | None, is_trusted: bool) -> str | None:
+    """Return the user that runs agents: for root, behind both walls, one without any rights."""
+    is_root = sys.platform != "win32" and os.getuid() == 0
+    is_safe = walls.enforced() >= {FILES, PROCESSES}
+    return NOBODY if user is None and not is_trusted and is_root and is_safe else user
 
 
 def most_jobs(user: str | None, jobs: int) -> int:

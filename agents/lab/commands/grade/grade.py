@@ -20,7 +20,7 @@ from agents.lab.grading.gradescope import write_autograder
 from agents.lab.grading.grading import GradeReport
 from agents.lab.grading.grading import grade as grade_agent
 from agents.lab.grading.rubric import MINI_LAB, Rubric, find_rubric, load_rubric
-from agents.lab.grading.sandbox import check_trust
+from agents.lab.grading.sandbox import agents_user, check_trust
 from agents.lab.grading.submissions import MAX_SOURCE, find_submission
 from warehouse_core.files.atomic import atomic_path, check_suffix, check_target
 from warehouse_core.files.reading import read_file
@@ -125,8 +125,9 @@ def grade(
     6.2 or later, an agent can read only its own files and Python's, write no
     files, and use no threads, other processes or network. The first line of
     the output says which of these rules your system enforces. If agents could
-    read the files of others, a folder needs --user or --trust. Root always
-    needs one of them.
+    read the files of others, a folder needs --user or --trust. If you are
+    root, the user nobody runs the agents where all these rules are enforced;
+    elsewhere root needs one of the two options.
 
     Example: warehouse grade my_agent.py:Agent --save results.json
     """
@@ -137,6 +138,7 @@ def grade(
     if not agent:
         raise typer.BadParameter("AGENT is missing; see: warehouse grade -h")
     folder, kind = _folder_in(agent)
+    user = agents_user(user, trust)
     if folder is not None:
         target, *more = save or [Path("grades.csv")]
         if more:

@@ -35,6 +35,7 @@ LINE = 1 + RUBRIC.splitlines().index("[cases.chapter]")
         ("episodes = 4", "start = [0, 0]", f"line {LINE}: layout: start_pos row 0, column 0"),
         ("episodes = 4", "stations = 1", "stations is 1; allowed: drawn, kept"),
         ('layout = "trap"', 'layout = "tra"', "layout: no layout is called 'tra'"),
+        ('layout = "trap"', f'layout = "{400 * "x"}.txt"', "layout: [Errno 36] File name too long"),
         ('measure = "protocol"', 'measure = "x"', "measure is 'x'; allowed: delivered, steps_of_"),
         ('cases = ["closed"]', 'cases = ["open"]', "cases has 'open'; allowed: chapter, loops"),
         ('name = "stays calm"', 'name = "delivers"', "name is 'delivers', which an earlier"),

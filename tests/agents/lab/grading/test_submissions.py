@@ -31,7 +31,7 @@ from agents.lab.grading.grades import row_of
 from agents.lab.grading.gradescope import results_of
 from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import load_rubric
-from agents.lab.grading.sandbox import check_trust, most_jobs
+from agents.lab.grading.sandbox import agents_user, check_trust, most_jobs
 from agents.lab.grading.submissions import Submission, Unusable, find_submission, in_folder
 
 NOBODY = 65534
@@ -468,6 +468,19 @@ def test_a_changed_file_of_a_submission_in_a_folder_changes_its_digest(tmp_path:
     assert isinstance(before, Submission)
     assert isinstance(after, Submission)
     assert before.digest != after.digest
+
+
+def test_root_leaves_agents_to_nobody_if_both_walls_stand(monkeypatch: pytest.MonkeyPatch) -> None:
+    for held, root, trusted, user, expected in (
+        ({"files", "processes"}, 0, False, None, "nobody"),
+        ({"files", "processes"}, 0, False, "ann", "ann"),
+        ({"files", "processes"}, 0, True, None, None),
+        ({"files", "processes"}, 1000, False, None, None),
+        ({"processes"}, 0, False, None, None),
+    ):
+        monkeypatch.setattr(walls, "enforced", lambda held=held: frozenset(held))
+        monkeypatch.setattr(os, "getuid", lambda root=root: root)
+        assert agents_user(user, trusted) == expected
 
 
 def test_who_is_not_kept_from_others_must_be_trusted(
