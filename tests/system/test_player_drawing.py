@@ -11,7 +11,7 @@ from agents.run_episode import run_episode
 from warehouse_core import Order
 from warehouse_core.render.palette import COLORS, HIT, ORDER_COLORS, PALETTE, STRANDED
 from warehouse_core.viz.tracks import Frame, Pose, Track, track_of_record
-from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Marks
+from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Marks, Push
 from warehouse_core.world.tiles import CHARGER, DROPOFF, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, WALL
 
 pytestmark = pytest.mark.browser
@@ -91,8 +91,52 @@ def test_the_item_waits_at_the_pickup_is_carried_and_stays_at_the_dropoff(
     assert shares == [[True, False], [True, False], [False, False], [False, True]]
     page.seek(1.5)
     (x, y), (other_x, other_y) = (track.frames[i].robots[0].at for i in (1, 2))  # type: ignore[union-attr]
-    between = ((x + other_x) / 2 - 0.25, (y + other_y) / 2 - 0.25, 0.5, 0.5)
-    assert page.share(EMPTY_COLOR, between) > 0.4, "the robot glides"
+    assert page.share(EMPTY_COLOR, (x - 0.25, y - 0.25, 0.5, 0.5)) > 0.4
+    assert page.share(EMPTY_COLOR, (other_x - 0.25, other_y - 0.25, 0.5, 0.5)) < 0.1, "it jumps"
+
+
+def body_track(drive: str, **changes: object) -> Track:
+    """Return a track of a body that drives east, brakes from its second frame on, and skids."""
+    rows = ("########", *["#......#"] * 4, "########")
+    poses = [
+        Pose((1.5 + x, 2.5), 0.0, False, Push((speed, 0.0), (force, 0.0), skids=skids))
+        for x, speed, force, skids in ((0, 0, 0, False), (1, 1, 60, False), (2, 0.5, -60, True))
+    ]
+    frames = [Frame(rows, (pose,), i / 2, clock=i) for i, pose in enumerate(poses)]
+    return Track(frames, {}, True, drive=drive, slippery=((2, 3),), **changes)  # type: ignore[arg-type]
+
+
+@pytest.mark.parametrize("drive", ["differential", "omnidirectional", ""])
+def test_a_body_has_a_chassis_a_drive_arrows_a_brake_light_and_skid_marks(
+    opened: Open, files: Files, drive: str
+) -> None:
+    track = body_track(drive, ghost=[(5.5, 3.5)] * 3)
+    page = opened(files(f"body {drive}", lambda: [track]))
+    chassis, wheel = (1.3, -0.15, 0.4, 0.3), (1.4, -0.31, 0.2, 0.08)
+    rear, ahead = (1.16, -0.15, 0.06, 0.3), (2.0, -0.05, 0.3, 0.1)
+
+    def share(color: str, box: tuple[float, float, float, float], x: float) -> float:
+        left, top, width, height = box
+        return page.share(color, (left + x, 2.5 + top, width, height))
+
+    page.read("player.seek(1)")
+    assert share(EMPTY_COLOR, chassis, 1) > 0.7
+    assert (share("rim", wheel, 1) > 0.9) == (drive == "differential")
+    ring = share("rim", (1.5 + 0.33, -0.1, 0.04, 0.2), 1)
+    assert (ring > 0.5) == (drive == "omnidirectional")
+    assert share("brake", rear, 1) == 0
+    assert share("velocity", ahead, 1) > 0.3
+    page.read("player.seek(2)")
+    assert share("brake", rear, 2) > 0.4
+    assert share("force", (0.8, -0.05, 0.2, 0.1), 2) > 0.4
+    assert page.share("ink", (5.1, 3.1, 0.8, 0.8)) > 0.02, "the ghost"
+    # Skid marks are half as dark as ink.
+    left = page.read("player.tracks[0].skid.join()")
+    assert left == "0,0,1"
+    page.press("v")
+    assert share("force", (0.8, -0.05, 0.2, 0.1), 2) == 0
+    page.press("v")
+    assert share("force", (0.8, -0.05, 0.2, 0.1), 2) > 0.4
 
 
 def test_the_trail_is_where_the_robot_was_and_nowhere_else(

@@ -19,6 +19,7 @@ from warehouse_core.render.palette import (
     COLORS,
     FAINT,
     ICE,
+    ICE_GLEAM,
     ICE_WAVE,
     INK,
     ITEM,
@@ -192,6 +193,8 @@ def _draw_ice(points: Pixels, x: Places, y: Places, *, with_waves: bool) -> None
     """Draw slippery floor; coordinates are in cells."""
     middles, left, length, bend, width = LOOK["ice"].values()
     points[:] = color_bytes(ICE)
+    for low, high in LOOK["gleam"]:
+        _fill(points, _within(low, x + y, high), ICE_GLEAM)
     crest = -bend / 2 * np.sin(2 * np.pi * (x - left) / length)
     for middle in middles if with_waves else ():
         wave = np.abs(y - middle - crest) < width / 2

@@ -105,6 +105,9 @@ BATTERY: Color = color_named("battery")
 WARNING: Color = color_named("warning")
 PALE_WARNING: Color = color_named("pale-warning")
 HIT: Color = color_named("hit")
+VELOCITY: Color = color_named("velocity")
+FORCE: Color = color_named("force")
+BRAKE: Color = color_named("brake")
 
 STRANDED: Color = color_named("stranded")
 """Colour of a robot of a fleet with an empty battery."""
@@ -126,8 +129,8 @@ UNKNOWN_STRIPE: Color = color_named("stripe")
 SHELF, BOARD = color_named("shelf"), color_named("board")
 """Colours of shelves, which are the walls inside the border, and of their boards."""
 
-ICE, ICE_WAVE = color_named("ice"), color_named("wave")
-"""Colours of slippery floor and of the waves on it."""
+ICE, ICE_GLEAM, ICE_WAVE = (color_named(name) for name in ("ice", "gleam", "wave"))
+"""Colours of slippery floor, and of the gleam and the waves on it."""
 
 SERIES: tuple[str, ...] = tuple(PALETTE["series"]["light"])
 """Colours of lines in charts, ``#rrggbb``."""
@@ -138,6 +141,9 @@ def blend(color: Color, other: Color, share: float) -> Color:
     mixed = [(1 - share) * a + share * b for a, b in zip(color, other, strict=True)]
     return mixed[0], mixed[1], mixed[2]
 
+
+SKID = blend(ICE, INK, 0.5)
+"""Colour of skid marks on slippery floor."""
 
 SHADOW = int(PALETTE["light"]["shadow"][7:], 16) / 255
 """Share of ink in the colours of cells outside a robot's view."""
@@ -167,13 +173,14 @@ def faded_trail(loaded: bool, age: float) -> Color:
 
 
 _TINTS = (
-    ITEM, SHELF, BOARD, *_SHADED, ICE, ICE_WAVE, *VISITED,
+    ITEM, SHELF, BOARD, *_SHADED, ICE, ICE_GLEAM, ICE_WAVE, SKID, *VISITED,
     *(faded_trail(loaded, age / FADES) for loaded in (False, True) for age in range(1, FADES)),
 )  # fmt: skip
 """Colours for which files have no blends, so their edges are less smooth."""
 
 _OWN_COLORS = (
-    PAPER, INK, FAINT, BATTERY, WARNING, PALE_WARNING, HIT, STRANDED, *ORDER_COLORS,
+    PAPER, INK, FAINT, BATTERY, WARNING, PALE_WARNING, HIT, VELOCITY, FORCE, BRAKE, STRANDED,
+    *ORDER_COLORS,
     *COLORS.values(), *TRAIL_COLORS.values(),
 )  # fmt: skip
 _GROUNDS = (PAPER, INK, COLORS[EMPTY])

@@ -12,7 +12,9 @@ from matplotlib.patches import Rectangle
 
 from warehouse_core.render.palette import (
     BOARD,
+    BRAKE,
     COLORS,
+    FORCE,
     HIT,
     ICE,
     ICE_WAVE,
@@ -23,10 +25,12 @@ from warehouse_core.render.palette import (
     PAPER,
     SHADOW,
     SHELF,
+    SKID,
     STRANDED,
     TRAIL_COLORS,
     UNKNOWN,
     UNKNOWN_STRIPE,
+    VELOCITY,
     VISITED,
     WARNING,
     Color,
@@ -44,7 +48,15 @@ WORDS = LOOK["words"]
 
 DOTTED: dict[str, Any] = {"linestyle": (0, (0.1, 1.6)), "dash_capstyle": "round"}
 
-MARKERS: dict[str, tuple[str, Color, float]] = {
+BODY, ARROW = (tuple((x, -y) for x, y in LOOK["shapes"][key]) for key in ("chassis", "push"))
+"""Markers of robots that are bodies, and of arrows."""
+
+MARKERS: dict[str, tuple[Any, Color, float]] = {
+    "chassis": (BODY, COLORS[ROBOT_EMPTY], 12),
+    "chassis-loaded": (BODY, COLORS[ROBOT_LOADED], 12),
+    "velocity": (ARROW, VELOCITY, 9),
+    "force": (ARROW, FORCE, 10),
+    "brake": ("s", BRAKE, 6),
     ROBOT_EMPTY: ("o", COLORS[ROBOT_EMPTY], 10),
     ROBOT_LOADED: ("o", COLORS[ROBOT_LOADED], 10),
     PERSON: ("D", COLORS[PERSON], 8),
@@ -73,6 +85,7 @@ LINES: dict[str, dict[str, Any]] = {
     "trail-loaded": {"color": TRAIL_COLORS[True], "linestyle": (0, DASHES), "lw": 2.2},
     "plan": {"color": INK, "lw": 2.6, **DOTTED},
     "plans": ROBOT_LINE,
+    "skid": {"color": SKID, "lw": 3.0},
     "ghost": {"color": INK, "lw": 1.6, "linestyle": (0, GHOST)},
     "path": {"color": WARNING, "lw": 3.0},
     "wishes": ROBOT_LINE | DOTTED,
@@ -134,6 +147,6 @@ def _artist_of(name: str) -> Artist:
     return Rectangle((0, 0), 1, 1, lw=0, **PATCHES.get(name) or {"facecolor": rgb(name)})
 
 
-def _marker(marker: str, color: Color, size: float) -> Line2D:
+def _marker(marker: Any, color: Color, size: float) -> Line2D:
     edge: dict[str, Any] = {"linestyle": "none", "markeredgecolor": INK, "markeredgewidth": 0.6}
     return Line2D([], [], marker=marker, markersize=size, markerfacecolor=color, **edge)

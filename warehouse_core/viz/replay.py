@@ -50,12 +50,16 @@ class Playable(Protocol):
     def show(self, frame: int) -> None:
         """Show a frame."""
 
+    def toggle_arrows(self) -> None:
+        """Hide or show the arrows of bodies from the next frame on."""
+
 
 class Replay(FuncAnimation):
     """A matplotlib animation of a scene, with keys.
 
     The space bar pauses and resumes, and restarts at the end. The left and right arrow keys pause
-    and move by one frame. ``q`` closes the window.
+    and move by one frame. ``v`` hides or shows the arrows for the velocities of bodies and the
+    forces of their motors. ``q`` closes the window.
 
     Args:
         scene: scene to play.
@@ -246,6 +250,9 @@ class Replay(FuncAnimation):
             self.go_to(self.frame - 1)
         elif key == "right":
             self.go_to(self.frame + 1)
+        elif key == "v":
+            self._scene.toggle_arrows()
+            self.refresh()
         elif key == "q" and self.window:
             import matplotlib.pyplot as plt
 

@@ -85,6 +85,11 @@ class Scene:
         if self._clock is not None:
             self._clock.set_text(self._timeline.words(number))
 
+    def toggle_arrows(self) -> None:
+        """Hide or show the arrows of bodies, from the next ``show`` on."""
+        for panel in self._panels:
+            panel.view.has_arrows = not panel.view.has_arrows
+
     def _explain(self, track: Track) -> None:
         """Redraw the legend, if there is one and the signs of the track have changed."""
         legend = self._legend
@@ -128,7 +133,7 @@ class Panel:
         label: str,
     ) -> None:
         self.track, figure = track, page.figure
-        self._view = View(figure, page.axes(place.map), place.cell * POINTS, track)
+        self.view = View(figure, page.axes(place.map), place.cell * POINTS, track)
         self.charts = []
         for title, box in place.charts.items():
             is_labelled = not page.sheet.labels_last or title == [*place.charts][-1]
@@ -147,7 +152,7 @@ class Panel:
 
     def show(self, frame: int, time: float) -> None:
         """Show a frame of the track, and its time in the charts."""
-        self._view.show(self.track.frames, frame)
+        self.view.show(self.track.frames, frame)
         for chart in self.charts:
             chart.show(time)
         if self._bar:

@@ -31,7 +31,7 @@ CHARTS_LEFT, CHARTS_WIDTH, CHARTS_GAP, CHARTS_FOOT, LEGEND_WIDTH = 0.75, 3.3, 0.
 """Space to the left of charts next to a map, their width, space between and below them, and the
 width of the legend."""
 
-MIN_CHART = 0.78
+MIN_CHART = 0.62
 """Least height of a chart next to a map."""
 
 WIDTH, MARGIN, COLUMN_HEAD, GUTTER = 13.66, 0.4, 1.45, 0.5
@@ -131,7 +131,8 @@ def sheet_of(
                 for index, title in enumerate(shown)
                 if title in titles[first + number]
             }
-            places.append(_column(track, cell, left, top, below, width, charts))
+            tally = partial(tally_of, width, any(each.is_measured for each in tracks))
+            places.append(_column(track, cell, left, top, below, width, charts, tally))
         bottom, top = below + BELOW, below + BELOW - CLOCK
     for _, chart_top, _, height in (box for place in places for box in place.charts.values()):
         bottom = max(bottom, chart_top + height + CHART_FOOT)
@@ -183,6 +184,7 @@ def _column(
     below: float,
     width: float,
     charts: dict[str, Box],
+    tally: Callable[[Track, int], Words],
 ) -> TrackPlace:
     """Return the position of a track in a column; its map ends at the height ``below``."""
     columns, rows = track.shown_size
@@ -191,7 +193,7 @@ def _column(
     lines: list[SheetLine] = [
         (left, top + 0.62, partial(title_of, 11), {}),
         (left, top + 0.77, partial(caption_of, 13, width), BOLD | {"va": "top"}),
-        (left, below + BELOW - VERDICT / 2, partial(tally_of, width), BOLD),
+        (left, below + BELOW - VERDICT / 2, tally, BOLD),
     ]
     return TrackPlace(cell, map_box, bar, charts, lines)
 

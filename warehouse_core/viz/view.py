@@ -27,8 +27,10 @@ from PIL import Image
 from warehouse_core.render.painter import MAX_TILE_PIXELS, TilePainter, codes_of
 from warehouse_core.render.palette import (
     BATTERY,
+    BRAKE,
     COLORS,
     FADES,
+    FORCE,
     HIT,
     INK,
     ITEM,
@@ -36,8 +38,10 @@ from warehouse_core.render.palette import (
     ORDER_COLORS,
     PAPER,
     SHADOW,
+    SKID,
     STRANDED,
     TRAIL_COLORS,
+    VELOCITY,
     VISITED,
     WARNING,
     Color,
@@ -46,7 +50,7 @@ from warehouse_core.render.palette import (
 )
 from warehouse_core.viz.axes import draw_grid
 from warehouse_core.viz.figure import SceneFigure
-from warehouse_core.viz.tracks.history import History
+from warehouse_core.viz.tracks.history import History, skids_of
 from warehouse_core.viz.tracks.track import FleetFrame, Frame, Point, Pose, TileRows, Track, middle
 from warehouse_core.world.tiles import (
     CHARGER,
@@ -60,6 +64,7 @@ from warehouse_core.world.tiles import (
 )
 
 RADIUS, RIM, LETTER, NAME = LOOK["robot"].values()
+WHEEL, RING, RING_LINE = LOOK["body"].values()
 BATTERIES, ITEMS, CARRIED, WIDTHS = (LOOK[key] for key in ("battery", "item", "carried", "lines"))
 
 MIN_RADIUS, MIN_FLEET_RADIUS, MIN_LINE, MIN_LETTER, MIN_NUMBER, MIN_STATION = 5, 2.5, 0.6, 6, 5, 6.5
@@ -69,6 +74,9 @@ size of letters, size of robot numbers, and side of stations."""
 MIN_ITEM, MIN_ORDERS, MIN_HIT, MIN_FLEET_HIT, MIN_END, LABEL = 4, 7, 5, 3, 6.5, 10
 """Least sizes in points: items, numbers of orders at a pickup, hits, hits in a fleet, and ends of a
 search; then the size of a label."""
+
+MIN_BODY = 5.5
+"""Radius of a body in points from which on it has a chassis; a smaller one is a disc."""
 
 MAX_RADIUS, GOOD_RADIUS = 0.45, 9
 """Robots of a fleet whose radius is below ``GOOD_RADIUS``, in points, are enlarged to it, but to at
@@ -91,7 +99,13 @@ BAR = SQUARE + 0.5
 CIRCLE = np.array([(math.cos(turn), math.sin(turn)) for turn in np.linspace(0, 2 * math.pi, 33)])
 """Shapes with a side or radius of 1 around 0, 0, except for the bar, whose corner is at 0, 0."""
 
-STAR, DIAMOND, NOSE, ARROW = (np.array(LOOK["shapes"][key]) for key in ("hit", "H", "nose", "push"))
+STAR, DIAMOND, NOSE, ARROW, HEAD = (
+    np.array(LOOK["shapes"][key]) for key in ("hit", "H", "nose", "push", "arrow")
+)
+CHASSIS, FRONT, TYRE, LAMP = (
+    np.array(LOOK["shapes"][key]) for key in ("chassis", "front", "wheel", "brake")
+)
+ARROWS = LOOK["arrows"]
 STAR_RADIUS = float(np.abs(STAR).max())
 
 Points = NDArray[np.float64]
@@ -238,7 +252,7 @@ class View:
     """The floor of a track in axes with row 0 at the top; ``cell_points`` is the side of a cell."""
 
     def __init__(self, figure: SceneFigure, axes: Axes, cell_points: float, track: Track) -> None:
-        self._track, self._point = track, 1 / cell_points
+        self._track, self._point, self.has_arrows = track, 1 / cell_points, True
         first = track.frames[0]
         height, width = len(first.tiles), len(first.tiles[0])
         largest = max(height, width)
@@ -342,6 +356,12 @@ class View:
         for loaded, age, routes in trail_of(frames, history.frames, robot, step):
             dashes = DASHES if loaded else ()
             yield Shape(lines(routes), None, faded_trail(loaded, age), width, dashes)
+        yield self._skids(frames[: history.frames[step] + 1], robot)
+
+    def _skids(self, frames: Sequence[Frame], robot: int) -> Shape:
+        """Return the skid marks of a robot in some frames."""
+        marks = skids_of(frames, robot) if self._track.slippery else ()
+        return Shape(lines(line for _, line in marks), None, SKID, LOOK["skid"]["width"])
 
     def _lone(self, frames: Sequence[Frame], robot: int, number: int) -> Iterator[Shape]:
         """Yield a single robot, its trail since the last complete step, and its items."""
@@ -352,6 +372,7 @@ class View:
         leg = lines([[pose.at for pose in poses if pose is not None]])
         width, dashes = self._least(WIDTHS["trail"], 1), DASHES if loaded else ()
         yield Shape(leg, None, TRAIL_COLORS[loaded], width, dashes)
+        yield self._skids(frames[first : number + 1], robot)
         side, thin = self._least(ITEMS["side"], MIN_ITEM), self._least(ITEMS["line"], MIN_LINE)
         at_rest = {cell for at, cell in history.delivered if at <= number}
         if not history.starts_loaded and not any(at <= number for at in history.taken):
@@ -364,8 +385,10 @@ class View:
         radius, rim = self._least(RADIUS, MIN_RADIUS), self._least(RIM, MIN_LINE)
         yield from self._robots([pose], [color_of(pose)], radius, rim)
         if pose.loaded:
-            side *= radius / RADIUS
-            yield Shape(stamped(side * SQUARE, pose.at), ITEM, INK, thin)
+            side = CARRIED["side"] if self._track.is_continuous else side
+            yield Shape(stamped(side * radius / RADIUS * SQUARE, pose.at), ITEM, INK, thin)
+        if self._track.is_continuous:
+            return
         size = self._least(LETTER, MIN_LETTER)
         letter = written(ROBOT_LOADED if pose.loaded else ROBOT_EMPTY, size, pose.at)
         yield from outlined(letter, size, INK if pose.loaded else PAPER)
@@ -373,12 +396,61 @@ class View:
     def _robots(
         self, poses: Sequence[Pose], colors: Sequence[Color], radius: float, rim: float
     ) -> Iterator[Shape]:
-        """Yield robots without items: their noses and discs, which are dashed for weak motors."""
+        """Yield robots without items. Bodies have arrows, a chassis and wheels or a ring.
+
+        The lines around robots with weak motors are dashed.
+        """
         dashes = WEAK_MOTOR if self._track.motor_strength < 1 else ()
-        yield Shape(noses(poses, radius), INK)
+        is_body, scale = (
+            self._track.is_continuous and radius >= MIN_BODY * self._point,
+            radius / RADIUS,
+        )
+        if is_body:
+            yield from self._arrows(poses)
+            yield from self._wheels(poses, scale, rim)
+        else:
+            yield Shape(
+                placed(NOSE * scale, [pose for pose in poses if pose.heading is not None]), INK
+            )
         for color in dict.fromkeys(colors):
-            mine = [pose.at for pose, each in zip(poses, colors, strict=True) if each == color]
-            yield Shape(stamped(radius * CIRCLE, mine), color, INK, rim, dashes)
+            mine = [pose for pose, each in zip(poses, colors, strict=True) if each == color]
+            disc = stamped(radius * CIRCLE, [pose.at for pose in mine])
+            yield Shape(placed(CHASSIS * scale, mine) if is_body else disc, color, INK, rim, dashes)
+        if is_body:
+            yield Shape(placed(FRONT * scale, poses), PAPER, INK, rim / 2)
+
+    def _wheels(self, poses: Sequence[Pose], scale: float, rim: float) -> Iterator[Shape]:
+        """Yield the wheels or the rings of bodies, and their brake lights."""
+        drive = self._track.drive
+        for side in (-WHEEL, WHEEL) if drive == "differential" else ():
+            yield Shape(placed((TYRE + np.array((0, side))) * scale, poses), INK)
+        if drive == "omnidirectional":
+            rings = stamped(RING * scale * CIRCLE, [pose.at for pose in poses])
+            yield Shape(rings, None, INK, RING_LINE * scale)
+        braking = [pose for pose in poses if pose.push and pose.push.brakes]
+        yield Shape(placed(LAMP * scale, braking), BRAKE, INK, rim / 2)
+
+    def _arrows(self, poses: Sequence[Pose]) -> Iterator[Shape]:
+        """Yield arrows for the forces and velocities of bodies, from their centres."""
+        _, _, start, longest, shortest, wide = ARROWS.values()
+        for name, color, width in (("force", FORCE, wide), ("velocity", VELOCITY, 1.0)):
+            for pose in poses if self.has_arrows else ():
+                along = getattr(pose.push, name, (0.0, 0.0))
+                length = ARROWS[name] * math.hypot(*along)
+                if length < shortest:
+                    continue
+                angle, tip = math.atan2(along[1], along[0]), min(start + length, longest)
+                half = WIDTHS["arrow"] * width / 2
+                corners = [
+                    (0, half),
+                    (tip, half),
+                    *(HEAD[[1, 0, 2]] * width + (tip, 0)),
+                    (tip, -half),
+                    (0, -half),
+                ]
+                yield Shape(
+                    polygons([turned(np.array(corners), angle) + pose.at]), color, PAPER, RIM / 2
+                )
 
     def _fleet(self, frame: Frame, fleet: FleetFrame) -> Iterator[Shape]:
         """Yield the robots of a fleet, with their plans, batteries and items, people and orders."""
@@ -461,8 +533,10 @@ class View:
         """Yield a star for each hit, and a label for the last one."""
         radius = self._least(STAR_RADIUS, MIN_FLEET_HIT if frame.fleet else MIN_HIT)
         star, rim = STAR * (radius / STAR_RADIUS), self._least(RIM / 2, MIN_LINE)
-        yield Shape(stamped(star, [hit.at for hit in frame.hits]), HIT, INK, rim)
+        stars = [star * hit.size + hit.at for hit in frame.hits]
+        yield Shape(polygons(stars), HIT, INK, rim)
         if frame.hits and frame.hits[-1].label:
+            radius *= frame.hits[-1].size
             (x, y), size = frame.hits[-1].at, LABEL * self._point
             half = (glyphs(frame.hits[-1].label)[1] + 0.8) * size / 2
             left, top, right, _ = self._inside
@@ -518,14 +592,9 @@ def cells_of(tile: str, rows: Sequence[str]) -> list[Cell]:
     ]
 
 
-def noses(poses: Iterable[Pose], radius: float) -> Path:
-    """Return the noses of robots: wedges that show their headings. ``radius`` is in cells."""
-    corners = [
-        np.array(pose.at) + turned(NOSE * (radius / RADIUS), pose.heading)
-        for pose in poses
-        if pose.heading is not None
-    ]
-    return polygons(corners)
+def placed(shape: Points, poses: Iterable[Pose]) -> Path:
+    """Return one path with a shape of robots at their positions, turned to their headings."""
+    return polygons([turned(shape, pose.heading or 0.0) + pose.at for pose in poses])
 
 
 def turned(shape: Points, angle: float) -> Points:

@@ -15,6 +15,9 @@ MAX_TALLY, BOLD_WIDTH = 15.0, 0.55
 LETTER_WIDTH = 0.65
 """Mean width of a letter of a caption, as a share of its size."""
 
+DASH = "\N{EN DASH}"
+"""Text of a number that a track does not have."""
+
 Words = tuple[str, float]
 
 
@@ -44,20 +47,23 @@ def caption_of(size: float, width: float, track: Track, frame: int) -> Words:
     return textwrap.fill(words, letters, max_lines=2, placeholder=" …"), size
 
 
-def tally_of(width: float, track: Track, frame: int) -> Words:
+def tally_of(width: float, has_bodies: bool, track: Track, frame: int) -> Words:
     """Return the deliveries, steps, seconds and joules so far; in the last frame also the ending.
+
+    The grid has no seconds and joules of its own. It has dashes if other tracks have bodies.
 
     The font is as large as ``width``, in inches, allows, but at most ``MAX_TALLY``.
     """
     if track.marks is not None:
         return "", MAX_TALLY
     now, step = track.frames[frame], track.step_at(frame)
-    numbers, joules = [counted(math.ceil(now.progress), "step")], now.energy
+    numbers = [counted(math.ceil(now.progress), "step")]
     if track.counts_orders:
         numbers.insert(0, f"{track.metrics['delivered'][step]} delivered")
-        joules = track.metrics["joules"][step]
-    if track.frames[-1].clock:
-        numbers += [f"{seconds_of(now.clock)} s", f"{joules:,.0f} J"]
+    if track.is_measured:
+        numbers += [f"{seconds_of(now.clock)} s", f"{now.energy:,.0f} J"]
+    elif has_bodies:
+        numbers += [f"{DASH} s", f"{DASH} J"]
     words = ", ".join(numbers)
     is_over = frame == len(track) - 1
     if is_over and track.ending:

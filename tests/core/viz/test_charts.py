@@ -103,13 +103,15 @@ def test_what_is_to_come_is_pale() -> None:
 def test_charts_of_bodies_are_in_seconds_and_of_tracks_that_grow_in_steps(physics: Track) -> None:
     for length, label, last in ((None, "seconds", physics.frames[-1].clock), (51, "step", 23)):
         scene = Scene([physics], make_figure, length=length)
-        charts = scene.root.axes[1:5]
+        charts = scene.root.axes[1:6]
         assert [axes.get_title(loc="left").split(":")[0] for axes in charts] == [
-            "Reward", "Distance (cells)", "Speed (m/s)", "Energy used (J)"
+            "Reward", "Distance (cells)", "Speed (m/s)", "Motor force (N)", "Energy used (J)"
         ]  # fmt: skip
-        assert [axes.get_xlabel() for axes in charts] == ["", "", "", label]
+        assert [axes.get_xlabel() for axes in charts] == ["", "", "", "", label]
         assert points(charts[0].lines[2])[-1][0] == last
-        assert points(charts[3].lines[1])[-1] == (last, physics.frames[-1].energy)
+        end = points(charts[4].lines[1])[-1]
+        assert end == pytest.approx((last, physics.frames[-1].energy))
+        assert max(speed for _, speed in points(charts[2].lines[1])) == pytest.approx(1.0)
         low, high = charts[0].get_xlim()
         assert low < 0 < last < high
 

@@ -209,7 +209,7 @@ def test_a_page_says_what_the_replay_shows(films: Path) -> None:
     assert track["load"] == [0, 0, 0, 1, 1, 1, 0]
     assert [track["captions"][index] for index in track["captionAt"]][1] == "North: why not"
     charts = {chart["title"] for chart in said["charts"]}
-    assert charts == {"Reward", "Distance (cells)", "Energy used (J)"}
+    assert charts == {"Reward", "Distance (cells)"}
 
 
 def test_a_page_plays_at_the_speed_of_the_replay(tmp_path: Path) -> None:

@@ -10,14 +10,18 @@ import pytest
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.palette import (
     BATTERY,
+    BRAKE,
     COLORS,
+    FORCE,
     HIT,
     INK,
     ITEM,
     LOOK,
     ORDER_COLORS,
     PAPER,
+    SKID,
     STRANDED,
+    VELOCITY,
     VISITED,
     WARNING,
     blend,
@@ -30,10 +34,11 @@ from warehouse_core.viz.tracks.track import (
     Frame,
     Marks,
     Pose,
+    Push,
     Track,
     Waiting,
 )
-from warehouse_core.viz.view import DOTS, FADE_STEPS, MAX_FADE, View
+from warehouse_core.viz.view import DOTS, FADE_STEPS, GHOST, MAX_FADE, View
 
 FLOOR = ("......",) * 5
 EAST, SOUTH, WEST, NORTH = (math.pi / 2 * quarter for quarter in range(4))
@@ -193,6 +198,78 @@ def test_a_lone_robot_is_a_disc_with_a_letter_that_may_be_gone() -> None:
     assert shapes(robot_view(at(1, 3), motor_strength=0.5), fill=COLORS["R"])[0].dashes
     gone = robot_view(at(1, 2), None)
     assert not shapes(gone, fill=COLORS["R"]) + shapes(gone, fill=PAPER)
+
+
+def body_view(*pushes: Push | None, drive: str = "differential", **others: Any) -> Any:
+    """Return the view of a body that drives east from column 0, one cell for each push."""
+    poses = [Pose((col + 0.5, 2.5), EAST, False, push) for col, push in enumerate(pushes)]
+    frames = [Frame(FLOOR, (pose,), float(step)) for step, pose in enumerate(poses)]
+    return view_of(*frames, is_continuous=True, drive=drive, **others)
+
+
+FAST, BRAKING = Push((1.0, 0.0), (60.0, 0.0)), Push((0.5, 0.0), (-60.0, 0.0), skids=True)
+
+
+def test_a_body_has_a_chassis_with_a_front_and_its_drive_and_no_letter() -> None:
+    view = body_view(None, None, drive="differential")
+    [chassis] = boxes(shapes(view, fill=COLORS["R"]))
+    assert chassis == pytest.approx((1.5 - 0.27, 2.5 - 0.21, 1.8, 2.5 + 0.21))
+    [front] = boxes(shapes(view, fill=PAPER))
+    assert 1.5 < front[0] < front[2] < 1.8
+    wheels = [box for box in boxes(shapes(view, fill=INK)) if box[2] - box[0] < 0.3]
+    assert sorted(round((box[1] + box[3]) / 2, 2) for box in wheels) == [2.23, 2.77]
+    ring = shapes(body_view(None, None, drive="omnidirectional"), fill=None, line=INK)
+    assert boxes(ring)[-1] == pytest.approx((1.15, 2.15, 1.85, 2.85))
+    for drive in ("", "tracked"):
+        assert not shapes(body_view(None, drive=drive), fill=INK)
+
+
+def test_a_body_has_arrows_for_velocity_and_force_and_a_brake_light() -> None:
+    view = body_view(None, FAST)
+    for color, length in ((VELOCITY, 0.7), (FORCE, 0.66)):
+        [(left, _, right, _)] = boxes(shapes(view, fill=color))
+        assert left == 1.5, "an arrow begins at the centre"
+        assert right == pytest.approx(1.5 + 0.3 + length + 0.17 * (1.5 if color == FORCE else 1))
+    assert not shapes(view, fill=BRAKE)
+    view.has_arrows = False
+    view.show(view._track.frames, 1)
+    assert not shapes(view, fill=VELOCITY) + shapes(view, fill=FORCE)
+    braking = body_view(None, BRAKING)
+    assert boxes(shapes(braking, fill=BRAKE)) == [pytest.approx((1.14, 2.3, 1.24, 2.7))]
+    [(left, _, right, _)] = boxes(shapes(braking, fill=FORCE))
+    assert left < right == 1.5
+    assert not shapes(body_view(None, Push((0, 0), (0, 0))), fill=FORCE)
+    [(_, _, right, _)] = boxes(shapes(body_view(None, Push((90, 0), (0, 0))), fill=VELOCITY))
+    assert right == pytest.approx(1.5 + 1.4 + 0.17), "the longest arrow"
+
+
+def test_skid_marks_are_beside_the_path_where_a_body_skids() -> None:
+    dry, icy = (
+        body_view(FAST, FAST, BRAKING, FAST, slippery=slippery) for slippery in ((), ((2, 2),))
+    )
+    assert boxes(shapes(icy, line=SKID)) == [
+        pytest.approx((1.5, row, 2.5, row)) for row in (2.3, 2.7)
+    ]
+    assert not shapes(dry, line=SKID)
+
+
+def test_small_bodies_are_discs() -> None:
+    [disc] = shapes(body_view(None, FAST, cell_points=12.0), fill=COLORS["R"])
+    left, top, right, bottom = boxes([disc])[0]
+    assert (right - left, bottom - top) == pytest.approx((2 * 5 / 12, 2 * 5 / 12))
+
+
+def test_a_burst_has_the_size_of_its_hit() -> None:
+    hits = DrawnHit((1.5, 1.5), "", size=1.0), DrawnHit((3.5, 1.5), "", size=1.6)
+    stars = boxes(shapes(view_of(Frame(FLOOR, (at(0, 0),), 0.0, hits=hits)), fill=HIT))
+    one, other = (right - left for left, _, right, _ in stars)
+    assert other == pytest.approx(1.6 * one)
+
+
+def test_a_ghost_is_a_dashed_circle_where_the_other_robot_is() -> None:
+    view = body_view(None, None, ghost=[(0.5, 0.5), (4.5, 1.5)])
+    [ghost] = [shape for shape in shapes(view, fill=None, line=INK) if shape.dashes == GHOST]
+    assert middles([ghost]) == [pytest.approx((4.5, 1.5))]
 
 
 def test_an_item_waits_at_its_pickup_is_carried_and_stays_where_it_was_put() -> None:

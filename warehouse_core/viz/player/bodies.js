@@ -9,6 +9,11 @@ const MIN_RADIUS = 2;
 const MIN_SHAPE = 4;
 const MIN_DETAIL = 7;
 
+/** The radius in pixels from which on a body has a chassis; a smaller one is a disc. */
+const MIN_BODY = 8;
+const { wheel: WHEEL, ring: RING, line: RING_LINE } = LOOK.body;
+const ARROWS = LOOK.arrows;
+
 /** The share of a cell that a number may fill, so that numbers of neighbours stay apart. */
 const MAX_NUMBER = 0.75;
 
@@ -25,15 +30,18 @@ export function drawRobots(brush, track, moment, chosen, hovered) {
   const pixels = radius / RADIUS;
   const shown = bodiesIn(brush.view, track, moment);
   const hasDetail = radius >= MIN_DETAIL;
-  if (hasDetail) drawNoses(brush, shown, radius);
-  drawDiscs(brush, shown, radius);
+  const isBody = track.isContinuous && radius >= MIN_BODY;
+  if (isBody) drawUndercarriages(brush, shown, track, moment, pixels);
+  if (hasDetail) drawNoses(brush, isBody ? shown.filter(({ isPerson }) => isPerson) : shown, radius);
+  drawBodies(brush, shown, radius, isBody);
   for (const { x, y, load } of shown) {
-    // The item of a single robot has the letter of the robot on it.
-    if (load > 0 && !track.isFleet) drawBox(brush, x, y, Math.max(2, SIDE * pixels, 0.8 * size), "item");
+    // The item of a single robot on the grid has the letter of the robot on it.
+    const side = isBody ? LOOK.carried.side * pixels : Math.max(2, SIDE * pixels, 0.8 * size);
+    if (load > 0 && !track.isFleet) drawBox(brush, x, y, side, "item");
     else if (load > 0) drawCarried(brush, x, y, load, pixels, size || hasDetail);
   }
   drawBatteries(brush, shown, track, moment, radius);
-  if (size) drawNames(brush, shown, track, size);
+  if (size && (track.robots > 1 || !isBody)) drawNames(brush, shown, track, size);
   const mine = shown.find((item) => item.body === chosen);
   if (mine) drawRing(brush, mine, radius);
   if (size || !track.isFleet) return;
@@ -63,8 +71,9 @@ export function colorOf(track, body, pose, moment) {
   return pose.load > 0 ? "loaded" : "robot";
 }
 
-/** Draw the discs of robots and the diamonds of people, one path for each colour. */
-function drawDiscs(brush, shown, radius) {
+/** Draw the discs or chassis of robots and the diamonds of people, one path for each colour. */
+function drawBodies(brush, shown, radius, isBody) {
+  const pixels = radius / RADIUS;
   for (const color of new Set(shown.map((item) => item.color))) {
     const items = shown.filter((item) => item.color === color);
     if (radius < MIN_SHAPE) {
@@ -73,11 +82,68 @@ function drawDiscs(brush, shown, radius) {
       continue;
     }
     brush.begin(color);
-    for (const { x, y, isPerson } of items) {
-      if (isPerson) brush.trace("H", x, y, radius / RADIUS);
+    for (const { x, y, heading, isPerson } of items) {
+      if (isPerson) brush.trace("H", x, y, pixels);
+      else if (isBody) brush.trace("chassis", x, y, pixels, heading ?? 0);
       else brush.circle(x, y, radius);
     }
-    brush.paint(color, "rim", Math.max(1, (RIM / RADIUS) * radius));
+    brush.paint(color, "rim", Math.max(1, RIM * pixels));
+  }
+  if (isBody) traceRobots(brush, shown, "front", pixels, "light", "rim");
+}
+
+/** Draw a shape on each robot that heads somewhere, in one path. */
+function traceRobots(brush, shown, name, pixels, color, lineColor, side = 0) {
+  brush.begin(color);
+  for (const { x, y, heading, isPerson } of shown) {
+    const [right, down] = [-Math.sin(heading) * side, Math.cos(heading) * side];
+    if (!isPerson) brush.trace(name, x + right * pixels, y + down * pixels, pixels, heading ?? 0);
+  }
+  brush.paint(color, lineColor, Math.max(1, (RIM / 2) * pixels));
+}
+
+/** Draw what is below a chassis: two wheels or a ring, and the brake light. */
+function drawUndercarriages(brush, shown, track, moment, pixels) {
+  if (track.drive === "differential") {
+    for (const side of [-WHEEL, WHEEL]) traceRobots(brush, shown, "wheel", pixels, "rim", "rim", side);
+  } else if (track.drive === "omnidirectional") {
+    brush.begin("rim");
+    for (const { x, y, isPerson } of shown) if (!isPerson) brush.circle(x, y, RING * pixels);
+    brush.context.lineWidth = RING_LINE * pixels;
+    brush.context.stroke();
+  }
+  const braking = shown.filter(({ body, isPerson }) => !isPerson && track.push(body, moment)?.brakes);
+  traceRobots(brush, braking, "brake", pixels, "brake", "rim");
+}
+
+/** Draw arrows for the forces and the velocities of bodies, from their centres. */
+export function drawArrows(brush, track, moment) {
+  if (RADIUS * brush.scale < MIN_BODY) return;
+  for (const [name, wide] of [["force", ARROWS.wide], ["velocity", 1]]) {
+    for (const { body, x, y } of bodiesIn(brush.view, track, moment)) {
+      const [right, down] = track.push(body, moment)?.[name] ?? [0, 0];
+      const length = ARROWS[name] * Math.hypot(right, down);
+      if (length < ARROWS.shortest) continue;
+      const tip = Math.min(ARROWS.start + length, ARROWS.longest) * brush.scale;
+      drawArrow(brush, name, x, y, Math.atan2(down, right), tip, wide);
+    }
+  }
+}
+
+function drawArrow(brush, color, x, y, angle, tip, wide) {
+  const { context, scale, theme } = brush;
+  const [toX, toY] = [x + tip * Math.cos(angle), y + tip * Math.sin(angle)];
+  const width = LOOK.lines.arrow * wide * scale;
+  context.lineCap = "butt";
+  for (const [style, edge] of [[theme.paper, RIM * scale], [theme[color], 0]]) {
+    Object.assign(context, { strokeStyle: style, lineWidth: width + edge });
+    context.beginPath();
+    context.moveTo(x, y);
+    context.lineTo(toX, toY);
+    context.stroke();
+    brush.begin(color);
+    brush.trace("arrow", toX, toY, wide * scale, angle);
+    brush.paint(color, "paper", edge || 0.1);
   }
 }
 
@@ -214,13 +280,13 @@ export function drawHits(brush, track, moment) {
   const { view, scale, theme } = brush;
   const hits = track.hitsIn(moment.frame);
   const pixels = Math.max(20, scale * (track.robots > 1 ? 0.7 : 1));
-  for (const { x, y } of hits) {
+  for (const { x, y, size } of hits) {
     brush.begin("hit");
-    brush.trace("hit", view.x(x), view.y(y), pixels);
+    brush.trace("hit", view.x(x), view.y(y), pixels * size);
     brush.paint("hit", "dark", Math.max(1, pixels / 40));
   }
   const last = hits.at(-1);
   if (!last?.label) return;
   const size = Math.max(12 * theme.density, 0.3 * scale);
-  brush.label("hit", "dark", last.label, view.x(last.x), view.y(last.y) - pixels / 4 - 0.3 * size, size);
+  brush.label("hit", "dark", last.label, view.x(last.x), view.y(last.y) - (pixels * last.size) / 4 - 0.3 * size, size);
 }

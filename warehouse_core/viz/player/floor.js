@@ -143,11 +143,21 @@ function coveredCells(track, moment) {
   return cells;
 }
 
-/** Draw waves on a slippery cell. */
+/** Draw a slippery cell, which is wet: it gleams, and has waves. */
 function drawWaves(brush, row, column) {
   const { context, view, scale } = brush;
   const { waves, left, length, bend, width } = LOOK.ice;
   brush.fill("ice", column, row);
+  brush.begin("gleam");
+  for (const [low, high] of LOOK.gleam) {
+    // The part of the cell between two diagonals, whose coordinates have these sums.
+    const [first, last] = [low, high].map((sum) => Math.min(sum, 1));
+    const corners = [[first, low - first], [last, high - last], [high - last, last], [low - first, first]];
+    for (const [i, [x, y]] of corners.entries()) {
+      context[i ? "lineTo" : "moveTo"](view.x(column + x), view.y(row + y));
+    }
+  }
+  context.fill();
   brush.begin("wave");
   context.lineWidth = Math.max(1, width * scale);
   for (const share of waves) {

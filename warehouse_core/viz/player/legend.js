@@ -8,6 +8,8 @@ import { element } from "./elements.js";
 const LOOKS = {
   R: ["disc", "robot"], r: ["disc box", "loaded"], H: ["", "person", "H"], stranded: ["disc", "stranded"],
   P: ["square on", "pickup", "P"], D: ["square on", "dropoff", "D"], C: ["square on", "charger", "C"],
+  chassis: ["", "robot", "chassis"], "chassis-loaded": ["", "loaded", "chassis"], brake: ["line", "brake"],
+  velocity: ["", "velocity", "push"], force: ["", "force", "push"], skid: ["line", "dark"],
   trail: ["line", "robot"], "trail-loaded": ["line dashed", "loaded"], low: ["line", "warning"],
   plan: ["dots", "ink"], plans: ["line", "robot"], wishes: ["dots", "robot"], pushes: ["", "ink", "push"],
   path: ["line", "warning"], hit: ["", "hit", "hit"], ends: ["disc", "light"],

@@ -62,6 +62,7 @@ function connect(player) {
     help: () => find("helping").showModal(),
     slower: () => player.faster(-1),
     faster: () => player.faster(1),
+    arrows: () => player.toggleArrows(),
   };
   for (const button of player.root.querySelectorAll("button[data-do]")) {
     button.addEventListener("click", (event) => {
@@ -89,7 +90,7 @@ function connect(player) {
 
 const KEYS = {
   " ": "play", ArrowLeft: "back", ArrowRight: "forward", Home: "first", End: "last", n: "event",
-  f: "full", "?": "help", "+": "larger", "=": "larger", "-": "smaller", 0: "fit", "<": "slower",
+  v: "arrows", f: "full", "?": "help", "+": "larger", "=": "larger", "-": "smaller", 0: "fit", "<": "slower",
   ">": "faster", ",": "slower", ".": "faster",
 };
 

@@ -1,11 +1,11 @@
 // One track on the page: its floor, the action of the robot with its reason, its battery and its ending.
 
-import { drawGhost, drawHits, drawItem, drawRobots, drawWaiting } from "./bodies.js";
+import { drawArrows, drawGhost, drawHits, drawItem, drawRobots, drawWaiting } from "./bodies.js";
 import { Brush, kept } from "./canvas.js";
 import { copy, element, partOf, setText } from "./elements.js";
 import { drawEnds, drawFloor, drawHeat, drawLetters, drawMarks, drawSight, drawVisits } from "./floor.js";
 import { seconds, shown } from "./scale.js";
-import { drawAhead, drawPlans, drawPushes, drawRoute, drawTrail } from "./paths.js";
+import { drawAhead, drawPlans, drawPushes, drawRoute, drawSkids, drawTrail } from "./paths.js";
 
 const TAP = 6;
 const LOW = 0.2;
@@ -19,7 +19,7 @@ export class Panel {
     this.parts = Object.fromEntries(names.map((name) => [name, partOf(this.element, name)]));
     this.parts.title.textContent = title;
     this.parts.battery.hidden = !track.battery.length;
-    this.parts.facts.hidden = !track.energy.length && track.motorStrength === 1;
+    this.parts.facts.hidden = !this.factsAt(track.at(0));
     this.canvas = this.parts.floor;
     this.canvas.style.aspectRatio = view.aspect;
     this.listen();
@@ -73,9 +73,11 @@ export class Panel {
     if (track.marks) drawEnds(brush, track);
     if (chosen !== null) drawAhead(brush, track, chosen, moment);
     if (watched !== null) drawTrail(brush, track, watched, moment);
+    for (let body = 0; track.slippery.length && body < track.robots; body++) drawSkids(brush, track, body, moment);
     drawLetters(brush, track, moment);
     drawGhost(brush, track, moment);
     if (track.fleet) drawWaiting(brush, track, moment);
+    if (player.hasArrows) drawArrows(brush, track, moment);
     drawRobots(brush, track, moment, chosen, this.pointer ? this.robotAt(...this.pointer, moment) : null);
     if (track.robots === 1) drawItem(brush, track, moment);
     if (track.fleet) drawPushes(brush, track, moment);
@@ -102,12 +104,15 @@ export class Panel {
     setText(parts.units, `battery ${shown(left)} of ${shown(track.fullBattery)}${warning}`);
   }
 
-  /** Return the time and energy so far, and the strength of weak motors. */
-  factsAt({ time, frame, step }) {
-    const { end, energy, motorStrength, robots, stepFrames } = this.track;
-    // As in the chart, this is the energy at the frame or, for a fleet, at the last complete step.
-    const used = energy[robots > 1 ? stepFrames[step] : frame];
-    const facts = energy.length ? [seconds(Math.min(time, end)), `${shown(used, 0)} J`] : [];
+  /**
+   * Return the time and energy so far, and the strength of weak motors. The grid has no time and energy
+   * of its own, which dashes show next to bodies.
+   */
+  factsAt({ time, frame }) {
+    const { end, energy, isMeasured, motorStrength } = this.track;
+    const facts = [];
+    if (isMeasured) facts.push(seconds(Math.min(time, end)), `${shown(energy[frame], 0)} J`);
+    else if (this.player.tracks.some((track) => track.isMeasured)) facts.push("\u2013 s", "\u2013 J");
     if (motorStrength < 1) facts.push(`motors at ${shown(100 * motorStrength, 0)}% of their force`);
     return facts.join(", ");
   }

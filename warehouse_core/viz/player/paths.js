@@ -46,6 +46,26 @@ function trailOf(track, body, moment) {
   return lines;
 }
 
+/** Draw the skid marks of a body so far: a line on each side of its path. */
+export function drawSkids(brush, track, body, moment) {
+  const { context, view, scale } = brush;
+  const { apart, width } = LOOK.skid;
+  brush.begin("dark");
+  for (let frame = 1; frame <= moment.frame && track.skid.length; frame++) {
+    if (!track.skid[body * track.frames + frame]) continue;
+    const [before, after] = [frame - 1, frame].map((each) => track.pose(body, { frame: each }));
+    const [right, down] = [before.y - after.y, after.x - before.x];
+    const share = apart / Math.max(Math.hypot(right, down), 1e-9);
+    for (const side of [-share, share]) {
+      context.moveTo(view.x(before.x + side * right), view.y(before.y + side * down));
+      context.lineTo(view.x(after.x + side * right), view.y(after.y + side * down));
+    }
+  }
+  Object.assign(context, { lineWidth: width * scale, globalAlpha: 0.5, lineCap: "butt" });
+  context.stroke();
+  context.globalAlpha = 1;
+}
+
 /** Draw a planned path as dots, and the path that a search has found as a line. */
 export function drawRoute(brush, track, moment) {
   const places = track.routeIn(moment.frame);

@@ -61,6 +61,8 @@ export class Player {
     this.isOpening = true;
     this.chosen = null;
     this.hasHeat = false;
+    /** Whether bodies have arrows for their velocities and the forces of their motors. */
+    this.hasArrows = true;
     this.isReduced = matchMedia("(prefers-reduced-motion: reduce)").matches;
     this.listeners = [];
     this.build(data);
@@ -175,7 +177,10 @@ export class Player {
   /** Pause some steps later, or earlier if negative; within a step, its start and end count as steps. */
   move(steps) {
     const isBetween = this.time > this.longest.timeOf(this.step);
-    this.goTo(this.step + steps + (steps < 0 && isBetween ? 1 : 0));
+    let step = this.step + steps + (steps < 0 && isBetween ? 1 : 0);
+    // A step may take no time: a body that knows its path leaves a bump out.
+    while (steps < 0 && step > 0 && this.longest.timeOf(step) >= this.time) step--;
+    this.goTo(step);
   }
 
   /** Pause at the next hit, pickup, drop or stuck robot; if a robot is chosen, only at its events. */
@@ -208,6 +213,11 @@ export class Player {
   faster(steps) {
     const place = SPEEDS.indexOf(this.speed) + steps;
     this.speed = SPEEDS[Math.min(Math.max(place, 0), SPEEDS.length - 1)];
+    this.draw();
+  }
+
+  toggleArrows() {
+    this.hasArrows = !this.hasArrows;
     this.draw();
   }
 

@@ -3,6 +3,9 @@
 const KINDS = { i1: Int8Array, i2: Int16Array, i4: Int32Array, f4: Float32Array };
 
 const TURN = 120;
+
+/** The power in W that a motor takes out of the motion of a body when its brake light goes on; see track.py. */
+const BRAKING_POWER = 1;
 const NO_HEADING = 127;
 
 /** The number of steps at which a robot is in the same cell with the same load that make it stuck. */
@@ -76,13 +79,18 @@ export class Track {
     this.steps = Math.ceil(data.progress[this.frames - 1]);
   }
 
-  /** Return a moment: its frame, the next frame, the share of the time between them, and the step. */
+  /**
+   * Return a moment: its frame, the next frame, the share of the time between them, and the step. Bodies
+   * drive from frame to frame. Robots on the grid jump: their next frame is the same one.
+   */
   at(time) {
     const frame = indexAt(this.time, time);
+    const step = Math.floor(this.progress[frame]);
+    if (!this.isContinuous) return { time, frame, next: frame, share: 0, step };
     const next = Math.min(frame + 1, this.frames - 1);
     const lasts = this.time[next] - this.time[frame];
     const share = lasts > 0 ? Math.min(Math.max((time - this.time[frame]) / lasts, 0), 1) : 0;
-    return { time, frame, next: share > 0 ? next : frame, share, step: Math.floor(this.progress[frame]) };
+    return { time, frame, next: share > 0 ? next : frame, share, step };
   }
 
   /** Return the number of the present step, or of the previous one if no step has begun. */
@@ -114,6 +122,15 @@ export class Track {
     };
   }
 
+  /** Return the velocity in m/s and the motor's force in N of a body at a moment, or `null` if they are unknown. */
+  push(body, { frame, next = frame, share = 0 }) {
+    if (!this.vx.length) return null;
+    const [from, to] = [body * this.frames + frame, body * this.frames + next];
+    const [vx, vy] = [this.vx, this.vy].map((list) => list[from] + share * (list[to] - list[from]));
+    const [fx, fy] = [this.fx[to], this.fy[to]]; // of the time that ends then
+    return { velocity: [vx, vy], force: [fx, fy], brakes: vx * fx + vy * fy < -BRAKING_POWER };
+  }
+
   headingBetween(from, to, share) {
     const [first, last] = [this.heading[from], this.heading[to]];
     if (last === NO_HEADING) return null;
@@ -143,9 +160,9 @@ export class Track {
 
   /** Return the hits in a frame. */
   hitsIn(frame) {
-    const { x, y, robot, labels, labelAt } = this.hits;
+    const { x, y, robot, size, labels, labelAt } = this.hits;
     return entriesIn(this.hits.frame, frame).map((i) => (
-      { x: x[i], y: y[i], robot: robot[i], label: labels[labelAt[i]] }
+      { x: x[i], y: y[i], robot: robot[i], size: size[i], label: labels[labelAt[i]] }
     ));
   }
 

@@ -32,9 +32,9 @@ LEVEL = 6
 KINDS = {"i1": 2**7, "i2": 2**15, "i4": 2**31}
 """Types of whole numbers, and the exclusive limits on their absolute values."""
 
-FINE, HALF, MILLI = 1 / 1024, 1 / 2, 1e-3
+FINE, HALF, MILLI, SPEED = 1 / 1024, 1 / 2, 1e-3, 0.01
 """Units of stored numbers: positions of continuous tracks in cells, positions of other tracks in
-cells, whose robots are at centres of cells, and times and battery levels."""
+cells, whose robots are at centres of cells, times and battery levels, and speeds in m/s."""
 
 TURN, NO_HEADING = 120, 127
 """Number of parts of a whole turn, and the number that stands for an unknown heading."""
@@ -59,10 +59,13 @@ Reference = dict[str, list[Any]]
 
 
 class Columns:
-    """A collection of arrays, which are packed after a JSON value that refers to them."""
+    """A collection of arrays, which are packed after a JSON value that refers to them.
+
+    Equal arrays, such as the times of several charts, are stored once.
+    """
 
     def __init__(self) -> None:
-        self._parts: list[bytes] = []
+        self._parts: dict[bytes, int] = {}
         self._length = 0
 
     def whole(self, values: ArrayLike, *, is_delta: bool = False, unit: float = 1) -> Reference:
@@ -108,11 +111,11 @@ class Columns:
 
     def _add(self, kind: str, stored: Any, *, is_delta: bool, unit: float) -> Reference:
         data = stored.tobytes()
-        reference = [kind, self._length, len(stored), int(is_delta), unit]
         data += b"\0" * (-len(data) % ALIGNMENT)
-        self._parts.append(data)
-        self._length += len(data)
-        return {"$": reference}
+        if data not in self._parts:
+            self._parts[data] = self._length
+            self._length += len(data)
+        return {"$": [kind, self._parts[data], len(stored), int(is_delta), unit]}
 
 
 def _largest(numbers: NDArray[np.float64]) -> float:
@@ -181,11 +184,11 @@ def _track(track: Track, times: Sequence[float], columns: Columns) -> dict[str, 
     bodies = max(len(frame.robots) for frame in frames)
     tiles, tile_at = _indexed("".join(frame.tiles) for frame in frames)
     captions, caption_at = _indexed(_cut(frame.caption) for frame in frames)
-    has_energy = any(frame.energy for frame in frames)
     return {
         "title": _cut(track.title),
         "ending": _cut(track.ending),
         "isContinuous": track.is_continuous,
+        "isMeasured": track.is_measured,
         "isFleet": track.is_fleet,
         "width": len(rows[0]),
         "height": len(rows),
@@ -204,7 +207,7 @@ def _track(track: Track, times: Sequence[float], columns: Columns) -> dict[str, 
         "ghostY": columns.whole([y for _, y in track.ghost], is_delta=True, unit=FINE),
         "hits": _hits(frames, columns),
         "route": _route(frames, columns),
-        "energy": columns.real([frame.energy for frame in frames] if has_energy else []),
+        "energy": columns.real([frame.energy for frame in frames] if track.is_measured else []),
         "battery": columns.real(track.metrics.get("battery", [])),
         "fullBattery": track.full_battery,
         "viewRadius": track.view_radius,
@@ -220,6 +223,7 @@ def _poses(track: Track, bodies: int, columns: Columns) -> dict[str, Any]:
     """Return the position, heading and load of each body in all frames, body after body."""
     shape = len(track.frames), bodies
     places, angles, loads = np.zeros((*shape, 2)), np.full(shape, np.nan), np.full(shape, NOT_SHOWN)
+    pushes, skids = np.zeros((4, *shape)), np.zeros(shape)
     for index, frame in enumerate(track.frames):
         here = [body for body, pose in enumerate(frame.robots) if pose is not None]
         poses = [pose for pose in frame.robots if pose is not None]
@@ -227,12 +231,21 @@ def _poses(track: Track, bodies: int, columns: Columns) -> dict[str, Any]:
             places[index, here] = [pose.at for pose in poses]
             loads[index, here] = [pose.loaded for pose in poses]
             angles[index, here] = [pose.heading for pose in poses]  # None becomes NaN
+        for body, pose in zip(here, poses, strict=True):
+            if pose.push:
+                pushes[:, index, body] = *pose.push.velocity, *pose.push.force
+                skids[index, body] = pose.push.skids
         if frame.fleet is not None:
             ages = np.array(frame.fleet.items, np.float64)  # None becomes NaN
             loads[index, : len(ages)] = np.where(np.isnan(ages), EMPTY, 1 + ages)
     headings = np.where(np.isnan(angles), NO_HEADING, np.rint(angles / (2 * np.pi) * TURN) % TURN)
     unit = FINE if track.is_continuous else HALF
+    if not pushes.any():
+        pushes, skids = pushes[:, :0], skids[:0]
+    names = zip(("vx", "vy", "fx", "fy"), pushes, (SPEED, SPEED, 1, 1), strict=True)
     return {
+        **{name: columns.whole(values.T, is_delta=True, unit=unit) for name, values, unit in names},
+        "skid": columns.whole(skids.T),
         "x": columns.whole(places[..., 0].T, is_delta=True, unit=unit),
         "y": columns.whole(places[..., 1].T, is_delta=True, unit=unit),
         "heading": columns.whole(headings.T),
@@ -248,6 +261,7 @@ def _hits(frames: Sequence[Frame], columns: Columns) -> dict[str, Any]:
         "x": columns.whole([hit.at[0] for _, hit in found], unit=FINE),
         "y": columns.whole([hit.at[1] for _, hit in found], unit=FINE),
         "robot": columns.whole([hit.robot for _, hit in found]),
+        "size": columns.whole([hit.size for _, hit in found], unit=MILLI),
         "labels": labels,
         "labelAt": columns.whole(label_at),
     }

@@ -18,27 +18,31 @@ Key = TypeVar("Key", bound=Hashable)
 class Beat(NamedTuple):
     """The clock of an animation that is repeated.
 
+    Values glide from frame to frame for bodies, and jump for robots on the grid.
+
     Attributes:
         frames: number of frames.
         rest: number of frames for which the last one stays before the animation starts again.
         seconds: seconds of each frame.
+        glides: true if values glide from frame to frame, false if they jump.
     """
 
     frames: int
     rest: int
     seconds: float
+    glides: bool = True
 
     def moving(self, inner: str, places: Numbers) -> str:
-        """Return a group with a position in each frame, which glides from one to the next."""
+        """Return a group with a position in each frame."""
         return self._transformed("translate", inner, places)
 
     def turning(self, inner: str, degrees: Sequence[int]) -> str:
-        """Return a group with an angle in each frame, which turns from one to the next."""
+        """Return a group with an angle in each frame."""
         return self._transformed("rotate", inner, [(angle,) for angle in degrees])
 
     def jumping(self, inner: str, places: Numbers) -> str:
-        """Return a group with a position in each frame, which jumps from one to the next."""
-        return self._transformed("translate", inner, places, glides=False)
+        """Return a group with a position in each frame, which always jumps to the next one."""
+        return self._replace(glides=False).moving(inner, places)
 
     def growing(self, name: str, values: Sequence[int]) -> tuple[str, str]:
         """Return an attribute with its first value, and the element that animates it."""
@@ -86,23 +90,21 @@ class Beat(NamedTuple):
             f"{frame / whole:.{digits}f}".strip("0").rstrip(".") or "0" for frame in frames
         )
 
-    def _transformed(self, kind: str, inner: str, numbers: Numbers, *, glides: bool = True) -> str:
+    def _transformed(self, kind: str, inner: str, numbers: Numbers) -> str:
         start = " ".join(map(str, numbers[0]))
         extra = f'type="{kind}" '
-        animation = self._animation("animateTransform", "transform", numbers, extra, glides=glides)
+        animation = self._animation("animateTransform", "transform", numbers, extra)
         return f'<g transform="{kind}({start})">{animation}{inner}</g>'
 
-    def _animation(
-        self, element: str, name: str, numbers: Numbers, extra: str = "", *, glides: bool = True
-    ) -> str:
+    def _animation(self, element: str, name: str, numbers: Numbers, extra: str = "") -> str:
         """Return the element that animates an attribute, without the frames that are redundant."""
         if all(each == numbers[0] for each in numbers):
             return ""
-        kept = [*(_corners(numbers) if glides else _changes(numbers))]
+        kept = [*(_corners(numbers) if self.glides else _changes(numbers))]
         values = [",".join(map(str, numbers[frame])) for frame in kept]
-        if glides:  # such animations must have a value at the end of the round
+        if self.glides:  # such animations must have a value at the end of the round
             kept, values = [*kept, self.frames + self.rest], [*values, values[-1]]
-        mode = "" if glides else 'calcMode="discrete" '
+        mode = "" if self.glides else 'calcMode="discrete" '
         return (
             f'<{element} attributeName="{name}" {extra}{mode}values="{";".join(values)}" '
             f'keyTimes="{self._times(kept)}" {self._timing}/>'

@@ -5,9 +5,11 @@ All lengths are in hundredths of a cell.
 
 from __future__ import annotations
 
+import html
 import math
 from collections.abc import Iterable, Iterator, Sequence
-from itertools import pairwise
+from dataclasses import replace
+from itertools import groupby, pairwise
 from typing import TypeVar
 
 import numpy as np
@@ -15,13 +17,15 @@ import numpy as np
 from warehouse_core.render.palette import LOOK
 from warehouse_core.viz.svg.beat import Beat, Span, extend, spans_of
 from warehouse_core.viz.svg.floor import UNIT, box, shape
-from warehouse_core.viz.tracks.history import History
-from warehouse_core.viz.tracks.track import FleetFrame, Frame, Point, Pose, Track
+from warehouse_core.viz.tracks.history import History, skids_of
+from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Frame, Point, Pose, Track
 from warehouse_core.world.tiles import PERSON, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, Cell
 
 Value = TypeVar("Value")
 
-ROBOT, ITEM, CARRIED, BATTERY = (LOOK[name] for name in ("robot", "item", "carried", "battery"))
+ROBOT, ITEM, CARRIED, BATTERY, ARROWS = (
+    LOOK[name] for name in ("robot", "item", "carried", "battery", "arrows")
+)
 
 RADIUS = round(UNIT * ROBOT["radius"])
 """Radius of a robot."""
@@ -33,6 +37,12 @@ LATE = len(ORDERS) - 1
 
 MIN_NAMED = 20
 """Least side of a cell, in pixels, for which the number of a robot is legible."""
+
+LABEL = 32
+"""Size of the text next to a hit."""
+
+COARSE = 4
+"""Unit of the lengths of arrows. Finer ones would make drawings larger."""
 
 MAX_VISITS = 5
 """Number of visits to a cell after which its colour no longer changes."""
@@ -51,6 +61,8 @@ def bodies_of(track: Track, numbers: Sequence[int], beat: Beat, pixels: float) -
     if not fleets:
         for robot in range(robots):
             yield from _traces(track, frames, robot, beat)
+    for robot in range(robots if track.slippery else 0):
+        yield from _skids(frames, robot, beat)
     yield from _lines(frames, beat)
     yield from _orders(frames, beat)
     if ghost:
@@ -63,16 +75,21 @@ def bodies_of(track: Track, numbers: Sequence[int], beat: Beat, pixels: float) -
         if body >= robots:
             drawn = f"{shape('H', 'person of-rim')}{_name(PERSON, 1, 'light')}"
         elif fleets:
-            drawn = _fleet_robot(fleets, body, poses, beat, is_named=pixels >= MIN_NAMED)
+            is_named = pixels >= MIN_NAMED
+            drawn = _fleet_robot(track, fleets, body, poses, beat, is_named=is_named)
         else:
-            drawn = _lone_robot(poses, beat)
+            drawn = _lone_robot(track, poses, beat)
+        if body >= robots or not track.is_continuous or (fleets and pixels < MIN_NAMED):
+            drawn = _turned(shape("nose", "rim"), poses, beat) + drawn
         places = [(round(UNIT * x), round(UNIT * y)) for x, y in (p.at for p in _filled(poses))]
         there = spans_of(pose is not None for pose in poses)[True]
-        yield beat.shown(beat.moving(_nose(poses, beat) + drawn, places), there)
-    for at, spans in _hits(frames).items():
-        x, y = (round(UNIT * place) for place in at)
-        place = f'transform="translate({x} {y})"'
-        yield beat.shown(shape("hit", "hit of-rim", place), spans)
+        yield beat.shown(beat.moving(drawn, places), there)
+    for hit, spans in _hits(frames).items():
+        x, y = (round(UNIT * place) for place in hit.at)
+        place = f'transform="translate({x} {y}) scale({hit.size:.3g})"'
+        words = f'<text x="{x}" y="{y - LABEL * hit.size:.0f}" font-size="{LABEL}" '
+        words = f'{words}class="light of-dark">{html.escape(hit.label)}</text>' if hit.label else ""
+        yield beat.shown(shape("hit", "hit of-rim", place) + words, spans)
 
 
 def _filled(values: Iterable[Value | None]) -> list[Value]:
@@ -82,24 +99,85 @@ def _filled(values: Iterable[Value | None]) -> list[Value]:
     return [now := now if value is None else value for value in values]
 
 
-def _nose(poses: Sequence[Pose | None], beat: Beat) -> str:
-    """Return the nose of a body, shown in the frames in which the body has a heading."""
+def _turned(inner: str, poses: Sequence[Pose | None], beat: Beat) -> str:
+    """Return a part of a robot, turned with it, in the frames in which it has a heading."""
     headings = [pose.heading if pose else None for pose in poses]
     has_one = spans_of(heading is not None for heading in headings).get(True)
     if has_one is None:
         return ""
     degrees = np.degrees(np.unwrap(_filled(headings))).round().astype(int).tolist()
-    return beat.shown(beat.turning(shape("nose", "rim"), degrees), has_one)
+    return beat.shown(beat.turning(inner, degrees), has_one)
 
 
-def _lone_robot(poses: Sequence[Pose | None], beat: Beat) -> str:
+def _machine(track: Track, looks: Sequence[str], poses: Sequence[Pose | None], beat: Beat) -> str:
+    """Return a body that turns: its wheels or ring, brake light, chassis and front.
+
+    ``looks`` has the name of its colour in each frame.
+    """
+    wheel, ring, line = (UNIT * part for part in LOOK["body"].values())
+    sides = [f'transform="translate(0 {side:g})"' for side in (-wheel, wheel)]
+    drives = {
+        "differential": [shape("wheel", "rim", side) for side in sides],
+        "omnidirectional": [f'<circle r="{ring:g}" class="of-rim ring" stroke-width="{line:g}"/>'],
+    }
+    parts = drives.get(track.drive, [])
+    brakes = spans_of(bool(pose and pose.push and pose.push.brakes) for pose in poses)
+    parts.append(beat.shown(shape("brake", "brake of-rim"), brakes.get(True, [])))
+    parts += beat.each(looks, lambda look: shape("chassis", f"{look} of-rim"))
+    parts.append(shape("front", "light of-rim", 'style="stroke-width:2"'))
+    return _turned("".join(parts), poses, beat)
+
+
+def _arrows(poses: Sequence[Pose | None], beat: Beat) -> Iterator[str]:
+    """Yield arrows for the force and the velocity of a body."""
+    pushes = [pose.push if pose else None for pose in poses]
+    for name, wide in (("force", ARROWS["wide"]), ("velocity", 1.0)):
+        tips = []
+        for push in pushes:
+            right, down = getattr(push, name, (0.0, 0.0))
+            length = ARROWS[name] * math.hypot(right, down)
+            tip = (
+                min(ARROWS["start"] + length, ARROWS["longest"])
+                if length >= ARROWS["shortest"]
+                else 0
+            )
+            share = UNIT * tip / max(math.hypot(right, down), 1e-9)
+            tips.append(
+                (COARSE * round(share * right / COARSE), COARSE * round(share * down / COARSE))
+            )
+        x, moves_x = beat.growing("x2", [tip[0] for tip in tips])
+        y, moves_y = beat.growing("y2", [tip[1] for tip in tips])
+        width = UNIT * LOOK["lines"]["arrow"] * wide
+        line = (
+            f'<line {x} {y} stroke-width="{width:g}" class="of-{name}" marker-end="url(#{name})">'
+        )
+        shown = spans_of(tip != (0, 0) for tip in tips).get(True, [])
+        yield beat.shown(f"{line}{moves_x}{moves_y}</line>", shown)
+
+
+def arrow_heads() -> str:
+    """Return the definitions of the heads of the arrows."""
+    return "".join(
+        f'<marker id="{name}" markerUnits="userSpaceOnUse" orient="auto" overflow="visible">'
+        + shape("arrow", name, f'transform="scale({wide})"')
+        + "</marker>"
+        for name, wide in (("force", ARROWS["wide"]), ("velocity", 1.0))
+    )
+
+
+def _lone_robot(track: Track, poses: Sequence[Pose | None], beat: Beat) -> str:
     is_loaded = spans_of(pose is not None and pose.loaded for pose in poses)
+    if track.is_continuous:
+        looks = ["loaded" if pose and pose.loaded else "robot" for pose in poses]
+        item = beat.shown(_item(0, 0, CARRIED["side"], "item"), is_loaded.get(True, []))
+        return "".join(_arrows(poses, beat)) + _machine(track, looks, poses, beat) + item
     empty = _disc("robot") + _name(ROBOT_EMPTY, 1, "light")
     loaded = _disc("loaded") + _item(0, 0, ITEM["side"], "item") + _name(ROBOT_LOADED, 1, "dark")
     return beat.shown(empty, is_loaded.get(False, [])) + beat.shown(loaded, is_loaded.get(True, []))
 
 
 def _fleet_robot(
+    track: Track,
     fleets: Sequence[FleetFrame],
     robot: int,
     poses: Sequence[Pose | None],
@@ -111,8 +189,11 @@ def _fleet_robot(
     robots, levels = len(fleets[0].battery), [fleet.battery[robot] for fleet in fleets]
     name, digits = str(robot) if is_named else "", len(str(robots - 1))
 
+    is_body = track.is_continuous and is_named
+
     def draw_disc(look: str) -> str:
-        return _disc(look) + _name(name, digits, "dark" if look == "loaded" else "light")
+        words = _name(name, digits, "dark" if look == "loaded" else "light")
+        return words if is_body else _disc(look) + words
 
     def draw_item(age: int | None) -> str:
         away = round(UNIT * CARRIED["away"])
@@ -122,7 +203,9 @@ def _fleet_robot(
         "stranded" if level <= 0 else "loaded" if pose is not None and pose.loaded else "robot"
         for level, pose in zip(levels, poses, strict=True)
     ]
-    parts = [*beat.each(looks, draw_disc), *beat.each((f.items[robot] for f in fleets), draw_item)]
+    parts = [*_arrows(poses, beat), _machine(track, looks, poses, beat)] if is_body else []
+    parts += beat.each(looks, draw_disc)
+    parts += beat.each((f.items[robot] for f in fleets), draw_item)
     is_low = spans_of(level < BATTERY["low"] for level in levels)
     width, animation = beat.growing("width", [round(2 * RADIUS * level) for level in levels])
     top, high = round(UNIT * BATTERY["top"]), round(UNIT * BATTERY["height"])
@@ -183,13 +266,28 @@ def _orders(frames: Sequence[Frame], beat: Beat) -> Iterator[str]:
         yield from beat.each(states, draw)
 
 
-def _hits(frames: Sequence[Frame]) -> dict[Point, list[Span]]:
-    """Return the spans of the hits at each position."""
-    found: dict[Point, list[Span]] = {}
+def _hits(frames: Sequence[Frame]) -> dict[DrawnHit, list[Span]]:
+    """Return the spans of the frames that show each hit; equal hits of several robots are one."""
+    found: dict[DrawnHit, list[Span]] = {}
     for number, frame in enumerate(frames):
-        for at in {hit.at for hit in frame.hits}:
-            extend(found.setdefault(at, []), number, number + 1)
+        for hit in dict.fromkeys(replace(hit, robot=0) for hit in frame.hits):
+            extend(found.setdefault(hit, []), number, number + 1)
     return found
+
+
+def _skids(frames: Sequence[Frame], robot: int, beat: Beat) -> Iterator[str]:
+    """Yield the skid marks of a robot. The marks of a step appear at its end."""
+    marks: dict[int, list[str]] = {}
+    ends: dict[int, int] = {}
+    for number, line in skids_of(frames, robot):
+        step = math.ceil(frames[number].progress)
+        (x, y), (to_x, to_y) = [[round(UNIT * part) for part in point] for point in line]
+        marks.setdefault(step, []).append(f"M{x} {y}L{to_x} {to_y}")
+        ends[step] = number
+    width = f'stroke-width="{UNIT * LOOK["skid"]["width"]:g}"'
+    for step, lines in marks.items():
+        drawn = f'<path d="{"".join(lines)}" class="of-dark skid" {width}/>'
+        yield beat.shown_from(drawn, ends[step])
 
 
 def _lines(frames: Sequence[Frame], beat: Beat) -> Iterator[str]:
@@ -280,7 +378,8 @@ def _trail(poses: Sequence[Pose | None], beat: Beat) -> Iterator[str]:
         left = length - np.round(UNIT * driven).astype(int)
         offsets = [length] * first + left.tolist() + [0] * (beat.frames - 1 - last)
         offset, animation = beat.growing("stroke-dashoffset", offsets)
-        corners = [path[0], *(now for before, now in pairwise(path) if now != before)]
+        # A body that turns on the spot moves by tiny amounts, which browsers draw as gaps.
+        corners = [at for at, _ in groupby((round(x, 2), round(y, 2)) for x, y in path)]
         yield (
             f'<polyline points="{_places(corners)}" pathLength="{length}" '
             f'stroke-dasharray="{length} {length}" {offset} class="trail of-{look}">'

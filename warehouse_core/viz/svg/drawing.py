@@ -16,7 +16,7 @@ from warehouse_core.arguments import instance_of, real_number
 from warehouse_core.errors import FormatError
 from warehouse_core.render.palette import LOOK, PALETTE
 from warehouse_core.viz.svg.beat import Beat, spans_of
-from warehouse_core.viz.svg.bodies import bodies_of
+from warehouse_core.viz.svg.bodies import arrow_heads, bodies_of
 from warehouse_core.viz.svg.floor import UNIT, ends_of, floor_of
 from warehouse_core.viz.tracks.timeline import Timeline
 from warehouse_core.viz.tracks.track import (
@@ -63,7 +63,8 @@ text{text-anchor:middle}.words{text-anchor:start}.count{text-anchor:end}.small{f
 text.of-dark{paint-order:stroke;stroke-width:${letter}em;stroke-linejoin:round}.of-rim{stroke-width:4}.shadow{fill-rule:evenodd}.wall,.shelf{shape-rendering:crispEdges}.visited{opacity:.12}
 .trail,.plan{fill:none;stroke-width:$trail;stroke-linecap:round;stroke-linejoin:round;opacity:.55}
 .ghost{fill:none;stroke-width:4;stroke-dasharray:12 8}
-.plan{opacity:1;stroke-width:$plan}.dots{stroke-width:$wish;stroke-dasharray:1 33}
+.plan{opacity:1;stroke-width:$plan}.ring{fill:none}.skid{opacity:.5}
+.dots{stroke-width:$wish;stroke-dasharray:1 33}
 [class^=of-]{fill:none}
 .rests{display:none}
 @media (prefers-reduced-motion:reduce){.moves{display:none}.rests{display:inline}}
@@ -128,6 +129,8 @@ def animated_svg(tracks: Sequence[Track], *, title: str = "", speed: float = 1.0
                     f"{len(moments):,} frames; save the replay as .html, or as one picture"
                 )
         parts.append("</g>")
+    if any("marker-end" in part for part in parts):
+        parts.insert(0, arrow_heads())
     body, box = "".join(parts), f'width="{width:g}" height="{height:g}"'
     return (
         f'<svg xmlns="http://www.w3.org/2000/svg" viewBox="0 0 {width:g} {height:g}" {box} '
@@ -168,6 +171,7 @@ def _panels(
         # A nested drawing would have a clock of its own.
         yield f'<g transform="translate({left:g} {top:g})"><g transform="{move}" '
         yield f'clip-path="url(#{name})">'
+        beat = beat._replace(glides=track.is_continuous)
         yield from floor_of(track, frames, beat, cell)
         yield from bodies_of(track, numbers, beat, cell)
         yield from ends_of(track)

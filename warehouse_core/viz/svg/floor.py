@@ -51,7 +51,9 @@ def floor_of(track: Track, frames: Sequence[Frame], beat: Beat, pixels: float) -
         yield f'<path d="{"".join(lines)}" class="of-line" stroke-width="2"/>'
     for row, col in track.slippery:
         if rows[row][col] != WALL:
-            yield box(UNIT * col, UNIT * row, UNIT, UNIT, "ice") + _waves(row, col)
+            yield (
+                box(UNIT * col, UNIT * row, UNIT, UNIT, "ice") + _gleam(row, col) + _waves(row, col)
+            )
     all_tiles = [frame.tiles for frame in frames]
     yield from beat.each(_known(all_tiles), lambda tiles: "".join(_tiles(tiles, pixels)))
     for hidden, cells in _unseen(all_tiles).items():
@@ -61,6 +63,21 @@ def floor_of(track: Track, frames: Sequence[Frame], beat: Beat, pixels: float) -
         edge, right, bottom = UNIT * track.outer, UNIT * width, UNIT * height
         yield box(0, 0, right, edge, "paper") + box(0, bottom - edge, right, edge, "paper")
         yield box(0, 0, edge, bottom, "paper") + box(right - edge, 0, edge, bottom, "paper")
+
+
+def _gleam(row: int, col: int) -> str:
+    """Return the parts of a wet cell between diagonals whose coordinates have given sums."""
+    parts = []
+    for low, high in LOOK["gleam"]:
+        first, last = min(low, 1), min(high, 1)
+        corners = (
+            (first, low - first),
+            (last, high - last),
+            (high - last, last),
+            (low - first, first),
+        )
+        parts.append("L".join(f"{UNIT * (col + x):g} {UNIT * (row + y):g}" for x, y in corners))
+    return f'<path d="M{"zM".join(parts)}z" class="gleam"/>'
 
 
 def _waves(row: int, col: int) -> str:

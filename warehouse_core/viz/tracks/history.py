@@ -1,11 +1,27 @@
-"""The history of a robot in the frames of a track: visited cells, pickups and deliveries."""
+"""The history of a robot in the frames of a track: visited cells, skids, pickups, deliveries."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+import math
+from collections.abc import Iterator, Sequence
+from itertools import pairwise
 
-from warehouse_core.viz.tracks.track import Frame
+from warehouse_core.render.palette import LOOK
+from warehouse_core.viz.tracks.track import Frame, Point
 from warehouse_core.world.tiles import Cell
+
+
+def skids_of(frames: Sequence[Frame], robot: int) -> Iterator[tuple[int, list[Point]]]:
+    """Yield the lines of skid marks of a robot, each with the number of the frame where it ends."""
+    for number, (before, after) in enumerate(pairwise(frames), start=1):
+        start, end = before.robots[robot], after.robots[robot]
+        if start is None or end is None or end.push is None or not end.push.skids:
+            continue
+        (x, y), (to_x, to_y) = start.at, end.at
+        apart = LOOK["skid"]["apart"] / max(math.dist(start.at, end.at), 1e-9)
+        for side in (-apart, apart):
+            right, down = side * (y - to_y), side * (to_x - x)
+            yield number, [(x + right, y + down), (to_x + right, to_y + down)]
 
 
 class History:

@@ -5,7 +5,10 @@ from __future__ import annotations
 import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from functools import cache
+from itertools import accumulate
+from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import NDArray
@@ -18,12 +21,14 @@ from warehouse_core.records.episode import UNFINISHED, Episode
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.records.held_up import held_up
 from warehouse_core.records.plans import NO_PLANS, StepPlans, check_plans
-from warehouse_core.render.palette import ORDER_COLORS
+from warehouse_core.render.palette import LOOK, ORDER_COLORS
 from warehouse_core.viz.tracks.track import (
     DrawnHit,
     FleetFrame,
     Frame,
     Pose,
+    Push,
+    Readings,
     Track,
     Waiting,
     middle,
@@ -44,6 +49,13 @@ MAX_FRAMES = 100_000
 
 MAX_POSES = 2_000_000
 """Limit on the number of poses of robots and people in all frames of continuous motions."""
+
+MAX_PUSHED = int(LOOK["battery"]["few"])
+"""Most bodies whose velocities, forces and skid marks are shown."""
+
+SKIDDING, SLOW = 0.99, 0.02
+"""Share of the largest force on slippery floor from which on a robot skids, and speed in m/s up to
+which it does not."""
 
 LATE = len(ORDER_COLORS) - 1
 """Age of an order that is late."""
@@ -100,6 +112,7 @@ def track_of_record(
         check_plans(plans, record)
     else:
         has_paths = any(len(motion.path) > 2 for motion in record.motions)
+    is_measured = has_paths or bool(record.drive)
     is_continuous = has_paths and frame_seconds is not None
     if frame_seconds is not None:
         frame_seconds = real_number("frame_seconds", frame_seconds, above=True)
@@ -109,7 +122,8 @@ def track_of_record(
     frames = [*(_fleet_frames(record, apart, plans) if record.is_fleet else _frames(record, apart))]
     settings = record.settings
     track = Track(
-        frames, record.metrics, is_continuous, title=title_of(record), slippery=record.slippery,
+        frames, record.metrics, is_continuous, is_measured, readings_of(record),
+        title=title_of(record), slippery=record.slippery,
         view_radius=settings.view_radius, motor_strength=record.motor_strength, drive=record.drive,
     )  # fmt: skip
     if record.is_fleet:
@@ -121,6 +135,8 @@ def track_of_record(
             track.ending, frames[-1].caption = diagnosis.mode, printable(diagnosis.sentence)
     if record.robots > 1:
         track.metrics, track.lateness = _fleet_metrics(record), _lateness(record)
+        if not is_measured:
+            del track.metrics["joules"]
         track.orders, track.assignments = record.orders, record.assignments
         steps, robots = np.nonzero(held_up(record))
         cells = map(record.layout.cell, record.cells[steps, robots].tolist())
@@ -171,24 +187,86 @@ def _action_words(action: str | int) -> str:
     return printable(str(action)) if index == INVALID else ACTION_WORDS[ACTIONS[index]]
 
 
+def readings_of(record: Episode) -> Readings | None:
+    """Return what the body of a single robot measured, or ``None`` without readings."""
+    motions = [] if record.is_fleet else record.motions
+    known = [motion.readings for motion in motions if motion.readings is not None]
+    if not known or len(known) < len(motions):
+        return None
+    rows, lengths = np.vstack(known), [len(readings) for readings in known]
+    path = np.vstack([motion.path for motion in motions])
+    before = [
+        [0.0, *accumulate(values)][:-1]
+        for values in zip(*((m.seconds, m.joules) for m in motions), strict=True)
+    ]
+    seconds, joules = (np.repeat(each, lengths) for each in before)
+    headings = np.column_stack([np.cos(path[:, 3]), np.sin(path[:, 3])])
+    return Readings(
+        (path[:, 0] + seconds).tolist(),
+        np.hypot(*rows[:, :2].T).tolist(),
+        (rows[:, 2:4] * headings).sum(axis=1).tolist(),
+        (rows[:, 4] + joules).tolist(),
+    )
+
+
+class Floor(NamedTuple):
+    """The floor under bodies: where it is slippery, and the force from which on they skid there.
+
+    Attributes:
+        cell_size: side of a cell in metres.
+        is_slippery: ``[H, W]`` bool.
+        limits: largest force in N of an empty and of a loaded robot on slippery floor. The grip
+            limits the force, so a robot skids where it reaches this force.
+    """
+
+    cell_size: float
+    is_slippery: NDArray[np.bool_]
+    limits: tuple[float, float] = (math.inf, math.inf)
+
+    def forces(self, motion: Outcome) -> NDArray[np.float64]:
+        """Return the force in N at each row of a path where the floor is slippery, and else 0."""
+        if motion.readings is None or not self.is_slippery.any():
+            return np.zeros(len(motion.path))
+        cells = (motion.path[:, 2:0:-1] / self.cell_size).astype(np.intp)
+        forces = np.hypot(*motion.readings[:, 2:4].T)
+        on_slippery: NDArray[np.float64] = forces * self.is_slippery[tuple(cells.T)]
+        return on_slippery
+
+
+def floor_of(record: Episode) -> Floor:
+    """Return the floor of a record."""
+    is_slippery = np.zeros((record.layout.height, record.layout.width), bool)
+    for cell in record.slippery:
+        is_slippery[cell] = True
+    floor, limits = Floor(record.cell_size, is_slippery), [0.0, 0.0]
+    if is_slippery.any():
+        motions = record.motions if record.is_fleet else [*zip(record.motions)]
+        loads = np.reshape(record.loaded, (record.steps + 1, -1))[1:]
+        for step, loaded in zip(motions, loads, strict=True):
+            for motion, load in zip(step, loaded, strict=False):
+                limits[int(load)] = max(limits[int(load)], floor.forces(motion).max())
+    return floor._replace(limits=(limits[0] or math.inf, limits[1] or math.inf))
+
+
 def _frames(record: Episode, frame_seconds: float | None) -> Iterator[Frame]:
     """Yield the frames of a single robot, one per step or one every ``frame_seconds``."""
-    rows, size = record.layout.rows, record.cell_size
-    last = Frame(rows, (Pose(middle(record.cells[0]), None, record.loaded[0]),), 0.0)
+    rows, floor = record.layout.rows, floor_of(record)
+    heading = None if frame_seconds is None else float(record.motions[0].path[0, 3])
+    last = Frame(rows, (Pose(middle(record.cells[0]), heading, record.loaded[0]),), 0.0)
     yield last
     for step, (motion, caption) in enumerate(
         zip(record.motions, step_captions(record), strict=True), start=1
     ):
         loaded = record.loaded[step]
         if frame_seconds is not None:
-            along = frames_along(last, [motion], [loaded], size, frame_seconds, caption)
+            along = frames_along(last, [motion], [loaded], floor, frame_seconds, caption)
             for last in along:
                 yield last
             continue
         pose = Pose(middle(record.cells[step]), float(motion.path[-1, 3]), loaded)
-        hits = tuple(hit_of(contact, size, "") for contact in motion.contacts)
-        clock, energy = last.clock + motion.seconds, last.energy + motion.joules
-        last = Frame(rows, (pose,), float(step), caption, hits, clock, energy=energy)
+        hits = tuple(hit_of(contact, record.cell_size) for contact in motion.contacts)
+        energy = last.energy + motion.joules if record.drive else 0.0
+        last = Frame(rows, (pose,), float(step), caption, hits, last.clock + motion.seconds, energy)
         yield last
 
 
@@ -198,8 +276,8 @@ def _fleet_frames(
     """Yield the frames of a fleet, one per step or one every ``frame_seconds``."""
     orders, bodies = _Orders(episode), np.hstack([episode.cells, episode.people])
     no_items = [False] * episode.people.shape[1]
-    layout, rows, size = episode.layout, episode.layout.rows, episode.cell_size
-    used = _joules_used(episode)
+    layout, rows, floor = episode.layout, episode.layout.rows, floor_of(episode)
+    used = _joules_used(episode) if episode.motions else [0.0] * (episode.steps + 1)
 
     @cache
     def pose_of(cell: int, heading: float | None, is_loaded: bool) -> Pose:
@@ -212,21 +290,21 @@ def _fleet_frames(
         fleet, caption = orders.at(step)._replace(plans=now), orders.caption(step)
         if step and frame_seconds is not None:
             motions, before = episode.motions[step - 1], last.fleet
-            along = frames_along(last, motions, loaded, size, frame_seconds, caption)
+            along = frames_along(last, motions, loaded, floor, frame_seconds, caption)
             for last in along:
-                last.hits = tuple(DrawnHit(hit.at, "", hit.robot) for hit in last.hits)
-                last.fleet = fleet if last.progress == step else before
-                last.energy = float(
-                    np.interp(last.progress, (step - 1, step), used[step - 1 :][:2])
-                )
+                last.hits = tuple(replace(hit, label="") for hit in last.hits)
+                is_complete = last.progress == step
+                last.fleet = fleet if is_complete else before
+                last.energy = used[step if is_complete else step - 1]
                 yield last
         else:
+            if frame_seconds is not None and episode.motions:
+                headings = [float(motion.path[0, 3]) for motion in episode.motions[0]]
             keys = zip(bodies[step].tolist(), headings, loaded, strict=True)
             poses = tuple([pose_of(*key) for key in keys])
             hits = _hits(episode, step - 1) if step else ()
             clock = last.clock + float(episode.seconds[step - 1].max()) if step else 0.0
-            energy = used[step]
-            last = Frame(rows, poses, float(step), caption, hits, clock, energy=energy, fleet=fleet)
+            last = Frame(rows, poses, float(step), caption, hits, clock, used[step], fleet=fleet)
             yield last
 
 
@@ -363,32 +441,39 @@ def frames_along(
     start: Frame,
     motions: Sequence[Outcome],
     loaded: Sequence[bool],
-    cell_size: float,
+    floor: Floor,
     frame_seconds: float,
     caption: str,
 ) -> Iterator[Frame]:
     """Yield the frames of one step along the paths of all bodies, ending where the paths end.
 
+    A step that takes no time has one frame.
+
     Args:
         start: frame before the step.
         motions: motion of each body.
         loaded: true for each body that holds an item after the step.
-        cell_size: side of a cell in metres.
+        floor: floor under the bodies.
         frame_seconds: simulated time between two frames.
         caption: caption of the frames.
     """
-    seconds, joules = max(motion.seconds for motion in motions), motions[0].joules
+    seconds = max(motion.seconds for motion in motions)
     count = max(1, round(seconds / frame_seconds))
     times = [seconds * frame / count for frame in range(count + 1)]
     paths = [
         [np.interp(times, motion.path[:, 0], motion.path[:, axis]).tolist() for axis in (1, 2, 3)]
         for motion in motions
     ]
-    (xs, ys, _), *_ = paths
+    is_small, size = len(motions) <= MAX_PUSHED, floor.cell_size
+    pushes = [
+        _pushes(motion, floor, times, load) if is_small else [None] * len(times)
+        for motion, load in zip(motions, loaded, strict=True)
+    ]
+    energy = _energy(motions[0], times)
     hits: list[list[DrawnHit]] = [[] for _ in times]
     for robot, motion in enumerate(motions):
         for contact in motion.contacts:
-            hit = hit_of(contact, cell_size, f"{contact.impulse:.0f} N·s", robot)
+            hit = hit_of(contact, size, impulse_words(contact.impulse), robot)
             end = bisect_right(times, contact.seconds + FLASH_SECONDS)
             for number in range(bisect_left(times, contact.seconds), end):
                 hits[number].append(hit)
@@ -396,13 +481,15 @@ def frames_along(
         is_last = k == count
         poses = [
             Pose(
-                (x[k] / cell_size, y[k] / cell_size),
+                (x[k] / size, y[k] / size),
                 angle[k],
                 after if is_last else before is not None and before.loaded,
+                push[k],
             )
-            for (x, y, angle), before, after in zip(paths, start.robots, loaded, strict=True)
+            for (x, y, angle), push, before, after in zip(
+                paths, pushes, start.robots, loaded, strict=True
+            )
         ]
-        moved = math.dist((xs[k - 1], ys[k - 1]), (xs[k], ys[k]))
         yield Frame(
             start.tiles,
             tuple(poses),
@@ -412,12 +499,57 @@ def frames_along(
                 {hit.at: hit for hit in hits[k]}.values()
             ),  # both robots of a collision report it
             start.clock + (seconds if is_last else times[k]),
-            moved / (times[k] - times[k - 1]),
-            start.energy + joules * k / count,
+            start.energy + energy[k],
         )
 
 
-def hit_of(contact: Contact, cell_size: float, label: str, robot: int = 0) -> DrawnHit:
-    """Return the hit to draw for a contact, whose point is in metres."""
+def _pushes(
+    motion: Outcome, floor: Floor, times: Sequence[float], load: bool
+) -> Sequence[Push | None]:
+    """Return the push of a body at some times of a motion.
+
+    It skids if it skidded at any time since the time before.
+    """
+    readings = motion.readings
+    if readings is None:
+        return [None] * len(times)
+    known = motion.path[:, 0]
+    rows = np.searchsorted(known, times).clip(max=len(known) - 1)
+    vx, vy = (np.interp(times, known, readings[:, axis]).tolist() for axis in (0, 1))
+    is_skidding = (floor.forces(motion) >= SKIDDING * floor.limits[load]) & (
+        np.hypot(*readings[:, :2].T) > SLOW
+    )
+    skidded = is_skidding.cumsum()[rows]
+    return [
+        Push(velocity, (fx, fy), skids)
+        for velocity, (fx, fy), skids in zip(
+            zip(vx, vy, strict=True),
+            readings[rows, 2:4].tolist(),
+            (np.diff(skidded, prepend=0) > 0).tolist(),
+            strict=True,
+        )
+    ]
+
+
+def _energy(motion: Outcome, times: Sequence[float]) -> list[float]:
+    """Return the energy used at some times of a motion; if it is unknown, only at the end."""
+    if motion.readings is None:
+        return [0.0] * (len(times) - 1) + [motion.joules]
+    used: list[float] = np.interp(times, motion.path[:, 0], motion.readings[:, 4]).tolist()
+    return used
+
+
+def impulse_words(impulse: float) -> str:
+    """Return an impulse in N·s as text, with a decimal if it is below 10."""
+    return f"{impulse:.{0 if impulse >= 9.95 else 1}f} N·s"
+
+
+def hit_of(contact: Contact, cell_size: float, label: str = "", robot: int = 0) -> DrawnHit:
+    """Return the hit to draw for a contact, whose point is in metres.
+
+    The area of a labelled burst is proportional to the impulse, within limits.
+    """
     x, y = contact.point
-    return DrawnHit((x / cell_size, y / cell_size), label, robot)
+    usual, least, most = LOOK["burst"].values()
+    size = min(max(math.sqrt(contact.impulse / usual), least), most) if label else 1.0
+    return DrawnHit((x / cell_size, y / cell_size), label, robot, size)

@@ -5,6 +5,8 @@ from __future__ import annotations
 from collections.abc import Iterator, Sequence
 from typing import Literal, NamedTuple
 
+import numpy as np
+
 from warehouse_core.viz.tracks.track import Track
 
 SeriesKind = Literal["line", "thin", "steps", "bars", "dots"]
@@ -51,12 +53,16 @@ def series_of(track: Track, times: Sequence[float]) -> Iterator[Series]:
     if track.counts_orders:
         yield from _series_of_orders(track, steps)
         return
-    if track.is_continuous:
-        speeds = [frame.speed for frame in track.frames]
-        yield Series("Speed (m/s)", "speed", "line", "battery", times, speeds)
-    used = [frame.energy for frame in track.frames]
-    if any(used):
-        yield Series("Energy used (J)", "energy", "line", INK, times, used)
+    if track.readings:
+        # The frames are too far apart to show the highest speeds and forces.
+        measured, speeds, forces, energy = track.readings
+        moments = np.interp(measured, [frame.clock for frame in track.frames], times).tolist()
+        yield Series("Speed (m/s)", "speed", "line", "velocity", moments, speeds)
+        yield Series("Motor force (N)", "along the heading", "line", "force", moments, forces)
+        yield Series("Energy used (J)", "energy", "line", INK, moments, energy)
+    elif track.is_measured:
+        used = [track.frames[end].energy for end in track.ends]
+        yield Series("Energy used (J)", "energy", "line", INK, steps, used)
 
 
 def _series_of_orders(track: Track, steps: Sequence[float]) -> Iterator[Series]:
@@ -73,5 +79,6 @@ def _series_of_orders(track: Track, steps: Sequence[float]) -> Iterator[Series]:
     )
     yield Series("Battery (%)", "mean", "line", "battery", steps, mean)
     yield Series("Battery (%)", "lowest", "thin", WARNING, steps, lowest)
-    used = [joules / 1000 for joules in metrics["joules"]]
-    yield Series("Energy used (kJ)", "energy", "line", INK, steps, used)
+    if "joules" in metrics:
+        used = [joules / 1000 for joules in metrics["joules"]]
+        yield Series("Energy used (kJ)", "energy", "line", INK, steps, used)

@@ -40,9 +40,21 @@ def signs_of(track: Track) -> list[Sign]:
 def _robots(track: Track) -> Iterator[Sign]:
     """Yield the signs of robots, people, items, batteries, plans and trails."""
     poses = [pose for frame in track.frames for pose in frame.robots if pose is not None]
-    for letter, is_loaded in ((ROBOT_EMPTY, False), (ROBOT_LOADED, True)):
-        if any(pose.loaded == is_loaded for pose in poses):
-            yield (letter, WORDS[letter]) if track.is_fleet else _with_letter(letter)
+    loads = {pose.loaded for pose in poses}
+    if track.is_continuous:
+        pushes = [pose.push for pose in poses if pose.push]
+        yield from _named(
+            chassis=False in loads,
+            chassis_loaded=True in loads,
+            velocity=any(any(push.velocity) for push in pushes),
+            force=any(any(push.force) for push in pushes),
+            brake=any(push.brakes for push in pushes),
+            skid=any(push.skids for push in pushes),
+        )
+    else:
+        for letter, is_loaded in ((ROBOT_EMPTY, False), (ROBOT_LOADED, True)):
+            if is_loaded in loads:
+                yield (letter, WORDS[letter]) if track.is_fleet else _with_letter(letter)
     if not track.is_fleet:
         yield from _traces(track, has_item=any(pose.loaded for pose in poses))
         return

@@ -30,6 +30,9 @@ CONTINUOUS_FRAMES = 3
 LONG_SECONDS = 100
 """Duration, in seconds, up to which the clock of an episode shows tenths of a second."""
 
+BRAKING_POWER = 1.0
+"""Power in W that a motor takes out of the motion of a body when its brake light goes on."""
+
 MIN_PACE, MAX_PACE = 1e-6, 1e9
 """Limits on the playing speed, and on the milliseconds between frames."""
 
@@ -42,26 +45,61 @@ Point = tuple[float, float]
 
 @dataclass(frozen=True, slots=True)
 class DrawnHit:
-    """A collision: its position in cells, the label next to it, and the index of the robot."""
+    """A collision: its position in cells, its label, the index of the robot, and its size.
+
+    The size is a factor on the size of its burst, which grows with the impulse.
+    """
 
     at: Point
     label: str
     robot: int = 0
+    size: float = 1.0
+
+
+class Push(NamedTuple):
+    """What moves a body: its velocity in m/s, the force of its motor in N, and whether it skids."""
+
+    velocity: Point
+    force: Point
+    skids: bool = False
+
+    @property
+    def brakes(self) -> bool:
+        """Whether the motor works against the motion."""
+        (vx, vy), (fx, fy) = self.velocity, self.force
+        return vx * fx + vy * fy < -BRAKING_POWER
 
 
 @dataclass(frozen=True, slots=True)
 class Pose:
-    """The position of a robot in cells, its heading (radians, or ``None``), and its load.
+    """The position of a robot in cells, its heading (radians, or ``None``), load and push.
 
     Example:
         >>> from warehouse_core.viz.tracks import Pose
         >>> Pose(at=(1.5, 2.5), heading=None, loaded=True)
-        Pose(at=(1.5, 2.5), heading=None, loaded=True)
+        Pose(at=(1.5, 2.5), heading=None, loaded=True, push=None)
     """
 
     at: Point
     heading: float | None
     loaded: bool
+    push: Push | None = None
+
+
+class Readings(NamedTuple):
+    """What a body measured in an episode, in ``K`` rows in the order of time.
+
+    Attributes:
+        times: ``[K]`` times on the clock of the track, in seconds.
+        speeds: ``[K]`` speeds in m/s.
+        forces: ``[K]`` forces of the motor along the heading in N, negative if it brakes.
+        energy: ``[K]`` energy used so far in J.
+    """
+
+    times: Sequence[float]
+    speeds: Sequence[float]
+    forces: Sequence[float]
+    energy: Sequence[float]
 
 
 class Waiting(NamedTuple):
@@ -120,8 +158,7 @@ class Frame:
         caption: action and its reason; in the last frame of an episode its diagnosis.
         hits: collisions to show.
         clock: simulated seconds; 0 in all frames if the track has no motions.
-        speed: speed of the first robot, in m/s.
-        energy: energy used so far by all robots, in joules.
+        energy: energy used so far by all robots, in joules; 0 if no bodies measure it.
         route: points of the planned path of the robot; empty if no plan is shown.
         fleet: orders, batteries and plans of a fleet.
 
@@ -139,7 +176,6 @@ class Frame:
     caption: str = ""
     hits: tuple[DrawnHit, ...] = ()
     clock: float = 0.0
-    speed: float = 0.0
     energy: float = 0.0
     route: tuple[Point, ...] = ()
     fleet: FleetFrame | None = None
@@ -154,7 +190,12 @@ class Track:
         metrics: ``[S]`` values of each of ``METRICS``, by name, NaN where nothing is drawn. For a
             fleet: orders released, orders delivered and joules used so far, and battery levels as
             shares of a full battery.
-        is_continuous: true if there are frames within steps, which have a speed.
+        is_continuous: true if there are frames within steps. Robots then glide from frame to frame
+            and look like machines. Otherwise they are discs that jump from cell to cell.
+        is_measured: true if bodies measured the clock and the energy. The grid has no seconds and
+            no joules of its own; its clock only sets the pace.
+        readings: speed, force and energy of the body of a single robot, for charts; ``None`` if its
+            motions have no readings.
         full_battery: units of a full battery.
         title: title, shown above the grid.
         ending: outcome, shown with the last frame.
@@ -184,6 +225,8 @@ class Track:
     frames: list[Frame]
     metrics: Mapping[str, Sequence[float]]
     is_continuous: bool = False
+    is_measured: bool = False
+    readings: Readings | None = None
     full_battery: float = 1.0
     title: str = ""
     ending: str = ""

@@ -20,6 +20,8 @@ export function trackOf(bodies, changes = {}) {
     progress: counting,
     x: column(0),
     y: column(1),
+    vx: [],
+    skid: [],
     load: Int8Array.from(column(2)),
     heading: bodies.flatMap((poses) => poses.map((pose) => pose[3] ?? 127)),
     hits: hitsOf([]),
@@ -39,7 +41,7 @@ export function trackOf(bodies, changes = {}) {
 /** Return hits, given as [frame, x, y, robot] in the order of their frames. */
 export function hitsOf(hits) {
   const [frame, x, y, robot] = [0, 1, 2, 3].map((part) => hits.map((hit) => hit[part]));
-  return { frame, x, y, robot, labels: ["12 N·s"], labelAt: hits.map(() => 0) };
+  return { frame, x, y, robot, size: hits.map(() => 1), labels: ["12 N·s"], labelAt: hits.map(() => 0) };
 }
 
 /** Return one body that is in the middle of each cell of a row in turn. */

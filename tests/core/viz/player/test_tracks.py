@@ -2,11 +2,13 @@ import math
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 import pytest
 from helpers.fleets import fleet_episode
 from helpers.player import page_in, said_by
 
 from agents.run_episode import run_episode
+from warehouse_core.records.drive_summary import drive_summary
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.viz.player import player_frame, player_page, save_page
 from warehouse_core.viz.player.tracks import Columns
@@ -49,13 +51,19 @@ def test_a_page_that_is_to_open_at_no_moment_is_refused(opens_at: Any, track: Tr
         player_page([track], opens_at=opens_at)
 
 
-def test_a_page_of_a_body_charts_its_speed_at_every_frame() -> None:
-    track = track_of_record(run_episode(backend="physics", seed=12))
+def test_a_page_of_a_body_charts_the_speeds_that_it_measured() -> None:
+    record = run_episode(backend="physics", seed=12)
+    track, summary = track_of_record(record), drive_summary(record)
+    assert summary is not None
     charts = {each["title"]: each["series"] for each in said_by(player_page([track]))["charts"]}
     [speed] = charts["Speed (m/s)"]
-    assert speed["x"] == pytest.approx([frame.clock for frame in track.frames], abs=1e-3)
-    assert speed["y"] == pytest.approx([frame.speed for frame in track.frames], abs=1e-3)
-    assert max(speed["y"]) > 0.5
+    assert np.trapezoid(speed["y"], speed["x"]) == pytest.approx(summary.distance, rel=0.01)
+    assert max(speed["y"]) == pytest.approx(summary.top_speed) == pytest.approx(1.0, abs=1e-6)
+    [energy] = charts["Energy used (J)"]
+    assert energy["y"][-1] == pytest.approx(record.joules, rel=1e-6)
+    assert energy["x"] == speed["x"]
+    [force] = charts["Motor force (N)"]
+    assert (min(force["y"]), max(force["y"])) == pytest.approx((-42.64, 60), abs=0.01)
 
 
 @pytest.mark.parametrize("values", [[2**31 - 0.4], [0, 2**31 - 1, -1], [math.nan], [math.inf] * 2])

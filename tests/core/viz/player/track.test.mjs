@@ -25,8 +25,27 @@ test("a heading turns the short way round", () => {
   assert.equal(angleBetween(60, 60, 0.3), 60);
 });
 
-test("a robot glides between two frames and keeps its load until the second", () => {
+const BODY = { isContinuous: true };
+
+test("a robot on the grid jumps to the next cell, with its heading and its caption", () => {
   const track = trackOf([[[0.5, 0.5, 0, 0], [1.5, 0.5, 1, 30]]]);
+  assert.deepEqual(track.pose(0, track.at(0.99)), { x: 0.5, y: 0.5, heading: 0, load: 0 });
+  assert.deepEqual(track.pose(0, track.at(1)), { x: 1.5, y: 0.5, heading: Math.PI / 2, load: 1 });
+  assert.deepEqual([0.99, 1].map((time) => track.caption(track.at(time))), ["caption 0", "caption 1"]);
+  assert.deepEqual([0.99, 1].map((time) => track.stepAt(time)), [0, 1]);
+});
+
+test("a body has the velocity of the moment, the force until the next frame, and a brake light", () => {
+  const push = { vx: [0, 1, 0], vy: [0, 0, 0], fx: [40, 57, -42], fy: [0, 0, 0] };
+  const track = trackOf([along([0, 1, 2])], { ...BODY, ...push });
+  assert.deepEqual(track.push(0, track.at(0.25)), { velocity: [0.25, 0], force: [57, 0], brakes: false });
+  assert.deepEqual(track.push(0, track.at(1.75)), { velocity: [0.25, 0], force: [-42, 0], brakes: true });
+  assert.equal(track.push(0, track.at(1.99)).brakes, false, "it stands almost still");
+  assert.equal(trackOf([along([0, 1])], BODY).push(0, { frame: 0 }), null);
+});
+
+test("a body glides between two frames and keeps its load until the second", () => {
+  const track = trackOf([[[0.5, 0.5, 0, 0], [1.5, 0.5, 1, 30]]], BODY);
   assert.deepEqual(track.pose(0, track.at(0.25)), { x: 0.75, y: 0.5, heading: (7.5 / 120) * 2 * Math.PI, load: 0 });
   assert.deepEqual(track.pose(0, track.at(1)), { x: 1.5, y: 0.5, heading: Math.PI / 2, load: 1 });
 });
@@ -40,7 +59,7 @@ test("times before the start and after the end are those", () => {
 });
 
 test("a robot that is not shown in a frame has no pose there and does not glide to it", () => {
-  const track = trackOf([[[4.5, 4.5, 0], [0, 0, -1], [5.5, 4.5, 0]]]);
+  const track = trackOf([[[4.5, 4.5, 0], [0, 0, -1], [5.5, 4.5, 0]]], BODY);
   assert.deepEqual(track.pose(0, track.at(0.5)), { x: 4.5, y: 4.5, heading: null, load: 0 });
   assert.equal(track.pose(0, track.at(1)), null);
   assert.equal(track.pose(0, track.at(1.5)), null);
@@ -48,7 +67,7 @@ test("a robot that is not shown in a frame has no pose there and does not glide 
 });
 
 test("an unknown heading is none, until it is known", () => {
-  const track = trackOf([[[0.5, 0.5, 0], [0.5, 0.5, 0, 30], [0.5, 0.5, 0]]]);
+  const track = trackOf([[[0.5, 0.5, 0], [0.5, 0.5, 0, 30], [0.5, 0.5, 0]]], BODY);
   assert.equal(track.pose(0, track.at(0)).heading, null);
   assert.equal(track.pose(0, track.at(0.5)).heading, Math.PI / 2);
   assert.equal(track.pose(0, track.at(1.5)).heading, null);
@@ -62,7 +81,7 @@ test("a cell has the row and the column that its number stands for", () => {
 test("frames within a step belong to it, and each step has the frame in which it is complete", () => {
   const progress = [0, 0.5, 1, 4 / 3, 5 / 3, 2];
   const time = [0, 2, 4, 5, 6, 7];
-  const track = trackOf([along([0, 0, 1, 1, 1, 2])], { time, progress });
+  const track = trackOf([along([0, 0, 1, 1, 1, 2])], { time, progress, ...BODY });
   assert.deepEqual(track.stepFrames, [0, 2, 5]);
   assert.deepEqual([0, 1, 2, 3].map((step) => track.timeOf(step)), [0, 4, 7, 7]);
   assert.deepEqual([0, 0.1, 2, 4, 4.1, 6.9, 7].map((at) => track.stepAt(at)), [0, 1, 1, 1, 2, 2, 2]);
@@ -71,7 +90,7 @@ test("frames within a step belong to it, and each step has the frame in which it
 });
 
 test("the caption is that of the step under way", () => {
-  const track = trackOf([along([0, 1, 2])]);
+  const track = trackOf([along([0, 1, 2])], BODY);
   assert.equal(track.caption(track.at(1)), "caption 1");
   assert.equal(track.caption(track.at(1.1)), "caption 2");
   track.captionsNext = true;
@@ -83,7 +102,7 @@ test("each frame has its own hits", () => {
   const track = trackOf([along([0, 0, 0]), along([1, 1, 1])], { hits });
   const shown = [0, 1, 2].map((frame) => track.hitsIn(frame).map((hit) => hit.x));
   assert.deepEqual(shown, [[1], [], [2, 3]]);
-  assert.deepEqual(track.hitsIn(2)[0], { x: 2, y: 2, robot: 1, label: "12 N·s" });
+  assert.deepEqual(track.hitsIn(2)[0], { x: 2, y: 2, robot: 1, size: 1, label: "12 N·s" });
 });
 
 test("a hit that is shown for several frames is one event, and in steps each is one", () => {

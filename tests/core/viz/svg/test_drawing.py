@@ -1,5 +1,6 @@
 """Animated drawings, sampled at the time of each frame as SMIL defines it."""
 
+import math
 import re
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
@@ -12,12 +13,13 @@ from helpers.fleets import fleet_episode
 from helpers.pictures import HOSTILE_NAMES, named, replay_of, short_episode
 
 from agents.lab.commands.run import run_episode
-from warehouse_core import FleetEpisode, Layout
+from warehouse_core import EpisodeRecorder, FleetEpisode, Layout, WarehouseEnv
 from warehouse_core.errors import FormatError
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.atlas import UNSEEN
 from warehouse_core.viz.svg import animated_svg, drawing
 from warehouse_core.viz.svg.drawing import REST_SECONDS
+from warehouse_core.viz.tracks.history import skids_of
 from warehouse_core.viz.tracks.record_track import track_of_record
 from warehouse_core.viz.tracks.track import (
     CONTINUOUS_FRAMES,
@@ -25,6 +27,7 @@ from warehouse_core.viz.tracks.track import (
     Frame,
     Marks,
     Pose,
+    Push,
     Track,
 )
 from warehouse_core.wording import seconds_of
@@ -97,11 +100,11 @@ def _numbers(text: str) -> list[float]:
 
 
 def places(shown: Drawing, frame: int, look: str) -> list[tuple[float, ...]]:
-    """Return the innermost places of the circles of a colour, in cells."""
+    """Return the innermost places of the discs and the chassis of a colour, in cells."""
     return [
-        tuple(part / 100 for part in attributes["at"][-1])
-        for each, attributes in shown.shown(frame)
-        if each.tag == f"{SVG}circle" and attributes["class"] == f"{look} of-rim"
+        tuple(part / 100 for part in [at for at in attributes["at"] if len(at) == 2][-1])
+        for _, attributes in shown.shown(frame)
+        if attributes.get("class") == f"{look} of-rim"
     ]
 
 
@@ -128,7 +131,7 @@ def test_the_robot_its_load_battery_and_words_are_those_of_each_frame(backend: s
         assert near(places(shown, number, "loaded" if pose.loaded else "robot"), [pose.at])
         assert places(shown, number, "robot" if pose.loaded else "loaded") == []
         words = shown.texts(number)
-        assert words.count("r" if pose.loaded else "R") == 1
+        assert words.count("r" if pose.loaded else "R") == (not track.is_continuous)
         level = track.metrics["battery"][track.step_at(number)]
         assert f"battery {level:g} of 200" in words
         assert not frame.caption or " ".join(words).count(frame.caption.split(";")[0]) == 1
@@ -316,3 +319,68 @@ def test_a_replay_is_saved_as_a_moving_drawing_or_a_still_one(tmp_path: Path) ->
     assert 'dur="2.55s"' in moves, "seven frames and a rest, at twice the speed"
     with pytest.raises(TypeError, match="still is 1"):
         replay.save(tmp_path / "x.svg", still=1)  # type: ignore[arg-type]
+
+
+# Bodies.
+
+
+@pytest.mark.parametrize("drive", ["omnidirectional", "differential"])
+def test_a_body_has_its_drive_arrows_and_brake_light_in_each_frame(drive: str) -> None:
+    track = track_of_record(run_episode("greedy", f"physics:drive={drive}", seed=12))
+    shown = Drawing(track)
+    for number in range(0, 60, 4):
+        [pose] = track.frames[number].robots
+        assert pose is not None
+        seen = classes(shown, number)
+        assert seen.count("rim") == (2 if drive == "differential" else 0), "wheels"
+        assert seen.count("of-rim ring") == (drive == "omnidirectional")
+        push = pose.push or Push((0.0, 0.0), (0.0, 0.0))
+        assert seen.count("brake of-rim") == push.brakes
+        for name, scale in (("velocity", 0.7), ("force", 0.011)):
+            lines = [a for _, a in shown.shown(number) if a.get("class") == f"of-{name}"]
+            along = getattr(push, name)
+            length = scale * math.hypot(*along)
+            assert len(lines) == (length > 0.06)
+            for line in lines:
+                tip = [value[0] if isinstance(value, list) else float(value)
+                       for value in (line["x2"], line["y2"])]  # fmt: skip
+                expected = [100 * (0.3 + length) * part / math.hypot(*along) for part in along]
+                assert tip == pytest.approx(expected, abs=3)
+
+
+def test_skid_marks_appear_at_the_end_of_their_step_and_stay() -> None:
+    track = track_of_record(run_episode("greedy", "physics:grip=0.05", seed=12, max_steps=6))
+    shown = Drawing(track)
+    frames = [track.frames[number] for number, _ in skids_of(track.frames, 0)]
+    ends = sorted({math.ceil(frame.progress) for frame in frames})
+    assert len(ends) > 2
+    marks = [classes(shown, end).count("of-dark skid") for end in track.ends]
+    assert marks == [sum(step <= now for step in ends) for now in range(track.steps + 1)]
+
+
+def test_a_hit_has_the_size_and_the_words_of_its_impulse() -> None:
+    env = WarehouseEnv(backend="physics")
+    env.reset()
+    recorder = EpisodeRecorder(env, seed=None)
+    recorder.step("N")
+    track = track_of_record(recorder.episode)
+    number, [hit] = next((n, frame.hits) for n, frame in enumerate(track.frames) if frame.hits)
+    shown = Drawing(track)
+    assert hit.label == "28 N·s"
+    assert "28 N·s" in shown.texts(number)
+    [star] = [a for _, a in shown.shown(number) if a.get("class") == "hit of-rim"]
+    *_, (x, y, size) = star["at"]
+    assert (x / 100, y / 100, size) == pytest.approx((*hit.at, hit.size), abs=0.01)
+
+
+def test_a_robot_on_the_grid_jumps_and_a_ghost_too() -> None:
+    track = track_of_record(run_episode("greedy", "grid", seed=12, max_steps=3))
+    track.ghost = [(step + 0.5, 0.5) for step in range(len(track))]
+    root = ElementTree.fromstring(animated_svg([track]))
+    moves = [each for each in root.iter() if each.tag.startswith(f"{SVG}animate")]
+    assert moves
+    assert {each.get("calcMode") for each in moves} == {"discrete"}
+    shown = Drawing(track)
+    ghosts = [[a["at"][-1] for _, a in shown.shown(n) if a.get("class") == "ghost of-ink"]
+              for n in range(len(track))]  # fmt: skip
+    assert ghosts == [[(100 * n + 50, 50)] for n in range(len(track))]

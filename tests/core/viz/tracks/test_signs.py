@@ -1,5 +1,6 @@
 """The signs of the legend, by what the frames of a track have."""
 
+from dataclasses import replace
 from typing import Any
 
 import pytest
@@ -7,7 +8,16 @@ import pytest
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.render.palette import LOOK
 from warehouse_core.viz.tracks.signs import signs_of
-from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Frame, Marks, Pose, Track, Waiting
+from warehouse_core.viz.tracks.track import (
+    DrawnHit,
+    FleetFrame,
+    Frame,
+    Marks,
+    Pose,
+    Push,
+    Track,
+    Waiting,
+)
 
 FLOOR = ("...", "...", "...")
 ROBOT = "R robot (empty)"
@@ -87,6 +97,29 @@ def test_hits_plans_and_searches_have_signs() -> None:
     track = Track([Frame(("PD.",), (), 0.0, route=frames[0].route)], {}, marks=marks)
     assert of_track(track) == {"expanded", "path", "S start, G goal"}
     assert signs_of(track)[0] == ("#ff0000", "expanded")
+
+
+def test_bodies_have_signs_of_what_their_pictures_show() -> None:
+    poses = [Pose((0.5, 0.5), 0.0, loaded) for loaded in (False, True)]
+    pushes = (
+        Push((1.0, 0.0), (0.0, 0.0)),
+        Push((1.0, 0.0), (-9.0, 0.0)),
+        Push((0.0, 0.0), (2.0, 0.0), skids=True),
+    )
+    pushed = [replace(poses[0], push=push) for push in pushes]
+    words = [
+        of_track(Track([Frame((".",), (pose,), 0.0)], {}, is_continuous=True))
+        for pose in (*poses, *pushed)
+    ]
+    assert words == [
+        {"robot (empty)"},
+        {"robot (loaded)", "item"},
+        {"robot (empty)", "velocity"},
+        {"robot (empty)", "velocity", "force of the motor", "brake light"},
+        {"robot (empty)", "force of the motor", "skid marks"},
+    ]
+    ghost = Track([Frame((".",), (poses[0],), 0.0)], {}, is_continuous=True, ghost=[(0.5, 0.5)])
+    assert of_track(ghost) == {"robot (empty)", "ghost of the other robot"}
 
 
 def test_orders_of_a_fleet_have_signs_by_their_age() -> None:

@@ -8,10 +8,20 @@ import pytest
 from helpers.fleets import fleet_episode
 from helpers.pictures import HOSTILE_NAMES, named, short_episode
 
+from agents.run_episode import run_episode
 from warehouse_core import Episode, RecordError
 from warehouse_core.motion.base import Contact
+from warehouse_core.records.drive_summary import drive_summary
 from warehouse_core.viz.tracks.grid_track import track_of_frames
-from warehouse_core.viz.tracks.record_track import frames_along, track_of_record
+from warehouse_core.viz.tracks.history import skids_of
+from warehouse_core.viz.tracks.record_track import (
+    Floor,
+    frames_along,
+    hit_of,
+    impulse_words,
+    track_of_record,
+)
+from warehouse_core.viz.tracks.series import series_of
 from warehouse_core.viz.tracks.track import OUTER, Frame, Pose, TileRows, Track
 
 
@@ -208,6 +218,9 @@ def test_the_fullest_battery_counts_as_full() -> None:
 # Tracks of continuous motions.
 
 
+DRY = Floor(1.0, np.zeros((3, 5), bool))
+
+
 def straight_on(seconds: float = 2.0) -> np.ndarray:
     """Return a path of 1 m to the east at constant speed, with a row every 0.1 s."""
     times = np.linspace(0, seconds, 21)
@@ -233,14 +246,17 @@ def test_a_continuous_motion_has_a_frame_for_each_interval() -> None:
     assert [track.step_at(frame) for frame in (0, 1, 2, 7, 10)] == [0, 0, 1, 3, 4]
 
 
-def test_the_clock_speed_and_energy_run_through_all_motions() -> None:
+def test_the_clock_and_energy_run_through_all_motions_and_without_readings_in_steps() -> None:
     track = continuous_track()
     assert track.clocks == pytest.approx([0, 1, 2, 3, 5, 6, 7])
     assert all(a.clock < b.clock for a, b in pairwise(track.frames))
-    inside = [each.speed for each in track.frames if 3 < each.progress <= 4]
-    assert inside == pytest.approx([0.5] * 4)
     joules = [motion.joules for motion in short_episode().motions]
     assert track.frames[-1].energy == pytest.approx(sum(joules) - joules[3] + 100.0)
+    inside = [each.energy for each in track.frames if 3 <= each.progress <= 4]
+    assert np.diff(inside) == pytest.approx([0, 0, 0, 100])
+    titles = {series.chart for series in series_of(track, [each.clock for each in track.frames])}
+    assert "Energy used (J)" in titles
+    assert "Speed (m/s)" not in titles, "a speed is measured, not a difference of positions"
 
 
 def test_a_hit_is_shown_from_its_time_on_with_its_impulse() -> None:
@@ -257,15 +273,16 @@ def test_the_time_between_frames_must_be_positive(record: Episode, seconds: floa
         track_of_record(record, seconds)
 
 
-def test_a_track_on_the_grid_has_the_clock_and_energy_of_its_motions() -> None:
+def test_a_track_on_the_grid_has_a_clock_for_its_pace_but_no_energy() -> None:
     episode = short_episode()
     slow = episode.motions[2]._replace(seconds=4.0, joules=70.0)
     motions = [*episode.motions[:2], slow, *episode.motions[3:]]
     track = track_of_record(dataclasses.replace(episode, motions=motions))
     assert track.clocks == [0, 1, 2, 6, 7, 8, 9]
-    energy = [frame.energy for frame in track.frames]
-    assert energy[3] - energy[2] == pytest.approx(70)
-    assert energy[-1] == pytest.approx(sum(motion.joules for motion in motions))
+    assert not track.is_measured
+    assert {frame.energy for frame in track.frames} == {0}
+    titles = {series.chart for series in series_of(track, track.clocks)}
+    assert titles == {"Reward", "Distance (cells)"}
 
 
 def test_frames_of_two_robots_have_the_poses_of_both_and_a_common_hit_once() -> None:
@@ -276,7 +293,7 @@ def test_frames_of_two_robots_have_the_poses_of_both_and_a_common_hit_once() -> 
         contacts=(contact._replace(counterpart="robot 0"),),
     )
     start = Frame((".....",), (Pose((2.5, 1.5), None, False), Pose((4.5, 1.5), None, True)), 3.0)
-    frames = list(frames_along(start, [east, west], [True, False], 1.0, 1.0, "both"))
+    frames = list(frames_along(start, [east, west], [True, False], DRY, 1.0, "both"))
     assert [frame.progress for frame in frames] == [3.5, 4.0]
     found = [[pose.at[0] for pose in frame.robots if pose] for frame in frames]
     assert found == [pytest.approx([3.0, 4.0]), pytest.approx([3.5, 3.5])]
@@ -302,3 +319,60 @@ def test_a_border_of_walls_is_not_shown_whole(rows: list[str], outer: float) -> 
     frames = [Frame(tuple(each), (), 0.0) for each in (rows, ["###"] * 3)]
     assert Track(frames[:1], {}).outer == Track(frames, {}).outer == outer
     assert Track(frames[:1], {}).shown_size == (len(rows[0]) - 2 * outer, len(rows) - 2 * outer)
+
+
+# Bodies.
+
+
+def test_speeds_of_a_chart_add_up_to_the_distance_and_contain_their_extremes() -> None:
+    for backend in ("physics", "physics:drive=differential", "physics:grip=0.05"):
+        record = run_episode(backend=backend, seed=12, max_steps=40)
+        track, summary = track_of_record(record), drive_summary(record)
+        assert summary is not None
+        speed, force, energy = [*series_of(track, [each.clock for each in track.frames])][-3:]
+        assert (speed.chart, force.chart) == ("Speed (m/s)", "Motor force (N)")
+        assert np.trapezoid(speed.values, speed.times) == pytest.approx(summary.distance, rel=0.01)
+        assert max(speed.values) == summary.top_speed
+        assert energy.values[-1] == pytest.approx(record.joules)
+
+
+def test_a_body_brakes_in_the_second_half_of_a_move_and_shows_its_push() -> None:
+    track = track_of_record(run_episode(backend="physics", seed=12))
+    assert (track.drive, track.is_measured) == ("omnidirectional", True)
+    pushes = [pose.push for pose in poses(track, 2)]
+    assert [push.brakes for push in pushes if push] == [False] * 5 + [True] * 4 + [False]
+    assert [round(math.hypot(*push.velocity), 1) for push in pushes if push] == [
+        0.2, 0.4, 0.6, 0.8, 1.0, 0.8, 0.6, 0.4, 0.2, 0.0
+    ]  # fmt: skip
+    assert not any(push.skids for push in pushes if push)
+
+
+def test_a_body_skids_where_the_grip_of_slippery_floor_limits_its_force() -> None:
+    icy = track_of_record(run_episode(backend="physics:slippery=5-4,grip=0.05", seed=12))
+    skids = [pose for pose in poses(icy) if pose.push and pose.push.skids]
+    assert skids
+    assert all(pose.at[0] < 5.2 and pose.at[1] > 3.8 for pose in skids), "in the first cell"
+    [*marks] = skids_of(icy.frames, 0)
+    assert len(marks) == 2 * len(skids)
+    for number, line in marks:
+        assert icy.frames[number].robots[0] in skids
+        assert math.dist(line[1], skids[0].at) < 1.5
+
+
+def test_a_burst_grows_with_its_impulse_within_limits() -> None:
+    sizes = [hit_of(Contact(0, impulse, (0, 0), "wall"), 1.0, "label").size
+             for impulse in (0.1, 27, 54, 1e6)]  # fmt: skip
+    assert sizes == [0.6, 1.0, pytest.approx(math.sqrt(2)), 1.8]
+    assert [impulse_words(impulse) for impulse in (0.24, 9.94, 9.96, 27.5)] == [
+        "0.2 N·s", "9.9 N·s", "10 N·s", "28 N·s"
+    ]  # fmt: skip
+
+
+def test_a_step_without_duration_has_one_frame() -> None:
+    path = np.array([(0, 2.5, 1.5, 0), (0, 2.5, 1.5, 0)], float)
+    bump = short_episode().motions[3]._replace(seconds=0.0, joules=0.0, path=path)
+    start = Frame((".....",), (Pose((2.5, 1.5), None, False),), 3.0, clock=5.0)
+    for motion in (bump, bump._replace(readings=np.zeros((2, 5)))):
+        [frame] = frames_along(start, [motion], [False], DRY, 0.2, "a bump left out")
+        assert (frame.progress, frame.clock, frame.energy) == (4.0, 5.0, 0.0)
+        assert [pose.at for pose in frame.robots if pose] == [(2.5, 1.5)]
