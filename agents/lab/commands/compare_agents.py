@@ -17,7 +17,7 @@ from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place
 from agents.lab.console.watch import slow_steps_reported
 from agents.lab.place import Stations, what_to_draw
-from agents.lab.trials.scores import EXPLANATION, MEASURES, Measure, Scores
+from agents.lab.trials.scores import EXPLANATION, GRID_MEASURES, MEASURES, Measure, Scores
 from agents.lab.trials.task import Task
 from agents.lab.trials.wording import mean, share
 from agents.registry import make_agent
@@ -68,13 +68,14 @@ def compare_agents(
         }
         for task in tasks
     }
+    measures = GRID_MEASURES if backend == "grid" else MEASURES
     # The figure first, because the reader of standard output may leave, as ``head`` does.
     if save is not None:
         from agents.lab.trials.figure import scores_figure
 
-        save_picture(scores_figure(groups, EXPLANATION), save)
+        save_picture(scores_figure(groups, EXPLANATION, measures), save)
     for title, scores in groups.items():
-        for table in scores_tables(scores, title):
+        for table in scores_tables(scores, title, measures):
             print_table(table)
     say(fill(EXPLANATION, get_terminal_size().columns))
     if save is not None:
@@ -124,12 +125,14 @@ def evaluate_watched(name: str, shown: str, task: Task, seeds: Sequence[int]) ->
         raise typer.Abort from error
 
 
-def scores_tables(scores: Mapping[str, Scores], title: str) -> Iterator[TextTable]:
+def scores_tables(
+    scores: Mapping[str, Scores], title: str, measures: Sequence[Measure]
+) -> Iterator[TextTable]:
     """Yield two tables of the agents' scores with 95% intervals; each fits into 80 columns."""
-    half = len(MEASURES) // 2
-    for measures, above in ((MEASURES[:half], title), (MEASURES[half:], "")):
-        rows = [(name, *(_words(each, one) for one in measures)) for name, each in scores.items()]
-        yield TextTable(("agent", *(measure.column for measure in measures)), rows, above)
+    half = len(measures) // 2
+    for part, above in ((measures[:half], title), (measures[half:], "")):
+        rows = [(name, *(_words(each, one) for one in part)) for name, each in scores.items()]
+        yield TextTable(("agent", *(measure.column for measure in part)), rows, above)
 
 
 def _words(scores: Scores, measure: Measure) -> str:

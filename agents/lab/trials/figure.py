@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Iterable, Mapping, Sequence
+from math import ceil
 from textwrap import fill, wrap
 from typing import Any
 
@@ -59,7 +60,11 @@ def message(scores: Mapping[str, Scores]) -> str:
     return f"{share} delivered by {names}, at {cost} steps per delivery"
 
 
-def scores_figure(groups: Mapping[str, Mapping[str, Scores]], caption: str = "") -> SceneFigure:
+def scores_figure(
+    groups: Mapping[str, Mapping[str, Scores]],
+    caption: str = "",
+    measures: Sequence[Measure] = MEASURES,
+) -> SceneFigure:
     """Draw the scores of the same agents in one or several tasks, with 95% intervals.
 
     The panels of each task have a message with the result, and the title of the task, above them.
@@ -67,7 +72,8 @@ def scores_figure(groups: Mapping[str, Mapping[str, Scores]], caption: str = "")
     messages = [wrap(message(scores), MESSAGE_LETTERS) for scores in groups.values()]
     agents = len(next(iter(groups.values())))
     panels = ABOVE + ROW_HEIGHT * agents + BELOW
-    heights = [LINE * len(lines) + TITLE + len(MEASURES) / COLUMNS * panels for lines in messages]
+    rows = ceil(len(measures) / COLUMNS)
+    heights = [LINE * len(lines) + TITLE + rows * panels for lines in messages]
     figure = make_figure((WIDTH, sum(heights) + FOOT), DPI)
     inch, top = 1 / figure.get_figheight(), sum(heights) + FOOT - 0.12
     style: dict[str, Any] = {"ha": "left", "va": "top", "parse_math": False}
@@ -75,20 +81,22 @@ def scores_figure(groups: Mapping[str, Mapping[str, Scores]], caption: str = "")
         below, words = top - LINE * len(lines), "\n".join(lines)
         figure.text(0.012, top * inch, words, fontsize=15, fontweight="bold", color=INK, **style)
         figure.text(0.012, below * inch, title, fontsize=10, color=GREY, **style)
-        _draw_panels(figure, below - TITLE, scores)
+        _draw_panels(figure, below - TITLE, scores, measures)
         top -= height
     words = fill(caption, CAPTION_LETTERS)
     figure.text(0.012, 0.1 * inch, words, fontsize=9, color=GREY, parse_math=False)
     return figure
 
 
-def _draw_panels(figure: SceneFigure, top: float, scores: Mapping[str, Scores]) -> None:
+def _draw_panels(
+    figure: SceneFigure, top: float, scores: Mapping[str, Scores], measures: Sequence[Measure]
+) -> None:
     """Draw a panel for each measure below ``top``, which is in inches from the bottom."""
     inch, names = 1 / figure.get_figheight(), list(map(fitting, scores))
     left = 0.035 + LETTER * max(map(len, names))
     width = (RIGHT - left - GAP * (COLUMNS - 1)) / COLUMNS
     height = ROW_HEIGHT * len(names)
-    for number, measure in enumerate(MEASURES):
+    for number, measure in enumerate(measures):
         line, column = divmod(number, COLUMNS)
         bottom = top - ABOVE - height + 0.12 - line * (ABOVE + height + BELOW)
         box = (left + column * (width + GAP), bottom * inch, width, height * inch)

@@ -167,6 +167,9 @@ MEASURES = (
     ),
 )
 
+GRID_MEASURES = MEASURES[:4]
+"""Measures on the grid, which has no seconds and no joules of its own."""
+
 EXPLANATION = (
     "Steps, seconds and joules per delivery are sums over all episodes, including failures, "
     "divided by the number of deliveries. The ratio of steps to the fewest possible steps is a "

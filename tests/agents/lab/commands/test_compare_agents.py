@@ -34,6 +34,13 @@ def test_the_command_prints_a_row_for_each_agent_and_saves_a_figure(
     assert "none" not in "".join(line for line in lines if "A*" in line)
 
 
+def test_only_bodies_have_seconds_and_joules(warehouse: Warehouse) -> None:
+    for backend, has_bodies in (("grid", False), ("physics", True)):
+        words = warehouse(*SMALL, "--agent", "astar", "--backend", backend).out.split()
+        heads = words[: words.index("Steps,")]
+        assert ("joules" in heads, "seconds" in heads) == (has_bodies, has_bodies)
+
+
 def test_given_agents_are_compared_once_each_with_their_arguments(
     warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
 ) -> None:
