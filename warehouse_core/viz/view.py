@@ -428,7 +428,7 @@ class View:
             rings = stamped(RING * scale * CIRCLE, [pose.at for pose in poses])
             yield Shape(rings, None, INK, RING_LINE * scale)
         braking = [pose for pose in poses if pose.push and pose.push.brakes]
-        yield Shape(placed(LAMP * scale, braking), BRAKE, INK, rim / 2)
+        yield Shape(placed(LAMP * scale, braking), BRAKE, PAPER, rim / 2)
 
     def _arrows(self, poses: Sequence[Pose]) -> Iterator[Shape]:
         """Yield arrows for the forces and velocities of bodies, from their centres."""

@@ -235,7 +235,7 @@ def test_a_body_has_arrows_for_velocity_and_force_and_a_brake_light() -> None:
     view.show(view._track.frames, 1)
     assert not shapes(view, fill=VELOCITY) + shapes(view, fill=FORCE)
     braking = body_view(None, BRAKING)
-    assert boxes(shapes(braking, fill=BRAKE)) == [pytest.approx((1.14, 2.3, 1.24, 2.7))]
+    assert boxes(shapes(braking, fill=BRAKE)) == [pytest.approx((1.08, 2.3, 1.24, 2.7))]
     [(left, _, right, _)] = boxes(shapes(braking, fill=FORCE))
     assert left < right == 1.5
     assert not shapes(body_view(None, Push((0, 0), (0, 0))), fill=FORCE)

@@ -113,7 +113,7 @@ function drawUndercarriages(brush, shown, track, moment, pixels) {
     brush.context.stroke();
   }
   const braking = shown.filter(({ body, isPerson }) => !isPerson && track.push(body, moment)?.brakes);
-  traceRobots(brush, braking, "brake", pixels, "brake", "rim");
+  traceRobots(brush, braking, "brake", pixels, "brake", "light");
 }
 
 /** Draw arrows for the forces and the velocities of bodies, from their centres. */

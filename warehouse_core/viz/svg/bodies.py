@@ -122,7 +122,9 @@ def _machine(track: Track, looks: Sequence[str], poses: Sequence[Pose | None], b
     }
     parts = drives.get(track.drive, [])
     brakes = spans_of(bool(pose and pose.push and pose.push.brakes) for pose in poses)
-    parts.append(beat.shown(shape("brake", "brake of-rim"), brakes.get(True, [])))
+    parts.append(
+        beat.shown(shape("brake", "brake of-light", 'style="stroke-width:2"'), brakes.get(True, []))
+    )
     parts += beat.each(looks, lambda look: shape("chassis", f"{look} of-rim"))
     parts.append(shape("front", "light of-rim", 'style="stroke-width:2"'))
     return _turned("".join(parts), poses, beat)

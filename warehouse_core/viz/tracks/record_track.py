@@ -227,7 +227,8 @@ class Floor(NamedTuple):
         """Return the force in N at each row of a path where the floor is slippery, and else 0."""
         if motion.readings is None or not self.is_slippery.any():
             return np.zeros(len(motion.path))
-        cells = (motion.path[:, 2:0:-1] / self.cell_size).astype(np.intp)
+        last = np.subtract(self.is_slippery.shape, 1)  # a file may have any path
+        cells = np.clip(motion.path[:, 2:0:-1] // self.cell_size, 0, last).astype(np.intp)
         forces = np.hypot(*motion.readings[:, 2:4].T)
         on_slippery: NDArray[np.float64] = forces * self.is_slippery[tuple(cells.T)]
         return on_slippery
@@ -551,5 +552,5 @@ def hit_of(contact: Contact, cell_size: float, label: str = "", robot: int = 0) 
     """
     x, y = contact.point
     usual, least, most = LOOK["burst"].values()
-    size = min(max(math.sqrt(contact.impulse / usual), least), most) if label else 1.0
+    size = min(max(math.sqrt(max(contact.impulse, 0.0) / usual), least), most) if label else 1.0
     return DrawnHit((x / cell_size, y / cell_size), label, robot, size)

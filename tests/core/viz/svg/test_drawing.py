@@ -335,7 +335,7 @@ def test_a_body_has_its_drive_arrows_and_brake_light_in_each_frame(drive: str) -
         assert seen.count("rim") == (2 if drive == "differential" else 0), "wheels"
         assert seen.count("of-rim ring") == (drive == "omnidirectional")
         push = pose.push or Push((0.0, 0.0), (0.0, 0.0))
-        assert seen.count("brake of-rim") == push.brakes
+        assert seen.count("brake of-light") == push.brakes
         for name, scale in (("velocity", 0.7), ("force", 0.011)):
             lines = [a for _, a in shown.shown(number) if a.get("class") == f"of-{name}"]
             along = getattr(push, name)

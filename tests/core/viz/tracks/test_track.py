@@ -361,8 +361,8 @@ def test_a_body_skids_where_the_grip_of_slippery_floor_limits_its_force() -> Non
 
 def test_a_burst_grows_with_its_impulse_within_limits() -> None:
     sizes = [hit_of(Contact(0, impulse, (0, 0), "wall"), 1.0, "label").size
-             for impulse in (0.1, 27, 54, 1e6)]  # fmt: skip
-    assert sizes == [0.6, 1.0, pytest.approx(math.sqrt(2)), 1.8]
+             for impulse in (-5.0, 0.1, 27, 54, 1e6)]  # fmt: skip
+    assert sizes == [0.6, 0.6, 1.0, pytest.approx(math.sqrt(2)), 1.8]
     assert [impulse_words(impulse) for impulse in (0.24, 9.94, 9.96, 27.5)] == [
         "0.2 N·s", "9.9 N·s", "10 N·s", "28 N·s"
     ]  # fmt: skip
@@ -376,3 +376,11 @@ def test_a_step_without_duration_has_one_frame() -> None:
         [frame] = frames_along(start, [motion], [False], DRY, 0.2, "a bump left out")
         assert (frame.progress, frame.clock, frame.energy) == (4.0, 5.0, 0.0)
         assert [pose.at for pose in frame.robots if pose] == [(2.5, 1.5)]
+
+
+def test_a_path_from_a_file_may_lead_off_the_floor() -> None:
+    record = run_episode(backend="physics:slippery=5-4,grip=0.05", seed=12, max_steps=3)
+    far = np.add(record.motions[1].path, (0, 1e9, -1e9, 0))
+    motions = [record.motions[0], record.motions[1]._replace(path=far), *record.motions[2:]]
+    track = track_of_record(dataclasses.replace(record, motions=motions))
+    assert max(pose.at[0] for pose in poses(track)) > 1e8
