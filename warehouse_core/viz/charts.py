@@ -37,6 +37,9 @@ WARNING_SHARE = 0.2
 BAR_SHARE = 0.2
 """Share of its axes that the bar of a battery takes; the text takes the rest."""
 
+NARROW = 1.5
+"""Width in inches below which a chart has a short title and few numbers below it."""
+
 VEIL = 0.75
 """Opacity of the layer over the part of a chart after the present frame."""
 
@@ -80,11 +83,15 @@ class Chart:
             f"{each.name} ({words})" if words else each.name
             for each, (words, _) in zip(series, looks, strict=True)
         ]
-        title = ": ".join([self.title, ", ".join(names)][: len(series)])
+        is_narrow = axes.get_position().width * figure.get_figwidth() < NARROW
+        parts = [self.title, ", ".join(names)]
+        title = ": ".join(parts[: 1 if is_narrow else len(series)])
         axes.set_title(title, fontsize=9, loc="left", color=INK, pad=4)
         room = 0.02 * end
         axes.set(xlim=(-room, max(end + room, 1)), ylim=(0, 1e-9))
-        axes.xaxis.set_major_locator(MaxNLocator(nbins=8, integer=label == "step"))
+        axes.xaxis.set_major_locator(
+            MaxNLocator(nbins=2 if is_narrow else 8, integer=label == "step")
+        )
         axes.yaxis.set_major_locator(MaxNLocator(nbins=4))
         style_chart(axes)
         axes.axhline(0, color=FAINT, linewidth=0.8, zorder=0)

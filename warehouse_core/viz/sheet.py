@@ -40,9 +40,9 @@ WIDTH, MARGIN, COLUMN_HEAD, GUTTER = 13.66, 0.4, 1.45, 0.5
 MAX_MAP, MAX_SMALL_MAP = 3.3, 2.3
 """Largest heights of maps in a single row, and in several rows."""
 
-GAP, VERDICT, FOOT, FLEET_FOOT = 0.1, 0.45, 0.6, 0.8
-"""Space between a map and its battery; heights of the verdict below, of a legend, and of the legend
-of a fleet."""
+GAP, VERDICT, FOOT, LONG_FOOT = 0.1, 0.45, 0.6, 0.8
+"""Space between a map and its battery; heights of the verdict below, of a legend, and of the longer
+legend of fleets and bodies."""
 
 BELOW = GAP + BAR + VERDICT
 
@@ -136,7 +136,8 @@ def sheet_of(
         bottom, top = below + BELOW, below + BELOW - CLOCK
     for _, chart_top, _, height in (box for place in places for box in place.charts.values()):
         bottom = max(bottom, chart_top + height + CHART_FOOT)
-    foot = FLEET_FOOT if any(track.is_fleet for track in tracks) else FOOT
+    is_long = any(track.is_fleet or track.is_continuous for track in tracks)
+    foot = LONG_FOOT if is_long else FOOT
     return Sheet((WIDTH, bottom + foot), places, LEGEND_COLUMNS, labels_last=False)
 
 
@@ -169,7 +170,7 @@ def _single(track: Track, titles: Sequence[str], steps: int, *, legend: bool) ->
         (EDGE, 0.56, partial(caption_of, 16, width - 2 * EDGE), BOLD),
         (width / 2, 0.2, ending_of, BOLD | {"ha": "center"}),
     ]
-    foot += FLEET_FOOT if is_below else 0.0
+    foot += LONG_FOOT if is_below else 0.0
     size = (width, HEAD + height + (BAR + BAR_GAP if has_battery else 0.0) + foot)
     columns = LEGEND_COLUMNS if is_below else 0
     place = TrackPlace(cell, map_box, bar, charts, lines)

@@ -205,3 +205,15 @@ def test_there_is_one_legend_for_all_and_no_mathematics(grid: Track, physics: Tr
     tracks = [track_of_frames([[row]]) for row in ("R.", "RC")]
     for shown in (tracks, tracks[::-1], tracks[:1] * 2):
         assert ("C charger" in texts(Scene(shown, make_figure))) == (tracks[1] in shown)
+
+
+def test_charts_of_three_tracks_have_titles_and_numbers_that_do_not_overlap(
+    grid: Track, physics: Track
+) -> None:
+    scene = Scene([grid, physics, physics], make_figure)
+    for axes in charts(scene, "Reward"):
+        assert axes.get_title(loc="left") == "Reward"
+    scene.root.canvas.draw()
+    for axes in (*charts(scene, "Reward"), *charts(scene, "Energy")):
+        numbers = [label.get_window_extent() for label in axes.get_xticklabels()]
+        assert all(one.x1 < other.x0 for one, other in pairwise(numbers))
