@@ -4,6 +4,7 @@ import math
 import re
 from bisect import bisect_right
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 from pathlib import Path
 from typing import Any
 from xml.etree import ElementTree
@@ -365,9 +366,13 @@ def test_a_hit_has_the_size_and_the_words_of_its_impulse() -> None:
     recorder.step("N")
     track = track_of_record(recorder.episode)
     number, [hit] = next((n, frame.hits) for n, frame in enumerate(track.frames) if frame.hits)
-    shown = Drawing(track)
     assert hit.label == "28 N·s"
+    hit = replace(hit, size=1.6)
+    track.frames[number].hits = (hit,)
+    shown = Drawing(track)
     assert "28 N·s" in shown.texts(number)
+    [words] = [a for each, a in shown.shown(number) if each.text == "28 N·s"]
+    assert float(words["y"]) == pytest.approx(100 * hit.at[1] - 1.6 * 32, abs=1)
     [star] = [a for _, a in shown.shown(number) if a.get("class") == "hit of-rim"]
     *_, (x, y, size) = star["at"]
     assert (x / 100, y / 100, size) == pytest.approx((*hit.at, hit.size), abs=0.01)

@@ -359,6 +359,21 @@ def test_a_body_skids_where_the_grip_of_slippery_floor_limits_its_force() -> Non
         assert math.dist(line[1], skids[0].at) < 1.5
 
 
+def test_a_body_that_rolls_over_slippery_floor_with_little_force_does_not_skid() -> None:
+    path = straight_on()
+    readings = np.zeros((len(path), 5))
+    readings[:, 0], readings[:, 2] = 0.5, np.where(path[:, 0] < 1.05, 100.0, 7.0)
+    motion = short_episode().motions[3]._replace(seconds=2.0, path=path, readings=readings)
+    start = Frame((".....",), (Pose((2.5, 1.5), None, False),), 0.0)
+    wet = Floor(1.0, np.ones((3, 5), bool), (100.0, 50.0))
+    for floor, is_loaded, expected in ((wet, False, 5), (wet, True, 5), (DRY, False, 0)):
+        frames = [*frames_along(start, [motion], [is_loaded], floor, 0.2, "")]
+        pushes = [frame.robots[0].push for frame in frames if frame.robots[0]]
+        assert [push.skids for push in pushes if push] == [True] * expected + [False] * (
+            10 - expected
+        )
+
+
 def test_a_burst_grows_with_its_impulse_within_limits() -> None:
     sizes = [hit_of(Contact(0, impulse, (0, 0), "wall"), 1.0, "label").size
              for impulse in (-5.0, 0.1, 27, 54, 1e6)]  # fmt: skip
