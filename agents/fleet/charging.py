@@ -24,7 +24,8 @@ DETOUR = 2.0
 """Ratio of the longest expected path to the shortest path."""
 
 SPARE_STEPS, SPARE_SHARE = 60.0, 0.25
-"""Reserve in steps with which a robot goes to a charger, but at most a share of a full battery.
+"""Reserve in steps that a robot keeps for the drive to a charger, and its limit as a share of a
+full battery.
 
 The reserve comes on top of ``DETOUR`` times the distance to the charger. With a reserve of 20
 steps, two robots that give way to each other in a narrow aisle could run out of battery.

@@ -19,6 +19,11 @@ class Stations(StrEnum):
     DRAWN = "drawn"
     KEPT = "kept"
 
+    @property
+    def words(self) -> str:
+        """Words for this source in an output."""
+        return "random stations" if self is Stations.DRAWN else "stations of the layout"
+
 
 class Place(NamedTuple):
     """Layout, start and stations of episodes.

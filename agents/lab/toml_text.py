@@ -10,10 +10,10 @@ import tomllib
 from typing import Any
 
 MAX_BYTES = 100_000
-"""Limit on the bytes of a file."""
+"""Largest size of a file in bytes."""
 
 MAX_LINE = 2_000
-"""Limit on the bytes of a line, and therefore on the length of a key."""
+"""Largest size of a line in bytes, and therefore of a key."""
 
 MAX_DEPTH = 10
 """Limit on the parts of a key, such as two in ``robot.mass``, and of dotted names in texts."""

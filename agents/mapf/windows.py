@@ -82,7 +82,7 @@ class WindowedPlanner(PlacePlanner):
         seconds: time in each step after which no more groups are replanned.
         seed: seed of the random choices.
         circulates: true if circulations make and continue the plans, so that robots reach more
-            goals on floors that are nearly full. Robots then give way while others have to leave
+            goals on crowded floors. Robots then give way while others have to leave
             the dead ends where their goals are.
         turn_cost: see ``PIBT``. Turns of robots with headings take steps, and have no other cost.
 

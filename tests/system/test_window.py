@@ -145,7 +145,7 @@ def test_run_opens_a_window_that_q_closes(
     program.press("space", "Right", "Left", "q")
     lines = program.rest()
     assert program.code() == 0, lines
-    assert lines[0] == "GreedyAgent on the grid backend, seed 5, stations drawn"
+    assert lines[0] == "GreedyAgent on the grid backend, seed 5, random stations"
     assert lines[-1] == "Space pauses, the left and right arrow keys step, and Q closes the window"
     assert [path.name for path in tmp_path.iterdir()] == option[2:]
 
@@ -170,7 +170,7 @@ def test_play_takes_real_keys(play: Program, tmp_path: Path) -> None:
     episode = Episode.load(tmp_path / "e.npz")
     assert episode.actions == ["N", "E", "WAIT", "W", "S", "PICK", "E", "DROP"]
     assert (episode.agent, episode.seed, episode.outcome) == ("You", 4, "delivered")
-    assert lines[:2] == ["game 1", "You on the grid backend, seed 4, stations drawn"]
+    assert lines[:2] == ["game 1", "You on the grid backend, seed 4, random stations"]
     assert lines[-2:] == ["saved e.npz", "saved e.png"]
     assert (tmp_path / "e.png").exists()
 

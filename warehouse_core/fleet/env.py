@@ -411,7 +411,8 @@ class FleetEnv(CopiedWhole):
             given = np.array([allowed.index(each) for each in islice(actions, robots + 1)], np.intp)
         if given.shape != (robots,):
             raise ValueError(
-                f"actions of the shape {given.shape} for {robots} robots; each needs one"
+                f"actions have the shape {given.shape}; they must have the shape ({robots},), one "
+                "action for each robot"
             )
         return given
 
@@ -423,7 +424,9 @@ class FleetEnv(CopiedWhole):
             raise ValueError(f"an action for robot {brief(unknown[0])}; allowed: 0..{robots - 1}")
         missing = [robot for robot in range(robots) if robot not in actions and not ended[robot]]
         if missing:
-            raise ValueError(f"no action for robot {missing[0]}; each that has not ended needs one")
+            raise ValueError(
+                f"robot {missing[0]} has no action; every robot that has not ended needs one"
+            )
         return [actions.get(robot, self.settings.actions.wait) for robot in range(robots)]
 
     def _warn_of_supply(self) -> None:

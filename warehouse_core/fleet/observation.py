@@ -1,4 +1,4 @@
-"""The observation of a fleet's robot as a dictionary."""
+"""The observation of one robot of a fleet, as a dictionary."""
 
 from __future__ import annotations
 

@@ -98,8 +98,8 @@ class Outcome(NamedTuple):
         seconds: duration of the action.
         joules: energy that the action used.
         path: ``[K, 4]`` float64, read-only, with ``K >= 2``. Each row has the time since the start
-            of the motion in seconds, x, y and heading. The first row is the start, the last row the
-            end.
+            of the motion in seconds, x, y and heading. The first row is the start of the
+            motion, and the last row is its end.
         contacts: all hits in order of time. A blocked robot has at least one, unless it gave way to
             a robot that came back to the target cell before they touched.
         cut_off: ``True`` if the action took too long and was ended before the robot was at rest

@@ -64,7 +64,7 @@ def rgb(text: str) -> Color:
 
 
 def _shortest(byte: int) -> float:
-    """Return the shortest decimal that stands for a byte: 0.95 for 242, as in the chapter."""
+    """Return the shortest decimal that rounds to a byte, such as the chapter's 0.95 for 242."""
     shares = (round(byte / 255, digits) for digits in (2, 3))
     return next(share for share in shares if round(255 * share) == byte)
 

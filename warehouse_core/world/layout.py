@@ -309,7 +309,9 @@ def check_size(height: int, width: int) -> None:
 
 def _check_rows(height: int) -> None:
     if height > MAX_ROWS:
-        raise LayoutError(f"{brief(height, 100)} rows are more than MAX_ROWS = {MAX_ROWS}")
+        raise LayoutError(
+            f"the layout has {brief(height, 100)} rows; at most MAX_ROWS = {MAX_ROWS} are allowed"
+        )
 
 
 def _checked_rows(rows: Sequence[str]) -> tuple[str, ...]:

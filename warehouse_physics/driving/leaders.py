@@ -69,7 +69,8 @@ def straight_distance(spec: RobotSpec) -> float:
     if spec.turns_on_the_spot:
         return spec.cell_size * needed
     beyond = max(needed - (1 - CORNER), 0.0) / CORNER
-    # With c = CORNER: after 1 - c + u along its route it is 1 - c + u - u * u / (4 * c) away.
+    # Let c be CORNER. A robot that has driven 1 - c + u cells along its route is then
+    # 1 - c + u - u * u / (4 * c) cells away from where it set off.
     return spec.cell_size * (needed + CORNER * (2 * (1 - math.sqrt(1 - beyond)) - beyond))
 
 

@@ -120,7 +120,7 @@ def compare(
         option(
             "--agent NAME",
             f"{options.AGENT} May be repeated for agents. Default: {', '.join(AGENTS)}; for "
-            "backends greedy.",
+            "backends: greedy.",
             **MANY,
         ),
     ],
@@ -139,7 +139,7 @@ def compare(
         option(
             "--planner NAME",
             f"{options.PLANNER} May be repeated for planners. Default: several planners; for "
-            f"{FLEETS} pibt-lanes.",
+            f"{FLEETS}: pibt-lanes.",
             **MANY,
         ),
     ],
@@ -147,9 +147,9 @@ def compare(
         list[Path],
         option(
             "--save -o FILE",
-            f"{options.SAVE} For agents and planners a figure (.svg, .png), or for planners the "
-            "trials (.csv). For backends and search a replay (.gif, .mp4, .html, .svg, .png). "
-            f"For {FLEETS} a page (.html) or the measures of each run (.csv). May be repeated.",
+            f"{options.SAVE} For agents and planners: a figure (.svg, .png); for planners also "
+            "the trials (.csv). For backends and search: a replay (.gif, .mp4, .html, .svg, .png). "
+            f"For {FLEETS}: a page (.html) or the measures of each run (.csv). May be repeated.",
             callback=writable(".csv", replays=True),
             **MANY,
         ),
@@ -158,16 +158,16 @@ def compare(
         str | None,
         option(
             "--robots -r N,N",
-            f"{options.ROBOTS} With it, backends carry out the plan of a fleet. For planners "
-            "several numbers, separated by commas.",
+            f"{options.ROBOTS} For backends: the size of a fleet whose plan they carry out. For "
+            "planners: several numbers, separated by commas.",
         ),
     ] = None,
     layout: Annotated[
         Path | None,
         option(
             "--layout FILE",
-            f"{options.LAYOUT} For agents also random, which uses another random layout in each "
-            f"episode. Default: default; for {FLEETS} {DEPOT}; for planners kiva, which has 33 x "
+            f"{options.LAYOUT} For agents: also random, which uses another random layout in each "
+            f"episode. Default: default; for {FLEETS}: {DEPOT}; for planners: kiva, which has 33 x "
             "46 cells.",
         ),
     ] = None,
@@ -241,9 +241,9 @@ def compare(
         option(
             "--disturbed NOISE:SECONDS",
             only(
-                "Standard deviation of disturbed speeds as a share of the commanded speeds, up to "
-                "0.5, and seconds for which one robot stops; with inf it stops forever. Default: "
-                f"{DISTURBED}.",
+                "Disturbances of the bodies. NOISE is the standard deviation of the speed error, "
+                "as a share of the commanded speed, up to 0.5. SECONDS is how long one robot "
+                f"stops; inf means forever. Default: {DISTURBED}.",
                 "disturbed",
             ),
         ),
@@ -251,15 +251,15 @@ def compare(
     jobs: options.Jobs = None,
     show: options.Show = None,
 ) -> None:
-    """Compare agents, backends or planners.
+    """Compare agents, backends, planners or searches.
 
     agents: print deliveries, steps, expanded nodes, time and energy over the
     same seeds, in one layout or, with --layout random, in unseen layouts.
     Several sizes share a figure.
 
-    backends: run an episode on two backends and show both side by side. With
-    --robots run a fleet on the grid, on bodies that stop in every cell, on
-    bodies that drive through, and on disturbed bodies.
+    backends: run an episode on several backends and show them side by side.
+    With --robots, run a fleet on the grid, on bodies that stop in every cell,
+    on bodies that drive through, and on disturbed bodies.
 
     planners: print the goals that robots reach per step, for several numbers
     of robots.

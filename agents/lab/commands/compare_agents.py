@@ -108,7 +108,7 @@ def title_of(task: Task, seeds: range) -> str:
     stations = Stations.DRAWN if task.randomize in (True, STATIONS) else Stations.KEPT
     return (
         f"{layouts}{counted(len(seeds), 'episode')} each, backend {task.backend}, "
-        f"seeds from {seeds.start}, stations {stations}"
+        f"seeds from {seeds.start}, {stations.words}"
     )
 
 

@@ -144,7 +144,7 @@ def lanes() -> Demo:
         episodes[name] = run_shift(fleet, name, layout, ROBOTS, RATE, STEPS)
     without, with_lanes = (episode.measures.per_hour for episode in episodes.values())
     result = (
-        f"{without:,.0f} deliveries an hour without lanes, {with_lanes:,.0f} with lanes: "
+        f"{without:,.0f} deliveries per hour without lanes, {with_lanes:,.0f} with lanes: "
         f"{with_lanes / without - 1:+.0%}"
     )
 

@@ -209,8 +209,8 @@ def states_of(record: Episode) -> Iterator[str]:
     for action, (before, here) in zip(record.actions, pairwise(states), strict=True):
         visits[here] += here != before
         if here == before:
-            yield "waits" if action_index(action) == WAIT else "gets nowhere"
+            yield "waits" if action_index(action) == WAIT else "does not move"
         elif visits[here] >= CIRCLES:
             yield "goes in circles"
         else:
-            yield "brings the item" if here[1] else "fetches the item"
+            yield "brings the item" if here[1] else "goes to the item"

@@ -16,6 +16,7 @@ from agents.lab.console.output import replay_or_save
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place, with_slippery
 from agents.lab.console.watch import slow_steps_reported
+from agents.lab.place import Stations
 from agents.lab.runs.run import draw_seed
 from agents.lab.runs.run import run as run_agent
 from agents.registry import acting_backend, make_agent, make_backend
@@ -113,10 +114,10 @@ class Case(NamedTuple):
         return episode if backend == self.backend else replay_episode(episode, self.backend)
 
 
-def report_episode(episode: Episode, stations: str = "") -> None:
+def report_episode(episode: Episode, stations: Stations | None = None) -> None:
     """Print the outcome of an episode, and whether its stations were drawn or kept."""
     settings = episode.settings
-    source = f", stations {stations}" if stations else ""
+    source = f", {stations.words}" if stations else ""
     say(f"{episode.agent} on the {settings.backend} backend, seed {episode.seed}{source}")
     diagnosis = diagnose(episode)
     mode = "" if diagnosis.mode == episode.outcome else f"{diagnosis.mode}: "

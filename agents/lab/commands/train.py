@@ -155,7 +155,7 @@ def train(
         str | None,
         option(
             "--size HxW",
-            f"{random_layouts.SIZE} For clone: the maximum size. Default: "
+            f"{random_layouts.SIZE} For clone: the largest size. Default: "
             f"{VARIED.height}x{VARIED.width}.",
             check_size,
         ),
@@ -446,7 +446,7 @@ def comparison_table(scores: Mapping[str, Scores | FleetScores]) -> TextTable:
         return TextTable(
             ("", *scores),
             [
-                ("deliveries an hour", *(mean(one.per_hour, "") for one in fleets)),
+                ("deliveries per hour", *(mean(one.per_hour, "") for one in fleets)),
                 ("steps blocked by others", *(share(one.blocked) for one in fleets)),
             ],
             f"The same {len(fleets[0].rows):,} episodes of {fleets[0].robots} robots for all",

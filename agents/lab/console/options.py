@@ -210,7 +210,7 @@ FleetBattery = Annotated[
     str,
     option(
         "--battery N",
-        f"{PARAMETERS['battery'].help} A capacity in joules is written as in 30000joules.",
+        f"{PARAMETERS['battery'].help} For a capacity in joules, append the unit: 30000joules.",
     ),
 ]
 

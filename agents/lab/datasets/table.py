@@ -30,7 +30,7 @@ def save_table(target: Path, results: Path) -> None:
 def columns_of(store: Store) -> list[str]:
     """Return the names of the table's columns: settings, results and program.
 
-    A column is empty in the lines of cases to which it does not apply.
+    A cell is empty if the column does not apply to the case of its line.
 
     Raises:
         StoreError: no sweep can have written the rows.

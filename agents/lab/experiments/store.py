@@ -309,10 +309,12 @@ class Store:
     def _check_count(self) -> None:
         [(count,)] = self.query("SELECT count(*) FROM cases")
         if count > MAX_CASES:
-            raise StoreError(f"{self.path}: {count} cases; MAX_CASES = {MAX_CASES} are allowed")
+            raise StoreError(
+                f"{self.path}: it has {count} cases; at most MAX_CASES = {MAX_CASES} are allowed"
+            )
 
     def _is_closed(self) -> bool:
-        """Return whether the file or its folder is read-only, so that it is opened as immutable.
+        """Return whether the file or its folder is read-only. It is then opened as immutable.
 
         Otherwise SQLite creates files next to it even for reading.
 

@@ -146,15 +146,15 @@ def sweep(
         except KeyboardInterrupt:
             done = _done(plan, store)
             say(
-                f"{done:,} of {plan.total:,} episodes in {output}; run the same command again to "
-                "resume"
+                f"{output} now has {done:,} of {plan.total:,} episodes; run the same command again "
+                "to resume"
             )
             raise typer.Abort from None  # typer would end without a message
         if failed:
             raise EpisodeError(
-                f"{counted(failed.total(), 'episode')} failed, in {len(failed)} of {cases}; "
-                f"{_done(plan, store):,} of {plan.total:,} episodes in {output}; run the same "
-                "command again to run the others"
+                f"{counted(failed.total(), 'episode')} failed (in {len(failed)} of {cases}); "
+                f"{output} now has {_done(plan, store):,} of {plan.total:,} episodes; run the same "
+                "command again to run the missing ones"
             )
     episodes_done = f"{counted(plan.total, 'episode')} done"
     say(f"{episodes_done}; see the results with: warehouse report {output}")

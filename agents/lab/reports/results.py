@@ -86,7 +86,7 @@ JOULES = _of_deliveries("joules", "Energy of a delivery", "a delivery uses", "J"
 
 STOPPED = "blocked_by_wall + blocked_by_robot + blocked_by_person"
 PER_HOUR = ReportedMeasure(
-    "per_hour", "Rate of deliveries", "the rate of deliveries is", "an hour", "ifnull(per_hour, 0)"
+    "per_hour", "Rate of deliveries", "the rate of deliveries is", "per hour", "ifnull(per_hour, 0)"
 )
 ON_TIME = ReportedMeasure("on_time", "Share on time", "the share on time is", "%", "on_time")
 LATENESS = ReportedMeasure(
@@ -120,12 +120,10 @@ class ReportKind(NamedTuple):
     modes_title: str
 
 
-LONE = ReportKind(
-    "", Row, (SUCCESS, STEPS, SECONDS, JOULES), "modes", "What became of the episodes"
-)
+LONE = ReportKind("", Row, (SUCCESS, STEPS, SECONDS, JOULES), "modes", "Outcomes of the episodes")
 FLEETS = ReportKind(
     " of fleets", FleetRow, (PER_HOUR, ON_TIME, LATENESS, ENERGY, BLOCKED), "fleet-modes",
-    "What became of the fleets",
+    "Outcomes of the fleets",
 )  # fmt: skip
 
 

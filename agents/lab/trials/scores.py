@@ -115,7 +115,7 @@ class FleetScores:
     @property
     def summary(self) -> str:
         """Deliveries per hour, for a progress line."""
-        return f"{self.per_hour.estimate:.0f} an hour"
+        return f"{self.per_hour.estimate:.0f} per hour"
 
     @property
     def per_hour(self) -> Interval:

@@ -3,7 +3,7 @@
 In a step, robots move in chains that end in an empty cell, or in closed rings. An auction matches
 each robot to its own cell or a neighbouring cell so that the total gain of all robots is nearly as
 large as possible. If two robots would swap cells, one of the two moves is forbidden and the auction
-is repeated. On floors that are nearly full, robots that choose one after the other soon block one
+is repeated. On crowded floors, robots that choose one after the other soon block one
 another; with circulations, more of them reach their goals.
 
 The gain of a robot is its weight times the difference between the logarithms of the distances

@@ -85,12 +85,12 @@ def fleet() -> FleetEnv:
 @pytest.mark.parametrize(
     ("actions", "error", "message"),
     [
-        (["N"], ValueError, r"^actions of the shape \(1,\) for 2 robots; each needs one$"),
-        (np.zeros((2, 1), int), ValueError, r"^actions of the shape \(2, 1\)"),
+        (["N"], ValueError, r"^actions have the shape \(1,\); they must have the shape \(2,\)"),
+        (np.zeros((2, 1), int), ValueError, r"^actions have the shape \(2, 1\)"),
         ({0: "N", 2: "N"}, ValueError, r"^an action for robot 2; allowed: 0..1$"),
         ({0: "N", 1: "N", "1": "N"}, ValueError, "^an action for robot '1'"),
         ({0: "N", -1: "N"}, ValueError, "^an action for robot -1"),
-        ({1: "N"}, ValueError, "^no action for robot 0; each that has not ended needs one$"),
+        ({1: "N"}, ValueError, "^robot 0 has no action; every robot that has not ended needs one$"),
         ("NE", TypeError, "^actions are 'NE'; allowed: a sequence, an array or a mapping$"),
         (3, TypeError, "^actions are 3; allowed"),
         ({"N", "E"}, TypeError, "^actions are {'"),

@@ -61,7 +61,7 @@ class ShiftResult(NamedTuple):
 LINES = (
     MeasureLine("orders", "orders", "items"),
     MeasureLine("delivered", "delivered", "items"),
-    MeasureLine("deliveries an hour", "per_hour", "items"),
+    MeasureLine("deliveries per hour", "per_hour", "items"),
     MeasureLine("on time", "on_time", "% of deliveries", 100.0),
     MeasureLine("mean lateness", "mean_lateness", "steps"),
     MeasureLine("worst lateness", "worst_lateness", "steps"),

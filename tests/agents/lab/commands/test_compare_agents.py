@@ -25,7 +25,7 @@ def test_the_command_prints_a_row_for_each_agent_and_saves_a_figure(
     others = [warehouse(*SMALL, "--seed", seed).out.splitlines() for seed in (5, 6)]
     assert others[0] == out.splitlines()[:-1]
     assert others[0][1:] != others[1][1:], "the title has the seed"
-    assert "2 episodes each, backend grid, seeds from 5, stations drawn" in out
+    assert "2 episodes each, backend grid, seeds from 5, random stations" in out
     lines = out.splitlines()
     names = [line.split("\u2502")[1].strip() for line in lines if line.startswith("\u2502")]
     assert list(filter(None, names)) == 2 * list(AGENTS.values())

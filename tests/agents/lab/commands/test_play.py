@@ -129,7 +129,7 @@ def test_play_reports_and_saves_a_game(
     assert (episode.agent, episode.seed, episode.outcome) == ("You", SEED, "delivered")
     assert result.out.splitlines() == [
         "game 1",
-        f"You on the grid backend, seed {SEED}, stations drawn",
+        f"You on the grid backend, seed {SEED}, random stations",
         "outcome         delivered",
         "diagnosis       delivered in 4 steps; the minimum is 4",
         "total reward    14.60",
@@ -150,7 +150,7 @@ def test_every_game_is_reported_and_saved(warehouse: Warehouse, keys: Callable[.
     lines = result.out.splitlines()
     for number in (1, 2):
         after = lines.index(f"game {number}") + 1
-        assert lines[after] == f"You on the grid backend, seed {7 + number}, stations drawn"
+        assert lines[after] == f"You on the grid backend, seed {7 + number}, random stations"
     assert "game 3" not in lines
     assert lines[-4:] == ["saved e.npz", "saved e.svg", "saved e-2.npz", "saved e-2.svg"]
 
@@ -163,6 +163,6 @@ def test_play_has_a_random_seed_and_may_be_closed_at_once(
     result = warehouse("play", "--save", "e.npz", "--save", "e.svg")
     assert result.code == 0
     assert result.out.startswith(
-        "game 1\nYou on the grid backend, seed 77, stations drawn\noutcome         unfinished\n"
+        "game 1\nYou on the grid backend, seed 77, random stations\noutcome         unfinished\n"
     )
     assert Episode.load("e.npz").steps == 0

@@ -43,7 +43,7 @@ def test_the_story_of_the_first_day_on_one_page(warehouse: Warehouse, backend: s
     endings = [track["ending"] for track in tracks.values()]
     assert endings == ["oscillation", *["delivered"] * 4]
     for title, track in tracks.items():
-        assert track["captions"][1].startswith("fetches the item: "), "from the first moment on"
+        assert track["captions"][1].startswith("goes to the item: "), "from the first moment on"
         assert f"{title}: {track['captions'][-1]}." in out.replace("\n", " ")
     late = tracks["A*"]["time"][-1] * 1.5
     assert caption_at(tracks["greedy without escape"], late).startswith("goes in circles: ")
@@ -67,9 +67,9 @@ def test_a_state_is_told_for_each_step() -> None:
     # It bumps into the border, picks, waits, and goes to and fro over the dropoff.
     for action in [*"WWWEEE", "PICK", "WAIT", *"EWEWE"]:
         recorder.step(action)
-    fetches, brings, circles = "fetches the item", "brings the item", "goes in circles"
+    fetches, brings, circles = "goes to the item", "brings the item", "goes in circles"
     assert list(states_of(recorder.episode)) == [
-        fetches, fetches, "gets nowhere", fetches, fetches, fetches,
+        fetches, fetches, "does not move", fetches, fetches, fetches,
         brings, "waits", brings, brings, brings, circles, circles,
     ]  # fmt: skip
 

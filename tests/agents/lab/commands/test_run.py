@@ -8,6 +8,7 @@ from helpers.command_line import ROOT, Refused, Warehouse, in_a_process, write_m
 
 from agents.errors import AgentError
 from agents.lab.commands.run import report_episode, run, run_episode
+from agents.lab.place import Stations
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
     BackendError,
@@ -123,7 +124,7 @@ def test_the_command_passes_every_option_on(
     episode = run_episode(
         "greedy:memory=3,escape_steps=0", "physics", ROOM, 6, 30, 12, 1, (2, 3), False
     )
-    report_episode(episode, "kept")
+    report_episode(episode, Stations.KEPT)
     expected = capsys.readouterr().out
     words = ["--backend", "physics", "--layout", room, "--start", "2,3", "--seed", 6]
     words += ["--battery", 30, "--max-steps", 12, "--view-radius", 1, "--no-show"]
@@ -137,7 +138,7 @@ def test_the_file_is_the_command(tmp_path: Path) -> None:
     words = ("--agent", "mine.py:Mine", "--seed", 5, "--no-show")
     result = in_a_process(file, *words, folder=tmp_path)
     assert result.code == 1
-    assert result.out.startswith("Mine on the grid backend, seed 5, stations drawn\n")
+    assert result.out.startswith("Mine on the grid backend, seed 5, random stations\n")
     assert re.fullmatch(r"warehouse: seed 5, step 1, .* KeyError: 'x' .*\n", result.err)
 
 

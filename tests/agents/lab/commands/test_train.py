@@ -193,7 +193,7 @@ def test_a_table_is_trained_and_run(warehouse: Warehouse) -> None:
     run = ("run", "--agent", "q:q.npz", "--layout", "room.txt", "--seed", 3, "--no-show")
     out = warehouse(*run).out
     assert out.startswith(
-        "QAgent on the grid backend, seed 3, stations kept\noutcome         delivered\n"
+        "QAgent on the grid backend, seed 3, stations of the layout\noutcome         delivered\n"
     )
 
 

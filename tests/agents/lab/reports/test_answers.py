@@ -116,8 +116,8 @@ def test_cases_without_a_common_seed_are_compared_by_their_intervals() -> None:
 def test_few_episodes_allow_no_verdict_on_a_mean() -> None:
     cases = [({"robots": n}, [fleet_row(0, per_hour=rate)]) for n, rate in ((4, 9.0), (8, 50.0))]
     assert verdict(cases, FLEETS) == (
-        "Too few episodes to compare: rate of deliveries is 50.0 an hour with robots 8 and 9.00 an "
-        "hour with robots 4."
+        "Too few episodes to compare: rate of deliveries is 50.0 per hour with robots 8 and 9.00 "
+        "per hour with robots 4."
     )
 
 
@@ -129,11 +129,11 @@ def test_the_peak_shows_how_many_robots_are_too_many() -> None:
     [answer] = answered(cases, FLEETS)
     assert answer.question == "How many robots are too many?"
     assert answer.verdict == (
-        "Rate of deliveries is highest with robots 4: 61.0 an hour, 20.0 an hour more (20.0 to "
-        "20.0) than with robots 2 and 30.0 an hour more (30.0 to 30.0) than with robots 8."
+        "Rate of deliveries is highest with robots 4: 61.0 per hour, 20.0 per hour more (20.0 to "
+        "20.0) than with robots 2 and 30.0 per hour more (30.0 to 30.0) than with robots 8."
     )
     assert [each.split(" with ")[0] for each in answer.sentences] == [
-        "The rate of deliveries is 41.0 an hour (40.7 to 41.3)",
+        "The rate of deliveries is 41.0 per hour (40.7 to 41.3)",
         "The share on time is 50.0% (50.0 to 50.0)",
         "The lateness of a delivery is 4.00 steps (4.00 to 4.00)",
         "A delivery uses 1.00 kJ (1.00 to 1.00)",

@@ -101,5 +101,5 @@ def test_the_scores_of_a_fleet_are_means_of_its_episodes() -> None:
     ]
     scores = FleetScores(rows, robots=2)
     assert (scores.per_hour.estimate, scores.blocked.estimate) == (150, (0.05 + 0.2) / 2)
-    assert scores.summary == "150 an hour"
+    assert scores.summary == "150 per hour"
     assert math.isnan(FleetScores([fleet_row(0, per_hour=None)], 2).per_hour.estimate)
