@@ -416,7 +416,7 @@ def test_a_charger_is_a_tile_and_other_robots_and_people_are_none(refused: Refus
         *[(np.zeros(shape, np.uint8), f"layout has the shape {shape}; it must have 1..{MAX_CELLS}")
           for shape in ((0, 12), (7, 0), (2**40, 0))],
         (np.full((MAX_CELLS + 1, 1), ord("."), np.uint8), f"it must have 1..{MAX_CELLS} tiles"),
-        (np.full((MAX_ROWS + 1, 1), ord("?"), np.uint8), f"more than MAX_ROWS = {MAX_ROWS}"),
+        (np.full((MAX_ROWS + 1, 1), ord("?"), np.uint8), f"at most MAX_ROWS = {MAX_ROWS} are"),
     ],
     ids=["no rows", "no columns", "very many empty rows", "many cells", "many rows"],
 )  # fmt: skip

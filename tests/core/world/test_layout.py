@@ -129,7 +129,7 @@ def test_a_layout_of_very_many_rows_raises_before_they_are_looked_at(
     make: Callable[[str], Any], little_memory: Callable[[], AbstractContextManager[None]]
 ) -> None:
     rows = (MAX_ROWS + 1) * "?\n"
-    with little_memory(), pytest.raises(LayoutError, match=f"more than MAX_ROWS = {MAX_ROWS}"):
+    with little_memory(), pytest.raises(LayoutError, match=f"at most MAX_ROWS = {MAX_ROWS}"):
         Layout(make(rows))
 
 

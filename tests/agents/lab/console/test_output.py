@@ -126,7 +126,9 @@ PAGES = {
     "run --seed 12 --backend physics": ["GreedyAgent on the physics backend, seed 12"],
     "replay old.npz": ["Tester on the grid backend, seed 4"],
     "compare backends --seed 12": [
-        f"GreedyAgent on the {backend} backend, seed 12" for backend in ("grid", "physics")
+        "Grid: jumps from cell to cell",
+        "Physics: a body with mass",
+        "Driving: the same path in one go",
     ],
     "fleet --robots 2 --max-steps 5 --seed 1": ["greedy, 2 robots on the grid backend, seed 1"],
     "demo bump": ["A bump in slow motion: 27.5 N·s"],

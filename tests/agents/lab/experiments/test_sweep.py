@@ -119,7 +119,7 @@ def test_an_interrupted_sweep_prints_one_line_and_can_be_resumed(path: Path) -> 
     code, out, err = sweep.end()
     assert (code, err) == (130, "warehouse: interrupted\n")
     check_is_usable(path)
-    left = f"{len(table(path)):,} of 400,000 episodes in {path}"
+    left = f"{path} now has {len(table(path)):,} of 400,000 episodes"
     assert f"\n{left}; run the same command again to resume\n" in out
 
 
@@ -147,8 +147,8 @@ def test_agents_that_fail_or_end_their_process_are_named_and_the_others_continue
         f"warehouse: seed 15, step 1, {flags}: KeyError (deadly.py, line 16)",
     ]
     assert last == (
-        "warehouse: 2 episodes failed, in 1 of 2 combinations; 38 of 40 episodes in "
-        f"{path}; run the same command again to run the others"
+        f"warehouse: 2 episodes failed (in 1 of 2 combinations); {path} now has 38 of 40 episodes; "
+        "run the same command again to run the missing ones"
     )
     assert "done; see" not in result.out
     check_is_usable(path)
