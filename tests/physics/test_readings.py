@@ -5,6 +5,7 @@ from collections.abc import Iterator
 
 import numpy as np
 import pytest
+from helpers.integrals import integral
 
 from agents import GreedyAgent
 from warehouse_core import Episode, Layout, Outcome, WarehouseEnv, record_episode
@@ -48,7 +49,7 @@ def test_the_speed_integrates_to_the_distance_and_the_energy_to_the_cost(spec, k
         assert not motion.readings.flags.writeable
         speeds = np.hypot(*motion.readings[:, :2].T)
         assert speeds.max() <= spec.top_speed * (1 + 1e-4)
-        driven_by_speed += np.trapezoid(speeds, motion.path[:, 0])
+        driven_by_speed += integral(speeds, motion.path[:, 0])
         length += np.hypot(*np.diff(motion.path[:, 1:3], axis=0).T).sum()
         assert motion.readings[-1, 4] == motion.joules
         if not spec.recuperation:

@@ -2,9 +2,9 @@ import math
 from pathlib import Path
 from typing import Any
 
-import numpy as np
 import pytest
 from helpers.fleets import fleet_episode
+from helpers.integrals import integral
 from helpers.player import page_in, said_by
 
 from agents.run_episode import run_episode
@@ -57,7 +57,7 @@ def test_a_page_of_a_body_charts_the_speeds_that_it_measured() -> None:
     assert summary is not None
     charts = {each["title"]: each["series"] for each in said_by(player_page([track]))["charts"]}
     [speed] = charts["Speed (m/s)"]
-    assert np.trapezoid(speed["y"], speed["x"]) == pytest.approx(summary.distance, rel=0.01)
+    assert integral(speed["y"], speed["x"]) == pytest.approx(summary.distance, rel=0.01)
     assert max(speed["y"]) == pytest.approx(summary.top_speed) == pytest.approx(1.0, abs=1e-6)
     [energy] = charts["Energy used (J)"]
     assert energy["y"][-1] == pytest.approx(record.joules, rel=1e-6)

@@ -6,6 +6,7 @@ from typing import Any
 import numpy as np
 import pytest
 from helpers.fleets import fleet_episode
+from helpers.integrals import integral
 from helpers.pictures import HOSTILE_NAMES, named, short_episode
 
 from agents.run_episode import run_episode
@@ -331,7 +332,7 @@ def test_speeds_of_a_chart_add_up_to_the_distance_and_contain_their_extremes() -
         assert summary is not None
         speed, force, energy = [*series_of(track, [each.clock for each in track.frames])][-3:]
         assert (speed.chart, force.chart) == ("Speed (m/s)", "Motor force (N)")
-        assert np.trapezoid(speed.values, speed.times) == pytest.approx(summary.distance, rel=0.01)
+        assert integral(speed.values, speed.times) == pytest.approx(summary.distance, rel=0.01)
         assert max(speed.values) == summary.top_speed
         assert energy.values[-1] == pytest.approx(record.joules)
 
