@@ -62,7 +62,7 @@ class BodyMotion(BaseMotion):
             if disturbances is None
             else instance_of("disturbances", disturbances, Disturbances)
         )
-        self.spec = spec.refined(self.disturbances.highest_speed(spec.top_speed))
+        self.spec = spec.refined()
         self.cell_size = self.spec.cell_size
         self.conditions = self.disturbances.conditions._replace(drive=self.spec.drive)
         self.cell_joules = move_joules(self.spec, loaded=True)

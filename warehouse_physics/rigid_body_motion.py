@@ -82,6 +82,7 @@ class RigidBodyMotion(BodyMotion):
                 f"stops is {self.disturbances.stops}; it must be empty for robots that stop in "
                 "each cell; only DrivingMotion supports stops"
             )
+        self.spec = self.spec.refined(self.disturbances.highest_speed(self.spec.top_speed))
         self._accelerations = [
             self.spec.attainable_acceleration(loaded) for loaded in (False, True)
         ]

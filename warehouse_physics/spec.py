@@ -169,9 +169,11 @@ class RobotSpec:
         seconds = turning + self.move_seconds(loaded=True)
         if seconds > MAX_MOVE_SECONDS:
             raise ValueError(
-                f"top_speed is {self.top_speed!r}, acceleration {self.acceleration!r} and "
-                f"motor_force {self.motor_force!r}; the loaded robot would need {seconds:.4g} s to "
-                f"turn and drive one cell; allowed: at most {MAX_MOVE_SECONDS:g} s"
+                f"the loaded robot would need {seconds:.4g} s to turn and drive one cell, with "
+                f"cell_size {self.cell_size!r}, top_speed {self.top_speed!r}, acceleration "
+                f"{self.acceleration!r}, motor_force {self.motor_force!r}, payload_mass "
+                f"{self.payload_mass!r} and turn_seconds {self.turn_seconds!r}; allowed: at most "
+                f"{MAX_MOVE_SECONDS:g} s"
             )
 
     @classmethod

@@ -96,7 +96,7 @@ def test_the_help_lists_commands_in_groups(warehouse: Warehouse) -> None:
 def test_backends_that_the_help_lists_exist_for_the_command(name: str) -> None:
     [text] = (each.help for each in LEAVES[name].params if each.opts[0] == "--backend")
     listed = [each for each in ("grid", "physics", "driving") if each in text]
-    assert listed == ["grid", "physics"] + ["driving"] * (name == "fleet")
+    assert listed == ["grid", "physics"] + ["driving"] * (name != "play")
 
 
 def test_agents_that_the_help_lists_exist() -> None:
@@ -165,7 +165,11 @@ def test_run_saves_several_files(warehouse: Warehouse, tmp_path: Path) -> None:
     [
         ("run --seed 12 --battery 5", "replay-GreedyAgent-grid-12.gif", 6),
         ("run --agent exploring --seed 5 --max-steps 2", "replay-ExploringAgent-grid-5.gif", 3),
-        ("compare backends --seed 3 --max-steps 1", "compare-GreedyAgent-grid-physics-3.gif", 0),
+        (
+            "compare backends --seed 3 --max-steps 1",
+            "compare-GreedyAgent-grid-physics-driving-3.gif",
+            0,
+        ),
         ("compare search --layout corridor --weights 1", "search.gif", 0),
         ("demo bump", "demo-bump.gif", 0),
         ("fleet --robots 2 --max-steps 5 --seed 5", "replay-greedy-grid-5.html", 0),

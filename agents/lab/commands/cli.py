@@ -31,6 +31,7 @@ from agents.lab.experiments.sweep import NAMES, sweep
 from agents.lab.reports.report import report
 from agents.registry import make_backend
 from warehouse_core import Episode, replay_episode
+from warehouse_core.motion import make_motion
 
 RENAMED_COMMANDS = {
     "explore": "warehouse run --agent exploring",
@@ -80,9 +81,12 @@ def replay(
 
     Example: warehouse replay episode.npz --speed 2 --save replay.gif
     """
+    known = None if backend is None else make_backend(backend)
+    if known is not None:
+        make_motion(known)  # refuses a wrong name before any work
     episode = Episode.load(file)
-    if backend is not None:
-        episode = replay_episode(episode, make_backend(backend))
+    if known is not None:
+        episode = replay_episode(episode, known)
     if episode.is_fleet:
         report_fleet(episode)
     else:

@@ -251,7 +251,7 @@ def compare(
     jobs: options.Jobs = None,
     show: options.Show = None,
 ) -> None:
-    """Compare agents, backends, planners or searches.
+    """Compare agents, backends or planners.
 
     agents: print deliveries, steps, expanded nodes, time and energy over the
     same seeds, in one layout or, with --layout random, in unseen layouts.

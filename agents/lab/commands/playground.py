@@ -7,7 +7,7 @@ from itertools import count
 from pathlib import Path
 from typing import Annotated
 
-from agents.lab.console.options import option
+from agents.lab.console.options import SAVE, option
 from agents.lab.console.terminal import say
 from agents.lab.playground.page import write_playground
 from agents.lab.playground.runtime import FILES, SERVER, VERSION
@@ -16,7 +16,7 @@ from agents.lab.playground.runtime import FILES, SERVER, VERSION
 def playground(
     save: Annotated[
         Path,
-        option("--save -o FOLDER", "Save to this folder, which is created if it is missing."),
+        option("--save -o FOLDER", f"{SAVE} Here: a folder, created if it is missing."),
     ] = Path("playground"),
     pyodide: Annotated[
         str,

@@ -3,13 +3,13 @@
 from pathlib import Path
 
 import pytest
-from helpers.command_line import Refused
 from helpers.fleets import SHELVES, fleet_episode
 
 from agents.fleet.planned import PlannedFleet
 from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
-from warehouse_core import FleetEnv, FleetEpisode, replay_fleet_episode
+from warehouse_core import FleetEnv, FleetEpisode, WarehouseEnv, replay_fleet_episode
+from warehouse_core.errors import BackendError
 from warehouse_core.fleet import Battery
 from warehouse_physics import DrivingMotion
 
@@ -80,6 +80,6 @@ def test_a_robot_that_drives_over_a_charger_is_not_charged() -> None:
     assert env.battery == [100]
 
 
-def test_a_run_of_the_chapters_robot_cannot_use_the_backend(refused: Refused) -> None:
-    said = refused("run", "--backend", "driving")
-    assert "'driving' drives through the cells of a plan; allowed here: " in said
+def test_the_chapters_environment_cannot_use_the_backend() -> None:
+    with pytest.raises(BackendError, match="'driving' drives through the cells of a plan"):
+        WarehouseEnv(backend="driving")
