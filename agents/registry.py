@@ -47,7 +47,15 @@ from agents.mapf.problem import Solver
 from agents.mapf.windows import WindowedPlanner
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
-from warehouse_core import DEFAULT_LAYOUT, Agent, Layout, Motion, RecordError
+from warehouse_core import (
+    DEFAULT_LAYOUT,
+    Agent,
+    Episode,
+    Layout,
+    Motion,
+    RecordError,
+    replay_episode,
+)
 from warehouse_core.files.reading import not_a_file
 from warehouse_core.motion.backends import Backend, backend_names, make_motion
 from warehouse_core.motion.base import with_defaults
@@ -245,13 +253,20 @@ def make_backend(name: str) -> Backend:
     return motion
 
 
-def acting_backend(backend: str) -> str:
-    """Return the backend on which an agent acts.
+def on_backend(backend: str, act: Callable[[str], Episode]) -> Episode:
+    """Return the record of an agent on a backend.
 
-    Bodies that drive through need a whole path, so an agent acts on the grid before they drive.
+    Bodies that drive through need a whole path. For them the agent acts on the grid, and then they
+    drive its path.
+
+    Args:
+        backend: name of a motion backend, see ``make_backend``.
+        act: function that lets the agent act on a backend with a name, and returns the record.
     """
-    motion = with_defaults(make_motion(make_backend(backend)))
-    return "grid" if motion.drives_through else backend
+    made = make_backend(backend)
+    if with_defaults(make_motion(made)).drives_through:
+        return replay_episode(act("grid"), made)
+    return act(backend)
 
 
 def make_fleet_agent(

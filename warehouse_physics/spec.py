@@ -204,7 +204,7 @@ class RobotSpec:
         Chipmunk notices a hit at the end of a substep. In the last one before the hit, a robot must
         therefore drive no farther than the share ``DEEPEST`` of its radius. ``speed`` is the
         highest one at which it may hit a wall in m/s. By default, it is the speed that the robot
-        reaches on the way from the middle of its cell.
+        reaches between the middle of its cell and the wall.
         """
         if speed is None:
             room = (0.5 + 2 * ARRIVED) * self.cell_size - self.radius

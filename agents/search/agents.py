@@ -124,7 +124,7 @@ class SearchAgent:
         return action
 
     def _go_on(self) -> str:
-        """Return the next action of the first plan, whatever the last action has led to."""
+        """Return the next action of the first plan, regardless of where the robot is."""
         action = next(self._ahead, None)
         self.reason = "follows its plan" if action else "its plan has ended"
         return action or "WAIT"

@@ -51,7 +51,16 @@ from warehouse_core.render.palette import (
 from warehouse_core.viz.axes import draw_grid
 from warehouse_core.viz.figure import SceneFigure
 from warehouse_core.viz.tracks.history import History, skids_of
-from warehouse_core.viz.tracks.track import FleetFrame, Frame, Point, Pose, TileRows, Track, middle
+from warehouse_core.viz.tracks.track import (
+    FleetFrame,
+    Frame,
+    Point,
+    Pose,
+    TileRows,
+    Track,
+    arrow_tip,
+    middle,
+)
 from warehouse_core.world.tiles import (
     CHARGER,
     DROPOFF,
@@ -105,7 +114,6 @@ STAR, DIAMOND, NOSE, ARROW, HEAD = (
 CHASSIS, FRONT, TYRE, LAMP = (
     np.array(LOOK["shapes"][key]) for key in ("chassis", "front", "wheel", "brake")
 )
-ARROWS = LOOK["arrows"]
 STAR_RADIUS = float(np.abs(STAR).max())
 
 Points = NDArray[np.float64]
@@ -432,14 +440,13 @@ class View:
 
     def _arrows(self, poses: Sequence[Pose]) -> Iterator[Shape]:
         """Yield arrows for the forces and velocities of bodies, from their centres."""
-        _, _, start, longest, shortest, wide = ARROWS.values()
+        wide = LOOK["arrows"]["wide"]
         for name, color, width in (("force", FORCE, wide), ("velocity", VELOCITY, 1.0)):
             for pose in poses if self.has_arrows else ():
-                along = getattr(pose.push, name, (0.0, 0.0))
-                length = ARROWS[name] * math.hypot(*along)
-                if length < shortest:
+                right, down = arrow_tip(name, getattr(pose.push, name, (0.0, 0.0)))
+                if (right, down) == (0, 0):
                     continue
-                angle, tip = math.atan2(along[1], along[0]), min(start + length, longest)
+                angle, tip = math.atan2(down, right), math.hypot(right, down)
                 half = WIDTHS["arrow"] * width / 2
                 corners = [
                     (0, half),

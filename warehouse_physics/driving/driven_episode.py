@@ -20,6 +20,7 @@ import numpy as np
 
 from warehouse_core import BackendError, Cell, Episode, Outcome
 from warehouse_core.motion.base import Contact, centre_of
+from warehouse_core.records.drive_summary import AT_REST
 from warehouse_core.world.actions import DROP, PICK, WAIT, action_index
 from warehouse_core.world.tables import Integers
 from warehouse_physics.body_motion import PATH_EVERY
@@ -30,9 +31,6 @@ CHUNK = 0.5
 
 PATIENCE = 100.0
 """Seconds for each cell of a leg after which a robot counts as stuck."""
-
-RESTS = 1e-3
-"""Speed in m/s below which a robot is at rest."""
 
 STAY = (0, 0)
 
@@ -115,7 +113,7 @@ def _drive_through(motion: Any, cells: Sequence[Cell], trailing: int) -> Traject
         done += motion.drive(CHUNK)
     done += motion.drive((trailing + 1) * motion.spec.time_step)
     rows, contacts = _joined(done)
-    last = np.flatnonzero(lengths_of(rows[:, 4:6]) > RESTS).max(initial=-1)
+    last = np.flatnonzero(lengths_of(rows[:, 4:6]) > AT_REST).max(initial=-1)
     return Trajectory(rows[: last + 2 + trailing], contacts)
 
 
@@ -164,6 +162,6 @@ def telling(rows: Floats, every: int) -> Integers:
     or to brake, so that they include the extremes of its speed.
     """
     gains = np.diff(lengths_of(rows[:, 4:6]))
-    changes = np.diff(np.sign(gains * (np.abs(gains) > RESTS)), prepend=0)
+    changes = np.diff(np.sign(gains * (np.abs(gains) > AT_REST)), prepend=0)
     is_due = np.arange(len(rows)) % every == 0
     return np.flatnonzero(np.append(changes != 0, True) | is_due)

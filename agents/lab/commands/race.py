@@ -19,9 +19,9 @@ from agents.lab.commands.compare_agents import AGENTS
 from agents.lab.commands.worlds import (
     FRAME_SECONDS,
     ICE,
+    ICY,
     on_one_clock,
     result_rows,
-    run_worlds,
     split_worlds,
     world_sentences,
 )
@@ -35,8 +35,8 @@ from agents.lab.console.watch import slow_steps_reported
 from agents.lab.runs.run import run
 from agents.lab.trials.task import Task
 from agents.learning.q_learning import QAgent, QTable, learn
-from agents.registry import acting_backend, make_agent
-from warehouse_core import Agent, Episode, Layout, WarehouseEnv, replay_episode
+from agents.registry import make_agent, on_backend
+from warehouse_core import Agent, Episode, Layout, WarehouseEnv
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.task.starts import START
 from warehouse_core.viz.tracks import record_track
@@ -148,9 +148,10 @@ def race_of_worlds(
     if len(agents) != 1:
         raise typer.BadParameter(f"--agent is given {len(agents)} times; --worlds takes one agent")
     name = agents[0]
-    records = run_worlds(
-        worlds, ice, lambda backend: run_racer(name, task._replace(backend=backend), seed)
-    )
+    records = {
+        world: run_racer(name, task._replace(backend=ice if world == ICY else world), seed)
+        for world in worlds
+    }
     title = f"{TITLES.get(name, name)} on {where}, seed {seed}"
     return Race(
         TextTable(("", *records), result_rows([*records.values()]), title),
@@ -161,19 +162,21 @@ def race_of_worlds(
 
 def run_racer(name: str, task: Task, seed: int) -> Episode:
     """Return the record of an episode of the agent with a name."""
-    backend, task = task.backend, task._replace(backend=acting_backend(task.backend))
-    with closing(task.make_env(seed)) as env:
-        if name == LEARNER:
-            env.reset(task.randomize, seed)  # places the stations as in the race
-            racer: Agent = practised(env.layout, seed)
-        else:
-            racer = make_agent(name, seed, task.layout_for(seed))
-        try:
-            watch = slow_steps_reported(racer, name)
-            episode = run(env, racer, seed, watch, name=name, randomize=task.randomize)
-        except EpisodeInterrupted as error:
-            raise typer.Abort from error
-    return episode if backend == task.backend else replay_episode(episode, backend)
+
+    def act(backend: str) -> Episode:
+        with closing(task._replace(backend=backend).make_env(seed)) as env:
+            if name == LEARNER:
+                env.reset(task.randomize, seed)  # places the stations as in the race
+                racer: Agent = practised(env.layout, seed)
+            else:
+                racer = make_agent(name, seed, task.layout_for(seed))
+            try:
+                watch = slow_steps_reported(racer, name)
+                return run(env, racer, seed, watch, name=name, randomize=task.randomize)
+            except EpisodeInterrupted as error:
+                raise typer.Abort from error
+
+    return on_backend(task.backend, act)
 
 
 def practised(layout: Layout, seed: int) -> QAgent:

@@ -19,7 +19,7 @@ from agents.lab.console.watch import slow_steps_reported
 from agents.lab.place import Stations
 from agents.lab.runs.run import draw_seed
 from agents.lab.runs.run import run as run_agent
-from agents.registry import acting_backend, make_agent, make_backend
+from agents.registry import make_agent, make_backend, on_backend
 from agents.search.agents import ExploringAgent
 from warehouse_core import (
     DEFAULT_LAYOUT,
@@ -28,7 +28,6 @@ from warehouse_core import (
     Episode,
     Layout,
     WarehouseEnv,
-    replay_episode,
 )
 from warehouse_core.records.drive_summary import drive_summary
 from warehouse_core.records.episode import DELIVERED
@@ -97,21 +96,23 @@ class Case(NamedTuple):
         notice: Callable[[Agent], None] = lambda agent: None,
     ) -> Episode:
         """Run the episode of a seed; ``notice`` is called with the agent before it acts."""
-        backend = acting_backend(self.backend)
-        env = WarehouseEnv(
-            self.layout,
-            start_pos,
-            self.max_steps,
-            self.battery,
-            self.view_radius,
-            backend=make_backend(backend),
-        )
-        with closing(env):
-            acting = make_agent(self.agent, seed, self.layout)
-            notice(acting)
-            watch = slow_steps_reported(acting, self.agent)
-            episode = run_agent(env, acting, seed, watch, name=self.agent, randomize=randomize)
-        return episode if backend == self.backend else replay_episode(episode, self.backend)
+
+        def act(backend: str) -> Episode:
+            env = WarehouseEnv(
+                self.layout,
+                start_pos,
+                self.max_steps,
+                self.battery,
+                self.view_radius,
+                backend=make_backend(backend),
+            )
+            with closing(env):
+                acting = make_agent(self.agent, seed, self.layout)
+                notice(acting)
+                watch = slow_steps_reported(acting, self.agent)
+                return run_agent(env, acting, seed, watch, name=self.agent, randomize=randomize)
+
+        return on_backend(self.backend, act)
 
 
 def report_episode(episode: Episode, stations: Stations | None = None) -> None:

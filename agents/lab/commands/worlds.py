@@ -38,7 +38,6 @@ GRID_SECONDS = 2.0
 """Duration of a step of the grid on the clock of the replay. The grid has no seconds of its own, so
 a step takes as long as the default body needs for a cell."""
 
-
 FRAME_SECONDS = 0.25
 """Simulated seconds between frames of the replay, so that the files of four worlds stay small."""
 
@@ -63,25 +62,12 @@ def split_worlds(text: str) -> list[str]:
     return worlds
 
 
-def run_worlds(
-    worlds: Sequence[str], ice: str, run: Callable[[str], Episode]
-) -> dict[str, Episode]:
-    """Return the record of an agent in each world, by name.
-
-    Args:
-        worlds: names of the worlds.
-        ice: backend of the icy world.
-        run: function that returns the record on a backend.
-    """
-    return {world: run(ice if world == ICY else world) for world in worlds}
-
-
 class Miss(NamedTuple):
     """A move to a free cell after which the robot was in another cell.
 
     Attributes:
         step: number of the step, from 1.
-        target: cell to which the move led.
+        target: cell that the robot was to reach.
         short: distance in metres by which the robot missed the middle of this cell, along its
             direction of motion. It is negative if the robot slid past.
     """
@@ -97,7 +83,7 @@ class Miss(NamedTuple):
 
 
 def misses(record: Episode) -> Iterator[Miss]:
-    """Yield the moves of a robot that did not end in the cell to which they led."""
+    """Yield the moves of a robot that did not end in their target cells."""
     for step, (action, motion) in enumerate(zip(record.actions, record.motions, strict=True), 1):
         down, right = DISPLACEMENTS[action_index(action)]
         before, after = record.cells[step - 1 : step + 1]

@@ -317,7 +317,8 @@ def _make_case(reader: _Reader, name: str, values: Any) -> Case:
     found = reader.table(values, CASE, header)
     if "layout" in found:
         beside = reader.path.resolve().parent / found["layout"]
-        if os.path.isfile(beside) or beside.suffix:  # unlike Path.is_file, for names of any length
+        # Path.is_file raises an error for a name that is too long.
+        if os.path.isfile(beside) or beside.suffix:
             found["layout"] = str(beside)
     for key in ("size", "density"):
         if key in found and found.get("layout") != RANDOM:

@@ -4,8 +4,8 @@ Landlock lets the process read only the files that it needs, and write none. A s
 only the system calls that Python and NumPy make in one process without threads. Whatever is not
 listed is refused, such as calls that start processes or threads, open sockets, watch folders,
 lock files, change properties of files, or create objects that outlive the process. Both also apply
-to compiled code, and the process cannot undo them. What stays possible is to ask for the size and
-dates of a file whose path is known, because Python does so in every import.
+to compiled code, and the process cannot undo them. The process can still ask for the size and dates
+of a file if it knows the path, because Python does so in every import.
 
 This module imports only the standard library, and is loaded by its path, because the process of an
 agent must not contain modules of this program that the agent did not import.

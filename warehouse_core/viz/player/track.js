@@ -1,11 +1,11 @@
 // A track at any moment, and the block of bytes from which it is read. Nothing is drawn here.
 
+import LOOK from "../../render/tiles.json" with { type: "json" };
+
 const KINDS = { i1: Int8Array, i2: Int16Array, i4: Int32Array, f4: Float32Array };
 
 const TURN = 120;
 
-/** The power in W that a motor takes out of the motion of a body when its brake light goes on; see track.py. */
-const BRAKING_POWER = 1;
 const NO_HEADING = 127;
 
 /** The number of steps at which a robot is in the same cell with the same load that make it stuck. */
@@ -128,7 +128,7 @@ export class Track {
     const [from, to] = [body * this.frames + frame, body * this.frames + next];
     const [vx, vy] = [this.vx, this.vy].map((list) => list[from] + share * (list[to] - list[from]));
     const [fx, fy] = [this.fx[to], this.fy[to]]; // of the time that ends then
-    return { velocity: [vx, vy], force: [fx, fy], brakes: vx * fx + vy * fy < -BRAKING_POWER };
+    return { velocity: [vx, vy], force: [fx, fy], brakes: vx * fx + vy * fy < -LOOK.braking.power };
   }
 
   headingBetween(from, to, share) {

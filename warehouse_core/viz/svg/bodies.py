@@ -18,7 +18,15 @@ from warehouse_core.render.palette import LOOK
 from warehouse_core.viz.svg.beat import Beat, Span, extend, spans_of
 from warehouse_core.viz.svg.floor import UNIT, box, shape
 from warehouse_core.viz.tracks.history import History, skids_of
-from warehouse_core.viz.tracks.track import DrawnHit, FleetFrame, Frame, Point, Pose, Track
+from warehouse_core.viz.tracks.track import (
+    DrawnHit,
+    FleetFrame,
+    Frame,
+    Point,
+    Pose,
+    Track,
+    arrow_tip,
+)
 from warehouse_core.world.tiles import PERSON, PICKUP, ROBOT_EMPTY, ROBOT_LOADED, Cell
 
 Value = TypeVar("Value")
@@ -134,19 +142,8 @@ def _arrows(poses: Sequence[Pose | None], beat: Beat) -> Iterator[str]:
     """Yield arrows for the force and the velocity of a body."""
     pushes = [pose.push if pose else None for pose in poses]
     for name, wide in (("force", ARROWS["wide"]), ("velocity", 1.0)):
-        tips = []
-        for push in pushes:
-            right, down = getattr(push, name, (0.0, 0.0))
-            length = ARROWS[name] * math.hypot(right, down)
-            tip = (
-                min(ARROWS["start"] + length, ARROWS["longest"])
-                if length >= ARROWS["shortest"]
-                else 0
-            )
-            share = UNIT * tip / max(math.hypot(right, down), 1e-9)
-            tips.append(
-                (COARSE * round(share * right / COARSE), COARSE * round(share * down / COARSE))
-            )
+        ends = [arrow_tip(name, getattr(push, name, (0.0, 0.0))) for push in pushes]
+        tips = [tuple(COARSE * round(UNIT * part / COARSE) for part in end) for end in ends]
         x, moves_x = beat.growing("x2", [tip[0] for tip in tips])
         y, moves_y = beat.growing("y2", [tip[1] for tip in tips])
         width = UNIT * LOOK["lines"]["arrow"] * wide

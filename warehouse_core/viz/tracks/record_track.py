@@ -54,8 +54,8 @@ MAX_PUSHED = int(LOOK["battery"]["few"])
 """Most bodies whose velocities, forces and skid marks are shown."""
 
 SKIDDING, SLOW = 0.99, 0.02
-"""Share of the largest force on slippery floor from which on a robot skids, and speed in m/s up to
-which it does not."""
+"""Least share of the largest force on slippery floor with which a robot skids, and the speed in m/s
+that it must exceed in order to skid."""
 
 LATE = len(ORDER_COLORS) - 1
 """Age of an order that is late."""

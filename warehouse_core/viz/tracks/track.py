@@ -30,9 +30,6 @@ CONTINUOUS_FRAMES = 3
 LONG_SECONDS = 100
 """Duration, in seconds, up to which the clock of an episode shows tenths of a second."""
 
-BRAKING_POWER = 1.0
-"""Power in W that a motor takes out of the motion of a body when its brake light goes on."""
-
 MIN_PACE, MAX_PACE = 1e-6, 1e9
 """Limits on the playing speed, and on the milliseconds between frames."""
 
@@ -65,9 +62,25 @@ class Push(NamedTuple):
 
     @property
     def brakes(self) -> bool:
-        """Whether the motor works against the motion."""
+        """Whether the motor takes more than a small power in W out of the motion."""
         (vx, vy), (fx, fy) = self.velocity, self.force
-        return vx * fx + vy * fy < -BRAKING_POWER
+        most: float = LOOK["braking"]["power"]
+        return vx * fx + vy * fy < -most
+
+
+def arrow_tip(name: str, vector: Point) -> Point:
+    """Return the tip of an arrow from the centre of a body, in cells; (0, 0) for no arrow.
+
+    Args:
+        name: ``"velocity"`` or ``"force"``.
+        vector: the velocity in m/s or the force in N.
+    """
+    size, arrows = math.hypot(*vector), LOOK["arrows"]
+    length = arrows[name] * size
+    if length < arrows["shortest"]:
+        return 0.0, 0.0
+    share = min(arrows["start"] + length, arrows["longest"]) / size
+    return share * vector[0], share * vector[1]
 
 
 @dataclass(frozen=True, slots=True)

@@ -237,3 +237,13 @@ def test_a_body_drives_the_path_of_an_agent_in_one_go(warehouse: Warehouse, tmp_
     assert "49.8" in again
     on_the_grid = warehouse("replay", saved, "--backend", "grid", "--no-show").out
     assert "seconds" not in on_the_grid
+
+
+def test_a_backend_of_your_own_may_drive_through(warehouse: Warehouse, tmp_path: Path) -> None:
+    (tmp_path / "mine.py").write_text(
+        "from warehouse_physics import DrivingMotion\n\n\nclass Mine(DrivingMotion):\n    pass\n"
+    )
+    mine = f"{tmp_path / 'mine.py'}:Mine"
+    out = warehouse("run", "--backend", mine, "--seed", 12, "--no-show").out
+    assert out.startswith("GreedyAgent on the Mine backend, seed 12")
+    assert re.search(r"seconds +32\.7", out)
