@@ -12,12 +12,13 @@ from typing import NamedTuple
 import numpy as np
 from numpy.typing import NDArray
 
+from agents.fleet.travel import TravelTimes
 from agents.mapf.assignment import NONE, OUT_OF_REACH, cheapest_matching
-from agents.mapf.graph import CLOSED, MOVES, Costs, Graph
+from agents.mapf.graph import MOVES, Costs
 from warehouse_core import FleetEnv, Layout
 from warehouse_core.batch.fleet_settings import STEPS
 from warehouse_core.motion.base import BaseMotion, with_defaults
-from warehouse_core.world.actions import DISPLACEMENTS, WAIT
+from warehouse_core.world.actions import DISPLACEMENTS
 from warehouse_core.world.tables import Integers
 
 DETOUR = 2.0
@@ -125,19 +126,18 @@ class Chargers:
 
     Attributes:
         cells: ``[C]``, cells of the chargers.
-        home: ``[H * W]``, cost of the path from each cell to the nearest charger, in steps.
+        home: ``[H * W]``, time from each cell to the nearest charger, see ``TravelTimes``.
         turn: ``[R]``, charger where each robot charges or will charge, or ``NONE``.
 
     Source: Liu and Layland (1973), Scheduling algorithms for multiprogramming in a hard-real-time
     environment, for the order of the deadlines.
     """
 
-    def __init__(self, env: FleetEnv, graph: Graph) -> None:
+    def __init__(self, env: FleetEnv, times: TravelTimes) -> None:
         battery, layout = env.settings.battery, env.layout
         self.cells = layout.numbers(layout.chargers)
-        distances = [_distances_into(graph, cell) for cell in self.cells.tolist()]
-        self._distances = np.array(distances, np.float64).reshape(-1, graph.size)
-        self.home = self._distances.min(axis=0, initial=np.inf)
+        self._times, self._all = times, np.arange(layout.height * layout.width)
+        self.measure()
         self._capacity, (self._cost, charge) = battery.capacity, use_and_charge(env)
         self._reserve = min(SPARE_STEPS, SPARE_SHARE * battery.capacity / self._cost)
         self._gain = max(charge - self._cost, 0.0) or self._cost
@@ -153,6 +153,12 @@ class Chargers:
         self.turn = np.full(env.settings.robots, NONE)
         self._first = np.full(len(self.cells), NONE)
         self._leaves = np.full(len(self.cells), NONE)
+
+    def measure(self) -> None:
+        """Measure the times to the chargers again, because other cells are closed now."""
+        times = self._times.between(self._all, self.cells[:, None])
+        self._distances: NDArray[np.float64] = times.astype(np.float64)
+        self.home = self._distances.min(axis=0, initial=np.inf)
 
     def lasts(
         self, battery: NDArray[np.float64], distances: NDArray[np.floating]
@@ -302,10 +308,3 @@ class Chargers:
         slow = np.minimum(missing, self._slow)
         steps: NDArray[np.float64] = (missing - slow) / self._gain
         return steps + self._fall * np.log1p(slow / self._left)
-
-
-def _distances_into(graph: Graph, charger: int) -> Costs:
-    """Return the cost from each cell to a charger, ``[H * W]``, with a last move of cost 1."""
-    distances, sides = graph.distances(charger, keep=False), graph.neighbours[charger, :WAIT]
-    last = distances[sides[sides != CLOSED]].min(initial=np.inf)
-    return np.maximum(distances - (last - 1), 0) if np.isfinite(last) else distances

@@ -11,6 +11,7 @@ from numpy.typing import NDArray
 from agents.fleet.charging import Chargers, Needs
 from agents.fleet.detours import Detours
 from agents.fleet.escapes import Escapes
+from agents.fleet.travel import TravelTimes
 from agents.mapf.assignment import ASSIGNMENTS, NONE, REASSIGNING, Tasks
 from agents.mapf.graph import Fields, Graph
 from agents.mapf.kernels.places import FAR
@@ -76,11 +77,10 @@ class Scheduler:
         self.graph = Graph(env.layout)
         roads = Graph(env.layout, known.costs) if known else self.graph
         self._fields = Fields(self.graph)
-        # Assignments compare travel times, which consist of cells at top speed and of turns.
-        turns = known.turn_cost if known else 0.0
-        self._times = Fields(self.graph.with_turns(turns)) if turns else self._fields
+        turn = known.turn_cost if known else 0.0
+        self._times = TravelTimes(env.layout, 1.0 if env.settings.has_headings else turn)
         self._cell_steps: float = with_defaults(env.motion).cell_steps
-        self.chargers = Chargers(env, roads)
+        self.chargers = Chargers(env, self._times)
         self._assign, self._reassigns = ASSIGNMENTS[assignment], assignment in REASSIGNING
         self._capacity = env.settings.battery.capacity
         self._parking = parking_of(env.layout)
@@ -155,7 +155,8 @@ class Scheduler:
         """Close the cells of failed robots, so that no path uses them."""
         if cells != self.graph.closed:
             self.graph.close(cells)
-            self._times.graph.close(cells)
+            self._times.close(cells)
+            self.chargers.measure()
             self._trips = self._homes = np.empty(0)
             self._assigned = (b"", b"")
 
@@ -172,7 +173,7 @@ class Scheduler:
         may_go = ~robots.ended
         carrying = np.flatnonzero(robots.loaded & may_go & (robots.goals != NONE))
         goals = robots.goals[carrying]
-        times = self._travel_times(robots.cells[carrying], goals) + self.chargers.home[goals]
+        times = self._times.between(robots.cells[carrying], goals) + self.chargers.home[goals]
         may_go[carrying] = ~self.chargers.lasts(robots.battery[carrying], times)
         shares = np.where(robots.goals == NONE, np.where(self._is_idle, IDLE, BETWEEN), 0.0)
         battery = np.where(robots.ended, 0.0, robots.battery)
@@ -209,7 +210,7 @@ class Scheduler:
     ) -> None:
         """Assign these orders to these robots, and update ``order``."""
         known, cells = env.order_arrays, robots.cells[free]
-        times = self._travel_times(cells[:, None], known.pickup[columns])
+        times = self._times.between(cells[:, None], known.pickup[columns])
         if len(self.chargers.cells):
             whole = times + self._trips[columns] + self._homes[columns]
             times[~self.chargers.lasts(robots.battery[free, None], whole)] = np.inf
@@ -229,19 +230,9 @@ class Scheduler:
         """Measure the travel times of new orders, from pickup to dropoff and on to a charger."""
         first = len(self._trips)
         if first < len(pickups):
-            trips = self._travel_times(pickups[first:], dropoffs[first:])
+            trips = self._times.between(pickups[first:], dropoffs[first:])
             self._trips = np.concatenate([self._trips, trips])
             self._homes = np.concatenate([self._homes, self.chargers.home[dropoffs[first:]]])
-
-    def _travel_times(self, cells: Integers, goals: Integers) -> NDArray[np.float32]:
-        """Return the travel times from cells to goals, which are broadcast; a cell takes 1.
-
-        The robots start in the best direction.
-        """
-        fields = self._times
-        rows, headings = fields.rows(goals), np.arange(0, fields.graph.places, fields.graph.size)
-        times = fields.matrix[rows[..., None], cells[..., None] + headings].min(axis=-1)
-        return np.where(times == FAR, np.inf, times / fields.step).astype(np.float32)
 
     def _goals(self, robots: RobotStates) -> Integers:
         """Return the goal of each robot; robots without a task park out of the way."""

@@ -12,6 +12,7 @@ from agents.fleet.charging import (
     costs_around_chargers,
     use_and_charge,
 )
+from agents.fleet.travel import TravelTimes
 from agents.mapf.graph import Graph
 from warehouse_core import FleetEnv, Layout
 from warehouse_core.fleet import Battery
@@ -25,7 +26,7 @@ HALL = Layout(["C" + "." * 28 + "C"])
 
 def chargers_of(robots: int, layout: Layout = HALL, battery: int | Battery = 200) -> Chargers:
     env = FleetEnv(layout, robots, battery=battery)
-    return Chargers(env, Graph(layout))
+    return Chargers(env, TravelTimes(layout))
 
 
 def needs(cells: list[int], battery: list[float], **changed: object) -> Needs:
@@ -66,7 +67,7 @@ def test_a_heavy_robot_counts_with_what_its_own_body_needs() -> None:
     distances, units = np.array([10.0]), np.array([20_000.0])
     for motion, lasts in (("grid", True), (RigidBodyMotion(), True), (DrivingMotion(heavy), False)):
         env = FleetEnv(HALL, 1, battery=batteries[0], backend=motion)
-        assert Chargers(env, Graph(HALL)).lasts(units, distances).tolist() == [lasts]
+        assert Chargers(env, TravelTimes(HALL)).lasts(units, distances).tolist() == [lasts]
     env = FleetEnv(HALL, 1, battery=batteries[1], backend=DrivingMotion(heavy, period=0.25))
     assert use_and_charge(env) == pytest.approx((4, 4 * batteries[1].step_charge(1.0)))
 
