@@ -104,7 +104,7 @@ class FormatError(WarehouseError, ValueError):
 
 
 class EndedError(WarehouseError, RuntimeError):
-    """A step before the first reset, or after the end of an episode without automatic reset.
+    """A step before the first reset, or outside of the episode that is being run or recorded.
 
     Example:
         >>> from warehouse_core import BatchEnv

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import math
 import random
 from collections.abc import Sequence
 from typing import Any, ClassVar, SupportsIndex
@@ -11,23 +12,57 @@ from warehouse_core.arguments import (
     MAX_VIEW_RADIUS,
     as_cell,
     instance_of,
+    real_number,
     seed_number,
     whole_number,
 )
 from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import BackendError
+from warehouse_core.listing import DRAWS, LISTED, MOVES, STEPS, Grid, seeded
 from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.motion.base import Motion, Outcome, conditions_of, with_defaults
-from warehouse_core.task.rules import charged, is_truncated, judge
+from warehouse_core.motion.grid import GridMotion
+from warehouse_core.task.rules import (
+    BLOCKED_REWARD,
+    DELIVERY_REWARD,
+    STEP_REWARD,
+    Verdict,
+    charged,
+    is_truncated,
+    judge,
+)
 from warehouse_core.task.settings import Settings
 from warehouse_core.task.sight import Sight
-from warehouse_core.task.starts import check_room, randomized_parts
+from warehouse_core.task.starts import (
+    Randomized,
+    choose_start,
+    choose_stations,
+    randomized_parts,
+)
 from warehouse_core.task.state import Observation, WarehouseState
-from warehouse_core.wording import brief
-from warehouse_core.world.actions import ACTIONS, DISPLACEMENTS, INVALID, action_index
+from warehouse_core.wording import brief, listed
+from warehouse_core.world.actions import (
+    ACTIONS,
+    DISPLACEMENTS,
+    DROP,
+    INVALID,
+    PICK,
+    WAIT,
+    action_index,
+)
 from warehouse_core.world.display import display
 from warehouse_core.world.layout import CHAPTER_START, DEFAULT_LAYOUT, Layout, check_open
-from warehouse_core.world.tiles import CHARGER, MOVE_DELTAS, ROBOT_EMPTY, ROBOT_LOADED, TILES, Cell
+from warehouse_core.world.tiles import (
+    CHARGER,
+    DROPOFF,
+    MOVE_DELTAS,
+    PICKUP,
+    ROBOT_EMPTY,
+    ROBOT_LOADED,
+    TILES,
+    Cell,
+    moved,
+)
 
 LEGEND = TILES | {ROBOT_EMPTY: "robot (empty)", ROBOT_LOADED: "robot (loaded)"}
 
@@ -82,6 +117,10 @@ class WarehouseEnv(CopiedWhole):
             out of range, or the backend is unknown (``BackendError``).
         TypeError: an argument has a wrong type.
 
+    A subclass may override the methods of the book's listing, from ``_observe`` to
+    ``_randomize_pickup_dropoff``. Its ``step`` and ``reset`` are then composed of them, as in the
+    listing. ``_move`` and ``_is_wall`` need ``backend="grid"``.
+
     Source: the chapter's exercise, section 1.6 of the course book.
 
     Example:
@@ -95,6 +134,28 @@ class WarehouseEnv(CopiedWhole):
 
     ACTIONS: ClassVar[list[str]] = list(ACTIONS)
     MOVE_DELTAS: ClassVar[dict[str, Cell]] = dict(MOVE_DELTAS)
+    _overridden: ClassVar[frozenset[str]] = frozenset()
+    _is_drawing = False
+    _pickup: Any
+    _dropoff: Any
+
+    def __init_subclass__(cls, **options: Any) -> None:
+        super().__init_subclass__(**options)
+        if cls.ACTIONS != WarehouseEnv.ACTIONS or cls.MOVE_DELTAS != WarehouseEnv.MOVE_DELTAS:
+            raise TypeError(
+                f"{cls.__name__} changes ACTIONS or MOVE_DELTAS, but a record has the seven "
+                "actions of the chapter; override _normalize_action or _move instead"
+            )
+        # ``observe`` and ``_observe`` are one method: an override of either serves both.
+        seeing = {"observe", "_observe"}
+        owner = next(vars(each) for each in cls.__mro__ if seeing & vars(each).keys())
+        if len(names := seeing & owner.keys()) == 1:
+            cls.observe = cls._observe = owner[names.pop()]  # type: ignore[method-assign]
+        cls._overridden = frozenset(
+            name for name in LISTED if getattr(cls, name) is not getattr(WarehouseEnv, name)
+        )
+        if "_find_tile" in cls._overridden:
+            cls._pickup, cls._dropoff = _found(PICKUP), _found(DROPOFF)
 
     def __init__(
         self,
@@ -116,12 +177,20 @@ class WarehouseEnv(CopiedWhole):
         self._use(layout)
         self._given_layout = layout
         self._start_pos = self._start_in(self.layout, start_pos)
-        self._motion = make_motion(backend)
+        self._motion = motion = make_motion(backend)
+        self._is_listed = not self._overridden.isdisjoint(STEPS)
+        self._carries = type(motion).advance is GridMotion.advance
         if with_defaults(self._motion).drives_through:
             raise BackendError(
                 f"backend {brief(backend)} drives through the cells of a plan; allowed here: one "
                 "whose robots rest in each cell. FleetEnv takes both, and replay_episode drives "
                 "the path of a finished episode"
+            )
+        if not self._carries and (changed := self._overridden.intersection(MOVES)):
+            raise BackendError(
+                f"{type(self).__name__} overrides {listed(sorted(changed))}, which "
+                f"backend {brief(backend)} does not call: a body meets the walls of the "
+                "layout. Choose backend='grid', or change the layout or the motion instead"
             )
         self.last_motion: Outcome | None = None
         self._placed: Cell = self._start_pos
@@ -135,8 +204,19 @@ class WarehouseEnv(CopiedWhole):
 
     @property
     def grid(self) -> list[str]:
-        """A copy of the current layout as a list of strings, without the robot."""
-        return list(self.layout.rows)
+        """The current layout as a list of strings, without the robot.
+
+        ``env.grid[row] = "#..#"`` and ``env.grid = rows`` change the layout for this episode and
+        for later ones.
+
+        Raises:
+            LayoutError: the new layout is invalid, or the robot or ``start_pos`` is on a wall.
+        """
+        return Grid(self.layout.rows, self._change_grid)
+
+    @grid.setter
+    def grid(self, rows: Sequence[str]) -> None:
+        self._change_grid(rows)
 
     @property
     def height(self) -> int:
@@ -202,16 +282,18 @@ class WarehouseEnv(CopiedWhole):
         randomized = randomized_parts(randomize)
         seed = seed_number(seed)
         layout, start = self.layout, self._start_pos
-        if randomize:
+        if randomize and not self._overridden.isdisjoint(DRAWS):
+            layout, start = self._draw_as_listed(randomized, seed)
+        elif randomize:
             stream = random if seed is None else random.Random(seed)
             if randomized.stations and seed is not None:
                 layout = self._given_layout
             chargers = layout.ranks(layout.chargers)
             stations = layout.ranks(layout.pickups + layout.dropoffs)
             if randomized.stations:
-                layout, stations = _draw_stations(stream, layout, stations + chargers)
+                layout, stations = choose_stations(stream, layout, stations + chargers)
             if randomized.start:
-                start = self._draw_start(stream, layout, stations + chargers)
+                start = choose_start(stream, layout, stations + chargers) or start
         return self._begin(layout, start, seed)
 
     def reset_to(
@@ -252,7 +334,7 @@ class WarehouseEnv(CopiedWhole):
             TypeError: ``action`` is neither a string nor an integer; the environment is unchanged.
             LayoutError: ``state.robot_pos`` has been set to a cell that is not open.
         """
-        index = action_index(action)
+        index = action_index(self._normalize_action(action) if self._is_listed else action)
         reward, terminated, truncated = self.advance(index)
         info = {"invalid_action": True} if index == INVALID else {}
         return self.observe(), reward, terminated, truncated, info
@@ -266,6 +348,8 @@ class WarehouseEnv(CopiedWhole):
         Returns:
             Reward, terminated and truncated.
         """
+        if self._is_listed:
+            return self._advance_as_listed(index)
         state = self.state
         # Identity, not equality, detects that a user has assigned a cell to the state.
         if state.robot_pos is not self._placed:
@@ -294,6 +378,8 @@ class WarehouseEnv(CopiedWhole):
             "pickup_pos": self._pickup,
             "dropoff_pos": self._dropoff,
         }
+
+    _observe = observe
 
     def render_grid(self) -> list[list[str]]:
         """Return the grid and the robot (``R`` or ``r``) as ``H`` lists of ``W`` characters."""
@@ -344,40 +430,119 @@ class WarehouseEnv(CopiedWhole):
         self._placed = cell
         self.last_motion = None
 
-    def _draw_start(self, stream: Any, layout: Layout, taken: list[int]) -> Cell:
+    def _change_grid(self, rows: Sequence[str]) -> None:
+        layout = rows if isinstance(rows, Layout) else Layout(rows)
+        if not self._is_drawing:
+            check_open(layout, self.state.robot_pos, "the robot's cell,")
+            check_open(layout, self._start_pos, "start_pos")
+            self._given_layout = layout
+        self._use(layout)
+        if not self._is_drawing:
+            self._place(self.state.robot_pos)
+
+    # The methods of the listing, which only environments that override one of them call.
+
+    def _normalize_action(self, action: str | SupportsIndex) -> str:
+        """Return the word of an action, or ``"INVALID"``."""
+        return (*ACTIONS, "INVALID")[action_index(action)]
+
+    def _is_wall(self, r: int, c: int) -> bool:
+        """Return whether a cell is a wall or off the grid."""
+        return not self.layout.is_open((r, c))
+
+    def _find_tile(self, tile: str) -> Cell | None:
+        """Return the first cell with this tile in row-major order, or ``None``."""
+        rows = enumerate(self.layout.rows)
+        return next(((row, text.index(tile)) for row, text in rows if tile in text), None)
+
+    def _move(self, act: str) -> float:
+        """Move the robot by one cell unless a wall is there; return the reward for it."""
+        cell = moved(self.state.robot_pos, MOVE_DELTAS[act])
+        if self._is_wall(*cell):
+            return BLOCKED_REWARD
+        self.state.robot_pos = cell
+        return 0.0
+
+    def _pick(self) -> float:
+        """Take an item if possible; return the reward for it."""
+        return self._judged(PICK)
+
+    def _drop(self) -> float:
+        """Deliver the item if possible; return the reward for it."""
+        return self._judged(DROP)
+
+    def _random_empty_cell(self) -> Cell:
         """Return a random empty cell, or ``start_pos`` if no cell is empty."""
-        count = len(layout.open_cells)
-        if count <= len(taken):
-            return self._start_pos
-        return layout.open_cell(_draw(stream, count, without=taken))
+        return choose_start(random, self.layout) or self._start_pos
+
+    def _randomize_pickup_dropoff(self) -> None:
+        """Draw a new pickup and dropoff from the empty cells."""
+        self._use(choose_stations(random, self.layout)[0])
+
+    # Steps and draws that are composed of these methods.
+
+    def _advance_as_listed(self, index: int) -> tuple[float, bool, bool]:
+        state, move = self.state, DISPLACEMENTS[index]
+        if state.robot_pos is not self._placed:
+            self._place(state.robot_pos)
+        if isinstance(self._motion, GridMotion) and self._carries:
+            reward = STEP_REWARD + self._effect(index)
+            self.last_motion = self._motion.carry(state.robot_pos, move)
+        else:
+            self.last_motion = self._motion.advance((move,), (state.has_item,))[0]
+            state.robot_pos = self.last_motion.cell
+            reward = STEP_REWARD + self._effect(index)
+        self._placed = state.robot_pos = self.last_motion.cell
+        state.steps += 1
+        state.battery -= 1
+        if index == WAIT and self._verdict(WAIT).charges:
+            state.battery = charged(state.battery, self.max_battery)
+        delivered = index == DROP and reward >= DELIVERY_REWARD
+        return reward, delivered, is_truncated(state.steps, self.max_steps, state.battery)
+
+    def _effect(self, index: int) -> float:
+        """Apply an action and return what it adds to the reward of a step."""
+        if index < WAIT:
+            if self._carries:
+                return self._reward("_move", ACTIONS[index])
+            return BLOCKED_REWARD if self.last_motion and self.last_motion.blocked else 0.0
+        if index in (PICK, DROP):
+            return self._reward("_pick" if index == PICK else "_drop")
+        return self._judged(index)
+
+    def _reward(self, name: str, *arguments: str) -> float:
+        """Return the reward of a method of the listing, which must be a number."""
+        reward = getattr(self, name)(*arguments)
+        return real_number(f"reward of {type(self).__name__}.{name}", reward, -math.inf)
+
+    def _judged(self, index: int) -> float:
+        verdict = self._verdict(index)
+        self.state.has_item = verdict.has_item
+        return verdict.reward - STEP_REWARD
+
+    def _verdict(self, index: int) -> Verdict:
+        row, col = self.state.robot_pos
+        return judge(index, self.layout.rows[row][col], self.state.has_item, False)
+
+    def _draw_as_listed(self, randomized: Randomized, seed: int | None) -> tuple[Layout, Cell]:
+        before, start = self.layout, self._start_pos
+        self._is_drawing = True
+        try:
+            with seeded(seed):
+                if randomized.stations:
+                    self._use(self._given_layout if seed is not None else before)
+                    self._randomize_pickup_dropoff()
+                if randomized.start:
+                    start = as_cell("_random_empty_cell()", self._random_empty_cell())
+            check_open(self.layout, start, "the start at")
+        except BaseException:
+            self._use(before)
+            raise
+        finally:
+            self._is_drawing = False
+        return self.layout, start
 
 
-def _draw_stations(stream: Any, layout: Layout, taken: list[int]) -> tuple[Layout, list[int]]:
-    """Return a layout with a random pickup and dropoff, and the ranks of these two.
-
-    Args:
-        stream: random stream.
-        layout: layout whose empty cells are drawn from.
-        taken: ranks of the present stations and chargers, which are not empty. With fewer than two
-            empty cells, the layout gets no stations, as in the chapter's recorded episodes.
-    """
-    check_room(layout)
-    count = len(layout.open_cells)
-    new: list[int] = []
-    if count - len(taken) >= 2:
-        for _ in range(2):
-            new.append(_draw(stream, count, without=taken + new))
-    pickup, dropoff = map(layout.open_cell, new) if new else (None, None)
-    return layout.with_stations(pickup, dropoff), new
-
-
-def _draw(stream: Any, count: int, without: list[int]) -> int:
-    """Return a random number of ``range(count)`` that is not in ``without``.
-
-    The result is the same as with ``choice`` from a list of the remaining numbers, but the list is
-    not built.
-    """
-    index: int = stream.choice(range(count - len(without)))
-    for taken in sorted(without):
-        index += index >= taken
-    return index
+def _found(tile: str) -> property:
+    """Return an attribute that looks for a tile anew, and that cannot be changed otherwise."""
+    return property(lambda env: env._find_tile(tile), lambda env, cell: None)

@@ -10,16 +10,23 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import TYPE_CHECKING
 
+import numpy as np
+from numpy.typing import NDArray
+
 from warehouse_core.arguments import real_number, sequence_of
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.records.episode import Episode
 from warehouse_core.records.plans import StepPlans
+from warehouse_core.render.palette import COLORS
 from warehouse_core.render.window import is_in_notebook
 from warehouse_core.viz.tracks.grid_track import track_of_frames
 from warehouse_core.viz.tracks.record_track import FRAME_SECONDS, track_of_record
 from warehouse_core.viz.tracks.track import INTERVAL_MS, Track
+from warehouse_core.warehouse_env import legend
 
 if TYPE_CHECKING:
+    from matplotlib.patches import Patch
+
     from warehouse_core.viz.replay import Replay
 
 LEGEND_INCHES, FLEET_LEGEND_INCHES = (6.0, 0.6), (8.0, 0.8)
@@ -133,6 +140,18 @@ def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: fl
     draw_legend(legend, [track], 6 if track.is_fleet else 5, with_characters=True)
     with atomic_path(folder / "legend.svg") as part:
         save_svg(legend, part, dpi)
+
+
+def _grid_to_rgb(grid: Sequence[Sequence[str]]) -> NDArray[np.float64]:
+    """Return the colours ``[H, W, 3]`` of a frame, as in the book's listing."""
+    return np.array([[COLORS[character] for character in row] for row in grid])
+
+
+def _legend_handles() -> list[Patch]:
+    """Return a patch for each character of a frame, as in the book's listing."""
+    from matplotlib.patches import Patch
+
+    return [Patch(color=COLORS[sign], label=label) for sign, label in legend(False).items()]
 
 
 def _track_of(

@@ -18,7 +18,12 @@ from matplotlib.animation import FuncAnimation
 from warehouse_core import WarehouseEnv
 from warehouse_core.records.plans import StepPlans
 from warehouse_core.viz import figure as figures
-from warehouse_core.warehouse_viz import replay_animation, save_frames_to_svg
+from warehouse_core.warehouse_viz import (
+    _grid_to_rgb,
+    _legend_handles,
+    replay_animation,
+    save_frames_to_svg,
+)
 
 SVG = "{http://www.w3.org/2000/svg}"
 FRAME_FILES = [f"frame_{frame:04d}.svg" for frame in range(7)]
@@ -320,3 +325,15 @@ def test_more_frames_take_no_more_memory(tmp_path: Path, monkeypatch: pytest.Mon
     save_frames_to_svg(frames, tmp_path)
     # Keeping one of the sixteen drawn frames would take thousands of blocks.
     assert blocks[23] - blocks[7] < 5000
+
+
+def test_frames_and_legend_have_the_colours_of_the_chapter() -> None:
+    grid = _grid_to_rgb([["#", ".", "P"], ["D", "R", "r"]])
+    colors = [(0.1, 0.1, 0.1), (0.95, 0.95, 0.95), (0.2, 0.6, 1)]
+    colors += [(0.2, 0.8, 0.3), (0.9, 0.2, 0.2), (0.95, 0.6, 0.2)]
+    assert grid.tolist() == [[*map(list, colors[:3])], [*map(list, colors[3:])]]
+    handles = _legend_handles()
+    assert [handle.get_facecolor()[:3] for handle in handles] == colors
+    assert [handle.get_label() for handle in handles] == [
+        "wall", "empty", "pickup", "dropoff", "robot (empty)", "robot (loaded)",
+    ]  # fmt: skip

@@ -143,6 +143,7 @@ VALID: dict[str, Any] = {
     "env": WarehouseEnv(),
     "episode": RECORD,
     "extent": (7, 12, 2, 200, 200),
+    "cell": (1, 1),
     "cells": [(1, 1)],
     "fleet": 0,
     "graph": Graph(DEFAULT_LAYOUT),

@@ -17,6 +17,7 @@ MAY_IMPORT = {
     "warehouse_core/copies": "",
     "warehouse_core/errors": "",
     "warehouse_core/extras": "",
+    "warehouse_core/listing": "copies",
     "warehouse_core/registration": "",
     "warehouse_core/renamed": "",
     "warehouse_core/wording": "",
@@ -26,22 +27,22 @@ MAY_IMPORT = {
     "warehouse_core/motion": "arguments errors extras wording world",
     "warehouse_core/orders": "arguments errors files wording world",
     "warehouse_core/task": "arguments errors wording world",
-    "warehouse_core/batch": "arguments copies errors motion orders task wording world",
+    "warehouse_core/batch": "arguments errors listing motion orders task wording world",
     "warehouse_core/conformance": "errors motion world",
     "warehouse_core/render": "arguments errors task world",
-    "warehouse_core/warehouse_env": "arguments copies errors motion task wording world",
+    "warehouse_core/warehouse_env": "arguments copies errors listing motion task wording world",
     "warehouse_core/viz/export": "errors extras render",
     "warehouse_core/fleet": (
-        "arguments batch copies errors motion orders renamed task wording world"
+        "arguments batch errors listing motion orders renamed task wording world"
     ),
     "warehouse_core/gymnasium_env": (
-        "arguments batch copies errors motion registration render task warehouse_env wording world"
+        "arguments batch errors listing motion registration render task warehouse_env wording world"
     ),
     "warehouse_core/records": (
         "arguments batch errors files fleet motion orders task warehouse_env wording world"
     ),
     "warehouse_core/pettingzoo_env": (
-        "arguments copies errors extras fleet gymnasium_env render task wording world"
+        "arguments errors extras fleet gymnasium_env listing render task wording world"
     ),
     "warehouse_core/viz/axes": "records render world",
     "warehouse_core/viz/tracks": "arguments errors motion orders records render wording world",
@@ -51,7 +52,9 @@ MAY_IMPORT = {
         "arguments errors files fleet records render viz/axes viz/export viz/player viz/svg "
         "viz/tracks warehouse_env wording world"
     ),
-    "warehouse_core/warehouse_viz": "arguments files records render viz viz/export viz/tracks",
+    "warehouse_core/warehouse_viz": (
+        "arguments files records render viz viz/export viz/tracks warehouse_env"
+    ),
     "warehouse_physics/disturbances": "",
     "warehouse_physics/exclusive": "",
     "warehouse_physics/profile": "",

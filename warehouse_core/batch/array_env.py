@@ -14,8 +14,8 @@ from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core.arguments import MAX_SEED, one_of, seed_number, sequence_of, whole_number
 from warehouse_core.batch.floor import ALL
-from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import EndedError, LayoutError
+from warehouse_core.listing import Unlisted
 from warehouse_core.motion.base import BatchOutcome
 from warehouse_core.task.encoding import ObservationArrays
 from warehouse_core.wording import brief
@@ -152,7 +152,7 @@ class Engine(Protocol[Observed]):
         """Close the motion backend."""
 
 
-class ArrayEnv(CopiedWhole, Generic[Observed]):
+class ArrayEnv(Unlisted, Generic[Observed]):
     """A batch of ``B`` episodes of ``R`` robots; row ``b * R + r`` is robot ``r`` of episode ``b``.
 
     Attributes:

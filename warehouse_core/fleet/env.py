@@ -14,9 +14,9 @@ from warehouse_core.arguments import seed_number, whole_number
 from warehouse_core.batch.fleet_settings import Battery, FleetSettings, People
 from warehouse_core.batch.fleets import FleetEngine
 from warehouse_core.batch.tally import FleetMeasures
-from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import EndedError, OrderError
 from warehouse_core.fleet.observation import FleetObservation, observation_of
+from warehouse_core.listing import Unlisted
 from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.motion.base import BaseMotion, Outcome, Routes, conditions_of, with_defaults
 from warehouse_core.orders.book import NONE, OrderBook
@@ -38,7 +38,7 @@ FleetStepResult = tuple[FleetArrays, NDArray[np.float64], Flags, Flags, dict[str
 MOTION_KEYS = ("blocked", "stopped_by", "seconds", "joules")
 
 
-class FleetEnv(CopiedWhole):
+class FleetEnv(Unlisted):
     """A fleet of ``R`` robots that move items from pickups to dropoffs in one warehouse.
 
     Description:

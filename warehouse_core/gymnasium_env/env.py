@@ -13,7 +13,6 @@ from gymnasium.error import ResetNeeded
 from numpy.typing import NDArray
 
 from warehouse_core.arguments import as_cell, seed_number
-from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import LayoutError
 from warehouse_core.gymnasium_env.sensors import Sensors
 from warehouse_core.gymnasium_env.spaces import (
@@ -26,6 +25,7 @@ from warehouse_core.gymnasium_env.spaces import (
     listed,
     make_form,
 )
+from warehouse_core.listing import Unlisted
 from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.render.window import PictureWindow
@@ -60,7 +60,7 @@ UNSTARTED = "there has been no reset() yet"
 ENDED = "the episode has ended; a reset() must come first"
 
 
-class WarehouseGymnasiumEnv(CopiedWhole, Limited, gymnasium.Env[Any, Any]):
+class WarehouseGymnasiumEnv(Unlisted, Limited, gymnasium.Env[Any, Any]):
     """The environment ``Warehouse-v0``: ``WarehouseEnv`` with the interface of Gymnasium.
 
     Description:

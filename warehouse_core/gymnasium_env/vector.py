@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike, NDArray
 from warehouse_core.arguments import MAX_STEPS, one_of, whole_number
 from warehouse_core.batch import BatchEnv
 from warehouse_core.batch.array_env import NEXT_STEP, Seeds
-from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import EndedError
 from warehouse_core.gymnasium_env.spaces import (
     FORMS,
@@ -27,6 +26,7 @@ from warehouse_core.gymnasium_env.spaces import (
     check_render_mode,
     make_form,
 )
+from warehouse_core.listing import Unlisted
 from warehouse_core.motion.backends import Backend
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.wording import brief
@@ -39,7 +39,7 @@ AutoresetMode: Any = getattr(gymnasium.vector, "AutoresetMode", str)
 """Gymnasium's enumeration. Version 1.0 has none, so strings are used."""
 
 
-class WarehouseVectorEnv(CopiedWhole, Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
+class WarehouseVectorEnv(Unlisted, Limited, gymnasium.vector.VectorEnv[Any, Any, Any]):
     """A batch of ``Warehouse-v0``: ``BatchEnv`` with the vector interface of Gymnasium.
 
     Description:

@@ -12,7 +12,8 @@ from struct import Struct
 
 import numpy as np
 
-from warehouse_core.arguments import real_number
+from warehouse_core.arguments import as_cell, real_number
+from warehouse_core.errors import LayoutError
 from warehouse_core.motion.base import (
     NOTHING,
     WALL,
@@ -121,6 +122,31 @@ class GridMotion(BaseMotion):
         self._cells[0] = outcomes[0].cell
         self._headings[0] = heading
         return outcomes
+
+    def carry(self, cell: Cell, displacement: Cell = STAY) -> Outcome:
+        """Put a single robot in a cell, and return the outcome of getting there.
+
+        Args:
+            cell: cell that the rules of a subclass of ``WarehouseEnv`` have chosen.
+            displacement: intended displacement. If it is a move and the robot is to stay, the
+                robot counts as blocked.
+
+        Raises:
+            LayoutError: the cell is off the grid.
+        """
+        if not self._cells:
+            raise RuntimeError("carry() needs a reset() before it")
+        row, col = cell = as_cell("cell", cell)
+        check_moves(len(self._cells), (as_cell("displacement", displacement),), (False,))
+        if not (0 <= row < self._layout.height and 0 <= col < self._layout.width):
+            raise LayoutError(f"cell {self._layout.describe(cell)}; it must be a cell of the grid")
+        before, target, stop = self._cells[0], cell, None
+        change = (cell[0] - before[0], cell[1] - before[1])
+        if cell == before and displacement != STAY:
+            target, stop, change = moved(before, displacement), WALL_CONTACT, displacement
+        heading = change if change in ANGLES else self._headings[0]
+        self._cells[0], self._headings[0] = cell, heading
+        return self._outcome(before, target, heading, stop)
 
     def close(self) -> None:
         """Forget the robots; see ``Motion.close``."""

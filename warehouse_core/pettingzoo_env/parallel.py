@@ -11,10 +11,10 @@ from gymnasium import spaces
 from numpy.typing import NDArray
 from pettingzoo import ParallelEnv
 
-from warehouse_core.copies import CopiedWhole
 from warehouse_core.errors import EndedError
 from warehouse_core.fleet.env import FleetEnv
 from warehouse_core.gymnasium_env.spaces import RENDER_FPS, Extent, check_render_mode, listed
+from warehouse_core.listing import Unlisted
 from warehouse_core.pettingzoo_env.spaces import make_fleet_form, state_of, state_space
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.render.window import PictureWindow
@@ -32,7 +32,7 @@ ParallelStep = tuple[
 ]
 
 
-class WarehouseParallelEnv(CopiedWhole, ParallelEnv[str, Any, int]):
+class WarehouseParallelEnv(Unlisted, ParallelEnv[str, Any, int]):
     """``FleetEnv`` with the interface of PettingZoo and the agents ``robot_0``, ``robot_1``, ...
 
     Description:

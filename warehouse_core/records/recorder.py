@@ -11,6 +11,7 @@ import numpy as np
 
 from warehouse_core.arguments import MAX_SEED, instance_of, whole_number, with_methods
 from warehouse_core.batch.fleet_settings import FleetSettings
+from warehouse_core.errors import EndedError
 from warehouse_core.fleet.env import Actions, FleetEnv
 from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.motion.base import Outcome, with_defaults
@@ -27,6 +28,11 @@ NO_PATHS = ("grid", GridMotion.__name__)
 OF_FRAMES = ("cells", "loaded", "battery", "people")
 OF_STEPS = ("rewards", "actions", "stopped_by", "seconds", "joules")
 """Arrays of a fleet with one row per frame, and with one row per step."""
+
+OUT_OF_TURN = (
+    "the environment was reset, stepped or given another layout between two recorded steps; an "
+    "agent acts only with the action that act() returns"
+)
 
 HEADINGS_TOO = ("headings",)
 """Additional array, with one row per frame, of a fleet with headings."""
@@ -138,6 +144,7 @@ class EpisodeRecorder:
         instance_of("agent", agent, str)
         self.episode = Episode(env.layout, env.settings, seed, agent)
         self._is_acting = False
+        self._state = env.state
         self._keep_frame(0.0)
 
     @property
@@ -152,7 +159,16 @@ class EpisodeRecorder:
         return ended
 
     def step(self, action: str | SupportsIndex, reason: str = "") -> Observation:
-        """Take one step and record it."""
+        """Take one step and record it.
+
+        Raises:
+            EndedError: the environment was reset, stepped or given another layout since the last
+                recorded frame.
+        """
+        env, episode = self._env, self.episode
+        is_same = env.state is self._state and env.layout is episode.layout
+        if not is_same or env.state.steps != self._steps:
+            raise EndedError(OUT_OF_TURN)
         observation, reward, terminated, truncated, _ = self._env.step(action)
         motion = self._env.last_motion
         assert motion is not None, "a step always leaves a motion"
@@ -175,6 +191,7 @@ class EpisodeRecorder:
 
     def _keep_frame(self, reward: float) -> None:
         state, episode = self._env.state, self.episode
+        self._steps = state.steps
         episode.cells.append(state.robot_pos)
         episode.loaded.append(state.has_item)
         episode.battery.append(state.battery)
@@ -216,6 +233,7 @@ class FleetRecorder:
         self._terminated = self._truncated = np.zeros(env.settings.robots, np.bool_)
         self.ended, self.place = False, "reset"
         env.reset(seed=self._seed)
+        self._assignments = env.assignments
         self._keep_frame()
 
     def step(self, actions: Actions, reason: Any = "") -> None:
@@ -224,8 +242,14 @@ class FleetRecorder:
         Args:
             actions: Action of each robot; see ``FleetEnv.step``.
             reason: One reason for all actions, or a list or tuple with a reason for each robot.
+
+        Raises:
+            EndedError: the environment was reset or stepped since the last recorded frame.
         """
         step, robots = self._env.steps, self._env.settings.robots
+        # Each reset begins a new list of assignments.
+        if self._env.assignments is not self._assignments or step != len(self._reasons):
+            raise EndedError(OUT_OF_TURN)
         chosen = self._env.action_indices(actions)
         _, rewards, terminated, truncated, info = self._env.step(chosen)
         for robot in np.flatnonzero(chosen == INVALID).tolist():

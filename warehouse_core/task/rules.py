@@ -34,6 +34,9 @@ PICK_REWARD = 5.0
 DROP_REWARD = 10.0
 MISTAKE_REWARD = -0.5
 
+DELIVERY_REWARD = 9.0
+"""Least reward of a step that delivers, in a subclass that overrides methods of the listing."""
+
 CHARGE = 10
 """Battery units that a step on a charger adds."""
 

@@ -1,8 +1,9 @@
 """Random pickups, dropoffs and starts of episodes.
 
-The chapter's ``reset(randomize=True)`` in ``warehouse_env.py`` uses Python's ``random`` so that
-recorded episodes can be repeated. Here no episode depends on the one before it. The same functions
-serve a single warehouse and a batch, so the same random numbers give the same episodes in both.
+The chapter's ``reset(randomize=True)`` uses Python's ``random`` so that recorded episodes can be
+repeated: ``choose_stations`` and ``choose_start`` draw for it. With the other functions no episode
+depends on the one before it. They serve a single warehouse and a batch, so the same random numbers
+give the same episodes in both.
 """
 
 from __future__ import annotations
@@ -116,8 +117,7 @@ def station_cells(layout: Layout) -> NDArray[np.intp]:
 
 def empty_cells(layout: Layout) -> NDArray[np.intp]:
     """Return the numbers of the open cells without a station or charger, in ascending order."""
-    marked = layout.pickups + layout.dropoffs + layout.chargers
-    return np.delete(layout.open_cells, layout.ranks(marked))
+    return np.delete(layout.open_cells, _marked(layout))
 
 
 def motion_seed(uniforms: NDArray[np.float64]) -> int:
@@ -149,3 +149,49 @@ def draw_episode(
     if not randomized.start or start == NO_RANK:
         return layout, None
     return layout, layout.cell(cells[start])
+
+
+def choose_stations(
+    stream: Any, layout: Layout, taken: list[int] | None = None
+) -> tuple[Layout, list[int]]:
+    """Return a layout with a random pickup and dropoff, and the ranks of these two.
+
+    Args:
+        stream: Python's random stream.
+        layout: layout whose empty cells are drawn from. With fewer than two empty cells, it gets no
+            stations, as in the chapter's recorded episodes.
+        taken: ranks of the cells that are not empty, if they are known.
+    """
+    check_room(layout)
+    taken = _marked(layout) if taken is None else taken
+    count = len(layout.open_cells)
+    new: list[int] = []
+    if count - len(taken) >= 2:
+        for _ in range(2):
+            new.append(_choose(stream, count, without=taken + new))
+    pickup, dropoff = map(layout.open_cell, new) if new else (None, None)
+    return layout.with_stations(pickup, dropoff), new
+
+
+def choose_start(stream: Any, layout: Layout, taken: list[int] | None = None) -> Cell | None:
+    """Return a random empty cell, or ``None`` if no cell is empty; see ``choose_stations``."""
+    taken = _marked(layout) if taken is None else taken
+    count = len(layout.open_cells)
+    return layout.open_cell(_choose(stream, count, without=taken)) if count > len(taken) else None
+
+
+def _marked(layout: Layout) -> list[int]:
+    """Return the ranks of the stations and chargers."""
+    return layout.ranks(layout.pickups + layout.dropoffs + layout.chargers)
+
+
+def _choose(stream: Any, count: int, without: list[int]) -> int:
+    """Return a random number of ``range(count)`` that is not in ``without``.
+
+    The result is the same as with ``choice`` from a list of the remaining numbers, but the list is
+    not built.
+    """
+    index: int = stream.choice(range(count - len(without)))
+    for taken in sorted(without):
+        index += index >= taken
+    return index
