@@ -10,14 +10,17 @@ import os
 import shutil
 import stat
 import struct
+import unicodedata
 import zlib
 from collections.abc import Collection, Iterable, Iterator
 from contextlib import contextmanager
-from pathlib import Path, PurePosixPath
+from pathlib import Path, PurePath, PurePosixPath
 from zipfile import ZIP_DEFLATED, ZIP_STORED, BadZipFile, ZipFile, ZipInfo
 
 from agents.errors import AgentError
 from warehouse_core.files.reading import open_file
+
+CODE, NOTEBOOK = ".py", ".ipynb"
 
 MAX_FILES, MAX_BYTES = 1_000, 256 * 1024**2
 """Limits on the files of a submission and on their bytes, unpacked."""
@@ -36,6 +39,17 @@ END, END_64 = b"PK\5\6", b"PK\6\7"
 END_LENGTH, END_64_LENGTH, MAX_COMMENT = 22, 20, 65_535
 
 
+def place_of(path: PurePath) -> PurePath:
+    """Return the path of a file in a private copy, where Python finds it.
+
+    Code gets a suffix in lower case, and a name in composed Unicode, as imports have it.
+    """
+    suffix = path.suffix.lower()
+    if suffix not in (CODE, NOTEBOOK):
+        return path
+    return path.with_name(unicodedata.normalize("NFC", path.stem) + suffix)
+
+
 def members_of(path: Path) -> list[PurePosixPath]:
     """Return the files in an archive.
 
@@ -47,10 +61,12 @@ def members_of(path: Path) -> list[PurePosixPath]:
         return [PurePosixPath(member.filename) for member in _checked(archive)]
 
 
-def read_member(path: Path, name: PurePosixPath, most: int) -> bytes:
+def read_member(path: Path, name: PurePath, most: int) -> bytes:
     """Return the first ``most`` bytes of a file in an archive."""
-    with _open(path) as archive, archive.open(str(name)) as file:
-        return file.read(most)
+    with _open(path) as archive:
+        member = next(each for each in _checked(archive) if each.filename == str(name))
+        with archive.open(member) as file:
+            return file.read(most)
 
 
 def unpack(path: Path, folder: Path) -> None:
@@ -63,15 +79,17 @@ def unpack(path: Path, folder: Path) -> None:
                 shutil.copyfileobj(source, file)
 
 
-def copy_files(files: Iterable[Path], base: Path, folder: Path, hidden: Collection[Path]) -> None:
-    """Copy readable files and links from one folder to another, except for hidden files.
+def copy_files(
+    files: Iterable[tuple[Path, PurePath]], folder: Path, hidden: Collection[Path]
+) -> None:
+    """Copy readable files and links to their places in a folder, except for hidden files.
 
     Links are copied as links, because their targets may belong to others.
     """
-    for file in files:
+    for file, place in files:
         is_readable = file.is_file() and os.access(file, os.R_OK)
         if file not in hidden and (file.is_symlink() or is_readable):
-            target = folder / file.relative_to(base)
+            target = folder / place
             target.parent.mkdir(parents=True, exist_ok=True)
             shutil.copyfile(file, target, follow_symlinks=False)
 
@@ -112,12 +130,16 @@ def _check_end(end: bytes) -> None:
 
 
 def _checked(archive: ZipFile) -> list[ZipInfo]:
-    """Return the members that are files, or raise if any member must not be unpacked."""
+    """Return the members that are files, or raise if any member must not be unpacked.
+
+    Some programs on Windows write paths with backslashes.
+    """
     found, left = dict[str, ZipInfo](), MAX_BYTES
     for member in archive.infolist():
         name = member.filename
-        path = PurePosixPath(name)
-        if path.is_absolute() or ".." in path.parts or "\\" in name or ":" in name:
+        member.filename = name.replace("\\", "/")
+        path = place_of(PurePosixPath(member.filename))
+        if path.is_absolute() or ".." in path.parts or ":" in name:
             raise BadZipFile(f"{name!r} is a path outside of its folder")
         if len(name.encode(errors="surrogateescape")) > MAX_NAME:
             raise BadZipFile(f"a path has more than {MAX_NAME} bytes")

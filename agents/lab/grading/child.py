@@ -27,6 +27,7 @@ import traceback
 from collections.abc import Callable
 from contextlib import suppress
 from functools import reduce
+from importlib.machinery import SourceFileLoader
 from operator import getitem
 from types import ModuleType
 from typing import Any
@@ -52,7 +53,8 @@ MAP = ("layout", "graph")
 
 def load_file(name: str, file: str) -> Any:
     """Return the module in a file, loaded under a name that is not an identifier."""
-    spec: Any = importlib.util.spec_from_file_location(name, file)
+    loader = SourceFileLoader(name, file)  # whatever the suffix is
+    spec: Any = importlib.util.spec_from_file_location(name, file, loader=loader)
     module = sys.modules[name] = importlib.util.module_from_spec(spec)
     spec.loader.exec_module(module)
     return module
@@ -293,7 +295,6 @@ def guard_imports(task: dict[str, Any]) -> None:
 
 def make_agent(task: dict[str, Any]) -> Any:
     """Return the agent of a task, created in the same way as by ``agents.registry.make_agent``."""
-    sys.path[:] = [*task["paths"], *sys.path]
     seed = task["seed"]
     random.seed(seed)
     seed_numpy(seed)
@@ -316,10 +317,11 @@ def seed_numpy(seed: int) -> None:
 
 def load_module(task: dict[str, Any]) -> Any:
     """Return the module of the agent, loaded from its file, or imported if it has no file."""
+    sys.path[:] = [*task["paths"], *sys.path]
     if task["file"] is None:
         return importlib.import_module(task["module"])
     name = f"agent file {task['module']}"
-    if task["file"].endswith(".ipynb"):
+    if task["file"].lower().endswith(".ipynb"):
         module = sys.modules[name] = ModuleType(name)
         notebook.load(module, task["file"])
         return module

@@ -18,6 +18,7 @@ from statistics import mean, median
 from agents.errors import GradeError
 from agents.lab.grading.grading import Grade, GradeReport
 from agents.lab.grading.rubric import MAX_DAYS, TAKEN, Rubric
+from agents.lab.grading.students import CANVAS, MOODLE
 from agents.lab.trials.wording import percent
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.files.reading import read_file
@@ -30,12 +31,6 @@ DAYS = "days"
 
 MAX_BYTES, MAX_COLUMNS = 5_000_000, 1_000
 """Limits on the bytes of a table (enough for ten thousand submissions) and on its columns."""
-
-MOODLE = re.compile(r"(?P<name>.+)_(?P<number>\d+)_assignsubmission_")
-"""Names of submissions from Moodle, such as ``Full Name_123_assignsubmission_file_``."""
-
-CANVAS = re.compile(r"(?P<name>[^_]+)_(?:LATE_)?(?P<number>\d+)_\d+_")
-"""Names of submissions from Canvas, such as ``lastfirst_LATE_123_456_agent.py``."""
 
 GradeRow = dict[str, str]
 
@@ -175,7 +170,7 @@ def save_canvas(path: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> Non
 
 
 def _login(row: GradeRow) -> str:
-    return re.sub(r"\.(py|ipynb|zip)$", "", row[NAME])
+    return re.sub(r"\.(py|ipynb|zip)$", "", row[NAME], flags=re.IGNORECASE)
 
 
 def _save(path: Path, lines: Iterable[Iterable[str]]) -> None:

@@ -62,8 +62,8 @@ exit 0
 
 ENDED = "The grader was stopped before it was done, because of a limit on its time or memory."
 
-MAX_METADATA = 1_000_000
-"""Limit on the bytes of Gradescope's metadata about a submission, which have about a thousand."""
+METADATA, MAX_METADATA = "submission_metadata.json", 50_000_000
+"""Gradescope's file about a submission, and a limit on its bytes; it has all earlier results."""
 
 
 def results_of(report: GradeReport) -> dict[str, Any]:
@@ -175,22 +175,41 @@ def run(root: Path) -> dict[str, Any]:
         submission = submission._replace(shown=str(Path(submission.shown).relative_to(folder)))
     user = NOBODY if os.getuid() == 0 else None
     check_trust(user, is_trusted=False, are_many=False)
-    return results_of(grade(submission, rubric, user, late=days_late(root)))
+    days, note = days_late(root, rubric.late.grace_minutes)
+    results = results_of(grade(submission, rubric, user, late=days))
+    return results | {"output": "\n".join(filter(None, (results["output"], note)))}
 
 
-def days_late(root: Path) -> int:
-    """Return the number of days by which a submission is late, from Gradescope's metadata.
+def days_late(root: Path, grace_minutes: float) -> tuple[int, str]:
+    """Return the number of days by which a submission is late, and a remark.
 
-    A day that has begun counts. Missing or unreadable metadata count as on time.
+    A day that has begun counts, after a grace period. A student's own due date has precedence, and
+    the latest one counts for a group. If there are no readable metadata, the submission counts as
+    on time, and the remark says why; otherwise it is "".
     """
     try:
-        metadata: Any = json.loads(read_file(root / "submission_metadata.json", MAX_METADATA))
-        created = datetime.fromisoformat(metadata["created_at"])
-        due = datetime.fromisoformat(metadata["assignment"]["due_date"])
-        days = math.ceil((created - due) / timedelta(days=1))
-    except (OSError, ValueError, LookupError, TypeError, RecursionError):
-        return 0
-    return min(max(days, 0), MAX_DAYS)
+        metadata: Any = json.loads(read_file(root / METADATA, MAX_METADATA))
+        users = [each["assignment"] for each in metadata.get("users") or () if "assignment" in each]
+        own = [each["due_date"] for each in users if each and each.get("due_date")]
+        due = own or [metadata["assignment"]["due_date"]]
+        if due == [None]:
+            return 0, ""
+        delay = _time(metadata["created_at"]) - max(map(_time, due))
+    except (LookupError, TypeError, AttributeError):
+        reason = "it has no time of the submission or no due date"
+    except (OSError, ValueError, RecursionError) as error:
+        reason = getattr(error, "strerror", None) or str(error)
+    else:
+        days = math.ceil((delay - timedelta(minutes=grace_minutes)) / timedelta(days=1))
+        return min(max(days, 0), MAX_DAYS), ""
+    return 0, f"counted as on time, because {METADATA} is not as expected: {reason}"
+
+
+def _time(text: str) -> datetime:
+    time = datetime.fromisoformat(text)
+    if time.tzinfo is None:
+        raise ValueError(f"the time {text[:40]!r} has no time zone")
+    return time
 
 
 def main() -> None:

@@ -7,11 +7,12 @@ from collections.abc import Callable
 from typing import NamedTuple
 
 from agents.errors import GradeError
+from agents.lab.grading.archives import NOTEBOOK
 from agents.lab.grading.cases import CALL, Run, run_cases
 from agents.lab.grading.criteria import VISIBLE, Criterion, Runs, outcomes
 from agents.lab.grading.rubric import Rubric
 from agents.lab.grading.sandbox import SameProcess, Sandbox
-from agents.lab.grading.submissions import NOTEBOOK, Submission
+from agents.lab.grading.submissions import Submission
 from agents.lab.trials.wording import percent
 from warehouse_core.wording import counted, printable
 
@@ -223,7 +224,7 @@ def _judge(criterion: Criterion, runs: Runs, before: dict[str, Grade], name: str
     if not found.is_full:
         worst = _worst(criterion, asked)
         if worst.case.visible:
-            command = "" if NOTEBOOK in name else worst.case.command(name, worst.seed)
+            command = "" if NOTEBOOK in name.lower() else worst.case.command(name, worst.seed)
             found = found._replace(worst=worst.description, command=command, run=worst)
         else:
             found = found._replace(worst=f"{worst.description} (a hidden {measure.unit})")

@@ -41,10 +41,14 @@ TAKEN = ("submission", "points", "of", "late", "failure", "outcomes", "code", "r
 
 
 class LateRule(NamedTuple):
-    """Points deducted for each day, and the number of days after which all points are lost."""
+    """Points deducted for each day, and the number of days after which all points are lost.
+
+    Gradescope's times become days after ``grace_minutes``.
+    """
 
     points: float = 0.0
     days: int = MAX_DAYS
+    grace_minutes: float = 5.0
 
     def deducted(self, days: int, points: float) -> float:
         """Return how many of the points are deducted for a delay of some days."""
@@ -187,7 +191,9 @@ CRITERION: dict[str, CheckValue] = {
 }  # fmt: skip
 NEEDED = ("name", "points", "measure", "cases", "full")
 
-LATE: dict[str, CheckValue] = {"points": Number(0, MAX_COUNT), "days": Whole(0, MAX_DAYS)}
+LATE: dict[str, CheckValue] = {
+    "points": Number(0, MAX_COUNT), "days": Whole(0, MAX_DAYS), "grace_minutes": Number(0, 1440),
+}  # fmt: skip
 
 TOP: dict[str, CheckValue] = {"title": text}
 PARTS = ("limits", "late", "cases", "criteria")

@@ -6,23 +6,27 @@ import hashlib
 import os
 import re
 import stat
-from collections.abc import Callable, Collection, Iterable, Iterator, Sequence
+from collections.abc import Collection, Iterable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from itertools import islice
-from pathlib import Path, PurePath, PurePosixPath
+from pathlib import Path, PurePath
 from tempfile import TemporaryDirectory
 from typing import NamedTuple
 
 from agents.errors import AgentError
 from agents.lab.grading.archives import (
+    CODE,
     MAX_BYTES,
     MAX_FILES,
+    NOTEBOOK,
     copy_files,
     members_of,
+    place_of,
     read_member,
     set_dates,
     unpack,
 )
+from agents.lab.grading.students import Student, students_in
 from agents.lab.runs.programs import digest_of, fingerprint
 from warehouse_core.files.reading import not_a_file
 from warehouse_core.wording import listed
@@ -47,7 +51,14 @@ In a notebook the statement is in quotes."""
 MAX_SOURCE = 1024 * 1024
 """Limit on the bytes of source code that are searched for imports."""
 
-CODE, NOTEBOOK, ARCHIVE = SUFFIXES = ".py", ".ipynb", ".zip"
+ARCHIVE = ".zip"
+SUFFIXES = (CODE, NOTEBOOK, ARCHIVE)
+
+MAX_FOUND = 100_000
+"""Limit on the files of a folder that are considered for a submission."""
+
+LIBRARY = re.compile(r"\.|__(?!init__\.py$)|(node_modules|site-packages|venv|env)$")
+"""Beginnings of names of files and folders that students do not write."""
 
 PREFERRED = "agent"
 """Name, without suffix, of the file that has the agent if a submission has several files."""
@@ -57,7 +68,7 @@ class Submission(NamedTuple):
     """An agent to be graded.
 
     Attributes:
-        name: name as it was typed; in a folder, the name of the file or folder.
+        name: name as it was typed; in a folder, the name of the entry with the agent.
         shown: file or module as it was typed, for use in commands.
         file: file of the agent, relative to the archive if there is one; ``None`` for a module.
         module: name of the file without its suffix, or of the module.
@@ -68,7 +79,9 @@ class Submission(NamedTuple):
             folder; or the module and what it imports from its package. "" for a built-in agent.
         imports: modules that are imported once, because they contain no code of the submission.
         archive: archive that ``private`` unpacks, or ``None``.
-        files: files that ``private`` copies.
+        files: files that ``private`` copies, each with its place in the copy.
+        entries: names of all entries of the folder that the student has handed in.
+        note: remark for graders, or "".
 
     Example:
         >>> from agents.lab.grading.submissions import find_submission
@@ -86,7 +99,9 @@ class Submission(NamedTuple):
     digest: str
     imports: tuple[str, ...] = ()
     archive: Path | None = None
-    files: tuple[Path, ...] = ()
+    files: tuple[tuple[Path, PurePath], ...] = ()
+    entries: tuple[str, ...] = ()
+    note: str = ""
 
     @property
     def paths(self) -> list[str]:
@@ -116,13 +131,13 @@ class Submission(NamedTuple):
             yield self
             return
         with TemporaryDirectory(prefix="warehouse-") as name:
-            place, base = Path(name).resolve(), self.folder or self.file.parent
+            place = Path(name).resolve()
             if self.archive is not None:
                 unpack(self.archive, place)
                 own = self._replace(file=place / self.file, folder=place)
             else:
-                copy_files(self.files, base, place, {each.resolve() for each in hidden})
-                file = place / self.file.relative_to(base)
+                copy_files(self.files, place, {each.resolve() for each in hidden})
+                file = place / dict(self.files)[self.file]
                 own = self._replace(file=file, folder=self.folder and place)
             if user is not None:
                 place.chmod(0o755)
@@ -141,10 +156,11 @@ class Submission(NamedTuple):
 
 
 class Unusable(NamedTuple):
-    """An entry of a folder that cannot be graded, with the reason."""
+    """A student whose submission cannot be graded, with the reason."""
 
     name: str
     reason: str
+    entries: tuple[str, ...] = ()
 
 
 def find_submission(name: str) -> Submission:
@@ -163,20 +179,20 @@ def find_submission(name: str) -> Submission:
         'Mine'
     """
     source, colon, last = name.rpartition(":")
-    if name.endswith(SUFFIXES):
+    if name.lower().endswith(SUFFIXES):
         source, kind = name, None
     elif colon:
         kind = last
     else:
         return _built_in(name)
-    if not source.endswith(SUFFIXES):
+    if not source.lower().endswith(SUFFIXES):
         code = fingerprint(None, source) or ""
         return Submission(name, source, None, source, kind, Path.cwd(), code)
     file = Path(source)
     try:
         if not file.is_file():
             raise AgentError(not_a_file(file) or "there is no such file")
-        if file.suffix == ARCHIVE:
+        if _kind_of(file) == ARCHIVE:
             return _of_archive(name, file, kind)
         return _of_file(name, file, kind)
     except AgentError as error:
@@ -188,8 +204,9 @@ def in_folder(
 ) -> Iterator[Submission | Unusable]:
     """Yield the submissions in a folder in the order of their names.
 
-    Each file and each folder is a submission, except for hidden ones. Links are not followed, so
-    that nobody is graded with another student's file.
+    All parts with the same number of a student are one submission, and so is any other file or
+    folder, see ``students.py``. Links are not followed, so that nobody is graded with another
+    student's file.
 
     Args:
         folder: folder of the submissions.
@@ -197,7 +214,7 @@ def in_folder(
         other: files and folders that are not submissions.
 
     Yields:
-        submissions; ``Unusable`` for entries that cannot be graded.
+        submissions; ``Unusable`` for students whose submission cannot be graded.
 
     Example:
         >>> from pathlib import Path
@@ -208,49 +225,83 @@ def in_folder(
         >>> [submission.name for submission in in_folder(Path("class"), None)]
         ['one.py', 'two.py']
     """
-    ours = {path.resolve() for path in other}
-    for path in sorted(folder.iterdir()):
-        if path.name.startswith((".", "__")) or folder.resolve() / path.name in ours:
-            continue
+    for student in students_in(folder, other)[0]:
         try:
-            yield submission_at(path, kind)
+            yield submission_of(student, kind)
         except (AgentError, OSError) as error:
-            yield Unusable(path.name, str(error))
+            yield Unusable(student.entries[0], str(error), student.entries)
 
 
 def submission_at(path: Path, kind: str | None) -> Submission:
-    """Return the submission in a file, an archive or a folder.
+    """Return the submission in a file, an archive or a folder, as ``submission_of`` does."""
+    return submission_of(Student(((path, path.name),)), kind)
 
-    A file is graded alone. A folder that contains only an archive, as made by Moodle, is treated as
-    the archive.
+
+def submission_of(student: Student, kind: str | None) -> Submission:
+    """Return the submission of a student.
+
+    A single file is graded alone. If there is an archive and no code next to it, as in folders
+    from Moodle, the archive is graded.
 
     Raises:
-        AgentError: there is no agent, or the path is a link.
+        AgentError: there is no agent, or a part is a link.
     """
-    _check_kind(path)
-    file, files, folder = path, list[Path](), None
-    if path.is_dir():
-        folder = path.resolve()
-        files = files_in(folder)
-        file = path / _choose((each.relative_to(folder) for each in files), SUFFIXES)
-        try:
-            _check_kind(file)
-        except AgentError as error:
-            raise AgentError(f"{file.relative_to(path).as_posix()}: {error}") from None
-    if file.suffix == ARCHIVE:
-        return _of_archive(path.name, file, kind)
-    if file.suffix not in SUFFIXES:
+    found, parts = dict[PurePath, Path](), dict[Path, Path]()
+    for part, given in student.parts:
+        _check_kind(part)
+        base = part.resolve() if part.is_dir() else part.parent.resolve() / part.name
+        inner = {PurePath(file.relative_to(base)): file for file in files_in(base)}
+        _add(found, inner if part.is_dir() else {PurePath(given): base})
+        parts[base] = part
+    if not any(map(Path.is_dir, parts)) and not any(_kind_of(each) in SUFFIXES for each in found):
         raise AgentError(f"it is neither a {CODE}, {NOTEBOOK} or {ARCHIVE} file nor a folder")
-    return _of_files(path.name, file, kind, files, folder)
+    chosen = _choose(found, SUFFIXES)
+    file = found[chosen]
+    base = next(base for base in parts if file.is_relative_to(base))
+    name, shown = parts[base].name, parts[base] / file.relative_to(base)
+    try:
+        _check_kind(file)
+    except AgentError as error:
+        raise AgentError(f"{chosen.as_posix()}: {error}") from None
+    if _kind_of(chosen) == ARCHIVE:
+        return _of_archive(name, file, kind)._replace(entries=student.entries)
+    folder = None
+    if len(parts) > 1 or base.is_dir():
+        folder = base if len(parts) == 1 else base.parent
+    few = dict(sorted(found.items(), key=_priority)[:MAX_FILES])
+    note = "" if len(few) == len(found) else f"only {MAX_FILES:,} of its files were used"
+    submission = _of_files(name, shown, chosen, kind, few, folder)
+    return submission._replace(entries=student.entries, note=note)
 
 
-def files_in(folder: Path) -> list[Path]:
-    """Return the files in a folder and its subfolders, at most one more than ``MAX_FILES``.
+def _add(found: dict[PurePath, Path], files: Mapping[PurePath, Path]) -> None:
+    """Add files to the files of a submission, by their places in its private copy."""
+    for inner, file in sorted(files.items(), key=lambda each: place_of(each[0]) != each[0]):
+        place = place_of(inner)
+        if place in found and inner == place and _kind_of(place) in SUFFIXES:
+            raise AgentError(f"two of its files are called {place.as_posix()}")
+        found.setdefault(inner if place in found else place, file)
+
+
+def _kind_of(path: PurePath) -> str:
+    """Return the suffix of a file in lower case."""
+    return path.suffix.lower()
+
+
+def files_in(folder: Path, most: int = MAX_FOUND) -> list[Path]:
+    """Return the files in a folder and its subfolders, at most ``most``.
 
     Links are not followed. They and all other entries that are not folders count as files.
     """
     walk = (Path(place, name) for place, _, names in os.walk(folder) for name in names)
-    return list(islice(walk, MAX_FILES + 1))
+    return list(islice(walk, most))
+
+
+def _priority(item: tuple[PurePath, Path]) -> tuple[bool, bool, int, PurePath]:
+    """Return a key by which a student's own files come first, code and upper folders before."""
+    place, _ = item
+    is_library = any(map(LIBRARY.match, place.parts))
+    return is_library, place.suffix not in (CODE, NOTEBOOK), len(place.parts), place
 
 
 def _check_kind(path: Path) -> None:
@@ -265,8 +316,8 @@ def _choose(names: Iterable[PurePath], suffixes: Sequence[str]) -> PurePath:
     """Return the file of the agent among the files of a submission.
 
     Files in the topmost folder that has any are preferred. If exactly one of them is called
-    ``agent.py``, it is chosen, otherwise the only ``.py`` file. If there is no ``.py`` file, the
-    next suffix is tried.
+    ``agent.py``, in whatever case, it is chosen, otherwise the only ``.py`` file. If there is no
+    ``.py`` file, the next suffix is tried.
 
     Raises:
         AgentError: there is no such file, or there are several.
@@ -274,8 +325,8 @@ def _choose(names: Iterable[PurePath], suffixes: Sequence[str]) -> PurePath:
     shown = [each for each in names if not any(part[:1] == "." or part[:2] == "__"
                                                for part in each.parts)]  # fmt: skip
     for suffix in suffixes:
-        found = [each for each in shown if each.suffix == suffix]
-        for group in ([each for each in found if each.stem == PREFERRED], found):
+        found = [each for each in shown if _kind_of(each) == suffix]
+        for group in ([each for each in found if each.stem.lower() == PREFERRED], found):
             depth = min((len(each.parts) for each in group), default=0)
             top = [each for each in group if len(each.parts) == depth]
             if len(top) == 1:
@@ -291,8 +342,7 @@ def _of_archive(name: str, file: Path, kind: str | None) -> Submission:
     """Return the submission in an archive, without unpacking it."""
     members = members_of(file)
     inner = _choose(members, (CODE, NOTEBOOK))
-    own = {PurePath(part).stem for member in members for part in member.parts}
-    once = _imported_once(read_member(file, PurePosixPath(inner), MAX_SOURCE), own.__contains__)
+    once = _imported_once(read_member(file, inner, MAX_SOURCE), members)
     return Submission(
         name, str(inner), Path(inner), inner.stem, kind, None, _content_digest(file), once,
         file.resolve(),
@@ -300,49 +350,58 @@ def _of_archive(name: str, file: Path, kind: str | None) -> Submission:
 
 
 def _of_files(
-    name: str, file: Path, kind: str | None, files: Iterable[Path] = (), folder: Path | None = None
+    name: str,
+    shown: Path,
+    inner: PurePath,
+    kind: str | None,
+    files: Mapping[PurePath, Path],
+    folder: Path | None,
+    beside: Iterable[PurePath] = (),
 ) -> Submission:
-    """Return the submission in a file.
+    """Return the submission in some files.
 
     Args:
         name: name of the submission.
-        file: file of the agent.
+        shown: file of the agent, for use in commands.
+        inner: place of this file in the private copy.
         kind: name of the class, or ``None``.
-        files: all files of the submission, if there are others.
+        files: files of the submission by their places in the private copy.
         folder: folder from which the agent may import, or ``None``.
+        beside: further files that the agent may import.
     """
-    path = file.resolve().parent / file.name
-
-    def is_own(top: str) -> bool:
-        places = () if folder is None else (folder, path.parent)
-        return any((place / each).exists() for place in places for each in (f"{top}.py", top))
-
-    base, found = folder or path.parent, {each: each.lstat() for each in files or [path]}
-    if len(found) > MAX_FILES or sum(each.st_size for each in found.values()) > MAX_BYTES:
+    path, found = files[inner], {file: file.lstat() for file in files.values()}
+    if sum(status.st_size for status in found.values()) > MAX_BYTES:
         raise AgentError(f"it has more than {MAX_FILES:,} files or {MAX_BYTES // 1024**2:,} MiB")
-    regular = (each for each, status in found.items() if stat.S_ISREG(status.st_mode))
-    digest = digest_of(regular, base, _content_digest)
+    regular = (file for file, status in found.items() if stat.S_ISREG(status.st_mode))
+    digest = digest_of(regular, folder or path.parent, _content_digest)
     with path.open("rb") as source:
-        once = _imported_once(source.read(MAX_SOURCE), is_own)
-    own = tuple(found)
-    return Submission(name, str(file), path, file.stem, kind, folder, digest, once, files=own)
+        text = source.read(MAX_SOURCE)
+    once = _imported_once(text, () if folder is None else [*files, *beside])
+    own = tuple((file, place) for place, file in files.items())
+    return Submission(name, str(shown), path, inner.stem, kind, folder, digest, once, files=own)
 
 
 def _of_file(name: str, file: Path, kind: str | None) -> Submission:
     """Return the submission in a file that may import and read what lies next to it."""
-    folder = file.resolve().parent
-    submission = _of_files(name, file, kind, folder=folder)
-    near = [*dict.fromkeys([folder / file.name, *files_in(folder)])]
-    size = sum(each.lstat().st_size for each in near)
-    is_small = len(near) <= MAX_FILES and size <= MAX_BYTES
-    return submission._replace(files=tuple(near) if is_small else ())
+    folder, place = file.resolve().parent, place_of(PurePath(file.name))
+    near, placed = files_in(folder, MAX_FILES + 1), {place: folder / file.name}
+    beside = [*(each.relative_to(folder) for each in near), *map(PurePath, os.listdir(folder))]
+    submission = _of_files(name, file, place, kind, placed, folder, beside)
+    if len(near) > MAX_FILES or sum(each.lstat().st_size for each in near) > MAX_BYTES:
+        return submission._replace(files=())
+    _add(placed, {each.relative_to(folder): each for each in near if each != submission.file})
+    return submission._replace(files=tuple((each, place) for place, each in placed.items()))
 
 
-def _imported_once(text: bytes, is_own: Callable[[str], bool]) -> tuple[str, ...]:
-    """Return modules to import once; the source is not parsed, which might need much memory."""
+def _imported_once(text: bytes, files: Iterable[PurePath]) -> tuple[str, ...]:
+    """Return modules to import once: none of which the submission has a file or folder.
+
+    The source is not parsed, which might need much memory.
+    """
+    own = {PurePath(part).stem for each in files for part in each.parts}
     return tuple(sorted({
         module for module in _imports_in(text)
-        if (top := module.partition(".")[0]) in IMPORTED_ONCE and not is_own(top)
+        if (top := module.partition(".")[0]) in IMPORTED_ONCE and top not in own
     }))  # fmt: skip
 
 

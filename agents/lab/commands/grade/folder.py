@@ -6,7 +6,7 @@ Each submission has a row in the table of grades, and optionally a page and a fi
 from __future__ import annotations
 
 import json
-from collections.abc import Collection, Mapping
+from collections.abc import Collection, Iterable, Mapping
 from concurrent.futures import Future, as_completed
 from pathlib import Path
 from urllib.parse import quote
@@ -20,6 +20,7 @@ from agents.lab.grading.grades import (
     FAILURE,
     LATE,
     NAME,
+    OUTCOMES,
     POINTS,
     RUBRIC,
     GradeRow,
@@ -34,11 +35,12 @@ from agents.lab.grading.grades import (
 from agents.lab.grading.gradescope import results_of
 from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import Rubric
-from agents.lab.grading.sandbox import most_jobs
+from agents.lab.grading.sandbox import LOAD, most_jobs
+from agents.lab.grading.students import finder_of, students_in
 from agents.lab.grading.submissions import Submission, Unusable, in_folder
 from agents.lab.trials.workers import Processes
 from warehouse_core.files.atomic import atomic_path
-from warehouse_core.wording import counted
+from warehouse_core.wording import counted, printable
 
 RESULTS, PAGE = ".json", ".html"
 
@@ -55,6 +57,7 @@ def grade_folder(
     user: str | None,
     jobs: int,
     late: Mapping[str, int] | None = None,
+    other: Iterable[Path] = (),
 ) -> dict[str, GradeRow]:
     """Grade the submissions in a folder that have changed, and return the table of grades.
 
@@ -68,7 +71,8 @@ def grade_folder(
         pages: folder for pages and results, or ``None``.
         user: user that runs agents, see ``Sandbox``.
         jobs: number of processes.
-        late: number of days by which each late submission is late, by name.
+        late: number of days by which each late submission is late, by the name of an entry.
+        other: further files that are not submissions.
 
     Returns:
         rows of the table, by the names of the submissions.
@@ -77,24 +81,22 @@ def grade_folder(
 
     # The last resort, as every wait for an agent has a limit of its own.
     count, watchdog = most_jobs(user, jobs), rubric.most_seconds
-    ours = [target, *rubric.files, rubric.starter, *([pages] if pages else [])]
+    ours = [target, *rubric.files, rubric.starter, *([pages] if pages else []), *other]
     found = list(in_folder(folder, kind, ours))
-    _check_names(folder, [each.name for each in found], late or {})
-    days_of = dict.fromkeys((each.name for each in found), 0) | dict(late or {})
+    days_of = _days_of(folder, found, late or {})
     before, rows = load_grades(target), dict[str, GradeRow]()
-    waiting = list[Submission]()
+    find, waiting = finder_of(before), list[Submission]()
     for each in found:
+        row = before.get(find(plain(each.name)) or "")
         if isinstance(each, Unusable):
             rows[each.name] = failed_row(each.name, each.reason, rubric, late=days_of[each.name])
-        elif _is_done(each, before, rubric, days_of[each.name]) and (
+        elif _is_done(each, row, rubric, days_of[each.name]) and (
             pages is None or all(path.exists() for path in _files_of(pages, each))
         ):
-            rows[each.name] = before[plain(each.name)]
+            assert row is not None
+            rows[each.name] = row | {NAME: plain(each.name)}
         else:
             waiting.append(each)
-    unusable = sum(isinstance(each, Unusable) for each in found)
-    unchanged = len(found) - len(waiting) - unusable
-    counts = f"{len(waiting)} graded, {unchanged} unchanged, {unusable} that cannot be graded"
     save_grades(target, columns_of(rubric), rows)
     try:
         with (
@@ -115,26 +117,52 @@ def grade_folder(
         say(f"{done}; run the same command again to resume")
         raise
     _print_grades(rows, rubric)
+    for each in found:
+        if isinstance(each, Submission) and each.note:
+            say(f"{each.name}: {each.note}")
+    if phantoms := students_in(folder, ours)[1]:
+        say(f"not submissions: {printable(', '.join(phantoms))}")
     if pages is not None:
         say(f"saved {_write_index(pages, rows, rubric)}, the page of the class")
-    say(f"saved {target}: {counts}")
+    say(f"saved {target}: {_counts(rows, [each.name for each in waiting])}")
     return rows
 
 
-def _check_names(folder: Path, names: list[str], late: Collection[str]) -> None:
+def _counts(rows: Mapping[str, GradeRow], graded: Collection[str]) -> str:
+    """Return how many submissions have been graded, are unchanged, or have no episode."""
+    none = {
+        name for name, row in rows.items()
+        if not row[OUTCOMES] or row[FAILURE].startswith(LOAD)
+    }  # fmt: skip
+    count = len(none.union(graded)) - len(none)
+    return (
+        f"{count} graded, {len(rows) - count - len(none)} unchanged, {len(none)} that cannot be "
+        "graded"
+    )
+
+
+def _days_of(
+    folder: Path, found: Collection[Submission | Unusable], late: Mapping[str, int]
+) -> dict[str, int]:
+    """Return by how many days each submission is late: as many as its latest part."""
+    names = [each.name for each in found]
     if not names:
         raise GradeError(f"{folder}: it contains no submissions")
     if INDEX in names:
         raise GradeError(
             f"{folder / INDEX}: no submission may have the name of the page of the class"
         )
-    for name in late:
-        if name not in names:
+    owners = {entry: each.name for each in found for entry in each.entries}
+    find, days_of = finder_of(owners), dict.fromkeys(names, 0)
+    for name, days in late.items():
+        entry = find(name)
+        if entry is None:
             raise GradeError(f"{folder}: --late names {name!r}, but there is no such submission")
+        days_of[owners[entry]] = max(days_of[owners[entry]], days)
+    return days_of
 
 
-def _is_done(each: Submission, before: dict[str, GradeRow], rubric: Rubric, late: int = 0) -> bool:
-    row = before.get(plain(each.name))
+def _is_done(each: Submission, row: GradeRow | None, rubric: Rubric, late: int = 0) -> bool:
     if row is None or not row.keys() >= set(columns_of(rubric)):
         return False
     return (row[CODE], row[RUBRIC], row[LATE]) == (each.digest, rubric.digest, str(late))

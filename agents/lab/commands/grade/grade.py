@@ -150,8 +150,9 @@ def grade(
         say(check_trust(user, trust, are_many=True))
         days = load_days(late) if late else None
         rows = grade_folder(
-            folder, kind, wanted, target, pages, user, jobs or os.cpu_count() or 1, days
-        )
+            folder, kind, wanted, target, pages, user, jobs or os.cpu_count() or 1, days,
+            filter(None, (late, moodle, canvas)),
+        )  # fmt: skip
         for path, save_grades in ((moodle, save_moodle), (canvas, save_canvas)):
             if path is not None:
                 save_grades(path, rows, wanted)

@@ -5,14 +5,14 @@ import stat
 import struct
 import warnings
 from collections.abc import Callable
-from pathlib import Path
+from pathlib import Path, PurePosixPath
 from zipfile import ZIP_DEFLATED, ZIP_LZMA, ZipFile, ZipInfo
 
 import pytest
 
 from agents.errors import AgentError
 from agents.lab.grading import archives
-from agents.lab.grading.archives import members_of, unpack
+from agents.lab.grading.archives import members_of, read_member, unpack
 
 Write = Callable[[ZipFile], object]
 
@@ -41,7 +41,8 @@ def lying(archive: ZipFile) -> None:
 BAD: dict[str, Write] = {
     "'/etc/passwd' is a path out": lambda archive: archive.writestr("/etc/passwd", ""),
     "'a/../../b' is a path out": lambda archive: archive.writestr("a/../../b", ""),
-    r"'a\\\\b' is a path out": lambda archive: archive.writestr("a\\b", ""),
+    r"'a\\\\..\\\\..\\\\b' is a path out": lambda archive: archive.writestr("a\\..\\..\\b", ""),
+    r"'\\\\etc\\\\b' is a path out": lambda archive: archive.writestr("\\etc\\b", ""),
     "'C:b' is a path out": lambda archive: archive.writestr("C:b", ""),
     "'special.py' is a link": lambda archive: archive.writestr(special(stat.S_IFLNK), "/etc"),
     "special.py' is a link or a special file": lambda archive: archive.writestr(
@@ -90,6 +91,22 @@ def test_files_are_unpacked_and_folders_are_none(tmp_path: Path) -> None:
     unpack(path, tmp_path)
     assert (tmp_path / "src" / "agent.py").read_text() == "one"
     assert list(map(str, members_of(path))) == ["src/agent.py"]
+
+
+def test_paths_with_backslashes_and_suffixes_in_capitals_are_unpacked(tmp_path: Path) -> None:
+    """Windows PowerShell 5 writes such paths, and macOS writes decomposed Unicode."""
+
+    def write(archive: ZipFile) -> None:
+        archive.writestr("agent\\", "")
+        archive.writestr("agent\\A.PY", "one")
+        archive.writestr("agent\\zoe\u0308.py", "two")
+
+    path = archive_of(tmp_path, write)
+    found = sorted(map(str, members_of(path)))
+    assert found == ["agent/A.py", "agent/zo\u00eb.py"]
+    assert read_member(path, PurePosixPath("agent/A.py"), 2) == b"on"
+    unpack(path, tmp_path)
+    assert [(tmp_path / name).read_text() for name in found] == ["one", "two"]
 
 
 def test_what_is_no_archive_or_has_a_large_index_is_refused_before_it_is_read(

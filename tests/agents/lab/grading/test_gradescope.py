@@ -12,6 +12,7 @@ import pytest
 from helpers.submissions import GOOD, RUBRIC, idle, notebook_of, write_rubric
 
 from agents.errors import GradeError
+from agents.lab.grading import gradescope
 from agents.lab.grading.gradescope import ENDED, days_late, write_autograder
 from agents.lab.grading.rubric import load_rubric
 
@@ -19,7 +20,7 @@ SHORT = RUBRIC.replace("[limits]", "[late]\npoints = 10\n[limits]").replace(
     'layout = "trap"', 'layout = "halls/hall.txt"'
 )
 METADATA = {
-    "created_at": "2026-11-24T00:00:01.5-07:00",
+    "created_at": "2026-11-24T00:05:01.5-07:00",
     "assignment": {"due_date": "2026-11-22T00:00:00.0-07:00"},
 }
 
@@ -73,6 +74,7 @@ def test_submissions_have_results_whatever_happens(root: Path) -> None:
     assert (found["score"], found["extra_data"]["agent"]) == (70, "hw.ipynb:Agent")
     assert "3 days late: 30 points deducted" in found["output"]
     (root / "submission_metadata.json").unlink()
+    assert results(root)["output"].endswith(f"{AS_ASKED}No such file or directory")
     submit(root, agent_py=idle("exit(1)"))
     assert "no points: 10 of 10 episodes failed" in results(root)["output"]
     submit(root, notes_txt="")
@@ -87,21 +89,48 @@ def test_submissions_have_results_whatever_happens(root: Path) -> None:
     rubric.write_text(text)
 
 
+EXTENDED = {"assignment": {"due_date": "2026-11-23T23:00:00-07:00"}}
+AS_ASKED = "counted as on time, because submission_metadata.json is not as expected: "
+
+
 @pytest.mark.parametrize(
-    ("text", "days"),
+    ("changes", "days", "note"),
     [
-        (json.dumps(METADATA), 3),
-        (json.dumps(METADATA | {"created_at": "2026-11-22T00:00:00-07:00"}), 0),
-        (json.dumps(METADATA | {"created_at": "2026-11-22T07:00:01Z"}), 1),
-        (json.dumps(METADATA | {"created_at": "2026-11-01T00:00:00"}), 0),  # without a zone
-        (json.dumps(METADATA | {"assignment": None}), 0),
-        ("[" * 100_000, 0),
+        ({}, 3, ""),
+        ({"created_at": "2026-11-22T00:00:00-07:00"}, 0, ""),
+        ({"created_at": "2026-11-22T00:00:00.5-07:00"}, 0, ""),
+        ({"created_at": "2026-11-22T07:05:00Z"}, 0, ""),
+        ({"created_at": "2026-11-22T07:05:01Z"}, 1, ""),
+        ({"created_at": "2026-11-23T07:05:01Z"}, 2, ""),
+        ({"users": [{"assignment": {"due_date": "2026-11-25T00:00:00-07:00"}}]}, 0, ""),
+        ({"users": [EXTENDED]}, 1, ""),
+        ({"users": [EXTENDED, {"assignment": METADATA["assignment"]}]}, 1, ""),
+        ({"users": [{"assignment": {"due_date": None}}, {"assignment": None}, {}]}, 3, ""),
+        ({"assignment": {"due_date": None}}, 0, ""),
+        ({"created_at": "2026-11-24T00:00:00"}, 0,
+         AS_ASKED + "the time '2026-11-24T00:00:00' has no time zone"),
+        ({"assignment": None}, 0, AS_ASKED + "it has no time of the submission or no due date"),
+        ({"users": 1}, 0, AS_ASKED + "it has no time of the submission or no due date"),
     ],
-)
-def test_a_day_that_has_begun_is_late(tmp_path: Path, text: str, days: int) -> None:
-    (tmp_path / "submission_metadata.json").write_text(text)
-    assert days_late(tmp_path) == days
-    assert days_late(tmp_path / "none") == 0
+)  # fmt: skip
+def test_a_day_that_has_begun_is_late_after_the_grace_period(
+    tmp_path: Path, changes: dict[str, Any], days: int, note: str
+) -> None:
+    (tmp_path / "submission_metadata.json").write_text(json.dumps(METADATA | changes))
+    assert days_late(tmp_path, 5) == (days, note)
+
+
+def test_metadata_that_cannot_be_read_count_as_on_time_with_a_remark(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr(gradescope, "MAX_METADATA", 200_000)
+    assert days_late(tmp_path, 5) == (0, f"{AS_ASKED}No such file or directory")
+    for text, reason in {"[" * 100_000: "recursion", " " * 200_001: "it is longer than"}.items():
+        (tmp_path / "submission_metadata.json").write_text(text)
+        days, note = days_late(tmp_path, 5)
+        assert days == 0
+        assert note.startswith(AS_ASKED)
+        assert reason in note
 
 
 def test_a_layout_that_is_not_next_to_the_rubric_is_refused(tmp_path: Path) -> None:

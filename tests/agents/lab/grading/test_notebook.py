@@ -1,10 +1,12 @@
 """Agents in notebooks: which statements of the cells run."""
 
+import ast
 from pathlib import Path
 from types import ModuleType
 
 import pytest
 from helpers.submissions import notebook_of
+from IPython.core.inputtransformer2 import TransformerManager
 
 from agents.lab.grading.notebook import cells_of, load
 
@@ -33,6 +35,45 @@ def test_classes_count_and_what_they_need(tmp_path: Path) -> None:
     assert module.Agent().act(None) == "E"
     names = {name for name in vars(module) if not name.startswith("__")}
     assert names == {"MOVES", "index", "turn", "Agent"}
+
+
+MIXED = '''%matplotlib inline
+files = !ls
+t = %timeit -o 1
+a, b = !echo \\
+   two
+rest = (7
+    % 4)  # is it?
+text = """
+!important
+why?
+"""
+if rest:
+    !pip install y
+math.pi?
+!echo it's
+class Robot:
+    %pip install x
+    own = rest, text, t, {
+        "percent": "a=%s" % rest,
+    }
+'''
+
+
+def test_commands_are_found_where_ipython_finds_them(tmp_path: Path) -> None:
+    """A remainder in a second line, a string and a comment are no commands."""
+    [(_, source)] = cells_of(notebook_of(MIXED).encode())
+    ours, theirs = (
+        ast.parse(text).body for text in (source, TransformerManager().transform_cell(MIXED))
+    )
+    assert len(ours) == 10
+    for our, their in zip(ours, theirs, strict=True):
+        is_command = "get_ipython" in ast.dump(their)
+        assert is_command or ast.dump(our) == ast.dump(their), ast.unparse(their)
+    module = module_of(tmp_path, notebook_of(MIXED))
+    assert module.Robot.own == (3, "\n!important\nwhy?\n", None, {"percent": "a=3"})
+    timed = module_of(tmp_path, notebook_of("%time x = 1  # really?\nclass A:\n    own = x"))
+    assert timed.A.own == 1
 
 
 def test_the_last_of_several_definitions_counts_and_cells_of_text_do_not(tmp_path: Path) -> None:

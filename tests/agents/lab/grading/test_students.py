@@ -1,0 +1,192 @@
+"""Folders of classes from learning platforms and systems: one row for each student."""
+
+import sys
+from collections.abc import Callable
+from concurrent.futures import Future
+from pathlib import Path
+from types import TracebackType
+from typing import Any
+
+import pytest
+from helpers.classes import DOUBLE, SYSTEMS, write_class
+from helpers.submissions import write_rubric
+
+from agents.errors import GradeError
+from agents.lab.commands.grade import folder as command
+from agents.lab.commands.grade.folder import grade_folder
+from agents.lab.grading.grading import grade
+from agents.lab.grading.rubric import load_rubric
+from agents.lab.grading.sandbox import SameProcess
+from agents.lab.grading.students import finder_of, students_in
+from agents.lab.grading.submissions import Submission, Unusable, in_folder
+
+
+class Here:
+    """A pool that does its work at once, in this process."""
+
+    def __init__(self, *_: object) -> None:
+        pass
+
+    def __enter__(self) -> "Here":
+        return self
+
+    def __exit__(
+        self, kind: type[BaseException] | None, error: BaseException | None,
+        trace: TracebackType | None,
+    ) -> None:  # fmt: skip
+        pass
+
+    def submit(self, call: Callable[..., Any], *values: object) -> Future[Any]:
+        future: Future[Any] = Future()
+        future.set_result(call(*values))
+        return future
+
+
+@pytest.fixture(autouse=True)
+def here(monkeypatch: pytest.MonkeyPatch) -> None:
+    """Grade in this process, for speed; ``bench_grade.py`` grades the same classes as usual."""
+
+    def graded(*values: Any, **named: Any) -> Any:
+        with monkeypatch.context() as context:
+            context.delitem(sys.modules, "helper", raising=False)
+            return grade(*values, **named, make_runner=SameProcess)
+
+    monkeypatch.setattr(command, "Processes", Here)
+    monkeypatch.setattr(command, "grade", graded)
+
+
+@pytest.mark.parametrize("system", SYSTEMS)
+def test_each_student_of_a_class_has_one_row_with_the_right_points(
+    tmp_path: Path, system: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    folder, table = tmp_path / "all", tmp_path / "grades.csv"
+    rubric = load_rubric(write_rubric(tmp_path, DOUBLE))
+    expected = write_class(folder, system)
+    assert len(list(folder.iterdir())) >= 60
+    late = {each.late_name: each.days for each in expected if each.days}
+    rows = grade_folder(folder, None, rubric, table, None, None, 1, late)
+    assert len(rows) == len(expected) == 60
+    owners = {entry: each.name for each in in_folder(folder, None) for entry in each.entries}
+    find = finder_of(owners)
+    for each in expected:
+        row = rows[owners[find(each.late_name) or ""]]
+        assert (float(row["points"]), row["late"]) == (each.points, str(each.days)), row
+        assert row["points"] != "0" or row["failure"]
+    out = capsys.readouterr().out
+    assert "not submissions: .DS_Store, Thumbs.db, __MACOSX, c.csv" in out
+    assert "only 1,000 of its files were used" in out
+    grade_folder(folder, None, rubric, table, None, None, 1, late)
+    assert "saved" in capsys.readouterr().out
+
+
+def entry(folder: Path, name: str, text: str = "") -> None:
+    (folder / name).parent.mkdir(parents=True, exist_ok=True)
+    (folder / name).write_text(text, encoding="utf-8")
+
+
+def found_in(folder: Path) -> dict[str, str]:
+    """Return the reason, or the file of the agent in its copy, of each student in a folder."""
+    return {
+        each.name: each.reason if isinstance(each, Unusable) else f"{each.module}, {each.kind}"
+        for each in in_folder(folder, None)
+    }
+
+
+def test_what_belongs_to_a_student_is_found_by_the_number(tmp_path: Path) -> None:
+    for name in (
+        "Zo\u00eb_7_assignsubmission_file_/agent.py",
+        "Zoe\u0308_7_assignsubmission_onlinetext_/a.html",
+        "annlee_LATE_7_12_helper.py", "annlee_7_13_robot.ipynb", "annlee_8_13_robot.py",
+        "annlee_7_link.html",
+        "Lab 1_bob_attempt_2026-11-27-10-00-00.txt",
+        "Lab 1_bob_attempt_2026-11-27-10-00-00_agent.py",
+        "Lab 1_bob_attempt_2026-11-28-10-00-00_mine.py",
+        "Lab 1_bob_attempt_2026-11-28-10-00-00.txt",
+        "x_1_assignsubmission_file_agent.py", "x_1_assignsubmission_onlinetext_/agent.py",
+    ):  # fmt: skip
+        entry(tmp_path, name)
+    assert found_in(tmp_path) == {
+        "Zo\u00eb_7_assignsubmission_file_": "agent, None",
+        "annlee_LATE_7_12_helper.py": "helper, None",
+        "annlee_8_13_robot.py": "annlee_8_13_robot, None",
+        "Lab 1_bob_attempt_2026-11-28-10-00-00_mine.py": "mine, None",
+        "x_1_assignsubmission_file_agent.py": "two of its files are called agent.py",
+    }
+
+
+def test_a_folder_that_only_looks_like_one_from_canvas_has_a_student_for_each_file(
+    tmp_path: Path,
+) -> None:
+    for name in ("lab_3_1_ann.py", "lab_3_2_bob.py"):
+        entry(tmp_path, name)
+    assert list(found_in(tmp_path)) == ["lab_3_1_ann.py", "lab_3_2_bob.py"]
+    entry(tmp_path, "lab_3_3_agent.py")
+    assert list(found_in(tmp_path)) == ["lab_3_3_agent.py"]
+
+
+def test_our_own_files_are_no_submissions_and_those_of_students_are(tmp_path: Path) -> None:
+    for name, text in {
+        "ann.py": "", "ann.py.html": "", "ann.py.json": "", "bob.html": "", "data.csv": "a,b\n",
+        "sweep/index.html": "", "sweep/agent.py": "", "pages/index.html": "", "pages/x.html": "",
+    }.items():  # fmt: skip
+        entry(tmp_path, name, text)
+    (tmp_path / "wide.csv").write_bytes("submission\tpoints\n".encode("utf-16"))
+    (tmp_path / "link.csv").symlink_to("wide.csv")
+    students, phantoms = students_in(tmp_path)
+    assert phantoms == ["ann.py.html", "ann.py.json", "pages", "wide.csv"]
+    assert [each.entries for each in students] == [
+        ("ann.py",), ("bob.html",), ("data.csv",), ("link.csv",), ("sweep",),
+    ]  # fmt: skip
+
+
+def test_names_are_compared_without_case_and_in_any_form_of_unicode(tmp_path: Path) -> None:
+    find = finder_of(["Ann", "ann", "ZO\u00cb", "bob"])
+    assert [find(name) for name in ("ann", "ANN", "zoe\u0308", "Bob", "x")] == [
+        "ann", None, "ZO\u00cb", "bob", None,
+    ]  # fmt: skip
+
+
+def test_a_student_is_as_late_as_the_latest_part(tmp_path: Path) -> None:
+    rubric = load_rubric(write_rubric(tmp_path, DOUBLE))
+    for name in ("ann_7_1_agent.py", "ann_7_2_b.txt", "bob_8_3_agent.py"):
+        entry(tmp_path / "all", name, "def double(x): return 2 * x\n")
+    late = {"ann_7_1_agent.py": 1, "ANN_7_2_b.txt": 3}
+    table = tmp_path / "grades.csv"
+    rows = grade_folder(tmp_path / "all", None, rubric, table, None, None, 1, late)
+    assert {name: row["points"] for name, row in rows.items()} == {
+        "ann_7_1_agent.py": "7", "bob_8_3_agent.py": "10",
+    }  # fmt: skip
+    with pytest.raises(GradeError, match="--late names 'cecil'"):
+        grade_folder(tmp_path / "all", None, rubric, table, None, None, 1, {"cecil": 1})
+
+
+def test_all_files_of_a_student_are_in_one_copy_under_their_own_names(tmp_path: Path) -> None:
+    for name, text in {
+        "ann_7_1_agent-2.py": "1",
+        "ann_7_2_zoe\u0308.PY": "2",
+        "ann_7_3_data.txt": "3",
+    }.items():
+        entry(tmp_path, name, text)
+    [submission] = in_folder(tmp_path, None)
+    assert isinstance(submission, Submission)
+    assert submission.shown == str(tmp_path / "ann_7_1_agent-2.py")
+    with submission.private(None) as own:
+        assert own.folder is not None
+        texts = {path.name: path.read_text() for path in own.folder.iterdir()}
+        assert own.file == own.folder / "agent.py"
+    assert texts == {"agent.py": "1", "zo\u00eb.py": "2", "data.txt": "3"}
+
+
+def test_code_comes_first_if_a_submission_has_too_many_files(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setattr("agents.lab.grading.submissions.MAX_FILES", 4)
+    for name in ("agent.py", "own/__init__.py", "own/deep/x.py", "a.txt", "b.txt", "venv/lib/y.py",
+                 ".git/z.py"):  # fmt: skip
+        entry(tmp_path / "all" / "ann", name)
+    [submission] = in_folder(tmp_path / "all", None)
+    assert isinstance(submission, Submission)
+    assert [place.as_posix() for _, place in submission.files] == [
+        "agent.py", "own/__init__.py", "own/deep/x.py", "a.txt",
+    ]  # fmt: skip
+    assert submission.note == "only 4 of its files were used"
