@@ -1,59 +1,105 @@
-"""``gymnasium.make`` finds the environments after ``import warehouse_core``."""
-
 import importlib
 import subprocess
 import sys
-from types import ModuleType, SimpleNamespace
-from typing import Any
+from importlib.util import find_spec
+from types import ModuleType
 from unittest.mock import Mock
 
 import pytest
 
 from warehouse_core import registration
-from warehouse_core.registration import GOAL_ID, ID, AfterGymnasium, register
+from warehouse_core.registration import GOAL_ID, ID, AfterGymnasium, Registering, register
+
+FORGET = "[sys.modules.pop(name) for name in [*sys.modules] if name.split('.')[0] == {!r}]"
+
+ORDERS = {
+    "Gymnasium first": "import gymnasium, warehouse_core",
+    "Gymnasium last": "import warehouse_core, gymnasium",
+    "looked up": (
+        "import warehouse_core; from importlib.util import find_spec; find_spec('gymnasium');"
+        "find_spec('gymnasium.envs'); import gymnasium; find_spec('gymnasium')"
+    ),
+    "Gymnasium reloaded": (
+        "import warehouse_core, gymnasium, importlib; importlib.reload(gymnasium)"
+    ),
+    "Gymnasium imported again": (
+        f"import warehouse_core, gymnasium; {FORGET.format('gymnasium')}; import gymnasium"
+    ),
+    "the core imported again": (
+        f"import warehouse_core; {FORGET.format('warehouse_core')}; "
+        "import warehouse_core, gymnasium"
+    ),
+    "the core imported again later": (
+        f"import warehouse_core, gymnasium; {FORGET.format('warehouse_core')}; "
+        "import warehouse_core"
+    ),
+    "the core reloaded": (
+        "import warehouse_core, importlib; importlib.reload(warehouse_core.registration);"
+        "import gymnasium; importlib.reload(warehouse_core.registration)"
+    ),
+    "the finder removed": (
+        "import warehouse_core; sys.meta_path.pop(0);import warehouse_core.gymnasium_env, gymnasium"
+    ),
+    "the adaptor only": "import warehouse_core.gymnasium_env, gymnasium",
+    "a submodule of Gymnasium first": (
+        "import warehouse_core; from gymnasium.envs.registration import make; import gymnasium"
+    ),
+    "a lazy loader": (
+        "import warehouse_core, importlib.util as util; spec = util.find_spec('gymnasium');"
+        "spec.loader = util.LazyLoader(spec.loader); gymnasium = util.module_from_spec(spec);"
+        "sys.modules['gymnasium'] = gymnasium; spec.loader.exec_module(gymnasium)"
+    ),
+}
 
 
-@pytest.mark.parametrize("first", ["gymnasium, warehouse_core", "warehouse_core, gymnasium"])
-def test_the_names_are_known_whatever_is_imported_first(first: str) -> None:
-    program = f"import {first}; [gymnasium.make(name) for name in {ID, GOAL_ID}]"
+@pytest.mark.parametrize("order", ORDERS)
+def test_the_names_are_known_whatever_is_imported_first(order: str) -> None:
+    module_form = f"gymnasium.make('warehouse_core.gymnasium_env:{ID}')"
+    program = f"import sys; {ORDERS[order]}; {[ID, GOAL_ID]}; {module_form};"
+    program += f"[gymnasium.make(name) for name in {[ID, GOAL_ID]}];"
+    program += "assert 'Registering' not in str(gymnasium.__loader__)"
     subprocess.run([sys.executable, "-W", "error", "-c", program], check=True)
 
 
-def found(monkeypatch: pytest.MonkeyPatch, spec: Any) -> Any:
-    """Return the spec that the finder finds for Gymnasium, and check that the finder is removed."""
-    finder = AfterGymnasium()
-    monkeypatch.setattr(sys, "meta_path", [finder, *sys.meta_path])
-    monkeypatch.setattr(registration, "find_spec", {"gymnasium": spec}.get)
-    assert finder.find_spec("gymnasium_robotics", None) is None
-    assert finder in sys.meta_path
-    result = finder.find_spec("gymnasium", None)
-    assert finder not in sys.meta_path
-    return result
+def test_a_look_up_finds_all_that_the_ordinary_loader_has() -> None:
+    spec = AfterGymnasium().find_spec("gymnasium", None)
+    assert spec is not None
+    assert spec.origin == importlib.import_module("gymnasium").__file__
+    assert isinstance(spec.loader, Registering)
+    assert "register" in spec.loader.get_source("gymnasium")
+    assert spec.loader.create_module(spec) is None
 
 
-def test_the_names_are_registered_at_the_end_of_the_import(monkeypatch: pytest.MonkeyPatch) -> None:
-    calls, execute = Mock(), Mock()
-    calls.attach_mock(execute, "execute")
-    spec = found(monkeypatch, SimpleNamespace(loader=SimpleNamespace(exec_module=execute)))
-    spec.loader.exec_module(calls)
-    assert [call[0] for call in calls.mock_calls] == ["execute", "register", "register"]
-    assert [call[1][:1] for call in calls.mock_calls[1:]] == [(ID,), (GOAL_ID,)]
+def test_other_modules_are_left_to_the_ordinary_finders() -> None:
+    assert AfterGymnasium().find_spec("gymnasium_robotics", None) is None
 
 
-def test_without_gymnasium_nothing_is_found(monkeypatch: pytest.MonkeyPatch) -> None:
-    assert found(monkeypatch, None) is None
+def test_a_name_is_registered_once() -> None:
+    gymnasium = Mock(registry={ID: ""})
+    register(gymnasium)
+    assert [call.args for call in gymnasium.register.mock_calls] == [(GOAL_ID,)]
 
 
-def test_the_finder_waits_only_if_gymnasium_is_not_there(monkeypatch: pytest.MonkeyPatch) -> None:
+@pytest.mark.parametrize("spec", [None, Mock(loader=None)])
+def test_without_gymnasium_nothing_is_wrapped(spec: Mock, monkeypatch: pytest.MonkeyPatch) -> None:
+    finder = Mock(find_spec=Mock(return_value=spec))
+    monkeypatch.setattr(sys, "meta_path", [finder])
+    assert AfterGymnasium().find_spec("gymnasium", None) is spec
+
+
+def test_another_module_of_that_name_is_left_alone() -> None:
     fake = ModuleType("gymnasium")
-    monkeypatch.setattr(fake, "register", Mock(), raising=False)
+    loader = Mock()
+    Registering(loader).exec_module(fake)
+    loader.exec_module.assert_called_once_with(fake)
+    assert fake.__loader__ is loader
+
+
+def test_there_is_one_finder_however_often_the_module_is_executed(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
     monkeypatch.setattr(sys, "meta_path", sys.meta_path.copy())
-    monkeypatch.setitem(sys.modules, "gymnasium", fake)
-    before = sys.meta_path.copy()
     importlib.reload(registration)
-    assert sys.meta_path == before
-    assert fake.register.call_count == 2
-    monkeypatch.delitem(sys.modules, "gymnasium")
-    importlib.reload(registration)
-    assert type(sys.meta_path[0]).__name__ == AfterGymnasium.__name__
-    assert register.__module__ == registration.__name__
+    names = [type(finder).__name__ for finder in sys.meta_path]
+    assert names.count(AfterGymnasium.__name__) == 1
+    assert find_spec("gymnasium") is not None

@@ -15,11 +15,13 @@ Example:
     (86,)
 """
 
+import gymnasium
+
 from warehouse_core.gymnasium_env.env import WarehouseGymnasiumEnv
 from warehouse_core.gymnasium_env.goals import WarehouseGoalEnv
 from warehouse_core.gymnasium_env.spaces import FORMS, Extent, Form, make_form
 from warehouse_core.gymnasium_env.vector import WarehouseVectorEnv
-from warehouse_core.registration import GOAL_ID, ID
+from warehouse_core.registration import GOAL_ID, ID, register
 
 __all__ = [
     "FORMS",
@@ -32,3 +34,5 @@ __all__ = [
     "WarehouseVectorEnv",
     "make_form",
 ]
+
+register(gymnasium)
