@@ -16,6 +16,7 @@ import os
 import random
 import re
 import sys
+import warnings
 from collections.abc import Callable, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
@@ -27,7 +28,7 @@ import numpy as np
 
 from agents.errors import AgentError, reason_of
 from agents.fleet.charging import costs_around_chargers
-from agents.fleet.guided import Guided, on_directed, on_lanes, on_learned
+from agents.fleet.guided import NAMED, auto
 from agents.fleet.planned import DEFAULT_ASSIGNMENT, PlannedFleet
 from agents.fleet.team import Team
 from agents.kinds.goal_based import GoalBasedAgent
@@ -39,12 +40,9 @@ from agents.learning.clone_agent import CloneAgent
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
 from agents.mapf.assignment import ASSIGNMENTS
-from agents.mapf.circulation import Circulation
 from agents.mapf.graph import Graph
-from agents.mapf.pibt import PIBT
 from agents.mapf.planner import Planner
 from agents.mapf.problem import Solver
-from agents.mapf.windows import WindowedPlanner
 from agents.search.agents import ALGORITHMS, ExploringAgent, SearchAgent
 from agents.warehouse_agent_greedy import GreedyAgent
 from warehouse_core import (
@@ -60,6 +58,7 @@ from warehouse_core.files.reading import not_a_file
 from warehouse_core.motion.backends import Backend, backend_names, make_motion
 from warehouse_core.motion.base import with_defaults
 from warehouse_core.records.recorder import FleetAgent
+from warehouse_core.world.moves import COMPASS
 
 __all__ = [
     "AGENTS",
@@ -84,19 +83,24 @@ AGENTS: dict[str, Callable[..., Agent]] = {
 }
 """Agents for one robot, by name."""
 
-PLANNERS: dict[str, Callable[..., Planner]] = {
-    "pibt": PIBT,
-    "pibt-lanes": Guided(PIBT, on_lanes),
-    "pibt-learned": Guided(PIBT, on_learned),
-    "windowed": WindowedPlanner,
-    "windowed-lanes": Guided(WindowedPlanner, on_lanes),
-    "windowed-learned": Guided(WindowedPlanner, on_learned),
-    "windowed-directed": Guided(WindowedPlanner, on_directed),
-    "circulation": Circulation,
-    "circulation-lanes": Guided(Circulation, on_lanes),
-    "circulation-directed": Guided(Circulation, on_directed),
-}
+PLANNERS: dict[str, Callable[..., Planner]] = {"auto": auto, **NAMED}
 """Planners for the robots of a fleet, by name."""
+
+RENAMED_PLANNERS = {
+    "pibt-lanes": "pibt:guidance=lanes",
+    "pibt-learned": "pibt:guidance=learned",
+    "windowed-lanes": "windowed:guidance=lanes",
+    "windowed-learned": "windowed:guidance=learned",
+    "windowed-directed": "windowed:guidance=learned",
+    "circulation-lanes": "circulation:guidance=lanes",
+    "circulation-directed": "circulation:guidance=learned",
+    "lacam-star": "lacam",
+    "anytime": "lacam",
+}
+"""Replacement for each former name of a planner or solver."""
+
+FORMER_OPTIONS = "circulates", "samples", "trial_seed", "trials", "wrong_way"
+"""Former arguments of planners, which are ignored."""
 
 TRAINED: dict[str, Callable[..., Agent]] = {
     "clone": CloneAgent.load,
@@ -105,7 +109,7 @@ TRAINED: dict[str, Callable[..., Agent]] = {
 }
 """Functions that load an agent trained by ``warehouse train``, by the word before the colon."""
 
-FIXED = ("seed", "layout", "graph", "algorithm")
+FIXED = ("seed", "layout", "graph", "robots", "moves", "algorithm")
 """Arguments that cannot follow a name, because the episode or the name itself determines them."""
 
 
@@ -173,14 +177,18 @@ def make_team(
 
 
 def make_planner(
-    name: str, seed: int | None = None, layout: Layout = DEFAULT_LAYOUT, robots: int | None = None
+    name: str,
+    seed: int | None = None,
+    layout: Layout = DEFAULT_LAYOUT,
+    robots: int | None = None,
+    moves: str = COMPASS,
 ) -> Planner | FleetAgent:
     """Return the planner with a name, or a user's agent that controls all robots of a fleet.
 
     Names have the same form as for ``make_agent``, with ``PLANNERS`` in place of ``AGENTS`` and
     without trained planners. A user's class with ``next_cells`` is a ``Planner``, and one with
-    ``act`` is a ``FleetAgent``. It may take ``seed``, ``layout`` and ``robots``, and a ``graph`` of
-    the layout, in which paths avoid chargers.
+    ``act`` is a ``FleetAgent``. It may take ``seed``, ``layout``, ``robots`` and ``moves``, and a
+    ``graph`` of the layout, in which paths avoid chargers. A former name works with a warning.
 
     Raises:
         AgentError: see ``make_agent``.
@@ -190,8 +198,26 @@ def make_planner(
         >>> make_planner("windowed:window=20", seed=1).window
         20
     """
-    [planner] = _make(PLANNER, name, [seed], layout, robots)
+    [planner] = _make(PLANNER, current_planner(name), [seed], layout, robots, moves)
     return cast("Planner | FleetAgent", planner)
+
+
+def current_planner(name: str) -> str:
+    """Return the present name of a planner or solver, with a warning if it has been renamed."""
+    source, options = _split(name)
+    if source not in RENAMED_PLANNERS:
+        return name
+    new = RENAMED_PLANNERS[source]
+    message = f"planner {source!r} has been renamed to {new!r}; the former name will be removed"
+    former = () if new == "lacam" else FORMER_OPTIONS
+    given = options.split(",") if options else []
+    ignored = [each for each in given if each.partition("=")[0] in former]
+    if ignored:
+        message += f"; ignored: {', '.join(ignored)}"
+    warnings.warn(message, DeprecationWarning, stacklevel=3)
+    name, _, guidance = new.partition(":")
+    kept = ",".join(each for each in [guidance, *given] if each and each not in ignored)
+    return f"{name}:{kept}" if kept else name
 
 
 def make_solver(name: str, known: Mapping[str, Solver], seed: int = 0) -> Solver | None:
@@ -275,6 +301,7 @@ def make_fleet_agent(
     seed: int | None = None,
     layout: Layout = DEFAULT_LAYOUT,
     robots: int | None = None,
+    moves: str = COMPASS,
     **options: Any,
 ) -> FleetAgent:
     """Return an agent that controls all robots of a fleet, from the names of its parts.
@@ -286,6 +313,7 @@ def make_fleet_agent(
         seed: see ``make_planner``.
         layout: see ``make_planner``.
         robots: see ``make_planner``.
+        moves: name of the moves of the robots, which decides what ``auto`` chooses.
         options: further arguments of ``PlannedFleet``.
 
     Raises:
@@ -302,7 +330,7 @@ def make_fleet_agent(
         raise AgentError(
             f"no assignment is called {assignment!r}; allowed: {', '.join(ASSIGNMENTS)}"
         )
-    made = make_planner(planner, seed, layout, robots)
+    made = make_planner(planner, seed, layout, robots, moves)
     if isinstance(made, Planner):
         return PlannedFleet(made, assignment or DEFAULT_ASSIGNMENT, **options)
     if options.get("log"):
@@ -316,7 +344,12 @@ def make_fleet_agent(
 
 
 def _make(
-    sort: Sort, name: str, seeds: Sequence[int | None], layout: Layout, robots: int | None = None
+    sort: Sort,
+    name: str,
+    seeds: Sequence[int | None],
+    layout: Layout,
+    robots: int | None = None,
+    moves: str = COMPASS,
 ) -> list[Any]:
     """Return an object with a name for each seed."""
     word, colon, rest = name.partition(":")
@@ -329,7 +362,10 @@ def _make(
     kind = sort.known.get(source) or _load_class(sort, source)
     given = _options(f"{sort.word} {source!r}", kind, options)
     try:
-        return [kind(**(_wanted(kind, seed, layout, robots) | given)) for seed in seeds]
+        wanted = (_wanted(kind, seed, layout, robots) for seed in seeds)
+        if "moves" in inspect.signature(kind).parameters:
+            given["moves"] = moves
+        return [kind(**(each | given)) for each in wanted]
     except (Exception, SystemExit) as error:  # a user's code may raise anything
         if source in sort.known:
             raise AgentError(f"{sort.word} {name!r}: {error}") from error

@@ -5,31 +5,22 @@ See ``kernels/auction.py`` for the algorithm and its sources.
 
 from __future__ import annotations
 
-from math import inf
-from time import perf_counter
-
 import numpy as np
 from numpy.typing import NDArray
 
 from agents.mapf.graph import CLOSED, Fields, Graph, robots_in
 from agents.mapf.headed import HeadedFields
-from agents.mapf.kernels.auction import Auction, auction_of, simulate
+from agents.mapf.kernels.auction import Auction, auction_of, choose_first
 from agents.mapf.kernels.buffers import buffer_of, prepare
 from agents.mapf.kernels.places import FAR, NONE
 from agents.mapf.kernels.robots import NOBODY, robots_of
 from agents.mapf.memory import Memory
 from agents.mapf.planner import PlacePlanner, Situation
-from warehouse_core.arguments import instance_of, real_number, seed_number, whole_number
+from warehouse_core.arguments import instance_of, seed_number, whole_number
 from warehouse_core.world.actions import WAIT
 from warehouse_core.world.tables import Integers
 
 __all__ = ["Circulation"]
-
-WINDOW = 6
-"""Default number of steps that each sample looks ahead."""
-
-MAX_WINDOW = 1000
-"""Limit on the steps of a sample, each of which needs a random number."""
 
 PATIENCE = 200
 """Default number of steps without a goal after which a robot's weight has doubled."""
@@ -45,18 +36,11 @@ URGENCY = 8
 
 
 class Circulation(PlacePlanner):
-    """Planner that moves robots, with or without headings, in circulations.
-
-    By default it plans one step at a time. With more samples, it compares several random plans in
-    each step and takes the first step of the best one. From the second step on, one of the samples
-    continues the previous plan.
+    """Planner that moves robots, with or without headings, in circulations, step by step.
 
     Args:
         graph: floor. With lanes as costs, robots reach more goals; see ``lanes.py``.
         seed: seed of random tie-breaks.
-        samples: number of plans that are compared in each step.
-        window: number of steps of each plan, at most ``MAX_WINDOW``.
-        seconds: time in each step after which no more plans are made.
         patience: number of steps without a goal after which a robot's weight has doubled. The
             weight continues to grow at this rate.
 
@@ -72,22 +56,11 @@ class Circulation(PlacePlanner):
         33
     """
 
-    def __init__(
-        self,
-        graph: Graph,
-        seed: int = 0,
-        samples: int = 1,
-        window: int = WINDOW,
-        seconds: float = inf,
-        patience: int = PATIENCE,
-    ) -> None:
+    def __init__(self, graph: Graph, seed: int = 0, patience: int = PATIENCE) -> None:
         self.graph = instance_of("graph", graph, Graph)
         self.seed = seed_number(seed)
-        self.samples = whole_number("samples", samples, 1)
-        self.window = whole_number("window", window, 1, MAX_WINDOW)
-        self.seconds = real_number("seconds", seconds, finite=False)
         self.patience = whole_number("patience", patience, 1, MAX_PATIENCE)
-        prepare(simulate)
+        prepare(choose_first)
         self.reset()
 
     def reset(self) -> None:
@@ -97,26 +70,14 @@ class Circulation(PlacePlanner):
 
     def _choose(self, situation: Situation, places: Integers | None) -> Integers:
         """Return the next place of each robot; ``places`` are given for robots with headings."""
-        deadline = perf_counter() + self.seconds
         places = situation.cells if places is None else places
         self._read(situation, places)
-        best, made = None, 0
-        while made < self.samples and (made == 0 or perf_counter() < deadline):
-            draws = self._random_draws(is_first=made == 0)
-            total = self._simulate(draws)
-            made += 1
-            if best is None or total < best:
-                best, self._draws = total, draws
-        if self.samples > 1:
-            self._simulate(self._draws[:1])
+        self._robots.random[0] = int(self._random.integers(1, 2**31))
+        choose_first(self._robots, self._auction, self._fields.table)
         self._places, self._aims = (
             np.array(each, places.dtype) for each in (self._robots.places, self._auction.targets)
         )
         return self._places.copy()
-
-    def _simulate(self, draws: NDArray[np.int64]) -> int:
-        """Simulate a step for each seed, and return the gain that robots have not achieved."""
-        return simulate(self._robots, self._auction, self._fields.table, buffer_of(draws))
 
     def _begin(self, robots: int, has_headings: bool) -> None:
         """Begin an episode of the given number of robots."""
@@ -128,13 +89,6 @@ class Circulation(PlacePlanner):
         self._robots = robots_of(graph.size, robots, self.seed)
         self._auction = auction_on(self._fields, robots, self.patience)
         self._places, self._aims = np.full((2, robots), NONE)
-        self._draws = np.empty(0, np.int64)
-
-    def _random_draws(self, *, is_first: bool) -> NDArray[np.int64]:
-        """Return the random seeds of the steps of a sample, which may continue the last plan."""
-        window = self.window if self.samples > 1 else 1
-        kept = self._draws[1:] if is_first else self._draws[:0]
-        return np.append(kept, self._random.integers(1, 2**31, window - len(kept)))
 
     def _read(self, situation: Situation, places: Integers) -> None:
         """Load a situation into the buffers: robots, their moves, goals and weights."""

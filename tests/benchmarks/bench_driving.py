@@ -225,7 +225,7 @@ def arrivals(paths: list[list[Place]], spec: RobotSpec) -> np.ndarray:
     return found
 
 
-@pytest.mark.parametrize("planner", ["pibt", "windowed", "pibt-lanes"])
+@pytest.mark.parametrize("planner", ["pibt", "windowed", "pibt:guidance=lanes"])
 @pytest.mark.parametrize("kind", ALONE_SPECS)
 def test_robots_alone_are_nearly_as_fast_as_force_and_speed_allow(
     planner: str, kind: str, measured

@@ -310,7 +310,7 @@ def can_reach(
     return False
 
 
-PLANNERS, ASSIGNMENTS = ["pibt", "pibt-lanes"], ["urgent", "hungarian", "nearest"]
+PLANNERS, ASSIGNMENTS = ["pibt", "pibt:guidance=lanes"], ["urgent", "hungarian", "nearest"]
 FLEETS, CHARGED_FLEETS, STEPS, LONG_STRETCH, SUPPLY = 200, 100, 800, 100, 1.2
 SHORT_STRETCH, LOOK_EVERY = 20, 5
 FOREVER = 10**6
@@ -435,7 +435,7 @@ def test_a_person_among_eleven_robots_in_narrow_aisles(measured) -> None:
     layout = shelf_layout(3, 4, 5, aisle=1, pickups=6, dropoffs=3, seed=1)
     settings: Any = {"orders": OrderStream(0.4), "people": 1, "battery": FOREVER}
     found = [
-        drive(layout, 11, "pibt-lanes", "urgent", seed, max_steps=2500, **settings)
+        drive(layout, 11, "pibt:guidance=lanes", "urgent", seed, max_steps=2500, **settings)
         for seed in range(6)
     ]
     measured(

@@ -87,14 +87,14 @@ def turning() -> Iterator[tuple[str, np.ndarray]]:
     """Yield lifelong runs and plans of robots with headings."""
     for seed in SEEDS:
         graph = Graph(random_layout(14, 14, 0.2, seed))
-        for robots, samples in ((60, 1), (100, 3)):
+        for robots in (60, 100):
             for has_headings in (False, True):
-                planner = Circulation(graph.with_costs(lane_costs(graph.layout)), seed, samples)
+                planner = Circulation(graph.with_costs(lane_costs(graph.layout)), seed)
                 run = run_lifelong(graph, planner, robots, 12, seed, has_headings=has_headings)
                 yield f"circulation {has_headings} {robots} {seed}", run.cells
-            windowed = WindowedPlanner(graph, 6, 8, seed=seed, circulates=True)
+            windowed = WindowedPlanner(graph, 6, 8, seed=seed)
             run = run_lifelong(graph, windowed, robots, 8, seed, has_headings=True)
-            yield f"windowed circulates {robots} {seed}", run.cells
+            yield f"windowed {robots} {seed}", run.cells
         for name, costs in (("plain", None), ("lanes", lane_costs(graph.layout, 1.3))):
             for groups in (0, 12):
                 windowed = WindowedPlanner(graph.with_costs(costs), 8, groups, seed=seed)

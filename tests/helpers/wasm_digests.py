@@ -24,7 +24,7 @@ from warehouse_core import (
 
 FLEETS = [
     (planner, seed)
-    for planner in ("pibt", "pibt-lanes", "windowed", "windowed-lanes")
+    for planner in ("auto", "pibt", "pibt:guidance=lanes", "windowed", "windowed:guidance=lanes")
     for seed in range(5)
 ]
 

@@ -172,7 +172,7 @@ def test_run_saves_several_files(warehouse: Warehouse, tmp_path: Path) -> None:
         ),
         ("compare search --layout corridor --weights 1", "search.gif", 0),
         ("demo bump", "demo-bump.gif", 0),
-        ("fleet --robots 2 --max-steps 5 --seed 5", "replay-greedy-grid-5.html", 0),
+        ("fleet --robots 2 --max-steps 5 --seed 5", "replay-auto-grid-5.html", 0),
     ],
 )
 def test_without_a_display_a_command_names_the_file_of_what_it_would_show(

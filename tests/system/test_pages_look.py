@@ -49,8 +49,8 @@ PICTURES = {
     "race": "race",
     "demo lanes": "demo lanes",
     "compare agents": "compare agents -n 3",
-    "compare planners": "compare planners -n 1 -r 32,64 --planner pibt --planner pibt-lanes "
-    "--lifelong 60 -j 1",
+    "compare planners": "compare planners -n 1 -r 32,64 --planner pibt "
+    "--planner pibt:guidance=lanes --lifelong 60 -j 1",
 }
 """Commands that save a picture as SVG."""
 

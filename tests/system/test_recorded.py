@@ -367,7 +367,14 @@ def episodes() -> Lines:
 def shifts() -> Lines:
     """Yield shifts of fleets with compass moves and with headings, for each planner."""
     layout = shelf_layout(2, 3, aisle=2, pickups=3, dropoffs=2, chargers=2)
-    names = "pibt", "pibt-lanes", "windowed", "windowed-lanes", "circulation", "circulation-lanes"
+    names = (
+        "auto",
+        "pibt",
+        "pibt:guidance=lanes",
+        "windowed",
+        "windowed:guidance=learned",
+        "circulation",
+    )
     for moves, name in product(("compass", "turn"), names):
         if moves == "turn" and name.startswith("pibt"):
             continue

@@ -71,7 +71,7 @@ UNKNOWN = {
         "missing.txt": "missing.txt: No such file or directory",
         "bad.txt": "bad.txt: row 1, column 2: 'x' is not a tile; allowed: # (wall)",
     },
-    "--planner": {"nobody": "no planner is called 'nobody'; allowed: pibt, "},
+    "--planner": {"nobody": "no planner is called 'nobody'; allowed: auto, pibt, "},
     "--start": CELLS,
 }
 """Values of options that name nothing, and parts of their messages."""
@@ -80,7 +80,7 @@ MALFORMED = {
     "--goal": {"1,2,3": "--goal is '1,2,3'; it must be ROW,COL, as in 1,2"},
     "--start": {"1": "--start is '1'; it must be ROW,COL, as in 1,2"},
 }
-PLANS = "--show-plans needs a planner; add --planner NAME"
+PLANS = "--show-plans needs a planner; leave out --agent"
 ROBOTS = "it must be numbers of robots, 0..7, as in 0,3, or pushes"
 BATTERY = "it must be 1..2147483647 steps or joules, as in 400steps"
 TIME = "allowed: a number 0.001..1e+09"
@@ -96,18 +96,17 @@ WRONG = {
     "fleet --battery 0": f"--battery is '0'; {BATTERY}",
     "fleet --battery 5kg": f"--battery is '5kg'; {BATTERY}",
     "fleet --battery 9999999999": f"--battery is '9999999999'; {BATTERY}",
-    "fleet --show-plans 1": PLANS,
+    "fleet --agent bfs --show-plans 1": PLANS,
     "fleet --planner pibt --show-plans 8": f"--show-plans is '8'; {ROBOTS}",
     "fleet --planner pibt --show-plans 0,": f"--show-plans is '0,'; {ROBOTS}",
     "fleet --people 100000": "robots and people is 100008; it must be at most",
     "fleet --agent bfs --planner a.py:A": "--planner cannot be combined with --agent",
-    "fleet --assignment urgent": "--assignment needs a planner",
+    "fleet --agent bfs --assignment urgent": "--assignment needs a planner; leave out --agent",
     "plan --plan-seconds 0": f"--plan-seconds is 0; {TIME}",
     "compare backends --robots 2 --order-rate 0": "--order-rate is 0; allowed: a number above 0",
     "plan none.scen": "none.scen: there is no such file or folder",
     "plan .": ".: a folder has several problems; use: warehouse compare planners .",
     "plan bare.txt": "bare.txt: unknown format of a problem; allowed: .scen",
-    "plan -o a.csv": "--save takes the paths of one planner; name it with --planner",
     "plan -o a.csv --planner pibt --planner cbs": "--save takes the paths of one planner",
     "compare planners --robots 4,x": f"--robots has 'x'; {SIZES}",
     "compare planners --robots 0": f"--robots has '0'; {SIZES}",
@@ -148,7 +147,7 @@ IMPOSSIBLE = {
     "fleet --planner windowed --show-plans pushes": "does not report which robots push",
     "compare backends --robots 400": "400",
     "compare backends --robots 2 --layout bare.txt": "the layout has no pickup",
-    "plan --planner x": "no planner is called 'x'; allowed: pibt, lacam, lacam-star, anytime, ",
+    "plan --planner x": "no planner is called 'x'; allowed: auto, pibt, windowed, circulation, ",
     "plan --robots 193": "--robots is 193; allowed: 1..192 on this layout",
     "plan -o x.txt": "x.txt: cannot save as .txt; allowed: .gif",
     "compare planners --layout hall --robots 999": "--robots has 999; allowed: 1 to 98",

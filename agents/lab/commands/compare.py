@@ -139,7 +139,7 @@ def compare(
         option(
             "--planner NAME",
             f"{options.PLANNER} May be repeated for planners. Default: several planners; for "
-            f"{FLEETS}: pibt-lanes.",
+            f"{FLEETS}: pibt:guidance=lanes.",
             **MANY,
         ),
     ],

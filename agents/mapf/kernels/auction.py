@@ -34,8 +34,8 @@ WORTH, MAX_DISTANCE, PARTS = 1 << 16, 20_000, 8
 CHANCE, CHANCES = 4, 128
 """Random noise changes a gain by at most 1/4, up or down, in 128 levels each."""
 
-RAISE, ARRIVAL = WORTH // 1000, WORTH * 2
-"""Smallest rise of a price, and the extra gain of a robot that arrives, both for a weight of 1."""
+RAISE = WORTH // 1000
+"""Smallest rise of a price for a weight of 1."""
 
 ALONE, LEAST = 1 << 44, -(1 << 62)
 """Largest rise of a price at once, above any gain, and a number that is below any value."""
@@ -302,21 +302,10 @@ def restart(robots: Robots, auction: Auction) -> None:
 
 
 @kernel
-def simulate(robots: Robots, auction: Auction, fields: Table, draws: Buffer) -> int:
-    """Simulate one step for each seed in ``draws``, and return what robots have yet to gain then.
-
-    Each entry of ``draws`` is the state of the random numbers at the start of its step.
-    """
-    total = 0
+def choose_first(robots: Robots, auction: Auction, fields: Table) -> None:
+    """Choose the places after the first step, from the places in ``auction.here``."""
     restart(robots, auction)
-    for time in range(len(draws)):
-        robots.random[0] = draws[time]
-        for robot in range(len(robots.places)):
-            stays = time == 0 and robots.stays[robot] == 1
-            robots.chosen[robot] = robots.places[robot] if stays else UNDECIDED
-        choose(robots, auction, fields)
     for robot in range(len(robots.places)):
-        place = robots.places[robot]
-        total += loss(robots, auction, fields, robot, place % robots.size, place // robots.size)
-        total -= ARRIVAL * auction.unit * (auction.is_there[robot] - auction.rests[robot])
-    return total
+        stays = robots.stays[robot] == 1
+        robots.chosen[robot] = robots.places[robot] if stays else UNDECIDED
+    choose(robots, auction, fields)

@@ -99,7 +99,7 @@ def test_a_fleet_with_a_person_in_narrow_aisles_does_not_freeze() -> None:
     env = FleetEnv(
         layout, 11, orders=OrderStream(0.4), people=1, battery=999, max_steps=600, dispatch=False
     )
-    assert shift(env, "pibt-lanes", 1).delivered > 120  # it froze after 20
+    assert shift(env, "pibt:guidance=lanes", 1).delivered > 120  # it froze after 20
 
 
 @pytest.mark.filterwarnings("ignore:0 chargers")

@@ -55,7 +55,7 @@ def failing(at: float, start: Cell = STARTS[0], planner: str = "pibt") -> tuple[
     return episode, env.cells[0]
 
 
-@pytest.mark.parametrize("planner", ["pibt", "windowed-lanes:groups=2"])
+@pytest.mark.parametrize("planner", ["pibt", "windowed:guidance=lanes,groups=2"])
 def test_an_item_is_lost_with_the_robot_that_carries_it_in_an_aisle(planner: str) -> None:
     episode, (row, col) = failing(4.0, planner=planner)
     assert (row, col) not in SHELVES.pickups + SHELVES.dropoffs

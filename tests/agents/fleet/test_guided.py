@@ -1,49 +1,116 @@
-"""Planners with learned costs, by name."""
+"""Planners with guidance, the choice of a planner, and former names."""
 
 import numpy as np
 import pytest
 from helpers.mapf_problems import situation
 
+from agents.errors import AgentError
 from agents.fleet import guided
-from agents.registry import make_fleet_agent, make_planner
-from warehouse_core import FleetEnv, Layout, OrderQueue
+from agents.fleet.guided import choose
+from agents.fleet.planned import PlannedFleet
+from agents.mapf import traffic
+from agents.registry import RENAMED_PLANNERS, current_planner, make_fleet_agent, make_planner
+from warehouse_core import FleetEnv, Layout, OrderQueue, random_layout
 from warehouse_core.records.recorder import record_fleet_episode
 
 ROOM = Layout(["P....D", "..##..", "..##..", "D....P", "..C..."])
-LITTLE = "trials=2"
+HALL = random_layout(12, 12, 0.1, seed=1)
+"""About 90 open cells."""
 
 
-@pytest.mark.parametrize("name", ["pibt-learned", "windowed-learned"])
+@pytest.fixture(autouse=True)
+def short_trials(monkeypatch: pytest.MonkeyPatch):
+    monkeypatch.setattr(traffic, "TRIAL_STEPS", 20)
+    traffic.learn.cache_clear()
+    yield
+    traffic.learn.cache_clear()
+
+
+@pytest.mark.parametrize("name", ["pibt", "windowed", "circulation"])
 def test_costs_are_learned_once_for_all_seeds_and_guide_robots(
     name: str, monkeypatch: pytest.MonkeyPatch
 ) -> None:
-    calls, learn = [], guided.learned_costs
-    monkeypatch.setattr(guided, "learned_costs", lambda *a, **k: calls.append(a) or learn(*a, **k))
-    guided.learned_fleet_costs.cache_clear()
+    calls, learned = [], traffic.learned_costs
+    monkeypatch.setattr(
+        traffic, "learned_costs", lambda *a, **k: calls.append(a) or learned(*a, **k)
+    )
     actions = []
     for seed in (1, 2, 1):
-        agent = make_fleet_agent(f"{name}:{LITTLE}", None, seed, ROOM, 4)
+        agent = make_fleet_agent(f"{name}:guidance=learned", None, seed, ROOM, 4)
         env = FleetEnv(ROOM, 4, orders=OrderQueue(8), max_steps=60, dispatch=False)
         episode = record_fleet_episode(env, agent, seed=seed)
         assert episode.measures.delivered > 3
         assert episode.measures.blocked_by_robot == 0
         actions.append(episode.actions)
-    assert len(calls) == 1
+    assert calls == [(ROOM, 4)]
     assert np.array_equal(actions[0], actions[2])
-    assert not np.array_equal(actions[0], actions[1])
-    make_fleet_agent(f"{name}:{LITTLE},robots=3", None, 1, ROOM, 4)
-    assert calls[1][1] == 3
+    make_fleet_agent(f"{name}:guidance=learned", None, 1, ROOM, 3)
+    assert calls[1] == (ROOM, 3)
 
 
-def test_paths_with_learned_costs_avoid_chargers() -> None:
-    graph = guided.on_learned(ROOM, 3, trials=1)
-    learned = guided.learned_fleet_costs(ROOM, 3, 1, guided.TRIAL_SEED)
-    assert graph.costs is not None
-    dearer = {tuple(each) for each in np.argwhere(graph.costs - learned > 5).tolist()}
-    assert {(20, 2), (25, 1), (27, 3)} <= dearer
+def test_guided_paths_avoid_chargers_and_windows_follow_guidance_less() -> None:
+    full, half, lanes, none = (
+        make_planner(f"{name}:guidance={guidance}", 0, ROOM, 3).graph.costs
+        for name, guidance in (
+            ("pibt", "learned"), ("windowed", "learned"), ("pibt", "lanes"), ("pibt", "none"),
+        )
+    )  # fmt: skip
+    learned = traffic.learn(ROOM, 3).costs
+    for costs in (full, lanes, none):
+        assert {(20, 2), (25, 1), (27, 3)} <= set(map(tuple, np.argwhere(costs > 20).tolist()))
+    is_plain = none == 1
+    assert np.array_equal(full[is_plain], learned[is_plain])
+    assert np.allclose(half[is_plain] - 1, (learned[is_plain] - 1) / 2, atol=0.06)
+    assert sorted(set(lanes[is_plain].tolist())) == [1, 5]
+    with pytest.raises(ValueError, match="read-only"):
+        learned[0] = 1
+    with pytest.raises(AgentError, match=r"guidance is 'sun'; allowed: none, lanes, learned"):
+        make_planner("pibt:guidance=sun", 0, ROOM, 3)
 
 
-@pytest.mark.parametrize("name", ["windowed-learned", "windowed-directed", "circulation-directed"])
+@pytest.mark.parametrize("name", ["pibt", "windowed", "circulation"])
 def test_a_floor_of_one_cell_needs_no_trials(name: str) -> None:
-    planner = make_planner(f"{name}:trials=999,robots=50", 0, Layout(["."]), 1)
+    planner = make_planner(f"{name}:guidance=learned", 0, Layout(["."]), 1)
     assert planner.next_cells(situation([0])).tolist() == [0]
+
+
+def test_auto_chooses_by_robots_per_cell_headings_time_and_trials(
+    monkeypatch: pytest.MonkeyPatch,
+) -> None:
+    gain = 2.0
+    monkeypatch.setattr(
+        guided, "learn", lambda layout, robots: traffic.learn(layout, robots)._replace(gain=gain)
+    )
+    assert choose(HALL, 8) == ("windowed", "8 robots, 0.09 per open cell")
+    assert choose(HALL, 40).name == "windowed:guidance=learned"
+    assert choose(HALL, 40).reason.endswith("reach 2.00 times as many goals in trials")
+    assert choose(HALL, 60).name == "circulation:guidance=learned"
+    assert choose(HALL, 60, "turn").name == "windowed:guidance=learned"
+    assert choose(HALL, 80, "turn").name == "circulation:guidance=learned"
+    assert choose(HALL, 40, seconds=0.001).name == "circulation:guidance=learned"
+    gain = 1.1
+    assert choose(HALL, 40).name == "windowed"
+
+
+def test_auto_is_what_it_has_chosen() -> None:
+    agent = make_fleet_agent("auto", None, 1, ROOM, 4)
+    assert isinstance(agent, PlannedFleet)
+    assert agent.planner.choice == ("windowed", "4 robots, 0.15 per open cell")
+    assert make_planner("auto:seconds=0.5", 1, ROOM, 4).seconds == 0.5
+    crowded = make_planner("auto", 1, HALL, 60)
+    assert crowded.choice.name.startswith("circulation")
+
+
+def test_former_names_work_and_name_the_new_one() -> None:
+    for former, new in RENAMED_PLANNERS.items():
+        with pytest.warns(DeprecationWarning, match=f"^planner '{former}' has been renamed to"):
+            assert current_planner(former) == new
+    with pytest.warns(DeprecationWarning, match=r"renamed to 'pibt:guidance=lanes'; the.*removed$"):
+        planner = make_planner("pibt-lanes:turn_cost=2", 1, ROOM)
+    assert planner.graph.turn_cost == 2
+    with pytest.warns(DeprecationWarning, match=r"; ignored: wrong_way=2, trials=3$"):
+        new = current_planner("windowed-directed:wrong_way=2,window=9,trials=3")
+    assert new == "windowed:guidance=learned,window=9"
+    with pytest.warns(DeprecationWarning, match=r"renamed to 'lacam'; the.*removed$"):
+        assert current_planner("anytime:trials=5") == "lacam:trials=5"
+    assert current_planner("pibt:turn_cost=1") == "pibt:turn_cost=1"

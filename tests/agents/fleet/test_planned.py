@@ -315,7 +315,11 @@ def test_planners_and_agents_of_a_user_are_distinguished(tmp_path: Path) -> None
     for name, assignment, message in (
         (f"{mine}:Acts", "urgent", "has act(), so it assigns orders itself; leave out"),
         (f"{mine}:Neither", None, "has no next_cells; needed: reset and next_cells, or reset and"),
-        ("nobody", None, "no planner is called 'nobody'; allowed: pibt, pibt-lanes"),
+        (
+            "nobody",
+            None,
+            "no planner is called 'nobody'; allowed: auto, pibt, windowed, ",
+        ),
         ("pibt", "soon", "no assignment is called 'soon'; allowed: fifo, nearest, hungarian, urg"),
         ("pibt:window=3", None, "planner 'pibt' takes no argument 'window'; allowed: turn_cost="),
     ):

@@ -1,7 +1,6 @@
 """Graphs of layouts, the distances in them, and planners that count turns."""
 
 from collections.abc import Callable
-from functools import partial
 from itertools import pairwise, product
 from typing import Any
 
@@ -77,7 +76,7 @@ def test_rows_follow_the_cells_that_are_closed(kind: type[Fields]) -> None:
         assert np.array_equal(fields.near, fresh.near), closed
 
 
-HEADED = [Circulation, WindowedPlanner, partial(WindowedPlanner, circulates=True)]
+HEADED = [Circulation, WindowedPlanner]
 
 
 @pytest.mark.parametrize(("make", "has_headings"), [(PIBT, False), *product(HEADED, (False, True))])
@@ -228,7 +227,7 @@ def test_a_robot_goes_on_in_the_direction_of_its_last_move(make, before, goal, e
 
 def test_names_of_planners_may_give_the_cost_of_turns() -> None:
     layout = Layout(["P..D", "...."])
-    for name in ("pibt", "pibt-lanes", "windowed", "windowed-lanes", "windowed-learned:trials=1"):
+    for name in ("pibt", "pibt:guidance=lanes", "windowed", "windowed:guidance=lanes"):
         separator = "," if ":" in name else ":"
         planner = make_planner(f"{name}{separator}turn_cost=0.5", 0, layout, 2)
         assert planner.graph.turn_cost == 0.5

@@ -2,7 +2,6 @@
 
 import random
 from dataclasses import replace
-from functools import partial
 
 import numpy as np
 import pytest
@@ -78,10 +77,9 @@ def test_robots_that_are_at_their_goals_need_no_step() -> None:
         assert (plan.cells.tolist(), plan.headings.tolist()) == ([[2, 0]], [[0, 3]])
 
 
-@pytest.mark.parametrize("make", [WindowedPlanner, partial(WindowedPlanner, circulates=True)])
-def test_planners_of_steps_solve_problems_of_robots_with_headings(make) -> None:
+def test_planners_of_steps_solve_problems_of_robots_with_headings() -> None:
     problem = headed(random_problem(random_layout(10, 10, 0.1, 2), 6, 2))
-    plan = solve_by_steps(make(problem.graph), problem, HOUR)
+    plan = solve_by_steps(WindowedPlanner(problem.graph), problem, HOUR)
     assert turning_conflict(problem, plan) is None
 
 

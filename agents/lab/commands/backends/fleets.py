@@ -32,7 +32,7 @@ PAGE, DISTURBED = ".html", "0.05:60"
 
 def compare_fleets(
     robots: int = 12,
-    planner: str = "pibt-lanes",
+    planner: str = "pibt:guidance=lanes",
     order_rate: float = 0.4,
     count: int = 40,
     layout: Path = Path(DEPOT),

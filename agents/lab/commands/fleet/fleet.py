@@ -13,6 +13,7 @@ from typing import Annotated
 import typer
 
 from agents.errors import EpisodeError, EpisodeInterrupted
+from agents.fleet.guided import Choice
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PlannedFleet, check_headings, wants_dispatch
 from agents.lab.commands.fleet.report import (
@@ -41,7 +42,7 @@ from warehouse_core.world.named_layouts import DEPOT, find_layout
 
 RATE, DUE = default_value("order_rate"), parse_due(default_value("due"))
 
-PUSHES = "pushes"
+PUSHES, AUTO = "pushes", "auto"
 
 
 def find_orders(file: Path | None, rate: float | None) -> Orders:
@@ -77,21 +78,21 @@ def fleet(
     orders: Annotated[
         Path | None, option("--orders FILE", "Read the orders from this .csv file.")
     ] = None,
-    agent: options.AgentOption = "greedy",
+    agent: Annotated[
+        str | None,
+        option("--agent NAME", f"{options.AGENT} Each robot gets one, and no planner moves them."),
+    ] = None,
     planner: Annotated[
         str | None,
-        option(
-            "--planner NAME",
-            f"{options.PLANNER} It plans for all robots, instead of --agent.",
-        ),
+        option("--planner NAME", f"{options.PLANNER} It plans for all robots. Default: {AUTO}."),
     ] = None,
     assignment: options.AssignmentOption = None,
     show_plans: Annotated[
         str | None,
         option(
             "--show-plans ROBOTS",
-            "Draw the planned paths of these robots, as in 0,3. Needs --planner. For "
-            f"'{PUSHES}': draw arrows from robots that push others, with planners that use PIBT.",
+            "Draw the planned paths of these robots, as in 0,3. For "
+            f"'{PUSHES}': draw arrows from robots that push others, with --planner pibt.",
         ),
     ] = None,
     optimum: Annotated[
@@ -109,8 +110,8 @@ def fleet(
         str,
         option(
             "--moves NAME",
-            f"{options.MOVES} turn needs the planner circulation or windowed, with or without "
-            "-lanes.",
+            f"{options.MOVES} turn needs a planner that knows headings: auto, circulation or "
+            "windowed.",
         ),
     ] = COMPASS,
     backend: options.FleetBackend = "grid",
@@ -131,29 +132,31 @@ def fleet(
 ) -> None:
     """Run shifts of robots and replay one.
 
-    Each robot has an agent of its own, which takes it to the goals of its
-    order. A robot whose battery is low drives to a charger. With --planner, a
-    planner moves all robots, and orders and chargers are assigned to them.
+    A planner moves all robots, and orders and chargers are assigned to them.
+    The planner auto is chosen for the layout and the number of robots. With
+    --agent, each robot has an agent of its own, which takes it to the goals
+    of its order. A robot whose battery is low drives to a charger.
 
     For several episodes, the means are printed and the first is replayed. A
     page (--save x.html) has a map of where robots were held up.
 
     Example: warehouse fleet --robots 12 --order-rate 0.1 --people 3 --seed 12
     """
-    if planner is not None and agent != "greedy":
+    if agent is None:
+        planner = planner or AUTO
+    elif planner is not None:
         raise typer.BadParameter(
             "--planner cannot be combined with --agent: it plans for all robots"
         )
-    if planner is None and assignment is not None:
-        raise typer.BadParameter("--assignment needs a planner; add --planner NAME")
-    if planner is None and moves == TURN:
-        raise typer.BadParameter(
-            "--moves turn needs a planner for robots with headings; add --planner windowed"
-        )
-    if planner is None and show_plans is not None:
-        raise typer.BadParameter("--show-plans needs a planner; add --planner NAME")
+    for what, is_given in (
+        ("--assignment", assignment is not None),
+        ("--moves turn", moves == TURN),
+        ("--show-plans", show_plans is not None),
+    ):
+        if agent is not None and is_given:
+            raise typer.BadParameter(f"{what} needs a planner; leave out --agent")
     log = parse_plans(show_plans, robots)
-    grid, name = find_layout(layout), planner or agent
+    grid, name = find_layout(layout), agent or planner or AUTO
     make_env = partial(
         FleetEnv,
         grid,
@@ -170,12 +173,14 @@ def fleet(
 
     def run_seed(seed: int) -> Episode:
         controller = (
-            make_team(agent, robots, seed, grid)
-            if planner is None
+            make_team(name, robots, seed, grid)
+            if agent is not None
             else make_fleet_agent(
-                planner, assignment, seed, grid, robots, log=log if seed == first else None
+                name, assignment, seed, grid, robots, moves, log=log if seed == first else None
             )
         )
+        if seed == first and isinstance(controller, PlannedFleet):
+            say_choice(controller)
         with closing(make_env(dispatch=wants_dispatch(controller))) as env:
             if isinstance(controller, PlannedFleet):
                 check_headings(controller.planner, env)
@@ -219,6 +224,13 @@ def fleet(
     except ValueError as error:
         raise typer.BadParameter(str(error)) from error
     finish(show)
+
+
+def say_choice(agent: PlannedFleet) -> None:
+    """Print which planner ``auto`` has chosen, and why."""
+    choice = getattr(agent.planner, "choice", None)
+    if isinstance(choice, Choice):
+        say(f"--planner {AUTO} chose {choice.name}: {choice.reason}.")
 
 
 def warn_of_lost_steps(agent: FleetAgent, seed: int, name: str) -> None:

@@ -22,27 +22,26 @@ from agents.lab.commands.planners.floors import (
     scenario_problem,
 )
 from agents.lab.commands.planners.replay import track_of_plan
-from agents.lab.commands.planners.runs import HEADED_SOLVERS, SOLVERS, make_solver, solve_checked
+from agents.lab.commands.planners.runs import AUTO, SOLVERS, make_solver, solve_checked
 from agents.lab.console import options
 from agents.lab.console.csv_file import write_csv
 from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.output import Film
 from agents.lab.console.table import TextTable, print_table
-from agents.lab.console.terminal import print_error, say
+from agents.lab.console.terminal import print_error, say, warnings_printed
 from agents.lab.parameters import Whole, one_of
 from agents.mapf.problem import Plan, Problem
-from agents.registry import PLANNERS
 from warehouse_core.batch.fleet_settings import MAX_BODIES
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.wording import counted, listed, seconds_of
-from warehouse_core.world.moves import COMPASS, HEADINGS, MOVES, TURN
+from warehouse_core.world.moves import COMPASS, HEADINGS, MOVES
 
 ROBOTS = 32
 PATHS = ".csv"
 
 PLANNER = f"{options.PLANNER} Arguments may follow, as in pibt:turn_cost=1. May be repeated."
-ONCE = listed([name for name in SOLVERS if name not in PLANNERS])
-KNOW_HEADINGS = ", ".join(HEADED_SOLVERS)
+ONCE = listed(list(SOLVERS))
+CHOICE = "--planner auto chose lacam: it proves plans of small teams optimal, and improves others."
 
 
 def plan(
@@ -52,15 +51,6 @@ def plan(
             metavar="FILE",
             help="A MovingAI scenario file (.scen). Without it, starts and goals on --layout are "
             "random.",
-            show_default=False,
-        ),
-    ] = None,
-    planner: Annotated[
-        list[str] | None,
-        option(
-            "--planner NAME",
-            f"{PLANNER} Also {ONCE}, or file.py:function. Plans of ecbs:w=1.2 cost at most 1.2 "
-            "times the optimum.",
             show_default=False,
         ),
     ] = None,
@@ -77,7 +67,7 @@ def plan(
         str,
         option(
             "--moves NAME",
-            f"{options.MOVES} turn needs a planner that knows headings: {KNOW_HEADINGS}, "
+            f"{options.MOVES} turn needs a planner that knows headings: auto, lacam, "
             "circulation or windowed. All robots head east at first.",
             one_of(*MOVES),
         ),
@@ -93,6 +83,15 @@ def plan(
         ),
     ] = False,
     *,
+    planner: Annotated[
+        list[str],
+        option(
+            "--planner NAME",
+            f"{PLANNER} Also {ONCE}, or file.py:function. Plans of ecbs:w=1.2 cost at most 1.2 "
+            "times the optimum. Default: auto.",
+            **MANY,
+        ),
+    ],
     save: Annotated[
         list[Path],
         option(
@@ -114,7 +113,7 @@ def plan(
     """
     if drive:
         load_backend("driving")  # so that a missing package is an error before planning
-    if save and len(planner or ()) != 1:
+    if save and len(planner) > 1:
         raise typer.BadParameter("--save takes the paths of one planner; name it with --planner")
     if file is None:
         title = f"layout {layout or KIVA}, seed {seed}"
@@ -122,8 +121,11 @@ def plan(
     else:
         check_file(file)
         title, problem = str(file), scenario_problem(file, layout, robots, moves)
-    names = planner or list(SOLVERS if moves != TURN else HEADED_SOLVERS)
-    solvers = [make_solver(name, seed, problem, plan_seconds) for name in names]
+    names = planner or [AUTO]
+    with warnings_printed():
+        solvers = [make_solver(name, seed, problem, plan_seconds) for name in names]
+    if AUTO in names:
+        say(CHOICE)
     total, longest = problem.lower_bound, max(problem.fewest_steps.tolist(), default=0)
     rows, executed, notes = list[tuple[str, ...]](), list[tuple[str, ...]](), list[str]()
     rows.append(("lower bound", str(longest), str(total), "1.000", "", ""))

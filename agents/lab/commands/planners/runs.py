@@ -18,8 +18,6 @@ from agents.mapf.eecbs import solve_eecbs
 from agents.mapf.graph import CLOSED, Fields, Graph
 from agents.mapf.kernels.lacam import prepare_solvers
 from agents.mapf.kernels.places import FAR
-from agents.mapf.lacam import lacam, lacam_star
-from agents.mapf.pibt import pibt
 from agents.mapf.planner import (
     SIDES,
     Planner,
@@ -35,22 +33,15 @@ from agents.mapf.time_limit import time_limit
 from agents.registry import PLANNERS, agent_file, make_planner
 from warehouse_core import Layout
 from warehouse_core.wording import brief, counted
+from warehouse_core.world.moves import COMPASS, TURN
 from warehouse_core.world.tables import Integers
 
-SOLVERS: dict[str, Solver] = {
-    "pibt": pibt,
-    "lacam": lacam,
-    "lacam-star": lacam_star,
-    "anytime": solve_anytime,
-    "cbs": solve_cbs,
-    "ecbs": solve_eecbs,
-}
+SOLVERS: dict[str, Solver] = {"lacam": solve_anytime, "cbs": solve_cbs, "ecbs": solve_eecbs}
 """Planners for robots that have one goal each, by name."""
 
-HEADED_SOLVERS = ("lacam", "lacam-star", "anytime")
-"""Names of the solvers that plan for robots with headings."""
+AUTO = "auto"
 
-STEPPERS = ("pibt", "pibt-lanes")
+STEPPERS = ("pibt", AUTO)
 """Default planners for robots that get one goal after another; the registry has all of them."""
 
 BOUND = "nobody in the way"
@@ -71,7 +62,7 @@ def make_stepper(
             f"planner {name!r} plans whole paths to one goal per robot; allowed in lifelong runs: "
             f"{', '.join(PLANNERS)}, or your own as file.py:Class or module:Class"
         )
-    made = make_planner(name, seed, layout, robots)
+    made = make_planner(name, seed, layout, robots, TURN if has_headings else COMPASS)
     if not isinstance(made, Planner):
         raise AgentError(
             f"planner {name!r} has no method next_cells; it controls a fleet and does not solve "
@@ -85,13 +76,18 @@ def make_stepper(
 
 
 def make_solver(name: str, seed: int, problem: Problem, seconds: float) -> Solver:
-    """Return the solver with a name, or a solver that takes each step from a registered planner."""
+    """Return the solver with a name, or a solver that takes each step from a registered planner.
+
+    The name ``auto`` stands for ``lacam``, which proves that plans of small teams are optimal and
+    improves plans of large teams until the time is up.
+    """
     prepare_solvers()
+    name = "lacam" if name.partition(":")[0] == AUTO else registry.current_planner(name)
     solver = registry.make_solver(name, SOLVERS, seed)
     if solver is not None:
         return solver
     if ":" not in name and name not in PLANNERS:
-        known = dict.fromkeys([*SOLVERS, *PLANNERS])
+        known = [*PLANNERS, *SOLVERS]
         raise AgentError(
             f"no planner is called {name!r}; allowed: {', '.join(known)}, or your own as "
             "file.py:Class, or file.py:function for whole problems"

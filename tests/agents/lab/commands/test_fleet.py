@@ -43,7 +43,8 @@ def test_a_shift_is_run_measured_and_recorded(
     code, out, err = warehouse(*SMALL, "--order-rate", 0.2, "--save", "shift.npz")
     assert (code, err) == (0, "")
     assert max(map(len, out.splitlines())) <= 80
-    assert "3 robots (greedy) on layout depot, backend grid, seed 5" in out
+    assert out.startswith("--planner auto chose windowed: 3 robots, 0.0")
+    assert "3 robots (auto) on layout depot, backend grid, seed 5" in out
     episode = FleetEpisode.load("shift.npz")
     assert (episode.robots, episode.steps, episode.seed) == (3, 60, 5)
     assert episode.settings.battery == Battery(400)
@@ -57,7 +58,7 @@ def test_a_shift_is_run_measured_and_recorded(
     assert f"{episode.measures.delivered} of {episode.measures.orders} orders delivered" in out
     assert f"Diagnosis: {diagnose_fleet(episode).mode}: " in out
     again = warehouse("replay", "shift.npz", "--save", "shift.png")
-    assert again.out.splitlines()[1:-1] == out.splitlines()[1:-1]
+    assert again.out.splitlines()[1:-1] == out.splitlines()[2:-1]
     with Image.open("shift.png") as picture:
         assert picture.width > 100
 
@@ -98,7 +99,8 @@ def test_several_shifts_have_means_and_the_first_is_saved(warehouse: Warehouse) 
 
 def test_shifts_are_compared_with_what_was_possible(warehouse: Warehouse) -> None:
     save_orders("orders.csv", [Order(0, 60, (2, 5), (11, 5)), Order(0, 9, (2, 5), (11, 5))])
-    done = warehouse(*SMALL, "-n", 2, "--orders", "orders.csv", "--optimum")
+    teams = "--agent", "greedy"
+    done = warehouse(*SMALL, *teams, "-n", 2, "--orders", "orders.csv", "--optimum")
     assert done.code == 0
     told = " ".join(done.out.split())
     assert "could deliver 4, and 2 on time. This fleet delivered 25% and 50% of these" in told
@@ -186,7 +188,7 @@ def test_an_agent_that_fails_is_named_after_what_has_been_measured(warehouse: Wa
     assert FleetEpisode.load("a.npz").steps == int(found[1]) - 1
 
 
-@pytest.mark.parametrize("planner", ["pibt", "windowed-lanes"])
+@pytest.mark.parametrize("planner", ["pibt", "windowed:guidance=lanes"])
 def test_a_planner_and_an_assignment_by_name_lead_all_robots(
     planner: str, warehouse: Warehouse
 ) -> None:
@@ -230,8 +232,10 @@ def test_robots_with_headings_need_a_planner_that_knows_them(warehouse: Warehous
     episode = FleetEpisode.load("a.npz")
     assert episode.measures.blocked_by_robot == 0
     assert {1, 2} < {*episode.actions.ravel().tolist()}
-    assert warehouse(*turning).err == (
-        "warehouse: --moves turn needs a planner for robots with headings; add --planner windowed\n"
+    assert warehouse(*turning, "--save", "b.npz").err == ""
+    Path("b.npz").unlink()
+    assert warehouse(*turning, "--agent", "greedy").err == (
+        "warehouse: --moves turn needs a planner; leave out --agent\n"
     )
     for episodes in (1, 2):
         saved = "--save", "b.npz", "--save", "b.csv", "-n", episodes
@@ -239,6 +243,15 @@ def test_robots_with_headings_need_a_planner_that_knows_them(warehouse: Warehous
         assert (done.code, done.out) == (1, "")
         assert done.err.startswith("warehouse: planner PIBT does not support headings")
         assert not [*Path().glob("b*")]
+
+
+def test_a_former_name_of_a_planner_works_and_names_the_new_one(warehouse: Warehouse) -> None:
+    done = warehouse(*SMALL, "-n", 2, "--planner", "pibt-lanes", "--no-show")
+    assert done.code == 0
+    assert done.err == (
+        "warehouse: warning: planner 'pibt-lanes' has been renamed to 'pibt:guidance=lanes'; the "
+        "former name will be removed\n"
+    )
 
 
 def test_an_interrupt_ends_the_shift_and_prints_the_measures(warehouse: Warehouse) -> None:

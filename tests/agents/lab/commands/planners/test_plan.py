@@ -97,10 +97,27 @@ def test_paths_of_robots_with_headings_have_them(bay: str, warehouse: Warehouse)
     assert int(rows_of(out)["lacam"][0]) == len(moves) > int(rows_of(out)["lower bound"][0])
 
 
-def test_planners_that_know_headings_are_run_by_default(bay: str, warehouse: Warehouse) -> None:
-    code, out, err = warehouse("plan", bay, "--moves", "turn", "--plan-seconds", 1)
+@pytest.mark.parametrize("moves", ["compass", "turn"])
+def test_auto_is_run_by_default_and_says_what_it_chose(
+    moves: str, bay: str, warehouse: Warehouse
+) -> None:
+    code, out, err = warehouse("plan", bay, "--moves", moves, "--plan-seconds", 1)
     assert (code, err) == (0, "")
-    assert [*rows_of(out)][-3:] == ["lacam", "lacam-star", "anytime"]
+    assert [*rows_of(out)][-1] == "auto"
+    assert out.startswith("--planner auto chose lacam: ")
+
+
+def test_a_former_name_of_a_solver_works_and_names_the_new_one(
+    bay: str, warehouse: Warehouse
+) -> None:
+    words = "--planner", "anytime", "--plan-seconds", 1
+    code, out, err = warehouse("plan", bay, *words)
+    assert code == 0
+    assert [*rows_of(out)][-1] == "anytime"
+    assert err == (
+        "warehouse: warning: planner 'anytime' has been renamed to 'lacam'; the former name will "
+        "be removed\n"
+    )
 
 
 def test_a_planner_without_a_plan_is_reported_next_to_the_others(
@@ -129,8 +146,8 @@ def test_bodies_that_need_pymunk_are_refused_before_the_plans(
     ("options", "words"),
     [
         (
-            "--moves turn --planner pibt-lanes",
-            "planner 'pibt-lanes' does not support headings; it needs",
+            "--moves turn --planner pibt:guidance=lanes",
+            "planner 'pibt:guidance=lanes' does not support headings; it needs",
         ),
         ("bay.scen --robots 3", "--robots is 3; allowed: 1..2, the scenarios of bay.scen"),
         ("bay.scen --layout hall", "scenario 1 is for 2 x 3 cells"),
