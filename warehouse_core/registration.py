@@ -21,6 +21,9 @@ ID = "Warehouse-v0"
 GOAL_ID = "WarehouseGoal-v0"
 """Name of the environment with goals."""
 
+DRIVE_ID, DRIVE_PLACE = "WarehouseDrive-v0", "warehouse_physics.drive"
+"""Name of the environment with continuous control, and the package that has it."""
+
 GYMNASIUM, PLACE = "gymnasium", "warehouse_core.gymnasium_env"
 
 ENTRY_POINTS = {
@@ -29,6 +32,10 @@ ENTRY_POINTS = {
         "vector_entry_point": f"{PLACE}:WarehouseVectorEnv",
     },
     GOAL_ID: {"entry_point": f"{PLACE}:WarehouseGoalEnv"},
+    DRIVE_ID: {
+        "entry_point": f"{DRIVE_PLACE}:DriveEnv",
+        "vector_entry_point": f"{DRIVE_PLACE}:DriveVectorEnv",
+    },
 }
 
 

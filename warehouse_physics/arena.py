@@ -12,7 +12,7 @@ their shapes touch.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable
+from collections.abc import Iterable, Sequence
 from functools import cache
 from typing import NamedTuple
 
@@ -29,6 +29,9 @@ Position = tuple[float, float]
 
 ROBOT, WALL = 1, 2
 """Collision types of shapes. In a hit, Chipmunk passes the body with the lower type first."""
+
+PAIRS = ((ROBOT, WALL), (ROBOT, ROBOT))
+"""Collision types between which hits are noted by default."""
 
 ITERATIONS = 5
 """Default number of solver iterations in a substep. Some arenas need more, others need fewer."""
@@ -70,18 +73,20 @@ class Hit(NamedTuple):
 class Arena:
     """A space with the walls and robots of one or more warehouses.
 
-    ``iterations`` is the number of solver iterations in a substep. ``bodies`` has the bodies of the
-    robots in the order of their numbers.
+    ``iterations`` is the number of solver iterations in a substep. ``pairs`` has the collision
+    types between which hits are noted, where ``None`` stands for all types. ``bodies`` has the
+    bodies of the robots in the order of their numbers.
     """
 
-    def __init__(self, spec: RobotSpec, iterations: int) -> None:
+    def __init__(
+        self, spec: RobotSpec, iterations: int, pairs: Sequence[tuple[int, int | None]] = PAIRS
+    ) -> None:
         self.space = pymunk.Space()
         self.space.iterations = iterations
         self.space.collision_slop = SLOP
         self.bodies: list[pymunk.Body] = []
         self._numbers: dict[pymunk.Shape, int] = {}
         self._spec = spec
-        pairs = [(ROBOT, WALL), (ROBOT, ROBOT)]
         self.stepper = Stepper(self.space, spec.time_step, self._note_hits, pairs)
 
     def add_walls(

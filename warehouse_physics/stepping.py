@@ -56,7 +56,7 @@ class Stepper:
         space: pymunk.Space,
         time_step: float,
         note: Callable[[pymunk.Arbiter], Iterable[Any]],
-        pairs: list[tuple[int, int]],
+        pairs: Iterable[tuple[int, int | None]],
     ) -> None:
         self._space, self._hits = space, Hits(note)
         self._time_step = time_step

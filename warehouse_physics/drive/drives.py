@@ -1,0 +1,328 @@
+"""The law of each kind of drive: the force with which motors answer a command in one substep.
+
+The law is the same for a disc that is pushed in any direction and for a robot with two wheels:
+
+1. A command is a velocity that the motors try to reach, or a force.
+2. A motor changes the speed by at most ``acceleration * dt`` in a substep of ``dt`` seconds. The
+   force that this takes is ``mass * change / dt`` plus the drag of the floor. The motor exerts it
+   up to its largest force.
+3. The drag opposes the motion. Like all friction it can stop a robot, but not push it back.
+4. The work of a motor is its force times the mean of the speeds before and after the substep.
+
+A disc has one motor, which acts in any direction. A robot with two wheels has a motor at each
+wheel, with half of the force and of the drag. Its tyres hold it on its heading with as much force
+as the grip allows.
+
+Chipmunk moves bodies before it changes their velocities. The velocity of a robot with wheels is
+therefore along the heading that it will have in the middle of the next move. Otherwise it would
+drive along circles that are too large.
+
+All functions take arrays with a row for each of ``N`` robots.
+"""
+
+from __future__ import annotations
+
+from dataclasses import dataclass
+from typing import ClassVar, NamedTuple
+
+import numpy as np
+
+from warehouse_core.arguments import one_of
+from warehouse_physics.energy import regained, spent
+from warehouse_physics.profile import Floats, lengths_of
+from warehouse_physics.spec import RobotSpec
+
+VELOCITY, WHEELS, FORCE = "velocity", "wheels", "force"
+CONTROLS = (VELOCITY, WHEELS, FORCE)
+"""What the two numbers of an action command; see ``DriveEnv``."""
+
+TINY = 1e-200
+"""Smallest length by which vectors are divided, so that a vector of length 0 stays 0."""
+
+
+@dataclass(slots=True)
+class BodyState:
+    """Where ``N`` bodies are and how they move.
+
+    Attributes:
+        positions: ``[N, 2]`` metres.
+        angles: ``[N]`` radians, headings.
+        velocities: ``[N, 2]`` m/s.
+        turn_rates: ``[N]`` rad/s.
+    """
+
+    positions: Floats
+    angles: Floats
+    velocities: Floats
+    turn_rates: Floats
+
+
+class Loads:
+    """What ``N`` robots have to move, and with which forces, as arrays ``[N]``.
+
+    Call ``settle`` after you have changed an array.
+
+    Attributes:
+        masses: kg.
+        drags: N, drag of the floor under the robot.
+        motors: N, largest force of the motor here.
+        grips: N, largest force of the tyres to the side; infinite if they hold.
+        is_weak: true if a motor is weaker than the drag.
+        slips: true if tyres may slip.
+    """
+
+    def __init__(self, rows: int) -> None:
+        self.masses, self.drags, self.motors, self.grips = np.ones((4, rows))
+        self.settle()
+
+    def settle(self) -> None:
+        """Update what follows from the arrays."""
+        self.is_weak = bool((self.motors < self.drags).any())
+        self.slips = bool(np.isfinite(self.grips).any())
+
+
+class Push(NamedTuple):
+    """What the motors and the floor do to ``N`` bodies in a substep.
+
+    Attributes:
+        forces: ``[N, 2]`` N, total force.
+        torques: ``[N]`` N·m, total torque.
+        motors: ``[N, 2]`` N, force of the motor alone, as a vector.
+        parts: ``[N, M]`` N, forces of the ``M`` motors, for their work.
+    """
+
+    forces: Floats
+    torques: Floats
+    motors: Floats
+    parts: Floats
+
+
+class Drive:
+    """The drive of ``N`` robots of one kind."""
+
+    controls: ClassVar[tuple[str, ...]]
+    """Commands that robots of this kind understand."""
+
+    def __init__(self, spec: RobotSpec, control: str, rows: int) -> None:
+        one_of("control", control, self.controls)
+        self._spec, self._dt, self._still = spec, spec.time_step, np.zeros(rows)
+        self._is_force = control == FORCE
+        self._control = control
+
+    def command(self, actions: Floats) -> Floats:
+        """Return what ``[N, 2]`` actions command: ``[N, 2]`` m/s, or N if the control is a force.
+
+        The actions are numbers from -1 to 1.
+        """
+        raise NotImplementedError
+
+    def push(self, state: BodyState, commands: Floats, loads: Loads) -> Push:
+        """Return the forces of the next substep."""
+        raise NotImplementedError
+
+    def speeds(self, state: BodyState) -> Floats:
+        """Return the speeds ``[N, M]`` m/s at which the motors act."""
+        raise NotImplementedError
+
+    def work(self, push: Push, before: Floats, after: Floats) -> Floats:
+        """Return the work ``[N]`` J for which the battery pays in a substep; see ``energy.py``.
+
+        ``before`` and ``after`` are ``speeds`` at the ends of the substep. The work of a motor that
+        brakes is at most 0.
+        """
+        return self._paid(push.parts * (before + after) * (self._dt / 2)).sum(axis=1)
+
+    def _paid(self, work: Floats) -> Floats:
+        if not self._spec.recuperation:
+            return np.maximum(work, 0.0)
+        return spent(work) - regained(self._spec, work)
+
+
+class OmnidirectionalDrive(Drive):
+    """The drive of discs that a single motor pushes in any direction."""
+
+    controls = (VELOCITY, FORCE)
+
+    def command(self, actions: Floats) -> Floats:
+        """Return velocities or forces, whose length is at most the largest one."""
+        most = self._spec.motor_force if self._is_force else self._spec.top_speed
+        return _at_most(actions, 1.0) * most
+
+    def push(self, state: BodyState, commands: Floats, loads: Loads) -> Push:
+        """Return the forces of the next substep; see ``Drive.push``."""
+        velocities, dt, spec = state.velocities, self._dt, self._spec
+        masses, drags = (loads.masses / dt)[:, None], loads.drags[:, None]
+        if self._is_force:
+            motors = _at_most(commands, loads.motors)
+            drag = self._drag(velocities, motors, masses, drags)
+            # No motor drives a robot faster than its top speed.
+            fastest = np.maximum(lengths_of(velocities), spec.top_speed)
+            after = _at_most(velocities + (motors - drag) / masses, fastest)
+            motors = masses * (after - velocities) + drag
+        else:
+            gains = _at_most(commands - velocities, spec.acceleration * dt)
+            drag = drags * _directions(velocities + gains / 2)
+            motors = _at_most(masses * gains + drag, loads.motors)
+            if loads.is_weak:
+                drag = self._drag(velocities, motors, masses, drags)
+        return Push(motors - drag, self._still, motors, motors)
+
+    @staticmethod
+    def _drag(velocities: Floats, motors: Floats, masses: Floats, drags: Floats) -> Floats:
+        """Return the mean force ``[N, 2]`` N of the floor in a substep, against the motion."""
+        ahead = _directions(velocities + motors / masses / 2)
+        along = ((vectors * ahead).sum(axis=1, keepdims=True) for vectors in (velocities, motors))
+        return ahead * rolling(*along, masses, drags)
+
+    def speeds(self, state: BodyState) -> Floats:
+        """Return the two components of the velocities, at which the motor acts."""
+        return state.velocities
+
+    def work(self, push: Push, before: Floats, after: Floats) -> Floats:
+        """Return the work for which the battery pays; see ``Drive.work``.
+
+        The motor acts in one direction, so the work along both axes is a single amount.
+        """
+        return self._paid(np.einsum("ij,ij->i", push.parts, before + after) * (self._dt / 2))
+
+
+class WheelDrive(Drive):
+    """The drive of robots with a left and a right wheel, each with a motor."""
+
+    controls = CONTROLS
+
+    def __init__(self, spec: RobotSpec, control: str, rows: int) -> None:
+        super().__init__(spec, control, rows)
+        self._arm, self._turning = spec.wheel_arm, 1 / (2 * spec.track**2)
+
+    @property
+    def top_turn_rate(self) -> float:
+        """The highest turn rate in rad/s, with one wheel forwards and the other backwards."""
+        return self._spec.top_speed / self._arm
+
+    def command(self, actions: Floats) -> Floats:
+        """Return the speeds or forces of the left and the right wheel.
+
+        Wheels that are commanded more than they can do are slowed down together, so that the robot
+        still drives along the same curve.
+        """
+        wheels = actions
+        if self._control != WHEELS:
+            ahead, turn = actions.T
+            wheels = np.stack([ahead + turn, ahead - turn], axis=1)
+        wheels = wheels / np.maximum(np.abs(wheels).max(axis=1, keepdims=True), 1.0)
+        return wheels * (self._spec.motor_force / 2 if self._is_force else self._spec.top_speed)
+
+    def push(self, state: BodyState, commands: Floats, loads: Loads) -> Push:
+        """Return the forces of the next substep; see ``Drive.push``."""
+        dt, spec, masses = self._dt, self._spec, loads.masses
+        speeds, most = self.speeds(state), loads.motors[:, None] / 2
+        # A force on one wheel moves it as if it were alone and had this mass.
+        alone = (masses / (dt * (1 + 1 / self._turning)))[:, None]
+        if self._is_force:
+            motors = np.clip(commands, -most, most)
+            drag = rolling(speeds, motors, alone, loads.drags[:, None] / 2)
+            # No motor drives a wheel faster than its top speed.
+            side = np.sign(motors)
+            room = alone * (spec.top_speed - side * speeds) + side * drag
+            motors = side * np.clip(np.abs(motors), 0.0, np.maximum(room, 0.0))
+        else:
+            gains = np.clip(commands - speeds, -spec.acceleration * dt, spec.acceleration * dt)
+            drag = loads.drags[:, None] / 2 * np.sign(speeds + gains / 2)
+            # Both wheels push the mass, and their difference turns the disc.
+            both, difference = gains.sum(axis=1), self._turning * (gains[:, 0] - gains[:, 1])
+            needed = np.stack([both + difference, both - difference], axis=1)
+            motors = np.clip((masses / (4 * dt))[:, None] * needed + drag, -most, most)
+            if loads.is_weak:
+                drag = rolling(speeds, motors, alone, loads.drags[:, None] / 2)
+        left, right = (motors - drag).T
+        spin = (left - right) * dt / (masses * self._turning) / self._arm
+        forces, heading = self._steered(state, (left + right) * dt / masses, spin, loads)
+        torques = (left - right) * self._arm
+        return Push(forces, torques, motors.sum(axis=1)[:, None] * heading, motors)
+
+    def speeds(self, state: BodyState) -> Floats:
+        """Return the speeds of the left and the right wheel."""
+        ahead = (state.velocities * _vectors(self._course(state))).sum(axis=1)
+        turn = state.turn_rates * self._arm
+        return np.stack([ahead + turn, ahead - turn], axis=1)
+
+    def _course(self, state: BodyState) -> Floats:
+        """Return the headings ``[N]`` in the middle of the next move, along which robots drive."""
+        return state.angles + state.turn_rates * (self._dt / 2)
+
+    def _steered(
+        self, state: BodyState, gain: Floats, spin: Floats, loads: Loads
+    ) -> tuple[Floats, Floats]:
+        """Return the total forces ``[N, 2]`` of wheels and tyres, and the new headings ``[N, 2]``.
+
+        ``gain`` is the gain in speed along the heading in m/s, and ``spin`` the gain in turn rate
+        in rad/s, both ``[N]``.
+        """
+        dt, course = self._dt, self._course(state)
+        after = course + (state.turn_rates + spin / 2) * dt
+        heading = _vectors(after)
+        ahead = (state.velocities * _vectors(course)).sum(axis=1)
+        if loads.slips:
+            slips = np.isfinite(loads.grips)
+            # Tyres that slip can change the speed to the side by at most ``held``.
+            held, aside = loads.grips * dt / loads.masses, heading[:, ::-1] * (-1.0, 1.0)
+            slide = (state.velocities * aside).sum(axis=1)
+            across = np.where(slips, slide - np.clip(slide, -held, held), 0.0)
+            ahead = np.where(slips, (state.velocities * heading).sum(axis=1), ahead)
+            wanted = (ahead + gain)[:, None] * heading + across[:, None] * aside
+        else:
+            wanted = (ahead + gain)[:, None] * heading
+        return (loads.masses / dt)[:, None] * (wanted - state.velocities), heading
+
+
+def drive_of(spec: RobotSpec, control: str, rows: int) -> Drive:
+    """Return the drive of a kind of robot.
+
+    Raises:
+        ValueError: robots of this kind do not understand the control.
+    """
+    one_of("control", control, CONTROLS)
+    kind = WheelDrive if spec.is_differential else OmnidirectionalDrive
+    if control not in kind.controls:
+        allowed = ", ".join(map(repr, kind.controls))
+        raise ValueError(f"control is {control!r}; a robot with drive {spec.drive!r} has {allowed}")
+    return kind(spec, control, rows)
+
+
+def rolling(speeds: Floats, motors: Floats, masses: Floats, drags: Floats) -> Floats:
+    """Return the mean drag in N during a substep, with the sign of the motion that it opposes.
+
+    The drag stops what rolls. A robot at rest sets off only if its motor is stronger.
+
+    Args:
+        speeds: m/s at the start of the substep.
+        motors: N, forces of motors.
+        masses: kg/s, masses divided by the duration of the substep.
+        drags: N, drag of the floor on what moves.
+    """
+    side = np.where(speeds == 0, np.sign(motors), np.sign(speeds))
+    gains = (motors - side * drags) / masses
+    after = speeds + gains
+    # From the moment at which it stands, a robot stays or goes back.
+    starts = np.sign(motors) * np.maximum(np.abs(motors) - drags, 0.0) / masses
+    left = np.clip(1 + speeds / np.where(gains == 0, 1.0, gains), 0.0, 1.0)
+    after = np.where(after * side < 0, starts * left, after)
+    drag: Floats = motors - masses * (after - speeds)
+    return drag
+
+
+def _at_most(vectors: Floats, most: Floats | float) -> Floats:
+    """Return vectors ``[N, 2]``, shortened to a length of at most ``most``, a number or ``[N]``."""
+    shares = most / np.maximum(lengths_of(vectors), TINY)
+    return vectors * np.minimum(shares, 1.0)[:, None]
+
+
+def _directions(vectors: Floats) -> Floats:
+    """Return vectors ``[N, 2]`` with the length 1, or 0 where a vector is 0."""
+    return vectors / np.maximum(lengths_of(vectors), TINY)[:, None]
+
+
+def _vectors(angles: Floats) -> Floats:
+    """Return the vectors ``[N, 2]`` of length 1 for angles ``[N]`` in radians."""
+    return np.stack([np.cos(angles), np.sin(angles)], axis=1)

@@ -1,0 +1,174 @@
+"""Things in a warehouse that are neither walls nor robots: crates, obstacles and bodies of users.
+
+*Crates* are boxes that a robot pushes. Friction with the floor slows them down, and a crate that
+touches a wall blocks the robot. *Obstacles* are pillars and polygons that never move. Bodies of
+users come from a function ``on_reset(space)``, or are added to the space by hand.
+"""
+
+from __future__ import annotations
+
+import math
+import random
+from collections.abc import Callable, Sequence
+from typing import Any
+
+import numpy as np
+import pymunk
+
+from warehouse_core import Cell, Layout, LayoutError
+from warehouse_core.arguments import MAX_STEPS, as_cell, real_number, whole_number
+from warehouse_core.motion.base import SCAN_RANGE, centre_of
+from warehouse_core.motion.grid import GRAVITY
+from warehouse_core.wording import brief
+from warehouse_core.world.layout import check_open
+from warehouse_core.world.tiles import WALL as WALL_TILE
+from warehouse_physics.arena import WALL, group_of, ray_vectors
+from warehouse_physics.drive.bodies import DriveArena
+from warehouse_physics.profile import Floats
+from warehouse_physics.spec import RobotSpec
+
+CRATE_SIDE, CRATE_MASS, CRATE_FRICTION = 0.5, 15.0, 0.2
+"""Side of a crate as a share of a cell, its mass in kg and its friction coefficient with the floor.
+The default robot can push one crate, and two in a row, but not three."""
+
+TURNING_ARM = 0.38
+"""Mean distance of a square's area from its middle, as a share of its side. Friction resists turns
+with this lever."""
+
+Shapes = Sequence[Any]
+
+
+class Things:
+    """The crates, obstacles and bodies of users in one warehouse.
+
+    Args:
+        crates: number of crates in random cells, or their cells.
+        obstacles: pillars ``(x, y, radius)`` and convex polygons ``[(x, y), ...]``, in metres.
+        on_reset: function that is called with each new space.
+
+    Raises:
+        ValueError: an argument is out of range.
+        TypeError: an argument has the wrong type.
+    """
+
+    def __init__(
+        self,
+        crates: int | Sequence[Cell] = 0,
+        obstacles: Shapes = (),
+        on_reset: Callable[[pymunk.Space], object] | None = None,
+    ) -> None:
+        self.crates: int | tuple[Cell, ...] = (
+            whole_number("crates", crates, 0, MAX_STEPS)
+            if isinstance(crates, (int, np.integer))
+            else tuple(as_cell("crates", cell) for cell in crates)
+        )
+        self.obstacles = [_obstacle(each) for each in obstacles]
+        if on_reset is not None and not callable(on_reset):
+            raise TypeError(f"on_reset is {brief(on_reset)}; it must be a function of a space")
+        self._on_reset = on_reset
+        self.are_own = bool(self.obstacles) or on_reset is not None
+
+    @property
+    def exist(self) -> bool:
+        """Whether there is anything besides walls and robots."""
+        return bool(self.crates) or self.are_own
+
+    def fill(
+        self, arena: DriveArena, spec: RobotSpec, layout: Layout, start: Cell, seed: int
+    ) -> None:
+        """Put all things into a new space.
+
+        Raises:
+            LayoutError: there is no room for the crates.
+        """
+        for number, cell in enumerate(self._cells(layout, start, seed)):
+            arena.names[add_crate(arena.space, centre_of(cell, spec.cell_size), spec)] = (
+                f"crate {number}"
+            )
+        for number, obstacle in enumerate(self.obstacles):
+            shape = obstacle(arena.space.static_body)
+            shape.collision_type = WALL
+            arena.space.add(shape)
+            arena.names[shape] = f"obstacle {number}"
+        if self._on_reset is not None:
+            self._on_reset(arena.space)
+
+    def _cells(self, layout: Layout, start: Cell, seed: int) -> Sequence[Cell]:
+        """Return the cells of the crates, which leave a path to all stations if they are random."""
+        if not isinstance(self.crates, int):
+            for cell in self.crates:
+                check_open(layout, cell, "crates")
+                if cell == start:
+                    raise LayoutError(f"crates has {cell}, which is the start of the robot")
+            return self.crates
+        stations = {*layout.pickups, *layout.dropoffs}
+        free = [
+            cell
+            for cell in layout.cells(layout.open_cells)
+            if cell != start and cell not in stations
+        ]
+        stream, chosen = random.Random(f"{seed} crates"), list[Cell]()
+        stream.shuffle(free)
+        for cell in free:
+            if len(chosen) == self.crates:
+                break
+            if stations <= _with_walls(layout, [*chosen, cell]).reachable_from(start):
+                chosen.append(cell)
+        if len(chosen) < self.crates:
+            raise LayoutError(
+                f"crates is {self.crates}; only {len(chosen)} fit without blocking a station"
+            )
+        return chosen
+
+
+def add_crate(space: pymunk.Space, position: tuple[float, float], spec: RobotSpec) -> pymunk.Shape:
+    """Add a crate at rest, with the friction of the floor, and return its shape."""
+    side = CRATE_SIDE * spec.cell_size
+    body = pymunk.Body(CRATE_MASS, pymunk.moment_for_box(CRATE_MASS, (side, side)))
+    body.position = position
+    shape = pymunk.Poly.create_box(body, (side, side))
+    force = CRATE_FRICTION * CRATE_MASS * GRAVITY
+    floor = pymunk.PivotJoint(space.static_body, body, (0, 0), (0, 0))
+    twist = pymunk.GearJoint(space.static_body, body, 0.0, 1.0)
+    for joint, most in ((floor, force), (twist, force * TURNING_ARM * side)):
+        joint.max_bias, joint.max_force = 0.0, most
+    space.add(body, shape, floor, twist)
+    return shape
+
+
+def _with_walls(layout: Layout, cells: Sequence[Cell]) -> Layout:
+    rows = [list(row) for row in layout.rows]
+    for row, col in cells:
+        rows[row][col] = WALL_TILE
+    return Layout(["".join(row) for row in rows])
+
+
+def scan(arena: DriveArena, angle: float, rays: int) -> Floats:
+    """Return the distances in metres to the first shape of any kind along each ray, ``[K]``."""
+    body, distances = arena.bodies[0], np.full(rays, SCAN_RANGE)
+    own = group_of(0)
+    for number, ray in enumerate(ray_vectors(rays)):
+        end = body.position + ray.rotated(angle)
+        hit = arena.space.segment_query_first(body.position, end, 0.0, own)
+        if hit is not None and not hit.shape.sensor:
+            distances[number] = hit.alpha * SCAN_RANGE
+    return distances
+
+
+def _obstacle(given: Any) -> Callable[[pymunk.Body], pymunk.Shape]:
+    """Return a function that makes the shape of a pillar or polygon on a body."""
+    try:
+        parts = list(given)
+        if len(parts) == 3 and all(isinstance(part, (int, float)) for part in parts):
+            x, y, radius = (real_number("obstacle", part) for part in parts)
+            radius = real_number("radius of an obstacle", radius, above=True)
+            return lambda body: pymunk.Circle(body, radius, (x, y))
+        corners = [(real_number("x", x), real_number("y", y)) for x, y in parts]
+    except (TypeError, ValueError) as error:
+        raise type(error)(
+            f"obstacles has {brief(given)}; it must be (x, y, radius) or a list of corners (x, y), "
+            f"in metres: {error}"
+        ) from None
+    if len(corners) < 3 or not math.isfinite(sum(map(sum, corners))):
+        raise ValueError(f"obstacles has {brief(given)}; a polygon needs at least 3 corners")
+    return lambda body: pymunk.Poly(body, corners)
