@@ -37,6 +37,9 @@ BATTERY_DEPLETED = "battery depleted"
 OUT_OF_TIME = "out of time"
 UNFINISHED = "unfinished"
 
+DRIVE = "drive"
+"""Name of the backend in records of continuous control."""
+
 Action = str | int
 GridFrame = list[list[str]]
 
@@ -153,6 +156,11 @@ class Episode:
     def is_fleet(self) -> bool:
         """Whether this is the record of a ``FleetEnv``, with an axis for the robots."""
         return isinstance(self.settings, FleetSettings)
+
+    @property
+    def is_driven(self) -> bool:
+        """Whether the robot was controlled continuously; its actions are then texts of numbers."""
+        return self.backend.partition(":")[0] == DRIVE
 
     @property
     def robots(self) -> int:

@@ -245,10 +245,14 @@ def diagnose(episode: Episode) -> Diagnosis:
     alone = None if episode.is_fleet else Alone(episode)
     needed = None if alone is None else alone.needed
     is_done = episode.is_fleet and episode.terminated.all()
+    # The other rules count moves from cell to cell.
+    known = DRIVEN_MODES if episode.is_driven else [mode for mode, *_ in TABLE]
     results = (
         (mode, rule(alone or episode))
         for mode, *rules in TABLE
-        if (rule := rules[episode.is_fleet]) and (mode in (LATE, SERVED) or not is_done)
+        if mode in known
+        and (rule := rules[episode.is_fleet])
+        and (mode in (LATE, SERVED) or not is_done)
     )
     mode, evidence = next((mode, evidence) for mode, evidence in results if evidence)
     sentence, cells, steps, robots = evidence
@@ -259,7 +263,10 @@ def _delivered(alone: Alone) -> Evidence | None:
     if not alone.episode.terminated:
         return None
     steps = alone.episode.steps
-    return Evidence(f"delivered in {_count(steps)}{_shortest(alone)}", alone.end[:1], steps)
+    taken = f"{_count(steps)}{_shortest(alone)}"
+    if alone.episode.is_driven:
+        taken = f"{alone.episode.seconds:.1f} s"
+    return Evidence(f"delivered in {taken}", alone.end[:1], steps)
 
 
 def _cut_off(alone: Alone) -> Evidence | None:
@@ -620,6 +627,9 @@ TABLE: tuple[tuple[str, Rule | None, Rule | None], ...] = (
 )
 """Each mode, its rule for ``Alone``, and its rule for the record of a fleet, in the order in which
 they are checked. ``None`` means that the mode does not exist for this kind of record."""
+
+DRIVEN_MODES = (DELIVERED, UNREACHABLE, *ENDINGS)
+"""Modes of a robot that is controlled continuously."""
 
 MODES = tuple(mode for mode, alone, _ in TABLE if alone)
 """Modes of a single robot."""

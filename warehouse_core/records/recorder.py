@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections import defaultdict
 from collections.abc import Sequence
 from dataclasses import fields, replace
+from importlib import import_module
 from typing import Any, Protocol, SupportsIndex
 
 import numpy as np
@@ -21,6 +22,9 @@ from warehouse_core.records.episode import Action, Episode
 from warehouse_core.task.state import Observation
 from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.world.actions import INVALID
+
+DRIVE_RECORDS = "warehouse_physics.drive.recording"
+"""Module that replays continuous control."""
 
 NO_PATHS = ("grid", GridMotion.__name__)
 """Backends whose robots drive straight from cell to cell, so that the record needs no paths."""
@@ -322,6 +326,9 @@ def start_recording(
     """
     if isinstance(env, FleetEnv):
         return FleetRecorder(env, seed=seed, agent=agent)
+    if hasattr(env, "start_recording"):  # an environment of another package
+        recorder: EpisodeRecorder = env.start_recording(seed=seed, agent=agent, randomize=randomize)
+        return recorder
     instance_of("env", env, WarehouseEnv)
     env.reset(randomize=randomize, seed=seed)
     return EpisodeRecorder(env, seed=seed, agent=agent)
@@ -394,7 +401,11 @@ def replay_episode(episode: Episode, backend: Backend | None = None) -> Episode:
 
 
 def _replay_alone(episode: Episode, backend: Backend) -> Episode:
-    settings, motion = episode.settings, make_motion(backend)
+    settings = episode.settings
+    if episode.is_driven:
+        # Continuous control has no motion backend, and belongs to a package that imports this one.
+        return import_module(DRIVE_RECORDS).replay(episode, backend)
+    motion = make_motion(backend)
     complete = with_defaults(motion)
     if complete.drives_through:
         driven: Episode = complete.drive_episode(episode)

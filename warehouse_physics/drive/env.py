@@ -50,6 +50,9 @@ MIN_RATE, MAX_RATE = 1.0, 1_000.0
 NAME = "drive"
 """Backend of the records of continuous control."""
 
+OWN = "own=1"
+"""Mark in a name for bodies and obstacles that ``from_name`` cannot make."""
+
 WORDS = ("control", "drive", SLIPPERY)
 NUMBERS = ("rate", "rays", "max_seconds", "battery", "crates")
 
@@ -167,6 +170,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         self._sight = Sight(VIEW_RADIUS)
         self._painter: TilePainter | None = None
         self._ours: set[Any] = set()
+        self._has_foreign = False
         self._rows = DriveRows(self.settings_of_drive, 1)
         self.last_motion: Outcome | None = None
         self.last_action: tuple[float, float] = (0.0, 0.0)
@@ -281,7 +285,21 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         crates = self._things.crates
         if isinstance(crates, int) and crates:
             parts.append(f"crates={crates}")
+        if self._things.are_own or self._has_foreign:
+            parts.append(OWN)
         return f"{NAME}:{','.join(parts)}" if parts else NAME
+
+    def start_recording(self, *, seed: int | None, agent: str, randomize: bool | str) -> Any:
+        """Reset and return a recorder of the new episode; ``record_episode`` calls this."""
+        from warehouse_physics.drive.recording import DriveRecorder
+
+        if randomize is not True:
+            raise ValueError(
+                f"randomize is {brief(randomize)}; a DriveEnv gets it when it is made, so it must "
+                "be True here"
+            )
+        self.reset(seed=seed)
+        return DriveRecorder(self, seed=self._seed, agent=agent)
 
     @property
     def settings(self) -> Settings:
@@ -342,10 +360,10 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         self._ours = _objects(self.space)
         for each in foreign:
             self.space.add(each)
-        self._is_bare = not (self._things.exist or foreign)
+        self._has_foreign = bool(foreign)
         self._sight.use(self.layout)
         self.last_motion, self._over, self._steps = None, "", 0
-        rows.scanner = None if self._is_bare else self._scan
+        rows.scanner = self._scan if self._things.exist or foreign else None
         return self._observation(), self._info(0.0, 0.0)
 
     def step(self, action: ArrayLike) -> tuple[Any, float, bool, bool, dict[str, Any]]:

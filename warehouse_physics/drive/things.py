@@ -67,6 +67,7 @@ class Things:
             raise TypeError(f"on_reset is {brief(on_reset)}; it must be a function of a space")
         self._on_reset = on_reset
         self.are_own = bool(self.obstacles) or on_reset is not None
+        self.are_own |= not isinstance(self.crates, int) and bool(self.crates)
 
     @property
     def exist(self) -> bool:

@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from bisect import bisect_left, bisect_right
 from collections.abc import Iterator, Sequence
+from contextlib import suppress
 from dataclasses import replace
 from functools import cache
 from itertools import accumulate
@@ -173,9 +174,10 @@ def title_of(record: Episode) -> str:
 
 def step_captions(record: Episode) -> list[str]:
     """Return for each step of a single robot the action and its reason, in words."""
+    words = _command_words if record.is_driven else _action_words
     return [
         ": ".join(
-            filter(None, (_action_words(action), REASON_WORDS.get(reason, printable(reason))))
+            filter(None, (words(action), REASON_WORDS.get(reason, printable(reason))))
         )
         for action, reason in zip(record.actions, record.reasons, strict=True)
     ]
@@ -185,6 +187,13 @@ def _action_words(action: str | int) -> str:
     """Return an action in words, and an action that does not exist as the agent gave it."""
     index = action_index(action)
     return printable(str(action)) if index == INVALID else ACTION_WORDS[ACTIONS[index]]
+
+
+def _command_words(action: str | int) -> str:
+    """Return the two numbers of continuous control with two decimals; the file has all digits."""
+    with suppress(ValueError):
+        return " ".join(f"{float(number):+.2f}" for number in str(action).split())
+    return printable(str(action))
 
 
 def readings_of(record: Episode) -> Readings | None:

@@ -1,0 +1,101 @@
+"""Records of continuous control, in the form of every other episode.
+
+A step of the record is a control step. Its action is a text with the two numbers, such as
+``"1.0 -0.25"``, and its motion has the path of the body.
+"""
+
+from __future__ import annotations
+
+import math
+from typing import Any
+
+from warehouse_core import BackendError, Episode
+from warehouse_core.records.recorder import explanation_of
+from warehouse_core.wording import brief
+from warehouse_physics.drive.env import OWN, DriveEnv
+
+
+def text_of(action: tuple[float, float]) -> str:
+    """Return an action as text that has all its digits."""
+    return f"{action[0]!r} {action[1]!r}"
+
+
+def action_in(text: Any) -> tuple[float, float]:
+    """Return the action in a text.
+
+    Raises:
+        ValueError: the text does not have two numbers.
+    """
+    try:
+        first, second = map(float, str(text).split())
+    except ValueError:
+        raise ValueError(f"the action is {brief(text)}; it must be two numbers") from None
+    return first, second
+
+
+class DriveRecorder:
+    """A recorder that steps a ``DriveEnv``, whose episode has begun with ``seed``.
+
+    Attributes:
+        episode: the record so far.
+    """
+
+    def __init__(self, env: DriveEnv, *, seed: int | None = None, agent: str = "") -> None:
+        self._env = env
+        self.episode = Episode(env.layout, env.settings, seed, agent)
+        self._observation: Any = None
+        self._keep_frame(0.0)
+
+    @property
+    def ended(self) -> bool:
+        """Whether the episode is over."""
+        ended: bool = self.episode.terminated or self.episode.truncated
+        return ended
+
+    def step(self, action: Any, reason: str = "") -> Any:
+        """Take one step, record it and return the observation."""
+        env, episode = self._env, self.episode
+        observation, reward, terminated, truncated, _ = env.step(action)
+        episode.actions.append(text_of(env.last_action))
+        episode.reasons.append(reason)
+        episode.motions.append(env.last_motion)
+        episode.terminated, episode.truncated = terminated, truncated
+        self._keep_frame(reward)
+        return observation
+
+    def run(self, agent: Any, observation: Any = None) -> None:
+        """Reset an agent and let it act until the episode is over."""
+        agent.reset()
+        while not self.ended:
+            action = agent.act(observation)
+            observation = self.step(action, str(explanation_of(agent)))
+
+    def _keep_frame(self, reward: float) -> None:
+        env, episode = self._env, self.episode
+        episode.cells.append(env.cell)
+        episode.loaded.append(env.has_item)
+        episode.battery.append(math.ceil(max(env.battery, 0.0)))
+        episode.rewards.append(reward)
+
+
+def replay(episode: Episode, env: DriveEnv | str) -> Episode:
+    """Drive the actions of a record again, and return the new record.
+
+    Raises:
+        BackendError: the record has things of its own that a name does not tell.
+    """
+    if isinstance(env, str):
+        if OWN in env:
+            raise BackendError(
+                "the recorded warehouse had obstacles, crates in given cells, or bodies of its "
+                "own, which a record does not keep; give replay_episode(episode, backend=env) the "
+                "environment"
+            )
+        env = DriveEnv.from_name(env, episode.layout)
+    env.reset(
+        seed=episode.seed, options={"layout": episode.layout, "start_pos": episode.cells[0]}
+    )
+    recorder = DriveRecorder(env, seed=episode.seed, agent=episode.agent)
+    for action, reason in zip(episode.actions, episode.reasons, strict=True):
+        recorder.step(action_in(action), reason)
+    return recorder.episode
