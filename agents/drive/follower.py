@@ -27,7 +27,7 @@ CORNER, BRAKING, STEERING = 0.5, 0.7, 3.0
 in rad/s for each radian of error."""
 
 SLOWING = 4
-"""Power of the cosine of the error by which the speed is multiplied, so that a robot turns first."""
+"""Power of the cosine of the error that multiplies the speed, so that a robot turns first."""
 
 LATE, NEAR, LOST = 0.1, 0.1, 0.9
 """Seconds by which a command is late; and in cells, the distance from the end of the line at which

@@ -37,8 +37,9 @@ from warehouse_physics.disturbances import SETTINGS, SLIPPERY, Disturbances
 from warehouse_physics.drive.drives import VELOCITY, drive_of
 from warehouse_physics.drive.observations import VECTOR, DriveForm
 from warehouse_physics.drive.picture import picture_of
-from warehouse_physics.drive.rows import DriveRows, DriveSettings, DriveStep, settings_of
+from warehouse_physics.drive.rows import BUDGET, DriveRows, DriveSettings, DriveStep, settings_of
 from warehouse_physics.drive.things import Things, scan
+from warehouse_physics.energy import move_joules
 from warehouse_physics.spec import DIFFERENTIAL, RobotSpec
 
 VIEW_RADIUS = 2
@@ -186,30 +187,46 @@ class DriveEnv(gymnasium.Env[Any, Any]):
     __copy__ = __reduce__ = __deepcopy__  # type: ignore[assignment]
 
     @classmethod
-    def from_name(cls, name: str, layout: GivenLayout | None = None, **others: Any) -> Self:
+    def from_name(
+        cls,
+        name: str,
+        layout: GivenLayout | None = None,
+        *,
+        moves: int = BUDGET,
+        units: int = BUDGET,
+        **others: Any,
+    ) -> Self:
         """Return an environment with the settings in a name such as ``drive:control=wheels``.
 
         The settings are those of robots and disturbances as in ``physics:mass=70``, and
         ``control``, ``rate``, ``rays``, ``max_seconds``, ``battery`` and ``crates``.
 
+        Args:
+            name: name with settings.
+            layout: see ``DriveEnv``, as the ``others``.
+            moves: limit of an episode without ``max_seconds``: the time of these moves over a cell.
+            units: full battery without ``battery``: the energy of these moves over a cell.
+            others: further arguments of ``DriveEnv``.
+
         Raises:
             ValueError: a setting is unknown or its value is not allowed.
         """
         given = _settings_in(name)
-        known = (*SETTINGS, "control", *NUMBERS)
+        own_names = ("control", *NUMBERS)
+        known = (*SETTINGS, *own_names)
         robot = {"drive": DIFFERENTIAL} | {k: v for k, v in given.items() if k not in known}
         trouble = {key: value for key, value in given.items() if key in SETTINGS}
-        own = {key: value for key, value in given.items() if key in ("control", *NUMBERS)}
+        own = {key: value for key, value in given.items() if key in own_names}
         for key in ("rays", "crates"):
             if key in own:
                 own[key] = int(own[key])
-        return cls(
-            layout,
-            spec=RobotSpec.from_numbers(robot, known),
-            disturbances=Disturbances.from_settings(trouble),
-            **own,
-            **others,
-        )
+        spec = RobotSpec.from_numbers(robot, known)
+        if moves != BUDGET:
+            own.setdefault("max_seconds", moves * spec.move_seconds(loaded=False))
+        if units != BUDGET:
+            own.setdefault("battery", units * move_joules(spec, loaded=True))
+        disturbances = Disturbances.from_settings(trouble)
+        return cls(layout, spec=spec, disturbances=disturbances, **own, **others)
 
     @property
     def space(self) -> pymunk.Space:
@@ -293,10 +310,10 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         """Reset and return a recorder of the new episode; ``record_episode`` calls this."""
         from warehouse_physics.drive.recording import DriveRecorder
 
-        if randomize is not True:
+        own = self.settings_of_drive.randomize
+        if randomize not in (True, own):
             raise ValueError(
-                f"randomize is {brief(randomize)}; a DriveEnv gets it when it is made, so it must "
-                "be True here"
+                f"randomize is {brief(randomize)}; this DriveEnv was made with randomize={own!r}"
             )
         self.reset(seed=seed)
         return DriveRecorder(self, seed=self._seed, agent=agent)

@@ -47,6 +47,11 @@ class DriveRecorder:
         self._keep_frame(0.0)
 
     @property
+    def place(self) -> str:
+        """The present position of ``run``, such as ``"step 3"``."""
+        return f"step {self.episode.steps + 1}"
+
+    @property
     def ended(self) -> bool:
         """Whether the episode is over."""
         ended: bool = self.episode.terminated or self.episode.truncated
@@ -92,9 +97,7 @@ def replay(episode: Episode, env: DriveEnv | str) -> Episode:
                 "environment"
             )
         env = DriveEnv.from_name(env, episode.layout)
-    env.reset(
-        seed=episode.seed, options={"layout": episode.layout, "start_pos": episode.cells[0]}
-    )
+    env.reset(seed=episode.seed, options={"layout": episode.layout, "start_pos": episode.cells[0]})
     recorder = DriveRecorder(env, seed=episode.seed, agent=episode.agent)
     for action, reason in zip(episode.actions, episode.reasons, strict=True):
         recorder.step(action_in(action), reason)

@@ -32,6 +32,7 @@ from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place, with_slippery
 from agents.lab.console.watch import slow_steps_reported
+from agents.lab.runs.driven import drive, is_drive
 from agents.lab.runs.run import run
 from agents.lab.trials.task import Task
 from agents.learning.q_learning import QAgent, QTable, learn
@@ -162,6 +163,10 @@ def race_of_worlds(
 
 def run_racer(name: str, task: Task, seed: int) -> Episode:
     """Return the record of an episode of the agent with a name."""
+    if is_drive(task.backend):
+        layout, size = task.layout_for(seed), {"moves": task.max_steps, "units": task.battery}
+        others = {"start_pos": task.start_pos, "randomize": task.randomize, **size}
+        return drive(task.backend, make_agent(name, seed, layout), seed, layout=layout, **others)
 
     def act(backend: str) -> Episode:
         with closing(task._replace(backend=backend).make_env(seed)) as env:
@@ -211,7 +216,7 @@ def states_of(record: Episode) -> Iterator[str]:
     visits = Counter(states[:1])
     for action, (before, here) in zip(record.actions, pairwise(states), strict=True):
         visits[here] += here != before
-        if here == before:
+        if here == before and not record.is_driven:
             yield "waits" if action_index(action) == WAIT else "does not move"
         elif visits[here] >= CIRCLES:
             yield "goes in circles"

@@ -17,6 +17,7 @@ from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place, with_slippery
 from agents.lab.console.watch import slow_steps_reported
 from agents.lab.place import Stations
+from agents.lab.runs.driven import drive, is_drive
 from agents.lab.runs.run import draw_seed
 from agents.lab.runs.run import run as run_agent
 from agents.registry import make_agent, make_backend, on_backend
@@ -96,6 +97,20 @@ class Case(NamedTuple):
         notice: Callable[[Agent], None] = lambda agent: None,
     ) -> Episode:
         """Run the episode of a seed; ``notice`` is called with the agent before it acts."""
+        if is_drive(self.backend):
+            acting = make_agent(self.agent, seed, self.layout)
+            notice(acting)
+            return drive(
+                self.backend,
+                acting,
+                seed,
+                slow_steps_reported(acting, self.agent),
+                layout=self.layout,
+                start_pos=start_pos,
+                randomize=randomize,
+                moves=self.max_steps,
+                units=self.battery,
+            )
 
         def act(backend: str) -> Episode:
             env = WarehouseEnv(

@@ -10,7 +10,7 @@ import typer
 from warehouse_core import Cell, Episode
 from warehouse_core.motion.base import centre_of
 from warehouse_core.records.drive_summary import DriveSummary, drive_summary
-from warehouse_core.records.episode import DELIVERED
+from warehouse_core.records.episode import DELIVERED, DRIVE
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.viz.tracks.timeline import ghost_of
 from warehouse_core.viz.tracks.track import Track
@@ -27,11 +27,12 @@ TITLES = {
     GRID: "Grid: jumps from cell to cell",
     "physics": "Physics: a body with mass",
     DRIVING: "Driving: the same path in one go",
+    DRIVE: "Drive: speeds and turn rates",
     ICY: "Icy: a body on a slippery floor",
 }
 """Titles of the replays of worlds."""
 
-MANNERS = {"physics": "move by move", DRIVING: "driving through"}
+MANNERS = {"physics": "move by move", DRIVING: "driving through", DRIVE: "steered"}
 """Manner in which a body carries out an episode, by the name of its backend."""
 
 GRID_SECONDS = 2.0
@@ -83,7 +84,12 @@ class Miss(NamedTuple):
 
 
 def misses(record: Episode) -> Iterator[Miss]:
-    """Yield the moves of a robot that did not end in their target cells."""
+    """Yield the moves of a robot that did not end in their target cells.
+
+    Under continuous control there are no such moves.
+    """
+    if record.is_driven:
+        return
     for step, (action, motion) in enumerate(zip(record.actions, record.motions, strict=True), 1):
         down, right = DISPLACEMENTS[action_index(action)]
         before, after = record.cells[step - 1 : step + 1]

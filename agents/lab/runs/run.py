@@ -66,7 +66,7 @@ def run(
         message = f"in {place()}, agent {name}{reason}"
         raise EpisodeInterrupted(message, recorder.episode) from error
     except (Exception, SystemExit) as error:  # an agent may raise anything
-        episode, moving = recorder.episode, file_of(env.motion)
+        episode, moving = recorder.episode, file_of(getattr(env, "motion", None))
         culprit = f"agent {name}"
         if moving is not None and frames_in(moving, error):
             culprit, file = f"backend {env.backend}", moving

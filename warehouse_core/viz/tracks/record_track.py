@@ -176,9 +176,7 @@ def step_captions(record: Episode) -> list[str]:
     """Return for each step of a single robot the action and its reason, in words."""
     words = _command_words if record.is_driven else _action_words
     return [
-        ": ".join(
-            filter(None, (words(action), REASON_WORDS.get(reason, printable(reason))))
-        )
+        ": ".join(filter(None, (words(action), REASON_WORDS.get(reason, printable(reason)))))
         for action, reason in zip(record.actions, record.reasons, strict=True)
     ]
 
