@@ -33,6 +33,8 @@ LATE, NEAR, LOST = 0.1, 0.1, 0.9
 """Seconds by which a command is late; and in cells, the distance from the end of the line at which
 the robot has arrived, and the distance from the line at which it is lost."""
 
+Line = list[tuple[float, float]]
+
 
 class Follower:
     """An agent that drives a ``DriveEnv`` along the moves of a grid agent.
@@ -49,6 +51,9 @@ class Follower:
 
     def __init__(self, env: DriveEnv, agent: Agent) -> None:
         self.env, self._agent, self.reason = env, agent, ""
+        self._grid = WarehouseEnv(env.layout)
+        self._line: Line = [(0.0, 0.0)] * 2
+        self._task, self._due, self._size = False, math.inf, env.robot_spec.cell_size
 
     def reset(self) -> None:
         """Forget the last episode."""
@@ -103,7 +108,7 @@ class Follower:
             self._grid.advance(index)
             self._task = index >= WAIT
             if self._grid.state.robot_pos != before:
-                self._line.append(centre_of(self._grid.state.robot_pos, self._grid_size))
+                self._line.append(centre_of(self._grid.state.robot_pos, self._size))
 
     def _finish_task(self, has_arrived: bool) -> None:
         """Go on after a stop, once the robot has stood long enough to pick, drop or wait."""
@@ -120,14 +125,11 @@ class Follower:
     def _start_again(self) -> None:
         """Put the grid agent into the present cell of the robot."""
         env, seen = self.env, self.env.observe()
-        self._grid_size, self._task, self._due = env.robot_spec.cell_size, False, math.inf
+        self._task, self._due = False, math.inf
         self._grid = WarehouseEnv(env.layout, env.cell)
         state = WarehouseState(env.cell, env.has_item, seen["battery"], seen["steps"])
         self._grid.state = state
-        self._line = [env.pose[:2], centre_of(env.cell, self._grid_size)]
-
-
-Line = list[tuple[float, float]]
+        self._line = [env.pose[:2], centre_of(env.cell, self._size)]
 
 
 def _along(line: Line, here: tuple[float, float]) -> float:

@@ -75,6 +75,7 @@ MAY_IMPORT = {
         "arena body_motion disturbances driven_arena energy exclusive profile spec walls "
         "wheeled_robot"
     ),
+    "warehouse_physics/drive": ("arena batch disturbances energy odometry profile spec walls"),
     "warehouse_physics/robot_arena": "arena disturbances robot spec walls wheeled_robot",
     "warehouse_physics/rigid_body_motion": (
         "batch body_motion disturbances energy exclusive giving_way robot robot_arena spec"
@@ -89,8 +90,9 @@ MAY_IMPORT = {
     "agents/mapf": "errors mapf/kernels",
     "agents/fleet": "errors mapf mapf/kernels",
     "agents/learning": "errors warehouse_agent_greedy",
+    "agents/drive": "",
     "agents/lab": "errors fleet mapf",
-    "agents/lab/runs": "errors fleet",
+    "agents/lab/runs": "drive errors fleet",
     "agents/registry": "errors fleet kinds learning mapf search warehouse_agent_greedy",
     "agents/lab/console": "errors lab lab/runs registry",
     "agents/lab/trials": "errors lab/console lab/runs learning registry",
@@ -230,6 +232,8 @@ def test_functions_have_at_most_twelve_parameters() -> None:
     assert found == {
         ("warehouse_core.fleet.env", "__init__"),
         ("warehouse_core.gymnasium_env.vector", "__init__"),
+        ("warehouse_physics.drive.env", "__init__"),
+        ("warehouse_physics.drive.vector", "__init__"),
     }
 
 

@@ -23,7 +23,7 @@ from warehouse_core.task.state import Observation
 from warehouse_core.warehouse_env import WarehouseEnv
 from warehouse_core.world.actions import INVALID
 
-DRIVE_RECORDS = "warehouse_physics.drive.recording"
+DRIVE_RECORDS = "warehouse_physics.drive.replay"
 """Module that replays continuous control."""
 
 NO_PATHS = ("grid", GridMotion.__name__)
@@ -97,6 +97,23 @@ class FleetAgent(Protocol):
         """
 
 
+class Controller(Protocol):
+    """Protocol of an agent of another environment, such as one with continuous control."""
+
+    def reset(self) -> None:
+        """Forget the last episode."""
+
+    def act(self, observation: Any) -> Any:
+        """Return the next action of the environment."""
+
+
+class Recordable(Protocol):
+    """Protocol of an environment of another package that makes its own recorders."""
+
+    def start_recording(self, *, seed: int | None, agent: str, randomize: bool | str) -> Any:
+        """Reset, and return a recorder of the new episode; see ``start_recording``."""
+
+
 class Explaining(Protocol):
     """An agent that explains its last action, or the last action of each of its robots.
 
@@ -108,7 +125,7 @@ class Explaining(Protocol):
     reason: str | Sequence[str]
 
 
-def explanation_of(agent: Agent | FleetAgent | Explaining) -> str | Sequence[str]:
+def explanation_of(agent: Agent | FleetAgent | Controller | Explaining) -> str | Sequence[str]:
     """Return the reason of an ``Explaining`` agent, and ``""`` for any other agent.
 
     The attribute is read by name, because this happens at every step, and ``isinstance`` with a
@@ -314,7 +331,7 @@ class FleetRecorder:
 
 
 def start_recording(
-    env: WarehouseEnv | FleetEnv,
+    env: WarehouseEnv | FleetEnv | Recordable,
     *,
     seed: int | None = None,
     agent: str = "",
@@ -326,17 +343,18 @@ def start_recording(
     """
     if isinstance(env, FleetEnv):
         return FleetRecorder(env, seed=seed, agent=agent)
-    if hasattr(env, "start_recording"):  # an environment of another package
+    if not isinstance(env, WarehouseEnv) and hasattr(env, "start_recording"):
         recorder: EpisodeRecorder = env.start_recording(seed=seed, agent=agent, randomize=randomize)
         return recorder
     instance_of("env", env, WarehouseEnv)
+    assert isinstance(env, WarehouseEnv)
     env.reset(randomize=randomize, seed=seed)
     return EpisodeRecorder(env, seed=seed, agent=agent)
 
 
 def record_episode(
-    env: WarehouseEnv | FleetEnv,
-    agent: Agent | FleetAgent,
+    env: WarehouseEnv | FleetEnv | Recordable,
+    agent: Agent | FleetAgent | Controller,
     *,
     seed: int | None = None,
     randomize: bool | str = True,
@@ -404,11 +422,12 @@ def _replay_alone(episode: Episode, backend: Backend) -> Episode:
     settings = episode.settings
     if episode.is_driven:
         # Continuous control has no motion backend, and belongs to a package that imports this one.
-        return import_module(DRIVE_RECORDS).replay(episode, backend)
+        driven: Episode = import_module(DRIVE_RECORDS).replay(episode, backend)
+        return driven
     motion = make_motion(backend)
     complete = with_defaults(motion)
     if complete.drives_through:
-        driven: Episode = complete.drive_episode(episode)
+        driven = complete.drive_episode(episode)
         name = backend if isinstance(backend, str) else driven.backend
         return replace(driven, settings=replace(driven.settings, backend=name))
     limits = settings.max_steps, settings.battery, settings.view_radius

@@ -19,7 +19,7 @@ from warehouse_core.motion.base import WALL_CONTACT
 from warehouse_physics.arena import ROBOT, Arena, Position, impulse_of
 from warehouse_physics.batch.rigid_body_batch import ROWS_OF_A_SPACE
 from warehouse_physics.batch.warehouses import corners_of
-from warehouse_physics.drive.drives import BodyState, Push
+from warehouse_physics.drive.drives import BodyState, Thrust
 from warehouse_physics.profile import Floats
 from warehouse_physics.spec import RobotSpec
 from warehouse_physics.walls import wall_boxes
@@ -88,7 +88,7 @@ class DriveArena(Arena):
         return np.frombuffer(self._seen.float_buf()).reshape(-1, 6)[: len(self.bodies)].copy()
 
     def step(self, forces: Floats, torques: Floats) -> list[Bump]:
-        """Push the robots for one substep and return the contacts that have begun."""
+        """Thrust the robots for one substep and return the contacts that have begun."""
         if self._is_alone:  # Other bodies keep the forces that somebody else applies to them.
             [body], [force], [torque] = self.bodies, forces.tolist(), torques.tolist()
             right, down = body.force
@@ -105,6 +105,8 @@ class DriveArena(Arena):
         if robot.sensor or other.sensor:
             return []
         normal, body, met = arbiter.normal, robot.body, other.body
+        assert body is not None
+        assert met is not None
         is_moving = met.body_type == pymunk.Body.DYNAMIC
         speed = normal.dot(body.velocity - met.velocity)
         impulse = impulse_of(speed, body.mass, met.mass if is_moving else None)
@@ -162,8 +164,8 @@ class DriveBodies:
         rows = parts[0] if len(parts) == 1 else np.concatenate(parts)
         return BodyState(rows[:, :2] - self.corners, rows[:, 2], rows[:, 3:5], rows[:, 5])
 
-    def step(self, push: Push) -> list[Bump]:
-        """Push all robots for one substep and return the contacts that have begun."""
+    def step(self, push: Thrust) -> list[Bump]:
+        """Thrust all robots for one substep and return the contacts that have begun."""
         bumps: list[Bump] = []
         for arena, rows in zip(self.arenas, self._slices, strict=True):
             bumps += arena.step(push.forces[rows], push.torques[rows])

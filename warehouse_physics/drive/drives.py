@@ -81,7 +81,7 @@ class Loads:
         self.slips = bool(np.isfinite(self.grips).any())
 
 
-class Push(NamedTuple):
+class Thrust(NamedTuple):
     """What the motors and the floor do to ``N`` bodies in a substep.
 
     Attributes:
@@ -116,7 +116,7 @@ class Drive:
         """
         raise NotImplementedError
 
-    def push(self, state: BodyState, commands: Floats, loads: Loads) -> Push:
+    def push(self, state: BodyState, commands: Floats, loads: Loads) -> Thrust:
         """Return the forces of the next substep."""
         raise NotImplementedError
 
@@ -124,13 +124,14 @@ class Drive:
         """Return the speeds ``[N, M]`` m/s at which the motors act."""
         raise NotImplementedError
 
-    def work(self, push: Push, before: Floats, after: Floats) -> Floats:
+    def work(self, push: Thrust, before: Floats, after: Floats) -> Floats:
         """Return the work ``[N]`` J for which the battery pays in a substep; see ``energy.py``.
 
         ``before`` and ``after`` are ``speeds`` at the ends of the substep. The work of a motor that
         brakes is at most 0.
         """
-        return self._paid(push.parts * (before + after) * (self._dt / 2)).sum(axis=1)
+        work: Floats = self._paid(push.parts * (before + after) * (self._dt / 2)).sum(axis=1)
+        return work
 
     def _paid(self, work: Floats) -> Floats:
         if not self._spec.recuperation:
@@ -148,7 +149,7 @@ class OmnidirectionalDrive(Drive):
         most = self._spec.motor_force if self._is_force else self._spec.top_speed
         return _at_most(actions, 1.0) * most
 
-    def push(self, state: BodyState, commands: Floats, loads: Loads) -> Push:
+    def push(self, state: BodyState, commands: Floats, loads: Loads) -> Thrust:
         """Return the forces of the next substep; see ``Drive.push``."""
         velocities, dt, spec = state.velocities, self._dt, self._spec
         masses, drags = (loads.masses / dt)[:, None], loads.drags[:, None]
@@ -165,20 +166,23 @@ class OmnidirectionalDrive(Drive):
             motors = _at_most(masses * gains + drag, loads.motors)
             if loads.is_weak:
                 drag = self._drag(velocities, motors, masses, drags)
-        return Push(motors - drag, self._still, motors, motors)
+        return Thrust(motors - drag, self._still, motors, motors)
 
     @staticmethod
     def _drag(velocities: Floats, motors: Floats, masses: Floats, drags: Floats) -> Floats:
         """Return the mean force ``[N, 2]`` N of the floor in a substep, against the motion."""
         ahead = _directions(velocities + motors / masses / 2)
-        along = ((vectors * ahead).sum(axis=1, keepdims=True) for vectors in (velocities, motors))
-        return ahead * rolling(*along, masses, drags)
+        speeds, forces = (
+            (vectors * ahead).sum(axis=1, keepdims=True) for vectors in (velocities, motors)
+        )
+        drag: Floats = ahead * rolling(speeds, forces, masses, drags)
+        return drag
 
     def speeds(self, state: BodyState) -> Floats:
         """Return the two components of the velocities, at which the motor acts."""
         return state.velocities
 
-    def work(self, push: Push, before: Floats, after: Floats) -> Floats:
+    def work(self, push: Thrust, before: Floats, after: Floats) -> Floats:
         """Return the work for which the battery pays; see ``Drive.work``.
 
         The motor acts in one direction, so the work along both axes is a single amount.
@@ -211,9 +215,11 @@ class WheelDrive(Drive):
             ahead, turn = actions.T
             wheels = np.stack([ahead + turn, ahead - turn], axis=1)
         wheels = wheels / np.maximum(np.abs(wheels).max(axis=1, keepdims=True), 1.0)
-        return wheels * (self._spec.motor_force / 2 if self._is_force else self._spec.top_speed)
+        most = self._spec.motor_force / 2 if self._is_force else self._spec.top_speed
+        commands: Floats = wheels * most
+        return commands
 
-    def push(self, state: BodyState, commands: Floats, loads: Loads) -> Push:
+    def push(self, state: BodyState, commands: Floats, loads: Loads) -> Thrust:
         """Return the forces of the next substep; see ``Drive.push``."""
         dt, spec, masses = self._dt, self._spec, loads.masses
         speeds, most = self.speeds(state), loads.motors[:, None] / 2
@@ -223,23 +229,32 @@ class WheelDrive(Drive):
             motors = np.clip(commands, -most, most)
             drag = rolling(speeds, motors, alone, loads.drags[:, None] / 2)
             # No motor drives a wheel faster than its top speed.
-            side = np.sign(motors)
-            room = alone * (spec.top_speed - side * speeds) + side * drag
-            motors = side * np.clip(np.abs(motors), 0.0, np.maximum(room, 0.0))
+            fastest = np.maximum(np.abs(speeds), spec.top_speed)
+            gains = np.clip(speeds + self._gains(motors - drag, masses), -fastest, fastest) - speeds
         else:
             gains = np.clip(commands - speeds, -spec.acceleration * dt, spec.acceleration * dt)
             drag = loads.drags[:, None] / 2 * np.sign(speeds + gains / 2)
-            # Both wheels push the mass, and their difference turns the disc.
-            both, difference = gains.sum(axis=1), self._turning * (gains[:, 0] - gains[:, 1])
-            needed = np.stack([both + difference, both - difference], axis=1)
-            motors = np.clip((masses / (4 * dt))[:, None] * needed + drag, -most, most)
-            if loads.is_weak:
-                drag = rolling(speeds, motors, alone, loads.drags[:, None] / 2)
+        motors = np.clip(self._forces(gains, masses) + drag, -most, most)
+        if loads.is_weak and not self._is_force:
+            drag = rolling(speeds, motors, alone, loads.drags[:, None] / 2)
         left, right = (motors - drag).T
         spin = (left - right) * dt / (masses * self._turning) / self._arm
         forces, heading = self._steered(state, (left + right) * dt / masses, spin, loads)
         torques = (left - right) * self._arm
-        return Push(forces, torques, motors.sum(axis=1)[:, None] * heading, motors)
+        return Thrust(forces, torques, motors.sum(axis=1)[:, None] * heading, motors)
+
+    def _forces(self, gains: Floats, masses: Floats) -> Floats:
+        """Return the forces of the wheels for gains in their speeds, both ``[N, 2]``.
+
+        Both wheels push the mass, and their difference turns the disc.
+        """
+        both, turn = gains.sum(axis=1), self._turning * (gains[:, 0] - gains[:, 1])
+        return np.stack([both + turn, both - turn], axis=1) * (masses / (4 * self._dt))[:, None]
+
+    def _gains(self, forces: Floats, masses: Floats) -> Floats:
+        """Return the gains in the speeds of the wheels for their forces, both ``[N, 2]``."""
+        both, turn = forces.sum(axis=1), (forces[:, 0] - forces[:, 1]) / self._turning
+        return np.stack([both + turn, both - turn], axis=1) * (self._dt / masses)[:, None]
 
     def speeds(self, state: BodyState) -> Floats:
         """Return the speeds of the left and the right wheel."""

@@ -37,6 +37,7 @@ from warehouse_physics.disturbances import SETTINGS, SLIPPERY, Disturbances
 from warehouse_physics.drive.drives import VELOCITY, drive_of
 from warehouse_physics.drive.observations import VECTOR, DriveForm
 from warehouse_physics.drive.picture import picture_of
+from warehouse_physics.drive.recording import DriveRecorder
 from warehouse_physics.drive.rows import BUDGET, DriveRows, DriveSettings, DriveStep, settings_of
 from warehouse_physics.drive.things import Things, scan
 from warehouse_physics.energy import move_joules
@@ -110,7 +111,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         crates: number of crates in random cells, or their cells.
         obstacles: pillars ``(x, y, radius)`` and convex polygons ``[(x, y), ...]``, in metres.
         on_reset: function that gets each new ``pymunk.Space`` and may add bodies, joints and
-            collision handlers to it. The body of the robot is ``space.bodies[0]``.
+            collision handlers to it. The robot is its first body: ``next(iter(space.bodies))``.
         render_mode: ``"rgb_array"`` or ``None``.
 
     Attributes:
@@ -157,12 +158,12 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         render_mode: str | None = None,
     ) -> None:
         check_render_mode(render_mode, self.metadata["render_modes"])
-        self.settings_of_drive = checked_settings(
+        self.drive_settings = checked_settings(
             layout, control, spec, disturbances, rate, rays,
             randomize=randomize, start_pos=start_pos, max_seconds=max_seconds, battery=battery,
         )  # fmt: skip
         self._things = Things(crates, obstacles, on_reset)
-        self._form = DriveForm(observation, self.settings_of_drive)
+        self._form = DriveForm(observation, self.drive_settings)
         self.observation_space = self._form.space
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
         self.render_mode = render_mode
@@ -172,19 +173,19 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         self._painter: TilePainter | None = None
         self._ours: set[Any] = set()
         self._has_foreign = False
-        self._rows = DriveRows(self.settings_of_drive, 1)
+        self._rows = DriveRows(self.drive_settings, 1)
         self.last_motion: Outcome | None = None
         self.last_action: tuple[float, float] = (0.0, 0.0)
         self._over = UNSTARTED
         self._steps = 0
 
-    def __deepcopy__(self, memo: object) -> NoReturn:
+    def __deepcopy__(self, memo: object = None) -> NoReturn:
         raise TypeError(
             "a space of bodies cannot be copied exactly, so DriveEnv cannot be copied or pickled; "
             "make another one, reset it with the same seed and repeat the actions"
         )
 
-    __copy__ = __reduce__ = __deepcopy__  # type: ignore[assignment]
+    __copy__ = __reduce__ = __deepcopy__
 
     @classmethod
     def from_name(
@@ -246,7 +247,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
     @property
     def robot_spec(self) -> RobotSpec:
         """The robot, with the substep that is used."""
-        return self.settings_of_drive.spec
+        return self.drive_settings.spec
 
     @property
     def pose(self) -> tuple[float, float, float]:
@@ -289,7 +290,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
     @property
     def backend(self) -> str:
         """Name with all settings that ``from_name`` needs to make this environment again."""
-        settings, default = self.settings_of_drive, RobotSpec(drive=DIFFERENTIAL)
+        settings, default = self.drive_settings, RobotSpec(drive=DIFFERENTIAL)
         parts = [] if settings.control == VELOCITY else [f"control={settings.control}"]
         parts += [
             f"{each.name}={getattr(self._robot_given, each.name)}"
@@ -306,11 +307,11 @@ class DriveEnv(gymnasium.Env[Any, Any]):
             parts.append(OWN)
         return f"{NAME}:{','.join(parts)}" if parts else NAME
 
-    def start_recording(self, *, seed: int | None, agent: str, randomize: bool | str) -> Any:
+    def start_recording(
+        self, *, seed: int | None, agent: str, randomize: bool | str
+    ) -> DriveRecorder:
         """Reset and return a recorder of the new episode; ``record_episode`` calls this."""
-        from warehouse_physics.drive.recording import DriveRecorder
-
-        own = self.settings_of_drive.randomize
+        own = self.drive_settings.randomize
         if randomize not in (True, own):
             raise ValueError(
                 f"randomize is {brief(randomize)}; this DriveEnv was made with randomize={own!r}"
@@ -321,7 +322,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
     @property
     def settings(self) -> Settings:
         """The settings for a record; the battery is in whole joules, and steps are actions."""
-        drive = self.settings_of_drive
+        drive = self.drive_settings
         conditions = drive.disturbances.conditions._replace(drive=drive.spec.drive)
         open_cells = set(self.layout.cells(self.layout.open_cells))
         slippery = conditions.slippery
@@ -361,7 +362,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         if seed is None:
             seed = int(self.np_random.integers(2**32))
         foreign = self._foreign()
-        rows = DriveRows(self.settings_of_drive, 1)
+        rows = DriveRows(self.drive_settings, 1)
         layout = options.get("layout")
         start = options.get("start_pos")
         rows.begin(
@@ -414,7 +415,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         The battery is the share that is left, as units of a battery with 200 units, and the steps
         are the moves over one cell that would have taken as long.
         """
-        layout, settings = self.layout, self.settings_of_drive
+        layout, settings = self.layout, self.drive_settings
         share = self.battery / settings.battery
         return {
             "local_grid": self._sight.window(self.cell, self.has_item),
@@ -426,7 +427,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
             "dropoff_pos": layout.dropoffs[0] if layout.dropoffs else None,
         }
 
-    def render(self) -> NDArray[np.uint8] | None:  # type: ignore[override]
+    def render(self) -> NDArray[np.uint8] | None:
         """Return a picture ``[H, W, 3]`` uint8 of the warehouse and the robot."""
         if self.render_mode is None:
             gymnasium.logger.warn("render() needs a render_mode, given to gymnasium.make")
@@ -446,7 +447,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         return {"cell": cell, "joules": float(joules), "impulse": float(impulse)}
 
     def _scan(self) -> NDArray[np.float64]:
-        return scan(self._arena, float(self._rows.state.angles[0]), self.settings_of_drive.rays)
+        return scan(self._arena, float(self._rows.state.angles[0]), self.drive_settings.rays)
 
     def _foreign(self) -> list[Any]:
         """Take what was added by hand out of the old space, and return it."""

@@ -24,8 +24,8 @@ def picture_of(
     picture = painter.paint(layout_codes(layout))
     scale = painter.tile_pixels / spec.cell_size
     x, y, heading = pose
-    down, right = np.indices(picture.shape[:2])
-    right, down = (right + 0.5) / scale - x, (down + 0.5) / scale - y
+    rows, columns = np.indices(picture.shape[:2])
+    right, down = (columns + 0.5) / scale - x, (rows + 0.5) / scale - y
     ahead = right * np.cos(heading) + down * np.sin(heading)
     aside = down * np.cos(heading) - right * np.sin(heading)
     is_inside = np.hypot(right, down) <= spec.radius

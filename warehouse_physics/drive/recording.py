@@ -9,28 +9,13 @@ from __future__ import annotations
 import math
 from typing import Any
 
-from warehouse_core import BackendError, Episode
+from warehouse_core import Episode
 from warehouse_core.records.recorder import explanation_of
-from warehouse_core.wording import brief
-from warehouse_physics.drive.env import OWN, DriveEnv
 
 
 def text_of(action: tuple[float, float]) -> str:
     """Return an action as text that has all its digits."""
     return f"{action[0]!r} {action[1]!r}"
-
-
-def action_in(text: Any) -> tuple[float, float]:
-    """Return the action in a text.
-
-    Raises:
-        ValueError: the text does not have two numbers.
-    """
-    try:
-        first, second = map(float, str(text).split())
-    except ValueError:
-        raise ValueError(f"the action is {brief(text)}; it must be two numbers") from None
-    return first, second
 
 
 class DriveRecorder:
@@ -40,7 +25,7 @@ class DriveRecorder:
         episode: the record so far.
     """
 
-    def __init__(self, env: DriveEnv, *, seed: int | None = None, agent: str = "") -> None:
+    def __init__(self, env: Any, *, seed: int | None = None, agent: str = "") -> None:
         self._env = env
         self.episode = Episode(env.layout, env.settings, seed, agent)
         self._observation: Any = None
@@ -81,24 +66,3 @@ class DriveRecorder:
         episode.loaded.append(env.has_item)
         episode.battery.append(math.ceil(max(env.battery, 0.0)))
         episode.rewards.append(reward)
-
-
-def replay(episode: Episode, env: DriveEnv | str) -> Episode:
-    """Drive the actions of a record again, and return the new record.
-
-    Raises:
-        BackendError: the record has things of its own that a name does not tell.
-    """
-    if isinstance(env, str):
-        if OWN in env:
-            raise BackendError(
-                "the recorded warehouse had obstacles, crates in given cells, or bodies of its "
-                "own, which a record does not keep; give replay_episode(episode, backend=env) the "
-                "environment"
-            )
-        env = DriveEnv.from_name(env, episode.layout)
-    env.reset(seed=episode.seed, options={"layout": episode.layout, "start_pos": episode.cells[0]})
-    recorder = DriveRecorder(env, seed=episode.seed, agent=episode.agent)
-    for action, reason in zip(episode.actions, episode.reasons, strict=True):
-        recorder.step(action_in(action), reason)
-    return recorder.episode

@@ -235,7 +235,8 @@ class DriveRows:
 
         This is the pickup, and with an item the dropoff. Without such a station it is the start.
         """
-        return np.where(self.has_item[:, None], self._goals[1], self._goals[0])
+        goals: Floats = np.where(self.has_item[:, None], self._goals[1], self._goals[0])
+        return goals
 
     def scans(self) -> Floats:
         """Return the distances in metres that the rays of each robot measure, ``[B, K]``.
@@ -247,7 +248,8 @@ class DriveRows:
         size = self._spec.cell_size
         angles = self.state.angles[:, None] + self._angles
         reach = SCAN_RANGE / size
-        return self._rays.distances(self.state.positions / size, angles, reach) * size
+        distances: Floats = self._rays.distances(self.state.positions / size, angles, reach)
+        return distances * size
 
     def _feel(self, rows: Any = None) -> None:
         """Update the loads of robots that have entered another cell, or of given rows."""

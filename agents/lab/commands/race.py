@@ -164,9 +164,17 @@ def race_of_worlds(
 def run_racer(name: str, task: Task, seed: int) -> Episode:
     """Return the record of an episode of the agent with a name."""
     if is_drive(task.backend):
-        layout, size = task.layout_for(seed), {"moves": task.max_steps, "units": task.battery}
-        others = {"start_pos": task.start_pos, "randomize": task.randomize, **size}
-        return drive(task.backend, make_agent(name, seed, layout), seed, layout=layout, **others)
+        layout = task.layout_for(seed)
+        return drive(
+            task.backend,
+            make_agent(name, seed, layout),
+            seed,
+            layout=layout,
+            start_pos=task.start_pos,
+            randomize=task.randomize,
+            moves=task.max_steps,
+            units=task.battery,
+        )
 
     def act(backend: str) -> Episode:
         with closing(task._replace(backend=backend).make_env(seed)) as env:

@@ -104,7 +104,7 @@ class Case(NamedTuple):
                 self.backend,
                 acting,
                 seed,
-                slow_steps_reported(acting, self.agent),
+                watch=slow_steps_reported(acting, self.agent),
                 layout=self.layout,
                 start_pos=start_pos,
                 randomize=randomize,

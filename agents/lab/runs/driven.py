@@ -35,7 +35,7 @@ def make_drive(backend: str, **arguments: Any) -> Any:
 
 
 def drive(
-    backend: str, agent: Agent, seed: int, watch: Watch = nullcontext, **arguments: Any
+    backend: str, agent: Agent, seed: int, *, watch: Watch = nullcontext, **arguments: Any
 ) -> Episode:
     """Return the record of an episode in which a follower drives the moves of a grid agent.
 

@@ -15,7 +15,7 @@ from agents.fleet.planned import PlannedFleet
 from agents.fleet.team import Team
 from warehouse_core import Agent, Episode, FleetEnv, WarehouseEnv
 from warehouse_core.records import FleetAgent
-from warehouse_core.records.recorder import start_recording
+from warehouse_core.records.recorder import Controller, Recordable, start_recording
 
 MAX_SEED = 999_999
 """Largest random seed, which is short enough to type again."""
@@ -28,7 +28,8 @@ Watch = Callable[[Whereabouts], AbstractContextManager[object]]
 
 
 def run(
-    env: WarehouseEnv | FleetEnv, agent: Agent | FleetAgent, seed: int | None,
+    env: WarehouseEnv | FleetEnv | Recordable, agent: Agent | FleetAgent | Controller,
+    seed: int | None,
     watch: Watch = nullcontext, *, name: str = "", randomize: bool | str = True,
 ) -> Episode:  # fmt: skip
     """Reset an environment and its agent, run one episode to its end, and return its record.
@@ -69,7 +70,7 @@ def run(
         episode, moving = recorder.episode, file_of(getattr(env, "motion", None))
         culprit = f"agent {name}"
         if moving is not None and frames_in(moving, error):
-            culprit, file = f"backend {env.backend}", moving
+            culprit, file = f"backend {recorder.episode.backend}", moving
         message = f"seed {episode.seed}, {place()}, {culprit}: {reason_of(error, file)}"
         raise EpisodeError(message, episode) from error
     return cast(Episode, recorder.episode)
