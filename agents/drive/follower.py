@@ -30,8 +30,8 @@ SLOWING = 4
 """Power of the cosine of the error that multiplies the speed, so that a robot turns first."""
 
 LATE, NEAR, LOST = 0.1, 0.1, 0.9
-"""Seconds by which a command is late; and in cells, the distance from the end of the line at which
-the robot has arrived, and the distance from the line at which it is lost."""
+"""Seconds by which a command is late, and two distances in cells. A robot has arrived at less than
+``NEAR`` from the end of its line. A robot is lost at more than ``LOST`` from its line."""
 
 Line = list[tuple[float, float]]
 
@@ -129,7 +129,10 @@ class Follower:
         self._grid = WarehouseEnv(env.layout, env.cell)
         state = WarehouseState(env.cell, env.has_item, seen["battery"], seen["steps"])
         self._grid.state = state
-        self._line = [env.pose[:2], centre_of(env.cell, self._size)]
+        here, centre = env.pose[:2], centre_of(env.cell, self._size)
+        # A robot in the middle may leave in any direction, so its line begins there.
+        is_near = math.dist(here, centre) < NEAR * self._size
+        self._line = [centre if is_near else here, centre]
 
 
 def _along(line: Line, here: tuple[float, float]) -> float:

@@ -22,6 +22,7 @@ All functions take arrays with a row for each of ``N`` robots.
 
 from __future__ import annotations
 
+from abc import ABC, abstractmethod
 from dataclasses import dataclass
 from typing import ClassVar, NamedTuple
 
@@ -34,7 +35,7 @@ from warehouse_physics.spec import RobotSpec
 
 VELOCITY, WHEELS, FORCE = "velocity", "wheels", "force"
 CONTROLS = (VELOCITY, WHEELS, FORCE)
-"""What the two numbers of an action command; see ``DriveEnv``."""
+"""Quantities that the two numbers of an action may command; see ``DriveEnv``."""
 
 TINY = 1e-200
 """Smallest length by which vectors are divided, so that a vector of length 0 stays 0."""
@@ -97,7 +98,7 @@ class Thrust(NamedTuple):
     parts: Floats
 
 
-class Drive:
+class Drive(ABC):
     """The drive of ``N`` robots of one kind."""
 
     controls: ClassVar[tuple[str, ...]]
@@ -109,20 +110,20 @@ class Drive:
         self._is_force = control == FORCE
         self._control = control
 
+    @abstractmethod
     def command(self, actions: Floats) -> Floats:
-        """Return what ``[N, 2]`` actions command: ``[N, 2]`` m/s, or N if the control is a force.
+        """Return the commands for ``[N, 2]`` actions: ``[N, 2]`` m/s, or N to control forces.
 
         The actions are numbers from -1 to 1.
         """
-        raise NotImplementedError
 
+    @abstractmethod
     def push(self, state: BodyState, commands: Floats, loads: Loads) -> Thrust:
         """Return the forces of the next substep."""
-        raise NotImplementedError
 
+    @abstractmethod
     def speeds(self, state: BodyState) -> Floats:
         """Return the speeds ``[N, M]`` m/s at which the motors act."""
-        raise NotImplementedError
 
     def work(self, push: Thrust, before: Floats, after: Floats) -> Floats:
         """Return the work ``[N]`` J for which the battery pays in a substep; see ``energy.py``.
@@ -198,11 +199,6 @@ class WheelDrive(Drive):
     def __init__(self, spec: RobotSpec, control: str, rows: int) -> None:
         super().__init__(spec, control, rows)
         self._arm, self._turning = spec.wheel_arm, 1 / (2 * spec.track**2)
-
-    @property
-    def top_turn_rate(self) -> float:
-        """The highest turn rate in rad/s, with one wheel forwards and the other backwards."""
-        return self._spec.top_speed / self._arm
 
     def command(self, actions: Floats) -> Floats:
         """Return the speeds or forces of the left and the right wheel.

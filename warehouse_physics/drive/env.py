@@ -98,13 +98,13 @@ class DriveEnv(gymnasium.Env[Any, Any]):
 
     Args:
         layout: layout in any form that ``Warehouse-v0`` takes; ``None`` is the chapter's layout.
-        control: what actions command.
+        control: quantity that actions command.
         spec: numbers of the robot; ``None`` is the default robot with two wheels.
         disturbances: deviations from the nominal physics; ``None`` is no deviation.
         rate: actions in a second, 1 to 1,000.
         rays: number of rays of the range scan, 0 to ``MAX_RAYS``.
         observation: ``"vector"`` or ``"dict"``.
-        randomize: as in ``Warehouse-v0``.
+        randomize: random parts of an episode, like in ``Warehouse-v0``.
         start_pos: start of the robot if it is not random; ``None`` is the default start.
         max_seconds: limit of an episode; ``None`` is the time of 200 moves over one cell.
         battery: joules of a full battery; ``None`` is the energy of 200 moves over one cell.
@@ -199,7 +199,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
     ) -> Self:
         """Return an environment with the settings in a name such as ``drive:control=wheels``.
 
-        The settings are those of robots and disturbances as in ``physics:mass=70``, and
+        A name may set numbers of the robot and disturbances, as in ``physics:mass=70``, and also
         ``control``, ``rate``, ``rays``, ``max_seconds``, ``battery`` and ``crates``.
 
         Args:

@@ -14,7 +14,7 @@ def replay(episode: Episode, env: DriveEnv | str) -> Episode:
     """Drive the actions of a record again, and return the new record.
 
     Raises:
-        BackendError: the record has things of its own that a name does not tell.
+        BackendError: the record had obstacles, crates or bodies that a record does not keep.
     """
     if isinstance(env, str):
         if OWN in env:

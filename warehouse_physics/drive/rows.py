@@ -1,7 +1,7 @@
 """The warehouse under continuous control: ``B`` rows with a robot, a task and an episode each.
 
-``DriveEnv`` is one row and ``DriveVectorEnv`` many. The task, its rewards and its random stations
-are those of ``WarehouseEnv``; see ``task/rules.py`` and ``reset(randomize=True)``. What differs:
+``DriveEnv`` is one row and ``DriveVectorEnv`` many. A row has the task, the rewards and the random
+stations of ``WarehouseEnv``; see ``task/rules.py`` and ``reset(randomize=True)``. The differences:
 
 ===============  ==================================================================================
 Picking          happens after the robot has stood in the cell of a pickup for ``spec.dwell``
@@ -102,9 +102,9 @@ class DriveRows:
     """``B`` robots in warehouses of their own; see the top of this file.
 
     Attributes:
-        settings: what all rows have in common.
+        settings: settings of all rows.
         bodies: bodies of the robots.
-        state: where the robots are, and how they move.
+        state: positions and velocities of the robots.
         layouts: layout of each row, with its stations.
         starts: cell in which each row began.
         has_item: ``[B]`` bool.

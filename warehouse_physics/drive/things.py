@@ -146,13 +146,13 @@ def _with_walls(layout: Layout, cells: Sequence[Cell]) -> Layout:
 
 def scan(arena: DriveArena, angle: float, rays: int) -> Floats:
     """Return the distances in metres to the first shape of any kind along each ray, ``[K]``."""
-    body, distances = arena.bodies[0], np.full(rays, SCAN_RANGE)
+    body, distances = arena.bodies[0], np.empty(rays)
     own = group_of(0)
     for number, ray in enumerate(ray_vectors(rays)):
         end = body.position + ray.rotated(angle)
-        hit = arena.space.segment_query_first(body.position, end, 0.0, own)
-        if hit is not None and not hit.shape.sensor:
-            distances[number] = hit.alpha * SCAN_RANGE
+        hits = arena.space.segment_query(body.position, end, 0.0, own)
+        shares = [hit.alpha for hit in hits if hit.shape is not None and not hit.shape.sensor]
+        distances[number] = SCAN_RANGE * min(shares, default=1.0)
     return distances
 
 

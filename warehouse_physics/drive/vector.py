@@ -50,7 +50,7 @@ class DriveVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         ``impulse`` of all rows.
 
     Rewards:
-        Those of ``DriveEnv``, ``[B]`` float64.
+        The rewards of ``DriveEnv``, ``[B]`` float64.
 
     Ends:
         Rows end like ``DriveEnv``, and restart as ``autoreset_mode`` determines.

@@ -15,6 +15,7 @@ from warehouse_core import (
 from warehouse_core.errors import BackendError
 from warehouse_physics import RobotSpec
 from warehouse_physics.drive import DriveEnv
+from warehouse_physics.drive.recording import DriveRecorder
 from warehouse_physics.drive.things import CRATE_MASS
 
 AISLE = Layout(["##########", "#P......D#", "##########"])
@@ -167,6 +168,20 @@ def test_a_callback_of_a_user_is_called_beside_ours():
     assert env.pose[0] == pytest.approx(1.35, abs=0.01)
 
 
+def test_sensors_are_neither_hit_nor_seen():
+    def add(space):
+        zone = pymunk.Circle(space.static_body, 0.3, (5.0, 1.5))
+        zone.sensor = True
+        space.add(zone)
+
+    env = on_aisle(on_reset=add, observation="dict")
+    assert env.step([0.0, 0.0])[0]["scan"][0] == pytest.approx(6.5)
+    for _ in range(40):
+        env.step([1.0, 0.0])
+        assert not env.last_motion.contacts
+    assert env.pose[0] > 5.5
+
+
 class Ahead:
     """An agent that drives straight on."""
 
@@ -185,6 +200,7 @@ def test_a_record_is_replayed_bit_for_bit(tmp_path):
     episode = record_episode(env, Ahead(), seed=4)
     assert (episode.agent, episode.seed, episode.steps) == ("Ahead", 4, 60)
     assert episode.reasons[0] == "straight on"
+    assert DriveRecorder(env, seed=4).place == "step 1"
     episode.save(tmp_path / "drive.npz")
     loaded = Episode.load(tmp_path / "drive.npz")
     assert loaded == episode
