@@ -7,11 +7,11 @@ same command.
 from __future__ import annotations
 
 from agents.lab.commands.run import run, run_episode
-from agents.lab.console.main import application, main
+from agents.lab.console.main import application, help_of, main
 
 __all__ = ["run_episode"]
 
 if __name__ == "__main__":
     app = application()
-    app.command()(run)
+    app.command(help=help_of(run))(run)
     main(app)

@@ -8,6 +8,7 @@ from warehouse_core.errors import BackendError, LayoutError, OrderError, RecordE
 from warehouse_core.fleet.env import FleetEnv
 from warehouse_core.motion.base import Contact, Motion, Outcome
 from warehouse_core.motion.grid import GridMotion
+from warehouse_core.neighbours import warn_of_other_agents
 from warehouse_core.orders.order import Order, OrderQueue, OrderStream
 from warehouse_core.records.episode import Episode, FleetEpisode
 from warehouse_core.records.recorder import (
@@ -63,3 +64,5 @@ __all__ = [
     "save_frames_to_svg",
     "shelf_layout",
 ]
+
+warn_of_other_agents()

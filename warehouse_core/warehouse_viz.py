@@ -14,6 +14,7 @@ import numpy as np
 from numpy.typing import NDArray
 
 from warehouse_core.arguments import real_number, sequence_of
+from warehouse_core.errors import FormatError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.records.episode import Episode
 from warehouse_core.records.plans import StepPlans
@@ -45,7 +46,7 @@ def replay_animation(
     beside: Episode | None = None,
     frame_seconds: float = FRAME_SECONDS,
     plans: Sequence[StepPlans] = (),
-) -> Replay | None:
+) -> Replay | PageOnly | None:
     """Return the animated replay of an episode; show it too if it is given as frames.
 
     Frames are shown in a window until it is closed, as in the chapter and as with
@@ -71,6 +72,7 @@ def replay_animation(
 
     Returns:
         A ``matplotlib.animation.FuncAnimation``, or ``None`` without frames or without matplotlib.
+        Without matplotlib the replay of a record can still be saved as an ``.html`` page.
 
     Raises:
         ValueError: frames, metrics, interval, speed or plans are invalid; the message names the
@@ -84,15 +86,32 @@ def replay_animation(
         >>> replay_animation(episode).save("replay.html")
     """
     track = _track_of(frames, metrics, frame_seconds, plans)
-    if track is None or not _matplotlib_is_installed():
+    if track is None:
         return None
+    tracks = [track] if beside is None else [track, track_of_record(beside, frame_seconds)]
+    if not _matplotlib_is_installed():  # pragma: no cover - tested in a process of its own
+        return PageOnly(tracks, speed) if isinstance(frames, Episode) else None
     from warehouse_core.viz.replay import replay_of_tracks
 
-    tracks = [track] if beside is None else [track, track_of_record(beside, frame_seconds)]
     replay = replay_of_tracks(*tracks, interval_ms=interval_ms, speed=speed, window=window)
     if window is None and not isinstance(frames, Episode):
         _show(replay)
     return replay
+
+
+class PageOnly:  # pragma: no cover - tested in a process of its own
+    """A replay without matplotlib, which can only be saved as a page."""
+
+    def __init__(self, tracks: Sequence[Track], speed: float) -> None:
+        self._tracks, self._speed = tracks, speed
+
+    def save(self, filename: str | Path) -> None:
+        """Save the replay as ``.html``; other formats raise a ``FormatError``."""
+        from warehouse_core.viz.player.page import save_page
+
+        if Path(filename).suffix.lower() != ".html":
+            raise FormatError(f"{filename}: without matplotlib only .html is possible")
+        save_page(filename, self._tracks, speed=self._speed)
 
 
 def save_frames_to_svg(frames: Episode | Frames, output_dir: str | Path, dpi: float = 120) -> None:

@@ -18,6 +18,7 @@ MAY_IMPORT = {
     "warehouse_core/errors": "",
     "warehouse_core/extras": "",
     "warehouse_core/listing": "copies",
+    "warehouse_core/neighbours": "",
     "warehouse_core/registration": "",
     "warehouse_core/renamed": "",
     "warehouse_core/wording": "",
@@ -53,7 +54,7 @@ MAY_IMPORT = {
         "viz/tracks warehouse_env wording world"
     ),
     "warehouse_core/warehouse_viz": (
-        "arguments files records render viz viz/export viz/tracks warehouse_env"
+        "arguments errors files records render viz viz/export viz/player viz/tracks warehouse_env"
     ),
     "warehouse_physics/disturbances": "",
     "warehouse_physics/exclusive": "",

@@ -58,11 +58,12 @@ class WarehouseParallelEnv(Unlisted, ParallelEnv[str, Any, int]):
     Args:
         layout: a layout in a form that ``WarehouseGymnasiumEnv`` accepts.
         robots: number of robots ``R``, which are the ``possible_agents``.
-        max_cycles: limit of an episode, ``max_steps`` of ``FleetEnv``.
+        max_cycles: limit of an episode in steps.
         observation: ``"dict"`` or ``"vector"``.
         render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``. Without a
             display ``metadata`` does not list ``"human"``.
         tile_pixels: side of a cell in a picture, at least 2; ``None`` fits it to the layout.
+        max_steps: another name of ``max_cycles``, as in ``FleetEnv``.
         settings: other arguments of ``FleetEnv``, such as ``orders``.
 
     Raises:
@@ -94,11 +95,14 @@ class WarehouseParallelEnv(Unlisted, ParallelEnv[str, Any, int]):
         observation: str = "dict",
         render_mode: str | None = None,
         tile_pixels: int | None = None,
+        *,
+        max_steps: int | None = None,
         **settings: Any,
     ) -> None:
         check_render_mode(render_mode, self.metadata["render_modes"])
         self.metadata = listed(self.metadata)
-        self.fleet = fleet = FleetEnv(as_layout(layout), robots, max_steps=max_cycles, **settings)
+        limit = max_cycles if max_steps is None else max_steps
+        self.fleet = fleet = FleetEnv(as_layout(layout), robots, max_steps=limit, **settings)
         height, width = fleet.layout.height, fleet.layout.width
         capacity, radius = fleet.settings.battery.capacity, fleet.settings.view_radius
         extent = Extent(height, width, radius, capacity, fleet.settings.max_steps)

@@ -11,7 +11,7 @@ from __future__ import annotations
 
 import json
 from functools import cache
-from pathlib import Path
+from importlib.resources import files
 from typing import Any
 
 from warehouse_core.world.tiles import (
@@ -30,15 +30,14 @@ from warehouse_core.world.tiles import (
 Color = tuple[float, float, float]
 """Red, green and blue, each from 0 to 1."""
 
-PALETTE: dict[str, Any] = json.loads(
-    Path(__file__).with_name("palette.json").read_text(encoding="utf-8")
-)
+FILES = files("warehouse_core.render")
+"""Data of this folder, which may be in a ZIP file."""
+
+PALETTE: dict[str, Any] = json.loads((FILES / "palette.json").read_text(encoding="utf-8"))
 """Colours as ``#rrggbb``: by name in ``light``, ``dark`` and ``both``, and as lists in ``series``
 and ``heat``."""
 
-LOOK: dict[str, Any] = json.loads(
-    Path(__file__).with_name("tiles.json").read_text(encoding="utf-8")
-)
+LOOK: dict[str, Any] = json.loads((FILES / "tiles.json").read_text(encoding="utf-8"))
 """Labels and geometry of tiles, robots and items, by name, for all pictures and pages.
 
 Lengths are in cells. The corners of ``shapes`` are relative to the centre of a cell, or of a body

@@ -125,7 +125,8 @@ for title, commands in GROUPS.items():
     for name, command in commands.items():
         epilog = NAMES if command is sweep else None
         kind = CLASSES.get(name)
-        app.command(name, cls=kind, rich_help_panel=title, epilog=epilog)(command)
+        text = console.help_of(command)
+        app.command(name, cls=kind, help=text, rich_help_panel=title, epilog=epilog)(command)
 
 
 def _print_version(wanted: bool) -> None:

@@ -12,6 +12,7 @@ import typer
 from agents.fleet.plan_log import PlanLog
 from agents.fleet.planned import PlannedFleet
 from agents.lab.console import options
+from agents.lab.console.main import help_of
 from agents.lab.console.output import Film, save_picture, show_or_save, unused
 from agents.lab.console.terminal import say
 from agents.lab.console.watch import slow_steps_reported
@@ -242,7 +243,7 @@ def demo(
     """
     if name is None and not save:
         for each, make in DEMOS.items():
-            say(f"{each:<10}{(make.__doc__ or '').strip()}")
+            say(f"{each:<10}{help_of(make).strip()}")
         return
     if name is None or name not in DEMOS:
         given = "--save needs a demonstration" if name is None else f"no demo is called {name!r}"

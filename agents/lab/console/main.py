@@ -2,10 +2,13 @@
 
 from __future__ import annotations
 
+import ast
+import inspect
 import os
 import re
 import sys
-from collections.abc import Sequence
+import textwrap
+from collections.abc import Callable, Sequence
 from typing import Any
 
 import typer
@@ -40,6 +43,14 @@ def application(**settings: Any) -> typer.Typer:
         context_settings={"help_option_names": [*HELP]},
         **settings,
     )
+
+
+def help_of(command: Callable[..., Any]) -> str:
+    """Return the help of a command: its docstring, which ``python -OO`` leaves in the source."""
+    if command.__doc__:
+        return command.__doc__
+    source = ast.parse(textwrap.dedent(inspect.getsource(command))).body[0]
+    return ast.get_docstring(source) or ""  # type: ignore[arg-type]
 
 
 def main(app: typer.Typer, arguments: Sequence[str] | None = None) -> None:

@@ -61,7 +61,9 @@ def load_file(name: str, file: str) -> Any:
 
 
 def load_sibling(name: str) -> Any:
-    """Return the module in a file of the same folder as this one."""
+    """Return a module of this folder, from its file if this one runs as a script."""
+    if __package__:
+        return importlib.import_module(f"{__package__}.{name}")
     return load_file(f"{name} of an agent", os.path.join(os.path.dirname(__file__), f"{name}.py"))
 
 

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Callable
+from importlib.resources import files
 from pathlib import Path
 
 from agents.lab.grading.rubric import Rubric, load_rubric, own_rubrics
@@ -15,7 +16,7 @@ from warehouse_core.render.palette import style_rules
 from warehouse_core.viz.player import page as player
 from warehouse_core.world.named_layouts import NAMES, find_layout
 
-FOLDER = Path(__file__).parent
+FOLDER = files("agents.lab.playground")
 
 SCRIPTS = ("editor.js", "main.js", "painter.js", "python.js", "share.js", "worker.js")
 

@@ -6,6 +6,7 @@ import hashlib
 import http.client
 import json
 from collections.abc import Callable
+from importlib.resources import files
 from pathlib import Path
 from urllib.error import URLError
 from urllib.parse import urljoin, urlsplit
@@ -15,7 +16,7 @@ from agents.errors import PyodideError
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.wording import brief
 
-PINNED = json.loads((Path(__file__).parent / "pyodide.json").read_text(encoding="utf-8"))
+PINNED = json.loads((files("agents.lab.playground") / "pyodide.json").read_text(encoding="utf-8"))
 
 VERSION: str = PINNED["version"]
 """Version of Pyodide."""

@@ -15,7 +15,7 @@ from dataclasses import dataclass
 from importlib.metadata import version
 from pathlib import Path
 
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
+from jinja2 import Environment, PackageLoader, StrictUndefined
 from markupsafe import Markup
 
 from agents.errors import StoreError
@@ -200,7 +200,7 @@ def write_template(
         values: Variables of the template.
     """
     environment = Environment(
-        loader=FileSystemLoader(Path(__file__).parent),
+        loader=PackageLoader("agents.lab.reports", ""),
         autoescape=True,
         undefined=StrictUndefined,
         finalize=_shown,

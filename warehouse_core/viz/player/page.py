@@ -13,6 +13,7 @@ from base64 import b64encode
 from collections.abc import Sequence
 from functools import cache
 from hashlib import sha256
+from importlib.resources import files
 from pathlib import Path
 
 from warehouse_core.arguments import instance_of, real_number, whole_number
@@ -22,7 +23,7 @@ from warehouse_core.viz.player.tracks import packed
 from warehouse_core.viz.tracks.track import MAX_PACE, MIN_PACE, Track
 from warehouse_core.wording import printable
 
-FOLDER = Path(__file__).parent
+FOLDER = files("warehouse_core.viz.player")
 
 SCRIPTS = (
     "scale.js", "track.js", "orders.js", "canvas.js", "elements.js", "floor.js", "bodies.js",
