@@ -316,8 +316,8 @@ class DriveEnv(gymnasium.Env[Any, Any]):
             raise ValueError(
                 f"randomize is {brief(randomize)}; this DriveEnv was made with randomize={own!r}"
             )
-        self.reset(seed=seed)
-        return DriveRecorder(self, seed=self._seed, agent=agent)
+        observation, _ = self.reset(seed=seed)
+        return DriveRecorder(self, observation, seed=self._seed, agent=agent)
 
     @property
     def settings(self) -> Settings:

@@ -25,10 +25,12 @@ class DriveRecorder:
         episode: the record so far.
     """
 
-    def __init__(self, env: Any, *, seed: int | None = None, agent: str = "") -> None:
+    def __init__(
+        self, env: Any, observation: Any = None, *, seed: int | None = None, agent: str = ""
+    ) -> None:
         self._env = env
         self.episode = Episode(env.layout, env.settings, seed, agent)
-        self._observation: Any = None
+        self._observation = observation
         self._keep_frame(0.0)
 
     @property
@@ -45,20 +47,20 @@ class DriveRecorder:
     def step(self, action: Any, reason: str = "") -> Any:
         """Take one step, record it and return the observation."""
         env, episode = self._env, self.episode
-        observation, reward, terminated, truncated, _ = env.step(action)
+        self._observation, reward, terminated, truncated, _ = env.step(action)
         episode.actions.append(text_of(env.last_action))
         episode.reasons.append(reason)
         episode.motions.append(env.last_motion)
         episode.terminated, episode.truncated = terminated, truncated
         self._keep_frame(reward)
-        return observation
+        return self._observation
 
-    def run(self, agent: Any, observation: Any = None) -> None:
+    def run(self, agent: Any) -> None:
         """Reset an agent and let it act until the episode is over."""
         agent.reset()
         while not self.ended:
-            action = agent.act(observation)
-            observation = self.step(action, str(explanation_of(agent)))
+            action = agent.act(self._observation)
+            self.step(action, str(explanation_of(agent)))
 
     def _keep_frame(self, reward: float) -> None:
         env, episode = self._env, self.episode

@@ -6,11 +6,13 @@ from collections.abc import Sequence
 from typing import Any
 
 from agents.lab.commands.run import report_episode
+from agents.lab.commands.steer import SteeringWheel
 from agents.lab.console import options
 from agents.lab.console.output import replay_or_save, unused
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place, with_slippery
 from agents.lab.place import Place
+from agents.lab.runs.driven import is_drive, make_drive
 from agents.lab.runs.run import draw_seed
 from agents.registry import make_backend
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
@@ -120,7 +122,7 @@ def report_game(games: Sequence[Episode], place: Place) -> None:
 
 
 def play(
-    backend: options.BackendOption = "grid",
+    backend: options.PlayBackend = "grid",
     layout: options.LayoutOption = None,
     stations: options.StationsOption = None,
     start: options.Start = None,
@@ -134,28 +136,35 @@ def play(
     """Drive the robot yourself, in a window.
 
     Arrows or NESW move, P picks, D drops, space waits, and Enter starts another game. Each game
-    is saved; from the second game on, the names of its files have a number.
+    is saved; from the second game on, the names of its files have a number. With --backend drive,
+    held arrow keys accelerate and steer the robot, which keeps its momentum.
 
-    Example: warehouse play --backend physics --save games.npz
+    Example: warehouse play --backend drive --save games.npz
     """
     place = load_place(layout, stations, start)
     [backend] = with_slippery(slippery, place.layout, backend)
-    env = WarehouseEnv(
-        place.layout, place.start_pos, max_steps, battery, backend=make_backend(backend)
-    )
+    limits = {"moves": max_steps, "units": battery}
+    if is_drive(backend):
+        placed = {"start_pos": place.start_pos, "randomize": place.randomize}
+        env: Any = make_drive(backend, layout=place.layout, **placed, **limits)
+    else:
+        made = make_backend(backend)
+        env = WarehouseEnv(place.layout, place.start_pos, max_steps, battery, backend=made)
     if not has_display():
         raise NoDisplayError("'warehouse play' needs a window, but there is no display")
-    driver = KeyDriver(env, draw_seed() if seed is None else seed, place)
+    seed = draw_seed() if seed is None else seed
+    driver = SteeringWheel(env, seed) if is_drive(backend) else KeyDriver(env, seed, place)
     import matplotlib.pyplot as plt
 
     try:
         plt.show()
     finally:
-        if len(driver.games) > 1 and not driver.episode.steps:
-            del driver.games[-1]  # the window was closed at its start
+        games = driver.games
+        if len(games) > 1 and not games[-1].steps:
+            del games[-1]  # the window was closed at its start
         else:
-            report_game(driver.games, place)
-        replay_or_save(driver.games[0], save, show=False)
-        for game in driver.games[1:]:
+            report_game(games, place)
+        replay_or_save(games[0], save, show=False)
+        for game in games[1:]:
             replay_or_save(game, list(map(unused, save)), show=False)
         env.close()

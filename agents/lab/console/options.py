@@ -175,8 +175,13 @@ InstalledBackend = Annotated[
     ),
 ]
 DRIVES = "driving (a body drives the path of a finished episode in one go), "
+CONTROL = "drive (continuous control, which drives an agent's moves), "
 BackendOption = Annotated[str, option("--backend NAME", BACKEND.format(""))]
-RunBackend = Annotated[str, option("--backend NAME", BACKEND.format(DRIVES))]
+RunBackend = Annotated[str, option("--backend NAME", BACKEND.format(f"{DRIVES}{CONTROL}"))]
+PlayBackend = Annotated[
+    str,
+    option("--backend NAME", BACKEND.format("drive (held keys steer a body in real time), ")),
+]
 FleetBackend = Annotated[
     str,
     option(

@@ -192,6 +192,7 @@ class Ahead:
 
     def act(self, observation):
         """Drive."""
+        assert observation.shape == (29,)
         return 0.8, 0.1
 
 
