@@ -58,7 +58,7 @@ def printable(text: str) -> str:
 
 def spreadsheet_text(text: str) -> str:
     """Return text that a spreadsheet shows and does not run as a formula."""
-    return f"'{text}" if text.startswith(FORMULA) else text
+    return f"'{text}" if text.startswith(FORMULA) and len(text) > 1 else text
 
 
 def _visible(character: str) -> str:

@@ -103,8 +103,8 @@ MAY_IMPORT = {
     ),
     "agents/lab/experiments": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/grading": "errors lab lab/runs lab/trials registry warehouse_agent_greedy",
-    "agents/lab/training": "lab/console lab/trials learning",
-    "agents/lab/datasets": "errors lab lab/console lab/experiments lab/trials registry",
+    "agents/lab/training": "lab/trials learning",
+    "agents/lab/datasets": "errors lab lab/experiments lab/trials registry",
     "agents/lab/reports": "errors lab lab/console lab/experiments lab/trials registry",
     "agents/lab/commands/backends": (
         "errors fleet lab lab/console lab/reports lab/runs lab/trials registry"

@@ -1,38 +1,34 @@
 """Files of orders as comma-separated values with a header line.
 
 The columns are ``released``, ``due``, ``pickup_row``, ``pickup_col``, ``dropoff_row``,
-``dropoff_col`` and ``robot``, which is empty for an open order. Errors count lines from 1.
+``dropoff_col`` and ``robot``, which is empty for an open order.
 """
 
 from __future__ import annotations
 
 from collections.abc import Iterable
+from itertools import islice
 from pathlib import Path
 
-from warehouse_core.errors import LayoutError, OrderError
-from warehouse_core.files.atomic import atomic_path
+from warehouse_core.errors import OrderError
+from warehouse_core.files.tables import read_table, whole_in, write_table
 from warehouse_core.orders.order import MAX_ORDERS, Order
-from warehouse_core.world.text_lines import (
-    error_at,
-    expect_line,
-    opened,
-    read_line,
-    read_lines,
-    whole_number_at,
-)
 
 COLUMNS = (
     "released", "due", "pickup_row", "pickup_col", "dropoff_row", "dropoff_col", "robot"
 )  # fmt: skip
+
+MAX_BYTES = 64 * MAX_ORDERS
+"""Limit on the bytes of a file."""
 
 
 def load_orders(path: str | Path) -> list[Order]:
     """Return the orders in a file.
 
     Raises:
-        OrderError: the file has a different format, or more than ``MAX_ORDERS`` lines; the message
-            names file, line and column.
-        OSError: the file cannot be read.
+        OrderError: the file has a different format, or more than ``MAX_ORDERS`` orders; the
+            message names the file and the line.
+        OSError: the file cannot be read, or is longer than ``MAX_BYTES``.
 
     Example:
         >>> from warehouse_core import Order
@@ -42,12 +38,12 @@ def load_orders(path: str | Path) -> list[Order]:
         1
     """
     try:
-        with opened(path) as file:
-            expect_line(read_line(file, 1), 1, ",".join(COLUMNS))
-            lines = read_lines(file, 2, "MAX_ORDERS", MAX_ORDERS)
-            return [_order(line, number) for number, line in lines]
-    except LayoutError as error:
-        raise OrderError(str(error)) from error
+        orders = list(islice(read_table(path, COLUMNS, MAX_BYTES, _order), MAX_ORDERS + 1))
+    except ValueError as error:
+        raise OrderError(f"{path}: {error}") from None
+    if len(orders) > MAX_ORDERS:
+        raise OrderError(f"{path}: more than MAX_ORDERS = {MAX_ORDERS} orders")
+    return orders
 
 
 def save_orders(path: str | Path, orders: Iterable[Order]) -> None:
@@ -65,25 +61,11 @@ def save_orders(path: str | Path, orders: Iterable[Order]) -> None:
         released,due,pickup_row,pickup_col,dropoff_row,dropoff_col,robot
         0,50,1,3,5,6,
     """
-    lines = [",".join(COLUMNS)]
-    for order in orders:
-        cells = *order.pickup, *order.dropoff
-        robot = "" if order.robot is None else order.robot
-        lines.append(",".join(map(str, (order.released, order.due, *cells, robot))))
-    with atomic_path(path) as part:
-        part.write_text("\n".join(lines) + "\n", encoding="utf-8", newline="\n")
+    lines = ((each.released, each.due, *each.pickup, *each.dropoff, each.robot) for each in orders)
+    write_table(path, COLUMNS, lines)
 
 
-def _order(line: str, number: int) -> Order:
-    fields = line.split(",")
-    if len(fields) != len(COLUMNS):
-        message = f"{len(fields)} columns where there must be {len(COLUMNS)}: {', '.join(COLUMNS)}"
-        raise error_at(number, min(len(fields), len(COLUMNS) + 1), message)
-    values = [
-        whole_number_at(text.strip(), name, 0, number, column)
-        for column, (text, name) in enumerate(zip(fields, COLUMNS, strict=True), 1)
-        if text.strip() or name != "robot"
-    ]
-    released, due, *cells = values[:6]
-    robot = values[6] if len(values) > 6 else None
+def _order(row: dict[str, str]) -> Order:
+    released, due, *cells = (whole_in(row, name) for name in COLUMNS[:-1])
+    robot = whole_in(row, COLUMNS[-1]) if row[COLUMNS[-1]] else None
     return Order(released, due, (cells[0], cells[1]), (cells[2], cells[3]), robot)

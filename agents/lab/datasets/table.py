@@ -9,10 +9,10 @@ from collections.abc import Iterator
 from pathlib import Path
 from typing import Any
 
-from agents.lab.console.csv_file import write_csv
 from agents.lab.experiments.case import TILES, Case, row_type
 from agents.lab.experiments.store import Store
 from agents.lab.trials.rows import Row
+from warehouse_core.files.tables import write_table
 
 ROWS_END = "/"
 """Separator between the rows of a layout, so that each episode is a single line of text."""
@@ -24,7 +24,7 @@ def save_table(target: Path, results: Path) -> None:
     """Write the episodes of a sweep as one table, and leave no incomplete file after an error."""
     with Store(results, read_only=True) as store:
         columns = columns_of(store)
-        write_csv(target, columns, lines_of(store, columns))
+        write_table(target, columns, lines_of(store, columns))
 
 
 def columns_of(store: Store) -> list[str]:

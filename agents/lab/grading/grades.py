@@ -7,11 +7,8 @@ other name counts as the login of the student.
 
 from __future__ import annotations
 
-import csv
-import math
 import re
-from collections.abc import Callable, Collection, Iterable, Mapping
-from io import StringIO
+from collections.abc import Collection, Mapping
 from pathlib import Path
 from statistics import mean, median
 
@@ -20,17 +17,19 @@ from agents.lab.grading.grading import Grade, GradeReport
 from agents.lab.grading.rubric import MAX_DAYS, TAKEN, Rubric
 from agents.lab.grading.students import CANVAS, MOODLE
 from agents.lab.trials.wording import percent
-from warehouse_core.files.atomic import atomic_path
-from warehouse_core.files.reading import read_file
-from warehouse_core.wording import counted, printable, spreadsheet_text
+from warehouse_core.files.tables import number_in, read_table, whole_in, write_table
+from warehouse_core.wording import printable, spreadsheet_text
 
 NAME, POINTS, MOST, LATE, FAILURE, OUTCOMES, CODE, RUBRIC = TAKEN
 
 DAYS = "days"
 """Column of a table of late submissions."""
 
-MAX_BYTES, MAX_COLUMNS = 5_000_000, 1_000
-"""Limits on the bytes of a table (enough for ten thousand submissions) and on its columns."""
+MAX_BYTES = 5_000_000
+"""Limit on the bytes of a table, which are enough for ten thousand submissions."""
+
+TEXTS = (NAME, FAILURE, OUTCOMES, CODE, RUBRIC)
+"""Columns of a table of grades without numbers."""
 
 GradeRow = dict[str, str]
 
@@ -66,8 +65,12 @@ def plain(text: str) -> str:
     return spreadsheet_text(printable(text))
 
 
-def load_grades(path: Path) -> dict[str, GradeRow]:
+def load_grades(path: Path, columns: Collection[str] = ()) -> dict[str, GradeRow]:
     """Return the rows of a table of grades by the name of the submission, or {} without a file.
+
+    Args:
+        path: file of the table.
+        columns: columns whose names may differ in case.
 
     Raises:
         GradeError: the file is not a table of grades, and must not be overwritten.
@@ -76,106 +79,74 @@ def load_grades(path: Path) -> dict[str, GradeRow]:
     if not path.exists():
         return {}
     needed = NAME, POINTS, MOST, FAILURE, CODE, RUBRIC
-    return _load_rows(path, needed, "not a table of grades", _check_points, "; use another name")
+    try:
+        rows = [*read_table(path, needed, MAX_BYTES, _with_numbers, NAME, columns)]
+    except ValueError as error:
+        raise GradeError(f"{path}: not a table of grades: {error}; use another name") from None
+    return {row[NAME]: row for row in rows}
+
+
+def _with_numbers(row: GradeRow) -> GradeRow:
+    """Return a row with numbers as this program writes them, without other numbers."""
+    found = {name: text for name, text in row.items() if name in TEXTS}
+    for name in row.keys() - found.keys():
+        try:
+            found[name] = f"{number_in(row, name):g}"
+        except ValueError:
+            if name == POINTS:
+                raise
+    return {name: found[name] for name in row if name in found}
 
 
 def load_days(path: Path) -> dict[str, int]:
     """Return the number of days by which each listed submission is late, by name.
 
     Raises:
-        GradeError: the file is not a CSV table with the columns ``submission`` and ``days``, or a
-            number of days is not a whole number from 0 to ``MAX_DAYS``.
+        GradeError: the file is not a table with the columns ``submission`` and ``days``, has a
+            submission twice, or a number of days is not a whole number from 0 to ``MAX_DAYS``.
         OSError: the file is longer than ``MAX_BYTES``, or cannot be read.
     """
-    rows = _load_rows(path, (NAME, DAYS), "not a table of late submissions", _check_days)
-    return {name: int(row[DAYS]) for name, row in rows.items()}
-
-
-def _load_rows(
-    path: Path,
-    needed: Collection[str],
-    fault: str,
-    check: Callable[[GradeRow], None],
-    advice: str = "",
-) -> dict[str, GradeRow]:
-    """Return the rows of a CSV table by the name of the submission.
-
-    The error of a bad table has the fault, the reason and the advice. It names the line of a row
-    for which ``check`` raises ``ValueError``.
-    """
-    data = read_file(path, MAX_BYTES)
     try:
-        with StringIO(data.decode("utf-8-sig"), newline="") as file:
-            reader = csv.reader(file, strict=True)
-            columns: list[str] = next(reader, [])
-            for name in needed:
-                if name not in columns:
-                    raise ValueError(f"the column {name!r} is missing")
-            if len(columns) > MAX_COLUMNS:
-                number = f"{len(columns):,} columns"
-                raise ValueError(f"{number} are more than MAX_COLUMNS = {MAX_COLUMNS}")
-            rows = {}
-            for fields in filter(None, reader):
-                try:
-                    if len(fields) != len(columns):
-                        raise ValueError(f"{counted(len(fields), 'field')}, not {len(columns)}")
-                    row = dict(zip(columns, fields, strict=True))
-                    check(row)
-                except ValueError as error:
-                    raise ValueError(f"line {reader.line_num}: {error}") from None
-                rows[row[NAME]] = row
-            return rows
-    except (ValueError, csv.Error) as error:
-        raise GradeError(f"{path}: {fault}: {error}{advice}") from None
+        return dict(read_table(path, (NAME, DAYS), MAX_BYTES, _days_in, NAME))
+    except ValueError as error:
+        raise GradeError(f"{path}: not a table of late submissions: {error}") from None
 
 
-def _check_points(row: GradeRow) -> None:
-    if not math.isfinite(float(row[POINTS])):
-        raise ValueError(f"{POINTS} is {row[POINTS]}")
-
-
-def _check_days(row: GradeRow) -> None:
-    days = row[DAYS]
-    if not (days.isdecimal() and len(days) < 5 and int(days) <= MAX_DAYS):
-        allowed = f"a whole number from 0 to {MAX_DAYS}"
-        raise ValueError(f"{DAYS} is {days[:20]!r}; allowed: {allowed}")
+def _days_in(row: GradeRow) -> tuple[str, int]:
+    return row[NAME], whole_in(row, DAYS, 0, MAX_DAYS)
 
 
 def save_grades(path: Path, columns: list[str], rows: Mapping[str, GradeRow]) -> None:
     """Write the table in the order of the names; after an error the old file is unchanged."""
     lines = ([rows[name].get(column, "") for column in columns] for name in sorted(rows))
-    _save(path, [columns, *lines])
+    write_table(path, columns, lines)
 
 
 def save_moodle(path: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> None:
     """Write a grading worksheet for Moodle; after an error the old file is unchanged."""
-    lines = [["Identifier", "Full name", "Grade", "Maximum Grade", "Last modified (grade)",
-              "Feedback comments"]]  # fmt: skip
+    columns = ("Identifier", "Full name", "Grade", "Maximum Grade", "Last modified (grade)",
+               "Feedback comments")  # fmt: skip
+    lines = []
     for _, row in sorted(rows.items()):
         found = MOODLE.match(row[NAME])
         who = [f"Participant {found['number']}", found["name"]] if found else [_login(row), ""]
         lines.append([*who, row[POINTS], f"{rubric.points:g}", "-", row[FAILURE]])
-    _save(path, lines)
+    write_table(path, columns, lines)
 
 
 def save_canvas(path: Path, rows: Mapping[str, GradeRow], rubric: Rubric) -> None:
     """Write a gradebook for Canvas with one assignment; after an error the old file remains."""
-    lines = [["Student", "ID", "SIS User ID", "SIS Login ID", "Section", rubric.title],
-             ["    Points Possible", "", "", "", "", f"{rubric.points:g}"]]  # fmt: skip
+    columns = "Student", "ID", "SIS User ID", "SIS Login ID", "Section", rubric.title
+    lines = [["    Points Possible", "", "", "", "", f"{rubric.points:g}"]]
     for _, row in sorted(rows.items()):
         found = CANVAS.match(row[NAME])
         who = [found["name"], found["number"], "", ""] if found else ["", "", "", _login(row)]
         lines.append([*who, "", row[POINTS]])
-    _save(path, lines)
+    write_table(path, columns, lines)
 
 
 def _login(row: GradeRow) -> str:
     return re.sub(r"\.(py|ipynb|zip)$", "", row[NAME], flags=re.IGNORECASE)
-
-
-def _save(path: Path, lines: Iterable[Iterable[str]]) -> None:
-    with atomic_path(path) as part, part.open("w", encoding="utf-8", newline="") as file:
-        csv.writer(file, lineterminator="\n").writerows(lines)
 
 
 def summary_of(rows: Collection[GradeRow], rubric: Rubric) -> list[str]:

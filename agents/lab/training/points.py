@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from agents.lab.console.csv_file import write_csv
 from agents.lab.training.exams import ExamPoint
 from agents.lab.trials.scores import FleetScores, Scores
+from warehouse_core.files.tables import write_table
 
 
 def mean_length(scores: Scores) -> float:
@@ -33,4 +33,4 @@ def save_points(path: Path, points: Sequence[ExamPoint]) -> None:
     No incomplete file is left after an error.
     """
     lines = [(point.steps, *numbers(point).values()) for point in points]
-    write_csv(path, ("steps", *numbers(points[0])), lines)
+    write_table(path, ("steps", *numbers(points[0])), lines)

@@ -9,11 +9,11 @@ from pathlib import Path
 import numpy as np
 
 from agents.lab.commands.backends.trial import PLAN, Score
-from agents.lab.console.csv_file import write_csv
 from agents.lab.console.table import TextTable
 from agents.lab.trials.interval import MIN_VALUES, Interval, mean_interval
 from agents.lab.trials.wording import above_interval
 from warehouse_core import FleetEpisode
+from warehouse_core.files.tables import write_table
 from warehouse_core.wording import counted, listed
 
 SeedScores = Mapping[str, Sequence[Score]]
@@ -88,7 +88,7 @@ def write_values(path: Path, scores: SeedScores, seeds: Sequence[int]) -> None:
         for world, runs in scores.items()
         for seed, run in zip(seeds, runs, strict=True)
     )
-    write_csv(path, ["world", "seed", *Score._fields], lines)
+    write_table(path, ["world", "seed", *Score._fields], lines)
 
 
 def write_page(path: Path, table: TextTable, records: Mapping[str, FleetEpisode]) -> None:

@@ -13,12 +13,12 @@ import numpy as np
 from numpy.typing import NDArray
 
 from agents.fleet.optimum import Optimum, most_deliveries
-from agents.lab.console.csv_file import write_csv
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.trials.interval import CONFIDENCE, MIN_VALUES, mean_interval
 from agents.lab.trials.wording import mean, percent
 from warehouse_core import Episode
+from warehouse_core.files.tables import write_table
 from warehouse_core.fleet import FleetMeasures
 from warehouse_core.orders.files import COLUMNS
 from warehouse_core.orders.order import Order
@@ -199,7 +199,7 @@ def write_shifts(path: Path, results: Sequence[ShiftResult]) -> Path:
     """
     fates = ("taken_by", "taken", "delivered", "steps_late")
     lines = ([result.seed, *line] for result in results for line in _orders(result))
-    write_csv(path, ["seed", "order", *COLUMNS, *fates], lines)
+    write_table(path, ["seed", "order", *COLUMNS, *fates], lines)
     second = path.with_stem(f"{path.stem}-measures")
     titles = [f"{line.title} ({line.unit})" for line in LINES]
     measures = (
@@ -211,7 +211,7 @@ def write_shifts(path: Path, results: Sequence[ShiftResult]) -> Path:
         ]
         for each in results
     )
-    write_csv(second, ["seed", *titles, "diagnosis", "sentence"], measures)
+    write_table(second, ["seed", *titles, "diagnosis", "sentence"], measures)
     return second
 
 

@@ -84,7 +84,7 @@ def grade_folder(
     ours = [target, *rubric.files, rubric.starter, *([pages] if pages else []), *other]
     found = list(in_folder(folder, kind, ours))
     days_of = _days_of(folder, found, late or {})
-    before, rows = load_grades(target), dict[str, GradeRow]()
+    before, rows = load_grades(target, columns_of(rubric)), dict[str, GradeRow]()
     find, waiting = finder_of(before), list[Submission]()
     for each in found:
         row = before.get(find(plain(each.name)) or "")

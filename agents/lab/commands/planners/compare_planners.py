@@ -28,7 +28,6 @@ from agents.lab.commands.planners.runs import (
     attempt,
     make_stepper,
 )
-from agents.lab.console.csv_file import write_csv
 from agents.lab.console.output import save_picture
 from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import print_error, say, warnings_printed
@@ -39,6 +38,7 @@ from agents.lab.trials.workers import run_trials
 from agents.mapf.graph import Graph
 from agents.mapf.lifelong import run_lifelong
 from agents.registry import current_planner
+from warehouse_core.files.tables import write_table
 from warehouse_core.wording import counted
 from warehouse_core.world.scenarios import load_scenarios
 
@@ -251,7 +251,7 @@ def write_trials(path: Path, trials: PlannerTrials) -> None:
             for label, each in zip(trials.labels, column, strict=True)
         ]
         fields = next(iter(trials.outcomes.values()))[0]._fields
-        write_csv(path, ["planner", "robots", trials.label, *fields], lines)
+        write_table(path, ["planner", "robots", trials.label, *fields], lines)
         return
     from agents.lab.trials.figure import curves_figure  # imports matplotlib
 

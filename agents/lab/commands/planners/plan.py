@@ -24,7 +24,6 @@ from agents.lab.commands.planners.floors import (
 from agents.lab.commands.planners.replay import track_of_plan
 from agents.lab.commands.planners.runs import AUTO, SOLVERS, make_solver, solve_checked
 from agents.lab.console import options
-from agents.lab.console.csv_file import write_csv
 from agents.lab.console.options import MANY, option, writable
 from agents.lab.console.output import Film
 from agents.lab.console.table import TextTable, print_table
@@ -32,6 +31,7 @@ from agents.lab.console.terminal import print_error, say, warnings_printed
 from agents.lab.parameters import Whole, one_of
 from agents.mapf.problem import Plan, Problem
 from warehouse_core.batch.fleet_settings import MAX_BODIES
+from warehouse_core.files.tables import write_table
 from warehouse_core.motion.backends import load_backend
 from warehouse_core.wording import counted, listed, seconds_of
 from warehouse_core.world.moves import COMPASS, HEADINGS, MOVES
@@ -200,5 +200,5 @@ def save_plan(path: Path, problem: Problem, found: Plan, name: str) -> None:
         for step, (cells, heads) in enumerate(zip(found.cells.tolist(), headings, strict=True))
         for robot, (cell, heading) in enumerate(zip(cells, heads.tolist(), strict=True))
     )
-    write_csv(path, ["step", "robot", "row", "col", "heading"], lines)
+    write_table(path, ["step", "robot", "row", "col", "heading"], lines)
     say(f"saved {path}")

@@ -9,11 +9,13 @@ from typing import Any
 
 import pytest
 from helpers.classes import DOUBLE, SYSTEMS, write_class
+from helpers.spreadsheets import FORMS, save_again
 from helpers.submissions import write_rubric
 
 from agents.errors import GradeError
 from agents.lab.commands.grade import folder as command
 from agents.lab.commands.grade.folder import grade_folder
+from agents.lab.grading.grades import load_days
 from agents.lab.grading.grading import grade
 from agents.lab.grading.rubric import load_rubric
 from agents.lab.grading.sandbox import SameProcess
@@ -190,3 +192,26 @@ def test_code_comes_first_if_a_submission_has_too_many_files(
         "agent.py", "own/__init__.py", "own/deep/x.py", "a.txt",
     ]  # fmt: skip
     assert submission.note == "only 4 of its files were used"
+
+
+@pytest.mark.parametrize("form", FORMS)
+def test_grading_resumes_from_a_table_that_a_spreadsheet_has_saved(
+    tmp_path: Path, form: str, capsys: pytest.CaptureFixture[str]
+) -> None:
+    rubric, table = load_rubric(write_rubric(tmp_path, DOUBLE)), tmp_path / "grades.csv"
+    for name, text in {
+        "Zo\u00eb.py": "def double(x): return 2 * x",
+        "0042.py": "x",
+        "b.py": "",
+    }.items():
+        entry(tmp_path / "all", name, text)
+    (tmp_path / "late.csv").write_text("submission,days\nb.py,2\n0042.py,0\n")
+    save_again(tmp_path / "late.csv", form)
+    late = load_days(tmp_path / "late.csv")
+    assert late == {"b.py": 2, "0042.py": 0}
+    before = grade_folder(tmp_path / "all", None, rubric, table, None, None, 1, late)
+    written = table.read_bytes()
+    save_again(table, form)
+    assert grade_folder(tmp_path / "all", None, rubric, table, None, None, 1, late) == before
+    assert "0 graded, 1 unchanged, 2 that cannot be graded" in capsys.readouterr().out
+    assert table.read_bytes() == written
