@@ -266,7 +266,7 @@ class CallCase:
 
     Attributes:
         function: name of the function, or of a dictionary in which the arguments are looked up.
-        visible: true if the report may show the calls and their answers.
+        visible: true if the report may show the calls and the agent's answers.
     """
 
     name: str
@@ -306,7 +306,8 @@ class CallCase:
             failure = error
         shown = f"{self.function}({', '.join(_shown(as_tuples(each)) for each in call.arguments)})"
         right = failure is None and is_right(answer, call.answer)
-        sentence = "" if right else f"{shown} is {_shown(answer)}, not {_shown(call.answer)}"
+        # The right answer is never shown, as a script could copy it into the next submission.
+        sentence = "" if right else f"{shown} is {_shown(answer)}, which is not the right answer"
         return Run(
             self, number, None, right, mode="right" if right else "wrong", sentence=sentence,
             failure=failure, where=f" in {shown}" if agent.name else "",

@@ -1,12 +1,16 @@
 """Points of solutions, of starting files, and of solutions of other exercises."""
 
+import json
+import re
 from itertools import pairwise
 from pathlib import Path
 
 import pytest
 from helpers.command_line import Refused, Warehouse
 
+from agents.lab.grading.cases import CallCase
 from agents.lab.grading.criteria import MEASURES
+from agents.lab.grading.gradescope import results_of
 from agents.lab.grading.grading import GradeReport, grade
 from agents.lab.grading.rubric import (
     MINI_LAB,
@@ -73,6 +77,33 @@ def test_the_solution_of_the_exercise_before_is_not_enough(
 
 def test_a_robot_that_does_not_charge_is_not_enough_where_it_has_to(tmp_path: Path) -> None:
     assert graded(solution("exercise-13"), tmp_path, "exercise-14").points < 40
+
+
+@pytest.mark.parametrize("name", NAMES)
+def test_no_report_gives_an_answer_away(name: str, tmp_path: Path) -> None:
+    """A script that copies answers from reports into its next submission learns nothing."""
+    rubric = load(name)
+    called = [case for case in rubric.used_cases if isinstance(case, CallCase)]
+    functions = {case.function for case in called}
+    learned = dict[str, str]()
+    for _ in range(3):
+        table = f"LEARNED = {learned!r}\n"
+        bodies = (
+            f"def {each}(*given):\n"
+            f"    asked = '{each}(' + ', '.join(map(repr, given)) + ')'\n"
+            "    return eval(LEARNED.get(asked, '\"?\"'))\n"
+            for each in functions
+        )
+        report = graded(table + "\n".join(bodies), tmp_path, name)
+        assert report.points == 0
+        said = json.dumps(results_of(report)) + str(report)
+        for case in called:
+            for call in case.calls:
+                assert f"not {call.answer!r}" not in said
+        for each in report.grades:
+            for asked, answer in re.findall(r"(\w+\(.*\)) is .*?, not (.*)", each.worst):
+                learned[asked] = answer
+    assert not learned
 
 
 def test_neither_our_agents_nor_our_solutions_are_answers(tmp_path: Path) -> None:
