@@ -23,6 +23,7 @@ html_title = f"{project} {release}"
 html_show_copyright = False
 html_show_sphinx = False
 html_static_path = html_css_files = ["site.css"]
+html_extra_path = ["llms.txt"]
 
 # The cells are executed each time, in a folder that is removed. An error ends the build.
 nb_execution_mode = "force"

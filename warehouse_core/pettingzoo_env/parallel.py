@@ -45,7 +45,8 @@ class WarehouseParallelEnv(Unlisted, ParallelEnv[str, Any, int]):
 
     Observations:
         With ``"dict"`` a flat ``Dict`` with the keys of ``FleetArrays`` and ``action_mask``. With
-        ``"vector"`` a ``Box``, see ``encoding.vector``, with ``FLEET_TILES``. The arrays of
+        ``"vector"`` a ``Box``, see ``encoding.vector``, with ``FLEET_TILES``. With ``"image"`` a
+        picture without headings, see ``render/observation_image.py``. The arrays of
         different calls share no memory. ``state()`` describes all robots and open orders.
 
     Rewards:
@@ -59,7 +60,7 @@ class WarehouseParallelEnv(Unlisted, ParallelEnv[str, Any, int]):
         layout: a layout in a form that ``WarehouseGymnasiumEnv`` accepts.
         robots: number of robots ``R``, which are the ``possible_agents``.
         max_cycles: limit of an episode in steps.
-        observation: ``"dict"`` or ``"vector"``.
+        observation: ``"dict"``, ``"vector"`` or ``"image"``.
         render_mode: ``"rgb_array"``, ``"ansi"``, ``"human"`` (a window) or ``None``. Without a
             display ``metadata`` does not list ``"human"``.
         tile_pixels: side of a cell in a picture, at least 2; ``None`` fits it to the layout.

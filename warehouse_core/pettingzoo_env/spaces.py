@@ -13,7 +13,7 @@ from numpy.typing import NDArray
 
 from warehouse_core.arguments import MAX_STEPS, one_of
 from warehouse_core.fleet.env import FleetEnv
-from warehouse_core.gymnasium_env.spaces import Extent, Form, make_form
+from warehouse_core.gymnasium_env.spaces import FORMS, Extent, Form, make_form
 from warehouse_core.task.encoding import FLEET_TILES, ObservationArrays, vector, vector_limits
 from warehouse_core.world.moves import HEADINGS
 
@@ -30,7 +30,9 @@ def make_fleet_form(name: str, extent: Extent, fleet: FleetEnv) -> Form:
     Raises:
         ValueError: the name is unknown, or ``make_form`` fails.
     """
-    if one_of("observation", name, ("dict", "vector")) == "dict":
+    if one_of("observation", name, FORMS) == "image":
+        return make_form("image", extent)
+    if name == "dict":
         form = make_form("dict", extent)
         known = dict(cast(spaces.Dict, form.space))
         extra: dict[str, spaces.Space[Any]] = {

@@ -58,6 +58,8 @@ class KeyDriver:
         self._begin(seed)
         self._scene = Scene([track_of_record(self.episode)], make_window, length=env.max_steps + 1)
         self.figure = self._scene.root
+        manager: Any = self.figure.canvas.manager
+        manager.set_window_title(HELP)  # where it stays in view
         self.figure.canvas.mpl_connect("key_press_event", self._on_key)
         self._timer = self.figure.canvas.new_timer(interval=FRAME_MS)
         self._timer.add_callback(self._glide)
@@ -154,6 +156,8 @@ def play(
         raise NoDisplayError("'warehouse play' needs a window, but there is no display")
     seed = draw_seed() if seed is None else seed
     driver = SteeringWheel(env, seed) if is_drive(backend) else KeyDriver(env, seed, place)
+    if isinstance(driver, KeyDriver):
+        say(HELP)
     import matplotlib.pyplot as plt
 
     try:

@@ -197,8 +197,9 @@ def story_of_worlds(records: Mapping[str, Episode]) -> str:
         )
     paths = [record.cells for record in records.values()]
     is_same = all(path == paths[0] for path in paths)
-    parts.append(f"All {len(paths)} visit {'the same' if is_same else 'different'} cells.")
-    return " ".join(parts).replace("All 2 visit", "Both visit")
+    all_of_them = {2: "Both", 3: "All three", 4: "All four"}.get(len(paths), f"All {len(paths)}")
+    parts.append(f"{all_of_them} visit {'the same' if is_same else 'different'} cells.")
+    return " ".join(parts)
 
 
 def on_one_clock(records: Mapping[str, Episode], tracks: Iterable[Track]) -> list[Track]:

@@ -46,7 +46,7 @@ def no_supply_warning() -> Any:
         yield
 
 
-@pytest.mark.parametrize("observation", ["dict", "vector"])
+@pytest.mark.parametrize("observation", ["dict", "vector", "image"])
 def test_parallel_api(settings: dict[str, Any], observation: str) -> None:
     parallel_api_test(pettingzoo_env.parallel_env(observation=observation, **settings), 200)
 

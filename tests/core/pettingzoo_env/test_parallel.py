@@ -28,6 +28,14 @@ def waits(env: Any) -> dict[str, int]:
     return dict.fromkeys(env.agents, 4)
 
 
+def test_both_names_of_the_step_limit_are_allowed() -> None:
+    ends = [
+        pettingzoo_env.parallel_env(robots=1, **limit).fleet.settings.max_steps
+        for limit in ({"max_cycles": 7}, {"max_steps": 7})
+    ]
+    assert ends == [7, 7]
+
+
 def test_each_robot_gets_its_row_of_the_fleet() -> None:
     settings = {"orders": 0.4, "battery": 500, "people": 1}
     env = pettingzoo_env.parallel_env(YARD, 3, **settings)

@@ -35,7 +35,8 @@ def test_compare_prints_the_table_and_the_story_and_saves_all_replays(
     story = " ".join(result.out.partition("The grid counts")[2].split())
     assert story.startswith(
         "23 steps. Move by move, the body needs 49.8 s and 1.8 kJ and stops 21 times. Driving "
-        "through, the body needs 32.7 s and 1.2 kJ and stops 6 times. All 3 visit the same cells."
+        "through, the body needs 32.7 s and 1.2 kJ and stops 6 times. All three visit the same "
+        "cells."
     )
 
 

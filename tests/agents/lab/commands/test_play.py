@@ -128,6 +128,7 @@ def test_play_reports_and_saves_a_game(
     assert episode.actions == ["S", "PICK", "E", "DROP"]
     assert (episode.agent, episode.seed, episode.outcome) == ("You", SEED, "delivered")
     assert result.out.splitlines() == [
+        module.HELP,
         "game 1",
         f"You on the grid backend, seed {SEED}, random stations",
         "outcome         delivered",
@@ -162,7 +163,7 @@ def test_play_has_a_random_seed_and_may_be_closed_at_once(
     monkeypatch.setattr(module, "draw_seed", lambda: 77)
     result = warehouse("play", "--save", "e.npz", "--save", "e.svg")
     assert result.code == 0
-    assert result.out.startswith(
+    assert result.out.removeprefix(f"{module.HELP}\n").startswith(
         "game 1\nYou on the grid backend, seed 77, random stations\noutcome         unfinished\n"
     )
     assert Episode.load("e.npz").steps == 0
