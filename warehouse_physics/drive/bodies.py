@@ -102,6 +102,11 @@ class DriveArena(Arena):
     def _note_hits(self, arbiter: pymunk.Arbiter) -> list[Bump]:  # type: ignore[override]
         """Return the contact of a robot before the solver changes any velocity."""
         robot, other = arbiter.shapes
+        if not self._is_alone:  # Only walls can be hit, and nobody records the point.
+            row = self._numbers[robot]
+            body = self.bodies[row]
+            impulse = impulse_of(arbiter.normal.dot(body.velocity), body.mass)
+            return [Bump(self._first + row, impulse, UNKNOWN, WALL_CONTACT)]
         if robot.sensor or other.sensor:
             return []
         normal, body, met = arbiter.normal, robot.body, other.body
@@ -114,7 +119,7 @@ class DriveArena(Arena):
             return []
         is_static = met.body_type == pymunk.Body.STATIC
         name = self.names.get(other, WALL_CONTACT if is_static else "body")
-        point = arbiter.contact_point_set.points[0].point_a if self._is_alone else UNKNOWN
+        point = arbiter.contact_point_set.points[0].point_a
         return [Bump(self._first + self._numbers[robot], impulse, point, name)]
 
 

@@ -1,0 +1,127 @@
+"""Continuous control: control steps per second, with VMAS as the baseline, and long runs.
+
+The environment variable ``VMAS_PYTHON`` names a Python that has VMAS; without it there is no
+baseline. A robot of VMAS has no walls, and two robots share an environment.
+"""
+
+import os
+import subprocess
+import sys
+import time
+from pathlib import Path
+
+import numpy as np
+import pytest
+from helpers.drive_rows import rows_on
+
+from agents.drive import Follower
+from agents.registry import make_agent
+from warehouse_core import Layout, record_episode
+from warehouse_core.records import drive_summary
+from warehouse_physics import RobotSpec
+from warehouse_physics.drive import DriveEnv, DriveVectorEnv
+
+WORKER = Path(__file__).with_name("vmas_worker.py")
+
+STEPS = 200_000
+"""Control steps of all rows in a measurement."""
+
+CASES = [(256, 0, 350_000), (4096, 0, 150_000), (4096, 16, 90_000)]
+"""Rows, rays of each, and control steps per second to reach."""
+
+
+def rate_of(rows: int, rays: int, drive: str) -> float:
+    """Return the control steps per second of processor time, with observations and rewards."""
+    spec = RobotSpec(drive=drive)
+    env = DriveVectorEnv(rows, spec=spec, rays=rays, autoreset_mode="SameStep")
+    env.reset(seed=0)
+    actions = np.random.default_rng(0).uniform(-1, 1, (50, rows, 2))
+    steps = max(STEPS // rows, 10)
+    best = 0.0
+    for _ in range(5):
+        start = time.process_time()
+        for number in range(steps):
+            env.step(actions[number % 50])
+        best = max(best, rows * steps / (time.process_time() - start))
+    return best
+
+
+def rate_of_vmas(rows: int, rays: int) -> float:
+    """Return the steps of robots per second of VMAS, which has two robots in an environment."""
+    python = os.environ["VMAS_PYTHON"]
+    arguments = [python, str(WORKER), str(rows // 2), str(rays)]
+    with subprocess.Popen(
+        arguments, stdin=subprocess.PIPE, stdout=subprocess.PIPE, text=True
+    ) as worker:
+        assert worker.stdin is not None
+        assert worker.stdout is not None
+        seconds = []
+        for _ in range(3):
+            worker.stdin.write("20\n")
+            worker.stdin.flush()
+            seconds.append(float(worker.stdout.readline()))
+        worker.stdin.close()
+    return 20 * rows / min(seconds)
+
+
+@pytest.mark.parametrize(("rows", "rays", "least"), CASES)
+def test_steps_per_second(measured, rows, rays, least):
+    rate = rate_of(rows, rays, "omnidirectional")
+    name = f"control steps per second, {rows:,} warehouses, {rays} rays"
+    measured(name, f"{rate:,.0f}")
+    measured(f"{name}, two wheels", f"{rate_of(rows, rays, 'differential'):,.0f}")
+    if "VMAS_PYTHON" in os.environ:
+        vmas = rate_of_vmas(rows, rays)
+        measured(f"{name}, over VMAS", f"{rate / vmas:.1f} ({vmas:,.0f})")
+    assert rate >= least
+
+
+@pytest.mark.parametrize("drive", ["omnidirectional", "differential"])
+def test_a_million_random_control_steps_stay_inside_the_walls(measured, drive):
+    layout = Layout(["######", "#..#.#", "#P...#", "#.#.D#", "######"])
+    boxes = np.argwhere(np.array([list(row) for row in layout.rows]) == "#")[:, ::-1] * 1.0
+    rows = rows_on(layout, RobotSpec(drive=drive), rows=500, start=(1, 1), randomize=True)
+    stream, deepest = np.random.default_rng(0), 0.0
+    for number in range(2_000):
+        if number % 5 == 0:
+            actions = stream.uniform(-1, 1, (500, 2))
+        rows.step(actions)
+        places = rows.state.positions[:, None]
+        gaps = np.hypot(*np.moveaxis(places - np.clip(places, boxes, boxes + 1), 2, 0))
+        deepest = max(deepest, float((0.35 - gaps.min(axis=1)).max()))
+    measured(f"deepest overlap in 1,000,000 control steps, {drive}", f"{deepest / 0.35:.1%}")
+    assert deepest <= 0.05 * 0.35
+
+
+@pytest.mark.parametrize("drive", ["omnidirectional", "differential"])
+def test_the_follower_delivers_in_300_episodes_without_a_hit(measured, drive):
+    env, seconds, hits = DriveEnv(spec=RobotSpec(drive=drive)), [], 0
+    for seed in range(300):
+        agent = Follower(env, make_agent("astar", seed, env.layout))
+        episode = record_episode(env, agent, seed=seed)
+        assert episode.outcome == "delivered", seed
+        summary = drive_summary(episode)
+        hits += summary.hits
+        seconds.append(summary.seconds)
+    measured(f"follower on A*, {drive}", f"{np.mean(seconds):.1f} s, {hits} hits")
+    assert hits == 0
+
+
+def test_memory_does_not_grow(measured):
+    if sys.platform != "linux":
+        pytest.skip("reads /proc")
+
+    def resident() -> int:
+        return int(Path("/proc/self/statm").read_text().split()[1]) * os.sysconf("SC_PAGE_SIZE")
+
+    env = DriveVectorEnv(256, rays=0, max_seconds=5.0, autoreset_mode="SameStep")
+    env.reset(seed=0)
+    actions = np.random.default_rng(0).uniform(-1, 1, (256, 2))
+    for _ in range(100):
+        env.step(actions)
+    before = resident()
+    for _ in range(1_000):  # 20 resets of each row
+        env.step(actions)
+    grown = resident() - before
+    measured("memory gained in 256,000 control steps", f"{grown / 1e6:.1f} MB")
+    assert grown < 5e6
