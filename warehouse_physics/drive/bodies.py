@@ -104,8 +104,8 @@ class DriveArena(Arena):
         robot, other = arbiter.shapes
         if not self._is_alone:  # Only walls can be hit, and nobody records the point.
             row = self._numbers[robot]
-            body = self.bodies[row]
-            impulse = impulse_of(arbiter.normal.dot(body.velocity), body.mass)
+            hit = self.bodies[row]
+            impulse = impulse_of(arbiter.normal.dot(hit.velocity), hit.mass)
             return [Bump(self._first + row, impulse, UNKNOWN, WALL_CONTACT)]
         if robot.sensor or other.sensor:
             return []
@@ -115,8 +115,6 @@ class DriveArena(Arena):
         is_moving = met.body_type == pymunk.Body.DYNAMIC
         speed = normal.dot(body.velocity - met.velocity)
         impulse = impulse_of(speed, body.mass, met.mass if is_moving else None)
-        if not impulse:
-            return []
         is_static = met.body_type == pymunk.Body.STATIC
         name = self.names.get(other, WALL_CONTACT if is_static else "body")
         point = arbiter.contact_point_set.points[0].point_a

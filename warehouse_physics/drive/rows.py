@@ -202,8 +202,9 @@ class DriveRows:
         for substep in range(1, settings.substeps + 1):
             push = drive.push(self.state, commands, self._loads)
             for bump in bodies.step(push):
-                step.impulses[bump.row] += bump.impulse
-                step.bumps.append((substep * dt, bump))
+                if bump.impulse > 0:  # not if they slide along each other or already separate
+                    step.impulses[bump.row] += bump.impulse
+                    step.bumps.append((substep * dt, bump))
             self.state, before = bodies.read(), speeds
             speeds = drive.speeds(self.state)
             work += drive.work(push, before, speeds)
