@@ -61,6 +61,7 @@ class DriveArena(Arena):
     """A space with the walls of ``rows`` warehouses and a robot in each.
 
     Attributes:
+        walls: shapes of the walls.
         names: name of each shape that is neither a robot nor a wall, for records of contacts.
     """
 
@@ -72,8 +73,9 @@ class DriveArena(Arena):
         self.names: dict[pymunk.Shape, str] = {}
         self._first, self._is_alone = first, is_alone
         boxes = wall_boxes(layout)
-        for corner in corners.tolist():
-            self.add_walls(boxes, tuple(corner))
+        self.walls = {
+            wall for corner in corners.tolist() for wall in self.add_walls(boxes, tuple(corner))
+        }
         for _ in corners:
             self.add_robot(pymunk.Body(spec.mass, math.inf))
         self._seen, self._given = Buffer(), Buffer()

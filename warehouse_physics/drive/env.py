@@ -428,13 +428,17 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         }
 
     def render(self) -> NDArray[np.uint8] | None:
-        """Return a picture ``[H, W, 3]`` uint8 of the warehouse and the robot."""
+        """Return a picture ``[H, W, 3]`` uint8 of the warehouse, its things and the robot."""
         if self.render_mode is None:
             gymnasium.logger.warn("render() needs a render_mode, given to gymnasium.make")
             return None
         if self._painter is None:
             self._painter = TilePainter(tile_pixels_for(self.layout.height, self.layout.width))
-        return picture_of(self._painter, self.layout, self.pose, self.has_item, self.robot_spec)
+        walls = self._arena.walls
+        things = [each for each in self.space.shapes if each not in walls and not each.sensor]
+        return picture_of(
+            self._painter, self.layout, self.pose, self.has_item, self.robot_spec, things
+        )
 
     def _observation(self) -> Any:
         observation = self._form.of(self._rows)

@@ -1,16 +1,20 @@
-"""A picture of a robot that is not in the middle of a cell, with NumPy only."""
+"""A picture of a robot that is not in the middle of a cell, and of the things around it."""
 
 from __future__ import annotations
 
+from collections.abc import Iterable
+
 import numpy as np
+import pymunk
 from numpy.typing import NDArray
 
 from warehouse_core import Layout
 from warehouse_core.motion.base import Pose
 from warehouse_core.render.atlas import color_bytes
 from warehouse_core.render.painter import TilePainter, layout_codes
-from warehouse_core.render.palette import COLORS, INK
+from warehouse_core.render.palette import COLORS, INK, BOARD
 from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED
+from warehouse_physics.profile import Floats
 from warehouse_physics.spec import RobotSpec
 
 NOSE = 0.3
@@ -18,17 +22,50 @@ NOSE = 0.3
 
 
 def picture_of(
-    painter: TilePainter, layout: Layout, pose: Pose, has_item: bool, spec: RobotSpec
+    painter: TilePainter,
+    layout: Layout,
+    pose: Pose,
+    has_item: bool,
+    spec: RobotSpec,
+    things: Iterable[pymunk.Shape] = (),
 ) -> NDArray[np.uint8]:
-    """Return a picture ``[H, W, 3]`` of a layout with a robot at a pose."""
+    """Return a picture ``[H, W, 3]`` of a layout with a robot at a pose, and with other shapes."""
     picture = painter.paint(layout_codes(layout))
     scale = painter.tile_pixels / spec.cell_size
-    x, y, heading = pose
     rows, columns = np.indices(picture.shape[:2])
-    right, down = (columns + 0.5) / scale - x, (rows + 0.5) / scale - y
+    places = np.stack([columns + 0.5, rows + 0.5], axis=-1) / scale
+    for shape in things:
+        picture[depth(shape, places) >= 0] = color_bytes(BOARD)
+    x, y, heading = pose
+    right, down = np.moveaxis(places - (x, y), -1, 0)
     ahead = right * np.cos(heading) + down * np.sin(heading)
     aside = down * np.cos(heading) - right * np.sin(heading)
     is_inside = np.hypot(right, down) <= spec.radius
     picture[is_inside] = color_bytes(COLORS[ROBOT_LOADED if has_item else ROBOT_EMPTY])
     picture[is_inside & (ahead > 0) & (np.abs(aside) < NOSE * spec.radius)] = color_bytes(INK)
     return picture
+
+
+def depth(shape: pymunk.Shape, places: Floats) -> Floats:
+    """Return how deep in a shape places ``[..., 2]`` are, in metres; negative outside."""
+    body = shape.body
+    assert body is not None
+    if isinstance(shape, pymunk.Poly):
+        corners = np.array([body.local_to_world(each) for each in shape.get_vertices()])
+        edges = np.roll(corners, -1, axis=0) - corners
+        offsets = places[..., None, :] - corners
+        # pymunk lists the corners so that the inside is to the left of each edge.
+        inside = edges[:, 0] * offsets[..., 1] - edges[:, 1] * offsets[..., 0]
+        polygon: Floats = (inside / np.hypot(*edges.T)).min(axis=-1) + shape.radius
+        return polygon
+    if isinstance(shape, pymunk.Segment):
+        start, end = (np.array(body.local_to_world(each)) for each in (shape.a, shape.b))
+        along = end - start
+        share = np.clip((places - start) @ along / max(along @ along, 1e-12), 0.0, 1.0)
+        nearest = start + share[..., None] * along
+        segment: Floats = shape.radius - np.hypot(*np.moveaxis(places - nearest, -1, 0))
+        return segment
+    assert isinstance(shape, pymunk.Circle)
+    middle = np.array(body.local_to_world(shape.offset))
+    circle: Floats = shape.radius - np.hypot(*np.moveaxis(places - middle, -1, 0))
+    return circle

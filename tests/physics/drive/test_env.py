@@ -5,6 +5,7 @@ import pickle
 
 import gymnasium
 import numpy as np
+import pymunk
 import pytest
 from gymnasium.error import ResetNeeded
 from gymnasium.utils.env_checker import check_env
@@ -212,6 +213,30 @@ def test_a_picture_shows_the_robot_where_it_is():
     assert np.abs(moved - np.array(env.pose[1::-1])).max() < 0.6
     with pytest.warns(UserWarning, match="render_mode"):
         assert DriveEnv().render() is None
+
+
+def test_a_picture_shows_crates_pillars_and_bodies_of_users():
+    def add(space):
+        door = pymunk.Body(5, 1)
+        door.position, door.angle = (6.5, 4.5), np.pi / 4
+        space.add(door, pymunk.Segment(door, (-0.4, 0), (0.4, 0), 0.1))
+
+    bare, full = (
+        DriveEnv(render_mode="rgb_array", randomize=False, **things)
+        for things in (
+            {},
+            {"crates": [(1, 5)], "obstacles": [(8.0, 5.5, 0.4)], "on_reset": add},
+        )
+    )  # fmt: skip
+    for env in (bare, full):
+        env.reset(seed=1)
+    differs = (bare.render() != full.render()).any(axis=2)
+    for x, y, is_shown in (
+        (5.5, 1.5, True), (5.7, 1.3, True), (5.5, 1.2, False),  # a crate of half a metre
+        (8.0, 5.5, True), (8.35, 5.5, True), (8.3, 5.2, False),  # a pillar
+        (6.5, 4.5, True), (6.72, 4.72, True), (6.72, 4.28, False),  # a segment that has turned
+    ):  # fmt: skip
+        assert differs[int(y * 40), int(x * 40)] == is_shown, (x, y)
 
 
 def test_options_replace_the_stations_and_the_start():
