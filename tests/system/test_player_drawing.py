@@ -390,3 +390,17 @@ def test_a_small_letter_is_not_written_under_a_robot(opened: Open, files: Files)
             written = texts(page)
             assert {*written} == letters
             assert min(written.values()) >= 11
+
+
+@pytest.mark.parametrize("count", [2, 4, 5])
+def test_all_floors_are_above_the_bar_on_a_projector(
+    opened: Open, files: Files, track: Track, count: int
+) -> None:
+    page = opened(
+        files(f"row of {count}", lambda: [track] * count),
+        viewport={"width": 1280, "height": 720},
+    )
+    bottoms = "Math.max(...[...document.querySelectorAll('.floor')].map(BOTTOM))"
+    bottom = "(each) => each.getBoundingClientRect().bottom"
+    lowest = page.read(bottoms.replace("BOTTOM", bottom))
+    assert 360 < lowest <= page.read("document.querySelector('.bar').getBoundingClientRect().top")

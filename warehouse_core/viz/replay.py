@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import math
+import sys
 from collections.abc import Generator, Iterator, Sequence
 from pathlib import Path
 from typing import Any, Protocol
@@ -30,6 +32,9 @@ from warehouse_core.viz.tracks.track import (
 )
 
 __all__ = ["Replay"]
+
+MAX_GIF_FRAMES = 1000
+"""Limit on the frames of a GIF. Longer replays are thinned evenly, and play faster."""
 
 GIF_FRAMES_APART = 2
 """Number of frames of a continuous motion between two frames of a GIF, which also has the last."""
@@ -148,7 +153,8 @@ class Replay(FuncAnimation):
     ) -> None:
         """Save to ``.gif``, ``.mp4``, ``.html`` or ``.svg``, or one frame to ``.png``.
 
-        With a ``writer``, this is the ``Animation.save`` of matplotlib.
+        With a ``writer``, this is the ``Animation.save`` of matplotlib. A GIF has at most
+        ``MAX_GIF_FRAMES`` frames: a longer replay is thinned evenly, with a message.
 
         Args:
             filename: path of the file.
@@ -201,9 +207,16 @@ class Replay(FuncAnimation):
                 self.figure.pixels().save(path, format="PNG")
 
     def _write_gif(self, path: Path) -> None:
-        last, every = len(self._scene) - 1, self._gif_every
+        last = len(self._scene) - 1
+        every = max(self._gif_every, math.ceil(last / (MAX_GIF_FRAMES - 1)))
+        if every > self._gif_every:
+            print(
+                f"the GIF shows one in {every} of {last + 1:,} frames; a page (.html) has all of "
+                "them and is written at once",
+                file=sys.stderr,
+            )
         with progress_bar(last + 1, "Drawing") as report, path.open("wb") as file:
-            writer = GifWriter(file, self.frame_ms * every)
+            writer = GifWriter(file, self.frame_ms * self._gif_every)
             for frame in [*range(0, last, every), last]:
                 self._scene.show(frame)
                 writer.add(self.figure.rgba(), self.figure.changed)

@@ -95,6 +95,21 @@ def test_a_gif_has_every_frame(films: Path, drawings: list[Image.Image]) -> None
         assert film.info["loop"] == 0
 
 
+def test_a_long_gif_is_thinned_with_a_message(
+    tmp_path: Path, monkeypatch: pytest.MonkeyPatch, capsys: pytest.CaptureFixture[str]
+) -> None:
+    monkeypatch.setattr("warehouse_core.viz.replay.MAX_GIF_FRAMES", 4)
+    frames = [["." * col + "R" + "." * (9 - col)] for col in range(10)]
+    replay_of(frames, interval_ms=100).save(tmp_path / "film.gif")
+    images, durations = frames_of_gif(tmp_path / "film.gif")
+    assert len(images) == 4
+    assert durations[:-1] == [100] * 3
+    assert capsys.readouterr().err.startswith("the GIF shows one in 3 of 10 frames; a page")
+    replay_of(frames[:4]).save(tmp_path / "film.gif")
+    assert len(frames_of_gif(tmp_path / "film.gif")[0]) == 4
+    assert capsys.readouterr().err == ""
+
+
 # GIFs count hundredths of a second, up to a maximum; viewers play shorter frames slowly.
 @pytest.mark.parametrize(("frame_ms", "duration"), [(75, 70), (0.15, 20), (6e6, 655_350)])
 def test_a_gif_plays_at_the_speed_of_the_replay(
