@@ -227,8 +227,21 @@ class Alone:
 
     @property
     def misses(self) -> str:
-        """End of a sentence that mentions the steps in ``missed``, if there are any."""
-        return f"; {_count(len(self.missed))} missed their target cell" if self.missed else ""
+        """End of a sentence that mentions the steps in ``missed`` and an action never used."""
+        missed = f"; {_count(len(self.missed))} missed their target cell" if self.missed else ""
+        return missed + self._unused
+
+    @property
+    def _unused(self) -> str:
+        episode, loaded = self.episode, self.end[1]
+        stations = episode.layout.dropoffs if loaded else episode.layout.pickups
+        action, name, kind = (DROP, "DROP", "dropoff") if loaded else (PICK, "PICK", "pickup")
+        cells = [None, *(cell for cell, load in zip(episode.cells, episode.loaded, strict=True)
+                         if load == loaded)]  # fmt: skip
+        visits = sum(cell in stations and cell != before for before, cell in pairwise(cells))
+        if not visits or action in map(action_index, episode.actions):
+            return ""
+        return f"; never used {name}: it stood on the {kind} {counted(visits, 'time')}"
 
 
 def diagnose(episode: Episode) -> Diagnosis:

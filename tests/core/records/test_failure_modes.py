@@ -409,3 +409,20 @@ def test_an_action_may_be_a_word_in_any_case_or_an_index() -> None:
         indices = copy.deepcopy(example)
         indices.actions = [ACTIONS.index(str(action)) for action in example.actions]
         assert diagnose(indices) == diagnose(example)
+
+
+@pytest.mark.parametrize(
+    ("actions", "ending"),
+    [
+        ("EEEWWW" * 5, "never used PICK: it stood on the pickup 6 times"),
+        ("p" + "EEEWWW" * 5, "never used DROP: it stood on the dropoff 5 times"),
+        ("." + "EEEWWW" * 5 + "E", "never used PICK: it stood on the pickup 6 times"),
+        ("EEEWWW" * 5 + "p" + "EWEW" * 5, "the delivery"),
+        ("EEdWWEEWW" * 4, "never used PICK: it stood on the pickup 9 times"),
+    ],
+)
+def test_an_action_that_was_needed_and_never_used_is_named(actions: str, ending: str) -> None:
+    """The walker starts on the pickup, and never stops for long."""
+    sentence = diagnose(drive(LINE, (0, 0), actions)).sentence
+    assert sentence.endswith(ending) or "never used" not in ending, sentence
+    assert ("never used" in sentence) == ("never used" in ending)
