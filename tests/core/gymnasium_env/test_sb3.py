@@ -28,6 +28,17 @@ def test_the_checker_of_stable_baselines_passes(form: str, backend: str, render_
     check_env(make(observation=form, backend=backend, render_mode=render_mode).unwrapped)
 
 
+@pytest.mark.parametrize("form", ["vector", "dict"])
+@pytest.mark.parametrize("control", ["velocity", "wheels", "force"])
+def test_the_checker_of_stable_baselines_passes_under_continuous_control(
+    form: str, control: str
+) -> None:
+    from stable_baselines3.common.env_checker import check_env
+
+    env = gymnasium.make("WarehouseDrive-v0", observation=form, control=control)
+    check_env(env.unwrapped)
+
+
 @pytest.mark.parametrize(("form", "policy"), [("dict", "MultiInput"), ("vector", "Mlp")])
 def test_masked_learning_chooses_only_actions_with_an_effect(form: str, policy: str) -> None:
     from sb3_contrib import MaskablePPO
