@@ -24,12 +24,14 @@ from warehouse_core.world.tables import Integers
 DETOUR = 2.0
 """Ratio of the longest expected path to the shortest path."""
 
-SPARE_STEPS, SPARE_SHARE = 60.0, 0.25
+SPARE_STEPS, SPARE_SHARE, SPARE_WITH_PEOPLE = 60.0, 0.25, 0.4
 """Reserve in steps that a robot keeps for the drive to a charger, and its limit as a share of a
-full battery.
+full battery, without and with people.
 
 The reserve comes on top of ``DETOUR`` times the distance to the charger. With a reserve of 20
-steps, two robots that give way to each other in a narrow aisle could run out of battery.
+steps, two robots that give way to each other in a narrow aisle could run out of battery. People
+block robots for longer: with 0.4 in place of 0.25, 68 and not 87 of 236 robots ran out of battery
+on 19 random floors with people, with 3% fewer deliveries.
 """
 
 MARGIN = 1.2
@@ -139,7 +141,8 @@ class Chargers:
         self._times, self._all = times, np.arange(layout.height * layout.width)
         self.measure()
         self._capacity, (self._cost, charge) = battery.capacity, use_and_charge(env)
-        self._reserve = min(SPARE_STEPS, SPARE_SHARE * battery.capacity / self._cost)
+        share = SPARE_WITH_PEOPLE if env.settings.people.count else SPARE_SHARE
+        self._reserve = min(SPARE_STEPS, share * battery.capacity / self._cost)
         self._gain = max(charge - self._cost, 0.0) or self._cost
         # Beyond the knee charging is slow, and the next robot gains more.
         knee = battery.capacity - battery.tail
@@ -178,7 +181,10 @@ class Chargers:
             return
         empty = needs.battery <= 0
         is_blocked = self._are_there(needs.cells[empty])
-        self.turn[(needs.battery >= self._full) | empty | is_blocked[self.turn]] = NONE
+        # A failed robot may cut a charger off.
+        is_cut_off = ~np.isfinite(self._distances[self.turn, needs.cells])
+        over = (needs.battery >= self._full) | empty | is_blocked[self.turn] | is_cut_off
+        self.turn[over] = NONE
         self._give_way(needs)
         holder = self._choose_first(needs.cells)
         until = self._until(holder, needs)
@@ -286,7 +292,8 @@ class Chargers:
     ) -> None:
         """Assign robots to chargers so that they begin to charge as early as possible."""
         distances = self._distances[chargers][:, needs.cells[robots]].T
-        waits, spare = np.maximum(until - DETOUR * distances, 0), self._spare(needs)[robots, None]
+        spare = self._spare(needs)[robots, None]
+        waits = np.maximum(until - DETOUR * np.minimum(distances, OUT_OF_REACH), 0)
         near = distances <= self.home[needs.cells[robots], None] + NEARBY
         reached = self._cost * distances <= needs.battery[robots, None]
         allowed = reached & ((spare < self._reserve) | near & (waits <= PATIENCE))

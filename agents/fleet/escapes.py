@@ -7,6 +7,7 @@ goal.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from heapq import heappop, heappush
 from typing import NamedTuple
 
@@ -24,8 +25,11 @@ PATIENCE = 6
 STANDS = 4
 """Time without any move after which moves are planned again, in steps of a cell."""
 
-MAX_OTHERS, MAX_STATES, MAX_CHIEFS = 10, 40_000, 2
+MAX_OTHERS, MAX_STATES, MAX_CHIEFS = 10, 10_000, 2
 """Limits of a plan: other robots and people that move, expanded states, and robots to be freed."""
+
+STEP_STATES = 1_000
+"""Expanded states in a step, which take up to 0.1 s. The search then goes on in the next step."""
 
 PERSON_ON, PERSON_BACK = 2, 6
 """Costs of a person's step towards a station and of a step back, in moves of a robot.
@@ -98,6 +102,8 @@ class Escapes:
         self._cells = np.full(robots, NONE)
         self._waits = self._stands = self._tries = 0
         self._moves: list[Move] = []
+        self._going: Iterator[list[Move]] | None = None
+        self._at: dict[int, int] = {}
         self.held: list[int] = []
 
     def aims(
@@ -124,13 +130,19 @@ class Escapes:
         self._stands = self._stands + 1 if np.array_equal(cells, self._cells) else 0
         self._cells = cells.copy()
         where, persons = cells.tolist(), people.tolist()
-        if self._stands >= self._most_stands if self._moves else self._waits >= self._patience:
+        is_stuck = (
+            self._stands >= self._most_stands if self._moves else self._waits >= self._patience
+        )
+        if is_stuck and self._going is None:
             self._waits = self._stands = 0
             self._tries += 1
-            self._moves = self._plan(where, goals, distances, walls, persons)
+            self._moves, self._at = [], {}
+            self._going = self._plan(where, goals, distances, walls, persons)
+        if self._going is not None:
+            self._moves = self._continue(where, persons)
         while self._moves and self._is_made(self._moves[0], where, persons):
             self._moves.pop(0)
-        if not self._moves:
+        if not self._moves and self._going is None:
             self.held = []
         positions, taken = {robot: where[robot] for robot in self.held}, {*where, *persons, *walls}
         for who, start, end in self._moves:
@@ -139,6 +151,18 @@ class Escapes:
             positions[who] = end
             taken = taken - {start} | {end}
         return positions
+
+    def _continue(self, where: list[int], people: list[int]) -> list[Move]:
+        """Return the moves that the search finds in this step, or none.
+
+        The search ends if a robot or a person that it plans for has moved.
+        """
+        assert self._going is not None
+        stands = all((where[w] if w >= 0 else people[~w]) == cell for cell, w in self._at.items())
+        found = next(self._going, None) if stands else None
+        if found or found is None:
+            self._going = None
+        return found or []
 
     def _is_made(self, move: Move, where: list[int], people: list[int]) -> bool:
         return where[move.who] == move.end if move.who >= 0 else people[~move.who] != move.start
@@ -163,8 +187,11 @@ class Escapes:
         distances: Integers,
         walls: set[int],
         people: list[int],
-    ) -> list[Move]:
-        """Return moves that bring one of the robots nearest to their goals to its goal."""
+    ) -> Iterator[list[Move]]:
+        """Yield moves that bring one of the robots nearest to their goals to its goal.
+
+        While the search goes on, it yields no moves after each ``STEP_STATES`` states.
+        """
         chiefs = np.argsort(distances, kind="stable")[: np.count_nonzero(distances < FAR)]
         who_in = {cell: who for who, cell in enumerate(where)}
         who_in |= {cell: ~who for who, cell in enumerate(people)}
@@ -175,16 +202,15 @@ class Escapes:
             start = State(where[chief], robots, persons)
             blocked = {*who_in, *walls} - {where[chief], *movers}
             aims = [self._progress[:, ~who_in[cell]].argmax() for cell in persons]
-            steps = self._search(start, int(goals[chief]), blocked, self._stations[aims])
-            if steps:
-                at = {cell: who_in[cell] for cell in (where[chief], *movers)}
-                self.held = [who for who in at.values() if who >= 0]
-                moves = []
+            self._at = {cell: who_in[cell] for cell in (where[chief], *movers)}
+            self.held = [who for who in self._at.values() if who >= 0]
+            search = self._search(start, int(goals[chief]), blocked, self._stations[aims])
+            for steps in search:
+                at, moves = self._at.copy(), []
                 for begin, end in steps:
                     at[end] = at.pop(begin)
                     moves.append(Move(at[end], begin, end))
-                return moves
-        return []
+                yield moves
 
     def _around(self, cell: int, others: set[int]) -> list[int]:
         """Return the occupied cells that are nearest to a cell."""
@@ -197,8 +223,11 @@ class Escapes:
 
     def _search(
         self, start: State, goal: int, blocked: set[int], aims: Integers
-    ) -> list[tuple[int, int]]:
-        """Return steps, each from a cell to a free one, that bring the chief to its goal."""
+    ) -> Iterator[list[tuple[int, int]]]:
+        """Yield steps, each from a cell to a free one, that bring the chief to its goal.
+
+        While the search goes on, it yields no steps after each ``STEP_STATES`` states.
+        """
         rows = self._fields.rows(np.append(aims, goal))
         *fields, distances = self._fields.matrix[rows].tolist()
         prices = (PERSON_ON, PERSON_BACK) if self._tries % 2 else (PERSON_BACK, PERSON_ON)
@@ -211,7 +240,8 @@ class Escapes:
                 while state != start:
                     state, begin, end = before[state]
                     steps.append((begin, end))
-                return steps[::-1]
+                yield steps[::-1]
+                return
             taken = blocked | state.robots | {state.chief, *state.people}
             for begin in (state.chief, *state.robots, *state.people):
                 for end in self._near[begin]:
@@ -231,7 +261,8 @@ class Escapes:
                     crowd = len(path & after.robots) + len(path.intersection(after.people))
                     estimate = GREED * (distances[after.chief] + IN_THE_WAY * crowd)
                     heappush(heap, (cost + estimate, count, after))
-        return []
+                    if count % STEP_STATES == 0:
+                        yield []
 
     def _path(self, cell: int, distances: list[int]) -> set[int]:
         """Return the cells of a shortest path from a cell, without the cell itself."""

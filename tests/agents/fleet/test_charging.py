@@ -174,3 +174,14 @@ def test_the_next_robot_gives_its_turn_to_a_robot_in_need() -> None:
     assert chargers.turn.tolist() == [0, 0, NONE]
     chargers.update(needs([0, 3, 6], [160, 129, 25]))
     assert chargers.turn.tolist() == [0, NONE, 0]
+
+
+def test_a_robot_gives_its_turn_back_where_a_failed_robot_cuts_the_charger_off() -> None:
+    times = TravelTimes(HALL)
+    chargers = Chargers(FleetEnv(HALL, 2, battery=200), times)
+    chargers.update(needs([5, 3], [29, 150]))
+    assert chargers.turn.tolist() == [0, NONE]
+    times.close(frozenset([3]))
+    chargers.measure()
+    chargers.update(needs([5, 3], [28, 0]))
+    assert chargers.turn.tolist() == [1, NONE]

@@ -113,3 +113,13 @@ def test_nothing_is_planned_where_nobody_can_pass() -> None:
     floor.people = [(0, 2)]
     assert [floor.step() for _ in range(2 * PATIENCE + 2)] == [{}] * (2 * PATIENCE + 2)
     assert floor.held == []
+
+
+def test_a_long_search_goes_on_in_later_steps_while_its_robots_stand(monkeypatch) -> None:
+    monkeypatch.setattr("agents.fleet.escapes.STEP_STATES", 3)
+    floor = Floor(DEAD_END, [(0, 2), (0, 3)], [(0, 3), (0, 0)])
+    for _ in range(PATIENCE + 1):
+        aims = floor.step()
+    assert sorted(floor.held) == [0, 1]
+    assert aims == {0: (0, 2), 1: (0, 3)}  # no plan yet
+    assert floor.run(40)
