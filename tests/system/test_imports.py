@@ -40,7 +40,7 @@ MAY_IMPORT = {
         "arguments batch errors listing motion registration render task warehouse_env wording world"
     ),
     "warehouse_core/records": (
-        "arguments batch errors files fleet motion orders task warehouse_env wording world"
+        "arguments batch errors extras files fleet motion orders task warehouse_env wording world"
     ),
     "warehouse_core/pettingzoo_env": (
         "arguments errors extras fleet gymnasium_env listing render task wording world"

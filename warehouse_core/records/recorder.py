@@ -12,7 +12,8 @@ import numpy as np
 
 from warehouse_core.arguments import MAX_SEED, instance_of, whole_number, with_methods
 from warehouse_core.batch.fleet_settings import FleetSettings
-from warehouse_core.errors import EndedError
+from warehouse_core.errors import BackendError, EndedError
+from warehouse_core.extras import install_command
 from warehouse_core.fleet.env import Actions, FleetEnv
 from warehouse_core.motion.backends import Backend, make_motion
 from warehouse_core.motion.base import Outcome, with_defaults
@@ -422,7 +423,14 @@ def _replay_alone(episode: Episode, backend: Backend) -> Episode:
     settings = episode.settings
     if episode.is_driven:
         # Continuous control has no motion backend, and belongs to a package that imports this one.
-        driven: Episode = import_module(DRIVE_RECORDS).replay(episode, backend)
+        try:
+            records = import_module(DRIVE_RECORDS)
+        except ImportError as error:
+            raise BackendError(
+                f"a record of continuous control needs {error.name}, which is not installed: "
+                f"{install_command('physics')}"
+            ) from error
+        driven: Episode = records.replay(episode, backend)
         return driven
     motion = make_motion(backend)
     complete = with_defaults(motion)

@@ -12,7 +12,7 @@ from warehouse_core import Layout
 from warehouse_core.motion.base import Pose
 from warehouse_core.render.atlas import color_bytes
 from warehouse_core.render.painter import TilePainter, layout_codes
-from warehouse_core.render.palette import COLORS, INK, BOARD
+from warehouse_core.render.palette import BOARD, COLORS, INK
 from warehouse_core.world.tiles import ROBOT_EMPTY, ROBOT_LOADED
 from warehouse_physics.profile import Floats
 from warehouse_physics.spec import RobotSpec

@@ -7,7 +7,7 @@ from typing import Any
 
 from agents.lab.runs.run import Watch, run
 from warehouse_core import Agent, BackendError, Episode
-from warehouse_core.extras import pip_install
+from warehouse_core.extras import install_command
 from warehouse_core.records.episode import DRIVE
 
 
@@ -26,7 +26,8 @@ def make_drive(backend: str, **arguments: Any) -> Any:
         from warehouse_physics.drive import DriveEnv
     except ImportError as error:
         raise BackendError(
-            f"backend 'drive' needs {error.name}, which is not installed; {pip_install('physics')}"
+            f"backend 'drive' needs {error.name}, which is not installed: "
+            f"{install_command('physics')}"
         ) from error
     try:
         return DriveEnv.from_name(backend, **arguments)
@@ -49,9 +50,9 @@ def drive(
     Raises:
         EpisodeError: see ``run``.
     """
+    env = make_drive(backend, **arguments)  # says what is missing, before the next import fails
     from agents.drive.follower import Follower
 
-    env = make_drive(backend, **arguments)
     episode = run(env, Follower(env, agent), seed, watch, name=type(agent).__name__)
     episode.agent = type(agent).__name__
     return episode

@@ -1,5 +1,7 @@
 """Crates, obstacles and bodies of users."""
 
+import sys
+
 import numpy as np
 import pymunk
 import pytest
@@ -218,6 +220,13 @@ def test_a_record_with_things_of_its_own_needs_the_environment():
     with pytest.raises(BackendError, match="backend=env"):
         replay_episode(episode)
     assert replay_episode(episode, backend=make()) == episode
+
+
+def test_a_record_says_what_its_replay_needs(monkeypatch):
+    episode = record_episode(DriveEnv(max_seconds=0.3), Ahead(), seed=4)
+    monkeypatch.setitem(sys.modules, "warehouse_physics.drive.replay", None)
+    with pytest.raises(BackendError, match=r"needs .*, which is not installed: pip install"):
+        replay_episode(episode)
 
 
 def test_a_damaged_action_is_named():

@@ -1,5 +1,7 @@
 """``warehouse play --backend drive`` and other commands under continuous control."""
 
+import sys
+
 import matplotlib.pyplot as plt
 import pytest
 from helpers.command_line import Warehouse
@@ -116,3 +118,13 @@ def test_slippery_cells_reach_the_controlled_body(warehouse: Warehouse) -> None:
     )
     assert result.code == 0
     assert Episode.load("e.npz").slippery == ((1, 2),)
+
+
+def test_without_pymunk_the_command_says_what_to_install(
+    warehouse: Warehouse, monkeypatch: pytest.MonkeyPatch
+) -> None:
+    monkeypatch.setitem(sys.modules, "warehouse_physics.drive", None)
+    refused = warehouse("run", "--backend", "drive", "--seed", 1)
+    assert refused.code == 1
+    words = " ".join(refused.err.split())
+    assert "backend 'drive' needs warehouse_physics.drive, which is not installed: pip" in words
