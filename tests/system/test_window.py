@@ -182,3 +182,30 @@ def test_play_starts_again_on_enter(play: Program, tmp_path: Path) -> None:
     games = [Episode.load(tmp_path / name) for name in ("e.npz", "e-2.npz")]
     assert [(game.seed, game.actions) for game in games] == [(4, ["S"]), (5, ["S", "W"])]
     assert games[1].outcome == "unfinished"
+
+
+WIDE = """
+from warehouse_core import WarehouseEnv
+from warehouse_core.viz.figure import make_window
+import matplotlib.pyplot as plt
+
+figure = make_window((20, 12))
+
+def report(event):
+    print(*figure.canvas.get_width_height(), flush=True)
+
+figure.canvas.mpl_connect("draw_event", report)
+figure.canvas.manager.window.after(1500, lambda: plt.close(figure))
+plt.show()
+"""
+
+
+def test_a_large_figure_fits_the_screen(start: Callable[..., Program]) -> None:
+    program = start(WIDE)
+    sizes = []
+    while (line := program.line()) is not None:
+        sizes.append([int(number) for number in line.split()])
+    width, height = sizes[-1]
+    assert width <= 1400
+    assert height <= 1000 - 90
+    assert width / height == pytest.approx(20 / 12, rel=0.01)

@@ -585,7 +585,7 @@ def _idle(episode: Episode) -> Evidence | None:
     if not measures.waits or measures.waits < IDLE_SHARE * steps:
         return None
     sentence = (
-        f"the robots waited in {measures.waits} of {_count(steps)}, with "
+        f"the robots waited in {measures.waits:,} of {_count(steps)}, with "
         f"{counted(measures.orders, 'order')} for {counted(episode.robots, 'robot')}"
     )
     return _of_all(episode, sentence, measures.waits)

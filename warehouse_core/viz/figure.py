@@ -170,13 +170,20 @@ def make_figure(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:
     return figure
 
 
+WINDOW_MARGIN = 90
+"""Pixels of the height of a screen for the title and the toolbar of a window, and for a panel."""
+
+
 def make_window(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:
     """Return a figure in a window that ``matplotlib.pyplot.show`` will open.
 
+    On a small screen, the figure has fewer dots per inch, so that all of it is in view.
     Matplotlib's own keys are disabled, because they would clash with the keys of replays.
     """
     import matplotlib.pyplot as plt
 
+    if plt.get_backend().lower() == "tkagg":  # pragma: no cover - needs a display
+        dpi = min(dpi, _fitting_dpi(size))
     figure = plt.figure(figsize=size, dpi=dpi, FigureClass=SceneFigure)
     assert isinstance(figure, SceneFigure)
     manager = figure.canvas.manager
@@ -185,6 +192,19 @@ def make_window(size: tuple[float, float], dpi: float = DPI) -> SceneFigure:
     if manager.key_press_handler_id is not None:  # pragma: no branch - with a tool manager
         figure.canvas.mpl_disconnect(manager.key_press_handler_id)
     return figure
+
+
+def _fitting_dpi(size: tuple[float, float]) -> float:  # pragma: no cover - needs a display
+    """Return the largest dots per inch with which a window of this size fits the screen."""
+    import tkinter
+
+    root = tkinter.Tk()
+    root.withdraw()
+    width, height = root.winfo_screenwidth(), root.winfo_screenheight() - WINDOW_MARGIN
+    # Matplotlib multiplies the dots per inch by this ratio when the window opens.
+    ratio = max(1.0, root.winfo_fpixels("1i") / 96)
+    root.destroy()
+    return min(width / size[0], height / size[1]) / ratio
 
 
 def save_svg(figure: Figure, target: Path | IO[bytes], dpi: float | None = None) -> None:
