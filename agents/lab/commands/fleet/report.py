@@ -4,6 +4,9 @@ from __future__ import annotations
 
 from collections import Counter
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
+from itertools import chain
+from math import nan
 from pathlib import Path
 from shutil import get_terminal_size
 from textwrap import fill
@@ -27,17 +30,24 @@ from warehouse_core.wording import counted
 
 SUFFIX = ".csv"
 
+DASH = "-"
+"""What a table shows for a value that a backend does not measure."""
+
 FEW_WAITING = 2
 """Undelivered orders for each robot at the end of a shift above which the fleet was too slow."""
 
 
 class MeasureLine(NamedTuple):
-    """A line of the table of measures: an attribute of ``FleetMeasures`` with title and unit."""
+    """A line of the table of measures: an attribute of ``FleetMeasures`` with title and unit.
+
+    A measure ``of_bodies`` is a dash on the grid, which has no seconds and no joules of its own.
+    """
 
     title: str
     name: str
     unit: str
     factor: float = 1.0
+    of_bodies: bool = False
 
 
 class ShiftResult(NamedTuple):
@@ -65,7 +75,7 @@ LINES = (
     MeasureLine("on time", "on_time", "% of deliveries", 100.0),
     MeasureLine("mean lateness", "mean_lateness", "steps"),
     MeasureLine("worst lateness", "worst_lateness", "steps"),
-    MeasureLine("energy per delivery", "joules_per_delivery", "kJ", 1e-3),
+    MeasureLine("energy per delivery", "joules_per_delivery", "kJ", 1e-3, of_bodies=True),
     MeasureLine("distance", "distance", "cells"),
     MeasureLine("blocked by walls", "blocked_by_wall", "moves"),
     MeasureLine("blocked by robots", "blocked_by_robot", "moves"),
@@ -74,7 +84,7 @@ LINES = (
     MeasureLine("charging", "charging", "robot steps"),
     MeasureLine("stranded", "stranded", "robots out of battery or failed"),
     MeasureLine("lost", "lost", "orders held by these robots"),
-    MeasureLine("simulated time", "seconds", "s"),
+    MeasureLine("simulated time", "seconds", "s", of_bodies=True),
 )
 """Measures of a shift in the order of the table, see ``FleetMeasures``."""
 
@@ -82,8 +92,11 @@ LINES = (
 def result_of(episode: Episode, optimum: bool = False) -> ShiftResult:
     """Return the results of a record; with ``optimum``, also how many deliveries were possible."""
     possible = [most_deliveries(episode, on_time) for on_time in (False, True)] if optimum else ()
-    diagnosis = diagnose_fleet(episode)
-    return ShiftResult(episode.seed, episode.measures, diagnosis, episode.orders, possible)
+    diagnosis, measures = diagnose_fleet(episode), episode.measures
+    outcomes = chain.from_iterable(episode.motions)
+    if all(outcome.readings is None for outcome in outcomes):
+        measures = replace(measures, seconds=nan, joules_per_delivery=nan)
+    return ShiftResult(episode.seed, measures, diagnosis, episode.orders, possible)
 
 
 def report_shifts(results: Sequence[ShiftResult], robots: int, title: str) -> None:
@@ -120,7 +133,7 @@ def report_fleet(episode: Episode) -> None:
 def measures_table(measures: Sequence[FleetMeasures], title: str) -> TextTable:
     """Return a table with a line for each measure."""
     rows: list[tuple[str, ...]] = [
-        (line.title, _words(_values(measures, line)), line.unit) for line in LINES
+        (line.title, _words(_values(measures, line), line), line.unit) for line in LINES
     ]
     header = "value" if len(measures) == 1 else f"mean ({CONFIDENCE:.0%} interval)"
     few = 1 < len(measures) < MIN_VALUES
@@ -184,11 +197,14 @@ def value_of(measures: FleetMeasures, line: MeasureLine) -> float:
     return value if line.factor == 1.0 else value * line.factor
 
 
-def _words(values: NDArray[np.float64]) -> str:
+def _words(values: NDArray[np.float64], line: MeasureLine) -> str:
+    if not len(values):
+        return DASH if line.of_bodies else "none"
     if len(values) == 1 and values[0].is_integer():
         return f"{int(values[0]):,}"
     found = mean_interval(values)
-    return mean(found, "") if found else "none"
+    assert found is not None, "there is a value"
+    return mean(found, "")
 
 
 def write_shifts(path: Path, results: Sequence[ShiftResult]) -> Path:

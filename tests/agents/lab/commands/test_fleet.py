@@ -53,7 +53,7 @@ def test_a_shift_is_run_measured_and_recorded(
     for line in LINES:
         value = getattr(episode.measures, line.name) * line.factor
         shown = shown_of[line.title]
-        expected = "none" if np.isnan(value) else value
+        expected = "-" if line.of_bodies else "none" if np.isnan(value) else value
         assert shown == expected or float(shown) == pytest.approx(value, rel=0.005), line.title
     assert f"{episode.measures.delivered} of {episode.measures.orders} orders delivered" in out
     assert f"Diagnosis: {diagnose_fleet(episode).mode}: " in out
@@ -131,14 +131,24 @@ def test_orders_and_measures_of_all_shifts_are_written_as_tables(warehouse: Ware
     first = measures[0]
     assert float(first["mean lateness (steps)"]) == pytest.approx(sum(late) / len(late))
     assert first["distance (cells)"] == str(episode.measures.distance)
-    assert float(first["energy per delivery (kJ)"]) == pytest.approx(
-        episode.measures.joules_per_delivery / 1000
-    )
+    assert first["energy per delivery (kJ)"] == first["simulated time (s)"] == ""  # on the grid
     assert float(first["on time (% of deliveries)"]) == 100 * episode.measures.on_time
     assert first["diagnosis"] == diagnose_fleet(episode).mode
     printed = {row.split("\u2502")[1].strip() for row in out.splitlines() if "\u2502" in row}
     titles = {title.rsplit(" (", 1)[0] for title in [*first][1:-2]}
     assert titles == printed - {"measure"} == {line.title for line in LINES}
+
+
+def test_bodies_measure_seconds_and_joules(warehouse: Warehouse) -> None:
+    rates = "--max-steps", 30, "--order-rate", 1
+    out = warehouse(*SMALL, *rates, "--backend", "physics", "-o", "a.csv", "-o", "a.npz").out
+    measures = FleetEpisode.load("a.npz").measures
+    [row] = csv.DictReader(Path("a-measures.csv").read_text(encoding="utf-8").splitlines())
+    assert float(row["simulated time (s)"]) == measures.seconds > 30
+    assert measures.delivered
+    joules = float(row["energy per delivery (kJ)"]) * 1000
+    assert joules == pytest.approx(measures.joules_per_delivery)
+    assert "saved a.csv" in out
 
 
 def test_what_was_not_measured_is_an_empty_field(warehouse: Warehouse) -> None:
