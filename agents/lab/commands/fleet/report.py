@@ -31,7 +31,7 @@ from warehouse_core.wording import counted
 SUFFIX = ".csv"
 
 DASH = "-"
-"""What a table shows for a value that a backend does not measure."""
+"""Text in a table for a value that a backend does not measure."""
 
 FEW_WAITING = 2
 """Undelivered orders for each robot at the end of a shift above which the fleet was too slow."""
