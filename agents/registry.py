@@ -37,6 +37,7 @@ from agents.kinds.simple_reflex import ReflexAgent
 from agents.kinds.utility_based import UtilityBasedAgent
 from agents.learning.baselines import RandomAgent
 from agents.learning.clone_agent import CloneAgent
+from agents.learning.drive_policy import DrivePolicy
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.q_table import load_agent
 from agents.mapf.assignment import ASSIGNMENTS
@@ -57,6 +58,7 @@ from warehouse_core import (
 from warehouse_core.files.reading import not_a_file
 from warehouse_core.motion.backends import Backend, backend_names, make_motion
 from warehouse_core.motion.base import with_defaults
+from warehouse_core.records.episode import DRIVE
 from warehouse_core.records.recorder import FleetAgent
 from warehouse_core.world.moves import COMPASS
 
@@ -104,6 +106,7 @@ FORMER_OPTIONS = "circulates", "samples", "trial_seed", "trials", "wrong_way"
 
 TRAINED: dict[str, Callable[..., Agent]] = {
     "clone": CloneAgent.load,
+    DRIVE: DrivePolicy.load,
     "ppo": PPOAgent.load,
     "q": load_agent,
 }

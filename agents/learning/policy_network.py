@@ -18,7 +18,7 @@ from numpy.typing import NDArray
 from agents.errors import AgentError
 from agents.learning.map_memory import SingleFloats, turns, view_size
 from warehouse_core import RecordError
-from warehouse_core.arguments import MAX_VIEW_RADIUS, whole_number
+from warehouse_core.arguments import MAX_VIEW_RADIUS, instance_of, whole_number
 from warehouse_core.files.json_text import pack_header, unpack_header
 from warehouse_core.files.npz import Schema, read_arrays, write_arrays
 from warehouse_core.task.encoding import MARKED_TILES, OTHER_NUMBERS, ObservationArrays, vector
@@ -199,6 +199,37 @@ class MoveNetwork(Network):
     def scores(self, views: SingleFloats) -> SingleFloats:
         """Return the scores of the four moves, ``[B, 4]``, for views, ``[B, L]``."""
         return self._outputs(views[:, turns(self.radius)[0]])[..., 0]
+
+
+class DriveNetwork(Network):
+    """The network that controls a body: two numbers for a vector of observations.
+
+    Args:
+        backend: name of the environment for which it was trained; see ``DriveEnv.from_name``.
+        layers: ``LAYERS`` layers with hyperbolic tangents between them, the last with two outputs.
+
+    Attributes:
+        inputs: length of the vector of observations.
+
+    Raises:
+        TypeError: the backend is not a name.
+        ValueError: the layers do not fit together or contain numbers that are not finite.
+    """
+
+    form = "warehouse-lab drive 1"
+    keys = MappingProxyType({"backend": None})
+
+    def __init__(self, backend: str, layers: Sequence[Layer]) -> None:
+        self.backend = instance_of("backend", backend, str)
+        self.inputs = int(np.shape(layers[0][0])[-1])
+        super().__init__(0, layers, self.inputs, 2)
+
+    def commands(self, inputs: SingleFloats) -> SingleFloats:
+        """Return the actions ``[..., 2]``, from -1 to 1, for observations ``[..., L]``."""
+        return np.clip(self._outputs(inputs.astype(np.float32)), -1.0, 1.0)
+
+    def _activate(self, values: SingleFloats) -> SingleFloats:
+        return np.tanh(values)
 
 
 def layer_of(part: Any) -> Layer:

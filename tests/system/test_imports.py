@@ -93,7 +93,7 @@ MAY_IMPORT = {
     "agents/learning": "errors warehouse_agent_greedy",
     "agents/drive": "",
     "agents/lab": "errors fleet mapf",
-    "agents/lab/runs": "drive errors fleet",
+    "agents/lab/runs": "drive errors fleet learning",
     "agents/registry": "errors fleet kinds learning mapf search warehouse_agent_greedy",
     "agents/lab/console": "errors lab lab/runs registry",
     "agents/lab/trials": "errors lab/console lab/runs learning registry",
@@ -103,7 +103,7 @@ MAY_IMPORT = {
     ),
     "agents/lab/experiments": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/grading": "errors lab lab/runs lab/trials registry warehouse_agent_greedy",
-    "agents/lab/training": "lab/trials learning",
+    "agents/lab/training": "lab/console lab/trials learning",
     "agents/lab/datasets": "errors lab lab/experiments lab/trials registry",
     "agents/lab/reports": "errors lab lab/console lab/experiments lab/trials registry",
     "agents/lab/commands/backends": (

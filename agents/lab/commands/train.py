@@ -26,6 +26,7 @@ from agents.lab.console.values import load_layout
 from agents.lab.parameters import Whole
 from agents.lab.parameters import size as check_size
 from agents.lab.training.checkpoint import load_checkpoint, save_checkpoint
+from agents.lab.training.driving import train_drive
 from agents.lab.training.exams import EXAM_SEEDS, FINAL_SEEDS, Examiner
 from agents.lab.training.points import save_points
 from agents.lab.trials.random_layouts import RandomLayouts, VariedLayouts
@@ -88,6 +89,11 @@ KINDS = {
     ),
     "ppo": Kind("PPO", 2_000_000, 200, ("teacher",)),
     "clone": Kind("clone", 1_000_000, 800, ("robots", "order_rate", "density")),
+    "drive": Kind(
+        "continuous control", 7_000_000, 200,
+        ("teacher", "robots", "order_rate", "size", "density", "layouts", "battery", "max_steps",
+         "resume"),
+    ),
 }  # fmt: skip
 
 
@@ -102,7 +108,7 @@ class TrainCommand(CommandOfKinds):
     """The command ``warehouse train``, whose help lists the options of a kind."""
 
     argument = "kind"
-    names: ClassVar = {name: COMMON | OWN - {*each.others} for name, each in KINDS.items()}
+    names: ClassVar = {name: (COMMON | OWN) - {*each.others} for name, each in KINDS.items()}
 
 
 def defaults_of(field: str) -> str:
@@ -120,7 +126,8 @@ def train(
         typer.Argument(
             metavar="KIND",
             help="Kind of training. q: a table by Q-learning; ppo: a network by PPO; clone: a "
-            "network by imitation (DAgger), whose input includes a map of the visited cells.",
+            "network by imitation (DAgger), whose input includes a map of the visited cells; "
+            "drive: a network that controls a body, by PPO.",
         ),
     ],
     steps: Annotated[
@@ -184,7 +191,8 @@ def train(
 
     With --layout random, each episode is in one of many random layouts, and
     exams are in other layouts. "warehouse train KIND -h" lists the options of
-    a kind.
+    a kind. drive writes only its network, for "warehouse run --backend drive
+    --agent drive:FILE", and prints an exam.
 
     Example: warehouse train ppo --steps 2000000 -o ppo.npz
     """
@@ -196,10 +204,11 @@ def train(
     battery = battery or chosen.limit
     target = save or Path(f"{kind}.npz")
     is_random = random_layouts.are_wanted(layout, size=size, density=density, layouts=layouts)
-    if is_random and (kind == "q" or robots > 1):
+    known_map = kind in ("q", "drive")
+    if is_random and (known_map or robots > 1):
         raise typer.BadParameter(
             "--layout random cannot be combined with "
-            + ("'train q'" if kind == "q" else "--robots: random layouts have one robot")
+            + (f"'train {kind}'" if known_map else "--robots: random layouts have one robot")
         )
     task: Task | FleetTask
     if robots > 1:
@@ -213,6 +222,10 @@ def train(
     else:
         task = Task(load_layout(layout), battery, limit)
     check_agent_file(target)
+    if kind == "drive":
+        with needed_libraries("training of continuous control"):
+            print_table(train_drive(load_layout(layout), steps, seed, target))
+        return
     if isinstance(task, Task) and isinstance(task.layout, RandomLayouts):
         task = task._replace(layout=task.layout.without([*EXAM_SEEDS, *FINAL_SEEDS]))
     name = chosen.name if kind != "clone" else f"clone of {teacher}"

@@ -6,6 +6,7 @@ from contextlib import nullcontext
 from typing import Any
 
 from agents.lab.runs.run import Watch, run
+from agents.learning.drive_policy import DrivePolicy
 from warehouse_core import Agent, BackendError, Episode
 from warehouse_core.extras import install_command
 from warehouse_core.records.episode import DRIVE
@@ -36,13 +37,21 @@ def make_drive(backend: str, **arguments: Any) -> Any:
 
 
 def drive(
-    backend: str, agent: Agent, seed: int, *, watch: Watch = nullcontext, **arguments: Any
+    backend: str,
+    agent: Agent | DrivePolicy,
+    seed: int,
+    *,
+    watch: Watch = nullcontext,
+    **arguments: Any,
 ) -> Episode:
-    """Return the record of an episode in which a follower drives the moves of a grid agent.
+    """Return the record of an episode under continuous control.
+
+    A trained policy drives by itself. A follower drives the moves of a grid agent.
 
     Args:
-        backend: name of the environment.
-        agent: grid agent.
+        backend: name of the environment; for a trained policy the bare name stands for the one in
+            which it was trained.
+        agent: grid agent or trained policy.
         seed: seed of the episode.
         watch: see ``run``.
         arguments: see ``make_drive``.
@@ -50,9 +59,12 @@ def drive(
     Raises:
         EpisodeError: see ``run``.
     """
+    if isinstance(agent, DrivePolicy) and backend == DRIVE:
+        backend = agent.backend
     env = make_drive(backend, **arguments)  # says what is missing, before the next import fails
     from agents.drive.follower import Follower
 
-    episode = run(env, Follower(env, agent), seed, watch, name=type(agent).__name__)
+    driver = agent if isinstance(agent, DrivePolicy) else Follower(env, agent)
+    episode = run(env, driver, seed, watch, name=type(agent).__name__)
     episode.agent = type(agent).__name__
     return episode
