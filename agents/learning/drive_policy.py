@@ -26,7 +26,7 @@ class DrivePolicy:
         >>> layers = [(np.zeros((b, a)), np.zeros(b)) for a, b in zip(widths, widths[1:])]
         >>> policy = DrivePolicy(DriveNetwork("drive", layers))  # not trained
         >>> policy.act(np.zeros(29))
-        array([0., 0.], dtype=float32)
+        array([0., 0.])
     """
 
     def __init__(self, network: DriveNetwork) -> None:

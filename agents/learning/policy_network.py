@@ -214,6 +214,13 @@ class DriveNetwork(Network):
     Raises:
         TypeError: the backend is not a name.
         ValueError: the layers do not fit together or contain numbers that are not finite.
+
+    Example:
+        >>> import numpy as np
+        >>> from agents.learning import DriveNetwork
+        >>> layers = [(np.zeros((b, a)), np.zeros(b)) for a, b in ((29, 8), (8, 8), (8, 2))]
+        >>> DriveNetwork("drive", layers).commands(np.zeros((5, 29))).shape
+        (5, 2)
     """
 
     form = "warehouse-lab drive 1"

@@ -15,10 +15,11 @@ EXAMPLES = examples()
 
 NOT_RUN = {
     "agents.learning.clone_training:CloneLearner",
+    "agents.learning.drive_training:DriveLearner",
     "agents.learning.ppo_training:PPOLearner",
     "warehouse_core.render.window:PictureWindow",
 }
-"""Classes whose examples are not run: two need PyTorch, the last one needs a display."""
+"""Classes whose examples are not run: three need PyTorch, the last one needs a display."""
 
 
 @pytest.mark.parametrize("name", EXAMPLES)
