@@ -11,6 +11,7 @@ import math
 from itertools import pairwise
 
 from warehouse_core import Agent, WarehouseEnv, WarehouseState
+from warehouse_core.arguments import instance_of, with_methods
 from warehouse_core.motion.base import centre_of
 from warehouse_core.world.actions import WAIT, action_index
 from warehouse_physics.drive import DriveEnv
@@ -50,7 +51,8 @@ class Follower:
     """
 
     def __init__(self, env: DriveEnv, agent: Agent) -> None:
-        self.env, self._agent, self.reason = env, agent, ""
+        self.env = instance_of("env", env, DriveEnv)
+        self._agent, self.reason = with_methods("agent", agent, "reset", "act"), ""
         self._grid = WarehouseEnv(env.layout)
         self._line: Line = [(0.0, 0.0)] * 2
         self._task, self._due, self._size = False, math.inf, env.robot_spec.cell_size

@@ -10,6 +10,7 @@ import numpy as np
 from agents.errors import AgentError
 from agents.learning.map_memory import SingleFloats
 from agents.learning.policy_network import DriveNetwork
+from warehouse_core.arguments import instance_of
 from warehouse_core.wording import brief
 
 
@@ -30,7 +31,8 @@ class DrivePolicy:
     """
 
     def __init__(self, network: DriveNetwork) -> None:
-        self._network, self.backend = network, network.backend
+        self._network = instance_of("network", network, DriveNetwork)
+        self.backend = network.backend
 
     @classmethod
     def load(cls, path: Path) -> DrivePolicy:

@@ -228,7 +228,12 @@ class DriveNetwork(Network):
 
     def __init__(self, backend: str, layers: Sequence[Layer]) -> None:
         self.backend = instance_of("backend", backend, str)
-        self.inputs = int(np.shape(layers[0][0])[-1])
+        try:
+            self.inputs = int(np.shape(layers[0][0])[-1])
+        except Exception:  # a user's object may raise anything
+            raise ValueError(
+                f"layers is {brief(layers)}; it must be {LAYERS} pairs of weights and biases"
+            ) from None
         super().__init__(0, layers, self.inputs, 2)
 
     def commands(self, inputs: SingleFloats) -> SingleFloats:

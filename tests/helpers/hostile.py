@@ -21,10 +21,14 @@ import gymnasium
 import numpy as np
 
 from agents import GreedyAgent
+from agents.drive import Follower
 from agents.fleet import PlannedFleet, Team
+from agents.learning import DriveNetwork, DrivePolicy
+from agents.mapf.circulation import Circulation
 from agents.mapf.graph import Graph
 from agents.mapf.pibt import PIBT
-from agents.registry import AGENTS, PLANNERS
+from agents.mapf.windows import WindowedPlanner
+from agents.registry import AGENTS
 from agents.search import RouteProblem
 from helpers.networks import random_moves, random_network
 from warehouse_core import (
@@ -47,6 +51,7 @@ from warehouse_core.pettingzoo_env import parallel_env
 from warehouse_core.viz.tracks import track_of_record
 from warehouse_core.wording import brief
 from warehouse_physics import Disturbances, DrivingMotion, RigidBodyMotion, RobotSpec, Stop
+from warehouse_physics.drive import DriveEnv
 
 PACKAGES = ("warehouse_core", "warehouse_physics", "agents")
 
@@ -124,6 +129,9 @@ HOSTILE: dict[str, Callable[[], Any]] = {
 
 RECORD = record_episode(WarehouseEnv(max_steps=2), GreedyAgent(0), seed=0)
 
+LAYERS = [(np.zeros((b, a)), np.zeros(b)) for a, b in ((29, 8), (8, 8), (8, 2))]
+"""Layers of a network that controls a body."""
+
 VALID: dict[str, Any] = {
     "action": 4,
     "actions": [4, 4],
@@ -141,6 +149,15 @@ VALID: dict[str, Any] = {
     "desired_goal": (0.5, 0.6, 1.0),
     "backend": "grid",
     "env": WarehouseEnv(),
+    "Follower.env": DriveEnv(),
+    "DriveEnv.step.action": [0.0, 0.0],
+    "DriveVectorEnv.step.actions": [[0.0, 0.0]],
+    "DriveEnv.from_name.name": "drive",
+    "DriveEnv.start_recording.agent": "x",
+    "DriveEnv.start_recording.randomize": True,
+    "DriveNetwork.backend": "drive",
+    "layers": LAYERS,
+    "DrivePolicy.network": DriveNetwork("drive", LAYERS),
     "episode": RECORD,
     "extent": (7, 12, 2, 200, 200),
     "cell": (1, 1),
@@ -223,6 +240,7 @@ OPEN_TO_ALL = {
     "frames",
     "heuristic",
     "metrics",
+    "on_reset",
     "output_dir",
     "path",
     "problem",
@@ -295,7 +313,7 @@ def targets() -> Iterator[Target]:
 
 def named_targets() -> Iterator[Target]:
     """Yield the agents and planners that have a name in the registry."""
-    for each in (*AGENTS.values(), *PLANNERS.values()):
+    for each in (*AGENTS.values(), PIBT, WindowedPlanner, Circulation):
         if inspect.isclass(each):
             yield Target(each.__name__, each, use)
 
@@ -350,10 +368,10 @@ def use(it: Any) -> None:
         it.step([4] * it.num_envs)
     elif isinstance(it, gymnasium.vector.VectorEnv):
         it.reset(seed=1)
-        it.step(np.full(it.num_envs, 4))
+        it.step(np.zeros(it.action_space.shape, it.action_space.dtype))
     elif isinstance(it, gymnasium.Env):
         it.reset(seed=1)
-        it.step(4)
+        it.step(np.zeros(2) if isinstance(it.action_space, gymnasium.spaces.Box) else 4)
         if it.render_mode:
             it.render()
     elif isinstance(it, parallel_env):
@@ -382,6 +400,12 @@ def use(it: Any) -> None:
         fleet.reset(seed=0)
         it.reset()
         it.act(fleet)
+    elif isinstance(it, Follower):
+        it.env.reset(seed=0)
+        it.reset()
+        it.act(None)
+    elif isinstance(it, DrivePolicy):
+        it.act(np.zeros(29))
     elif hasattr(it, "act"):
         it.reset()
         it.act(WarehouseEnv().reset())

@@ -49,6 +49,9 @@ VIEW_RADIUS = 2
 MIN_RATE, MAX_RATE = 1.0, 1_000.0
 """Limits of the control steps in a second."""
 
+LEAST, MOST = 1e-3, 1e9
+"""Limits of the seconds of an episode and of the joules of a battery."""
+
 NAME = "drive"
 """Backend of the records of continuous control."""
 
@@ -162,7 +165,8 @@ class DriveEnv(gymnasium.Env[Any, Any]):
             layout, control, spec, disturbances, rate, rays,
             randomize=randomize, start_pos=start_pos, max_seconds=max_seconds, battery=battery,
         )  # fmt: skip
-        self._things = Things(crates, obstacles, on_reset)
+        open_cells = len(self.drive_settings.layout.open_cells)
+        self._things = Things(crates, obstacles, on_reset, most=open_cells)
         self._form = DriveForm(observation, self.drive_settings)
         self.observation_space = self._form.space
         self.action_space = spaces.Box(-1.0, 1.0, (2,), np.float32)
@@ -312,6 +316,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
     ) -> DriveRecorder:
         """Reset and return a recorder of the new episode; ``record_episode`` calls this."""
         own = self.drive_settings.randomize
+        randomized_parts(randomize)
         if randomize not in (True, own):
             raise ValueError(
                 f"randomize is {brief(randomize)}; this DriveEnv was made with randomize={own!r}"
@@ -519,7 +524,7 @@ def checked_settings(
     randomized_parts(others["randomize"])
     for name in ("max_seconds", "battery"):
         if others[name] is not None:
-            others[name] = real_number(name, others[name], above=True)
+            others[name] = real_number(name, others[name], LEAST, MOST)
     if others["start_pos"] is not None:
         others["start_pos"] = start = as_cell("start_pos", others["start_pos"])
         check_open(layout, start, "start_pos")

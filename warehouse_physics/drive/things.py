@@ -16,7 +16,7 @@ import numpy as np
 import pymunk
 
 from warehouse_core import Cell, Layout, LayoutError
-from warehouse_core.arguments import MAX_STEPS, as_cell, real_number, whole_number
+from warehouse_core.arguments import as_cell, real_number, whole_number
 from warehouse_core.motion.base import SCAN_RANGE, centre_of
 from warehouse_core.motion.grid import GRAVITY
 from warehouse_core.wording import brief
@@ -45,6 +45,7 @@ class Things:
         crates: number of crates in random cells, or their cells.
         obstacles: pillars ``(x, y, radius)`` and convex polygons ``[(x, y), ...]``, in metres.
         on_reset: function that is called with each new space.
+        most: largest number of crates.
 
     Raises:
         ValueError: an argument is out of range.
@@ -56,13 +57,15 @@ class Things:
         crates: int | Sequence[Cell] = 0,
         obstacles: Shapes = (),
         on_reset: Callable[[pymunk.Space], object] | None = None,
+        *,
+        most: int,
     ) -> None:
         self.crates: int | tuple[Cell, ...] = (
-            whole_number("crates", crates, 0, MAX_STEPS)
+            whole_number("crates", crates, 0, most)
             if isinstance(crates, (int, np.integer))
-            else tuple(as_cell("crates", cell) for cell in crates)
+            else _crates(crates)
         )
-        self.obstacles = [_obstacle(each) for each in obstacles]
+        self.obstacles = [_obstacle(each) for each in _listed(obstacles)]
         if on_reset is not None and not callable(on_reset):
             raise TypeError(f"on_reset is {brief(on_reset)}; it must be a function of a space")
         self._on_reset = on_reset
@@ -154,6 +157,22 @@ def scan(arena: DriveArena, angle: float, rays: int) -> Floats:
         shares = [hit.alpha for hit in hits if hit.shape is not None and not hit.shape.sensor]
         distances[number] = SCAN_RANGE * min(shares, default=1.0)
     return distances
+
+
+def _crates(given: Any) -> tuple[Cell, ...]:
+    try:
+        return tuple(as_cell("crates", cell) for cell in given)
+    except Exception:  # a user's ``__iter__`` may raise anything
+        raise ValueError(
+            f"crates is {brief(given)}; it must be a number, or cells (row, column)"
+        ) from None
+
+
+def _listed(obstacles: Any) -> list[Any]:
+    try:
+        return list(obstacles)
+    except Exception:  # a user's ``__iter__`` may raise anything
+        raise TypeError(f"obstacles is {brief(obstacles)}; it must be a list") from None
 
 
 def _obstacle(given: Any) -> Callable[[pymunk.Body], pymunk.Shape]:

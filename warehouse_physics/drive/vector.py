@@ -13,7 +13,7 @@ from gymnasium.vector.utils import batch_space
 from numpy.typing import ArrayLike, NDArray
 
 from warehouse_core import Cell
-from warehouse_core.arguments import MAX_STEPS, one_of, whole_number
+from warehouse_core.arguments import MAX_ENVS, one_of, whole_number
 from warehouse_core.batch.array_env import (
     AUTORESET_MODES,
     DISABLED,
@@ -95,7 +95,7 @@ class DriveVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
         mode = one_of(
             "autoreset_mode", getattr(autoreset_mode, "value", autoreset_mode), AUTORESET_MODES
         )
-        self.num_envs = whole_number("num_envs", num_envs, 1, MAX_STEPS)
+        self.num_envs = whole_number("num_envs", num_envs, 1, MAX_ENVS)
         self._settings = checked_settings(
             layout, control, spec, disturbances, rate, rays,
             randomize=randomize, start_pos=start_pos, max_seconds=max_seconds, battery=battery,

@@ -118,6 +118,9 @@ def test_a_robot_stops_at_a_pillar_and_at_a_polygon_and_sees_them():
         ({"obstacles": [7]}, "obstacles has 7"),
         ({"on_reset": 3}, "on_reset is 3"),
         ({"crates": -1}, "crates is -1"),
+        ({"crates": 999}, "crates is 999"),
+        ({"crates": [(1, 2, 3)]}, "it must be a number, or cells"),
+        ({"obstacles": 7}, "obstacles is 7"),
     ],
 )
 def test_wrong_things_are_named(arguments, message):
