@@ -181,7 +181,6 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         self.last_motion: Outcome | None = None
         self.last_action: tuple[float, float] = (0.0, 0.0)
         self._over = UNSTARTED
-        self._steps = 0
 
     def __deepcopy__(self, memo: object = None) -> NoReturn:
         raise TypeError(
@@ -366,7 +365,6 @@ class DriveEnv(gymnasium.Env[Any, Any]):
             raise gymnasium.error.Error(str(error)) from None
         if seed is None:
             seed = int(self.np_random.integers(2**32))
-        foreign = self._foreign()
         rows = DriveRows(self.drive_settings, 1)
         layout = options.get("layout")
         start = options.get("start_pos")
@@ -376,16 +374,17 @@ class DriveEnv(gymnasium.Env[Any, Any]):
             None if layout is None else as_layout(layout),
             None if start is None else as_cell("start_pos", start),
         )
+        crates = self._things.cells(rows.layouts[0], rows.starts[0], seed)
+        foreign = self._foreign()  # From here on, nothing is refused.
         self._rows, self._seed = rows, seed
         [self._arena] = rows.bodies.arenas
-        if self._things.exist:
-            self._things.fill(self._arena, self.robot_spec, self.layout, rows.starts[0], seed)
-        self._ours = _objects(self.space)
+        self._things.fill(self._arena, self.robot_spec, crates)
+        self._ours = {*_objects(self.space), self.space.static_body}
         for each in foreign:
             self.space.add(each)
         self._has_foreign = bool(foreign)
         self._sight.use(self.layout)
-        self.last_motion, self._over, self._steps = None, "", 0
+        self.last_motion, self._over = None, ""
         rows.scanner = self._scan if self._things.exist or foreign else None
         return self._observation(), self._info(0.0, 0.0)
 
@@ -406,7 +405,6 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         before = self._rows.state
         self.last_action = (float(actions[0, 0]), float(actions[0, 1]))
         step = self._rows.step(actions, is_traced=True)
-        self._steps += 1
         self.last_motion = self._outcome(before, step)
         terminated, truncated = bool(step.terminated[0]), bool(step.truncated[0])
         if terminated or truncated:
@@ -459,18 +457,15 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         return scan(self._arena, float(self._rows.state.angles[0]), self.drive_settings.rays)
 
     def _foreign(self) -> list[Any]:
-        """Take what was added by hand out of the old space, and return it."""
+        """Take what was added by hand out of the old space, and return it, bodies first.
+
+        Joints and shapes on bodies that end with the old space are left behind.
+        """
         if not self._ours:
             return []
         foreign = [each for each in _objects(self.space) if each not in self._ours]
-        old = self._ours
-        keeps = [
-            each
-            for each in foreign
-            if not isinstance(each, pymunk.Constraint) or not {each.a, each.b} & old
-        ]
         self.space.remove(*foreign)
-        return sorted(keeps, key=lambda each: not isinstance(each, pymunk.Body))
+        return [each for each in foreign if not self._ours.intersection(_bodies_of(each))]
 
     def _outcome(self, before: Any, step: DriveStep) -> Outcome:
         """Return the outcome of a step, with a row of the path for each substep."""
@@ -554,8 +549,15 @@ def checked_actions(actions: ArrayLike, shape: tuple[int, ...]) -> NDArray[np.fl
     return np.clip(numbers, -1.0, 1.0)
 
 
-def _objects(space: pymunk.Space) -> set[Any]:
-    return {*space.bodies, *space.shapes, *space.constraints, space.static_body}
+def _objects(space: pymunk.Space) -> list[Any]:
+    return [*space.bodies, *space.shapes, *space.constraints]
+
+
+def _bodies_of(each: Any) -> list[Any]:
+    """Return the bodies to which a shape or a joint belongs."""
+    if isinstance(each, pymunk.Constraint):
+        return [each.a, each.b]
+    return [each.body] if isinstance(each, pymunk.Shape) else []
 
 
 def _settings_in(name: str) -> dict[str, Any]:

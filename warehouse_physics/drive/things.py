@@ -77,15 +77,9 @@ class Things:
         """Whether there is anything besides walls and robots."""
         return bool(self.crates) or self.are_own
 
-    def fill(
-        self, arena: DriveArena, spec: RobotSpec, layout: Layout, start: Cell, seed: int
-    ) -> None:
-        """Put all things into a new space.
-
-        Raises:
-            LayoutError: there is no room for the crates.
-        """
-        for number, cell in enumerate(self._cells(layout, start, seed)):
+    def fill(self, arena: DriveArena, spec: RobotSpec, crates: Sequence[Cell]) -> None:
+        """Put all things into a new space, with crates in these cells."""
+        for number, cell in enumerate(crates):
             arena.names[add_crate(arena.space, centre_of(cell, spec.cell_size), spec)] = (
                 f"crate {number}"
             )
@@ -97,8 +91,12 @@ class Things:
         if self._on_reset is not None:
             self._on_reset(arena.space)
 
-    def _cells(self, layout: Layout, start: Cell, seed: int) -> Sequence[Cell]:
-        """Return the cells of the crates, which leave a path to all stations if they are random."""
+    def cells(self, layout: Layout, start: Cell, seed: int) -> Sequence[Cell]:
+        """Return the cells of the crates, which leave a path to all stations if they are random.
+
+        Raises:
+            LayoutError: there is no room for the crates.
+        """
         if not isinstance(self.crates, int):
             for cell in self.crates:
                 check_open(layout, cell, "crates")

@@ -154,6 +154,10 @@ def test_a_body_that_was_added_by_hand_survives_a_reset():
     ball.position = 6.5, 1.5
     door = pymunk.Body(body_type=pymunk.Body.KINEMATIC)
     env.space.add(ball, pymunk.Circle(ball, 0.2), door, pymunk.PinJoint(env.robot, ball))
+    env.space.add(pymunk.Circle(env.space.static_body, 0.1, (8, 1.5)))
+    with pytest.raises(LayoutError):
+        env.reset(seed=2, options={"start_pos": (0, 0)})
+    assert ball in env.space.bodies  # nothing has changed
     env.reset(seed=2)
     assert ball in env.space.bodies
     assert door in env.space.bodies
