@@ -17,6 +17,10 @@ from warehouse_core.files.tables import write_table
 ROWS_END = "/"
 """Separator between the rows of a layout, so that each episode is a single line of text."""
 
+GRID = "grid"
+MEASURED = ("seconds", "joules", "joules_per_delivery")
+"""The backend that measures neither time nor energy, and the results that are empty for it."""
+
 TableLine = tuple[Any, ...]
 
 
@@ -49,6 +53,8 @@ def lines_of(store: Store, columns: list[str]) -> Iterator[TableLine]:
         settings = {name: _plain(case, name) for name in case}
         for row, program in store.rows(case_id, row_type(case)):
             line = settings | row._asdict() | {"program": program}
+            if case.get("backend") == GRID:
+                line |= dict.fromkeys(MEASURED)
             yield tuple(map(line.get, columns))
 
 

@@ -64,7 +64,7 @@ def test_each_line_is_an_episode_with_its_settings(results: Path) -> None:
     assert [line["escape"] for line in table] == [True] * 6 + [False] * 3
     assert [line[TILES] for line in table] == ["/".join(DEFAULT_LAYOUT.rows)] * 6 + [None] * 3
     assert {line["needed"] for line in table} == {9, None}
-    assert {line["joules"] for line in table} == {1 / 3}
+    assert [line["joules"] for line in table] == [None] * 3 + [1 / 3] * 3 + [None] * 3
     assert {line["program"] for line in table} == {"warehouse-lab 1"}
 
 
