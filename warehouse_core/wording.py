@@ -61,6 +61,11 @@ def spreadsheet_text(text: str) -> str:
     return f"'{text}" if text.startswith(FORMULA) and len(text) > 1 else text
 
 
+def without_guard(text: str) -> str:
+    """Return text of a spreadsheet without the quote that ``spreadsheet_text`` puts before it."""
+    return text[1:] if text[:1] == "'" and spreadsheet_text(text[1:]) == text else text
+
+
 def _visible(character: str) -> str:
     if character.isprintable():
         return character

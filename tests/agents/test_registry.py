@@ -112,8 +112,8 @@ KINDS = "bfs, ucs, greedy-best-first, astar, weighted-astar"
         (
             "clever",
             f"no agent is called 'clever'; allowed: random, reflex, model, goal, utility, "
-            f"greedy, exploring, {KINDS}, clone:FILE, ppo:FILE, q:FILE, or your own as file.py, "
-            "file.py:Class or module:Class",
+            f"greedy, exploring, {KINDS}, clone:FILE, drive:FILE, ppo:FILE, q:FILE, or your own as "
+            "file.py, file.py:Class or module:Class",
         ),
         ("", "no agent is called ''*"),
         *((word, f"no agent is called '{word}'*") for word in TRAINED),

@@ -8,7 +8,7 @@ from unittest.mock import Mock
 import pytest
 
 from warehouse_core import registration
-from warehouse_core.registration import GOAL_ID, ID, AfterGymnasium, Registering, register
+from warehouse_core.registration import DRIVE_ID, GOAL_ID, ID, AfterGymnasium, Registering, register
 
 FORGET = "[sys.modules.pop(name) for name in [*sys.modules] if name.split('.')[0] == {!r}]"
 
@@ -77,7 +77,7 @@ def test_other_modules_are_left_to_the_ordinary_finders() -> None:
 def test_a_name_is_registered_once() -> None:
     gymnasium = Mock(registry={ID: ""})
     register(gymnasium)
-    assert [call.args for call in gymnasium.register.mock_calls] == [(GOAL_ID,)]
+    assert [call.args for call in gymnasium.register.mock_calls] == [(GOAL_ID,), (DRIVE_ID,)]
 
 
 @pytest.mark.parametrize("spec", [None, Mock(loader=None)])

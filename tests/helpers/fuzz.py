@@ -41,6 +41,7 @@ from warehouse_core.orders import load_orders
 from warehouse_core.orders.files import COLUMNS as ORDER_COLUMNS
 from warehouse_core.records.failure_modes import diagnose
 from warehouse_core.viz.tracks.record_track import track_of_record
+from warehouse_core.wording import printable
 from warehouse_core.world.map_files import load_map, save_map
 from warehouse_core.world.named_layouts import as_layout
 from warehouse_core.world.scenarios import check_scenarios, load_scenarios
@@ -335,8 +336,18 @@ def _read_archive(path: Path) -> None:
 
 def _read_grades(path: Path) -> None:
     rows = load_grades(path)
-    save_grades(path, list(next(iter(rows.values()), {})), rows)
-    assert load_grades(path) == rows
+    columns = dict.fromkeys(column for row in rows.values() for column in row)
+    save_grades(path, list(columns), rows)
+    on_one_line = {
+        name: {column: _on_one_line(value) for column, value in row.items()}
+        for name, row in rows.items()
+    }
+    assert load_grades(path) == on_one_line
+
+
+def _on_one_line(value: Any) -> Any:
+    """Return a value as a table keeps it: without line breaks and outer blanks."""
+    return printable(value).strip() if isinstance(value, str) else value
 
 
 def _read_results(path: Path) -> None:

@@ -141,7 +141,7 @@ IMPOSSIBLE = {
     "run --layout tiny.txt": "tiny.txt: it has 1 empty cell; random stations need two or more",
     "fleet --robots 5000": "5000 robots and 0 people do not fit",
     "fleet --orders nowhere.csv": "nowhere.csv: No such file",
-    "fleet --orders orders.csv": "orders.csv: line 2, column 6: dropoff_col is 'x'",
+    "fleet --orders orders.csv": "orders.csv: line 2: dropoff_col is 'x'",
     "fleet --planner pibt --assignment x": "no assignment is called 'x'; allowed: fifo, nearest",
     "fleet --order-rate 1e9": "MAX_ORDERS",
     "fleet --planner windowed --show-plans pushes": "does not report which robots push",

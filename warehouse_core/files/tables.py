@@ -18,7 +18,7 @@ from typing import TypeVar
 
 from warehouse_core.files.atomic import atomic_path
 from warehouse_core.files.reading import read_file
-from warehouse_core.wording import counted, printable, spreadsheet_text
+from warehouse_core.wording import counted, printable, spreadsheet_text, without_guard
 
 T = TypeVar("T")
 
@@ -116,7 +116,7 @@ def _columns(names: Sequence[str], needed: Collection[str], optional: Collection
 
 def _row(fields: Sequence[str], columns: Sequence[str]) -> dict[str, str] | None:
     """Return the fields of a line by column, or ``None`` for a line of blanks."""
-    found = [each.strip() for each in fields]
+    found = [without_guard(each.strip()) for each in fields]
     while len(found) > len(columns) and not found[-1]:
         found.pop()
     if not any(found):

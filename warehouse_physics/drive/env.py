@@ -129,7 +129,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
 
     Example:
         >>> import gymnasium
-        >>> env = gymnasium.make("WarehouseDrive-v0")
+        >>> env = gymnasium.make("warehouse_physics.drive:WarehouseDrive-v0")
         >>> observation, info = env.reset(seed=1)
         >>> observation, reward, terminated, truncated, info = env.step([1.0, 0.2])
         >>> observation.shape, round(reward, 3)

@@ -68,7 +68,8 @@ class DriveVectorEnv(gymnasium.vector.VectorEnv[Any, Any, Any]):
 
     Example:
         >>> import gymnasium
-        >>> envs = gymnasium.make_vec("WarehouseDrive-v0", num_envs=4)
+        >>> name = "warehouse_physics.drive:WarehouseDrive-v0"
+        >>> envs = gymnasium.make_vec(name, num_envs=4)
         >>> observations, infos = envs.reset(seed=1)
         >>> observations, rewards, terminated, truncated, infos = envs.step([[1.0, 0.0]] * 4)
         >>> rewards.shape

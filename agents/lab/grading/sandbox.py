@@ -442,9 +442,15 @@ class SameProcess:
     def episode(self) -> Iterator[AgentProcess]:
         """Yield an agent that is not loaded yet; its rules for imports end with the block."""
         paths, by_statement, by_name = sys.path[:], builtins.__import__, importlib.import_module
+        modules = {*sys.modules}
         try:
             yield _AgentHere(self._submission, self._limits)
         finally:
+            own = [Path(each) for each in sys.path if each not in paths]
+            for name in sys.modules.keys() - modules:  # another agent may use the same names
+                file = getattr(sys.modules[name], "__file__", None)
+                if file and any(Path(file).is_relative_to(folder) for folder in own):
+                    del sys.modules[name]
             sys.path[:] = paths
             builtins.__import__, importlib.import_module = by_statement, by_name
 

@@ -87,3 +87,11 @@ def test_an_error_of_writing_leaves_the_old_table(tmp_path: Path) -> None:
     with pytest.raises(RuntimeError):
         write_table(path, ["x"], lines())
     assert path.read_text() == "x\n1\n"
+
+
+def test_a_name_that_looks_like_a_formula_survives(tmp_path: Path) -> None:
+    names = ["@ann", "=1+1", "-7", "'quoted", "+"]
+    write_table(tmp_path / "t.csv", ["name"], [[name] for name in names])
+    assert "'=1+1" in (tmp_path / "t.csv").read_text()
+    read = read_table(tmp_path / "t.csv", ["name"], 1000, lambda row: row["name"])
+    assert [*read] == names

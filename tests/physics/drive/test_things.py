@@ -15,6 +15,7 @@ from warehouse_core import (
     replay_episode,
 )
 from warehouse_core.errors import BackendError
+from warehouse_core.viz.tracks.record_track import step_captions
 from warehouse_physics import RobotSpec
 from warehouse_physics.drive import DriveEnv
 from warehouse_physics.drive.recording import DriveRecorder
@@ -239,6 +240,8 @@ def test_a_record_says_what_its_replay_needs(monkeypatch):
 def test_a_damaged_action_is_named():
     episode = record_episode(DriveEnv(max_seconds=0.5), Ahead(), seed=4)
     episode.actions[2] = "E"
+    captions = step_captions(episode)
+    assert (captions[1], captions[2]) == ("+0.80 +0.10: straight on", "E: straight on")
     with pytest.raises(ValueError, match="the action is 'E'; it must be two numbers"):
         replay_episode(episode)
 

@@ -130,7 +130,7 @@ PAGES = {
         "Physics: a body with mass",
         "Driving: the same path in one go",
     ],
-    "fleet --robots 2 --max-steps 5 --seed 1": ["greedy, 2 robots on the grid backend, seed 1"],
+    "fleet --robots 2 --max-steps 5 --seed 1": ["auto, 2 robots on the grid backend, seed 1"],
     "demo bump": ["A bump in slow motion: 27.5 N·s"],
     "compare search --weights 0,1": ["uniform-cost, W = 0", "A*, W = 1"],
 }
