@@ -107,7 +107,7 @@ class Program:
 
     def focus(self) -> str:
         """Wait for the window, give it the keyboard focus and return its number."""
-        found = self._xdotool("search", "--sync", "--onlyvisible", "--name", "^Warehouse$").split()
+        found = self._xdotool("search", "--sync", "--onlyvisible", "--name", "^Warehouse").split()
         self._xdotool("windowfocus", "--sync", found[-1])
         # These keys do nothing. On a busy machine the toolkit loses the first keys after a change.
         self._xdotool("key", "--delay", "150", *["F9"] * 4)
@@ -200,7 +200,7 @@ class Shower(Program):
 
     def windows(self) -> list[str]:
         """Return the windows with the program's title, visible or not."""
-        words = ["xdotool", "search", "--name", "^Warehouse$"]
+        words = ["xdotool", "search", "--name", "^Warehouse"]
         done = subprocess.run(
             words, env=self._environment, capture_output=True, text=True, check=False
         )

@@ -59,7 +59,7 @@ class KeyDriver:
         self._scene = Scene([track_of_record(self.episode)], make_window, length=env.max_steps + 1)
         self.figure = self._scene.root
         manager: Any = self.figure.canvas.manager
-        manager.set_window_title(HELP)  # where it stays in view
+        manager.set_window_title(f"Warehouse: {HELP}")  # where it stays in view
         self.figure.canvas.mpl_connect("key_press_event", self._on_key)
         self._timer = self.figure.canvas.new_timer(interval=FRAME_MS)
         self._timer.add_callback(self._glide)

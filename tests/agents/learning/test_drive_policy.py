@@ -52,7 +52,10 @@ def test_an_observation_of_the_grid_is_refused():
             policy.act(observation)
 
 
-def test_the_command_runs_a_policy_in_its_own_environment(warehouse: Warehouse, tmp_path: Path):
+def test_the_command_runs_a_policy_in_its_own_environment(
+    warehouse: Warehouse, tmp_path: Path, monkeypatch: pytest.MonkeyPatch
+):
+    monkeypatch.chdir(tmp_path)
     network_of().save("drive.npz")
     assert isinstance(make_agent("drive:drive.npz"), DrivePolicy)
     result = warehouse(
