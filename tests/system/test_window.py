@@ -170,7 +170,8 @@ def test_play_takes_real_keys(play: Program, tmp_path: Path) -> None:
     episode = Episode.load(tmp_path / "e.npz")
     assert episode.actions == ["N", "E", "WAIT", "W", "S", "PICK", "E", "DROP"]
     assert (episode.agent, episode.seed, episode.outcome) == ("You", 4, "delivered")
-    assert lines[:2] == ["game 1", "You on the grid backend, seed 4, random stations"]
+    assert lines[0].startswith("Arrows or NESW move")
+    assert lines[1:3] == ["game 1", "You on the grid backend, seed 4, random stations"]
     assert lines[-2:] == ["saved e.npz", "saved e.png"]
     assert (tmp_path / "e.png").exists()
 

@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import Any
 
 from agents.lab.commands.run import report_episode
+from agents.lab.commands.steer import HELP as STEERING
 from agents.lab.commands.steer import SteeringWheel
 from agents.lab.console import options
 from agents.lab.console.output import replay_or_save, unused
@@ -157,7 +158,7 @@ def play(
     seed = draw_seed() if seed is None else seed
     driver = SteeringWheel(env, seed) if is_drive(backend) else KeyDriver(env, seed, place)
     if isinstance(driver, KeyDriver):
-        say(HELP)
+        say(STEERING if is_drive(backend) else HELP)
     import matplotlib.pyplot as plt
 
     try:
