@@ -18,7 +18,7 @@ from agents.lab.grading.rubric import MAX_DAYS, TAKEN, Rubric
 from agents.lab.grading.students import CANVAS, MOODLE
 from agents.lab.trials.wording import percent
 from warehouse_core.files.tables import number_in, read_table, whole_in, write_table
-from warehouse_core.wording import printable, spreadsheet_text
+from warehouse_core.wording import printable
 
 NAME, POINTS, MOST, LATE, FAILURE, OUTCOMES, CODE, RUBRIC = TAKEN
 
@@ -43,10 +43,10 @@ def columns_of(rubric: Rubric) -> list[str]:
 def row_of(name: str, report: GradeReport) -> GradeRow:
     """Return the row of a graded submission."""
     return {
-        NAME: plain(name), POINTS: f"{report.points:g}", MOST: f"{report.max_points:g}",
+        NAME: printable(name), POINTS: f"{report.points:g}", MOST: f"{report.max_points:g}",
         **{each.criterion.name: f"{each.points:g}" for each in report.grades},
         LATE: str(report.late),
-        FAILURE: plain("" if report.points else "; ".join(report.remarks)),
+        FAILURE: printable("" if report.points else "; ".join(report.remarks)),
         OUTCOMES: report.outcomes, CODE: report.code, RUBRIC: report.rubric,
     }  # fmt: skip
 
@@ -58,11 +58,6 @@ def failed_row(name: str, reason: str, rubric: Rubric, code: str = "", late: int
         failure=reason, reason="", episodes=0, late=late,
     )  # fmt: skip
     return row_of(name, failed)
-
-
-def plain(text: str) -> str:
-    """Return text that no spreadsheet runs as a formula, and no terminal as a command."""
-    return spreadsheet_text(printable(text))
 
 
 def load_grades(path: Path, columns: Collection[str] = ()) -> dict[str, GradeRow]:

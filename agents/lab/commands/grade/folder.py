@@ -27,7 +27,6 @@ from agents.lab.grading.grades import (
     columns_of,
     failed_row,
     load_grades,
-    plain,
     row_of,
     save_grades,
     summary_of,
@@ -87,14 +86,14 @@ def grade_folder(
     before, rows = load_grades(target, columns_of(rubric)), dict[str, GradeRow]()
     find, waiting = finder_of(before), list[Submission]()
     for each in found:
-        row = before.get(find(plain(each.name)) or "")
+        row = before.get(find(printable(each.name)) or "")
         if isinstance(each, Unusable):
             rows[each.name] = failed_row(each.name, each.reason, rubric, late=days_of[each.name])
         elif _is_done(each, row, rubric, days_of[each.name]) and (
             pages is None or all(path.exists() for path in _files_of(pages, each))
         ):
             assert row is not None
-            rows[each.name] = row | {NAME: plain(each.name)}
+            rows[each.name] = row | {NAME: printable(each.name)}
         else:
             waiting.append(each)
     save_grades(target, columns_of(rubric), rows)
