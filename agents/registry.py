@@ -17,7 +17,7 @@ import random
 import re
 import sys
 import warnings
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Collection, Iterator, Mapping, Sequence
 from contextlib import contextmanager
 from functools import partial
 from pathlib import Path
@@ -58,7 +58,7 @@ from warehouse_core import (
 from warehouse_core.files.reading import not_a_file
 from warehouse_core.motion.backends import Backend, backend_names, make_motion
 from warehouse_core.motion.base import with_defaults
-from warehouse_core.records.episode import DRIVE
+from warehouse_core.records.episode import DRIVE, is_drive
 from warehouse_core.records.recorder import FleetAgent
 from warehouse_core.world.moves import COMPASS
 
@@ -286,12 +286,14 @@ def on_backend(backend: str, act: Callable[[str], Episode]) -> Episode:
     """Return the record of an agent on a backend.
 
     Bodies that drive through need a whole path. For them the agent acts on the grid, and then they
-    drive its path.
+    drive its path. Continuous control has no motion, but an environment of its own.
 
     Args:
         backend: name of a motion backend, see ``make_backend``.
         act: function that lets the agent act on a backend with a name, and returns the record.
     """
+    if is_drive(backend):
+        return act(backend)
     made = make_backend(backend)
     if with_defaults(make_motion(made)).drives_through:
         return replay_episode(act("grid"), made)
@@ -576,16 +578,25 @@ def _modules_of(folder: Path) -> Iterator[None]:
     time, as the agent is. Another folder may also have modules of the same names. The folder
     remains the last one that is searched, because functions may import modules later.
     """
-    before = sys.modules.copy()
+    before = {*sys.modules}
     sys.path.insert(0, str(folder))
     try:
         yield
     finally:
         sys.path[:] = [each for each in sys.path if each != str(folder)] + [str(folder)]
-        for name in sys.modules.keys() - before.keys():
-            file = getattr(sys.modules[name], "__file__", None)
-            if file and Path(file).is_relative_to(folder) and not name.startswith("agent file "):
-                del sys.modules[name]
+        forget_modules(before, [folder])
+
+
+def forget_modules(before: Collection[str], folders: Collection[Path]) -> None:
+    """Forget the modules from some folders that were imported after those with names ``before``.
+
+    Modules that are agents stay, because dataclasses look them up.
+    """
+    for name in sys.modules.keys() - before:
+        file = getattr(sys.modules[name], "__file__", None) or ""
+        is_own = any(Path(file).is_relative_to(folder) for folder in folders)
+        if is_own and not name.startswith("agent file "):
+            del sys.modules[name]
 
 
 def _hint(folder: Path) -> str:

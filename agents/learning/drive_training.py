@@ -22,11 +22,12 @@ from numpy.typing import NDArray
 from stable_baselines3 import PPO
 from stable_baselines3.common.callbacks import BaseCallback
 from stable_baselines3.common.logger import Logger
-from stable_baselines3.common.vec_env import VecEnv
 
-from agents.learning.policy_network import DriveNetwork, layer_of
+from agents.learning.policy_network import DriveNetwork
+from agents.learning.ppo_training import RowsVecEnv, layers_in
 from warehouse_core import Layout
-from warehouse_core.world.tiles import MOVE_DELTAS, WALL, moved
+from warehouse_core.world.distances import distances
+from warehouse_core.world.tiles import MOVE_DELTAS, WALL
 from warehouse_physics import RobotSpec
 from warehouse_physics.drive import DriveVectorEnv
 
@@ -63,24 +64,26 @@ WatchDrive = Callable[[int, float], None]
 """Callback with the steps so far, and the share of the latest episodes that were delivered."""
 
 
-class ShapedRows(VecEnv):
+class ShapedRows(RowsVecEnv):
     """The rows of continuous control as a ``VecEnv`` with shaped rewards."""
 
     def __init__(self, layout: Layout, dwell: float, seed: int) -> None:
         spec = RobotSpec(dwell=dwell)
-        self._env = DriveVectorEnv(ENVS, layout, spec=spec, autoreset_mode="SameStep", **ARGUMENTS)
+        self._batch = DriveVectorEnv(
+            ENVS, layout, spec=spec, autoreset_mode="SameStep", **ARGUMENTS
+        )
         self._seed, self._distances = seed, all_distances(layout)
         self._is_open = np.array([list(row) for row in layout.rows]) != WALL
         self._returns, self.delivered = np.zeros(ENVS), list[bool]()
-        size = self._env.single_observation_space.shape
+        size = self._batch.single_observation_space.shape
         # The bounds of ``stood`` depend on ``dwell``, but the network stays the same.
         super().__init__(
-            ENVS, spaces.Box(-np.inf, np.inf, size, np.float32), self._env.single_action_space
+            ENVS, spaces.Box(-np.inf, np.inf, size, np.float32), self._batch.single_action_space
         )
 
     def potentials(self) -> NDArray[np.float64]:
         """Return how far each row has come, ``[B]``: minus the cells to the delivery."""
-        rows, width = self._env.rows, self._is_open.shape[1]
+        rows, width = self._batch.rows, self._is_open.shape[1]
         cells, places = rows.cells(), rows.state.positions
         goals = np.floor(rows.goals()[:, ::-1]).astype(np.intp)
         fields = self._distances[goals[:, 0] * width + goals[:, 1]]
@@ -98,7 +101,7 @@ class ShapedRows(VecEnv):
 
     def reset(self) -> Any:
         """Start an episode in every row."""
-        observations, _ = self._env.reset(seed=self._seed)
+        observations, _ = self._batch.reset(seed=self._seed)
         self._before = self.potentials()
         return observations
 
@@ -108,7 +111,7 @@ class ShapedRows(VecEnv):
 
     def step_wait(self) -> Any:
         """Carry out the stored actions."""
-        observations, rewards, terminated, truncated, info = self._env.step(self._actions)
+        observations, rewards, terminated, truncated, info = self._batch.step(self._actions)
         done, after = terminated | truncated, self.potentials()
         shaped = rewards + np.where(done, 0.0, after - self._before)
         self._before = after
@@ -120,26 +123,6 @@ class ShapedRows(VecEnv):
                 "TimeLimit.truncated": bool(truncated[row] and not terminated[row]),
             }
         return observations, shaped.astype(np.float32), done, infos
-
-    def close(self) -> None:
-        """Release the spaces."""
-        self._env.close()
-
-    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """Return ``None`` for each row; only ``render_mode`` is asked for."""
-        return [None for _ in self._get_indices(indices)]
-
-    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Raise ``NotImplementedError``: the rows share their attributes."""
-        raise NotImplementedError(f"{attr_name} cannot be set")
-
-    def env_method(self, method_name: str, *args: Any, indices: Any = None, **kwargs: Any) -> Any:
-        """Raise ``NotImplementedError``: the rows have no methods of their own."""
-        raise NotImplementedError(f"{method_name} cannot be called")
-
-    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
-        """Return ``False`` for each row."""
-        return [False for _ in self._get_indices(indices)]
 
 
 class DriveLearner:
@@ -177,11 +160,7 @@ class DriveLearner:
 
     def network(self) -> DriveNetwork:
         """Return a copy of the network."""
-        policy = self.model.policy
-        hidden = [
-            part for part in policy.mlp_extractor.policy_net if isinstance(part, torch.nn.Linear)
-        ]
-        return DriveNetwork(BACKEND, [layer_of(part) for part in (*hidden, policy.action_net)])
+        return DriveNetwork(BACKEND, layers_in(self.model))
 
     def save(self, path: Path) -> None:
         """Write the file that ``DrivePolicy.load`` reads."""
@@ -214,18 +193,11 @@ def all_distances(layout: Layout) -> NDArray[np.float64]:
     Returns:
         ``[C, C]`` for the numbers of ``C`` cells; infinite without a path.
     """
-    count = layout.height * layout.width
-    distances = np.full((count, count), np.inf)
-    for start in layout.cells(layout.open_cells):
-        found, frontier = {start: 0}, [start]
-        for cell in frontier:
-            for delta in MOVE_DELTAS.values():
-                neighbour = moved(cell, delta)
-                if neighbour not in found and layout.is_open(neighbour):
-                    found[neighbour] = found[cell] + 1
-                    frontier.append(neighbour)
-        distances[layout.number(start), layout.numbers(found)] = [*found.values()]
-    return distances
+    numbers = layout.height * layout.width
+    found = np.full((numbers, numbers), np.inf)
+    for cell in layout.cells(layout.open_cells):
+        found[layout.number(cell)] = distances(layout, [cell]).ravel()
+    return found
 
 
 def exam(

@@ -25,7 +25,7 @@ from stable_baselines3.common.vec_env import VecEnv
 
 from agents.learning.learner import RECENT_EPISODES, MakeAgent, WatchTraining
 from agents.learning.map_memory import SingleFloats
-from agents.learning.policy_network import PolicyNetwork, layer_of, network_input
+from agents.learning.policy_network import Layer, PolicyNetwork, layer_of, network_input
 from agents.learning.ppo_agent import PPOAgent
 from agents.learning.vector_steps import Batch, VectorStep, input_limits, tiles_of, vector_step
 from warehouse_core.files.atomic import atomic_path
@@ -56,7 +56,37 @@ FOR_RANDOM_LAYOUTS: dict[str, Any] = {"gamma": 0.98, "policy_kwargs": {"net_arch
 """Settings for a new layout in each episode, where paths are longer and the task is harder."""
 
 
-class BatchVecEnv(VecEnv):
+class RowsVecEnv(VecEnv):
+    """A base class of all rows of a ``_batch`` as one ``VecEnv``; they share their attributes."""
+
+    _batch: Any
+
+    def env_method(
+        self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any
+    ) -> list[Any]:
+        """Call a method of the batch, such as ``action_masks``, and return a list of its rows."""
+        results = getattr(self._batch, method_name)(*method_args, **method_kwargs)
+        return [results[row] for row in self._get_indices(indices)]
+
+    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
+        """Return an attribute of the batch for each row; ``render_mode`` is always ``None``."""
+        value = None if attr_name == "render_mode" else getattr(self._batch, attr_name)
+        return [value for _ in self._get_indices(indices)]
+
+    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
+        """Raise ``NotImplementedError``: the rows share their attributes."""
+        raise NotImplementedError(f"{attr_name} cannot be set; make another batch")
+
+    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
+        """Return ``False`` for each row."""
+        return [False for _ in self._get_indices(indices)]
+
+    def close(self) -> None:
+        """Close the batch."""
+        self._batch.close()
+
+
+class BatchVecEnv(RowsVecEnv):
     """All rows of a batch with ``autoreset_mode="SameStep"`` as one ``VecEnv`` with masks.
 
     The rows of a ``FleetBatch`` are its robots, which therefore share one policy. See
@@ -82,30 +112,6 @@ class BatchVecEnv(VecEnv):
     def step_wait(self) -> VectorStep:
         """Carry out the stored actions."""
         return vector_step(self._batch, self._actions)
-
-    def env_method(
-        self, method_name: str, *method_args: Any, indices: Any = None, **method_kwargs: Any
-    ) -> list[Any]:
-        """Call a method of the batch, such as ``action_masks``, and return a list of its rows."""
-        results = getattr(self._batch, method_name)(*method_args, **method_kwargs)
-        return [results[row] for row in self._get_indices(indices)]
-
-    def get_attr(self, attr_name: str, indices: Any = None) -> list[Any]:
-        """Return an attribute of the batch for each row; ``render_mode`` is always ``None``."""
-        value = None if attr_name == "render_mode" else getattr(self._batch, attr_name)
-        return [value for _ in self._get_indices(indices)]
-
-    def set_attr(self, attr_name: str, value: Any, indices: Any = None) -> None:
-        """Raise ``NotImplementedError``: the rows share their attributes."""
-        raise NotImplementedError(f"{attr_name} cannot be set; make another batch")
-
-    def env_is_wrapped(self, wrapper_class: Any, indices: Any = None) -> list[bool]:
-        """Return ``False`` for each row."""
-        return [False for _ in self._get_indices(indices)]
-
-    def close(self) -> None:
-        """Close the motion backend."""
-        self._batch.close()
 
 
 class PPOLearner:
@@ -174,12 +180,7 @@ class PPOLearner:
 
     def network(self) -> PolicyNetwork:
         """Return a copy of the policy network."""
-        policy = self.model.policy
-        hidden = [
-            part for part in policy.mlp_extractor.policy_net if isinstance(part, torch.nn.Linear)
-        ]
-        layers = [layer_of(part) for part in (*hidden, policy.action_net)]
-        return PolicyNetwork(self._view_radius, layers, self._tiles)
+        return PolicyNetwork(self._view_radius, layers_in(self.model), self._tiles)
 
     def save_network(self, path: Path) -> None:
         """Write the file that ``PPOAgent.load`` reads."""
@@ -208,3 +209,10 @@ class _Watcher(BaseCallback):
 
     def _on_step(self) -> bool:
         return True
+
+
+def layers_in(model: Any) -> list[Layer]:
+    """Return copies of the layers with which the policy of a model chooses actions."""
+    policy = model.policy
+    hidden = [part for part in policy.mlp_extractor.policy_net if isinstance(part, torch.nn.Linear)]
+    return [layer_of(part) for part in (*hidden, policy.action_net)]

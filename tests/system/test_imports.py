@@ -93,10 +93,10 @@ MAY_IMPORT = {
     "agents/learning": "errors warehouse_agent_greedy",
     "agents/drive": "",
     "agents/lab": "errors fleet mapf",
-    "agents/lab/runs": "drive errors fleet learning",
     "agents/registry": "errors fleet kinds learning mapf search warehouse_agent_greedy",
+    "agents/lab/runs": "drive errors fleet learning registry",
     "agents/lab/console": "errors lab lab/runs registry",
-    "agents/lab/trials": "errors lab/console lab/runs learning registry",
+    "agents/lab/trials": "errors lab/console lab/runs learning",
     "agents/lab/commands/fleet": "errors fleet lab lab/console lab/runs lab/trials registry",
     "agents/lab/commands/planners": (
         "errors fleet lab lab/console lab/trials mapf mapf/kernels registry"

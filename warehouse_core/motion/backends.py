@@ -121,14 +121,18 @@ def _make_named(backend: str) -> Motion:
             f"backend {brief(name, 100)} takes no numbers; {brief(numbers)} was given"
         )
     try:
-        motion: Motion = from_numbers(_read_numbers(numbers, getattr(kind, "WORDS", ())))
+        motion: Motion = from_numbers(read_numbers(numbers, getattr(kind, "WORDS", ())))
     except ValueError as error:
         raise BackendError(f"backend {brief(backend, 100)}: {error}") from error
     return motion
 
 
-def _read_numbers(text: str, words: Collection[str]) -> dict[str, float | str]:
-    """Return options by name: numbers, and words for the options that take words."""
+def read_numbers(text: str, words: Collection[str]) -> dict[str, float | str]:
+    """Return options by name: numbers, and words for the options that take words.
+
+    Raises:
+        ValueError: a part of the text is not of the form ``name=value``.
+    """
     numbers: dict[str, float | str] = {}
     for part in text.split(","):
         name, _, value = part.partition("=")

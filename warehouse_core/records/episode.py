@@ -160,7 +160,7 @@ class Episode:
     @property
     def is_driven(self) -> bool:
         """Whether the robot was controlled continuously; its actions are then texts of numbers."""
-        return self.backend.partition(":")[0] == DRIVE
+        return is_drive(self.backend)
 
     @property
     def robots(self) -> int:
@@ -325,6 +325,11 @@ class Episode:
         for cells, loaded in zip(bodies, self.loaded.tolist(), strict=True):
             tiles = [*(loads[each] for each in loaded), *people]
             yield zip(self.layout.cells(cells), tiles, strict=True)
+
+
+def is_drive(backend: str) -> bool:
+    """Return whether the name of a backend, with or without settings, means continuous control."""
+    return backend.partition(":")[0] == DRIVE
 
 
 def _distances(cells: Sequence[Cell], stations: Sequence[Cell]) -> list[float]:

@@ -15,8 +15,15 @@ import pymunk
 from pymunk.batch import BodyFields, Buffer, get_space_bodies, set_space_bodies
 
 from warehouse_core import Layout
-from warehouse_core.motion.base import WALL_CONTACT
-from warehouse_physics.arena import ROBOT, Arena, Position, impulse_of
+from warehouse_core.motion.base import SCAN_RANGE, WALL_CONTACT
+from warehouse_physics.arena import (
+    ROBOT,
+    Arena,
+    Position,
+    group_of,
+    impulse_of,
+    ray_vectors,
+)
 from warehouse_physics.batch.rigid_body_batch import ROWS_OF_A_SPACE
 from warehouse_physics.batch.warehouses import corners_of
 from warehouse_physics.drive.drives import BodyState, Thrust
@@ -100,6 +107,17 @@ class DriveArena(Arena):
             self._pushes[:-1, :2], self._pushes[:-1, 2] = forces, torques
             set_space_bodies(self.space, GIVEN, self._given)
         return self.stepper.run(0, 1)[1]
+
+    def scan(self, robot: int, rays: int) -> Floats:
+        """Return the distances in metres to what is not a sensor, ``[K]``; ray 0 is ahead."""
+        body, own = self.bodies[robot], group_of(robot)
+        distances = np.empty(rays)
+        for number, ray in enumerate(ray_vectors(rays)):
+            end = body.position + ray.rotated(body.angle)
+            hits = self.space.segment_query(body.position, end, 0.0, own)
+            shares = [hit.alpha for hit in hits if hit.shape is not None and not hit.shape.sensor]
+            distances[number] = SCAN_RANGE * min(shares, default=1.0)
+        return distances
 
     def _note_hits(self, arbiter: pymunk.Arbiter) -> list[Bump]:  # type: ignore[override]
         """Return the contact of a robot before the solver changes any velocity."""

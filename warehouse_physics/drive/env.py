@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Callable, Sequence
 from dataclasses import fields
+from functools import partial
 from typing import Any, NoReturn, Self
 
 import gymnasium
@@ -24,7 +25,9 @@ from warehouse_core.arguments import (
 )
 from warehouse_core.gymnasium_env.env import ENDED, UNSTARTED
 from warehouse_core.gymnasium_env.spaces import RENDER_FPS, check_options, check_render_mode
+from warehouse_core.motion.backends import read_numbers
 from warehouse_core.motion.base import MAX_RAYS, Contact
+from warehouse_core.records.episode import DRIVE
 from warehouse_core.render.painter import TilePainter, tile_pixels_for
 from warehouse_core.task.settings import Settings
 from warehouse_core.task.sight import Sight
@@ -39,7 +42,7 @@ from warehouse_physics.drive.observations import VECTOR, DriveForm
 from warehouse_physics.drive.picture import picture_of
 from warehouse_physics.drive.recording import DriveRecorder
 from warehouse_physics.drive.rows import BUDGET, DriveRows, DriveSettings, DriveStep, settings_of
-from warehouse_physics.drive.things import Things, scan
+from warehouse_physics.drive.things import Things
 from warehouse_physics.energy import move_joules
 from warehouse_physics.spec import DIFFERENTIAL, RobotSpec
 
@@ -51,9 +54,6 @@ MIN_RATE, MAX_RATE = 1.0, 1_000.0
 
 LEAST, MOST = 1e-3, 1e9
 """Limits of the seconds of an episode and of the joules of a battery."""
-
-NAME = "drive"
-"""Backend of the records of continuous control."""
 
 OWN = "own=1"
 """Mark in a name for bodies and obstacles that ``from_name`` cannot make."""
@@ -215,7 +215,8 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         Raises:
             ValueError: a setting is unknown or its value is not allowed.
         """
-        given = _settings_in(name)
+        settings = name.partition(":")[2]
+        given: dict[str, Any] = read_numbers(settings, WORDS) if settings else {}
         own_names = ("control", *NUMBERS)
         known = (*SETTINGS, *own_names)
         robot = {"drive": DIFFERENTIAL} | {k: v for k, v in given.items() if k not in known}
@@ -308,7 +309,7 @@ class DriveEnv(gymnasium.Env[Any, Any]):
             parts.append(f"crates={crates}")
         if self._things.are_own or self._has_foreign:
             parts.append(OWN)
-        return f"{NAME}:{','.join(parts)}" if parts else NAME
+        return f"{DRIVE}:{','.join(parts)}" if parts else DRIVE
 
     def start_recording(
         self, *, seed: int | None, agent: str, randomize: bool | str
@@ -385,7 +386,8 @@ class DriveEnv(gymnasium.Env[Any, Any]):
         self._has_foreign = bool(foreign)
         self._sight.use(self.layout)
         self.last_motion, self._over = None, ""
-        rows.scanner = self._scan if self._things.exist or foreign else None
+        if self._things.exist or foreign:
+            rows.scanner = partial(self._arena.scan, 0)
         return self._observation(), self._info(0.0, 0.0)
 
     def step(self, action: ArrayLike) -> tuple[Any, float, bool, bool, dict[str, Any]]:
@@ -452,9 +454,6 @@ class DriveEnv(gymnasium.Env[Any, Any]):
     def _info(self, joules: float, impulse: float) -> dict[str, Any]:
         cell = np.array(self.cell, np.int64)
         return {"cell": cell, "joules": float(joules), "impulse": float(impulse)}
-
-    def _scan(self) -> NDArray[np.float64]:
-        return scan(self._arena, float(self._rows.state.angles[0]), self.drive_settings.rays)
 
     def _foreign(self) -> list[Any]:
         """Take what was added by hand out of the old space, and return it, bodies first.
@@ -558,19 +557,6 @@ def _bodies_of(each: Any) -> list[Any]:
     if isinstance(each, pymunk.Constraint):
         return [each.a, each.b]
     return [each.body] if isinstance(each, pymunk.Shape) else []
-
-
-def _settings_in(name: str) -> dict[str, Any]:
-    """Return the settings that follow a name such as ``drive:rate=20``."""
-    _, colon, text = name.partition(":")
-    given: dict[str, Any] = {}
-    for part in text.split(",") if colon else ():
-        key, _, value = part.partition("=")
-        try:
-            given[key] = value if key in WORDS else float(value)
-        except ValueError:
-            raise ValueError(f"{brief(part)} is not of the form name=1.5") from None
-    return given
 
 
 def _named_disturbances(disturbances: Disturbances) -> list[str]:

@@ -130,7 +130,7 @@ class DriveRows:
         self._loads = Loads(rows)
         self._is_felt = settings.disturbances.is_felt
         self._cells = np.full((rows, 2), -1)
-        self.scanner: Callable[[], Floats] | None = None
+        self.scanner: Callable[[int], Floats] | None = None
         self.state = self.bodies.read()
 
     def begin(
@@ -245,7 +245,7 @@ class DriveRows:
         Ray 0 is straight ahead. A lone warehouse with other things has a ``scanner`` for them.
         """
         if self.scanner is not None:
-            return self.scanner()[None]
+            return self.scanner(self.settings.rays)[None]
         size = self._spec.cell_size
         angles = self.state.angles[:, None] + self._angles
         reach = SCAN_RANGE / size

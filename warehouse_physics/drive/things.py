@@ -17,14 +17,13 @@ import pymunk
 
 from warehouse_core import Cell, Layout, LayoutError
 from warehouse_core.arguments import as_cell, real_number, whole_number
-from warehouse_core.motion.base import SCAN_RANGE, centre_of
+from warehouse_core.motion.base import centre_of
 from warehouse_core.motion.grid import GRAVITY
 from warehouse_core.wording import brief
 from warehouse_core.world.layout import check_open
 from warehouse_core.world.tiles import WALL as WALL_TILE
-from warehouse_physics.arena import WALL, group_of, ray_vectors
+from warehouse_physics.arena import WALL
 from warehouse_physics.drive.bodies import DriveArena
-from warehouse_physics.profile import Floats
 from warehouse_physics.spec import RobotSpec
 
 CRATE_SIDE, CRATE_MASS, CRATE_FRICTION = 0.5, 15.0, 0.2
@@ -143,18 +142,6 @@ def _with_walls(layout: Layout, cells: Sequence[Cell]) -> Layout:
     for row, col in cells:
         rows[row][col] = WALL_TILE
     return Layout(["".join(row) for row in rows])
-
-
-def scan(arena: DriveArena, angle: float, rays: int) -> Floats:
-    """Return the distances in metres to the first shape of any kind along each ray, ``[K]``."""
-    body, distances = arena.bodies[0], np.empty(rays)
-    own = group_of(0)
-    for number, ray in enumerate(ray_vectors(rays)):
-        end = body.position + ray.rotated(angle)
-        hits = arena.space.segment_query(body.position, end, 0.0, own)
-        shares = [hit.alpha for hit in hits if hit.shape is not None and not hit.shape.sensor]
-        distances[number] = SCAN_RANGE * min(shares, default=1.0)
-    return distances
 
 
 def _crates(given: Any) -> tuple[Cell, ...]:

@@ -6,18 +6,17 @@ from collections.abc import Sequence
 from typing import Any
 
 from agents.lab.commands.run import report_episode
-from agents.lab.commands.steer import HELP as STEERING
 from agents.lab.commands.steer import SteeringWheel
 from agents.lab.console import options
 from agents.lab.console.output import replay_or_save, unused
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place, with_slippery
 from agents.lab.place import Place
-from agents.lab.runs.driven import is_drive, make_drive
+from agents.lab.runs.environment import make_env
 from agents.lab.runs.run import draw_seed
-from agents.registry import make_backend
 from warehouse_core import Episode, EpisodeRecorder, WarehouseEnv
 from warehouse_core.errors import NoDisplayError
+from warehouse_core.records.episode import is_drive
 from warehouse_core.render.window import has_display
 from warehouse_core.viz.tracks.record_track import track_of_record
 
@@ -46,8 +45,11 @@ class KeyDriver:
         place: layout, start and stations.
 
     Attributes:
+        keys: meaning of the keys, in words.
         games: records of all games, the last of which may be unfinished.
     """
+
+    keys = HELP
 
     def __init__(self, env: WarehouseEnv, seed: int, place: Place) -> None:
         # Here, because matplotlib takes long to import.
@@ -146,19 +148,14 @@ def play(
     """
     place = load_place(layout, stations, start)
     [backend] = with_slippery(slippery, place.layout, backend)
-    limits = {"moves": max_steps, "units": battery}
-    if is_drive(backend):
-        placed = {"start_pos": place.start_pos, "randomize": place.randomize}
-        env: Any = make_drive(backend, layout=place.layout, **placed, **limits)
-    else:
-        made = make_backend(backend)
-        env = WarehouseEnv(place.layout, place.start_pos, max_steps, battery, backend=made)
+    env = make_env(
+        backend, place.layout, place.start_pos, max_steps, battery, randomize=place.randomize
+    )
     if not has_display():
         raise NoDisplayError("'warehouse play' needs a window, but there is no display")
     seed = draw_seed() if seed is None else seed
     driver = SteeringWheel(env, seed) if is_drive(backend) else KeyDriver(env, seed, place)
-    if isinstance(driver, KeyDriver):
-        say(STEERING if is_drive(backend) else HELP)
+    say(driver.keys)
     import matplotlib.pyplot as plt
 
     try:

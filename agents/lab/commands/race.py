@@ -32,7 +32,7 @@ from agents.lab.console.table import TextTable, print_table
 from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place, with_slippery
 from agents.lab.console.watch import slow_steps_reported
-from agents.lab.runs.driven import drive, is_drive
+from agents.lab.runs.environment import backend_for
 from agents.lab.runs.run import run
 from agents.lab.trials.task import Task
 from agents.learning.q_learning import QAgent, QTable, learn
@@ -163,24 +163,11 @@ def race_of_worlds(
 
 def run_racer(name: str, task: Task, seed: int) -> Episode:
     """Return the record of an episode of the agent with a name."""
-    if is_drive(task.backend):
-        layout = task.layout_for(seed)
-        return drive(
-            task.backend,
-            make_agent(name, seed, layout),
-            seed,
-            layout=layout,
-            start_pos=task.start_pos,
-            randomize=task.randomize,
-            moves=task.max_steps,
-            units=task.battery,
-        )
 
     def act(backend: str) -> Episode:
-        with closing(task._replace(backend=backend).make_env(seed)) as env:
+        with closing(task._replace(backend=backend_for(name, backend)).make_env(seed)) as env:
             if name == LEARNER:
-                env.reset(task.randomize, seed)  # places the stations as in the race
-                racer: Agent = practised(env.layout, seed)
+                racer: Agent = practised(stations_of(task, seed), seed)
             else:
                 racer = make_agent(name, seed, task.layout_for(seed))
             try:
@@ -190,6 +177,14 @@ def run_racer(name: str, task: Task, seed: int) -> Episode:
                 raise typer.Abort from error
 
     return on_backend(task.backend, act)
+
+
+def stations_of(task: Task, seed: int) -> Layout:
+    """Return the layout of the episode with a seed, with its stations."""
+    with closing(task._replace(backend="grid").make_env(seed)) as env:
+        env.reset(task.randomize, seed)
+        layout: Layout = env.layout
+    return layout
 
 
 def practised(layout: Layout, seed: int) -> QAgent:

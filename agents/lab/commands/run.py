@@ -17,10 +17,10 @@ from agents.lab.console.terminal import say
 from agents.lab.console.values import load_place, with_slippery
 from agents.lab.console.watch import slow_steps_reported
 from agents.lab.place import Stations
-from agents.lab.runs.driven import drive, is_drive
+from agents.lab.runs.environment import backend_for, make_env
 from agents.lab.runs.run import draw_seed
 from agents.lab.runs.run import run as run_agent
-from agents.registry import make_agent, make_backend, on_backend
+from agents.registry import make_agent, on_backend
 from agents.search.agents import ExploringAgent
 from warehouse_core import (
     DEFAULT_LAYOUT,
@@ -28,7 +28,6 @@ from warehouse_core import (
     Cell,
     Episode,
     Layout,
-    WarehouseEnv,
 )
 from warehouse_core.records.drive_summary import drive_summary
 from warehouse_core.records.episode import DELIVERED
@@ -97,29 +96,16 @@ class Case(NamedTuple):
         notice: Callable[[Agent], None] = lambda agent: None,
     ) -> Episode:
         """Run the episode of a seed; ``notice`` is called with the agent before it acts."""
-        if is_drive(self.backend):
-            acting = make_agent(self.agent, seed, self.layout)
-            notice(acting)
-            return drive(
-                self.backend,
-                acting,
-                seed,
-                watch=slow_steps_reported(acting, self.agent),
-                layout=self.layout,
-                start_pos=start_pos,
-                randomize=randomize,
-                moves=self.max_steps,
-                units=self.battery,
-            )
 
         def act(backend: str) -> Episode:
-            env = WarehouseEnv(
+            env = make_env(
+                backend_for(self.agent, backend),
                 self.layout,
                 start_pos,
                 self.max_steps,
                 self.battery,
                 self.view_radius,
-                backend=make_backend(backend),
+                randomize,
             )
             with closing(env):
                 acting = make_agent(self.agent, seed, self.layout)

@@ -43,8 +43,11 @@ class SteeringWheel:
         seed: seed of the first game; each further game adds 1.
 
     Attributes:
+        keys: meaning of the keys, in words.
         games: records of all games, the last of which may be unfinished.
     """
+
+    keys = HELP
 
     def __init__(self, env: Any, seed: int) -> None:
         # Here, because matplotlib takes long to import.

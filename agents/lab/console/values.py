@@ -17,7 +17,7 @@ from warehouse_core.arguments import MAX_STEPS
 from warehouse_core.batch.fleet_settings import JOULES, STEPS
 from warehouse_core.fleet import Battery
 from warehouse_core.motion.backends import backend_names, load_backend
-from warehouse_core.records.episode import DRIVE
+from warehouse_core.records.episode import is_drive
 from warehouse_core.world.layout import check_open
 from warehouse_core.world.named_layouts import find_layout
 
@@ -85,7 +85,7 @@ def with_slippery(cells: Sequence[str], layout: Layout, *backends: str) -> list[
 
 def _has_bodies(backend: str) -> bool:
     name = backend.partition(":")[0]
-    return name == DRIVE or (
+    return is_drive(backend) or (
         name in backend_names() and "slippery" in getattr(load_backend(name), "WORDS", ())
     )
 

@@ -31,6 +31,7 @@ from agents.lab.grading import child, walls
 from agents.lab.grading.submissions import Submission
 from agents.lab.grading.walls import FILES, PROCESSES
 from agents.lab.runs import programs
+from agents.registry import forget_modules
 from warehouse_core import Observation
 from warehouse_core.wording import listed, printable
 
@@ -446,11 +447,8 @@ class SameProcess:
         try:
             yield _AgentHere(self._submission, self._limits)
         finally:
-            own = [Path(each) for each in sys.path if each not in paths]
-            for name in sys.modules.keys() - modules:  # another agent may use the same names
-                file = getattr(sys.modules[name], "__file__", None)
-                if file and any(Path(file).is_relative_to(folder) for folder in own):
-                    del sys.modules[name]
+            # Another agent may have modules of the same names.
+            forget_modules(modules, [Path(each) for each in sys.path if each not in paths])
             sys.path[:] = paths
             builtins.__import__, importlib.import_module = by_statement, by_name
 

@@ -68,7 +68,7 @@ class Submission(NamedTuple):
     """An agent to be graded.
 
     Attributes:
-        name: name as it was typed; in a folder, the name of the entry with the agent.
+        name: the typed name; in a folder, the name of the entry that has the agent.
         shown: file or module as it was typed, for use in commands.
         file: file of the agent, relative to the archive if there is one; ``None`` for a module.
         module: name of the file without its suffix, or of the module.
@@ -356,7 +356,7 @@ def _of_files(
     kind: str | None,
     files: Mapping[PurePath, Path],
     folder: Path | None,
-    beside: Iterable[PurePath] = (),
+    nearby: Iterable[PurePath] = (),
 ) -> Submission:
     """Return the submission in some files.
 
@@ -367,7 +367,7 @@ def _of_files(
         kind: name of the class, or ``None``.
         files: files of the submission by their places in the private copy.
         folder: folder from which the agent may import, or ``None``.
-        beside: further files that the agent may import.
+        nearby: further files that the agent may import.
     """
     path, found = files[inner], {file: file.lstat() for file in files.values()}
     if sum(status.st_size for status in found.values()) > MAX_BYTES:
@@ -376,7 +376,7 @@ def _of_files(
     digest = digest_of(regular, folder or path.parent, _content_digest)
     with path.open("rb") as source:
         text = source.read(MAX_SOURCE)
-    once = _imported_once(text, () if folder is None else [*files, *beside])
+    once = _imported_once(text, () if folder is None else [*files, *nearby])
     own = tuple((file, place) for place, file in files.items())
     return Submission(name, str(shown), path, inner.stem, kind, folder, digest, once, files=own)
 
@@ -385,8 +385,8 @@ def _of_file(name: str, file: Path, kind: str | None) -> Submission:
     """Return the submission in a file that may import and read what lies next to it."""
     folder, place = file.resolve().parent, place_of(PurePath(file.name))
     near, placed = files_in(folder, MAX_FILES + 1), {place: folder / file.name}
-    beside = [*(each.relative_to(folder) for each in near), *map(PurePath, os.listdir(folder))]
-    submission = _of_files(name, file, place, kind, placed, folder, beside)
+    nearby = [*(each.relative_to(folder) for each in near), *map(PurePath, os.listdir(folder))]
+    submission = _of_files(name, file, place, kind, placed, folder, nearby)
     if len(near) > MAX_FILES or sum(each.lstat().st_size for each in near) > MAX_BYTES:
         return submission._replace(files=())
     _add(placed, {each.relative_to(folder): each for each in near if each != submission.file})

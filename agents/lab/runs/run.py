@@ -13,6 +13,7 @@ from typing import Any, cast
 from agents.errors import EpisodeError, EpisodeInterrupted, file_of, frames_in, reason_of
 from agents.fleet.planned import PlannedFleet
 from agents.fleet.team import Team
+from agents.lab.runs.environment import controller_of
 from warehouse_core import Agent, Episode, FleetEnv, WarehouseEnv
 from warehouse_core.records import FleetAgent
 from warehouse_core.records.recorder import Controller, Recordable, start_recording
@@ -61,7 +62,7 @@ def run(
     file = file_of(own_code(agent))
     try:
         with watch(place):
-            recorder.run(agent)
+            recorder.run(controller_of(env, agent))
     except KeyboardInterrupt as error:
         reason = reason_of(error, file).removeprefix("KeyboardInterrupt")
         message = f"in {place()}, agent {name}{reason}"

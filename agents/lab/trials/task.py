@@ -7,15 +7,15 @@ from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Sequence
 from contextlib import closing, nullcontext
-from typing import NamedTuple, Protocol, runtime_checkable
+from typing import Any, NamedTuple, Protocol, runtime_checkable
 
+from agents.lab.runs.environment import make_env
 from agents.lab.runs.run import Watch, run
 from agents.lab.trials.random_layouts import RandomLayouts, VariedLayouts
 from agents.lab.trials.rows import fleet_row, lone_row
 from agents.lab.trials.scores import FleetScores, Scores
 from agents.learning.learner import MakeAgent
-from agents.registry import make_backend
-from warehouse_core import DEFAULT_LAYOUT, Agent, BatchEnv, Cell, FleetEnv, Layout, WarehouseEnv
+from warehouse_core import DEFAULT_LAYOUT, Agent, BatchEnv, Cell, FleetEnv, Layout
 from warehouse_core.batch.array_env import SAME_STEP
 from warehouse_core.fleet import FleetBatch
 from warehouse_core.fleet.env import Actions
@@ -72,15 +72,15 @@ class Task(NamedTuple):
         """Return the layout of the episode with a seed."""
         return self.layout if isinstance(self.layout, Layout) else self.layout.layout(seed)
 
-    def make_env(self, seed: int = 0) -> WarehouseEnv:
-        """Return an environment for the episode with a seed."""
-        layout = self.layout_for(seed)
-        return WarehouseEnv(
-            layout,
+    def make_env(self, seed: int = 0) -> Any:
+        """Return an environment for the episode with a seed; see ``environment.make_env``."""
+        return make_env(
+            self.backend,
+            self.layout_for(seed),
             self.start_pos,
             self.max_steps,
             self.battery,
-            backend=make_backend(self.backend),
+            randomize=self.randomize,
         )
 
     def make_batch(self, rows: int) -> BatchEnv:

@@ -28,14 +28,14 @@ def test_a_robot_comes_closer_along_the_shortest_path():
     rows = ShapedRows(ROOM, 1.0, seed=0)
     rows.reset()
     before = rows.potentials()
-    goals, places = rows._env.rows.goals(), rows._env.rows.state.positions
+    goals, places = rows._batch.rows.goals(), rows._batch.rows.state.positions
     ahead = np.sign(np.round(goals - places)) * (0.5, 0.5)
     for _ in range(3):
         rows.step_async(ahead)
         _, _, done, _ = rows.step_wait()
     gained = (rows.potentials() - before)[~done]
     moves = (np.abs(goals - places).sum(axis=1) > 0.5)[~done]
-    # On a diagonal both ways are as long, so the potential stays the same.
+    # While a robot drives diagonally, two paths are equally short, so the potential is constant.
     assert gained[moves].min() > -1e-6
     assert (gained[moves] > 0.1).mean() > 0.5
 

@@ -110,7 +110,7 @@ def test_drag_stops_what_rolls_and_pushes_nothing_back():
     assert after(-0.01, 0.0) == 0.0
     assert after(0.0, 4.0) == 0.0  # the motor is too weak
     assert after(0.0, 15.0) == pytest.approx(0.1)
-    assert after(0.1, -15.0) == pytest.approx(-0.05)  # half a substep each way
+    assert after(0.1, -15.0) == pytest.approx(-0.05)  # half of the substep in each direction
     assert after(0.0, 0.0) == 0.0
 
 
