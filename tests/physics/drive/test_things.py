@@ -241,7 +241,7 @@ def test_a_damaged_action_is_named():
     episode = record_episode(DriveEnv(max_seconds=0.5), Ahead(), seed=4)
     episode.actions[2] = "E"
     captions = step_captions(episode)
-    assert (captions[1], captions[2]) == ("+0.80 +0.10: straight on", "E: straight on")
+    assert (captions[1], captions[2]) == ("Command 0.80, 0.10: straight on", "E: straight on")
     with pytest.raises(ValueError, match="the action is 'E'; it must be two numbers"):
         replay_episode(episode)
 

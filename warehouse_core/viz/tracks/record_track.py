@@ -190,7 +190,8 @@ def _action_words(action: str | int) -> str:
 def _command_words(action: str | int) -> str:
     """Return the two numbers of continuous control with two decimals; the file has all digits."""
     with suppress(ValueError):
-        return " ".join(f"{float(number):+.2f}" for number in str(action).split())
+        numbers = (round(float(number), 2) + 0.0 for number in str(action).split())  # no -0.00
+        return f"Command {', '.join(f'{number:.2f}' for number in numbers)}"
     return printable(str(action))
 
 
