@@ -27,14 +27,24 @@ which steps ``Diagnosis.steps`` counts.
 | battery depleted | robot | none of the above, and the battery ran out            | still needed  |
 | out of time      | robot | none of the above, and the step limit was reached     | still needed  |
 | unfinished       | robot | none of the above, and the episode was stopped early  | still needed  |
-| stranded         | fleet | a robot ran out of battery, or failed permanently     | blocked moves |
-|                  |       |                                                       | of others     |
+| no charger       | fleet | a robot with orders or chargers ran out of battery,   | all           |
+|                  |       | and no charger was in reach of a full battery         |               |
+| oversubscribed   | fleet | a robot ran out of battery, and the chargers supply   | all           |
+|                  |       | less than the robots use, or were in use in           |               |
+|                  |       | ``BUSY_SHARE`` of the steps                           |               |
+| flat in the way  | fleet | a robot with a flat battery blocked moves of others,  | blocked moves |
+|                  |       | or a queue as in a deadlock                           | or at the end |
+| stranded         | fleet | a robot ran out of battery, or failed permanently     | 0             |
 | deadlock         | fleet | during the last ``MIN_STANDING`` steps or more,       | at the end    |
 |                  |       | robots did not leave their cells, and each was        |               |
 |                  |       | blocked by the next one in ``STOPPED_SHARE`` of these |               |
 |                  |       | steps: in a ring, or in a queue behind a robot that   |               |
 |                  |       | does not move                                         |               |
-| starvation       | fleet | an order that missed its deadline waited while        | of the wait   |
+| people           | fleet | robots formed such a queue behind a person, or        | at the end or |
+|                  |       | people blocked ``BLOCKED_SHARE`` of the moves         | blocked moves |
+| too many orders  | fleet | the robots were busy, and more than ``FEW_WAITING``   | all           |
+|                  |       | orders per robot waited at the end                    |               |
+| overtaken order  | fleet | an order that missed its deadline waited while        | of the wait   |
 |                  |       | ``MIN_OVERTAKING`` orders that were released after it |               |
 |                  |       | were picked up                                        |               |
 | congested        | fleet | ``BLOCKED_SHARE`` of the moves were blocked by robots | blocked moves |
@@ -64,9 +74,11 @@ from operator import ne
 from typing import Any, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from warehouse_core.arguments import instance_of
 from warehouse_core.motion.base import NOTHING
+from warehouse_core.orders.order import OrderQueue
 from warehouse_core.records.episode import (
     BATTERY_DEPLETED,
     DELIVERED,
@@ -76,12 +88,16 @@ from warehouse_core.records.episode import (
 )
 from warehouse_core.wording import brief, counted, listed
 from warehouse_core.world.actions import DISPLACEMENTS, DROP, INVALID, PICK, WAIT, action_index
+from warehouse_core.world.distances import distances
 from warehouse_core.world.layout import Layout
 from warehouse_core.world.tiles import WALL, Cell, moved
 
 UNREACHABLE, STALLED, INEFFECTIVE = "unreachable", "stalled", "ineffective"
 OSCILLATION, WANDERING = "oscillation", "wandering"
-STRANDED, DEADLOCK, STARVATION = "stranded", "deadlock", "starvation"
+NO_CHARGER, OVERSUBSCRIBED = "no charger", "oversubscribed"
+FLAT_IN_THE_WAY, STRANDED = "flat in the way", "stranded"
+DEADLOCK, PEOPLE = "deadlock", "people"
+TOO_MANY_ORDERS, OVERTAKEN = "too many orders", "overtaken order"
 CONGESTED, IDLE, LATE, SERVED = "congested", "idle", "late", "served"
 
 CAUSE_SHARE = 0.4
@@ -108,6 +124,13 @@ STOPPED_SHARE = 0.5
 
 MIN_OVERTAKING = 10
 """Later orders picked up first; fewer may just be closer to a robot."""
+
+FEW_WAITING = 2
+"""Orders per robot that may wait; more keep arriving faster than the fleet delivers."""
+
+BUSY_SHARE = 0.8
+"""Share of the steps with a robot that charges above which a charger is busy. Robots take the rest
+to leave it and to come to it."""
 
 BLOCKED_SHARE, IDLE_SHARE, LATE_SHARE = 0.25, 0.5, 0.5
 """Shares of the moves, of the steps of all robots, and of the deliveries, respectively."""
@@ -136,16 +159,15 @@ class Diagnosis(NamedTuple):
         mode: One of ``MODES``, or of ``FLEET_MODES``.
         cells: Cells of the evidence. ``oscillation``: cells of the pattern, in the order of the
             visits. ``unreachable``: stations that cannot be reached, if there are any.
-            ``stalled``: the cell where most of the steps failed. ``congested``: the cell where
-            most moves were blocked. ``starvation``: the pickup of the order. Other modes: the last
-            cells of the robots.
+            ``stalled``: the cell where most of the steps failed. ``congested`` and
+            ``people``: the cell where most moves were blocked. ``overtaken order``: the pickup of
+            the order. Other modes: the last cells of the robots.
         steps: Number of steps of the evidence; the table at the top of this file says which.
         needed: Minimum number of steps from the start to the delivery; ``None`` without a path and
             for fleets.
         sentence: The evidence in words.
         robots: Numbers of the robots involved, in ascending order. ``deadlock``: the robots of the
-            queue or ring, in its order. ``starvation``: the robot that picked the order up, if
-            one did.
+            queue or ring, in its order. ``overtaken order``: the robot that picked it up, if any.
 
     Example:
         >>> from agents import GreedyAgent
@@ -472,57 +494,188 @@ def _no_path(episode: Episode) -> Evidence | None:
     return None
 
 
+def _flat(episode: Episode) -> list[int]:
+    """Return the robots that ran out of battery."""
+    return np.flatnonzero(episode.battery[-1] <= 0).tolist()
+
+
+def _without_charger(episode: Episode) -> Evidence | None:
+    layout, cells, battery = episode.layout, _ends(episode), episode.settings.battery
+    if episode.settings.orders is None and not layout.chargers:
+        return None  # in the chapter's task, a flat battery simply ends the episode
+    reach, far = battery.capacity / battery.step_cost(episode.cell_size), _steps_to_charger(episode)
+    robots = [robot for robot in _flat(episode) if far[robot] > reach]
+    if not robots:
+        return None
+    sentence = (
+        f"{_named(robots, cells)} ran out of battery; no charger is within the {reach:.0f} steps "
+        "that a full battery lasts"
+    )
+    return Evidence(sentence, [cells[robot] for robot in robots], episode.steps, robots)
+
+
+def _steps_to_charger(episode: Episode) -> NDArray[np.float64]:
+    """Return the steps from the last cell of each robot to the nearest charger, ``[R]``."""
+    field = distances(episode.layout, episode.layout.chargers).ravel()
+    steps: NDArray[np.float64] = field[episode.cells[-1]]
+    return steps
+
+
+def _oversubscribed(episode: Episode) -> Evidence | None:
+    robots, cells, used = _flat(episode), _ends(episode), _charger_use(episode)
+    if not robots or not used or not (used.supply < used.drain or used.share >= BUSY_SHARE):
+        return None
+    sentence = f"{_named(robots, cells)} ran out of battery; {used.sentence}"
+    return Evidence(sentence, [cells[robot] for robot in robots], episode.steps, robots)
+
+
+class ChargerUse(NamedTuple):
+    """Units per step that chargers supply and robots use, and the share of steps in use."""
+
+    supply: float
+    drain: float
+    share: float
+    sentence: str
+
+
+def _charger_use(episode: Episode) -> ChargerUse | None:
+    battery, chargers = episode.settings.battery, len(episode.layout.chargers)
+    if not chargers:
+        return None
+    supply = chargers * battery.step_charge(episode.cell_size)
+    drain = episode.robots * battery.step_cost(episode.cell_size)
+    share = episode.measures.charging / (chargers * max(episode.steps, 1))
+    sentence = (
+        f"{counted(chargers, 'charger')}, in use in {share:.0%} of the steps, can supply "
+        f"{supply / drain:.2f} times what {counted(episode.robots, 'robot')} use"
+    )
+    return ChargerUse(supply, drain, share, sentence)
+
+
+def _flat_in_the_way(episode: Episode) -> Evidence | None:
+    robots, cells = _flat(episode), _ends(episode)
+    blocked = int(np.isin(episode.stopped_by, robots).sum())
+    queue = _longest(episode, robots)
+    if not blocked and not queue:
+        return None
+    sentence = f"{_named(robots, cells)} ran out of battery and "
+    if not queue:
+        sentence += f"blocked {counted(blocked, 'move')} of other robots{_supply(episode)}"
+        return Evidence(sentence, [cells[robot] for robot in robots], blocked, robots)
+    sentence += f"blocked {_named(queue.robots[:-1], cells)} for the last {_count(queue.steps)}"
+    where = [cells[robot] for robot in queue.robots]
+    return Evidence(f"{sentence}{_supply(episode)}", where, queue.steps, queue.robots)
+
+
+def _supply(episode: Episode) -> str:
+    """Return the end of a sentence about flat batteries: the chargers, and the lost orders."""
+    used, lost = _charger_use(episode), episode.measures.lost
+    chargers = f"; {used.sentence}" if used else ""
+    return chargers + (f"; {counted(lost, 'order')} can no longer be delivered" if lost else "")
+
+
 def _stranded(episode: Episode) -> Evidence | None:
-    robots, cells = np.flatnonzero(episode.battery[-1] <= 0).tolist(), _ends(episode)
-    lost, failed = episode.measures.lost, episode.measures.stranded
-    with_them = f"; {counted(lost, 'order')} can no longer be delivered" if lost else ""
+    robots, cells, failed = _flat(episode), _ends(episode), episode.measures.stranded
     if not robots:
         # A record has the battery level of each robot, but of failures only their number.
-        sentence = f"{counted(failed, 'robot')} failed permanently{with_them}"
+        sentence = f"{counted(failed, 'robot')} failed permanently{_supply(episode)}"
         return Evidence(sentence, (), 0, ()) if failed else None
-    blocked = int(np.isin(episode.stopped_by, robots).sum())
-    in_the_way = f" and blocked {counted(blocked, 'move')} of other robots" if blocked else ""
-    sentence = f"{_named(robots, cells)} ran out of battery{in_the_way}{with_them}"
-    return Evidence(sentence, [cells[robot] for robot in robots], blocked, robots)
+    sentence = f"{_named(robots, cells)} ran out of battery{_supply(episode)}"
+    return Evidence(sentence, [cells[robot] for robot in robots], 0, robots)
 
 
 def _deadlock(episode: Episode) -> Evidence | None:
     """Find robots that block each other in a ring, or the longest queue behind a standing robot."""
-    steps, ahead = _standing(episode)
-    queues = {robot: _queue(robot, ahead) for robot in ahead}
-    rings = [queue for queue in queues.values() if ahead.get(queue[-1]) == queue[0]]
-    stuck = [queue for queue in queues.values() if steps[queue[-1]] >= MIN_STANDING]
-    longest = max(rings or stuck, key=len, default=[])
-    if not longest:
+    found, cells = _longest(episode, range(episode.robots)), _ends(episode)
+    if not found:
         return None
-    since = min(steps[robot] for robot in longest)
-    cells = _ends(episode)
-    if rings:
+    longest, since, is_ring, behind = found
+    if is_ring:
         what = f"{_named(longest, cells)} blocked each other"
-        behind = [robot for robot in ahead if queues[robot] == longest and robot not in longest]
     else:
-        *waiting, first = longest
-        were = "were" if len(waiting) > 1 else "was"
-        what = f"{_named(waiting, cells)} {were} blocked by {_named([first], cells)}, which stayed,"
-        behind = []
+        what = f"{_blocked(longest, cells)} {_named(longest[-1:], cells)}, which stayed,"
     more = f"; waiting behind them: {_named(behind, cells)}" if behind else ""
     sentence = f"{what} for the last {_count(since)}{more}"
     return Evidence(sentence, [cells[robot] for robot in longest], since, longest)
 
 
+def _blocked(queue: Sequence[int], cells: Sequence[Cell]) -> str:
+    """Return the beginning of a sentence: all in a queue but the first were blocked by it."""
+    *waiting, _ = queue
+    return f"{_named(waiting, cells)} {'were' if len(waiting) > 1 else 'was'} blocked by"
+
+
+class Queue(NamedTuple):
+    """Bodies of which each blocks the one before it, and for how many steps at the end.
+
+    If they are a ring, ``behind`` are the robots that wait behind it.
+    """
+
+    robots: list[int]
+    steps: int
+    is_ring: bool
+    behind: list[int]
+
+
+def _longest(episode: Episode, first: Sequence[int]) -> Queue | None:
+    """Return the longest ring, or else the longest queue behind one of the bodies ``first``."""
+    steps, ahead = _standing(episode)
+    queues = {robot: _queue(robot, ahead) for robot in ahead}
+    rings = [queue for queue in queues.values() if ahead.get(queue[-1]) == queue[0]]
+    rings = [queue for queue in rings if queue[0] in first]
+    charges = {*np.flatnonzero(episode.battery[-1] > episode.battery[-2:][0]).tolist()}
+    stays = {robot for robot, each in enumerate(steps) if each >= MIN_STANDING} - charges
+    stays.update(range(episode.robots, episode.settings.bodies))
+    stuck = [queue for queue in queues.values() if queue[-1] in stays.intersection(first)]
+    longest = max(rings or stuck, key=len, default=[])
+    if not longest:
+        return None
+    since = min(steps[robot] for robot in longest if robot < episode.robots)
+    behind = [robot for robot in ahead if queues[robot] == longest and robot not in longest]
+    return Queue(longest, since, bool(rings), behind if rings else [])
+
+
 def _standing(episode: Episode) -> tuple[list[int], dict[int, int]]:
-    """Return how many steps each robot has stayed in its last cell, and which robot blocks it."""
+    """Return how many steps each robot has stayed in its last cell, and which body blocks it.
+
+    A robot that waits is blocked by the body in the next cell on a shortest path to its goal.
+    """
     steps: list[int] = []
     ahead: dict[int, int] = {}
+    goals, people = _goals(episode), episode.people
+    bodies = np.hstack([episode.cells, people]) if len(people) else episode.cells
     for robot, path in enumerate(episode.cells.T):
         changes = np.flatnonzero(path != path[-1])
         steps.append(len(path) - 2 - int(changes[-1]) if len(changes) else len(path) - 1)
-        stops = episode.stopped_by[len(episode.stopped_by) - steps[-1] :, robot]
-        [(by, times)] = Counter(stops.tolist()).most_common(1) or [(NOTHING, 0)]
-        is_robot = 0 <= by < episode.robots
-        if is_robot and steps[-1] >= MIN_STANDING and times >= STOPPED_SHARE * steps[-1]:
+        if steps[-1] < MIN_STANDING or episode.battery[-1, robot] <= 0:
+            continue
+        since = len(episode.stopped_by) - steps[-1]
+        stops = episode.stopped_by[since:, robot]
+        if robot in goals:
+            in_way = np.isin(bodies[since:-1], _next_cells(episode.layout, path[-1], goals[robot]))
+            waits = (stops == NOTHING) & in_way.any(axis=1)
+            stops = np.where(waits, in_way.argmax(axis=1), stops)
+        [(by, times)] = Counter(stops.tolist()).most_common(1)
+        if by >= 0 and times >= STOPPED_SHARE * steps[-1]:
             ahead[robot] = by
     return steps, ahead
+
+
+def _goals(episode: Episode) -> dict[int, Cell]:
+    """Return the cells where robots have to pick or drop next, by robot."""
+    orders, assigned = episode.orders, {robot: each for _, robot, each in episode.assignments}
+    open_orders = {robot: orders[each] for robot, each in assigned.items() if each is not None}
+    goals = {robot: each.pickup for robot, each in open_orders.items() if each.taken is None}
+    carried = [each for each in orders if each.taken is not None and each.delivered is None]
+    return goals | {each.taken_by: each.dropoff for each in carried if each.taken_by is not None}
+
+
+def _next_cells(layout: Layout, cell: int, goal: Cell) -> list[int]:
+    """Return the cells that follow a cell on its shortest paths to a goal."""
+    field, here = distances(layout, [goal]), layout.cell(cell)
+    near = [moved(here, DISPLACEMENTS[move]) for move in range(WAIT)]
+    near = [each for each in near if layout.is_open(each) and field[each] < field[here]]
+    return [layout.number(each) for each in near]
 
 
 def _queue(robot: int, ahead: dict[int, int]) -> list[int]:
@@ -538,7 +691,36 @@ def _queue(robot: int, ahead: dict[int, int]) -> list[int]:
     return queue
 
 
-def _starvation(episode: Episode) -> Evidence | None:
+def _people(episode: Episode) -> Evidence | None:
+    """Find a queue behind a person, or the cell where people blocked most moves."""
+    count, cells = episode.robots, _ends(episode)
+    by = episode.stopped_by
+    queue = _longest(episode, range(count, episode.settings.bodies))
+    if queue:
+        robots = queue.robots[:-1]
+        cell = episode.layout.cell(episode.people[-1][queue.robots[-1] - count])
+        sentence = (
+            f"{_blocked(queue.robots, cells)} a person, at {cell} in the end, for the last "
+            f"{_count(queue.steps)}"
+        )
+        return Evidence(sentence, (cell,), queue.steps, robots)
+    return _jammed(episode, by >= count, "people")
+
+
+def _too_many_orders(episode: Episode) -> Evidence | None:
+    measures, robots = episode.measures, episode.robots
+    waiting = sum(order.taken is None for order in episode.orders)
+    is_queue = isinstance(episode.settings.orders, OrderQueue)  # which is full at all times
+    if is_queue or waiting <= FEW_WAITING * robots or _idle(episode):
+        return None
+    sentence = (
+        f"{counted(measures.orders, 'order')} came in {_count(episode.steps)}, and "
+        f"{counted(robots, 'robot')} delivered {measures.delivered}; {waiting} wait for a robot"
+    )
+    return _of_all(episode, sentence, episode.steps)
+
+
+def _overtaken(episode: Episode) -> Evidence | None:
     """Check whether later orders overtook the late order that waited longest."""
     steps = episode.steps
     waits = {
@@ -565,16 +747,19 @@ def _starvation(episode: Episode) -> Evidence | None:
 
 
 def _congested(episode: Episode) -> Evidence | None:
-    by = episode.stopped_by
-    moves, blocked = int((episode.counted_actions() < WAIT).sum()), int((by >= 0).sum())
+    return _jammed(episode, episode.stopped_by >= 0, "robots or people")
+
+
+def _jammed(episode: Episode, stopped: NDArray[np.bool_], by: str) -> Evidence | None:
+    """Return evidence if enough moves were ``stopped``, ``[T, R]``, with the worst cell."""
+    moves, blocked = int((episode.counted_actions() < WAIT).sum()), int(stopped.sum())
     if not blocked or blocked < BLOCKED_SHARE * moves:
         return None
-    [(worst, times)] = Counter(episode.cells[:-1][by >= 0].tolist()).most_common(1)
+    [(worst, times)] = Counter(episode.cells[:-1][stopped].tolist()).most_common(1)
     cell = episode.layout.cell(worst)
-    people = int((by >= episode.robots).sum())
     sentence = (
-        f"{blocked} of {counted(moves, 'move')} were blocked by robots or people, {people} of them "
-        f"by people; the worst cell is {cell}, with {times}"
+        f"{blocked} of {counted(moves, 'move')} were blocked by {by}; the worst cell is {cell}, "
+        f"with {times}"
     )
     return Evidence(sentence, (cell,), blocked, range(episode.robots))
 
@@ -630,9 +815,14 @@ TABLE: tuple[tuple[str, Rule | None, Rule | None], ...] = (
     (OSCILLATION, _oscillation, None),
     (WANDERING, _wandering, None),
     *((ending, _out_of(ending), None) for ending in ENDINGS),
+    (NO_CHARGER, None, _without_charger),
+    (OVERSUBSCRIBED, None, _oversubscribed),
+    (FLAT_IN_THE_WAY, None, _flat_in_the_way),
     (STRANDED, None, _stranded),
     (DEADLOCK, None, _deadlock),
-    (STARVATION, None, _starvation),
+    (PEOPLE, None, _people),
+    (TOO_MANY_ORDERS, None, _too_many_orders),
+    (OVERTAKEN, None, _overtaken),
     (CONGESTED, None, _congested),
     (IDLE, None, _idle),
     (LATE, None, _late),

@@ -412,9 +412,19 @@ MODE_COLORS = {
         (OUT_OF_TIME, "out-of-time"),
         (UNFINISHED, "unfinished"),
         (modes.SERVED, "delivered"),
-        (modes.STRANDED, "out-of-battery"),
+        *(
+            (mode, "out-of-battery")
+            for mode in (
+                modes.NO_CHARGER,
+                modes.OVERSUBSCRIBED,
+                modes.FLAT_IN_THE_WAY,
+                modes.STRANDED,
+            )
+        ),
         (modes.DEADLOCK, "oscillation"),
-        (modes.STARVATION, "stalled"),
+        (modes.PEOPLE, "ineffective"),
+        (modes.TOO_MANY_ORDERS, "stalled"),
+        (modes.OVERTAKEN, "stalled"),
         (modes.CONGESTED, "wandering"),
         (modes.IDLE, "unfinished"),
         (modes.LATE, "out-of-time"),

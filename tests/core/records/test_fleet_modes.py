@@ -7,8 +7,8 @@ from typing import Any
 import numpy as np
 import pytest
 
-from warehouse_core import FleetEnv, Order
-from warehouse_core.fleet import Battery
+from warehouse_core import FleetEnv, Order, OrderQueue
+from warehouse_core.fleet import Battery, People
 from warehouse_core.records import FleetEpisode, FleetRecorder, diagnose
 
 HALL = ["#######", "#P...D#", "#.....#", "#######"]
@@ -54,12 +54,113 @@ def test_an_item_that_cannot_be_delivered_is_unreachable_for_its_taker() -> None
     assert "to the dropoff of order 0 at (0, 3)" in diagnose(episode).sentence
 
 
-def test_robots_without_battery_are_stranded_with_the_moves_that_they_stop() -> None:
+def test_robots_with_flat_batteries_are_named_with_the_moves_that_they_stop() -> None:
     steps = [["E", "WAIT"], ["E", "WAIT"], ["WAIT", "W"]]
     episode = driven(CORRIDOR, [(1, 2), (1, 3)], steps, battery=Battery(104, "joules"))
-    assert mode_of(episode) == ("stranded", (0,))
+    assert mode_of(episode) == ("flat in the way", (0,))
     expected = "robot 0 at (1, 2) ran out of battery and blocked 1 move of other robots"
     assert diagnose(episode).sentence == expected
+    episode = driven(CORRIDOR, [(1, 2), (1, 3)], steps[:2], battery=Battery(104, "joules"))
+    assert mode_of(episode) == ("stranded", (0,))
+    assert diagnose(episode).sentence == "robot 0 at (1, 2) ran out of battery"
+
+
+def waiting(steps: int) -> FleetEpisode:
+    """Return the record of robot 0, which waits on its way to a dropoff behind robot 1."""
+    rows, orders = ["#P..CD#"], [Order(0, 99, (0, 1), (0, 5), robot=0)]
+    moves = [["PICK", "WAIT"], ["E", "WAIT"], *[["WAIT", "WAIT"]] * steps]
+    return driven(rows, [(0, 1), (0, 3)], moves, orders=orders)
+
+
+@pytest.mark.parametrize(("steps", "mode"), [(9, "stranded"), (10, "flat in the way")])
+def test_robots_that_wait_behind_a_flat_battery_are_named(steps: int, mode: str) -> None:
+    episode = waiting(steps)
+    battery = episode.battery * [1, 0]
+    found = diagnose(dataclasses.replace(episode, battery=battery))
+    assert (found.mode, found.robots) == (mode, (1,) if steps == 9 else (0, 1))
+    blocked = "" if steps == 9 else " and blocked robot 0 at (0, 2) for the last 10 steps"
+    assert found.sentence == (
+        f"robot 1 at (0, 3) ran out of battery{blocked}; 1 charger, in use in 0% of the steps, can "
+        "supply 5.00 times what 2 robots use"
+    )
+
+
+def test_a_robot_that_waits_behind_one_that_charges_is_in_no_queue() -> None:
+    episode = waiting(10)
+    assert mode_of(episode) == ("deadlock", (0, 1))
+    battery = episode.battery.copy()
+    battery[-1, 1] += 10
+    assert mode_of(dataclasses.replace(episode, battery=battery))[0] == "idle"
+
+
+def test_robots_that_wait_behind_a_person_are_named_with_the_cell_of_the_person() -> None:
+    episode = waiting(10)
+    settings = dataclasses.replace(episode.settings, robots=1, people=People(1), starts=None)
+    robot = {
+        name: getattr(episode, name)[:, :1]
+        for name in ("cells", "loaded", "battery", "stopped_by", "actions")
+    }
+    people = episode.cells[:, 1:]
+    found = diagnose(dataclasses.replace(episode, settings=settings, people=people, **robot))
+    assert (found.mode, found.robots, found.cells) == ("people", (0,), ((0, 3),))
+    assert found.sentence == (
+        "robot 0 at (0, 2) was blocked by a person, at (0, 3) in the end, for the last 10 steps"
+    )
+
+
+def test_flat_batteries_without_a_charger_in_reach_are_named() -> None:
+    orders = [Order(0, 99, (0, 0), (0, 2), robot=0)]
+    for battery, mode in ((15, "no charger"), (16, "stranded")):
+        episode = driven(
+            ["P.D...............C"], [(0, 2)], [["WAIT"]] * battery, orders=orders, battery=battery
+        )  # fmt: skip
+        assert mode_of(episode) == (mode, (0,))
+    episode = driven(["P.D"], [(0, 2)], [["WAIT"]] * 5, orders=orders, battery=5, max_steps=5)
+    assert diagnose(episode).sentence == (
+        "robot 0 at (0, 2) ran out of battery; no charger is within the 5 steps that a full "
+        "battery lasts"
+    )
+
+
+@pytest.mark.parametrize(
+    ("charge", "charging", "mode"),
+    [(1, 0, "oversubscribed"), (2, 7, "stranded"), (2, 8, "oversubscribed")],
+)
+def test_chargers_that_supply_too_little_are_named_with_supply_and_use(
+    charge: int, charging: int, mode: str
+) -> None:
+    orders, battery = [Order(0, 99, (0, 0), (0, 6), robot=0)], Battery(10, charge=charge)
+    episode = driven(
+        ["P.....DC"], [(0, 0), (0, 1)], [["WAIT"] * 2] * 10, orders=orders, battery=battery,
+        max_steps=10,
+    )  # fmt: skip
+    measures = dataclasses.replace(episode.measures, charging=charging)
+    found = diagnose(dataclasses.replace(episode, measures=measures))
+    assert (found.mode, found.robots) == (mode, (0, 1))
+    assert found.sentence == (
+        "robot 0 at (0, 0) and robot 1 at (0, 1) ran out of battery; 1 charger, in use in "
+        f"{10 * charging}% of the steps, can supply {charge / 2:.2f} times what 2 robots use"
+        + ("; 1 order can no longer be delivered" if mode == "stranded" else "")
+    )
+
+
+@pytest.mark.parametrize(
+    ("count", "wait", "mode"),
+    [(4, "E", "too many orders"), (3, "E", "served"), (4, "WAIT", "idle")],
+)
+def test_more_orders_than_busy_robots_can_carry_are_counted(
+    count: int, wait: str, mode: str
+) -> None:
+    orders = [Order(0, 99, (0, 0), (0, 1)) for _ in range(count)]
+    steps = [[action] for action in [*ROUND[:3], wait, wait, wait]]
+    found = diagnose(driven(["PD...."], [(0, 0)], steps, orders=orders))
+    assert found.mode == mode
+    if count == 4 and wait == "E":
+        assert found.sentence == (
+            "4 orders came in 6 steps, and 1 robot delivered 1; 3 wait for a robot"
+        )
+    queue = driven(["PD...."], [(0, 0)], steps, orders=OrderQueue(4))
+    assert mode_of(queue)[0] == ("idle" if mode == "idle" else "served")
 
 
 def test_robots_that_stop_each_other_are_a_ring_and_others_queue_behind_it() -> None:
@@ -114,9 +215,9 @@ def test_a_robot_behind_a_person_is_in_no_queue() -> None:
     assert mode_of(episode) == ("deadlock", (1, 0))
     people = np.where(episode.stopped_by == 0, 2, episode.stopped_by)
     behind = dataclasses.replace(episode, stopped_by=people)
-    assert mode_of(behind)[0] == "congested"
-    assert "12 of 12 moves were blocked by robots or people, 12 of them by people" in (
-        diagnose(behind).sentence
+    assert mode_of(behind)[0] == "people"
+    assert diagnose(behind).sentence == (
+        "12 of 12 moves were blocked by people; the worst cell is (1, 3), with 12"
     )
 
 
@@ -134,12 +235,12 @@ def starved(
 
 
 def test_an_order_that_ten_later_ones_overtake_starves() -> None:
-    assert starved(10) == ("starvation", ())
-    assert starved(9)[0] != "starvation"
-    assert starved(10, released=0)[0] != "starvation"
+    assert starved(10) == ("overtaken order", ())
+    assert starved(9)[0] != "overtaken order"
+    assert starved(10, released=0)[0] != "overtaken order"
     tenth = 1 + 4 * 9
-    assert starved(10, pick_at=tenth)[0] != "starvation"
-    assert starved(10, pick_at=tenth + 1) == ("starvation", (1,))
+    assert starved(10, pick_at=tenth)[0] != "overtaken order"
+    assert starved(10, pick_at=tenth + 1) == ("overtaken order", (1,))
 
 
 def test_an_order_that_is_not_late_does_not_starve_however_many_overtake_it() -> None:
@@ -151,7 +252,7 @@ def test_an_order_that_is_not_late_does_not_starve_however_many_overtake_it() ->
     starts = [(1, 0), (0, 0)]
     for due in (44, 45):
         episode = driven(rows, starts, steps + ending, orders=[early._replace(due=due), *later])
-        assert (mode_of(episode)[0] == "starvation") == (due == 44)
+        assert (mode_of(episode)[0] == "overtaken order") == (due == 44)
 
 
 def test_the_order_that_starves_is_named() -> None:
@@ -171,8 +272,7 @@ def test_a_quarter_of_the_moves_stopped_by_robots_is_congestion(free_moves: int,
     assert mode_of(episode) == (mode, (0, 1))
     if mode == "congested":
         assert diagnose(episode).sentence == (
-            "2 of 8 moves were blocked by robots or people, 0 of them by people; the worst cell is "
-            "(2, 2), with 1"
+            "2 of 8 moves were blocked by robots or people; the worst cell is (2, 2), with 1"
         )
 
 
