@@ -93,6 +93,8 @@ class Chart:
             MaxNLocator(nbins=2 if is_narrow else 8, integer=label == "step")
         )
         axes.yaxis.set_major_locator(MaxNLocator(nbins=4))
+        if series[0].steps:
+            axes.yaxis.set_major_formatter(lambda steps, _: in_time(steps))
         style_chart(axes)
         axes.axhline(0, color=FAINT, linewidth=0.8, zorder=0)
         if label is None:
@@ -122,6 +124,11 @@ class Chart:
         if time != self._veil.get_x():
             self._veil.set_x(time)
             self._cursor.set_xdata([time, time])
+
+
+def in_time(steps: float) -> str:
+    """Return a number of steps after a deadline in words, without a sign."""
+    return f"{abs(steps):,.10g} {'late' if steps > 0 else 'early'}" if steps else "on time"
 
 
 def _looks(series: Iterable[Series]) -> Iterator[tuple[str, dict[str, Any]]]:

@@ -471,6 +471,7 @@ class View:
         yield from self._plans(fleet, colors)
         people = [person.at for person in poses[count:]]
         yield Shape(stamped(scale * DIAMOND, people), COLORS[PERSON], INK, rim)
+        yield from self._batteries(places, fleet.battery, scale, rim)
         yield from self._robots(robots, colors, radius, rim)
         size = min(LETTER, NAME / len(str(count - 1))) * scale
         if size >= MIN_NUMBER * self._point:
@@ -482,7 +483,6 @@ class View:
                         if (color == COLORS[ROBOT_LOADED]) == is_loaded]  # fmt: skip
                 if same:
                     yield from outlined(joined(same), size, INK if is_loaded else PAPER)
-        yield from self._batteries(places, fleet.battery, scale, rim)
         away = scale * CARRIED["away"] * np.array((1, -1))
         for age, color in enumerate(ORDER_COLORS):
             mine = [place + away for place, each in zip(places, fleet.items, strict=True)
@@ -511,7 +511,7 @@ class View:
     def _batteries(
         self, places: Points, battery: Sequence[float], scale: float, rim: float
     ) -> Iterator[Shape]:
-        """Yield a bar below each robot; in large fleets only below robots with a low battery."""
+        """Yield a bar below each disc; in large fleets only below robots with a low battery."""
         low, length, height = BATTERIES["low"], 2 * RADIUS * scale, BATTERIES["height"] * scale
         corner = np.array((-length / 2, BATTERIES["top"] * scale))
         shown = [

@@ -79,13 +79,15 @@ def test_orders_and_batteries_of_a_fleet_are_counted() -> None:
 
 
 def test_deliveries_in_time_are_dots_and_late_ones_triangles() -> None:
-    _, axes, (in_time, late) = chart_of(fleet(), "Lateness (steps)")
+    _, axes, (in_time, late) = chart_of(fleet(), "Deliveries (steps)")
     assert (points(in_time), points(late)) == ([(2, -4), (2, 0)], [(3, 7)])
     assert (in_time.get_marker(), late.get_marker()) == ("o", "^")
     assert [to_rgb(line.get_color()) for line in (in_time, late)] == [BATTERY, WARNING]
     low, high = axes.get_ylim()
     assert -6 < low < -4
     assert 7 < high < 9
+    words = [axes.yaxis.get_major_formatter()(steps) for steps in (-1234, 0, 7)]
+    assert words == ["1,234 early", "on time", "7 late"]
 
 
 def test_what_is_to_come_is_pale() -> None:

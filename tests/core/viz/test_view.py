@@ -103,7 +103,7 @@ def test_robots_of_a_fleet_are_numbered_discs_in_the_middle_and_people_diamonds(
     view = fleet_view(at(1, 4), at(3, 0.25), people=(at(2, 2),))
     discs = shapes(view, fill=COLORS["R"])
     assert middles(discs) == [pytest.approx((4.5, 1.5)), pytest.approx((0.75, 3.5))]
-    person, numbers = (shape.path.to_polygons() for shape in shapes(view, fill=PAPER)[:2])
+    _, person, numbers = (shape.path.to_polygons() for shape in shapes(view, fill=PAPER)[:3])
     assert len(person) == 1 < len(numbers)
     [(left, top, right, bottom)] = boxes(shapes(view, fill=COLORS["H"]))
     assert (left + right, top + bottom) == pytest.approx((5, 5))
@@ -135,7 +135,7 @@ def test_batteries_are_bars_below_their_robots_as_long_as_their_share() -> None:
     ):
         left, top, right, bottom = ground
         assert left + right == pytest.approx(2 * x)
-        assert 1.7 < top < bottom < 2
+        assert 1.5 + RADIUS < top < bottom < 2
         assert right - left == pytest.approx(2 * RADIUS)
         level = (left, top, left + share * (right - left), bottom)
         assert boxes(shapes(view, fill=color)) == [pytest.approx(level)]

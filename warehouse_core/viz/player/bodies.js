@@ -31,6 +31,7 @@ export function drawRobots(brush, track, moment, chosen, hovered) {
   const shown = bodiesIn(brush.view, track, moment);
   const hasDetail = radius >= MIN_DETAIL;
   const isBody = track.isContinuous && radius >= MIN_BODY;
+  drawBatteries(brush, shown, track, moment, radius);
   if (isBody) drawUndercarriages(brush, shown, track, moment, pixels);
   if (hasDetail) drawNoses(brush, isBody ? shown.filter(({ isPerson }) => isPerson) : shown, radius);
   drawBodies(brush, shown, radius, isBody);
@@ -40,7 +41,6 @@ export function drawRobots(brush, track, moment, chosen, hovered) {
     if (load > 0 && !track.isFleet) drawBox(brush, x, y, side, "item");
     else if (load > 0) drawCarried(brush, x, y, load, pixels, size || hasDetail);
   }
-  drawBatteries(brush, shown, track, moment, radius);
   if (size && (track.robots > 1 || !isBody)) drawNames(brush, shown, track, size);
   const mine = shown.find((item) => item.body === chosen);
   if (mine) drawRing(brush, mine, radius);

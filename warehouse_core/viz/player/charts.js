@@ -1,11 +1,11 @@
 // A chart next to the floor. The part after the present time is pale, and a cursor marks the time.
 
 import { drawn, element, setText } from "./elements.js";
-import { extent, shown, stepsOf, ticks } from "./scale.js";
+import { extent, inTime, shown, stepsOf, ticks } from "./scale.js";
 import { indexAt } from "./track.js";
 
 /** The height of the lines, and the space to their left and right, as in the style sheet. */
-const [HEIGHT, LEFT, RIGHT] = [82, 50, 10];
+const [HEIGHT, LEFT, RIGHT] = [82, 74, 10];
 
 /** The widest bar, as a share of the time. */
 const MAX_BAR = 0.02;
@@ -76,8 +76,10 @@ export class Chart {
 
   /** Return the numbers along both axes, and the horizontal lines. */
   axes() {
-    const across = ticks(this.low, this.high, 3).flatMap((value) => [
-      drawn("text", { x: -6, y: this.y(value), class: "left" }, shown(value)),
+    // Three ticks of values on both sides of 0 may be 0 alone, which has no side.
+    const [words, count] = this.data.series.some(({ steps }) => steps) ? [inTime, 5] : [shown, 3];
+    const across = ticks(this.low, this.high, count).flatMap((value) => [
+      drawn("text", { x: -6, y: this.y(value), class: "left" }, words(value)),
       drawn("line", { x2: "100%", y1: this.y(value), y2: this.y(value), class: value === 0 ? "zero" : "" }),
     ]);
     const down = ticks(0, this.end, 5).map((value) => {

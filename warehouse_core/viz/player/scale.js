@@ -40,6 +40,11 @@ export function stepsOf(count) {
   return `${shown(count)} ${count === 1 ? "step" : "steps"}`;
 }
 
+/** Return a number of steps after a deadline in words, without a sign. */
+export function inTime(steps) {
+  return steps ? `${shown(Math.abs(steps))} ${steps > 0 ? "late" : "early"}` : "on time";
+}
+
 /** Return a time with one decimal, rounded like `seconds_of` in wording.py. */
 export function seconds(time) {
   return `${(Math.round(1000 * time) / 1000 + 1e-9).toFixed(1)} s`;

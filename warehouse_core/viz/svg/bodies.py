@@ -89,6 +89,8 @@ def bodies_of(track: Track, numbers: Sequence[int], beat: Beat, pixels: float) -
             drawn = _lone_robot(track, poses, beat)
         if body >= robots or not track.is_continuous or (fleets and pixels < MIN_NAMED):
             drawn = _turned(shape("nose", "rim"), poses, beat) + drawn
+        if fleets and body < robots:
+            drawn = _battery(fleets, body, beat) + drawn
         places = [(round(UNIT * x), round(UNIT * y)) for x, y in (p.at for p in _filled(poses))]
         there = spans_of(pose is not None for pose in poses)[True]
         yield beat.shown(beat.moving(drawn, places), there)
@@ -184,9 +186,9 @@ def _fleet_robot(
     *,
     is_named: bool,
 ) -> str:
-    """Return a robot with its number, battery and item; large fleets show only low batteries."""
-    robots, levels = len(fleets[0].battery), [fleet.battery[robot] for fleet in fleets]
-    name, digits = str(robot) if is_named else "", len(str(robots - 1))
+    """Return a robot with its number and item."""
+    levels = [fleet.battery[robot] for fleet in fleets]
+    name, digits = str(robot) if is_named else "", len(str(len(fleets[0].battery) - 1))
 
     is_body = track.is_continuous and is_named
 
@@ -205,16 +207,22 @@ def _fleet_robot(
     parts = [*_arrows(poses, beat), _machine(track, looks, poses, beat)] if is_body else []
     parts += beat.each(looks, draw_disc)
     parts += beat.each((f.items[robot] for f in fleets), draw_item)
+    return "".join(parts)
+
+
+def _battery(fleets: Sequence[FleetFrame], robot: int, beat: Beat) -> str:
+    """Return the bar of a battery, which lies below the disc; large fleets show only low ones."""
+    levels = [fleet.battery[robot] for fleet in fleets]
     is_low = spans_of(level < BATTERY["low"] for level in levels)
     width, animation = beat.growing("width", [round(2 * RADIUS * level) for level in levels])
     top, high = round(UNIT * BATTERY["top"]), round(UNIT * BATTERY["height"])
     ground = box(-RADIUS - 1, top - 1, 2 * RADIUS + 2, high + 2, "light of-rim")
-    place = f'x="{-RADIUS}" y="{top}" height="{high}"'
+    place, drawn = f'x="{-RADIUS}" y="{top}" height="{high}"', ""
     for low, look in ((False, "battery"), (True, "warning")):
-        if low or robots <= BATTERY["few"]:
+        if low or len(fleets[0].battery) <= BATTERY["few"]:
             bar = f'<rect {place} {width} class="{look}">{animation}</rect>'
-            parts.append(beat.shown(ground + bar, is_low.get(low, [])))
-    return "".join(parts)
+            drawn += beat.shown(ground + bar, is_low.get(low, []))
+    return drawn
 
 
 def _disc(look: str) -> str:

@@ -26,7 +26,8 @@ class Series(NamedTuple):
         times: time of each value.
         values: values, NaN where nothing is drawn.
         steps: word for values that count steps, such as ``"late"`` for "3 steps late"; empty for
-            other values.
+            other values. The axis of such values has "3 late" above "on time", and
+            "3 early" below it.
     """
 
     chart: str
@@ -69,7 +70,7 @@ def _series_of_orders(track: Track, steps: Sequence[float]) -> Iterator[Series]:
     metrics = track.metrics
     yield Series("Orders", "released", "thin", INK, steps, metrics["released"])
     yield Series("Orders", "delivered", "steps", INK, steps, metrics["delivered"])
-    title = "Lateness (steps)"
+    title = "Deliveries (steps)"
     for name, word, color in (("on time", "early", "battery"), ("late", "late", WARNING)):
         shown = [(step, by) for step, by in track.lateness if (by > 0) == (name == "late")]
         ends = [steps[step] for step, _ in shown]

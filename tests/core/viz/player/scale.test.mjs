@@ -1,7 +1,7 @@
 import assert from "node:assert/strict";
 import { test } from "node:test";
 
-import { extent, seconds, shown, stepsOf, ticks } from "../../../../warehouse_core/viz/player/scale.js";
+import { extent, inTime, seconds, shown, stepsOf, ticks } from "../../../../warehouse_core/viz/player/scale.js";
 
 test("ticks are round, lie within the axis and are about as many as asked for", () => {
   assert.deepEqual(ticks(0, 10, 5), [0, 2, 4, 6, 8, 10]);
@@ -38,4 +38,8 @@ test("a time has a decimal whatever its last bits are, as in test_wording.py", (
 
 test("one step has no plural", () => {
   assert.deepEqual([0, 1, 1234].map(stepsOf), ["0 steps", "1 step", "1,234 steps"]);
+});
+
+test("a number of steps after a deadline is in words, as in test_charts.py", () => {
+  assert.deepEqual([-1234, 0, 7].map(inTime), ["1,234 early", "on time", "7 late"]);
 });
